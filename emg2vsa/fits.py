@@ -196,9 +196,9 @@ def _reasons(given: Sequence[str], fitted: NDArray[np.bool_], n: Ints, points: s
     for i in np.flatnonzero(~fitted):
         why = f"no fit: {n[i]} {kind}" if n[i] < MIN_POINTS else "no fit: force does not change"
         reasons[i] = f"{reasons[i]}; {why}" if reasons[i] else why
-    for i, why in enumerate(said_of_forces(bin_force_n)):
-        if why and fitted[i]:
-            reasons[i] = f"{reasons[i]}; {why}" if reasons[i] else why
+    for row, why in enumerate(said_of_forces(bin_force_n)):
+        if why and fitted[row]:
+            reasons[row] = f"{reasons[row]}; {why}" if reasons[row] else why
     return reasons
 
 

@@ -20,7 +20,7 @@ AREA = Area(
     parts=(first_area,),
     peers={"cv2": "opencv-contrib-python-headless"},
     meaning=(
-        "The rule paper is Algorithm 1 with its pins paired one to one; circle is that of earlier work and does not depend on "
-        "the contact. The hull of moved pins is what a few lines of OpenCV give."
+        "The rule paper is Algorithm 1 with its pins paired one to one; circle is that of earlier work and does "
+        "not depend on the contact. The hull of moved pins is what a few lines of OpenCV give."
     ),
 )

@@ -20,7 +20,8 @@ AREA = Area(
     parts=(dense_flow,),
     peers={"cv2": "opencv-contrib-python-headless", "skimage": "scikit-image", "pyoptflow": "pyoptflow"},
     meaning=(
-        "The divergence of the contact is what a score takes from a flow. Fast presets smooth over the edge of a contact and "
-        "lose divergence: a bias that no average over frames removes, so that bias and rms stand apart."
+        "The divergence of the contact is what a score takes from a flow. Fast presets smooth over the edge of a "
+        "contact and lose divergence: a bias that no average over frames removes, so that bias and rms stand "
+        "apart."
     ),
 )

@@ -20,7 +20,7 @@ AREA = Area(
     parts=(followed_growth,),
     peers={"cv2": "opencv-contrib-python-headless"},
     meaning=(
-        "The engine dis is OpenCV's; horn-schunck and pin-affine are ours. The smaller a contact is, the more a dense flow "
-        "loses at its edge."
+        "The engine dis is OpenCV's; horn-schunck and pin-affine are ours. The smaller a contact is, the more a "
+        "dense flow loses at its edge."
     ),
 )

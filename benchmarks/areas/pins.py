@@ -20,8 +20,8 @@ AREA = Area(
     parts=(affine_motion,),
     peers={"cv2": "opencv-contrib-python-headless"},
     meaning=(
-        "All ways give one affine motion of the same pins, and use the same fit. Ours finds every pin anew by its light and "
-        "so keeps its identity through large motions; Lucas and Kanade follow patches. Errors are the rms and the bias of "
-        "the divergence over seeds, each in a case of its own."
+        "All ways give one affine motion of the same pins, and use the same fit. Ours finds every pin anew by its "
+        "light and so keeps its identity through large motions; Lucas and Kanade follow patches. Errors are the "
+        "rms and the bias of the divergence over seeds, each in a case of its own."
     ),
 )

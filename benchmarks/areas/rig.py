@@ -29,7 +29,9 @@ def turns(size: Size) -> Iterator[Case]:
 
     def pressed(exact: bool) -> Any:
         with tempfile.TemporaryDirectory() as folder:
-            return run_virtual(plan, RigSettings(), EmulatedSettings(exact=exact), Path(folder) / "run", started=STARTED)
+            return run_virtual(
+                plan, RigSettings(), EmulatedSettings(exact=exact), Path(folder) / "run", started=STARTED
+            )
 
     expected_n = largest_force_n(plan, RigSettings())
     rows = pressed(exact=False).rows
@@ -75,9 +77,9 @@ AREA = Area(
     parts=(turns, beat),
     peers={},
     meaning=(
-        "A run on a clock of its own shows the processor time of the protocol; turns off contact are gone through together "
-        "unless the run is exact. In real time the emulators run in a process of their own, whose time counts too. Both loops have real-time "
-        "priority where the system grants it; the "
-        "loop with nothing to do shows the period errors that no loop on this machine could avoid."
+        "A run on a clock of its own shows the processor time of the protocol; turns off contact are gone through "
+        "together unless the run is exact. In real time the emulators run in a process of their own, whose time "
+        "counts too. Both loops have real-time priority where the system grants it; the loop with nothing to do "
+        "shows the period errors that no loop on this machine could avoid."
     ),
 )

@@ -41,7 +41,13 @@ def people(size: Size) -> Iterator[Case]:
     kept = _results(study)
     ways = (
         Way("emg2vsa", "nothing changed", lambda: _run(study), "equal"),
-        Way("emg2vsa", "one recording changed and put back", lambda: _changed(study), "as used", "two runs: change, put back"),
+        Way(
+            "emg2vsa",
+            "one recording changed and put back",
+            lambda: _changed(study),
+            "as used",
+            "two runs: change, put back",
+        ),
         Way("emg2vsa", "from nothing", lambda: _cold(study), "as used", "all steps, one process at a time"),
     )
     recordings = len(list(study.parent.glob("data/sub-*/emg/*_emg.*df")))
@@ -124,8 +130,8 @@ AREA = Area(
     parts=(start_up, people),
     peers={},
     meaning=(
-        "Times are processor times of whole processes, children included. A run with nothing changed reads what is stored; "
-        "one changed recording costs its own steps and those that rest on it. The results of all three ways must be "
-        "the same to the last bit."
+        "Times are processor times of whole processes, children included. A run with nothing changed reads what is "
+        "stored; one changed recording costs its own steps and those that rest on it. The results of all three "
+        "ways must be the same to the last bit."
     ),
 )

@@ -20,7 +20,7 @@ AREA = Area(
     parts=(spread_rate,),
     peers={},
     meaning=(
-        "No other library scores such presses: all ways are ours. The front is followed in every frame; the skin of the "
-        "first contact, the paper's way, is stretched by the flow. Time grows with the number of frames."
+        "No other library scores such presses: all ways are ours. The front is followed in every frame; the skin "
+        "of the first contact, the paper's way, is stretched by the flow. Time grows with the number of frames."
     ),
 )

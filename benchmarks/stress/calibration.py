@@ -18,8 +18,11 @@ from emg2vsa.settings import CalibrationSettings
 
 Law = tuple[str, str]
 LAWS: tuple[Law, ...] = (
-    ("compliance", "casr"), ("exponential", "ln kappa"), ("power", "ln kappa"), ("linear-log", "kappa"),
-)  # fmt: skip
+    ("compliance", "casr"),
+    ("exponential", "ln kappa"),
+    ("power", "ln kappa"),
+    ("linear-log", "kappa"),
+)
 
 
 def cases() -> Iterator[Case]:
@@ -35,8 +38,16 @@ def cases() -> Iterator[Case]:
         for share, bound in ((1e-3, 9.0), (1e-6, 6.0), (1e-9, 3.0)):
             near = 0.5 * (1 + share * np.array([0.0, 0.3, 0.6, 1.0]))
             scores = 2.0 * (1 - share * np.array([0.0, 0.25, 0.7, 1.0]))
-            yield law_case(law, f"specimens within {share:g} of each other: slope", near, scores, bound,
-                           of_slope=True, must_say=share < 1e-3, smoke=share == 1e-9)  # fmt: skip
+            yield law_case(
+                law,
+                f"specimens within {share:g} of each other: slope",
+                near,
+                scores,
+                bound,
+                of_slope=True,
+                must_say=share < 1e-3,
+                smoke=share == 1e-9,
+            )
     yield gradient_case("as measured", kappa, casr, 9.0, smoke=True)
     yield gradient_case("scores x 1e-6", kappa, casr * 1e-6, 9.0)
     yield gradient_case("scores x 1e6", kappa, casr * 1e6, 9.0)
@@ -45,9 +56,16 @@ def cases() -> Iterator[Case]:
 
 
 def law_case(
-    law: Law, world: str, kappa: np.ndarray, casr: np.ndarray, bound: float, *, of_slope: bool = False,
-    must_say: bool = False, smoke: bool = False,
-) -> Case:  # fmt: skip
+    law: Law,
+    world: str,
+    kappa: np.ndarray,
+    casr: np.ndarray,
+    bound: float,
+    *,
+    of_slope: bool = False,
+    must_say: bool = False,
+    smoke: bool = False,
+) -> Case:
     """kappa at a new score between the others, or the slope of the law."""
     settings = CalibrationSettings(law=law[0], minimise=law[1])  # type: ignore[arg-type]
     new = float(np.mean(casr[1:3]))
@@ -61,8 +79,9 @@ def law_case(
         slope, at_new = exact_law(law, mpfs(k), mpfs(c), mpf(new))
         return {"slope": slope} if of_slope else {"kappa": _kappa(law, at_new)}
 
-    return Case(f"calibration.calibrate, {law[0]}", world, (kappa, casr), ours, exact, bound, must_say=must_say,
-                smoke=smoke)  # fmt: skip
+    return Case(
+        f"calibration.calibrate, {law[0]}", world, (kappa, casr), ours, exact, bound, must_say=must_say, smoke=smoke
+    )
 
 
 def exact_law(law: Law, kappa: list[Any], casr: list[Any], new: Any) -> tuple[Any, Any]:

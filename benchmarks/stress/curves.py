@@ -12,7 +12,6 @@ from benchmarks.stress.case import Case, Found
 from benchmarks.stress.exact_curves import exact_exponential, exact_huber, exact_line, mpfs
 from emg2vsa.curves.exponential import fit_exponential, fit_exponential_log
 from emg2vsa.curves.huber import TUNING, fit_line_huber
-from emg2vsa.curves.line import fit_line
 from emg2vsa.curves.logarithmic import fit_log, said_of_forces
 from emg2vsa.curves.nonlinear import fit_nonlinear
 from emg2vsa.curves.plate import fit_hooke
@@ -50,14 +49,27 @@ def _logarithmic() -> Iterator[Case]:
     yield log_case("perfect fit, noise 1e-6: errors", force, _activity(force, 1e-6), 8.0)
     yield log_case("two points", force[[0, -1]], v[[0, -1]], 14.0, names=("a", "b"))
     for share, bound in ((1e-3, 11.0), (1e-6, 8.0), (1e-9, 5.0), (1e-12, 2.0)):
-        yield log_case(f"forces within {share:g} of each other", alike[share], _activity(alike[share]), bound,
-                       names=("b", "SE(b)"), must_say=share < 1e-3, smoke=share in (1e-6, 1e-12))  # fmt: skip
+        yield log_case(
+            f"forces within {share:g} of each other",
+            alike[share],
+            _activity(alike[share]),
+            bound,
+            names=("b", "SE(b)"),
+            must_say=share < 1e-3,
+            smoke=share in (1e-6, 1e-12),
+        )
 
 
 def log_case(
-    world: str, force: np.ndarray, v: np.ndarray, bound: float, *, names: tuple[str, ...] = ("a", "b", "SE(b)", "R2"),
-    must_say: bool = False, smoke: bool = False,
-) -> Case:  # fmt: skip
+    world: str,
+    force: np.ndarray,
+    v: np.ndarray,
+    bound: float,
+    *,
+    names: tuple[str, ...] = ("a", "b", "SE(b)", "R2"),
+    must_say: bool = False,
+    smoke: bool = False,
+) -> Case:
     """v = a + b ln F by least squares."""
 
     def ours(f: np.ndarray, y: np.ndarray) -> Found:
@@ -81,9 +93,11 @@ def _robust() -> Iterator[Case]:
     spiked = y.copy()
     spiked[[7, 20]] *= 40
     for world, values, bound, smoke in (
-        ("two bursts of 40 x", spiked, 9.0, True), ("two bursts, y + 1e6 x slope", spiked + 20.0, 6.0, False),
-        ("two bursts, y x 1e-200", spiked * 1e-200, 9.0, False), ("two bursts, y x 1e200", spiked * 1e200, 9.0, False),
-    ):  # fmt: skip
+        ("two bursts of 40 x", spiked, 9.0, True),
+        ("two bursts, y + 1e6 x slope", spiked + 20.0, 6.0, False),
+        ("two bursts, y x 1e-200", spiked * 1e-200, 9.0, False),
+        ("two bursts, y x 1e200", spiked * 1e200, 9.0, False),
+    ):
         yield huber_case(world, x, values, bound, smoke)
 
 
@@ -105,13 +119,24 @@ def _exponential() -> Iterator[Case]:
     y = 5 * np.exp(-0.7 * x) * (1 + 0.05 * np.random.default_rng(4).standard_normal(12))
     near = 2.0 + 1e-8 * np.linspace(0, 1, 12)
     for world, at, values, bound, smoke in (
-        ("as measured", x, y, 13.0, True), ("x x 1e-6", x * 1e-6, y, 13.0, False), ("x x 1e6", x * 1e6, y, 13.0, False),
-        ("y x 1e-300", x, y * 1e-300, 13.0, True), ("y x 1e300", x, y * 1e300, 13.0, False),
-        ("x + 1e4", x + 1e4, y, 9.0, True), ("x + 1e9", x + 1e9, y, 5.0, False), ("x within 1e-8", near, y, 6.0, False),
-        ("y negative", x, -y, 13.0, False), ("noise 1e-12", x, 5 * np.exp(-0.7 * x), 13.0, False),
-        ("a spike: exp(-40 x) + 1e-3", np.linspace(0, 3, 12),
-         np.exp(-40 * np.linspace(0, 3, 12)) + 1e-3 * (1 + np.arange(12) % 3), 6.0, False),
-    ):  # fmt: skip
+        ("as measured", x, y, 13.0, True),
+        ("x x 1e-6", x * 1e-6, y, 13.0, False),
+        ("x x 1e6", x * 1e6, y, 13.0, False),
+        ("y x 1e-300", x, y * 1e-300, 13.0, True),
+        ("y x 1e300", x, y * 1e300, 13.0, False),
+        ("x + 1e4", x + 1e4, y, 9.0, True),
+        ("x + 1e9", x + 1e9, y, 5.0, False),
+        ("x within 1e-8", near, y, 6.0, False),
+        ("y negative", x, -y, 13.0, False),
+        ("noise 1e-12", x, 5 * np.exp(-0.7 * x), 13.0, False),
+        (
+            "a spike: exp(-40 x) + 1e-3",
+            np.linspace(0, 3, 12),
+            np.exp(-40 * np.linspace(0, 3, 12)) + 1e-3 * (1 + np.arange(12) % 3),
+            6.0,
+            False,
+        ),
+    ):
         yield exponential_case(world, at, values, bound, smoke)
     yield exponential_case("ln y, y x 1e-300", x, y * 1e-300, 13.0, False, logarithms=True)
     yield exponential_case("ln y, x + 1e4", x + 1e4, y, 9.0, False, logarithms=True)
@@ -145,9 +170,11 @@ def _nonlinear() -> Iterator[Case]:
     x = np.linspace(1, 4, 12)
     y = 5 * np.exp(-0.7 * x) * (1 + 0.05 * np.random.default_rng(4).standard_normal(12))
     for world, at, values, start, bound, smoke in (
-        ("exponential", x, y, (4.0, -0.5), 12.0, True), ("y x 1e-100", x, y * 1e-100, (4e-100, -0.5), 12.0, False),
-        ("x x 1e-6", x * 1e-6, y, (4.0, -0.5e6), 12.0, False), ("y x 1e100", x, y * 1e100, (4e100, -0.5), 12.0, False),
-    ):  # fmt: skip
+        ("exponential", x, y, (4.0, -0.5), 12.0, True),
+        ("y x 1e-100", x, y * 1e-100, (4e-100, -0.5), 12.0, False),
+        ("x x 1e-6", x * 1e-6, y, (4.0, -0.5e6), 12.0, False),
+        ("y x 1e100", x, y * 1e100, (4e100, -0.5), 12.0, False),
+    ):
         yield nonlinear_case(world, at, values, start, bound, smoke)
 
 
@@ -171,10 +198,12 @@ def _hooke() -> Iterator[Case]:
     x = np.linspace(0, 4, 60)
     force = 1.5 * np.maximum(x - 1, 0) + 0.01 * np.random.default_rng(5).standard_normal(60)
     for world, at, values, bound, smoke in (
-        ("as measured", x, force, 13.0, True), ("force + 1e6 N", x, force + 1e6, 8.0, False),
-        ("force x 1e-200", x, force * 1e-200, 13.0, False), ("x + 1e6 mm", x + 1e6, force, 8.0, False),
+        ("as measured", x, force, 13.0, True),
+        ("force + 1e6 N", x, force + 1e6, 8.0, False),
+        ("force x 1e-200", x, force * 1e-200, 13.0, False),
+        ("x + 1e6 mm", x + 1e6, force, 8.0, False),
         ("x x 1e-200", x * 1e-200, force, 13.0, False),
-    ):  # fmt: skip
+    ):
         yield hooke_case(world, at, values, bound, smoke)
 
 

@@ -23,9 +23,12 @@ def exact_line(x: Sequence[Any], y: Sequence[Any], w: Sequence[Any] | None = Non
     sse = mp.fsum(k * (q - b * p) ** 2 for k, p, q in zip(weights, dx, dy, strict=True))
     s = mp.sqrt(sse / (len(x) - 2))
     return {
-        "a": centre_y - b * centre_x, "b": b, "SE(a)": s * mp.sqrt(1 / total + centre_x**2 / sxx),
-        "SE(b)": s / mp.sqrt(sxx), "R2": 1 - sse / syy,
-    }  # fmt: skip
+        "a": centre_y - b * centre_x,
+        "b": b,
+        "SE(a)": s * mp.sqrt(1 / total + centre_x**2 / sxx),
+        "SE(b)": s / mp.sqrt(sxx),
+        "R2": 1 - sse / syy,
+    }
 
 
 def exact_huber(x: Sequence[Any], y: Sequence[Any], tuning: Any, tolerance: float = 1e-20) -> dict[str, Any]:

@@ -191,8 +191,9 @@ def balanced_mixed(y: Any) -> dict[str, Any]:
     f = n_r * specimens / (n_s - 1) / cross
     return {
         "variances": [(between - cross) / (n_s * n_r), (cross - within) / n_r, within],
-        "F": f, "p": f_survival(f, n_s - 1, (n_p - 1) * (n_s - 1)),
-    }  # fmt: skip
+        "F": f,
+        "p": f_survival(f, n_s - 1, (n_p - 1) * (n_s - 1)),
+    }
 
 
 def tost(first: Sequence[Any], second: Sequence[Any], margin: Any, kind: str) -> dict[str, Any]:

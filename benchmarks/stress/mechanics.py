@@ -53,19 +53,31 @@ def exact_stiffness(ticks: Any, model: str) -> Any:
 
 
 def _actuator(model: str) -> Iterator[Case]:
-    for ticks, bound, smoke in (([0.0, 1.0], 13.0, True), ([500.0, 3000.0], 12.0, True), ([MOTOR_LIMIT_TICKS * 1.0], 12.0, False)):  # fmt: skip
+    for ticks, bound, smoke in (
+        ([0.0, 1.0], 13.0, True),
+        ([500.0, 3000.0], 12.0, True),
+        ([MOTOR_LIMIT_TICKS * 1.0], 12.0, False),
+    ):
         yield Case(
-            "actuator.stiffness_nm_per_rad", f"{model}, presets {ticks} ticks", (np.array(ticks),),
+            "actuator.stiffness_nm_per_rad",
+            f"{model}, presets {ticks} ticks",
+            (np.array(ticks),),
             lambda x: Found({"stiffness": stiffness_nm_per_rad(x, model)}),
-            lambda x: {"stiffness": [exact_stiffness(value, model) for value in mpfs(x)]}, bound, smoke=smoke,
-        )  # fmt: skip
+            lambda x: {"stiffness": [exact_stiffness(value, model) for value in mpfs(x)]},
+            bound,
+            smoke=smoke,
+        )
     for ticks, bound in ((3.0, 6.0), (1000.0, 9.0), (14000.0, 9.0)):
         wanted = stiffness_nm_per_rad(ticks, model).reshape(1)
         yield Case(
-            "actuator.preset_for_stiffness", f"{model}, preset near {ticks:g}; error in ticks", (wanted,),
+            "actuator.preset_for_stiffness",
+            f"{model}, preset near {ticks:g}; error in ticks",
+            (wanted,),
             lambda x: Found({"preset": preset_for_stiffness(x, model)}),
-            lambda x: {"preset": [_exact_preset(mpfs(x)[0], model, ticks)]}, bound, size=1.0,
-        )  # fmt: skip
+            lambda x, near=ticks: {"preset": [_exact_preset(mpfs(x)[0], model, near)]},
+            bound,
+            size=1.0,
+        )
 
 
 def _exact_preset(wanted: Any, model: str, near: float) -> Any:
@@ -93,8 +105,15 @@ def contact_case(modulus: float, force: float, bound: float) -> Case:
             "force": f,
         }
 
-    return Case("contact_mechanics.PowerLaw", f"E* {modulus:g} MPa, {force:g} N", (np.array([modulus, force]),), ours,
-                exact, bound, smoke=force == 7.0)  # fmt: skip
+    return Case(
+        "contact_mechanics.PowerLaw",
+        f"E* {modulus:g} MPa, {force:g} N",
+        (np.array([modulus, force]),),
+        ours,
+        exact,
+        bound,
+        smoke=force == 7.0,
+    )
 
 
 def _adhesion(adhesion: float, force: float, bound: float) -> Case:
@@ -103,8 +122,14 @@ def _adhesion(adhesion: float, force: float, bound: float) -> Case:
         f = mpfs(x)[0]
         return {"force": f + w + mp.sqrt(2 * w * f + w * w)}
 
-    return Case("contact_mechanics.adhesive_force_n", f"{adhesion:g} mJ/m2, {force:g} N", (np.array([force]),),
-                lambda x: Found({"force": adhesive_force_n(x[0], adhesion)}), exact, bound)  # fmt: skip
+    return Case(
+        "contact_mechanics.adhesive_force_n",
+        f"{adhesion:g} mJ/m2, {force:g} N",
+        (np.array([force]),),
+        lambda x: Found({"force": adhesive_force_n(x[0], adhesion)}),
+        exact,
+        bound,
+    )
 
 
 def relaxation_case(time_s: float, bound: float, smoke: bool) -> Case:
@@ -126,8 +151,15 @@ def relaxation_case(time_s: float, bound: float, smoke: bool) -> Case:
             gone += -mp.expm1(-mpfs(x)[0] * rates[i]) / rates[i] * load**2
         return {"modulus": (1 - gone) / mpf(body.instant)}
 
-    return Case("contact_mechanics.Relaxation.modulus", f"after {time_s:g} s", (np.array([time_s]),),
-                lambda x: Found({"modulus": body.modulus(x)}), exact, bound, smoke=smoke)  # fmt: skip
+    return Case(
+        "contact_mechanics.Relaxation.modulus",
+        f"after {time_s:g} s",
+        (np.array([time_s]),),
+        lambda x: Found({"modulus": body.modulus(x)}),
+        exact,
+        bound,
+        smoke=smoke,
+    )
 
 
 def convolved_case(step_s: float, steps: int, bound: float, smoke: bool) -> Case:
@@ -148,5 +180,12 @@ def convolved_case(step_s: float, steps: int, bound: float, smoke: bool) -> Case
         ]
         return {"force": force * (mpf(body.instant) + mp.fsum(parts))}
 
-    return Case("contact_mechanics.ConvolvedForce", f"{steps} steps of {step_s:g} s", (np.array([7.0]),), ours, exact,
-                bound, smoke=smoke)  # fmt: skip
+    return Case(
+        "contact_mechanics.ConvolvedForce",
+        f"{steps} steps of {step_s:g} s",
+        (np.array([7.0]),),
+        ours,
+        exact,
+        bound,
+        smoke=smoke,
+    )

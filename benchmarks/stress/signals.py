@@ -55,17 +55,23 @@ def _low_passes() -> Iterator[Case]:
         (1e-5, 0.0, 1.0, 2, "zero-phase", 6.0, False),
         (1e-6, 0.0, 1.0, 1, "zero-phase", 6.0, False),
         (1e-6, 0.0, 1.0, 2, "zero-phase", 6.0, True),
-    )  # fmt: skip
+    )
     for share, offset, scale, order, phase, bound, smoke in worlds:
         yield low_pass_case(share, offset, scale, order, phase, bound, smoke)
     single = (noise() * 1.5).astype(np.float32)
-    yield low_pass_case(5e-3, 0.0, 1.0, 2, "zero-phase", 12.0, False, single)
+    yield low_pass_case(5e-3, 0.0, 1.0, 2, "zero-phase", 12.0, True, single)
 
 
 def low_pass_case(
-    share: float, offset: float, scale: float, order: int, phase: str, bound: float, smoke: bool,
+    share: float,
+    offset: float,
+    scale: float,
+    order: int,
+    phase: str,
+    bound: float,
+    smoke: bool,
     samples: np.ndarray | None = None,
-) -> Case:  # fmt: skip
+) -> Case:
     """Low-pass at ``share`` of the rate; the error is a share of the signal without its offset."""
     fs_hz = 1000.0
     settings = FilterSettings(force_cutoff_hz=share * fs_hz, force_order=order, phase=phase)  # type: ignore[arg-type]
@@ -85,9 +91,18 @@ def low_pass_case(
 
     kind = " float32" if samples is not None else ""
     world = f"{share:g} fs, order {order}, {phase}, offset {offset:g}, scale {scale:g}{kind}"
-    return Case("signals.filters, low-pass", world, (given,), ours, exact, bound, size=float(scale),
-                condition=float(np.log10(1 + abs(offset))), must_say=order > 1 and share <= 1e-4,
-                smoke=smoke)  # fmt: skip
+    return Case(
+        "signals.filters, low-pass",
+        world,
+        (given,),
+        ours,
+        exact,
+        bound,
+        size=float(scale),
+        condition=float(np.log10(1 + abs(offset))),
+        must_say=order > 1 and share <= 1e-4,
+        smoke=smoke,
+    )
 
 
 def _band_passes() -> Iterator[Case]:
@@ -123,9 +138,17 @@ def band_pass_case(
         sections = butterworth(kind, order, edges, fs_hz, 2)
         return {"samples": filtered([exactly(v) for v in x], sections, 3 * (2 * len(sections) + 1), 2, 0)}
 
-    return Case("signals.filters, band-pass", f"{band[0]:g} to {band[1]:g} Hz at {fs_hz:g} Hz, order {order}, "
-                f"offset {offset:g}", (noise() + offset,), ours, exact, bound, size="largest",
-                condition=float(np.log10(1 + abs(offset))), smoke=smoke)  # fmt: skip
+    return Case(
+        "signals.filters, band-pass",
+        f"{band[0]:g} to {band[1]:g} Hz at {fs_hz:g} Hz, order {order}, offset {offset:g}",
+        (noise() + offset,),
+        ours,
+        exact,
+        bound,
+        size="largest",
+        condition=float(np.log10(1 + abs(offset))),
+        smoke=smoke,
+    )
 
 
 def _warned(notes: tuple[str, ...]) -> str:
@@ -135,10 +158,16 @@ def _warned(notes: tuple[str, ...]) -> str:
 
 def _envelopes() -> Iterator[Case]:
     for envelope, scale, offset, bound, smoke in (
-        ("fir", 1e-5, 0.0, 12.0, True), ("fir", 1.0, 1e6, 9.0, False), ("fir", 1e-300, 0.0, 12.0, False),
-        ("fir", 1e300, 0.0, 12.0, False), ("rms", 1e-5, 0.0, 12.0, True), ("rms", 1.0, 1e6, 9.0, False),
-        ("rms", 1e-200, 0.0, 12.0, True), ("rms", 1e200, 0.0, 12.0, True), ("rms", 1e-300, 0.0, 12.0, False),
-    ):  # fmt: skip
+        ("fir", 1e-5, 0.0, 12.0, True),
+        ("fir", 1.0, 1e6, 9.0, False),
+        ("fir", 1e-300, 0.0, 12.0, False),
+        ("fir", 1e300, 0.0, 12.0, False),
+        ("rms", 1e-5, 0.0, 12.0, True),
+        ("rms", 1.0, 1e6, 9.0, False),
+        ("rms", 1e-200, 0.0, 12.0, True),
+        ("rms", 1e200, 0.0, 12.0, True),
+        ("rms", 1e-300, 0.0, 12.0, False),
+    ):
         yield envelope_case(envelope, scale, offset, bound, smoke)
 
 
@@ -161,13 +190,26 @@ def envelope_case(envelope: str, scale: float, offset: float, bound: float, smok
         taps = [mp.mpf(1) / 101] * 101 if rms else hamming_low_pass(50, 20.0, fs_hz)
         return {"envelope": smoothed(rows, taps, centres, rms)}
 
-    return Case(f"signals.envelope, {envelope}", f"scale {scale:g}, offset {offset:g} x signal",
-                (scale * (white + offset),), ours, exact, bound, condition=float(np.log10(1 + offset)), smoke=smoke)  # fmt: skip
+    return Case(
+        f"signals.envelope, {envelope}",
+        f"scale {scale:g}, offset {offset:g} x signal",
+        (scale * (white + offset),),
+        ours,
+        exact,
+        bound,
+        condition=float(np.log10(1 + offset)),
+        smoke=smoke,
+    )
 
 
 def _presses() -> Iterator[Case]:
-    for offset, scale, bound, smoke in ((0.0, 1.0, 13.0, True), (1e6, 1.0, 8.0, True), (0.0, 1e-300, 13.0, False),
-                                        (0.0, 1e300, 13.0, False), (1e9, 1.0, 5.0, False)):  # fmt: skip
+    for offset, scale, bound, smoke in (
+        (0.0, 1.0, 13.0, True),
+        (1e6, 1.0, 8.0, True),
+        (0.0, 1e-300, 13.0, False),
+        (0.0, 1e300, 13.0, False),
+        (1e9, 1.0, 5.0, False),
+    ):
         yield press_case(offset, scale, bound, smoke)
 
 
@@ -189,5 +231,12 @@ def press_case(offset: float, scale: float, bound: float, smoke: bool) -> Case:
             edges.append((after - (high - level) / (high - low)) / int(fs_hz))
         return {"start_s": [edges[0]], "stop_s": [edges[1]]}
 
-    return Case("signals.segmentation.find_presses", f"offset {offset:g} N, scale {scale:g}", (force,), ours, exact,
-                bound, smoke=smoke)  # fmt: skip
+    return Case(
+        "signals.segmentation.find_presses",
+        f"offset {offset:g} N, scale {scale:g}",
+        (force,),
+        ours,
+        exact,
+        bound,
+        smoke=smoke,
+    )

@@ -39,8 +39,11 @@ def cases() -> Iterator[Case]:
     yield line_case()
     for offset, bound in ((0.0, 12.0), (1024.0, 12.0)):
         yield divergence_case(offset, bound)
-    for coefficients, bound, smoke in (((-0.3, 0.1, 1e-3, -1e-3, 0.0), 10.0, True), ((0.2, 0.0, 0.0, 0.0), 10.0, False),
-                                       ((-0.3, 0.1, 1e-3, -1e-3, 0.0, 0.01, -0.02, 0.01), 10.0, False)):  # fmt: skip
+    for coefficients, bound, smoke in (
+        ((-0.3, 0.1, 1e-3, -1e-3, 0.0), 10.0, True),
+        ((0.2, 0.0, 0.0, 0.0), 10.0, False),
+        ((-0.3, 0.1, 1e-3, -1e-3, 0.0, 0.01, -0.02, 0.01), 10.0, False),
+    ):
         yield camera_case(coefficients, bound, smoke)
     for offset, bound in ((150.0, 12.0), (2000.0, 10.0)):
         yield hexagon_case(offset, bound)
@@ -62,8 +65,15 @@ def slope_case(offset: float, scale: float, bound: float, smoke: bool) -> Case:
             total += h * (areas[i] * (2 * x0 + x1) + areas[i + 1] * (x0 + 2 * x1)) / 6
         return {"slope": total * 12 / (forces[-1] - forces[0]) ** 3}
 
-    return Case("casr.spread_rate, slope", f"area offset {offset:g}, scale {scale:g}", (area, force),
-                lambda a, f: Found({"slope": spread_rate(a, f, rule="slope").value}), exact, bound, smoke=smoke)  # fmt: skip
+    return Case(
+        "casr.spread_rate, slope",
+        f"area offset {offset:g}, scale {scale:g}",
+        (area, force),
+        lambda a, f: Found({"slope": spread_rate(a, f, rule="slope").value}),
+        exact,
+        bound,
+        smoke=smoke,
+    )
 
 
 def power_case(scale: float, bound: float) -> Case:
@@ -77,16 +87,29 @@ def power_case(scale: float, bound: float) -> Case:
         low, high = mpf("0.5"), mpf(7)
         return {"rate": mp.exp(line["a"]) * (high ** line["b"] - low ** line["b"]) / (high - low)}
 
-    return Case("casr.spread_rate, power", f"areas x {scale:g}", (area, force),
-                lambda a, f: Found({"rate": spread_rate(a, f).value}), exact, bound, smoke=scale == 1)  # fmt: skip
+    return Case(
+        "casr.spread_rate, power",
+        f"areas x {scale:g}",
+        (area, force),
+        lambda a, f: Found({"rate": spread_rate(a, f).value}),
+        exact,
+        bound,
+        smoke=scale == 1,
+    )
 
 
 def growth_case(growth: float, frames: int, bound: float) -> Case:
     """Area after many steps of growth, equation (1)."""
     steps = growth * (1 + 0.1 * np.sin(np.arange(float(frames))))
-    return Case("casr.contact_areas", f"{frames} steps of {growth:g}", (steps,),
-                lambda x: Found({"area": contact_areas(3.0, x)[-1]}),
-                lambda x: {"area": 3 * mp.exp(mp.fsum(mpfs(x)))}, bound, smoke=growth == 0.02)  # fmt: skip
+    return Case(
+        "casr.contact_areas",
+        f"{frames} steps of {growth:g}",
+        (steps,),
+        lambda x: Found({"area": contact_areas(3.0, x)[-1]}),
+        lambda x: {"area": 3 * mp.exp(mp.fsum(mpfs(x)))},
+        bound,
+        smoke=growth == 0.02,
+    )
 
 
 def region_case(offset: float, bound: float, smoke: bool) -> Case:
@@ -133,16 +156,30 @@ def affine_case(offset: float, motion: float, bound: float, smoke: bool) -> Case
             matrix += [(yy * sx - xy * sy) / (xx * yy - xy * xy), (xx * sy - xy * sx) / (xx * yy - xy * xy)]
         return {"matrix": matrix}
 
-    return Case("casr.flow.fit_affine", f"pins at {offset:g} px, motion x {motion:g}", (before, after),
-                lambda b, a: Found({"matrix": fit_affine(b, a).matrix}), exact, bound, size="largest", smoke=smoke)  # fmt: skip
+    return Case(
+        "casr.flow.fit_affine",
+        f"pins at {offset:g} px, motion x {motion:g}",
+        (before, after),
+        lambda b, a: Found({"matrix": fit_affine(b, a).matrix}),
+        exact,
+        bound,
+        size="largest",
+        smoke=smoke,
+    )
 
 
 def line_case() -> Case:
     """Pins on a line have no gradient across it: refused."""
     before = np.column_stack([np.arange(9.0) * 20, 1e-9 * np.arange(9.0) ** 2])
-    return Case("casr.flow.fit_affine", "pins on one line within 1e-9 of its length", (before, before * 1.01),
-                lambda b, a: Found({"matrix": fit_affine(b, a).matrix}), lambda b, a: {"matrix": [0.01, 0, 0, 0.01]},
-                9.0, condition=9.0)  # fmt: skip
+    return Case(
+        "casr.flow.fit_affine",
+        "pins on one line within 1e-9 of its length",
+        (before, before * 1.01),
+        lambda b, a: Found({"matrix": fit_affine(b, a).matrix}),
+        lambda b, a: {"matrix": [0.01, 0, 0, 0.01]},
+        9.0,
+        condition=9.0,
+    )
 
 
 def divergence_case(offset: float, bound: float) -> Case:
@@ -150,9 +187,15 @@ def divergence_case(offset: float, bound: float) -> Case:
     rows, columns = np.mgrid[:200, :200].astype(np.float64)
     flow = np.stack([columns / 64 + offset, rows / 128 - offset], axis=2).astype(np.float32)
     square = np.array([[50.3, 50.1], [150.7, 50.2], [149.9, 149.5], [50.0, 150.4]])
-    return Case("casr.flow.mean_divergence", f"motion of {offset:g} px beside it", (),
-                lambda: Found({"divergence": mean_divergence(flow, square)}),
-                lambda: {"divergence": mpf(1) / 64 + mpf(1) / 128}, bound, condition=0.0)  # fmt: skip
+    return Case(
+        "casr.flow.mean_divergence",
+        f"motion of {offset:g} px beside it",
+        (),
+        lambda: Found({"divergence": mean_divergence(flow, square)}),
+        lambda: {"divergence": mpf(1) / 64 + mpf(1) / 128},
+        bound,
+        condition=0.0,
+    )
 
 
 def camera_case(coefficients: tuple[float, ...], bound: float, smoke: bool) -> Case:
@@ -183,8 +226,16 @@ def camera_case(coefficients: tuple[float, ...], bound: float, smoke: bool) -> C
             found += [300 * x + mpf("149.5"), 300 * y + mpf("149.5")]
         return {"px": found}
 
-    return Case("casr.camera.undistorted_px", f"{len(coefficients)} coefficients, k1 = {coefficients[0]:g}, to the corners",
-                (seen,), lambda p: Found({"px": camera.undistorted_px(p)}), exact, bound, size=1.0, smoke=smoke)  # fmt: skip
+    return Case(
+        "casr.camera.undistorted_px",
+        f"{len(coefficients)} coefficients, k1 = {coefficients[0]:g}",
+        (seen,),
+        lambda p: Found({"px": camera.undistorted_px(p)}),
+        exact,
+        bound,
+        size=1.0,
+        smoke=smoke,
+    )
 
 
 def hexagon_case(offset: float, bound: float) -> Case:
@@ -207,14 +258,22 @@ def hexagon_case(offset: float, bound: float) -> Case:
         pitch2 = nearest[len(nearest) // 2]
         return {"area": int(near.sum()) * mp.sqrt(3) / 2 * pitch2}
 
-    return Case("casr.contact_area.initial_area, hexagons", f"array at {offset:g} px", (rest, contact), ours, exact,
-                bound, condition=0.0, smoke=offset == 150)  # fmt: skip
+    return Case(
+        "casr.contact_area.initial_area, hexagons",
+        f"array at {offset:g} px",
+        (rest, contact),
+        ours,
+        exact,
+        bound,
+        condition=0.0,
+        smoke=offset == 150,
+    )
 
 
 def spot_case(grey: float, contrast: float, bound: float, smoke: bool) -> Case:
     """Pins between pixels of a frame without noise: distance from where they were drawn, px.
 
-    What is allowed is what whole grey levels leave: about 0.02 px over the contrast in grey levels, for a disc of 80 px.
+    What is allowed is what whole grey levels leave: about 0.02 px over the contrast in grey levels.
     """
     rng = np.random.default_rng(13)
     centres = np.array([[x, y] for x in range(30, 280, 25) for y in range(30, 280, 25)]) + rng.uniform(
@@ -231,5 +290,13 @@ def spot_case(grey: float, contrast: float, bound: float, smoke: bool) -> Case:
         off = np.hypot(*(spots.centroids_px - p).T)
         return Found({"rms": 1.0 + float(np.sqrt(np.mean(off**2)))}, f"rms error {np.sqrt(np.mean(off**2)):.2g} px")
 
-    return Case("casr.pins.measure_spots", f"background {grey:g}, contrast {contrast:g} grey levels", (centres,), ours,
-                lambda p: {"rms": 1}, bound, condition=ROUNDED - float(np.log10(50 * contrast)), smoke=smoke)  # fmt: skip
+    return Case(
+        "casr.pins.measure_spots",
+        f"background {grey:g}, contrast {contrast:g} grey levels",
+        (centres,),
+        ours,
+        lambda p: {"rms": 1},
+        bound,
+        condition=ROUNDED - float(np.log10(50 * contrast)),
+        smoke=smoke,
+    )

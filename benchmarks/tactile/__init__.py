@@ -1,6 +1,7 @@
 """Studies of ``casr bench``: whole presses against their truth, and the scene's part in the divergence.
 
-Time beside error, and other libraries, are areas of ``emg2vsa bench``: ``pins``, ``flow``, ``growth``, ``area``, ``scoring``.
+Time beside error, and other libraries, are areas of ``emg2vsa bench``: ``pins``, ``flow``, ``growth``, ``area`` and
+``scoring``.
 """
 
 from __future__ import annotations
@@ -57,9 +58,7 @@ def run(
     return tables
 
 
-def _measured(
-    what: str, n_seeds: int, n_repetitions: int, n_jobs: int, worlds: Sequence[str]
-) -> list[Table]:
+def _measured(what: str, n_seeds: int, n_repetitions: int, n_jobs: int, worlds: Sequence[str]) -> list[Table]:
     # each loads other libraries, some of them slowly
     module = import_module(f"benchmarks.tactile.{'world_tables' if worlds else what}")
     tables: list[Table]

@@ -87,7 +87,7 @@ def growth_cases(size: Size) -> Iterator[Case]:
             ways = tuple(
                 Way(
                     "casr", engine, partial(_followed, engine, radius, look), "equal",
-                    error=lambda _, e=engine, r=radius, k=look: worst(_growth_errors(e, r, k, seeds)),
+                    error=partial(_worst_growth, engine, radius, look, seeds),
                 )
                 for engine in ENGINES
             )  # fmt: skip
@@ -114,3 +114,7 @@ def _growth_errors(engine: str, radius: float, look: str, seeds: int) -> list[fl
     return [
         growth_error_percent(engine, _contact(radius, look, power, seed)) for power in (1, 2) for seed in range(seeds)
     ]
+
+
+def _worst_growth(engine: str, radius: float, look: str, seeds: int, _: float) -> float:
+    return worst(_growth_errors(engine, radius, look, seeds))

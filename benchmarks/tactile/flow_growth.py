@@ -56,4 +56,3 @@ def growth_error_percent(engine: str, contact: GrowingContact) -> float:
     tracker.start(contact.frames[0], contact.region)
     found = sum(tracker.step(frame).log_growth for frame in contact.frames[1:])
     return float(percent_error(found, LOG_GROWTH))
-

@@ -40,7 +40,9 @@ def pin_peers() -> list[Method]:
     return [
         Method("OpenCV", "PyrLK on all pins, default", _pyrlk(21, 3)),
         Method("OpenCV", "PyrLK on all pins, window 15", _pyrlk(15, 2)),
-        Method("OpenCV", "PyrLK on the contact's pins", _pyrlk(11, 1, contact_only=True), note="the contact's pins alone"),
+        Method(
+            "OpenCV", "PyrLK on the contact's pins", _pyrlk(11, 1, contact_only=True), note="the contact's pins alone"
+        ),
     ]
 
 

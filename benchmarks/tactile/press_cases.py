@@ -40,14 +40,13 @@ def area_cases(size: Size) -> Iterator[Case]:
     for angle in size.pick((0.0,), ANGLES_DEG):
         presses = [_first(k, angle, r) for k in SPECIMENS_N_PER_MM for r in range(size.pick(1, 6))]
         ways = [
-            Way("casr", rule, partial(_areas, presses, rule), "equal") for rule in ("edge", "hexagon", "paper", "circle")
+            Way("casr", rule, partial(_areas, presses, rule), "equal")
+            for rule in ("edge", "hexagon", "paper", "circle")
         ]
-        ways.append(
-            Way("OpenCV", "convexHull of moved pins", lambda p=presses: np.array([_hull_px2(one) for one in p]), "equal")
-        )
+        ways.append(Way("OpenCV", "convexHull of moved pins", partial(_hulls, presses), "equal"))
         yield Case(
             f"first area of contact at {angle:g} degrees", len(presses), "presses, pins known", tuple(ways),
-            lambda found, p=presses: _rms_percent(found, p), "rms, % of the area", "the simulated contact's area",
+            partial(_rms_percent, presses), "rms, % of the area", "the simulated contact's area",
         )  # fmt: skip
 
 
@@ -71,13 +70,17 @@ def _areas(presses: list[First], rule: str) -> np.ndarray:
     return np.array([initial_area(one.rest, one.contact_px, rule=rule).area_px2 for one in presses])
 
 
-def _hull_px2(one: First) -> float:
-    moved = np.hypot(*(one.contact_px - one.rest.centroids_px).T) > MOVED_PX
-    points = one.contact_px[moved].astype(np.float32)
-    return float(cv2.contourArea(cv2.convexHull(points))) if len(points) > 2 else 0.0
+def _hulls(presses: list[First]) -> np.ndarray:
+    """px^2 around the pins that moved."""
+    found = []
+    for one in presses:
+        moved = np.hypot(*(one.contact_px - one.rest.centroids_px).T) > MOVED_PX
+        points = one.contact_px[moved].astype(np.float32)
+        found.append(cv2.contourArea(cv2.convexHull(points)) if len(points) > 2 else 0.0)
+    return np.array(found)
 
 
-def _rms_percent(found_px2: np.ndarray, presses: list[First]) -> float:
+def _rms_percent(presses: list[First], found_px2: np.ndarray) -> float:
     ratio = [area * one.mm2_per_px2 / one.true_mm2 for area, one in zip(found_px2, presses, strict=True)]
     return 100 * float(np.sqrt(np.mean((np.array(ratio) - 1) ** 2)))
 
@@ -88,12 +91,10 @@ def scoring_cases(size: Size) -> Iterator[Case]:
         press, sequence = _press(loading_s)
         asked = {"front": ScoreSettings()}
         asked |= {f"skin by {engine}": _by_skin(engine) for engine in ENGINES}
-        ways = tuple(
-            Way("casr", name, partial(score, sequence, settings), "equal") for name, settings in asked.items()
-        )
+        ways = tuple(Way("casr", name, partial(score, sequence, settings), "equal") for name, settings in asked.items())
         yield Case(
-            f"a press of {len(sequence)} frames", len(sequence), "frames in memory", ways, partial(_rate_percent, press),
-            "size, % of dA/dF", "the rate of the simulated contact, by the power law", "press to spread rate",
+            f"a press of {len(sequence)} frames", len(sequence), "frames in memory", ways,
+            partial(_rate_percent, press), "size, % of dA/dF", "the rate of the simulated contact, by the power law", "press to spread rate",
         )  # fmt: skip
 
 

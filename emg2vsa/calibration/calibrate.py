@@ -196,8 +196,8 @@ def _about_stiffnesses(kappa: Floats) -> tuple[str, ...]:
         return ()
     digits = max(0.0, 16 + float(np.log10(max(share, 1e-16))))
     return (
-        f"ill-conditioned design: the stiffnesses of the specimens differ by {share:.1g} of themselves, and the slope of "
-        f"the law keeps {digits:.0f} digits at best; take specimens that differ more",
+        f"ill-conditioned design: the stiffnesses of the specimens differ by {share:.1g} of themselves, and the slope "
+        f"of the law keeps {digits:.0f} digits at best; take specimens that differ more",
     )
 
 

@@ -21,7 +21,8 @@ BOUNDS = {
     "area": {"edge": 1.0, "": 2000.0},
     "scoring": {"front": 4.0, "": 150.0},
 }
-"""Largest size of an error, percent, by area and by a word of the way. Hexagons and skin are as wrong as the paper's."""
+"""Largest size of an error, percent, by area and by a word of the way. Hexagons and skin are as wrong as those of
+the paper."""
 
 
 @pytest.mark.parametrize("name", BOUNDS)

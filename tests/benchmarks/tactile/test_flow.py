@@ -24,7 +24,9 @@ def test_a_method_that_knows_the_flow_has_no_error() -> None:
     divergence_percent, epe_px = errors_of_pair(Method("made", "truth", lambda *_: lambda: pair.flow), pair)
     assert divergence_percent == pytest.approx(0, abs=0.01)
     assert epe_px == 0
-    divergence_percent, epe_px = errors_of_pair(Method("made", "nothing", lambda *_: lambda: np.zeros_like(pair.flow)), pair)
+    divergence_percent, epe_px = errors_of_pair(
+        Method("made", "nothing", lambda *_: lambda: np.zeros_like(pair.flow)), pair
+    )
     assert divergence_percent == pytest.approx(-100)
     assert epe_px == pytest.approx(2 / 3, rel=0.01)  # mean of k r over a disc whose edge moves by 1 px
 

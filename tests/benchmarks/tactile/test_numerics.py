@@ -32,4 +32,3 @@ def test_tables_over_settings_and_scenes_are_finite(table: object) -> None:
 def test_streaming_times_are_positive(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(numerics, "STREAMED_FRAMES", (5, 10))
     assert all(row[1] > 0 for row in numerics.streaming_table().rows)  # type: ignore[operator]
-
