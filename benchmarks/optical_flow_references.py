@@ -27,7 +27,7 @@ from benchmarks.tactile.jacobi import relaxed
 from benchmarks.tactile.method import Method
 from benchmarks.tactile.metrics import angular_error_deg, endpoint_error_px, percent_error
 from benchmarks.tactile.ours import NATURAL_IMAGES, horn_schunck_method
-from benchmarks.tactile.peers import peers
+from benchmarks.tactile.peers import dense_peers, pin_peers
 from benchmarks.tactile.table import Cell, Table
 from benchmarks.tactile.timing import Run, best_times, one_thread
 from casr.flow.dense_engine import fit_field
@@ -119,13 +119,13 @@ def methods() -> list[Method]:
         horn_schunck_method("Horn-Schunck, defaults for pins", HornSchunckSettings()),
         horn_schunck_method("Horn-Schunck, for natural images", NATURAL_IMAGES),
     ]
-    return [method for method in (*ours, *peers()) if method.installed]
+    return [method for method in (*ours, *dense_peers(), *pin_peers()) if method.installed]
 
 
 def motions_of(compared: Iterable[Method], first: Frames, second: Frames) -> Motions:
     """Name, time in ms and flow of each method from one frame to the next."""
     whole = Region.circle(first.shape[1] / 2, first.shape[0] / 2, min(first.shape) / 3)
-    runs: dict[str, Run] = {method.name: method.prepare(first, second, whole) for method in compared}
+    runs: dict[str, Run] = {f"{method.library} {method.name}": method.prepare(first, second, whole) for method in compared}
     flows = {name: run() for name, run in runs.items()}
     times = best_times(runs, n_repeats=5, budget_s=1.0)
     return [(name, 1e3 * times[name], flow) for name, flow in flows.items()]

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints, median
 from emg2vsa.curves.force_bins import bin_edges
+from emg2vsa.curves.logarithmic import said_of_forces
 from emg2vsa.curves.press_fits import PressFits, fit_presses
 from emg2vsa.errors import DataError
 from emg2vsa.extraction import Trials
@@ -32,8 +33,6 @@ WIDE = 0.2
 level hardly changes with force, but is known, would select on the outcome: what is left has too large a b. Of 400 clean
 presses 99 % have less than 0.12, with b down to nothing too; presses with spikes or a burst have 0.27 and more.
 """
-NARROW = 1e-3
-"""A trial whose forces differ by a smaller share of themselves is fitted, and says how many digits are left."""
 _COMMON = ("bin_edges_n", "activity_unit", "points", "weights", "confidence")
 
 
@@ -198,15 +197,9 @@ def _reasons(given: Sequence[str], fitted: NDArray[np.bool_], n: Ints, points: s
     for i in np.flatnonzero(~fitted):
         why = f"no fit: {n[i]} {kind}" if n[i] < MIN_POINTS else "no fit: force does not change"
         reasons[i] = f"{reasons[i]}; {why}" if reasons[i] else why
-    inside = np.isfinite(bin_force_n)
-    highest = np.max(bin_force_n, axis=1, initial=0.0, where=inside)
-    lowest = np.min(bin_force_n, axis=1, initial=np.inf, where=inside)
-    for i in np.flatnonzero(fitted & (highest < lowest * (1 + NARROW))):
-        change = highest[i] / lowest[i] - 1
-        why = (
-            f"ill-conditioned fit: force changes by {change:.1g} of itself, b keeps {16 + np.log10(change):.0f} digits"
-        )
-        reasons[i] = f"{reasons[i]}; {why}" if reasons[i] else why
+    for row, why in enumerate(said_of_forces(bin_force_n)):
+        if why and fitted[row]:
+            reasons[row] = f"{reasons[row]}; {why}" if reasons[row] else why
     return reasons
 
 

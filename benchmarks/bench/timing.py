@@ -18,11 +18,23 @@ SHORTEST_S = 2e-3
 
 
 def processor_s() -> float:
-    """Processor time so far of this process and of the child that decodes files (its own on Linux alone)."""
+    """Processor time so far of this process, of its children that have ended, and of the child that decodes files (the
+    last on Linux alone)."""
+    spent = time.process_time() + _ended_children_s()
     pid = child_pid()
     if pid is None or sys.platform != "linux":
-        return time.process_time()
-    return time.process_time() + time.clock_gettime(~pid << 3 | 2)  # clock_getcpuclockid(3)
+        return spent
+    return spent + time.clock_gettime(~pid << 3 | 2)  # clock_getcpuclockid(3)
+
+
+def _ended_children_s() -> float:
+    """0 on Windows, which does not tell."""
+    if sys.platform == "win32":
+        return 0.0
+    from resource import RUSAGE_CHILDREN, getrusage
+
+    used = getrusage(RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,8 @@
-"""``casr bench``: flow beside other libraries, whole presses against their truth, arithmetic at its edges."""
+"""Studies of ``casr bench``: whole presses against their truth, and the scene's part in the divergence.
+
+Time beside error, and other libraries, are areas of ``emg2vsa bench``: ``pins``, ``flow``, ``growth``, ``area`` and
+``scoring``.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +14,7 @@ from benchmarks.tactile.table import Table
 from casr.atomic import write_text_atomic
 from casr.errors import SettingError
 
-KINDS = ("flow", "presses", "numerics")
+KINDS = ("presses", "numerics")
 
 
 def run(
@@ -22,13 +26,13 @@ def run(
     n_jobs: int = 1,
     worlds: Sequence[str] = (),
 ) -> list[Table]:
-    """Measure, print the tables, and with ``out`` write them there as text and CSV, with the plot.
+    """Measure, print the tables, and with ``out`` write them there as text and CSV.
 
     Parameters
     ----------
     what : one of ``KINDS``.
     out : folder, made where it is absent.
-    n_seeds : pairs of frames at each motion (``flow``, ``numerics``).
+    n_seeds : pairs of frames (``numerics``).
     n_repetitions : presses of each specimen and angle (``presses``); 10 in the paper.
     n_jobs : processes (``presses``).
     worlds : areas, CASR and kappa by world instead of by chain (``presses``); names of ``worlds.GROUPS``.
@@ -44,7 +48,7 @@ def run(
             raise SettingError(name, wanted="1 or more", found=repr(number), do="Ask for more.")
     if worlds and what != "presses":
         raise SettingError("--world", wanted="it with presses", found=f"it with {what}", do="Leave --world out.")
-    tables = _measured(what, out, n_seeds, n_repetitions, n_jobs, worlds)
+    tables = _measured(what, n_seeds, n_repetitions, n_jobs, worlds)
     text = "\n\n".join(table.text() for table in tables)
     print(text)
     if out:
@@ -54,15 +58,11 @@ def run(
     return tables
 
 
-def _measured(
-    what: str, out: Path | None, n_seeds: int, n_repetitions: int, n_jobs: int, worlds: Sequence[str]
-) -> list[Table]:
+def _measured(what: str, n_seeds: int, n_repetitions: int, n_jobs: int, worlds: Sequence[str]) -> list[Table]:
     # each loads other libraries, some of them slowly
     module = import_module(f"benchmarks.tactile.{'world_tables' if worlds else what}")
     tables: list[Table]
-    if what == "flow":
-        tables = module.run_flow(out, n_seeds)
-    elif worlds:
+    if worlds:
         tables = module.run_worlds(worlds, n_repetitions, n_jobs)
     elif what == "presses":
         tables = module.run_presses(n_repetitions, n_jobs)

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.tactile.metrics import percent_error
-from benchmarks.tactile.table import Cell, Table
 from casr.camera import Camera
-from casr.flow.estimate import ENGINES, FlowSettings, FlowTracker
+from casr.flow.estimate import FlowSettings, FlowTracker
 from casr.flow.region import Region
 from casr.synthetic.appearance import Appearance, draw_surface
 from casr.synthetic.render import render
@@ -57,28 +56,3 @@ def growth_error_percent(engine: str, contact: GrowingContact) -> float:
     tracker.start(contact.frames[0], contact.region)
     found = sum(tracker.step(frame).log_growth for frame in contact.frames[1:])
     return float(percent_error(found, LOG_GROWTH))
-
-
-def growth_table(n_seeds: int) -> Table:
-    """One line per engine and look: mean and worst error at each radius, over seeds and both laws of motion outside."""
-    columns = [("engine", ""), ("skin", "")]
-    for radius in RADII_PITCHES:
-        columns += [(f"{radius:g} pitches %", "+.1f"), ("worst", "+.1f")]
-    rows: list[list[Cell]] = [[engine, look] for look in LOOKS for engine in ENGINES]
-    for radius in RADII_PITCHES:
-        errors: dict[tuple[str, str], list[float]] = {}
-        for name, look in LOOKS.items():
-            for power in (1, 2):
-                for seed in range(n_seeds):
-                    contact = growing_contact(radius * TACTIP_127.pitch_px, seed, power=power, look=look)
-                    for engine in ENGINES:
-                        errors.setdefault((engine, name), []).append(growth_error_percent(engine, contact))
-        for row in rows:
-            found = errors[str(row[0]), str(row[1])]
-            row += [float(np.mean(found)), max(found, key=abs)]
-    title = f"Error of the growth of a contact followed over {N_STEPS} steps, by its first radius"
-    notes = (
-        f"{n_seeds} seeds, motion outside as 1/r and as 1/r^2; growth {LOG_GROWTH:g} in log, 127 pins, 300 x 300 px.",
-        "clean: noise 2 grey levels. dirty: noise 4, dirt of 5 grey levels that stays where it is, 8 pins missing.",
-    )
-    return Table("flow_growth", title, tuple(columns), rows, notes)

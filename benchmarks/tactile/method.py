@@ -18,24 +18,25 @@ Prepare = Callable[[Image, Image, Region], Run]
 
 @dataclass(frozen=True)
 class Method:
-    """One row of the comparison.
+    """One way.
 
     Parameters
     ----------
-    name : as printed.
+    library, name : as printed.
     prepare : from first frame, second frame and the core of the contact to the call that is timed. What is done once
         per sequence, or belongs to the frame before, is done in ``prepare``. The first call gives the motion from the
         first to the second frame: a flow (H, W, 2) in px, or an ``Affine``.
-    ours : drawn and named as this package's.
     slow : scored on fewer seeds.
     needs : module to import, or ``module.part`` of one, for peers that need not be there.
+    note : where it does more or less than the others, what.
     """
 
+    library: str
     name: str
     prepare: Prepare
-    ours: bool = False
     slow: bool = False
     needs: str = "cv2"
+    note: str = ""
 
     @property
     def installed(self) -> bool:

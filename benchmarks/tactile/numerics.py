@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from benchmarks.tactile.flow_pairs import FlowPair, contact_pair
 from benchmarks.tactile.metrics import percent_error, sample_sd
-from benchmarks.tactile.scoring_time import scoring_time_table
 from benchmarks.tactile.table import Cell, Table
 from benchmarks.tactile.timing import one_thread, peak_memory_mb
 from casr.errors import CasrError
@@ -46,7 +45,6 @@ def run_numerics(n_seeds: int) -> list[Table]:
             settings_table(n_seeds),
             scene_table(n_seeds),
             streaming_table(),
-            scoring_time_table(),
         ]
 
 

@@ -20,13 +20,19 @@ NATURAL_IMAGES = HornSchunckSettings(
 "For everyday scenes full of texture: no presmoothing, every pixel, full pyramid, median-filtered warps."
 
 
-def ours() -> list[Method]:
-    """Every engine that was written here."""
+def dense() -> list[Method]:
+    """The dense solver, on whole frames first."""
     return [
-        horn_schunck_method("Horn-Schunck, whole frame", HornSchunckSettings()),
-        Method("Horn-Schunck, contact only", _contact_only, ours=True),
-        Method("pin-affine, pins found in both frames", _detected, ours=True),
-        Method("pin-affine, pins followed", _followed, ours=True),
+        horn_schunck_method("Horn-Schunck", HornSchunckSettings()),
+        Method("casr", "Horn-Schunck, contact only", _contact_only, note="a square around the contact"),
+    ]
+
+
+def on_pins() -> list[Method]:
+    """Affine motion from pins, as scores are made first."""
+    return [
+        Method("casr", "pins followed", _followed),
+        Method("casr", "pins found in both frames", _detected, note="finds all pins twice"),
     ]
 
 
@@ -40,7 +46,7 @@ def horn_schunck_method(name: str, settings: HornSchunckSettings) -> Method:
         frames = cycle((second, first))
         return lambda: solver.step(next(frames))
 
-    return Method(name, prepare, ours=True)
+    return Method("casr", name, prepare)
 
 
 def _contact_only(first: Image, second: Image, core: Region) -> Run:

@@ -17,24 +17,32 @@ from casr.flow.region import Region
 from casr.pins import detect_pins
 
 
-def peers() -> list[Method]:
-    """All of them, whether installed or not."""
+def dense_peers() -> list[Method]:
+    """Flow at every pixel; all of them, whether installed or not."""
     return [
-        Method("OpenCV DIS ultrafast", _dis(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)),
-        Method("OpenCV DIS fast", _dis(cv2.DISOPTICAL_FLOW_PRESET_FAST)),
-        Method("OpenCV DIS medium", _dis(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)),
-        Method("OpenCV PyrLK on pins, default", _pyrlk(21, 3)),
-        Method("OpenCV PyrLK on pins, window 15", _pyrlk(15, 2)),
-        Method("OpenCV PyrLK on contact's pins", _pyrlk(11, 1, contact_only=True)),
-        Method("OpenCV Farneback, window 15", _farneback),
-        Method("OpenCV PCAFlow", _contrib("createOptFlow_PCAFlow"), slow=True, needs="cv2.optflow"),
-        Method("OpenCV DeepFlow", _contrib("createOptFlow_DeepFlow"), slow=True, needs="cv2.optflow"),
-        Method("OpenCV DenseRLOF", _dense_rlof, slow=True, needs="cv2.optflow"),
-        Method("NumPy Horn-Schunck, 100 Jacobi", _jacobi),
-        Method("scikit-image ILK, radius 7", _skimage("optical_flow_ilk", radius=7), slow=True, needs="skimage"),
-        Method("scikit-image TV-L1", _skimage("optical_flow_tvl1"), slow=True, needs="skimage"),
-        Method("pyoptflow, default", _pyoptflow(), slow=True, needs="pyoptflow"),
-        Method("pyoptflow, alpha 15, 100 it.", _pyoptflow(alpha=15, Niter=100), slow=True, needs="pyoptflow"),
+        Method("OpenCV", "DIS ultrafast", _dis(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)),
+        Method("OpenCV", "DIS fast", _dis(cv2.DISOPTICAL_FLOW_PRESET_FAST)),
+        Method("OpenCV", "DIS medium", _dis(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)),
+        Method("OpenCV", "Farneback, window 15", _farneback),
+        Method("OpenCV", "PCAFlow", _contrib("createOptFlow_PCAFlow"), slow=True, needs="cv2.optflow"),
+        Method("OpenCV", "DeepFlow", _contrib("createOptFlow_DeepFlow"), slow=True, needs="cv2.optflow"),
+        Method("OpenCV", "DenseRLOF", _dense_rlof, slow=True, needs="cv2.optflow"),
+        Method("NumPy", "Horn-Schunck, 100 Jacobi", _jacobi),
+        Method("scikit-image", "ILK, radius 7", _skimage("optical_flow_ilk", radius=7), slow=True, needs="skimage"),
+        Method("scikit-image", "TV-L1", _skimage("optical_flow_tvl1"), slow=True, needs="skimage"),
+        Method("pyoptflow", "default", _pyoptflow(), slow=True, needs="pyoptflow"),
+        Method("pyoptflow", "alpha 15, 100 iterations", _pyoptflow(alpha=15, Niter=100), slow=True, needs="pyoptflow"),
+    ]
+
+
+def pin_peers() -> list[Method]:
+    """Lucas and Kanade's motion of the same pins, and the same affine fit."""
+    return [
+        Method("OpenCV", "PyrLK on all pins, default", _pyrlk(21, 3)),
+        Method("OpenCV", "PyrLK on all pins, window 15", _pyrlk(15, 2)),
+        Method(
+            "OpenCV", "PyrLK on the contact's pins", _pyrlk(11, 1, contact_only=True), note="the contact's pins alone"
+        ),
     ]
 
 

@@ -12,7 +12,7 @@ from casr.cli.arguments import names
 from casr.command_line import Commands, add_command, whole_number
 from casr.errors import SettingError
 
-KINDS = ("flow", "presses", "numerics")
+KINDS = ("presses", "numerics")
 SOURCE = Path(casr.__file__).parents[1]
 "Folder of the package; in a source checkout the benchmarks lie there too."
 
@@ -22,13 +22,13 @@ def add_to(commands: Commands) -> None:
         commands,
         "bench",
         run,
-        "Measure speed and error together, beside other libraries.",
-        "flow: optical flow on frames whose motion is known. presses: initial area and CASR of simulated presses, and "
-        "the stiffness they give. numerics: single against double precision, and inputs at the edge. "
-        "Other libraries take part where they are installed. Needs the folder benchmarks/ of a source checkout.",
+        "Score simulated presses every way there is, and try the divergence on hard scenes.",
+        "presses: initial area and CASR of simulated presses, and the stiffness they give. numerics: single against "
+        "double precision, and inputs at the edge. Time and error beside other libraries: emg2vsa bench pins flow "
+        "growth area scoring. Needs the folder benchmarks/ of a source checkout.",
     )
-    parser.add_argument("what", choices=KINDS, nargs="?", default="flow", help="default %(default)s")
-    parser.add_argument("--seeds", type=whole_number, default=6, metavar="N", help="flow, numerics: pairs (default 6)")
+    parser.add_argument("what", choices=KINDS, nargs="?", default="presses", help="default %(default)s")
+    parser.add_argument("--seeds", type=whole_number, default=6, metavar="N", help="numerics: pairs (default 6)")
     parser.add_argument(
         "--repetitions", type=whole_number, default=10, metavar="N",
         help="presses: of each specimen and angle (default 10)",

@@ -25,6 +25,7 @@ def force_slope(area: Vector, force_n: Vector) -> tuple[float, float | None]:
     ----------
     area, force_n : (n,) with n >= 2, force strictly rising.
     """
+    area = area - area[0]  # exact for near areas, so that a large one costs no digits
     slope_of, mean_of = _line_weights(force_n)
     middle = (force_n[0] + force_n[-1]) / 2
     drawn = area

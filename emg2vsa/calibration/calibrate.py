@@ -25,6 +25,8 @@ _EQUATIONS = {
     "power": "kappa = {0:.4g} CASR^{1:.4g}",
     "linear-log": "kappa = {0:.4g} {1:+.4g} ln CASR",
 }
+NARROW = 1e-3
+"""Specimens whose stiffnesses differ by a smaller share of themselves make an ill-conditioned design, which says so."""
 ENOUGH_SPECIMENS = 6
 """Specimens below which the fit itself is all but untested (statistics notes 4.6)."""
 
@@ -87,9 +89,9 @@ class Calibration:
         return f"{law} (kappa in N/mm, CASR in {self.casr_unit})"
 
     def notes(self, i: int = 0) -> tuple[str, ...]:
-        """What must be known to read calibration ``i``, the warning about few specimens first."""
+        """What must be known to read calibration ``i``, warnings about alike and about few specimens first."""
         n = int(np.count_nonzero(np.isfinite(self.mean_casr[i])))
-        notes = _about_specimens(n, self.settings)
+        notes = (*_about_stiffnesses(self.kappa[i]), *_about_specimens(n, self.settings))
         if np.isnan(self.fit.slope[i]):
             notes = ("undefined: the law cannot be fitted to these scores", *notes)
         elif not self.monotone[i]:
@@ -186,6 +188,17 @@ def fitted_points(scores: Floats, kappa: Floats, points: Literal["means", "repet
         return mean_of(scores), kappa
     d, s, r = scores.shape
     return scores.reshape(d, s * r), np.repeat(kappa, r, axis=1)
+
+
+def _about_stiffnesses(kappa: Floats) -> tuple[str, ...]:
+    share = float(np.max(kappa) / np.min(kappa) - 1)
+    if kappa.size < 2 or share >= NARROW:
+        return ()
+    digits = max(0.0, 16 + float(np.log10(max(share, 1e-16))))
+    return (
+        f"ill-conditioned design: the stiffnesses of the specimens differ by {share:.1g} of themselves, and the slope "
+        f"of the law keeps {digits:.0f} digits at best; take specimens that differ more",
+    )
 
 
 def _about_specimens(n: int, settings: CalibrationSettings) -> tuple[str, ...]:

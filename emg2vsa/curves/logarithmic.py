@@ -17,6 +17,9 @@ from emg2vsa.curves.line import Line, fit_line, join
 LEVEL_FLOOR = 0.1
 """Smallest fitted level that sets a weight, as a share of the trial's largest: no weight exceeds 100 times another."""
 
+NARROW = 1e-3
+"""A fit whose forces differ by a smaller share of themselves says how many digits are left."""
+
 _POINTS_AT_ONCE = 46_000  # keeps the temporaries of a block inside the processor's cache
 
 
@@ -136,6 +139,23 @@ def level_weights(level: Floats) -> Floats:
         top = np.max(level, axis=1, keepdims=True, initial=0.0, where=np.isfinite(level))
         weights = (top / np.maximum(level, LEVEL_FLOOR * top)) ** 2
     return np.where(np.isfinite(weights) & (top > 0), weights, 1.0)
+
+
+def said_of_forces(force_n: Floats) -> list[str]:
+    """For each fit on the forces (k, p), NaN where there is none, why its slope is ill-conditioned, or "".
+
+    b rests on differences of ln F: forces within a share e of each other leave 16 + log10(e) digits of a double.
+    """
+    inside = np.isfinite(force_n) & (np.asarray(force_n) > 0)
+    highest = np.max(force_n, axis=1, initial=0.0, where=inside)
+    lowest = np.min(force_n, axis=1, initial=np.inf, where=inside)
+    narrow = (lowest < highest) & (highest < lowest * (1 + NARROW))
+    said = [""] * len(highest)
+    for i in np.flatnonzero(narrow).tolist():
+        change = highest[i] / lowest[i] - 1
+        digits = max(0.0, 16 + np.log10(max(change, 1e-16)))
+        said[i] = f"ill-conditioned fit: force changes by {change:.1g} of itself, b keeps {digits:.0f} digits"
+    return said
 
 
 def _t_quantile(dof: NDArray[np.int64] | Floats, confidence: float) -> Floats:

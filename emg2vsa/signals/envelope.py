@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from scipy import signal
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import FilterSettings
 from emg2vsa.signals.filters import IirFilter
@@ -100,13 +100,17 @@ def envelopes_at(
     n = channels[0].size
     starts, stops = first - kernel.before, first + step * (counts - 1) + kernel.after + 1
     filtered = filter_windows(channels, np.maximum(starts, 0), np.minimum(stops, n), iir)
+    unit = 0
+    if kernel.squared:  # squares of 1e-160 V are zero, of 1e160 infinite; powers of two round nothing
+        unit = max(map(exponent_of, filtered))
+        filtered = [np.ldexp(window, -unit) for window in filtered]
     smoothed = _smooth(filtered, np.maximum(-starts, 0), counts, step, kernel)
     if starts.min() < 0 or stops.max() > n:
         windows = zip(first.tolist(), counts.tolist(), strict=True)
         smoothed /= _tap_sum(kernel, np.concatenate([begin + step * np.arange(count) for begin, count in windows]), n)
     # a Hamming low-pass has tiny negative side taps; an envelope is never negative
     np.maximum(smoothed, 0, out=smoothed)
-    return np.sqrt(smoothed) if kernel.squared else smoothed
+    return np.ldexp(np.sqrt(smoothed), unit) if kernel.squared else smoothed
 
 
 def _smooth(filtered: Sequence[Floats], outside: Ints, counts: Ints, step: int, kernel: Smoother) -> Floats:

@@ -22,6 +22,8 @@ TRUNCATION = 1e-12
 
 FEWEST_DIGITS = 7.0
 "A filter that would keep fewer decimal digits is refused."
+SAID_DIGITS = 9.0
+"A filter that keeps fewer says so: an edge below about 1e-4 of the rate."
 
 Phase = Literal["zero-phase", "compensated", "causal"]
 
@@ -134,10 +136,10 @@ def _described(
     delay = "no delay" if zero_phase else f"delay {1e3 * delay_s:.3g} ms at {delay_at_hz:.3g} Hz"
     shown = " and ".join(f"{edge:.4g} Hz" for edge in edges if not math.isnan(edge))
     said = f"{name}: {order}; true -3 dB at {shown}; {delay}"
-    _refuse_ill_conditioned(name, sos, fs_hz)
+    few = _about_digits(name, sos, fs_hz)
     support = support_samples(sos)
     pad = default_pad_samples(sos) if zero_phase else 0
-    return IirFilter(name, sos, delay_at_hz == 0, zero_phase, delay_s, support, pad, (*notes, said))
+    return IirFilter(name, sos, delay_at_hz == 0, zero_phase, delay_s, support, pad, (*notes, *few, said))
 
 
 def digits_kept(sos: Floats) -> float:
@@ -149,7 +151,8 @@ def digits_kept(sos: Floats) -> float:
     return float(np.log10(np.min(np.abs(sos[:, 3:].sum(axis=1))) / (4 * np.finfo(np.float64).eps)))
 
 
-def _refuse_ill_conditioned(name: str, sos: Floats, fs_hz: float) -> None:
+def _about_digits(name: str, sos: Floats, fs_hz: float) -> tuple[str, ...]:
+    """A note where the filter keeps few digits; SettingError where it keeps too few."""
     digits = digits_kept(sos)
     if digits < FEWEST_DIGITS:
         key = "filters.force_cutoff_hz" if "force" in name else "filters.band_hz"
@@ -159,6 +162,12 @@ def _refuse_ill_conditioned(name: str, sos: Floats, fs_hz: float) -> None:
             found=f"one that keeps {max(digits, 0):.1f}",
             do="Raise the lowest edge, or resample the recording to a lower rate.",
         )
+    if digits >= SAID_DIGITS:
+        return ()
+    return (
+        f"{name}: the lowest edge is so far below the rate of {fs_hz:g} Hz that rounding leaves about {digits:.0f} "
+        "digits of a slow signal; resample the recording to a lower rate",
+    )
 
 
 def gain(sos: Floats, frequency_hz: float, fs_hz: float) -> float:

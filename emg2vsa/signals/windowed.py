@@ -49,12 +49,14 @@ def filter_windows(channels: Sequence[Floats], starts: Ints, stops: Ints, iir: I
 
 
 def _cut(samples: Floats, begin: int, length: int) -> Floats:
+    """Samples [begin, begin + length) as float64, oddly extended beyond the record: single precision has no room."""
     end, n = begin + length, samples.size
-    inner = samples[max(begin, 0) : min(end, n)]
+    inner = np.asarray(samples[max(begin, 0) : min(end, n)], dtype=np.float64)
     if begin >= 0 and end <= n:
         return inner
-    left = 2 * samples[0] - samples[max(-begin, 0) : 0 : -1]
-    right = 2 * samples[-1] - samples[n - 1 - max(end - n, 0) : n - 1][::-1]
+    first, last = float(samples[0]), float(samples[-1])
+    left = 2 * first - samples[max(-begin, 0) : 0 : -1].astype(np.float64)
+    right = 2 * last - samples[n - 1 - max(end - n, 0) : n - 1][::-1].astype(np.float64)
     return np.concatenate((left, inner, right))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, exponent_of
 from emg2vsa.statistics.clusters import Names, in_order
 from emg2vsa.statistics.moments import unmasked
 from emg2vsa.statistics.outcome import Outcome
@@ -66,6 +66,8 @@ def trend(block: Names, group: Names, order: ArrayLike, values: ArrayLike, confi
     x, y = (np.asarray(unmasked(side), dtype=np.float64) for side in (order, values))
     there = np.isfinite(x) & np.isfinite(y)
     block, group, x, y = block[there], group[there], x[there], y[there]
+    unit = int(exponent_of(y)[0]) if y.size else 0
+    y = np.ldexp(y, -unit)  # squares of 1e200 are infinite
     blocks = in_order(block)
     rows = [_of_block(group[block == name], x[block == name], y[block == name]) for name in blocks.tolist()]
     slope, se, free = np.array(rows).reshape(-1, 3).T
@@ -83,10 +85,10 @@ def trend(block: Names, group: Names, order: ArrayLike, values: ArrayLike, confi
     level = float(np.mean(y)) if y.size else np.nan
     return Trend(
         blocks=blocks,
-        slope=slope,
-        mean=mean,
-        low=mean - reach,
-        high=mean + reach,
+        slope=np.ldexp(slope, unit),
+        mean=float(np.ldexp(mean, unit)),
+        low=float(np.ldexp(mean - reach, unit)),
+        high=float(np.ldexp(mean + reach, unit)),
         per_mean=mean / level if level else np.nan,
         t=t,
         df=df,

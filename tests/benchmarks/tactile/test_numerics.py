@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from benchmarks.tactile import numerics
-from benchmarks.tactile.scoring_time import scoring_time_table
 from benchmarks.tactile.table import Table
 
 
@@ -33,10 +32,3 @@ def test_tables_over_settings_and_scenes_are_finite(table: object) -> None:
 def test_streaming_times_are_positive(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(numerics, "STREAMED_FRAMES", (5, 10))
     assert all(row[1] > 0 for row in numerics.streaming_table().rows)  # type: ignore[operator]
-
-
-@pytest.mark.slow
-def test_scoring_times_of_a_press_on_disk() -> None:
-    rows = scoring_time_table(n_commands=1).rows
-    assert [row[0] for row in rows] == ["pin-affine", "horn-schunck", "dis"]
-    assert all(cell > 0 for row in rows for cell in row[1:])  # type: ignore[operator]

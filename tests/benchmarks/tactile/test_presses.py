@@ -84,7 +84,9 @@ def test_tables_of_a_known_study() -> None:
     assert len(chains.rows) == len(CHAINS) + 1
 
 
-@pytest.mark.parametrize("wrong", [{"what": "all"}, {"what": "flow", "n_seeds": 0}, {"what": "presses", "n_jobs": 0}])
+@pytest.mark.parametrize(
+    "wrong", [{"what": "all"}, {"what": "numerics", "n_seeds": 0}, {"what": "presses", "n_jobs": 0}]
+)
 def test_what_cannot_be_run_is_said(wrong: dict[str, object]) -> None:
     with pytest.raises(SettingError):
         benchmarks.tactile.run(**wrong)  # type: ignore[arg-type]
