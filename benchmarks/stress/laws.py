@@ -10,10 +10,10 @@ from mpmath import mp, mpf
 
 from benchmarks.statistics.exact_laws import ks_survival, power_of_rm, range_survival
 from benchmarks.stress.case import Case, Found, exactly
-from emg2vsa.stats import effect_size, ks_exact, studentized_range
-from emg2vsa.stats.bootstrap import bca
-from emg2vsa.stats.multiplicity import adjust
-from emg2vsa.stats.power import power_rm
+from emg2vsa.statistics import effect_size, ks_exact, studentized_range
+from emg2vsa.statistics.bootstrap import bca
+from emg2vsa.statistics.multiplicity import adjust
+from emg2vsa.statistics.power import power_rm
 
 
 def cases() -> Iterator[Case]:

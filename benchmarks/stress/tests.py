@@ -1,4 +1,4 @@
-"""Every test of ``emg2vsa.stats`` where values lie on an offset, spread unequally, or are of extreme scale."""
+"""Every test of ``emg2vsa.statistics`` where values lie on an offset, spread unequally, or are of extreme scale."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from mpmath import mp, mpf
 from benchmarks.statistics.exact_tests import exact_ks, exact_shapiro
 from benchmarks.stress import exact_tests as exact
 from benchmarks.stress.case import Case, Found
-from emg2vsa.stats.agreement import KINDS, icc
-from emg2vsa.stats.anova import brown_forsythe, one_way
-from emg2vsa.stats.bayes import SCALE, jzs_anova
-from emg2vsa.stats.equivalence import tost
-from emg2vsa.stats.factorial import factorial
-from emg2vsa.stats.friedman import friedman
-from emg2vsa.stats.kruskal import dunn, kruskal
-from emg2vsa.stats.lilliefors import lilliefors
-from emg2vsa.stats.mann_whitney import mann_whitney
-from emg2vsa.stats.mixed import balanced_mixed
-from emg2vsa.stats.mixed_variances import mixed_variances
-from emg2vsa.stats.normality import ks_normal
-from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.paired import paired_tests
-from emg2vsa.stats.post_hoc import lsd, tukey
-from emg2vsa.stats.repeated import rm_anova
-from emg2vsa.stats.shapiro import shapiro_wilk
-from emg2vsa.stats.trend import trend
-from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
-from emg2vsa.stats.welch import games_howell, welch
+from emg2vsa.statistics.agreement import KINDS, icc
+from emg2vsa.statistics.anova import brown_forsythe, one_way
+from emg2vsa.statistics.bayes import SCALE, jzs_anova
+from emg2vsa.statistics.equivalence import tost
+from emg2vsa.statistics.factorial import factorial
+from emg2vsa.statistics.friedman import friedman
+from emg2vsa.statistics.kruskal import dunn, kruskal
+from emg2vsa.statistics.lilliefors import lilliefors
+from emg2vsa.statistics.mann_whitney import mann_whitney
+from emg2vsa.statistics.mixed import balanced_mixed
+from emg2vsa.statistics.mixed_variances import mixed_variances
+from emg2vsa.statistics.normality import ks_normal
+from emg2vsa.statistics.outcome import Outcome
+from emg2vsa.statistics.paired import paired_tests
+from emg2vsa.statistics.post_hoc import lsd, tukey
+from emg2vsa.statistics.repeated import rm_anova
+from emg2vsa.statistics.shapiro import shapiro_wilk
+from emg2vsa.statistics.trend import trend
+from emg2vsa.statistics.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
+from emg2vsa.statistics.welch import games_howell, welch
 
 Ours = Callable[[np.ndarray], Mapping[str, Any]]
 Exact = Callable[[np.ndarray], Mapping[str, Any]]

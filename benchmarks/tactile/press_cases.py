@@ -15,7 +15,7 @@ from casr.contact_area import initial_area
 from casr.flow.estimate import ENGINES, FlowSettings
 from casr.frames import FrameSequence
 from casr.pins import Pins
-from casr.score import Score, ScoreSettings, score
+from casr.scoring import Score, ScoreSettings, score
 from casr.synthetic.contact import ContactWorld
 from casr.synthetic.press import SimulatedPress, simulate_press
 from casr.synthetic.settings import PressSettings, TimelineSettings
