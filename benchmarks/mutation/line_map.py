@@ -2,7 +2,7 @@
 
     LINE_MAP=DIR python -m pytest -p benchmarks.mutation.line_map -n auto --dist loadfile ...
 
-Code that runs in child processes is not seen; ``benchmarks.mutation.sample`` falls back on the tests of the package.
+Code that runs in child processes is not seen; ``benchmarks.mutation.nearest`` adds the tests of the package.
 """
 
 from __future__ import annotations
@@ -45,22 +45,3 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
 def pytest_runtest_logstart(nodeid: str) -> None:
     """Name the file before its fixtures are set up."""
     _COVERAGE.switch_context(nodeid.partition("::")[0])
-
-
-def test_files_of_lines(folder: Path) -> dict[str, dict[int, frozenset[str]]]:
-    """For each source file (absolute path), the test files that executed each of its lines.
-
-    Raises FileNotFoundError if the folder holds no coverage file.
-    """
-    parts = sorted(folder.glob(".coverage.*"))
-    if not parts:
-        raise FileNotFoundError(f"{folder}: expected coverage files of a run with this plugin, but found none.")
-    lines: dict[str, dict[int, frozenset[str]]] = {}
-    for part in parts:
-        data = coverage.CoverageData(basename=str(part))
-        data.read()
-        for file in data.measured_files():
-            known = lines.setdefault(file, {})
-            for line, contexts in data.contexts_by_lineno(file).items():
-                known[line] = known.get(line, frozenset()) | {name for name in contexts if name}
-    return lines
