@@ -126,10 +126,10 @@ def _of_constant(node: ast.Constant, inside_slice: bool) -> Iterator[tuple[str, 
 
 def _of_call(node: ast.Call) -> Iterator[tuple[str, ast.expr, ast.expr]]:
     name = node.func.id if isinstance(node.func, ast.Name) else ""
-    first, second = node.args[:2] if len(node.args) > 1 else (None, None)
-    if first and second and name not in ("min", "max") and ast.dump(first) != ast.dump(second):
-        if not isinstance(first, ast.Starred) and not isinstance(second, ast.Starred):
-            yield "argument order", node, ast.Call(node.func, [second, first, *node.args[2:]], node.keywords)
+    texts = {ast.dump(each) for each in node.args[:2] if not isinstance(each, ast.Starred)}
+    if len(texts) == 2 and name not in ("min", "max"):
+        swapped = [node.args[1], node.args[0], *node.args[2:]]
+        yield "argument order", node, ast.Call(node.func, swapped, node.keywords)
     if name == "range":
         last = ast.BinOp(node.args[min(1, len(node.args) - 1)], ast.Sub(), ast.Constant(1))
         shorter = [last] if len(node.args) == 1 else [node.args[0], last, *node.args[2:]]
@@ -139,17 +139,20 @@ def _of_call(node: ast.Call) -> Iterator[tuple[str, ast.expr, ast.expr]]:
 def _of_statement(node: ast.stmt) -> Iterator[tuple[str, ast.expr | ast.stmt, ast.expr | ast.stmt]]:
     if isinstance(node, ast.Return) and node.value is not None and not _is_none(node.value):
         yield "return", node.value, ast.Constant(None)
-    elif isinstance(node, (ast.AugAssign, ast.Raise)) or (isinstance(node, ast.Expr) and not _is_text(node.value)):
-        yield "removed statement", node, ast.Pass()
-    elif isinstance(node, ast.Assign) and isinstance(node.targets[0], (ast.Attribute, ast.Subscript)):
+    elif _is_removable(node):
         yield "removed statement", node, ast.Pass()
     elif isinstance(node, (ast.If, ast.While)):
         yield "boolean", node.test, ast.UnaryOp(ast.Not(), node.test)
 
 
+def _is_removable(node: ast.stmt) -> bool:
+    """Whether the names that later statements need are still there without it."""
+    if isinstance(node, ast.Assign):
+        return isinstance(node.targets[0], (ast.Attribute, ast.Subscript))
+    if isinstance(node, ast.Expr):
+        return not (isinstance(node.value, ast.Constant) and isinstance(node.value.value, str))
+    return isinstance(node, (ast.AugAssign, ast.Raise))
+
+
 def _is_none(node: ast.expr) -> bool:
     return isinstance(node, ast.Constant) and node.value is None
-
-
-def _is_text(node: ast.expr) -> bool:
-    return isinstance(node, ast.Constant) and isinstance(node.value, str)

@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath
 
 import coverage
 
-FILES = 24
+FILES = 16
 """Test files run against one mutant, at most."""
 
 LineMap = dict[str, dict[int, frozenset[str]]]
@@ -28,12 +28,15 @@ def test_files(tree: Path, module: str, line: int, lines: LineMap) -> list[str]:
         see = frozenset().union(*known.values()) if known else see
     path = PurePosixPath(module)
     named = ".".join(path.with_suffix("").parts).removesuffix(".__init__")
+    words = [named, f"import {path.stem}\n"] + [f'"{path.stem}"'] * (
+        "cli" in path.parts
+    )  # a command is called by its name
     folder = _test_folder(path)
     ranks = {}
     for file in sorted((tree / "tests").rglob("test_*.py")):
         name = file.relative_to(tree).as_posix()
         text = file.read_text(encoding="utf-8")
-        names, near = named in text or f"import {path.stem}\n" in text, name.startswith(folder)
+        names, near = any(word in text for word in words), name.startswith(folder)
         if name in see or names or near:
             resembles = path.stem.strip("_") in file.stem
             ranks[name] = (not (resembles and near), name not in see, not names, not near, file.stat().st_size)
