@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath
 
 import coverage
 
-FILES = 16
+FILES = 10
 """Test files run against one mutant, at most."""
 
 LineMap = dict[str, dict[int, frozenset[str]]]

@@ -53,6 +53,7 @@ def sample(tree: Path, *, seed: int, count: int, package: str = "") -> list[Chos
         for _ in range(min(wanted, sum(map(len, kinds.values())))):
             of_kind = kinds[rng.choice(sorted(kind for kind, left in kinds.items() if left))]
             chosen.append(of_kind.pop(rng.randrange(len(of_kind))))
+    rng.shuffle(chosen)  # so that a run that was ended early is a sample too
     return chosen
 
 

@@ -36,7 +36,7 @@ def table(samples: list[dict[str, Any]]) -> str:
 HEAD = """# Small wrong changes that the tests notice
 
 Written by `python -m benchmarks.mutation --table`. A mutant is one wrong change of one expression or statement, in a
-copy of the project of its own. The test files that execute its line run first, then others of its package, at most 16
+copy of the project of its own. The test files that execute its line run first, then others of its package, at most 10
 files in all, without those marked `realtime`, until a test fails. A rate is therefore a lower bound for the whole
 suite. Every test that killed a mutant passes on the unchanged code.
 """
