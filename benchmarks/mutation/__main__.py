@@ -15,10 +15,11 @@ import argparse
 import json
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from benchmarks.mutation.nearest import read_line_map, test_files
+from benchmarks.mutation.nearest import files_for, read_line_map
 from benchmarks.mutation.sample import Chosen, sample
 from benchmarks.mutation.table import table
 from benchmarks.mutation.trial import export, failed_tests, run_tests, tried
@@ -26,7 +27,7 @@ from benchmarks.mutation.trial import export, failed_tests, run_tests, tried
 TREE = Path(__file__).resolve().parents[2]
 
 
-def main() -> int:
+def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.mutation", description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--seed", type=int, default=20)
     parser.add_argument("--count", type=int, default=60, help="mutants, over all packages in proportion to their lines")
@@ -35,7 +36,7 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=Path("mutation.json"), help="results, one entry a mutant")
     parser.add_argument("--list", action="store_true", help="print the sample, run nothing")
     parser.add_argument("--table", type=Path, nargs="+", metavar="JSON", help="print the page of these results")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(words)
     try:
         if arguments.table:
             print(table([json.loads(path.read_text(encoding="utf-8")) for path in arguments.table]))
@@ -65,7 +66,7 @@ def run(chosen: list[Chosen], lines: dict, seed: int, out: Path) -> None:
         mutant = each.mutant
         if (each.module, mutant.start, mutant.kind, mutant.after) in done:
             continue
-        verdict = tried(TREE, each, test_files(TREE, each.module, mutant.line, lines))
+        verdict = tried(TREE, each, files_for(TREE, each.module, mutant.line, lines))
         results["mutants"].append({"module": each.module} | asdict(mutant) | asdict(verdict))
         _write(out, results)
         print(f"{each.module}:{mutant.line} {mutant.kind}: {verdict.state} {verdict.by}", flush=True)
@@ -86,7 +87,7 @@ def confirm(chosen: list[Chosen], lines: dict, results: dict) -> None:
         again = [row for row in results["mutants"] if row["by"] in failing]
         for row in again:
             each = next(each for each in chosen if (each.module, each.mutant.start) == (row["module"], row["start"]))
-            files = test_files(TREE, each.module, each.mutant.line, lines)
+            files = files_for(TREE, each.module, each.mutant.line, lines)
             row |= asdict(tried(TREE, each, files, deselected=failing))
         killers = {row["by"] for row in again if "::" in row["by"]} - set(results["confirmed"])
 

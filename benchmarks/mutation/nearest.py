@@ -14,7 +14,7 @@ LineMap = dict[str, dict[int, frozenset[str]]]
 """For each source file (path in the tree), the test files that executed each of its lines."""
 
 
-def test_files(tree: Path, module: str, line: int, lines: LineMap) -> list[str]:
+def files_for(tree: Path, module: str, line: int, lines: LineMap) -> list[str]:
     """Test files of ``tree`` for a mutant in ``line`` of ``module``: at most ``FILES``.
 
     Files that execute the line, then those that name the module, then the rest of its package's tests; among equals
