@@ -31,7 +31,7 @@ def files_for(tree: Path, module: str, line: int, lines: LineMap) -> list[str]:
     words = [named, f"import {path.stem}\n"] + [f'"{path.stem}"'] * (
         "cli" in path.parts
     )  # a command is called by its name
-    folder = _test_folder(path)
+    folder = _test_folder(tree, path)
     ranks = {}
     for file in sorted((tree / "tests").rglob("test_*.py")):
         name = file.relative_to(tree).as_posix()
@@ -43,31 +43,9 @@ def files_for(tree: Path, module: str, line: int, lines: LineMap) -> list[str]:
     return sorted(ranks, key=lambda name: ranks[name])[:FILES]
 
 
-def _test_folder(module: PurePosixPath) -> str:
+def _test_folder(tree: Path, module: PurePosixPath) -> str:
+    """Folder of the tests of the module's package, or of the nearest package above it that has one."""
     parts = module.parts[1:-1] if module.parts[0] == "emg2vsa" else module.parts[:-1]
+    while parts and not tree.joinpath("tests", *parts).is_dir():
+        parts = parts[:-1]
     return "/".join(("tests", *parts, ""))
-
-
-def read_line_map(folder: Path) -> LineMap:
-    """The map in ``folder``. Raises FileNotFoundError if it holds no coverage file."""
-    parts = sorted(folder.glob(".coverage.*"))
-    if not parts:
-        raise FileNotFoundError(
-            f"{folder}: expected coverage files of a run with benchmarks.mutation.line_map, but found none. "
-            "Make them as its first lines say."
-        )
-    lines: LineMap = {}
-    for part in parts:
-        data = coverage.CoverageData(basename=str(part))
-        data.read()
-        for file in data.measured_files():
-            known = lines.setdefault(_in_tree(file), {})
-            for line, contexts in data.contexts_by_lineno(file).items():
-                known[line] = known.get(line, frozenset()) | {name for name in contexts if name}
-    return lines
-
-
-def _in_tree(file: str) -> str:
-    parts = Path(file).parts
-    package = max(i for i, part in enumerate(parts) if part in ("emg2vsa", "casr") and "." not in part)
-    return "/".join(parts[package:])
