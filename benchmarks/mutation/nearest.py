@@ -49,3 +49,28 @@ def _test_folder(tree: Path, module: PurePosixPath) -> str:
     while parts and not tree.joinpath("tests", *parts).is_dir():
         parts = parts[:-1]
     return "/".join(("tests", *parts, ""))
+
+
+def read_line_map(folder: Path) -> LineMap:
+    """The map in ``folder``. Raises FileNotFoundError if it holds no coverage file."""
+    parts = sorted(folder.glob(".coverage.*"))
+    if not parts:
+        raise FileNotFoundError(
+            f"{folder}: expected coverage files of a run with benchmarks.mutation.line_map, but found none. "
+            "Make them as its first lines say."
+        )
+    lines: LineMap = {}
+    for part in parts:
+        data = coverage.CoverageData(basename=str(part))
+        data.read()
+        for file in data.measured_files():
+            known = lines.setdefault(_in_tree(file), {})
+            for line, contexts in data.contexts_by_lineno(file).items():
+                known[line] = known.get(line, frozenset()) | {name for name in contexts if name}
+    return lines
+
+
+def _in_tree(file: str) -> str:
+    parts = Path(file).parts
+    package = max(i for i, part in enumerate(parts) if part in ("emg2vsa", "casr") and "." not in part)
+    return "/".join(parts[package:])
