@@ -39,7 +39,8 @@ def files_for(tree: Path, module: str, line: int, lines: LineMap) -> list[str]:
         names, near = any(word in text for word in words), name.startswith(folder)
         if name in see or names or near:
             resembles = path.stem.strip("_") in file.stem
-            ranks[name] = (not (resembles and near), name not in see, not names, not near, file.stat().st_size)
+            size = file.stat().st_size * (1 if name in see else -1)  # a guess is best made with much
+            ranks[name] = (not (resembles and near), name not in see, not names, not near, size)
     return sorted(ranks, key=lambda name: ranks[name])[:FILES]
 
 
