@@ -18,8 +18,9 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
-from benchmarks.mutation.nearest import files_for, read_line_map
+from benchmarks.mutation.nearest import LineMap, files_for, read_line_map
 from benchmarks.mutation.sample import Chosen, sample
 from benchmarks.mutation.table import table
 from benchmarks.mutation.trial import export, failed_tests, run_tests, tried
@@ -58,9 +59,11 @@ def main(words: Sequence[str] | None = None) -> int:
     return 0
 
 
-def run(chosen: list[Chosen], lines: dict, seed: int, out: Path) -> None:
+def run(chosen: list[Chosen], lines: LineMap, seed: int, out: Path) -> None:
     """Try each mutant that ``out`` does not hold yet, then confirm what killed them."""
-    results = json.loads(out.read_text(encoding="utf-8")) if out.exists() else {"seed": seed, "mutants": []}
+    results: dict[str, Any] = (
+        json.loads(out.read_text(encoding="utf-8")) if out.exists() else {"seed": seed, "mutants": []}
+    )
     done = {(row["module"], row["start"], row["kind"], row["after"]) for row in results["mutants"]}
     for each in chosen:
         mutant = each.mutant
@@ -74,7 +77,7 @@ def run(chosen: list[Chosen], lines: dict, seed: int, out: Path) -> None:
     _write(out, results)
 
 
-def confirm(chosen: list[Chosen], lines: dict, results: dict) -> None:
+def confirm(chosen: list[Chosen], lines: LineMap, results: dict[str, Any]) -> None:
     """Run every killing test on the unchanged tree; what one that fails there killed is tried without it."""
     killers = {row["by"] for row in results["mutants"] if "::" in row["by"]} - set(results.get("confirmed", []))
     failing: list[str] = []
@@ -92,7 +95,7 @@ def confirm(chosen: list[Chosen], lines: dict, results: dict) -> None:
         killers = {row["by"] for row in again if "::" in row["by"]} - set(results["confirmed"])
 
 
-def _write(out: Path, results: dict) -> None:
+def _write(out: Path, results: dict[str, Any]) -> None:
     part = out.with_suffix(".part")
     part.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     part.replace(out)

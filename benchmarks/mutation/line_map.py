@@ -8,7 +8,7 @@ Code that runs in child processes is not seen; ``benchmarks.mutation.nearest`` a
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Generator
 from pathlib import Path
 
 import coverage
@@ -33,7 +33,7 @@ def pytest_unconfigure() -> None:
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> Iterator[None]:
+def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> Generator[None, bool, bool]:
     """The context of a line is the test file that executes it. A finished file is saved at once."""
     report = yield
     file = item.nodeid.partition("::")[0]

@@ -132,7 +132,7 @@ def _of_call(node: ast.Call) -> Iterator[tuple[str, ast.expr, ast.expr]]:
         yield "argument order", node, ast.Call(node.func, swapped, node.keywords)
     if name == "range":
         last = ast.BinOp(node.args[min(1, len(node.args) - 1)], ast.Sub(), ast.Constant(1))
-        shorter = [last] if len(node.args) == 1 else [node.args[0], last, *node.args[2:]]
+        shorter: list[ast.expr] = [last] if len(node.args) == 1 else [node.args[0], last, *node.args[2:]]
         yield "off by one", node, ast.Call(node.func, shorter, node.keywords)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Generator
 from types import FrameType
 
 import pytest
@@ -18,7 +18,7 @@ def _end(number: int, frame: FrameType | None) -> None:
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, bool, bool]:
     """Both clocks run while the test and its fixtures do."""
     for number in (signal.SIGPROF, signal.SIGALRM):
         signal.signal(number, _end)
