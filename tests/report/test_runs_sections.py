@@ -270,6 +270,13 @@ def test_the_steps_of_every_algorithm_stand_by_table_one(content):
     assert {(row["force_low_n"], row["force_high_n"]) for row in steps.values()} == {(0.5, 7.0)}
 
 
+def test_specimens_pooled_stand_above_each_specimen(content):
+    papers = [row["paper"] for row in content.tables["verdict_angle"].rows]
+    assert [paper.partition(", worst")[0].rpartition(": ")[2] for paper in papers] == [
+        "specimens pooled", "each specimen",
+    ] * 2  # fmt: skip
+
+
 def test_the_new_specimen_is_compared_by_the_papers_test_and_by_the_companion(content, tested):
     row = rows_of(content, "new_specimen")["constant-min, 0°"]
     place = [*zip(tested.table.conditions, tested.table.angles_deg, strict=True)].index(("constant-min", 0.0))
