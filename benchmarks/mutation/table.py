@@ -45,7 +45,7 @@ suite. Every test that killed a mutant passes on the unchanged code.
 def _rates(samples: list[dict[str, Any]]) -> str:
     judged = json.loads(JUDGED.read_text(encoding="utf-8"))
     rows = [
-        "| seed | mutants | killed | timed out | survived | equivalent | noticed | 95 % interval |",
+        "| seed | mutants tried | killed | timed out | survived | equivalent | noticed | 95 % interval |",
         "|---" * 8 + "|",
     ]
     for each in samples:
@@ -55,7 +55,7 @@ def _rates(samples: list[dict[str, Any]]) -> str:
         noticed = n - states["survived"]
         low, high = wilson(noticed, n)
         rows.append(
-            f"| {each['seed']} | {n} | {states['killed']} | {states['timed out']} | {states['survived']} "
+            f"| {each['seed']} | {n} of {each['drawn']} | {states['killed']} | {states['timed out']} | {states['survived']} "
             f"| {equivalent} | {100 * noticed / n:.0f} % | {100 * low:.0f} to {100 * high:.0f} % |"
         )
     return "\n".join(rows)
