@@ -63,8 +63,8 @@ def run(chosen: list[Chosen], lines: LineMap, seed: int, out: Path) -> None:
     """Try each mutant that ``out`` does not hold yet, then confirm what killed them."""
     results: dict[str, Any] = (
         json.loads(out.read_text(encoding="utf-8")) if out.exists() else {"seed": seed, "mutants": []}
-    results["drawn"] = len(chosen)
     )
+    results["drawn"] = len(chosen)
     done = {(row["module"], row["start"], row["kind"], row["after"]) for row in results["mutants"]}
     for each in chosen:
         mutant = each.mutant
