@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shutil
+import time
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -10,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from emg2vsa.held_lock import taken
 from emg2vsa.runs import ContactPicture, FirstContact, PressCurve, RunScores
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -27,6 +30,30 @@ def shared_data() -> Callable[[str], Path]:
         return path
 
     return find
+
+
+@pytest.fixture(scope="session")
+def built_once(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Callable[[Path], object]], Path]:
+    """A folder of this name that ``build`` fills; of several workers one builds, and the others wait for it.
+
+    It is for all tests: they read or copy it, and never change it.
+    """
+    base = tmp_path_factory.getbasetemp()
+    root = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+    def make(name: str, build: Callable[[Path], object]) -> Path:
+        folder, done = root / f"once-{name}", root / f"once-{name}.done"
+        with open(root / f"once-{name}.lock", "w") as lock:
+            while not taken(lock.fileno()):
+                time.sleep(0.1)
+            if not done.exists():
+                shutil.rmtree(folder, ignore_errors=True)
+                folder.mkdir()
+                build(folder)
+                done.touch()
+        return folder
+
+    return make
 
 
 KAPPA_N_PER_MM = {"S1": 7.63, "S_new": 5.32, "S3": 3.35, "S5": 1.11}

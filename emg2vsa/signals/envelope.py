@@ -100,9 +100,9 @@ def envelopes_at(
     n = channels[0].size
     starts, stops = first - kernel.before, first + step * (counts - 1) + kernel.after + 1
     filtered = filter_windows(channels, np.maximum(starts, 0), np.minimum(stops, n), iir)
-    unit = 0
+    unit = np.zeros((len(channels), 1), dtype=np.int32)
     if kernel.squared:  # squares of 1e-160 V are zero, of 1e160 infinite; powers of two round nothing
-        unit = max(map(exponent_of, filtered))
+        unit = np.max([exponent_of(window) for window in filtered], axis=0)
         filtered = [np.ldexp(window, -unit) for window in filtered]
     smoothed = _smooth(filtered, np.maximum(-starts, 0), counts, step, kernel)
     if starts.min() < 0 or stops.max() > n:

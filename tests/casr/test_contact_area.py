@@ -173,6 +173,16 @@ def test_saturation_is_flagged():
     assert "area of the array" in found.notes[-1]
 
 
+@pytest.mark.parametrize(("moved", "saturated"), [(114, False), (115, True)])
+def test_the_papers_rule_is_saturated_from_nine_tenths_of_the_pins_on(moved, saturated):
+    """115 of 127 pins are the first share of 0.9 and more."""
+    contact = REST.copy()
+    contact[np.argsort(np.linalg.norm(REST - CENTRE, axis=1))[:moved]] += (0.0, 8.0)
+    found = initial_area(as_pins(REST), contact, rule="paper")
+    assert found.selected.size == moved
+    assert found.saturated is saturated
+
+
 def test_circle_goes_through_the_farthest_pin_of_all_and_knows_no_contact():
     still, pressed = (initial_area(as_pins(REST), c, rule="circle") for c in (REST, moved_by_3_px(3, 4, 5)))
     assert still.area_px2 == pytest.approx(np.pi * 120**2)

@@ -205,6 +205,21 @@ def test_runs_of_one_condition_say_nothing(run_of, stiffness_n_per_mm):
     assert contrast_words(found) == []
 
 
+@pytest.mark.parametrize("at_the_smallest_angle", [("modular", "high-stiffness"), ("modular",)])
+def test_gaps_are_listed_where_there_are_two_to_compare(run_of, stiffness_n_per_mm, at_the_smallest_angle):
+    designs = [(condition, 0.0) for condition in at_the_smallest_angle]
+    designs += [("modular", 30.0), ("high-stiffness", 30.0)]
+    runs = [run_of(name, angle, condition) for condition, angle in designs for name in SPECIMENS]
+    found = discriminate(runs, stiffness_n_per_mm, "S_new", FEW, mounting_sd=0.025)
+    words = contrast_words(found)
+    assert "Whether human-like stiffness raises" in words[0]
+    at = [c for c, angle in zip(found.table.conditions, found.table.angles_deg, strict=True) if angle == 0]
+    gap = found.conditions.gaps.gap[found.table.angles_deg == 0]
+    told = ", ".join(f"{at[i]} {gap[i]:.1f}" for i in np.argsort(-gap))
+    assert (f", in SDs of a press, by condition: {told}." in words[-1]) == (len(at) > 1)
+    assert ("by condition" in words[-1]) == (len(at) > 1)
+
+
 def test_a_step_without_a_p_ends_the_sequence():
     steps = [0, 1, 2, 2]
     assert np.isnan(_in_order(np.array([np.nan, 0.001, 0.001, 0.001]), steps, 0.05)).all()

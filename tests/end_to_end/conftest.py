@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -22,14 +23,20 @@ new_stiffness_n_per_mm = 5.32
 )
 
 
+Once = Callable[[str, Callable[[Path], object]], Path]
+
+
+def _simulate(root: Path) -> None:
+    study = root / "studies" / "small" / "study.toml"
+    study.parent.mkdir(parents=True)
+    study.write_text(STUDY)
+    assert main(["simulate", str(study), "--json"]) == 0
+
+
 @pytest.fixture(scope="session")
-def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def simulated(built_once: Once) -> Path:
     """Folder with the study file and its recordings; copied, never changed."""
-    folder = tmp_path_factory.mktemp("simulated") / "studies" / "small"
-    folder.mkdir(parents=True)
-    (folder / "study.toml").write_text(STUDY)
-    assert main(["simulate", str(folder / "study.toml"), "--json"]) == 0
-    return folder
+    return built_once("simulated", _simulate) / "studies" / "small"
 
 
 @pytest.fixture
@@ -41,12 +48,14 @@ def study(simulated: Path, tmp_path: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
-def ran_once(simulated: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def ran_once(simulated: Path, built_once: Once) -> Path:
     """Folder two levels above a study that was run to its report."""
-    root = tmp_path_factory.mktemp("ran")
-    shutil.copytree(simulated, root / "studies" / "small")
-    assert main(["run", str(root / "studies" / "small" / "study.toml"), "--jobs", "1", "--json"]) == 0
-    return root
+
+    def run(root: Path) -> None:
+        shutil.copytree(simulated, root / "studies" / "small")
+        assert main(["run", str(root / "studies" / "small" / "study.toml"), "--jobs", "1", "--json"]) == 0
+
+    return built_once("ran", run)
 
 
 @pytest.fixture

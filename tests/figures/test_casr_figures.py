@@ -189,6 +189,8 @@ def test_pins_are_drawn_by_the_force_of_the_first_frame_on_one_scale():
     assert first.get_ylim()[0] == 0
     assert first.get_ylim()[1] > 73
     np.testing.assert_allclose(second.lines[0].get_ydata(), high)
+    assert [axes.get_ylabel() for axes in figure.axes] == ["Pins selected, n", ""]
+    assert {axes.get_xlabel() for axes in figure.axes} == {"Force of the first frame (N)"}
 
 
 def test_rates_have_a_row_for_each_design_and_one_legend():

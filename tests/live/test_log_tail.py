@@ -91,3 +91,13 @@ def test_after_a_damaged_row_it_goes_on(log, path, row):
         tail.new_rows()
     log.append(row(0.010))
     assert tail.new_rows() == [row(0.010)]
+
+
+def test_a_log_of_an_older_version_has_the_fields_it_had(log, path, row, tmp_path):
+    for turn in range(3):
+        log.append(row(turn / 200))
+    older = tmp_path / "older.csv"
+    older.write_text("".join(",".join(line.split(",")[:14]) + "\n" for line in path.read_text().splitlines()))
+    found = LogTail(older).new_rows()
+    assert found == read_log(older)
+    assert [each[:14] for each in found] == [each[:14] for each in read_log(path)]

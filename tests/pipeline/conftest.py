@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -27,16 +28,22 @@ root = "lab"
 """
 
 
-@pytest.fixture(scope="session")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder of a study with every stage, run to its report; copied, never changed."""
-    folder = tmp_path_factory.mktemp("finished") / "studies" / "small"
+Once = Callable[[str, Callable[[Path], object]], Path]
+
+
+def _run_all(root: Path) -> None:
+    folder = root / "studies" / "small"
     folder.mkdir(parents=True)
     (folder / "study.toml").write_text(STUDY)
     (folder / "rig.toml").write_text(RIG)
     assert main(["simulate", str(folder / "study.toml"), "--json"]) == 0
     assert main(["run", str(folder / "study.toml"), "--json"]) == 0
-    return folder
+
+
+@pytest.fixture(scope="session")
+def finished(built_once: Once) -> Path:
+    """Folder of a study with every stage, run to its report; copied, never changed."""
+    return built_once("finished", _run_all) / "studies" / "small"
 
 
 @pytest.fixture
@@ -49,10 +56,12 @@ def study(finished: Path, tmp_path: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
-def measured(finished: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def measured(finished: Path, built_once: Once) -> Path:
     """Folder of a study of measured runs alone, in another place and another format of frames; never changed."""
-    folder = tmp_path_factory.mktemp("measured") / "mine"
-    folder.mkdir()
+    return built_once("measured", lambda folder: _run_measured(finished, folder))
+
+
+def _run_measured(finished: Path, folder: Path) -> None:
     (folder / "study.toml").write_text(MEASURED)
     rows = ["folder\tspecimen\tangle_deg\tcondition"]
     for specimen in ("S1", "S3"):
@@ -67,4 +76,3 @@ def measured(finished: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
         rows.append(f"{specimen}\t{specimen}\t0\tmodular")
     (folder / "lab" / "runs.tsv").write_text("\n".join(rows) + "\n")
     assert main(["run", str(folder / "study.toml"), "--json"]) == 0
-    return folder

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -194,3 +195,27 @@ def test_a_record_that_begins_in_its_only_ramp(recorded, extract):
     assert trials.rest_force_n == 0
     assert np.isnan(trials.snr_db).all()
     assert any("tare impossible" in note for note in trials.notes)
+
+
+@pytest.mark.parametrize(("offset", "counts"), [(-26, False), (-25, True), (0, True)])
+def test_quality_is_of_the_samples_under_the_kernel_from_the_first_on(one_press, offset, counts):
+    """51 taps reach 25 samples before the first instant of the envelope, which is a multiple of 10 samples."""
+    first = 10 * math.ceil(100 * one_press().start_s[0] - 1e-9)
+
+    def lost(samples):
+        samples[first + offset] = np.nan
+        return samples
+
+    assert ("EDC misses 1 samples" in one_press(lost).reasons[0]) is counts
+
+
+@pytest.mark.parametrize(("offset", "counts"), [(0, True), (25, True), (26, False)])
+def test_quality_is_of_the_samples_under_the_kernel_to_the_last(one_press, offset, counts):
+    whole = one_press()
+    last = 10 * (math.ceil(100 * whole.start_s[0] - 1e-9) + whole.force_n.size - 1)
+
+    def lost(samples):
+        samples[last + offset] = np.nan
+        return samples
+
+    assert ("EDC misses 1 samples" in one_press(lost).reasons[0]) is counts

@@ -2,41 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from casr.cli import main
 
+Once = Callable[[str, Callable[[Path], object]], Path]
 
-@pytest.fixture(scope="session")
-def presses(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A hard and a soft specimen, two presses each, written by the command."""
-    folder = tmp_path_factory.mktemp("simulated") / "presses"
-    assert (
-        main(
-            [
-                "simulate",
-                str(folder),
-                "--specimens",
-                "S1,S5",
-                "--angles",
-                "0",
-                "--repetitions",
-                "2",
-                "--scatter",
-                "none",
-            ]
-        )
-        == 0
-    )
-    return folder
+
+def _simulate(folder: Path, *words: str) -> None:
+    assert main(["simulate", str(folder), "--scatter", "none", "--angles", "0", *words]) == 0
 
 
 @pytest.fixture(scope="session")
-def stuck_press(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A press in the world in which the skin inside the contact grows as the contact does."""
-    folder = tmp_path_factory.mktemp("simulated") / "stuck"
-    words = ["--world", "stick", "--scatter", "none", "--specimens", "S5", "--angles", "0", "--repetitions", "1"]
-    assert main(["simulate", str(folder), *words]) == 0
-    return folder / "S5_00deg_01"
+def presses(built_once: Once) -> Path:
+    """A hard and a soft specimen, two presses each, written by the command; never changed."""
+    words = ("--specimens", "S1,S5", "--repetitions", "2")
+    return built_once("presses", lambda folder: _simulate(folder / "presses", *words)) / "presses"
+
+
+@pytest.fixture(scope="session")
+def stuck_press(built_once: Once) -> Path:
+    """A press in the world in which the skin inside the contact grows as the contact does; never changed."""
+    words = ("--world", "stick", "--specimens", "S5", "--repetitions", "1")
+    return built_once("stuck", lambda folder: _simulate(folder / "presses", *words)) / "presses" / "S5_00deg_01"

@@ -20,7 +20,6 @@ from emg2vsa.cli.rig.rig_lock import lock_path, rig_lock, rig_user
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.rig_settings import RigSettings
 
-pytestmark = pytest.mark.realtime
 Rig = Callable[..., tuple[int, str, str]]
 MOTORS_OFF = bytes.fromhex("3a3a 01 03 81 00 81")
 WRONG = """\
@@ -63,6 +62,7 @@ def calliper(served: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> list[s
     return asked
 
 
+@pytest.mark.realtime
 @pytest.mark.slow
 def test_four_wrong_settings_are_found_and_mended(rig: Rig, served: SimpleNamespace, calliper: list[str]) -> None:
     text = served.path.read_text()
@@ -86,6 +86,7 @@ def test_four_wrong_settings_are_found_and_mended(rig: Rig, served: SimpleNamesp
     assert "these settings are right" in out
 
 
+@pytest.mark.realtime
 @pytest.mark.slow
 def test_settings_are_not_written_unasked(rig: Rig, served: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> None:
     served.path.write_text("[rig]\npush_axis = [1, 0, 0]\n\n" + served.path.read_text())
@@ -97,6 +98,7 @@ def test_settings_are_not_written_unasked(rig: Rig, served: SimpleNamespace, mon
     assert served.path.read_text() == before
 
 
+@pytest.mark.realtime
 def test_jog_moves_and_a_touch_ends_it(rig: Rig, served: SimpleNamespace) -> None:
     status, out, err = rig("jog", served.path, "--mm", 1)
     assert status == 0, err
@@ -108,6 +110,7 @@ def test_jog_moves_and_a_touch_ends_it(rig: Rig, served: SimpleNamespace) -> Non
     assert motors(served.bench) == MOTORS_OFF
 
 
+@pytest.mark.realtime
 @pytest.mark.slow
 def test_home_takes_a_pressed_probe_away(rig: Rig, served: SimpleNamespace) -> None:
     rig("jog", served.path, "--mm", 1.5)
@@ -117,6 +120,7 @@ def test_home_takes_a_pressed_probe_away(rig: Rig, served: SimpleNamespace) -> N
     assert out.startswith("shaft at ")
 
 
+@pytest.mark.realtime
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -144,6 +148,7 @@ def test_what_cannot_be_is_refused(
     assert motors(served.bench) == MOTORS_OFF
 
 
+@pytest.mark.realtime
 def test_a_question_that_nobody_can_answer_is_refused(
     rig: Rig, served: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -155,6 +160,7 @@ def test_a_question_that_nobody_can_answer_is_refused(
     )
 
 
+@pytest.mark.realtime
 def test_zero_tare_and_parameters(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
     rig("jog", served.path, "--deg", 5)
     status, out, err = rig("zero", served.path, "--yes")
@@ -180,6 +186,7 @@ def test_zero_tare_and_parameters(rig: Rig, served: SimpleNamespace, tmp_path: P
     assert f"{backup}: expected a new file, but found an existing file." in err
 
 
+@pytest.mark.realtime
 def test_the_watchdog_is_proven_and_the_proof_kept(rig: Rig, served: SimpleNamespace) -> None:
     path = served.path
     path.write_text(path.read_text().replace("watchdog_s = 5", "watchdog_s = 0.5", 1))
@@ -190,6 +197,7 @@ def test_the_watchdog_is_proven_and_the_proof_kept(rig: Rig, served: SimpleNames
     assert (proof["verdict"], proof["firmware"], proof["device_id"]) == ("motors off", "QBMMP v6.1.0", 1)
 
 
+@pytest.mark.realtime
 def test_off_ends_a_silent_process_and_switches_off(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
     """The process holds the rig's lock with a run in its folder, and hangs with the motors on."""
     folder = tmp_path / "runs" / "S1_0_modular"
@@ -224,6 +232,7 @@ def test_off_ends_a_silent_process_and_switches_off(rig: Rig, served: SimpleName
     assert rig_user(served.path) is None
 
 
+@pytest.mark.realtime
 def test_off_lets_a_process_that_obeys_end_by_itself(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
     folder = tmp_path / "runs" / "S1_0_modular"
     obey = (
@@ -248,6 +257,7 @@ def test_off_lets_a_process_that_obeys_end_by_itself(rig: Rig, served: SimpleNam
     assert "[actuator] motors off" in out
 
 
+@pytest.mark.realtime
 def test_off_by_port_needs_no_rig_file(rig: Rig, served: SimpleNamespace) -> None:
     served.bench.answer(bytes.fromhex("3a3a 01 03 80 03 83"))
     status, out, _ = rig("off", "--port", served.servers.port)
@@ -255,6 +265,7 @@ def test_off_by_port_needs_no_rig_file(rig: Rig, served: SimpleNamespace) -> Non
     assert out.startswith("[device] motors off; ")
 
 
+@pytest.mark.realtime
 def test_sigterm_during_a_jog_switches_off(rig: Rig, served: SimpleNamespace) -> None:
     threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGTERM)).start()
     status, _, _ = rig("jog", served.path, "--mm", -4, "--deg-per-s", 2)
@@ -272,6 +283,7 @@ def test_the_lock_names_its_holder_and_goes_with_it(tmp_path: Path) -> None:
     assert rig_user(path) is None
 
 
+@pytest.mark.realtime
 @pytest.mark.parametrize("spoil", ["deleted", "spoilt"])
 def test_off_finds_a_run_whose_lock_names_it_no_more(
     spoil: str, rig: Rig, served: SimpleNamespace, tmp_path: Path
@@ -291,12 +303,12 @@ def test_off_finds_a_run_whose_lock_names_it_no_more(
     assert "[actuator] motors off" in out
 
 
-def test_a_link_to_a_rig_file_has_the_lock_of_the_file(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
-    link = tmp_path / "elsewhere" / "other.toml"
+def test_a_link_to_a_rig_file_has_the_lock_of_the_file(rig_file: Callable[..., Path], tmp_path: Path) -> None:
+    path, link = rig_file(), tmp_path / "elsewhere" / "other.toml"
     link.parent.mkdir()
-    link.symlink_to(served.path)
-    with rig_lock(served.path):
+    link.symlink_to(path)
+    with rig_lock(path):
         user = rig_user(link)
-        assert (user is not None, lock_path(link)) == (True, lock_path(served.path))
+        assert (user is not None, lock_path(link)) == (True, lock_path(path))
         with pytest.raises(DeviceError, match="expected a rig that no other process uses"), rig_lock(link):
             pass

@@ -13,7 +13,6 @@ import pytest
 from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames
 
-pytestmark = pytest.mark.realtime
 Rig = Callable[..., tuple[int, str, str]]
 ONE = ("--specimen", "S1", "--angle", "0", "--condition", "modular")
 MOTORS_OFF = bytes.fromhex("3a3a 01 03 81 00 81")
@@ -28,6 +27,7 @@ def ended_of(folder: Path) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.realtime
 def test_a_run_is_completed_told_and_recorded(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
     status, out, err = rig("run", served.path, *ONE)
     folder = tmp_path / "runs" / "S1_0_modular"
@@ -57,6 +57,7 @@ def test_a_run_is_completed_told_and_recorded(rig: Rig, served: SimpleNamespace,
     assert f"{folder}: expected a run that is still to do, but found one with all its presses." in err
 
 
+@pytest.mark.realtime
 def test_an_ended_run_is_kept_and_the_next_gets_another_folder(
     rig: Rig, served: SimpleNamespace, tmp_path: Path
 ) -> None:
@@ -71,6 +72,7 @@ def test_an_ended_run_is_kept_and_the_next_gets_another_folder(
     assert ended_of(tmp_path / "runs" / "S1_0_modular-2")["how"] == "completed"
 
 
+@pytest.mark.realtime
 def test_a_trial_of_fewer_presses_can_be_repeated_and_is_kept(
     rig: Rig, served: SimpleNamespace, tmp_path: Path
 ) -> None:
@@ -88,6 +90,7 @@ def test_a_device_that_is_absent_is_told_and_nothing_is_recorded(
     assert not (tmp_path / "runs").exists()
 
 
+@pytest.mark.realtime
 def test_a_schedule_beyond_the_device_moves_nothing(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
     served.bench.firmware._shadow.max_stiffness = 2 * 2000
     status, _, err = rig("run", served.path, *ONE)

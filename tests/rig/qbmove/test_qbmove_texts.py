@@ -134,6 +134,16 @@ def test_a_slot_that_makes_no_sense_is_refused(payload: bytes) -> None:
         decode_parameters(payload, "line")
 
 
+@pytest.mark.parametrize(("count", "fits"), [(47, True), (48, True), (49, False)])
+def test_values_may_fill_their_slot_of_50_bytes_to_the_last(count: int, fits: bool) -> None:
+    payload = b"\x01" + bytes([0, count]) + bytes(range(count)) + bytes(48 - min(count, 48))
+    if fits:
+        assert decode_parameters(payload, "line")[1].values == tuple(range(count))
+    else:
+        with pytest.raises(DeviceError, match="parameter 1: expected a slot of type 0 to 8 within 50 bytes"):
+            decode_parameters(payload, "line")
+
+
 @given(st.binary(min_size=1, max_size=800))
 def test_any_bytes_are_read_or_refused(payload: bytes) -> None:
     try:

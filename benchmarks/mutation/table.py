@@ -1,0 +1,72 @@
+"""The page of mutation results: rates with their intervals, all mutants, and what each survivor is."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+JUDGED = Path(__file__).with_name("judged.json")
+
+
+def wilson(successes: int, n: int) -> tuple[float, float]:
+    """95 % interval of a share (Wilson 1927)."""
+    z = 1.959963984540054
+    middle, spread = successes + z**2 / 2, z * math.sqrt(successes * (n - successes) / n + z**2 / 4)
+    return (middle - spread) / (n + z**2), (middle + spread) / (n + z**2)
+
+
+def table(samples: list[dict[str, Any]]) -> str:
+    """Markdown of the results of ``python -m benchmarks.mutation``, one section a sample."""
+    judged = json.loads(JUDGED.read_text(encoding="utf-8"))
+    out = [HEAD, _rates(samples)]
+    for each in samples:
+        survivors = [row for row in each["mutants"] if row["state"] == "survived"]
+        out += [f"\n## Seed {each['seed']}: survivors\n", "| place | change | what it is |", "|---|---|---|"]
+        out += [f"| {_place(row)} | {_change(row)} | {judged.get(key(row), 'not judged')} |" for row in survivors]
+        out += [f"\n## Seed {each['seed']}: all mutants\n", "| place | kind | change | end |", "|---|---|---|---|"]
+        for row in each["mutants"]:
+            end = f"killed by `{row['by']}`" if row["state"] == "killed" else row["state"]
+            out.append(f"| {_place(row)} | {row['kind']} | {_change(row)} | {end.replace('|', chr(92) + '|')} |")
+    return "\n".join(out)
+
+
+HEAD = """# Small wrong changes that the tests notice
+
+Written by `python -m benchmarks.mutation --table`. A mutant is one wrong change of one expression or statement, in a
+copy of the project of its own. The test files that execute its line run first, then others of its package, at most 10
+files in all, without those marked `realtime`, until a test fails. A rate is therefore a lower bound for the whole
+suite. A run that was ended early has tried the first mutants of a shuffled sample.
+"""
+
+
+def _rates(samples: list[dict[str, Any]]) -> str:
+    rows = ["| seed | mutants tried | killed | timed out | survived | noticed | 95 % interval |", "|---" * 7 + "|"]
+    for each in samples:
+        n, states = len(each["mutants"]), Counter(row["state"] for row in each["mutants"])
+        noticed = n - states["survived"]
+        low, high = wilson(noticed, n)
+        counts = f"{states['killed']} | {states['timed out']} | {states['survived']}"
+        share = f"{100 * noticed / n:.0f} % | {100 * low:.0f} to {100 * high:.0f} %"
+        rows.append(f"| {each['seed']} | {n} of {each['drawn']} | {counts} | {share} |")
+    return "\n".join(rows)
+
+
+def key(row: dict[str, Any]) -> str:
+    """Of a mutant in ``judged.json``: place, change."""
+    return f"{row['module']}:{row['line']} {row['before']} -> {row['after']}"
+
+
+def _place(row: dict[str, Any]) -> str:
+    return f"{row['module']}:{row['line']}"
+
+
+def _change(row: dict[str, Any]) -> str:
+    before, after = (" ".join(row[name].split()).replace("|", "\\|") for name in ("before", "after"))
+    return f"`{_short(before)}` → `{_short(after)}`"
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 70 else text[:67] + "..."

@@ -1,0 +1,84 @@
+"""One mutant against the suite: in a copy of the tree of its own, nearest test files first, until one test fails."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks.mutation.sample import Chosen
+from benchmarks.mutation.time_limit import EXIT_CODE
+
+FIRST_FILES = 4
+_FAILED = re.compile(r"^(?:FAILED|ERROR) (.+?)(?: - |$)", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the suite said. state : killed, timed out or survived. by : the test that failed. tried : test files run."""
+
+    state: str
+    by: str
+    tried: tuple[str, ...]
+
+
+def tried(tree: Path, chosen: Chosen, files: Sequence[str], *, deselected: Sequence[str] = ()) -> Verdict:
+    """Run the ranked test ``files`` against the mutant: the first ``FIRST_FILES`` alone, then the others."""
+    with tempfile.TemporaryDirectory(prefix="mutant-") as folder:
+        copy = Path(folder) / "tree"
+        export(tree, copy)
+        module = copy / chosen.module
+        module.write_text(chosen.mutant.applied(module.read_text(encoding="utf-8")), encoding="utf-8")
+        for part in (files[:FIRST_FILES], files[FIRST_FILES:]):
+            if not part:
+                continue
+            code, out = run_tests(copy, part, deselected=deselected)
+            if code == EXIT_CODE:
+                return Verdict("timed out", "", tuple(part))
+            if code not in (0, 5):  # 5: no test was chosen
+                failed = _FAILED.search(out)
+                return Verdict("killed", failed[1] if failed else f"pytest ended with {code}", tuple(part))
+    return Verdict("survived", "", tuple(files))
+
+
+def export(tree: Path, copy: Path) -> None:
+    """What the last commit of ``tree`` holds, as a folder of its own."""
+    copy.mkdir()
+    archive = subprocess.Popen(["git", "-C", str(tree), "archive", "HEAD"], stdout=subprocess.PIPE)
+    subprocess.run(["tar", "x", "-C", str(copy)], stdin=archive.stdout, check=True)
+    if archive.wait():
+        raise OSError(f"{tree}: expected a git checkout, but found none. Run this from the project's own folder.")
+
+
+def run_tests(
+    copy: Path, tests: Sequence[str], *, deselected: Sequence[str] = (), first_failure: bool = True
+) -> tuple[int, str]:
+    """pytest's exit code, or that of ``time_limit``, and its output."""
+    data = os.environ.get("EMG2VSA_TEST_DATA", str(Path.cwd().parent / "shared" / "data"))
+    environment = os.environ | {"PYTHONPATH": str(copy), "EMG2VSA_TEST_DATA": data, "OPENBLAS_NUM_THREADS": "1"}
+    skipped = [word for name in deselected for word in ("--deselect", name)]
+    stop = ["-x"] if first_failure else []
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        *stop,
+        *skipped,
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        "benchmarks.mutation.time_limit",
+    ]
+    command += ["--tb=no", "-rfE", "--hypothesis-seed=0", "-m", "not realtime", *tests]
+    done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout
+
+
+def failed_tests(out: str) -> list[str]:
+    """Names of the tests that failed, from pytest's short summary."""
+    return _FAILED.findall(out)
