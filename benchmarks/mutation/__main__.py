@@ -32,7 +32,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.mutation", description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--seed", type=int, default=20)
     parser.add_argument("--count", type=int, default=60, help="mutants, over all packages in proportion to their lines")
-    parser.add_argument("--package", default="", help="only packages whose name begins so, such as emg2vsa.stats")
+    parser.add_argument("--package", default="", help="only packages whose name begins so, such as emg2vsa.statistics")
     parser.add_argument("--map", type=Path, help="folder of the line map; without it, tests that name the module")
     parser.add_argument("--out", type=Path, default=Path("mutation.json"), help="results, one entry a mutant")
     parser.add_argument("--list", action="store_true", help="print the sample, run nothing")

@@ -23,7 +23,7 @@ class Chosen:
 
 
 def package_of(module: Path) -> str:
-    """``emg2vsa.stats`` of emg2vsa/stats/anova.py; ``emg2vsa`` of the modules that stand alone."""
+    """``emg2vsa.statistics`` of emg2vsa/statistics/anova.py; ``emg2vsa`` of the modules that stand alone."""
     return ".".join(module.parts[:2]) if len(module.parts) > 2 else module.parts[0]
 
 

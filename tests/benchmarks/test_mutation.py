@@ -80,7 +80,7 @@ def test_bad_input_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
 
 
 def test_the_files_that_run_a_line_come_before_those_that_name_its_module() -> None:
-    module = "emg2vsa/stats/ranks.py"
+    module = "emg2vsa/statistics/ranks.py"
     lines = {module: {10: frozenset({"tests/test_docs.py"}), 20: frozenset({"tests/trials/test_extract.py"})}}
     near = files_for(ROOT, module, 12, {})
     assert near[0] == "tests/stats/test_ranks.py"
