@@ -125,7 +125,9 @@ def methods() -> list[Method]:
 def motions_of(compared: Iterable[Method], first: Frames, second: Frames) -> Motions:
     """Name, time in ms and flow of each method from one frame to the next."""
     whole = Region.circle(first.shape[1] / 2, first.shape[0] / 2, min(first.shape) / 3)
-    runs: dict[str, Run] = {f"{method.library} {method.name}": method.prepare(first, second, whole) for method in compared}
+    runs: dict[str, Run] = {
+        f"{method.library} {method.name}": method.prepare(first, second, whole) for method in compared
+    }
     flows = {name: run() for name, run in runs.items()}
     times = best_times(runs, n_repeats=5, budget_s=1.0)
     return [(name, 1e3 * times[name], flow) for name, flow in flows.items()]

@@ -6,7 +6,22 @@ from importlib import import_module
 
 from benchmarks.bench.case import Area
 
-NAMES = ("readers", "conditioning", "segmentation", "records", "fits", "tests", "calibration", "pins", "flow", "growth", "area", "scoring", "rig", "runs")
+NAMES = (
+    "readers",
+    "conditioning",
+    "segmentation",
+    "records",
+    "fits",
+    "tests",
+    "calibration",
+    "pins",
+    "flow",
+    "growth",
+    "area",
+    "scoring",
+    "rig",
+    "runs",
+)
 
 
 def area(name: str) -> Area:

@@ -48,9 +48,9 @@ def judged_trials(size: Size) -> Iterator[Case]:
 
 def _ours(records: Records) -> np.ndarray:
     """Mean activity (presses,) in the force window; NaN for a press that was not found or rejected."""
+    from emg2vsa.extraction.extract import extract_trials
     from emg2vsa.recordings import Channel
     from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
-    from emg2vsa.extraction.extract import extract_trials
 
     means = []
     for emg, force_n in zip(records.emg, records.force_n, strict=True):

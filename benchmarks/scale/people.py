@@ -21,10 +21,10 @@ from typing import Any
 import numpy as np
 
 from emg2vsa import artifacts
+from emg2vsa.extraction import Trials
 from emg2vsa.pipeline.lock import study_lock
 from emg2vsa.pipeline.plan import open_board
 from emg2vsa.study_file import load_study
-from emg2vsa.extraction import Trials
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 TEMPLATE = ROOT / "studies" / "palpation" / "study.toml"
