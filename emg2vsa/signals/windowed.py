@@ -74,16 +74,15 @@ def _by_spectrum(
         alike.setdefault(size, []).append((begin, end))
     filtered = {}
     for size, own in alike.items():
-        gains = _power_gains(iir.sos.tobytes(), size)
+        gains, rising = _power_gains(iir.sos.tobytes(), size), np.arange(size, dtype=np.float64)
         at_once = max(1, AT_ONCE // (size * len(channels)))
         for some in (own[i : i + at_once] for i in range(0, len(own), at_once)):
             rows = np.empty((len(some), len(channels), size))
             for of_piece, (begin, end) in zip(rows, some, strict=True):
                 of_piece[:, end - begin :] = 0.0
-                rising = np.arange(end - begin) / (end - 1 - begin)
                 for row, samples in zip(of_piece, channels, strict=True):
                     np.subtract(samples[begin:end], samples[begin], out=row[: end - begin])
-                    row[: end - begin] -= row[end - 1 - begin] * rising
+                    row[: end - begin] -= row[end - 1 - begin] / (end - 1 - begin) * rising[: end - begin]
             spectra = np.fft.rfft(rows)
             parts = spectra.view(np.float64)
             parts *= gains
