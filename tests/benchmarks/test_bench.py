@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -14,6 +15,7 @@ from benchmarks.bench import compare, plots, run
 from benchmarks.bench.case import Area, Case, NotHere, Size, Way
 from benchmarks.bench.growth import exponent, growths
 from benchmarks.bench.measure import measure
+from benchmarks.bench.memory import peak_mb
 from benchmarks.bench.plots import front_of, write_plots
 from benchmarks.bench.results import AreaResult, digits_of
 from benchmarks.bench.tables import page
@@ -111,6 +113,12 @@ def test_rows_hold_errors_digits_and_what_failed() -> None:
     assert bad.failed == "ValueError: it breaks"
     assert bad.median_ms is None
     assert result.missing == ("a data set: NAME says where it is",)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="peaks are read from Linux's /proc")
+def test_peak_memory_is_that_of_the_call() -> None:
+    peak = peak_mb(lambda: np.ones(4_000_000).sum())
+    assert peak == pytest.approx(4_000_000 * 8 / 2**20, rel=0.2)
 
 
 def test_the_first_way_must_be_ours_and_names_differ() -> None:
