@@ -94,7 +94,8 @@ def scoring_cases(size: Size) -> Iterator[Case]:
         ways = tuple(Way("casr", name, partial(score, sequence, settings), "equal") for name, settings in asked.items())
         yield Case(
             f"a press of {len(sequence)} frames", len(sequence), "frames in memory", ways,
-            partial(_rate_percent, press), "size, % of dA/dF", "the rate of the simulated contact, by the power law", "press to spread rate",
+            partial(_rate_percent, press), "size, % of dA/dF", "the rate of the simulated contact, by the power law",
+            "press to spread rate",
         )  # fmt: skip
 
 
