@@ -6,9 +6,13 @@ Sum of two muscles v = 30 + 15 ln F uV, shared 60:40; Gaussian carrier with a St
 The bias is far smaller than the spread, so the noise of the carrier itself is taken out (a control variate): b of the
 clean rectified carriers, by a linear fit with the true weights, has exactly the true mean, and what it misses by in
 these trials is what chance added to every chain.
+
+``python -m benchmarks.slope_of_b [--trials 1500]``.
 """
 
 from __future__ import annotations
+
+import argparse
 
 import numpy as np
 from scipy import signal
@@ -119,3 +123,13 @@ def print_slope_table(n_trials: int) -> None:
         percent = [100 * (mean / B_UV - 1), 100 * error / B_UV, 100 * found.b.std(ddof=1) / truth]
         plain = 100 * (found.b.mean() / truth - 1)
         print(f"{name:38}{percent[0]:+7.2f}{percent[1]:10.2f}{percent[2]:7.2f}{plain:+12.2f}  {cover:.1f} %")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--trials", type=int, default=1500)
+    print_slope_table(parser.parse_args().trials)
+
+
+if __name__ == "__main__":
+    main()

@@ -37,20 +37,36 @@ def laws_and_intervals(size: Size) -> Iterator[Case]:
         scores = _simulated(n)
         family = "calibrations with an unknown specimen"
         yield Case(
-            f"{family}, {n} calibrations: error of kappa", n, "calibrations of 5 specimens x 10 presses",
-            tuple(_ways(scores)), _kappa_error, "RMS, relative", "the kappa that the simulation drew", family,
-        )  # fmt: skip
+            f"{family}, {n} calibrations: error of kappa",
+            n,
+            "calibrations of 5 specimens x 10 presses",
+            tuple(_ways(scores)),
+            _kappa_error,
+            "RMS, relative",
+            "the kappa that the simulation drew",
+            family,
+        )
     yield Case(
-        f"intervals of kappa, {n} calibrations", n, "calibrations of 5 specimens x 10 presses", tuple(_ways(scores)),
-        _coverage_error, "points of coverage off 95 %",
+        f"intervals of kappa, {n} calibrations",
+        n,
+        "calibrations of 5 specimens x 10 presses",
+        tuple(_ways(scores)),
+        _coverage_error,
+        "points of coverage off 95 %",
         f"how many of {n} intervals hold the true kappa; chance alone is {100 * np.sqrt(0.95 * 0.05 / n):.1f} points",
-    )  # fmt: skip
+    )
 
 
 def _ways(scores: Scores) -> Iterator[Way]:
     checks = "bootstrap of 2000, left-out test"
     yield Way("emg2vsa", "calibrate and estimate, all in one call", lambda: _ours(scores), "equal", checks)
-    yield Way("emg2vsa", "calibrate and repeat_interval, all in one call", lambda: _by_repeats(scores), "as used", NO_BOOTSTRAP)
+    yield Way(
+        "emg2vsa",
+        "calibrate and repeat_interval, all in one call",
+        lambda: _by_repeats(scores),
+        "as used",
+        NO_BOOTSTRAP,
+    )
     yield Way("scipy", "curve_fit, loop", _looped(_by_curve_fit, scores), "as used", NO_BOOTSTRAP)
     if odr := peer("scipy.odr"):
         yield Way("scipy", "odr, errors in x, loop", _looped(_odr(odr), scores), "as used", NO_BOOTSTRAP)
@@ -113,10 +129,8 @@ def _lmfit(lmfit: Any) -> EachFit:
     return fit
 
 
-def _with_interval(
-    parameters: np.ndarray, covariance: np.ndarray, unknown: np.ndarray
-) -> tuple[float, float, float]:
-    """kappa at the mean score, with the interval by the delta method: covariance of the fit, and scatter of the mean."""
+def _with_interval(parameters: np.ndarray, covariance: np.ndarray, unknown: np.ndarray) -> tuple[float, float, float]:
+    """kappa at the mean score, with the interval by the delta method: covariance of the fit, scatter of the mean."""
     mean, se = unknown.mean(), unknown.std(ddof=1) / np.sqrt(unknown.size)
     kappa = float(law(mean, *parameters))
     gradient = -(kappa**2) * np.array([1.0, mean**1.5])
@@ -149,9 +163,9 @@ AREA = Area(
     parts=(laws_and_intervals,),
     peers={"lmfit": "lmfit"},
     meaning=(
-        "All ways fit one true law, so the errors of kappa differ little: the noise of the presses decides them. The "
-        "intervals differ: those from the residuals of five means have three degrees of freedom and are wide, ours come "
-        "from the scatter of the presses. Ours also draws a bootstrap and leaves each specimen out, which is most of its "
-        "time."
+        "All ways fit one true law, so the errors of kappa differ little: the noise of the presses decides them. "
+        "The intervals differ: those from the residuals of five means have three degrees of freedom and are "
+        "wide, ours come from the scatter of the presses. Ours also draws a bootstrap and leaves each specimen "
+        "out, which is most of its time."
     ),
 )

@@ -49,19 +49,24 @@ def whole_records(size: Size) -> Iterator[Case]:
             return np.array([filter_record(row, iir) for row in rows])
 
         yield Case(
-            name, len(rows), "records of 100 s at 1000 Hz",
+            name,
+            len(rows),
+            "records of 100 s at 1000 Hz",
             (
                 Way("emg2vsa", "filter_record", ours, "equal"),
                 Way("scipy", "sosfiltfilt, 2-D batch", lambda x=together, f=iir: signal.sosfiltfilt(f.sos, x), "equal"),
                 Way(
-                    "scipy", "filtfilt, transfer function", lambda x=together, f=iir: _transfer_function(x, f.sos),
+                    "scipy",
+                    "filtfilt, transfer function",
+                    lambda x=together, f=iir: _transfer_function(x, f.sos),
                     "equal",
                 ),
                 *_sections_of_peers(together, iir),
             ),
-            lambda found, truth=truth: _relative(found[0], truth), "relative",
+            lambda found, truth=truth: _relative(found[0], truth),
+            "relative",
             "the same sections in 80-bit arithmetic, first record",
-        )  # fmt: skip
+        )
 
 
 def as_people_use_them(size: Size) -> Iterator[Case]:
@@ -75,38 +80,58 @@ def as_people_use_them(size: Size) -> Iterator[Case]:
     ways = [
         Way("emg2vsa", "envelopes_at, windows at 100 Hz", lambda: _ours(records, FilterSettings()), "as used"),
         Way(
-            "emg2vsa", "envelopes_at, RMS 100 ms", lambda: _ours(records, FilterSettings(envelope="rms")), "as used",
+            "emg2vsa",
+            "envelopes_at, RMS 100 ms",
+            lambda: _ours(records, FilterSettings(envelope="rms")),
+            "as used",
             "windows at 100 Hz",
         ),
         Way(
-            "scipy", "sosfiltfilt, abs, FIR over whole trials", lambda: _scipy_whole(rows, FilterSettings()), "as used",
-            "10 s at 1000 Hz of each trial", lambda found: _level_error(found[:, instants], level_v),
+            "scipy",
+            "sosfiltfilt, abs, FIR over whole trials",
+            lambda: _scipy_whole(rows, FilterSettings()),
+            "as used",
+            "10 s at 1000 Hz of each trial",
+            lambda found: _level_error(found[:, instants], level_v),
         ),
-    ]  # fmt: skip
+    ]
     for library, name, recipe in _recipes():
         ways.append(
             Way(
-                library, name, lambda recipe=recipe: np.array([recipe(row) for row in rows]), "as used",
-                "10 s at 1000 Hz of each trial", lambda found: _level_error(found[:, instants], level_v),
+                library,
+                name,
+                lambda recipe=recipe: np.array([recipe(row) for row in rows]),
+                "as used",
+                "10 s at 1000 Hz of each trial",
+                lambda found: _level_error(found[:, instants], level_v),
             )
-        )  # fmt: skip
+        )
     yield Case(
-        "from raw EMG to the level of a press, as each library shows it", len(rows), "trials x muscles", tuple(ways),
-        lambda found: _level_error(found.reshape(-1, instants.size), level_v), "RMS, relative to the level",
+        "from raw EMG to the level of a press, as each library shows it",
+        len(rows),
+        "trials x muscles",
+        tuple(ways),
+        lambda found: _level_error(found.reshape(-1, instants.size), level_v),
+        "RMS, relative to the level",
         "the level of EMG that the simulation drew, each way scaled by its own mean",
-    )  # fmt: skip
+    )
 
 
 def _envelopes(n_trials: int, filters: Any, family: str, peers: Callable[..., Iterator[Way]]) -> Case:
     records = records_of(n_trials)
     return Case(
-        f"{family}, {n_trials} trials", n_trials, "trials of 10 s x 2 muscles at 1000 Hz",
+        f"{family}, {n_trials} trials",
+        n_trials,
+        "trials of 10 s x 2 muscles at 1000 Hz",
         (
             Way("emg2vsa", "envelopes_at", lambda: _ours(records, filters), "equal"),
             *peers(records, filters),
         ),
-        lambda found: _relative(found[:PER_RECORD], _exact(records, filters)), "relative", LONGDOUBLE, family,
-    )  # fmt: skip
+        lambda found: _relative(found[:PER_RECORD], _exact(records, filters)),
+        "relative",
+        LONGDOUBLE,
+        family,
+    )
 
 
 def _ours(records: Records, filters: Any) -> np.ndarray:
@@ -163,20 +188,31 @@ def _sections_of_peers(rows: np.ndarray, iir: Any) -> Iterator[Way]:
 
         def by_mne() -> np.ndarray:
             return mne.filter.filter_data(
-                rows, FS_HZ, 1.0, None, method="iir", iir_params=mne.filter.construct_iir_filter(
+                rows,
+                FS_HZ,
+                1.0,
+                None,
+                method="iir",
+                iir_params=mne.filter.construct_iir_filter(
                     design, None, None, FS_HZ, "highpass", return_copy=True, verbose="error"
-                ), phase="zero", verbose="error",
-            )  # fmt: skip
+                ),
+                phase="zero",
+                verbose="error",
+            )
 
-        yield Way("MNE", "filter_data, iir", by_mne, "equal", "pads the ends otherwise, which is its error on whole records")
+        yield Way(
+            "MNE", "filter_data, iir", by_mne, "equal", "pads the ends otherwise, which is its error on whole records"
+        )
     if neurokit := peer("neurokit2"):
 
         def by_neurokit() -> np.ndarray:
             low, high = edges if len(edges) == 2 else (None, edges[0])
-            return np.array([
-                neurokit.signal_filter(row, FS_HZ, lowcut=low, highcut=high, method="butterworth", order=2)
-                for row in rows
-            ])  # fmt: skip
+            return np.array(
+                [
+                    neurokit.signal_filter(row, FS_HZ, lowcut=low, highcut=high, method="butterworth", order=2)
+                    for row in rows
+                ]
+            )
 
         yield Way("NeuroKit2", "signal_filter, loop", by_neurokit, "equal")
     if tools := _biosppy("tools"):
@@ -184,9 +220,7 @@ def _sections_of_peers(rows: np.ndarray, iir: Any) -> Iterator[Way]:
 
         def by_biosppy() -> np.ndarray:
             frequency = edges if len(edges) == 2 else edges[0]
-            return np.array([
-                tools.filter_signal(row, "butter", band, 2, frequency, FS_HZ)["signal"] for row in rows
-            ])  # fmt: skip
+            return np.array([tools.filter_signal(row, "butter", band, 2, frequency, FS_HZ)["signal"] for row in rows])
 
         yield Way("BioSPPy", "filter_signal, loop", by_biosppy, "equal", "runs a transfer function, not sections")
 

@@ -21,6 +21,13 @@ def exponential(size: Size) -> Iterator[Case]:
     return exponential_cases(size)
 
 
+def coverage(size: Size) -> Iterator[Case]:
+    """Intervals of b, which correlated samples make too short."""
+    from benchmarks.statistics.coverage_cases import coverage_cases
+
+    return coverage_cases(size)
+
+
 def nist_nonlinear(size: Size) -> Iterator[Case]:
     """General least squares on 27 sets."""
     from benchmarks.statistics.nist_curves import nonlinear_cases
@@ -45,11 +52,12 @@ def nist_linear(size: Size) -> Iterator[Case]:
 AREA = Area(
     name="fits",
     question="What do the fits of presses and of calibrations cost, and how many of their digits are right?",
-    parts=(logarithmic, exponential, nist_nonlinear, nist_exponential, nist_linear),
+    parts=(logarithmic, exponential, coverage, nist_nonlinear, nist_exponential, nist_linear),
     peers={"lmfit": "lmfit", "statsmodels": "statsmodels", "pingouin": "pingouin"},
     meaning=(
-        "A study makes hundreds of logarithmic fits and thousands of exponential refits of one shape: ours does each set "
-        "in one call, others loop. The closed form of NumPy shows the floor: it gives a and b without errors or checks. "
-        "NIST's sets try what the data of a study never do; the error there is how many sets a way does not solve."
+        "A study makes hundreds of logarithmic fits and thousands of exponential refits of one shape: ours does "
+        "each set in one call, others loop. The closed form of NumPy shows the floor: it gives a and b without "
+        "errors or checks. NIST's sets try what the data of a study never do; the error there is how many sets a "
+        "way does not solve."
     ),
 )

@@ -76,22 +76,24 @@ def video(size: Size) -> Iterator[Case]:
         return np.array([cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY) for frame in read])
 
     yield Case(
-        f"lossless video of {len(frames)} frames", len(frames), "frames",
+        f"lossless video of {len(frames)} frames",
+        len(frames),
+        "frames",
         (
             Way("casr", "video.open_file", by_child, "equal", CHILD),
             Way("casr", "VideoDecoder in this process", here, "equal"),
             Way("OpenCV", "VideoCapture", by_opencv, "equal", "checks nothing"),
         ),
-        lambda found: float(np.max(np.abs(found.astype(float) - frames))), "grey levels", "the frames that were written",
-    )  # fmt: skip
+        lambda found: float(np.max(np.abs(found.astype(float) - frames))),
+        "grey levels",
+        "the frames that were written",
+    )
 
 
 CHILD = "in the child process, whose processor time counts"
 
 
-def _case(
-    name: str, path: Path, truth: Samples, peers: Callable[[Path], Iterator[Way]], family: str = ""
-) -> Case:
+def _case(name: str, path: Path, truth: Samples, peers: Callable[[Path], Iterator[Way]], family: str = "") -> Case:
     from emg2vsa.readers.formats import head_of, reader_of
     from emg2vsa.readers.opened import to_si
 
@@ -111,12 +113,12 @@ def _case(
 
 def _as_case(name: str, path: Path, ways: tuple[Way, ...], truth: Samples, family: str = "") -> Case:
     def error(found: Samples) -> float:
-        return max(
-            float(np.max(np.abs(found[name] - samples)) / np.ptp(samples)) for name, samples in truth.items()
-        )
+        return max(float(np.max(np.abs(found[name] - samples)) / np.ptp(samples)) for name, samples in truth.items())
 
     unit = "of the range of a channel"
-    return Case(name, round(path.stat().st_size / 1e6, 2), "MB", ways, error, unit, "the samples that were written", family)
+    return Case(
+        name, round(path.stat().st_size / 1e6, 2), "MB", ways, error, unit, "the samples that were written", family
+    )
 
 
 def _ours(path: Path, names: tuple[str, ...] = NAMES) -> Samples:
@@ -228,12 +230,18 @@ AREA = Area(
     question="What does reading a recording cost beside the format's own library, and are the samples right?",
     parts=(files_of_formats, one_channel, growth_with_length, video),
     peers={
-        "edfio": "edfio", "mne": "mne", "pandas": "pandas", "ezc3d": "ezc3d", "c3d": "c3d", "pymatreader": "pymatreader",
-    },  # fmt: skip
+        "edfio": "edfio",
+        "mne": "mne",
+        "pandas": "pandas",
+        "ezc3d": "ezc3d",
+        "c3d": "c3d",
+        "pymatreader": "pymatreader",
+    },
     meaning=(
-        "BDF, EDF, C3D and MATLAB files are decoded by edfio, ezc3d and SciPy: the difference between their own rows and "
-        "ours in this process is what checks, units and a copy that may be changed cost; the difference to the first row "
-        "is the child process, which keeps a decoder that crashes or never ends away from a run (decision 19). An error "
-        "of the size of one quantum of the format (BDF 6e-8, EDF 2e-5 of the range) is that of the file."
+        "BDF, EDF, C3D and MATLAB files are decoded by edfio, ezc3d and SciPy: the difference between their own "
+        "rows and ours in this process is what checks, units and a copy that may be changed cost; the difference "
+        "to the first row is the child process, which keeps a decoder that crashes or never ends away from a run "
+        "(decision 19). An error of the size of one quantum of the format (BDF 6e-8, EDF 2e-5 of the range) is "
+        "that of the file."
     ),
-)  # fmt: skip
+)

@@ -17,7 +17,7 @@ FEWER = "no verdicts, hum, floor, lag or quality"
 
 def judged_trials(size: Size) -> Iterator[Case]:
     """Continuous records of two muscles and force, ten presses each."""
-    for n in size.pick((10, 20), (70, 210, 700)):
+    for n in size.pick((10, 20), (20, 70, 210)):
         records = make_records(n)
         ways = [
             Way("emg2vsa", "extract_trials", lambda r=records: _ours(r), "equal", "finds, conditions and judges"),
@@ -25,14 +25,25 @@ def judged_trials(size: Size) -> Iterator[Case]:
         ]
         if n <= size.pick(10, 70) and (neurokit := peer("neurokit2")):
             ways.append(
-                Way("NeuroKit2", "script: emg_clean, amplitude, threshold", lambda r=records: _neurokit(neurokit, r),
-                    "as used", FEWER)
-            )  # fmt: skip
+                Way(
+                    "NeuroKit2",
+                    "script: emg_clean, amplitude, threshold",
+                    lambda r=records: _neurokit(neurokit, r),
+                    "as used",
+                    FEWER,
+                )
+            )
         family = "records to judged trials"
         yield Case(
-            f"{family}, {n} trials", n, "trials of 10 s x 3 channels at 1000 Hz", tuple(ways), _activity_error,
-            "RMS, relative", "mean activity in the window as the simulation drew it, one factor for all presses", family,
-        )  # fmt: skip
+            f"{family}, {n} trials",
+            n,
+            "trials of 10 s x 3 channels at 1000 Hz",
+            tuple(ways),
+            _activity_error,
+            "RMS, relative",
+            "mean activity in the window as simulated, one factor for all presses",
+            family,
+        )
 
 
 def _ours(records: Records) -> np.ndarray:
@@ -116,8 +127,8 @@ AREA = Area(
     parts=(judged_trials,),
     peers={"neurokit2": "neurokit2"},
     meaning=(
-        "Our stage filters EMG in the windows alone, and spends the rest on what a script leaves out: hum, the level at "
-        "rest, lag, quality and a verdict for each press. The error is the scatter of the mean activity of a press, "
-        "which the length of the window and the EMG itself set; it is equal where no press is lost."
+        "Our stage filters EMG in the windows alone, and spends the rest on what a script leaves out: hum, the "
+        "level at rest, lag, quality and a verdict for each press. The error is the scatter of the mean activity "
+        "of a press, which the length of the window and the EMG itself set; it is equal where no press is lost."
     ),
 )

@@ -46,15 +46,24 @@ def by_force(size: Size) -> Iterator[Case]:
             return [np.column_stack([presses.start_s, presses.stop_s]) for presses in found]
 
         family = "presses found by force"
-        ways = [Way("emg2vsa", "condition_force", ours, "equal", "with the drift of the zero and the release"), *_scripts(records)]
+        ways = [
+            Way("emg2vsa", "condition_force", ours, "equal", "with the drift of the zero and the release"),
+            *_scripts(records),
+        ]
         if n <= size.pick(20, 210) and (neurokit := peer("neurokit2")):
             ways.append(
                 Way("NeuroKit2", "signal_filter and a threshold", lambda r=records: _by_neurokit(neurokit, r), "equal")
             )
         yield Case(
-            f"{family}, {n} trials", n, "trials of 10 s at 1000 Hz", tuple(ways), _edge_error, "ms, RMS of both edges",
-            "the instants at which the simulated force passes 0.5 and 7 N", family,
-        )  # fmt: skip
+            f"{family}, {n} trials",
+            n,
+            "trials of 10 s at 1000 Hz",
+            tuple(ways),
+            _edge_error,
+            "ms, RMS of both edges",
+            "the instants at which the simulated force passes 0.5 and 7 N",
+            family,
+        )
 
 
 def by_emg(size: Size) -> Iterator[Case]:
@@ -76,10 +85,14 @@ def by_emg(size: Size) -> Iterator[Case]:
     for library, name, onsets in _detectors():
         ways.append(Way(library, name, lambda onsets=onsets: onsets(emg), "as used", EARLY))
     yield Case(
-        "onsets of presses, each library's own way", n, "presses", tuple(ways),
-        lambda found: _onset_scatter(found, _true_s(LOWER_N)[:n]), "ms, scatter of the onset",
+        "onsets of presses, each library's own way",
+        n,
+        "presses",
+        tuple(ways),
+        lambda found: _onset_scatter(found, _true_s(LOWER_N)[:n]),
+        "ms, scatter of the onset",
         "the start of each simulated press; a constant lead is not counted",
-    )  # fmt: skip
+    )
 
 
 def _scripts(records: Records) -> Iterator[Way]:
@@ -92,9 +105,12 @@ def _scripts(records: Records) -> Iterator[Way]:
 
     yield Way("scipy", "sosfiltfilt and a threshold", filtered, "equal", "zero from the first second")
     yield Way(
-        "numpy", "a threshold on raw force", lambda: [_crossings(row) for row in force_n], "as used",
+        "numpy",
+        "a threshold on raw force",
+        lambda: [_crossings(row) for row in force_n],
+        "as used",
         "no filter; zero from the first second",
-    )  # fmt: skip
+    )
 
 
 def _by_neurokit(neurokit: Any, records: Records) -> list[np.ndarray]:
@@ -171,9 +187,9 @@ AREA = Area(
     parts=(by_force, by_emg),
     peers={"neurokit2": "neurokit2", "biosppy": "biosppy"},
     meaning=(
-        f"The simulated force has noise of {1e3 * NOISE_N:g} mN, so raw thresholds are crossed early; a low-pass mends "
-        "this and rounds the corner of contact. Ours interpolates between samples, follows the drift of the zero and "
-        "finds the release too, which scripts do not. Onset detectors of EMG find the start of activity, a lead that is "
-        "taken out; what remains is their scatter."
+        f"The simulated force has noise of {1e3 * NOISE_N:g} mN, so raw thresholds are crossed early; a low-pass "
+        "mends this and rounds the corner of contact. Ours interpolates between samples, follows the drift of "
+        "the zero and finds the release too, which scripts do not. Onset detectors of EMG find the start of "
+        "activity, a lead that is taken out; what remains is their scatter."
     ),
 )

@@ -1,4 +1,4 @@
-"""Every test of the report beside SciPy, statsmodels, pingouin and scikit-posthocs, with digits against exact numbers."""
+"""Every test of the report beside SciPy, statsmodels, pingouin and scikit-posthocs, with digits."""
 
 from __future__ import annotations
 
@@ -12,6 +12,13 @@ def means_and_ranks(size: Size) -> Iterator[Case]:
     from benchmarks.statistics.group_cases import group_cases
 
     return group_cases(size)
+
+
+def many_groups_and_values(size: Size) -> Iterator[Case]:
+    """Mann-Whitney where there is much of it."""
+    from benchmarks.statistics.group_cases import many_values
+
+    return many_values(size)
 
 
 def unequal_and_paired(size: Size) -> Iterator[Case]:
@@ -45,11 +52,12 @@ def nist(size: Size) -> Iterator[Case]:
 AREA = Area(
     name="tests",
     question="What do the report's statistical tests cost, and how many digits of them are right?",
-    parts=(means_and_ranks, unequal_and_paired, normality, mixed_models, nist),
+    parts=(means_and_ranks, many_groups_and_values, unequal_and_paired, normality, mixed_models, nist),
     peers={"statsmodels": "statsmodels", "pingouin": "pingouin", "scikit_posthocs": "scikit-posthocs"},
     meaning=(
-        "Ours computes all designs of a study in one call, so the ratios grow with their number; the growth curves show "
-        "where a single design stands. The digits are those of the worst number that a way returns, the tail "
-        "probability as a rule. Where a library gives less than ours, the note of its row says what is missing."
+        "Ours computes all designs of a study in one call, so the ratios grow with their number; the growth "
+        "curves show where a single design stands. The digits are those of the worst number that a way returns, "
+        "the tail probability as a rule. Where a library gives less than ours, the note of its row says what is "
+        "missing."
     ),
 )

@@ -76,7 +76,8 @@ class Case:
 
     def __post_init__(self) -> None:
         names = [(way.library, way.name) for way in self.ways]
-        assert self.ways and self.ways[0].ours, f"{self.name}: the first way must be ours"
+        assert self.ways
+        assert self.ways[0].ours, f"{self.name}: the first way must be ours"
         assert len(set(names)) == len(names), f"{self.name}: two ways have one name"
 
     def error_of(self, way: Way, output: Any) -> float | None:

@@ -44,7 +44,16 @@ def product_of(revision: str) -> Iterator[Path]:
     """
     try:
         known = subprocess.run(
-            ["git", "-C", str(SOURCE), "rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}"],
+            [
+                "git",
+                "-C",
+                str(SOURCE),
+                "rev-parse",
+                "--verify",
+                "--quiet",
+                "--end-of-options",
+                f"{revision}^{{commit}}",
+            ],
             capture_output=True,
             text=True,
         )
@@ -74,12 +83,11 @@ def compare(name: str, options: dict[str, Any], old: Path, pairs: int) -> list[C
             asked = {**options, "ours_alone": True, "memory": False, "older": product is not None}
             runs[product].append(measured_in_child(name, asked, product))
     before, after = _rows(runs[old]), _rows(runs[None])
-    return [
-        Compared(
-            *key, *(_first(side.get(key)) for side in (before, after)), _ratio(before.get(key), after.get(key))
-        )
-        for key in dict.fromkeys([*after, *before])
-    ]
+    return [_compared(key, before.get(key), after.get(key)) for key in dict.fromkeys([*after, *before])]
+
+
+def _compared(key: tuple[str, str], old: list[Row] | None, new: list[Row] | None) -> Compared:
+    return Compared(*key, old=old[0] if old else None, new=new[0] if new else None, ratio=_ratio(old, new))
 
 
 def lines(revision: str, compared: list[Compared]) -> list[str]:
@@ -92,8 +100,8 @@ def _cells(revision: str, one: Compared) -> list[str]:
     old, new = one.old, one.new
     ratio = ratio_text(one.ratio) if one.ratio else f"not in {revision}" if new else "not here any more"
     return [
-        one.case, one.label, number(old and old.median_ms), number(new and new.median_ms), ratio,
-        number(old and old.error, ".2g"), number(new and new.error, ".2g"),
+        one.case, one.label, number(old.median_ms if old else None), number(new.median_ms if new else None), ratio,
+        number(old.error if old else None, ".2g"), number(new.error if new else None, ".2g"),
     ]  # fmt: skip
 
 
@@ -105,10 +113,6 @@ def _rows(results: list[AreaResult]) -> Runs:
                 if row.median_ms:
                     found.setdefault((case.name, row.label), []).append(row)
     return found
-
-
-def _first(rows: list[Row] | None) -> Row | None:
-    return rows[0] if rows else None
 
 
 def _ratio(old: list[Row] | None, new: list[Row] | None) -> Spread | None:

@@ -30,11 +30,12 @@ def growths(cases: Sequence[CaseResult]) -> list[Growth]:
         for row in case.rows:
             if row.median_ms:
                 points.setdefault((row.label, row.ours), []).append((case.size, row.median_ms))
-    return [
-        Growth(label, ours, *zip(*sorted(known), strict=True), *exponent(sorted(known)))
-        for (label, ours), known in points.items()
-        if len({size for size, _ in known}) > 1
-    ]
+    grown = []
+    for (label, ours), known in points.items():
+        if len({size for size, _ in known}) > 1:
+            sizes, times = zip(*sorted(known), strict=True)
+            grown.append(Growth(label, ours, sizes, times, *exponent(known)))
+    return grown
 
 
 def exponent(points: Sequence[tuple[float, float]]) -> tuple[float, float]:

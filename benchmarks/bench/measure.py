@@ -31,7 +31,8 @@ def measure(
 ) -> AreaResult:
     """Every case of the area: times, errors, digits, and with ``memory`` peaks.
 
-    rounds : 0 measures errors alone. only : a word that the name of a case or of its library and way must hold. ours_alone : no other library runs.
+    rounds : 0 measures errors alone. only : a word that the name of a case or of its library and way must hold.
+    ours_alone : no other library runs.
     older : the product is of another revision; a part whose functions it lacks is in ``missing``, not an error. A way
     that raises is a row that says so.
     """

@@ -11,6 +11,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
+from matplotlib.ticker import LogFormatterMathtext, LogLocator, NullLocator
 from matplotlib.transforms import Bbox
 
 from benchmarks.bench.growth import Growth, growths
@@ -67,8 +69,11 @@ def pareto_plot(case: CaseResult, points: Sequence[Row]) -> Figure:
         colour, marker = (BLUE, "o") if row.ours else (RED if row.work == "equal" else GREY, "s")
         axes.plot(x, y, marker, color=colour, ms=6, mfc=colour if row.work == "equal" else "white", mew=1.4)
     axes.margins(0.16, 0.16)
+    _few_ticks(axes, times, errors)
     axes.grid(True, which="major", color=GRID, lw=0.5)
-    axes.set_title("blue: ours; filled: equal work; hollow: as used; line: unbeaten", fontsize=9, loc="left", color=MUTED)
+    axes.set_title(
+        "blue: ours; filled: equal work; hollow: as used; line: unbeaten", fontsize=9, loc="left", color=MUTED
+    )
     figure.draw_without_rendering()
     numbers = {row.label: i for i, row in enumerate(case.rows, 1)}
     labels = [f"{numbers[row.label]} {row.library}" for row in points]
@@ -88,6 +93,7 @@ def growth_plot(family: str, size_unit: str, grown: Sequence[Growth]) -> Figure:
             ls=DASHES[i // len(LINES) % len(DASHES)], lw=2.2 if way.ours else 1.2,
             label=f"{way.label}: exponent {way.exponent:.2f}{error}",
         )  # fmt: skip
+    _few_ticks(axes, [size for way in grown for size in way.sizes], [ms for way in grown for ms in way.median_ms])
     axes.grid(True, which="major", color=GRID, lw=0.5)
     axes.set_title(family, fontsize=9, loc="left", color=MUTED)
     figure.legend(loc="outside lower left", fontsize=8.5, frameon=False)
@@ -110,6 +116,18 @@ def _above_zero(errors: Sequence[float]) -> list[float]:
     return [error if error > 0 else floor for error in errors]
 
 
+def _few_ticks(axes: Axes, x: Sequence[float], y: Sequence[float]) -> None:
+    """Ticks at 1, 2, 5 within two decades, else at decades; plain numbers where they are short."""
+    for axis, values in ((axes.xaxis, x), (axes.yaxis, y)):
+        decades = np.log10(max(values) / min(values))
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if decades < 2 else (1,), numticks=9))
+        axis.set_minor_locator(NullLocator())
+        if min(values) > 1e-3 and max(values) < 1e6:
+            axis.set_major_formatter("{x:g}")
+        else:
+            axis.set_major_formatter(LogFormatterMathtext(labelOnlyBase=False))
+
+
 def _label(axes: Axes, labels: Sequence[str], x: Sequence[float], y: Sequence[float], ours: Sequence[bool]) -> None:
     """Names beside the points, each where it covers least of what stands there."""
     renderer = axes.get_figure().canvas.get_renderer()  # type: ignore[union-attr]
@@ -121,16 +139,16 @@ def _label(axes: Axes, labels: Sequence[str], x: Sequence[float], y: Sequence[fl
             color=BLUE if ours[i] else INK, fontweight="bold" if ours[i] else "normal",
         )  # fmt: skip
 
-        def crowding(shift: tuple[int, int], label: object = label) -> float:
+        def crowding(shift: tuple[int, int], label: Annotation = label) -> float:
             box = _moved(label, shift).get_window_extent(renderer)
             outside = box.x0 < axes.bbox.x0 or box.x1 > axes.bbox.x1 or box.y0 < axes.bbox.y0 or box.y1 > axes.bbox.y1
-            return box.count_overlaps(taken) + 10 * outside
+            return float(box.count_overlaps(taken) + 10 * outside)
 
         best = min(SHIFTS_PT, key=crowding)
         taken.append(_moved(label, best).get_window_extent(renderer))
 
 
-def _moved(label: object, shift_pt: tuple[int, int]) -> object:
+def _moved(label: Annotation, shift_pt: tuple[int, int]) -> Annotation:
     label.set_position(shift_pt)
     label.set_horizontalalignment("center" if shift_pt[0] == 0 else "left" if shift_pt[0] > 0 else "right")
     return label

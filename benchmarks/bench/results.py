@@ -82,9 +82,7 @@ def from_json(value: dict[str, Any]) -> AreaResult:
     """The inverse of ``to_json``; ValueError for another schema."""
     if value.get("schema") != SCHEMA:
         raise ValueError(f"schema {value.get('schema')!r}, expected {SCHEMA!r}")
-    cases = tuple(
-        CaseResult(**{**case, "rows": tuple(_row(row) for row in case["rows"])}) for case in value["cases"]
-    )
+    cases = tuple(CaseResult(**{**case, "rows": tuple(_row(row) for row in case["rows"])}) for case in value["cases"])
     rest = {key: item for key, item in value.items() if key not in ("schema", "cases", "absent", "missing")}
     return AreaResult(**rest, absent=tuple(value["absent"]), missing=tuple(value["missing"]), cases=cases)
 

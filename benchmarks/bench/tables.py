@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from benchmarks.bench.memory import HOW
 from benchmarks.bench.results import AreaResult, CaseResult, Row
@@ -13,13 +13,13 @@ HOW_MEASURED = (
     "Processor time of one thread. All ways of a case run in turn, in rounds, and the order turns by one each round. "
     "A time is the median of the rounds, with its interquartile range. A ratio is taken within each round against the "
     "first row: median and 5 % to 95 % of the rounds; above 1 means slower than the first row. The first call of a way "
-    "counts nowhere; it is named where it took over five times the median. `equal` work has the input and output of the "
-    "first row; `as used` is the library as its documentation shows it."
+    "counts nowhere; it is named where it took over five times the median. `equal` work has the input and output of "
+    "the first row; `as used` is the library as its documentation shows it."
 )
 HEAD = ("#", "library", "way", "work", "CPU ms", "ratio", "error", "digits", "peak MB")
 
 
-def page(area: AreaResult, plots: dict[str, Sequence[str]]) -> str:
+def page(area: AreaResult, plots: Mapping[str, Sequence[str]]) -> str:
     """The page of an area. plots : file names of the plots of a case, and of a family of cases."""
     lines = [
         f"# {area.name}", "", area.question, "",

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from casr.decoder_process import child_pid
+from emg2vsa.arrays import Floats
 
 SHORTEST_S = 2e-3
 "A way is called several times between two readings of the clock until these seconds have passed."
@@ -54,9 +55,8 @@ class Timed:
     rounds_s: tuple[float, ...]
 
     @property
-    def known_s(self) -> np.ndarray:
-        times = np.array(self.rounds_s)
-        return times[np.isfinite(times)]
+    def known_s(self) -> Floats:
+        return np.array([seconds for seconds in self.rounds_s if np.isfinite(seconds)])
 
     @property
     def least_s(self) -> float:
@@ -105,7 +105,7 @@ def timed(
     times = np.full((len(runs), rounds), np.nan)
     spent = np.zeros(len(runs))
     for turn in range(rounds):
-        for way in np.roll(np.arange(len(runs)), -turn):
+        for way in np.roll(np.arange(len(runs)), -turn).tolist():
             if turn and spent[way] >= budget_s:
                 continue
             times[way, turn] = _mean(runs[way], calls[way], clock)

@@ -29,7 +29,10 @@ def log_cases(size: Size) -> Iterator[Case]:
         force = np.sort(rng.uniform(0.5, 7, (n_fits, n_points)), axis=1)
         family = "logarithmic fits of 131 points, each on its own forces"
         v = _noisy(force, rng)
-        ways = (Way("emg2vsa", "fit_log", lambda x=force, v=v: _ours(x, v), "equal"), *_log_peers(force, v, n_fits <= 700))
+        ways = (
+            Way("emg2vsa", "fit_log", lambda x=force, v=v: _ours(x, v), "equal"),
+            *_log_peers(force, v, n_fits <= 700),
+        )
         name = f"{family}, {n_fits} fits"
         yield Case(name, n_fits, "fits", ways, _log_error(force, v), "relative", MPMATH, family)
     grid = np.linspace(0.5, 7, n_points)

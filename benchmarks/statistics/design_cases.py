@@ -178,9 +178,14 @@ def _bootstrap(rows: np.ndarray) -> Case:
         Way("scipy", "bootstrap BCa, axis given", by_scipy, "equal"),
     )
     return Case(
-        f"BCa bootstrap of the mean of 8 values, {RESAMPLES} resamples, {len(rows)} samples", len(rows), "samples", ways,
-        error, "RMS of both ends, standard errors", "all 6435 resamples, weighted by how often each is drawn",
-    )  # fmt: skip
+        f"BCa bootstrap of the mean of 8 values, {RESAMPLES} resamples, {len(rows)} samples",
+        len(rows),
+        "samples",
+        ways,
+        error,
+        "RMS of both ends, standard errors",
+        "all 6435 resamples, weighted by how often each is drawn",
+    )
 
 
 def _each(exact: Any, designs: np.ndarray) -> Exact:

@@ -13,7 +13,6 @@ from benchmarks.bench.case import Case, Size, Way
 from benchmarks.statistics.exact_tests import mean, mpq, squares
 from benchmarks.statistics.numbers import Exact, Numbers, worst_error
 from benchmarks.statistics.peers import statsmodels_formula
-
 from emg2vsa.stats.mixed import balanced_mixed
 
 VOLTS = 1e-5
@@ -33,9 +32,14 @@ def mixed_cases(size: Size) -> Iterator[Case]:
     ):
         ours = Way("emg2vsa", "balanced_mixed", lambda y=VOLTS * y: _ours(y), "equal", "with intervals and checks")
         yield Case(
-            f"mixed model in volts, {title}", y.size, "rows", (ours, *_statsmodels(VOLTS * y)),
-            worst_error(lambda y=VOLTS * y: _exact(y)), "relative", "REML of a balanced study in rational arithmetic",
-        )  # fmt: skip
+            f"mixed model in volts, {title}",
+            y.size,
+            "rows",
+            (ours, *_statsmodels(VOLTS * y)),
+            worst_error(lambda y=VOLTS * y: _exact(y)),
+            "relative",
+            "REML of a balanced study in rational arithmetic",
+        )
 
 
 def _ours(y: np.ndarray) -> Numbers:
@@ -72,7 +76,9 @@ def _statsmodels(y: np.ndarray) -> Iterator[Way]:
         numbers = {"var people": found.cov_re.to_numpy()[0], "var cells": found.vcomp, "var rep": [found.scale]}
         return {"mean": _means(found), **numbers}
 
-    yield Way("statsmodels", "MixedLM (1 | person)", simple, "as used", "no variance of cells; a fit that fails has no digits")
+    yield Way(
+        "statsmodels", "MixedLM (1 | person)", simple, "as used", "no variance of cells; a fit that fails has no digits"
+    )
     yield Way("statsmodels", "MixedLM, specimens within", nested, "equal", "a fit that fails has no digits")
 
 

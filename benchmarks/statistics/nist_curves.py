@@ -40,10 +40,14 @@ def nonlinear_cases(size: Size) -> Iterator[Case]:
         if lmfit is not None:
             ways.append(Way("lmfit", "minimize, leastsq", _all(sets, start, _by_lmfit), "equal"))
         yield Case(
-            f"NIST nonlinear regressions from start {start + 1}", len(sets), "sets", tuple(ways),
+            f"NIST nonlinear regressions from start {start + 1}",
+            len(sets),
+            "sets",
+            tuple(ways),
             lambda found: float(sum(digits_of_set < 6.0 for digits_of_set in _digits(found, sets))),
-            "sets with fewer than 6 digits", "NIST's certified values, 11 digits",
-        )  # fmt: skip
+            "sets with fewer than 6 digits",
+            "NIST's certified values, 11 digits",
+        )
 
 
 def linear_cases(size: Size) -> Iterator[Case]:
@@ -61,14 +65,22 @@ def exponential_cases(size: Size) -> Iterator[Case]:
         x, y = nonlinear_data(data)
         z = np.log(x) if name == "DanWood" else 1 / (x + float(data.estimates[2]))
         yield Case(
-            f"NIST {name} as an exponential", y.size, "points",
+            f"NIST {name} as an exponential",
+            y.size,
+            "points",
             (
                 Way("emg2vsa", "fit_exponential", lambda z=z, y=y: _exponential(z, y), "equal"),
-                Way("scipy", "curve_fit from the logarithmic line", lambda z=z, y=y: _curve_fit_exponential(z, y), "equal"),
+                Way(
+                    "scipy",
+                    "curve_fit from the logarithmic line",
+                    lambda z=z, y=y: _curve_fit_exponential(z, y),
+                    "equal",
+                ),
             ),
-            lambda found, data=data: _relative(found, data.estimates[:2]), "relative",
+            lambda found, data=data: _relative(found, data.estimates[:2]),
+            "relative",
             "NIST's certified values, 11 digits",
-        )  # fmt: skip
+        )
 
 
 def _exponential(z: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -91,21 +103,34 @@ def _linear_case(data: Regression) -> Case:
     design = np.column_stack([np.ones(y.size), x]) if intercept else x
     note = "the file's own digits"
     ways = [
-        Way("emg2vsa", "nonlinear.solve, doubles", lambda: fit_linear(x, y, intercept=intercept).coefficients[0], "equal"),
         Way(
-            "emg2vsa", "nonlinear.solve, decimal text",
-            lambda: fit_linear(text_x, text_y, intercept=intercept).coefficients[0], "as used", note,
+            "emg2vsa",
+            "nonlinear.solve, doubles",
+            lambda: fit_linear(x, y, intercept=intercept).coefficients[0],
+            "equal",
+        ),
+        Way(
+            "emg2vsa",
+            "nonlinear.solve, decimal text",
+            lambda: fit_linear(text_x, text_y, intercept=intercept).coefficients[0],
+            "as used",
+            note,
         ),
         Way("numpy", "linalg.lstsq", lambda: np.linalg.lstsq(design, y, rcond=None)[0], "equal"),
-    ]  # fmt: skip
+    ]
     if statsmodels_api is not None:
         for method in ("pinv", "qr"):
             fit = lambda m=method: statsmodels_api.OLS(y, design).fit(method=m).params  # noqa: E731
             ways.append(Way("statsmodels", f"OLS, {method}", fit, "equal"))
     return Case(
-        f"NIST {data.name}", y.size, "points", tuple(ways), lambda found: _relative(found, data.estimates), "relative",
+        f"NIST {data.name}",
+        y.size,
+        "points",
+        tuple(ways),
+        lambda found: _relative(found, data.estimates),
+        "relative",
         "NIST's certified values, 15 digits",
-    )  # fmt: skip
+    )
 
 
 def _all(
@@ -123,9 +148,7 @@ def _by_curve_fit(data: Regression, start: np.ndarray) -> np.ndarray:
     x, y = nonlinear_data(data)
     with np.errstate(all="ignore"):
         try:
-            return np.asarray(
-                optimize.curve_fit(lambda z, *b: MODELS[data.name](z, np.array(b)), x, y, p0=start)[0]
-            )
+            return np.asarray(optimize.curve_fit(lambda z, *b: MODELS[data.name](z, np.array(b)), x, y, p0=start)[0])
         except RuntimeError:  # it says that it did not converge
             return np.full(start.size, np.nan)
 

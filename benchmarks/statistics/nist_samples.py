@@ -17,6 +17,7 @@ from benchmarks.statistics.exact_tests import f_statistic, fractions, mpq
 from benchmarks.statistics.peers import pingouin, statsmodels_api, statsmodels_formula
 from emg2vsa.stats.anova import one_way
 
+
 def anova_cases(size: Size) -> Iterator[Case]:
     """One case for each set; the error is that of F. NotHere where NIST's data are absent."""
     for path in nist_files("nist_anova")[: size.pick(2, None)]:

@@ -30,18 +30,24 @@ def kruskal_and_pairs(scores: np.ndarray) -> Iterator[Way]:
 
     yield Way("scipy", "kruskal, 3 mannwhitneyu, axis-aware", axis_aware, "as used", "Mann-Whitney pairs for Dunn's")
     yield Way(
-        "scipy", "kruskal, 3 mannwhitneyu, loop", looped(_kruskal_and_mwu, scores), "as used",
+        "scipy",
+        "kruskal, 3 mannwhitneyu, loop",
+        looped(_kruskal_and_mwu, scores),
+        "as used",
         "Mann-Whitney pairs for Dunn's",
-    )  # fmt: skip
+    )
     frames = tables(scores)
     both = list(zip(scores, frames, strict=True))
     if scikit_posthocs is not None:
         yield Way("scikit-posthocs", "posthoc_dunn, with scipy kruskal, loop", looped(_kruskal_and_dunn, both), "equal")
     if pingouin is not None:
         yield Way(
-            "pingouin", "kruskal and pairwise_tests, loop", looped(_pingouin, frames), "as used",
+            "pingouin",
+            "kruskal and pairwise_tests, loop",
+            looped(_pingouin, frames),
+            "as used",
             "Mann-Whitney pairs for Dunn's",
-        )  # fmt: skip
+        )
 
 
 def _kruskal(design: np.ndarray) -> dict[str, Any]:

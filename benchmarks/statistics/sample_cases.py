@@ -15,10 +15,10 @@ from benchmarks.bench.case import Case, Size, Way
 from benchmarks.statistics.exact_tests import exact_ks, exact_shapiro
 from benchmarks.statistics.numbers import Exact, Numbers, exact_rows, worst_error
 from benchmarks.statistics.peers import pingouin, statsmodels_api
-
 from emg2vsa.stats.lilliefors import lilliefors
 from emg2vsa.stats.normality import ks_normal
 from emg2vsa.stats.shapiro import shapiro_wilk
+
 MPMATH = "40-digit arithmetic"
 
 
@@ -29,23 +29,36 @@ def sample_cases(size: Size) -> Iterator[Case]:
     simulated = size.pick(20_000, 2_000_000)
     for title, ours, peers, exact, truth in (
         (
-            "Kolmogorov-Smirnov, standardised, exact p", lambda: _ours(ks_normal(rows, standardise=True), "D"),
-            _ks_peers, lambda: exact_rows(exact_ks, ("D", "p"), rows), MPMATH,
+            "Kolmogorov-Smirnov, standardised, exact p",
+            lambda: _ours(ks_normal(rows, standardise=True), "D"),
+            _ks_peers,
+            lambda: exact_rows(exact_ks, ("D", "p"), rows),
+            MPMATH,
         ),
         (
-            "Lilliefors", lambda: _ours(lilliefors(rows), "D"), _lilliefors_peers,
-            lambda: _simulated_p(rows, simulated), f"p of {simulated:.0e} simulated samples, to 2 or 3 digits",
+            "Lilliefors",
+            lambda: _ours(lilliefors(rows), "D"),
+            _lilliefors_peers,
+            lambda: _simulated_p(rows, simulated),
+            f"p of {simulated:.0e} simulated samples, to 2 or 3 digits",
         ),
         (
-            "Shapiro-Wilk", lambda: _ours(shapiro_wilk(rows), "W"), _shapiro_peers,
-            lambda: exact_rows(exact_shapiro, ("W", "p"), rows), MPMATH + ", Royston's AS R94",
+            "Shapiro-Wilk",
+            lambda: _ours(shapiro_wilk(rows), "W"),
+            _shapiro_peers,
+            lambda: exact_rows(exact_shapiro, ("W", "p"), rows),
+            MPMATH + ", Royston's AS R94",
         ),
-    ):  # fmt: skip
+    ):
         yield Case(
-            f"{title}, {len(rows)} samples of 10", len(rows), "samples",
+            f"{title}, {len(rows)} samples of 10",
+            len(rows),
+            "samples",
             (Way("emg2vsa", "all samples in one call", ours, "equal"), *peers(rows)),
-            worst_error(exact), "relative", truth,
-        )  # fmt: skip
+            worst_error(exact),
+            "relative",
+            truth,
+        )
 
 
 def _ours(found: Any, statistic: str) -> Numbers:

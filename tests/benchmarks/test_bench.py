@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -10,10 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.bench import compare, run
+from benchmarks.bench import compare, plots, run
 from benchmarks.bench.case import Area, Case, NotHere, Size, Way
 from benchmarks.bench.growth import exponent, growths
 from benchmarks.bench.measure import measure
+from benchmarks.bench.memory import peak_mb
 from benchmarks.bench.plots import front_of, write_plots
 from benchmarks.bench.results import AreaResult, digits_of
 from benchmarks.bench.tables import page
@@ -113,6 +115,12 @@ def test_rows_hold_errors_digits_and_what_failed() -> None:
     assert result.missing == ("a data set: NAME says where it is",)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="peaks are read from Linux's /proc")
+def test_peak_memory_is_that_of_the_call() -> None:
+    peak = peak_mb(lambda: np.ones(4_000_000).sum())
+    assert peak == pytest.approx(4_000_000 * 8 / 2**20, rel=0.2)
+
+
 def test_the_first_way_must_be_ours_and_names_differ() -> None:
     with pytest.raises(AssertionError, match="ours"):
         _case(1, _way("peer", "fast"))
@@ -145,18 +153,24 @@ def test_the_front_is_of_ways_that_none_beats() -> None:
 
 def test_page_names_what_was_not_measured_and_plots_are_svg(tmp_path: Path) -> None:
     result = _measured()
-    plots = write_plots(result, tmp_path)
-    text = page(result, plots)
-    for expected in ("Is it right?", "| 2 | peer | slow | equal |", "ValueError: it breaks", "not measured: a data set"):
+    written = write_plots(result, tmp_path)
+    text = page(result, written)
+    for expected in (
+        "Is it right?",
+        "| 2 | peer | slow | equal |",
+        "ValueError: it breaks",
+        "not measured: a data set",
+    ):
         assert expected in text
-    for name in (name for names in plots.values() for name in names):
+    for name in (name for names in written.values() for name in names):
         assert f"({name})" in text
         assert 'width="450pt"' in (tmp_path / name).read_text()[:600]
-    assert "exponent" in (tmp_path / plots["sums"][0]).read_text()
+    assert "exponent" in (tmp_path / written["sums"][0]).read_text()
 
 
 def test_an_area_is_written_and_listed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "NAMES", ("demo",))
+    monkeypatch.setattr(plots, "write_plots", lambda result, folder: {})
     (tmp_path / "demo-old.svg").write_text("of another case")
     run.write_area(_measured(), tmp_path)
     assert "[demo](demo.md)" in (tmp_path / "README.md").read_text()
@@ -165,7 +179,7 @@ def test_an_area_is_written_and_listed(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_a_run_in_a_child_writes_and_prints(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["bench", "calibration", "--smoke", "--repeats", "1", "--only", "interval"]
+    words = ["bench", "calibration", "--smoke", "--repeats", "1", "--only", "intervals"]
     assert main([*words, "--out", str(tmp_path), "--json", str(tmp_path / "all.json")]) == 0
     assert "points of coverage off 95 %" in capsys.readouterr().out
     (area,) = json.loads((tmp_path / "all.json").read_text())
@@ -183,9 +197,7 @@ def test_a_run_in_a_child_writes_and_prints(tmp_path: Path, capsys: pytest.Captu
         (["--repeats", "0"], "a whole number from 1"),
     ],
 )
-def test_bad_words_are_one_clear_error(
-    words: list[str], complaint: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_bad_words_are_one_clear_error(words: list[str], complaint: str, capsys: pytest.CaptureFixture[str]) -> None:
     try:
         status = main(["bench", *words])
     except SystemExit as end:
@@ -236,10 +248,15 @@ def test_the_folder_of_another_revision_is_removed_also_after_ctrl_c(
     if not (compare.SOURCE / ".git").exists():
         pytest.skip("this checkout has no git history to take a revision from")
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    with pytest.raises(KeyboardInterrupt), compare.product_of("HEAD") as folder:
-        assert (folder / "emg2vsa" / "__init__.py").exists()
-        assert not (folder / "benchmarks").exists()
-        raise KeyboardInterrupt
+
+    def stopped() -> None:
+        with compare.product_of("HEAD") as folder:
+            assert (folder / "emg2vsa" / "__init__.py").exists()
+            assert not (folder / "benchmarks").exists()
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stopped()
     assert list(tmp_path.iterdir()) == []
 
 

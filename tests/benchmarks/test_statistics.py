@@ -85,6 +85,7 @@ def test_absent_nist_data_are_said(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         list(anova_cases(Size.SMOKE))
 
 
+@pytest.mark.slow
 def test_nist_anova_keeps_the_digits_that_doubles_allow(
     shared_data: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
