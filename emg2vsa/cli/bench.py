@@ -23,6 +23,7 @@ def add_to(commands: Commands) -> None:
         "An area is one question with its cases; --list names the areas. All ways of a case run in turn on one thread, "
         "and times are processor times. Other libraries take part where they are installed. A full run of whole areas "
         "writes docs/benchmarks; with --smoke, --only or --compare the tables are only printed unless --out is given. "
+        "The word stress alone prints the digits of every function in hard worlds. "
         "Needs the folder benchmarks/ of a source checkout. Example: emg2vsa bench conditioning --smoke",
     )
     parser.add_argument("area", nargs="*", metavar="AREA", help="areas to measure (default all)")
@@ -50,6 +51,8 @@ def run(arguments: argparse.Namespace) -> int:
         )  # fmt: skip
     if str(SOURCE) not in sys.path:
         sys.path.insert(0, str(SOURCE))
+    if arguments.area == ["stress"]:
+        return int(import_module("benchmarks.stress").run(arguments.out, arguments.smoke))
     program = import_module("benchmarks.bench.run")
     if arguments.list:
         program.list_areas()

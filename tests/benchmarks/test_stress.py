@@ -12,6 +12,7 @@ from mpmath import mpf
 import benchmarks.stress
 from benchmarks.stress import all_cases, curves, run, signals
 from benchmarks.stress.case import Case, Found, fewest_digits, judged
+from emg2vsa.cli import main
 from emg2vsa.curves import line
 from emg2vsa.errors import DataError
 
@@ -108,3 +109,15 @@ def test_a_low_edge_says_its_digits() -> None:
     row = judged(signals.low_pass_case(1e-4, 0.0, 1.0, 2, "causal", 8.0, False, signals.noise(300)))
     assert row.kept
     assert "digits of a slow signal" in row.said
+
+
+def test_the_command_hands_on_what_was_asked(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    asked = []
+    monkeypatch.setattr(benchmarks.stress, "run", lambda out, smoke: asked.append((out, smoke)) or 1)
+    assert main(["bench", "stress", "--smoke", "--out", str(tmp_path)]) == 1
+    assert asked == [(tmp_path, True)]
+
+
+def test_stress_goes_with_no_area(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "stress", "pins"]) == 2
+    assert "expected an area" in capsys.readouterr().err

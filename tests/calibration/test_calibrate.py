@@ -293,3 +293,14 @@ def test_wrong_scores_and_settings_are_named() -> None:
         estimate(calibrate(KAPPA, known, PAPER, casr_unit=UNIT), np.ones((2, 5)))
     with pytest.raises(SettingError, match="linear-log"):
         calibrate(KAPPA, known, chosen(law="linear-log", minimise="ln kappa"), casr_unit=UNIT)
+
+
+def test_a_design_of_nearly_equal_stiffness_says_so() -> None:
+    scores = np.array([[2.0], [1.9], [1.7]])
+    near = calibrate(0.5 * (1 + 1e-6 * np.arange(3)), scores, casr_unit="mm2/N")
+    assert near.notes()[0].startswith("ill-conditioned design: the stiffnesses of the specimens differ by 2e-06")
+    assert "keeps 10 digits" in near.notes()[0]
+    equal = calibrate([0.5, 0.5, 0.5], scores, casr_unit="mm2/N")
+    assert any("keeps 0 digits" in note for note in equal.notes())
+    apart = calibrate([0.5, 0.501, 0.502], scores, casr_unit="mm2/N")
+    assert not any("ill-conditioned" in note for note in apart.notes())
