@@ -39,7 +39,7 @@ def filter_windows(channels: Sequence[Floats], starts: Ints, stops: Ints, iir: I
     apart = ordered[1:] > reached[:-1]
     first, last = ordered[np.append(True, apart)].tolist(), reached[np.append(apart, True)].tolist()
     pieces = list(zip(first, last, strict=True))
-    inner = [(begin, end) for begin, end in pieces if iir.zero_phase and -pad < begin and end < n + pad]
+    inner = [(begin, end) for begin, end in pieces if iir.zero_phase and begin >= 0 and end <= n]
     filtered = _by_spectrum(channels, inner, iir)
     for begin, end in set(pieces) - set(inner):
         rows = np.stack([_cut(samples, begin, end - begin) for samples in channels])

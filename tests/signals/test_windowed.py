@@ -113,3 +113,19 @@ def test_envelopes_equal_a_plain_weighted_sum_at_each_instant(settings):
         value = np.maximum(level[:, under[inside]] @ taps[inside] / total, 0.0)
         expected.append(np.sqrt(value) if kernel.squared else value)
     np.testing.assert_allclose(got, np.array(expected).T, rtol=0, atol=2e-12 * np.max(expected))
+
+
+def test_a_window_whose_support_ends_just_beyond_either_end_of_the_record():
+    """The support of such a window begins, or ends, within the odd extension of the record."""
+    channels = record(4, 4000)
+    for iir in (band_pass(FilterSettings(), FS_HZ), force_low_pass(FilterSettings(), FS_HZ)):
+        whole = np.stack([filter_record(row, iir) for row in channels])
+        support = iir.support_samples
+        for beyond in (-2, -1, 0, 1, 2, 7, iir.pad_samples - 1, iir.pad_samples, iir.pad_samples + 1):
+            for start, stop in (
+                (support - beyond, support - beyond + 40),
+                (3960 - support + beyond, 4000 - support + beyond),
+            ):
+                start, stop = max(start, 0), min(stop, 4000)
+                (got,) = filter_windows(tuple(channels), np.array([start]), np.array([stop]), iir)
+                np.testing.assert_allclose(got, whole[:, start:stop], rtol=0, atol=2e-10 * np.abs(whole).max())
