@@ -21,7 +21,7 @@ _S, _S_WEIGHT = np.polynomial.legendre.leggauss(128)
 _REACH = 9.0
 _WIDTH = 13.0  # standard deviations of s that are integrated over
 _CHUNK = 64
-_STRETCH, _STRETCHES, _DEGREE = 1.0, 30, 24
+_STRETCH, _STRETCHES, _DEGREE = 1.0, 50, 24
 _STEPS = 30
 _CLOSE = 1e-12
 
@@ -64,7 +64,11 @@ def quantile(probability: float, k: ArrayLike, df: ArrayLike) -> Floats:
 def _survival(q: Floats, k: Floats, df: Floats) -> Floats:
     """(j,) of each, all defined."""
     spread = _WIDTH / np.sqrt(2 * df)
-    low, high = np.maximum(1 - spread, 0.0)[:, None], (1 + spread)[:, None]
+    # where W(q s) ~ exp(-(q s)^2 / 4) the product with f is largest at ``peak``, which lies far below 1 for large q
+    joint = df + q**2 / 2
+    peak = np.sqrt(np.maximum(df - 1, 0.0) / joint)
+    low = np.clip(peak - _WIDTH / np.sqrt(2 * joint), 0.0, np.maximum(1 - spread, 0.0))[:, None]
+    high = (1 + spread)[:, None]
     # s = low + (high - low) t^3: for low = 0 the density starts like s^(df - 1), which df below 2 makes steep
     t = (_S + 1) / 2
     s = low + (high - low) * t**3
@@ -107,7 +111,7 @@ def _log_spread(k: int) -> Floats:
 
 def _spread_quadrature(w: Floats, k: int) -> Floats:
     """W of any w by quadrature over the largest value."""
-    z = _REACH * _Z
+    z = w[..., None] / 2 + _REACH * _Z  # the largest of values that spread by a large w is about w / 2
     largest = special.ndtr(z)
     density = np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi) * _REACH * _Z_WEIGHT
     left_out = special.ndtr(z - w[..., None])
