@@ -84,7 +84,7 @@ def test_an_unknown_name_is_told_with_the_nearest(tmp_path: Path, capsys: pytest
     with pytest.raises(SystemExit, match="2"):
         main(["sample", "pres", "--out", str(tmp_path / "new")])
     assert "but found 'pres'. Did you mean presses?" in capsys.readouterr().err
-    with pytest.raises(SettingError, match="expected one of .*, but found 'slope'. Did you mean slopes?"):
+    with pytest.raises(SettingError, match=r"expected one of .*, but found 'slope'. Did you mean slopes\?"):
         write_sample("slope", tmp_path / "new")
     assert not (tmp_path / "new").exists()
 
