@@ -24,10 +24,11 @@ nitpicky = True
 nitpick_ignore_regex = [("py:.*", ".*")]  # docstrings name types of NumPy and pandas, whose own sites are elsewhere
 
 myst_heading_anchors = 4
-myst_enable_extensions = ["dollarmath"]
+myst_enable_extensions: list[str] = []  # no formulas: MathJax would come from another server
 nb_execution_mode = "force"
 nb_execution_timeout = 120
 nb_execution_raise_on_error = True
+nb_execution_show_tb = True
 
 autodoc_typehints = "description"
 autodoc_member_order = "bysource"

@@ -27,7 +27,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.samples import SAMPLES, write_sample
+    from emg2vsa.sample_data import SAMPLES, write_sample
 
     folder = arguments.out or Path(arguments.name)
     made = write_sample(arguments.name, folder, overwrite=arguments.overwrite)
