@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
@@ -94,11 +95,12 @@ b_v = {{ S1 = 20e-6, S3 = 13e-6, S5 = 7e-6 }}
 _SLOPE_UV = {"S1": 20.0, "S3": 13.0, "S5": 7.0}
 
 
-def write_sample(name: str, folder: Path, *, overwrite: bool = False) -> tuple[Path, ...]:
+def write_sample(name: str, folder: str | PathLike[str], *, overwrite: bool = False) -> tuple[Path, ...]:
     """Write the sample of this name into ``folder``; the files, or folders of presses, that were written.
 
     Raises SettingError: no such sample, or ``folder`` holds files and ``overwrite`` was not asked for.
     """
+    folder = Path(folder)
     if name not in SAMPLES:
         wanted = f"one of {', '.join(SAMPLES)}"
         raise SettingError(
