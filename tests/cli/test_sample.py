@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import casr
+import emg2vsa
 from casr.specimens import SPECIMENS
 from emg2vsa import fit, read, stats
 from emg2vsa.cli import main
@@ -93,3 +94,9 @@ def test_a_file_is_no_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     (tmp_path / "taken").write_text("")
     assert main(["sample", "slopes", "--out", str(tmp_path / "taken")]) == 2
     assert "expected a folder, but found a file" in capsys.readouterr().err
+
+
+def test_no_module_hides_a_public_name() -> None:
+    package = Path(emg2vsa.__file__).parent
+    modules = {path.stem for path in package.iterdir() if path.suffix == ".py" or path.is_dir()}
+    assert modules.isdisjoint(emg2vsa.__all__)
