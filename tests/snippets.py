@@ -1,6 +1,6 @@
 """Commands and Python of a page, and what the page shows of their output.
 
-Blocks of ``console``, ``sh``, ``bash`` and ``python`` are run. Comments on the lines before a block say what else is to be known::
+Blocks of ``console``, ``sh``, ``bash`` and ``python`` are run. Comments on the lines before a block say more::
 
     <!-- not run: it needs a rig -->        nobody runs the next block, for this reason
     <!-- first: emg2vsa sample plate -->    a command that a reader has run before
