@@ -12,7 +12,12 @@ from emg2vsa.pipeline.stage_order import ORDER
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
-PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.rglob("*.md"))]
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "CHANGELOG.md",
+    ROOT / "CONTRIBUTING.md",
+    *sorted(path for path in DOCS.rglob("*.md") if DOCS / "_build" not in path.parents),
+]
 ARCHITECTURE = (DOCS / "architecture.md").read_text(encoding="utf-8")
 
 

@@ -35,9 +35,7 @@ class Results:
     Only results that are up to date are there: of a step that is stale, waits or failed there is no row, and
     ``attrs["left_out"]`` names it. ``attrs`` also holds the study, its mode, the stage and the digests of the results.
 
-    Raises, from every table
-    ------
-    DataError : the study has no result of that kind; run it first.
+    Every table raises DataError where the study has no result of that kind: run it first.
     """
 
     def __init__(self, board: Board) -> None:

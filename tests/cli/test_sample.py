@@ -1,0 +1,102 @@
+"""``emg2vsa sample``: every sample is used here by the command it was made for."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import casr
+import emg2vsa
+from casr.specimens import SPECIMENS
+from emg2vsa import fit, read, stats
+from emg2vsa.cli import main
+from emg2vsa.cli.sample import NAMES
+from emg2vsa.errors import SettingError
+from emg2vsa.sample_data import SAMPLES, write_sample
+from emg2vsa.study_file import load_study, missing_files
+
+
+def test_the_command_offers_every_sample() -> None:
+    assert tuple(SAMPLES) == NAMES
+
+
+def test_recordings_hold_the_slopes_they_were_made_from(tmp_path: Path) -> None:
+    made = write_sample("recordings", tmp_path)
+    assert [path.name for path in made] == ["anna_hard.csv", "anna_soft.csv", "ben_hard.csv", "ben_soft.csv"]
+    for path, b_v in ((made[0], 20e-6), (made[3], 7e-6)):
+        found = fit(read(path, emg=["EDC", "FDS"], force="Fz"))
+        assert list(found["verdict"]) == ["ok"] * 5
+        assert found["b_v"].mean() == pytest.approx(b_v, rel=0.1)
+
+
+def test_plate_logs_give_the_stiffness_of_the_specimens(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sample", "plate", "--out", str(tmp_path), "--json"]) == 0
+    files = json.loads(capsys.readouterr().out)["files"]
+    assert main(["stiffness", "--json", *files]) == 0
+    rows = json.loads(capsys.readouterr().out)
+    found = [row["stiffness_n_per_mm"] for row in rows]
+    np.testing.assert_allclose(found, [SPECIMENS[row["specimen"]] for row in rows], rtol=0.01)
+    assert len(rows) == 10
+
+
+def test_slopes_differ_between_specimens(tmp_path: Path) -> None:
+    (path,) = write_sample("slopes", tmp_path)
+    assert stats(path, value="b", group="specimen", block="participant")["p"].min() < 1e-6
+    assert len(path.read_text().splitlines()) == 1 + 10 * 3 * 3
+
+
+def test_presses_score_and_the_soft_one_spreads_faster(tmp_path: Path) -> None:
+    hard, soft = (casr.score(path).rate.value for path in write_sample("presses", tmp_path))
+    assert hard == pytest.approx(65.2, rel=0.1)
+    assert soft == pytest.approx(90.0, rel=0.1)
+
+
+def test_the_study_has_all_its_recordings(tmp_path: Path) -> None:
+    path, *recordings = write_sample("study", tmp_path)
+    assert missing_files(load_study(path)) == ()
+    assert len(recordings) == 12
+
+
+def test_the_same_name_gives_the_same_bytes(tmp_path: Path) -> None:
+    one, two = (write_sample("recordings", tmp_path / name)[0].read_bytes() for name in ("one", "two"))
+    assert hashlib.sha256(one).digest() == hashlib.sha256(two).digest()
+
+
+def test_files_are_replaced_on_request_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (path,) = write_sample("slopes", tmp_path)
+    path.write_text("mine")
+    assert main(["sample", "slopes", "--out", str(tmp_path)]) == 2
+    assert "expected an empty or absent folder, but found files in it. Choose another" in capsys.readouterr().err
+    assert path.read_text() == "mine"
+    assert main(["sample", "slopes", "--out", str(tmp_path), "--overwrite"]) == 0
+    assert path.read_text() != "mine"
+
+
+def test_presses_are_replaced_on_request(tmp_path: Path) -> None:
+    first = write_sample("presses", tmp_path)
+    assert write_sample("presses", tmp_path, overwrite=True) == first
+
+
+def test_an_unknown_name_is_told_with_the_nearest(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["sample", "pres", "--out", str(tmp_path / "new")])
+    assert "but found 'pres'. Did you mean presses?" in capsys.readouterr().err
+    with pytest.raises(SettingError, match=r"expected one of .*, but found 'slope'. Did you mean slopes\?"):
+        write_sample("slope", tmp_path / "new")
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_file_is_no_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "taken").write_text("")
+    assert main(["sample", "slopes", "--out", str(tmp_path / "taken")]) == 2
+    assert "expected a folder, but found a file" in capsys.readouterr().err
+
+
+def test_no_module_hides_a_public_name() -> None:
+    package = Path(emg2vsa.__file__).parent
+    modules = {path.stem for path in package.iterdir() if path.suffix == ".py" or path.is_dir()}
+    assert modules.isdisjoint(emg2vsa.__all__)
