@@ -99,7 +99,11 @@ class Probe:
     def force_n(self, touch: Touch) -> Force:
         """Force on the specimen: x the way its surface falls off, y, and z down the probe's axis, so pressing is +."""
         normal_n, shear_n = touch.normal_n, touch.shear_n
-        return normal_n * self._sin - shear_n * self._cos, 0.0, self._along_n(normal_n, shear_n)
+        return normal_n * self._sin - shear_n * self._cos, 0.0, self.along_n(normal_n, shear_n)
+
+    def along_n(self, normal_n: float, shear_n: float) -> float:
+        """Of both forces, that down the probe's axis, N."""
+        return normal_n * self._cos + shear_n * self._sin
 
     def begin(self, step_s: float) -> None:
         """A step of that length begins where the last one has ended."""
@@ -150,15 +154,12 @@ class Probe:
         """What holds the shaft back now that it has settled there, N m."""
         if not self.remembers:
             return self.torque_nm(shaft_rad)[0]
-        return self._along_n(self._touch.normal_n, self._touch.shear_n) * self._mm_per_rad / 1000
+        return self.along_n(self._touch.normal_n, self._touch.shear_n) * self._mm_per_rad / 1000
 
     def _in_step(self) -> ContactHistory:
         self._history.begin(self._step_s)
         self._begun = True
         return self._history
-
-    def _along_n(self, normal_n: float, shear_n: float) -> float:
-        return normal_n * self._cos + shear_n * self._sin
 
     def _depth_mm(self, shaft_rad: float) -> float:
         return (shaft_rad - self.touch_rad) * self._depth_mm_per_rad
