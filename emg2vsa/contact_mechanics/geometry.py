@@ -82,7 +82,7 @@ def adhesive_force_n(force_n: ArrayLike, adhesion_mj_per_m2: float, tip_radius_m
 
 
 def adhesive_force_of_one_n(force_n: float, adhesion_mj_per_m2: float, tip_radius_mm: float = 20.0) -> float:
-    """`adhesive_force_n` of a single contact, to the last bit: plain numbers are ten times quicker."""
+    """`adhesive_force_n` of a single contact, to the last bit, in plain numbers: far quicker."""
     if adhesion_mj_per_m2 == 0:
         return force_n
     pull_n = 3 * math.pi * adhesion_mj_per_m2 * tip_radius_mm * 1e-6

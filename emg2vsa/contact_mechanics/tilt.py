@@ -123,7 +123,7 @@ def area_share(shear_n: ArrayLike, normal_n: ArrayLike, friction: float) -> Floa
 
 
 def area_share_of_one(shear_n: float, normal_n: float, friction: float) -> float:
-    """`area_share` of a single contact, to the last bit: plain numbers are ten times quicker."""
+    """`area_share` of a single contact, to the last bit, in plain numbers: far quicker."""
     limit_n = friction * normal_n
     used = shear_n / limit_n if limit_n > 0 else 0.0
     return 1 - SHRINK_AT_SLIDING * (used * used)

@@ -7,9 +7,7 @@ end of a step many times, so all that does not depend on the end is computed onc
 from __future__ import annotations
 
 import math
-from functools import lru_cache, reduce
-from itertools import repeat
-from operator import add, mul
+from functools import lru_cache
 
 from emg2vsa.contact_mechanics import Relaxation
 from emg2vsa.contact_mechanics.tilt import SHEAR_OVER_NORMAL, TINY_N_PER_MM, check_skin
@@ -41,14 +39,17 @@ class ContactHistory:
 
     def begin(self, step_s: float) -> None:
         """A step of that length."""
-        (left, from_old, self._from_new), self.beta = self._weights(step_s)
+        weights, self.beta = self._weights(step_s)
         old_n, shear_n = self._normal_n, self._shear_n
-        # here and in `advance` all branches at once, and summed one after the other, as floats are
-        self._parts = list(map(add, map(mul, left, self._normal), map(mul, from_old, repeat(old_n))))
-        self._shear_parts = list(map(add, map(mul, left, self._shear), map(mul, from_old, repeat(shear_n))))
-        self._alpha_n = reduce(add, self._parts, 0.0)
-        self._pulled_n = self._convolved_n - reduce(add, self._shear_parts, 0.0)
-        self._given_mm = self._give * shear_n
+        alpha = shear_alpha = 0.0
+        parts, shear_parts = [], []
+        for (left, from_old, _), z, q in zip(weights, self._normal, self._shear, strict=True):
+            part, shear_part = left * z + from_old * old_n, left * q + from_old * shear_n
+            alpha, shear_alpha = alpha + part, shear_alpha + shear_part
+            parts.append(part)
+            shear_parts.append(shear_part)
+        self._alpha_n, self._parts, self._shear_parts, self._of_step = alpha, parts, shear_parts, weights
+        self._pulled_n, self._given_mm = self._convolved_n - shear_alpha, self._give * shear_n
 
     def forces(self, elastic_n: float, slope_n_per_mm: float, way_mm: float) -> tuple[float, float]:
         """Normal and shear force at the end of the step; both 0 where nothing pushes back there.
@@ -68,27 +69,29 @@ class ContactHistory:
     def advance(self, elastic_n: float, slope_n_per_mm: float, way_mm: float) -> tuple[float, float]:
         """Go there; normal and shear force then, as `forces`."""
         normal_n, shear_n = self.forces(elastic_n, slope_n_per_mm, way_mm)
-        from_new = self._from_new
-        self._normal = list(map(add, self._parts, map(mul, from_new, repeat(normal_n))))
-        self._shear = list(map(add, self._shear_parts, map(mul, from_new, repeat(shear_n))))
-        grown_n = reduce(add, self._shear, self._instant * shear_n)
+        grown_n = self._instant * shear_n
+        normal, shear = [], []
+        for (_, _, from_new), part, shear_part in zip(self._of_step, self._parts, self._shear_parts, strict=True):
+            normal.append(part + from_new * normal_n)
+            z = shear_part + from_new * shear_n
+            shear.append(z)
+            grown_n = grown_n + z
         # where nothing presses yet there is nothing to shear
         self.way_mm += (grown_n - self._convolved_n) / (SHEAR_OVER_NORMAL * slope_n_per_mm + TINY_N_PER_MM)
-        self._normal_n, self._shear_n, self._convolved_n = normal_n, shear_n, grown_n
+        self._normal, self._shear, self._normal_n, self._shear_n = normal, shear, normal_n, shear_n
+        self._convolved_n = grown_n
         return normal_n, shear_n
 
 
 def _weights(
     branches: list[tuple[float, float]], instant: float, step_s: float
-) -> tuple[tuple[list[float], list[float], list[float]], float]:
-    """Of all branches over a step: of their state, of the force at the start and of that at the end; and beta."""
-    left, from_old, from_new, beta = list[float](), list[float](), list[float](), instant
+) -> tuple[list[tuple[float, float, float]], float]:
+    """Of each branch over a step: of its state, of the force at the start and of that at the end; and beta."""
+    weights, beta = [], instant
     for tau_s, branch in branches:
         share = step_s / tau_s
         gone = -math.expm1(-share)
         mean = gone / share if share > 0 else 1.0
-        left.append(1 - gone)
-        from_old.append(branch * (mean - (1 - gone)))
-        from_new.append(branch * (1 - mean))
-        beta = beta + from_new[-1]
-    return (left, from_old, from_new), beta
+        weights.append((1 - gone, branch * (mean - (1 - gone)), branch * (1 - mean)))
+        beta = beta + weights[-1][2]
+    return weights, beta

@@ -94,18 +94,7 @@ class Motors:
 
     def measured(self, memory: Memory) -> tuple[int, int, int]:
         """Encoder readings, internal ticks."""
-        faults = self.faults
-        if faults.frozen:
-            return self._reading(0, memory), self._reading(1, memory), self._reading(_SHAFT, memory)
-        # as `_reading`, at once: asked in every turn of the control loop
-        first, second, shaft = [
-            int((math.floor(at / ENCODER_STEP) * ENCODER_STEP + ticks * INTERNAL_PER_TICK + offset
-                 - lost * INTERNAL_PER_TURN) * multiplier)
-            for at, ticks, offset, lost, multiplier in zip(
-                self._at, faults.jumped_ticks, memory.offsets, self._turns_lost, memory.multipliers, strict=True
-            )
-        ]  # fmt: skip
-        return first, second, shaft
+        return self._reading(0, memory), self._reading(1, memory), self._reading(_SHAFT, memory)
 
     def forget_turns(self, memory: Memory) -> None:
         """At a start or new zero: an encoder knows its place only within a turn."""
@@ -165,9 +154,7 @@ class Motors:
 
     def _current_ma(self, motor: int) -> int:
         pwm, current_ma = self.pwm[motor], 0.0
-        if not pwm:
-            return int(self.faults.current_ma)
-        if not self.faults.unsupplied:
+        if pwm and not self.faults.unsupplied:
             stall_ma = math.copysign(self._stall_ma, pwm)
             load_nm = max(0.0, math.copysign(1.0, pwm) * self.loads_nm[motor])
             current_ma = stall_ma * load_nm / self._stall_nm + IDLE_CURRENT_MA * pwm / PWM_MOST
