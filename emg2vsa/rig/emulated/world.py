@@ -46,7 +46,7 @@ class ShaftPath:
     def append(self, time_s: float, angle_rad: float, touch: Touch = APART) -> None:
         """One more point, later than the last."""
         times_s, angles_rad, touches = self._times_s, self._angles_rad, self._touches
-        if angle_rad == angles_rad[-1] and len(times_s) > 1 and angle_rad == angles_rad[-2] and touches[-2] == touches[-1] == touch:
+        if len(times_s) > 1 and angles_rad[-2] == angles_rad[-1] == angle_rad and touches[-2] == touches[-1] == touch:
             times_s[-1] = time_s
             return
         times_s.append(time_s)
