@@ -3,8 +3,9 @@
 Run with ``python -m benchmarks.emulation_speed --beside FOLDER [--rounds N]``, where FOLDER holds a checkout of the
 other version. Versions take turns within every round, each in a process of its own, with one thread; times are those of
 the processor. The table gives the least of all rounds, and smallest, median and largest ratio of a round. Folders of
-runs are compared file by file, byte for byte. Parts come from a profile of one more run of each version, which makes
-calls of functions dearer than they are: they tell where time went, not how much.
+runs are compared file by file, byte for byte. ``--bytes`` compares those of more worlds and
+controls instead, once and without times. Parts come from a profile of one more run of each version, which makes calls
+of functions dearer than they are: they tell where time went, not how much.
 """
 
 from __future__ import annotations
@@ -20,27 +21,39 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parent.parent
+WORLDS = (
+    "S2 45 high-stiffness viscoelastic", "S1 0 constant-max viscoelastic", "S1 0 modular elastic",
+    "S3 30 modular viscoelastic,exact", "S2 30 modular N1", "S2 30 modular P1", "S3 30 modular P4",
+    "S5 0 high-stiffness P1", "S1 45 high-stiffness P4",
+)  # fmt: skip
+"""Compared by their bytes alone: specimen, angle, condition, and world or control; P4 finds S1's schedule right."""
 RUNS = ("S1 0 modular viscoelastic", "S5 45 modular viscoelastic", "S3 30 high-stiffness elastic")
 CHILD = """
 import cProfile, hashlib, json, pstats, sys, time
-from dataclasses import replace
 from datetime import datetime, timezone
 from functools import partial
 from pathlib import Path
 import cv2
 from benchmarks.rig.plans import modular_plan, rigid_plan
+from emg2vsa.rig.emulated.controls import controlled, effect_of
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.rig_settings import RigSettings
 specimen, angle, condition, world, presses, profiled, folder = sys.argv[1:]
 make = rigid_plan if condition == "high-stiffness" else partial(modular_plan, condition=condition)
 plan = make(int(presses), specimen=specimen, angle_deg=float(angle))
-emulated = replace(EmulatedSettings(), world=world)
+world, _, exact = world.partition(",")
+if world in ("elastic", "viscoelastic"):
+    emulated = EmulatedSettings(world=world, exact=bool(exact))
+else:
+    emulated = controlled(EmulatedSettings(control=world, control_specimen="S1" if world == "P4" else ""))
+effect = effect_of(emulated, plan.schedule, (modular_plan(1, specimen="S1").schedule,))
 profile = cProfile.Profile(time.process_time)
 start_s = time.process_time()
 if profiled:
     profile.enable()
-ended = run_virtual(plan, RigSettings(), emulated, Path(folder), started=datetime(2026, 1, 5, tzinfo=timezone.utc))
+ended = run_virtual(plan, RigSettings(), emulated, Path(folder), started=datetime(2026, 1, 5, tzinfo=timezone.utc),
+                    effect=effect)
 profile.disable()
 cost_s = time.process_time() - start_s
 assert ended.how == "completed", ended
@@ -71,8 +84,15 @@ def main() -> None:
     parser.add_argument("--beside", type=Path, required=True, metavar="FOLDER", help="checkout of the other version")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--presses", type=int, default=10)
+    parser.add_argument("--bytes", action="store_true", help="compare the files of more worlds, and no times")
     arguments = parser.parse_args()
     versions = {"before": arguments.beside, "now": ROOT}
+    if arguments.bytes:
+        for run in WORLDS:
+            both = _measured(run, arguments.presses, versions)
+            before, now = (each["files"] for each in both.values())
+            print(f"{run:<36}{len(now):>4} files {'the same' if before == now else 'DIFFERENT'}", flush=True)
+        return
     print(f"{'run':<32}{'rows':>7}{'before, s':>11}{'now, s':>9}{'before / now':>23}  files")
     for run in RUNS:
         found = [_measured(run, arguments.presses, versions) for _ in range(arguments.rounds)]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from emg2vsa.contact_mechanics.geometry import PowerLaw, adhesive_force_n
+from emg2vsa.contact_mechanics.geometry import PowerLaw, adhesive_force_n, adhesive_force_of_one_n
 from emg2vsa.contact_mechanics.press_path import Drive, PressPaths, StiffnessSteps, Tilt, simulate_presses
 from emg2vsa.contact_mechanics.relaxation import ELASTIC, ConvolvedForce, Relaxation, in_series
-from emg2vsa.contact_mechanics.tilt import Shear, area_share, forces_n
+from emg2vsa.contact_mechanics.tilt import Shear, area_share, area_share_of_one, forces_n
 
 __all__ = [
     "ELASTIC",
@@ -18,7 +18,9 @@ __all__ = [
     "StiffnessSteps",
     "Tilt",
     "adhesive_force_n",
+    "adhesive_force_of_one_n",
     "area_share",
+    "area_share_of_one",
     "forces_n",
     "in_series",
     "simulate_presses",

@@ -79,3 +79,11 @@ def adhesive_force_n(force_n: ArrayLike, adhesion_mj_per_m2: float, tip_radius_m
         return force
     pull_n = 3 * math.pi * adhesion_mj_per_m2 * tip_radius_mm * 1e-6
     return np.asarray(force + pull_n + np.sqrt(2 * pull_n * force + pull_n**2), dtype=np.float64)
+
+
+def adhesive_force_of_one_n(force_n: float, adhesion_mj_per_m2: float, tip_radius_mm: float = 20.0) -> float:
+    """`adhesive_force_n` of a single contact, to the last bit, in plain numbers: far quicker."""
+    if adhesion_mj_per_m2 == 0:
+        return force_n
+    pull_n = 3 * math.pi * adhesion_mj_per_m2 * tip_radius_mm * 1e-6
+    return force_n + pull_n + math.sqrt(2 * pull_n * force_n + pull_n**2)

@@ -120,3 +120,10 @@ def area_share(shear_n: ArrayLike, normal_n: ArrayLike, friction: float) -> Floa
     pressed = limit_n > 0
     used = np.where(pressed, np.asarray(shear_n, dtype=np.float64) / np.where(pressed, limit_n, 1.0), 0.0)
     return np.asarray(1 - SHRINK_AT_SLIDING * used**2)
+
+
+def area_share_of_one(shear_n: float, normal_n: float, friction: float) -> float:
+    """`area_share` of a single contact, to the last bit, in plain numbers: far quicker."""
+    limit_n = friction * normal_n
+    used = shear_n / limit_n if limit_n > 0 else 0.0
+    return 1 - SHRINK_AT_SLIDING * (used * used)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from emg2vsa.contact_mechanics import PowerLaw, adhesive_force_n
+from emg2vsa.contact_mechanics import PowerLaw, adhesive_force_n, adhesive_force_of_one_n
 from emg2vsa.errors import SettingError
 
 FORCES = [0.01, 0.5, 3.0, 7.0]
@@ -77,3 +77,10 @@ def test_without_adhesion_the_force_is_the_same_to_the_last_bit() -> None:
 def test_a_contact_that_cannot_be_is_refused(settings: dict[str, float], named: str) -> None:
     with pytest.raises(SettingError, match=named):
         PowerLaw(**settings)
+
+
+@pytest.mark.parametrize("adhesion", [0.0, 3.7, 10.0])
+def test_the_adhesive_force_of_one_contact_is_that_of_many_to_the_last_bit(adhesion: float) -> None:
+    forces_n = np.random.default_rng(1).uniform(0, 50, 2000)
+    of_one = [adhesive_force_of_one_n(force_n, adhesion) for force_n in forces_n.tolist()]
+    assert of_one == adhesive_force_n(forces_n, adhesion).tolist()

@@ -17,6 +17,7 @@ from emg2vsa.contact_mechanics import (
     Shear,
     Tilt,
     area_share,
+    area_share_of_one,
     in_series,
     simulate_presses,
 )
@@ -122,6 +123,14 @@ def test_many_contacts_shear_as_each_alone() -> None:
 def test_shear_shrinks_the_contact_by_a_tenth_at_most() -> None:
     assert area_share([0.0, 0.6, -1.2, 0.0], [0.0, 2.0, 2.0, 3.0], 0.6).tolist() == pytest.approx([1, 0.975, 0.9, 1])
     assert float(area_share(0.0, 2.0, 0.0)) == 1.0
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.57])
+def test_the_share_of_one_contact_is_that_of_many_to_the_last_bit(friction: float) -> None:
+    normal_n = np.append(0.0, np.random.default_rng(2).uniform(0, 8, 2000))
+    shear_n = np.random.default_rng(3).uniform(-0.6, 0.6, normal_n.size) * normal_n
+    of_one = [area_share_of_one(q, p, friction) for q, p in zip(shear_n.tolist(), normal_n.tolist(), strict=True)]
+    assert of_one == area_share(shear_n, normal_n, friction).tolist()
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,7 @@ class ContactHistory:
 
     def reset(self) -> None:
         """No contact, and no past."""
-        self._normal_n = self._shear_n = self.way_mm = 0.0
+        self._normal_n = self._shear_n = self._convolved_n = self.way_mm = 0.0
         self._normal = self._shear = [0.0] * self._n_branches
         "What is convolved so far, of each branch."
 
@@ -42,16 +42,14 @@ class ContactHistory:
         weights, self.beta = self._weights(step_s)
         old_n, shear_n = self._normal_n, self._shear_n
         alpha = shear_alpha = 0.0
-        convolved_n = self._instant * shear_n
         parts, shear_parts = [], []
         for (left, from_old, _), z, q in zip(weights, self._normal, self._shear, strict=True):
             part, shear_part = left * z + from_old * old_n, left * q + from_old * shear_n
             alpha, shear_alpha = alpha + part, shear_alpha + shear_part
             parts.append(part)
             shear_parts.append(shear_part)
-            convolved_n = convolved_n + q
         self._alpha_n, self._parts, self._shear_parts, self._of_step = alpha, parts, shear_parts, weights
-        self._convolved_n, self._pulled_n, self._given_mm = convolved_n, convolved_n - shear_alpha, self._give * shear_n
+        self._pulled_n, self._given_mm = self._convolved_n - shear_alpha, self._give * shear_n
 
     def forces(self, elastic_n: float, slope_n_per_mm: float, way_mm: float) -> tuple[float, float]:
         """Normal and shear force at the end of the step; both 0 where nothing pushes back there.
@@ -81,6 +79,7 @@ class ContactHistory:
         # where nothing presses yet there is nothing to shear
         self.way_mm += (grown_n - self._convolved_n) / (SHEAR_OVER_NORMAL * slope_n_per_mm + TINY_N_PER_MM)
         self._normal, self._shear, self._normal_n, self._shear_n = normal, shear, normal_n, shear_n
+        self._convolved_n = grown_n
         return normal_n, shear_n
 
 

@@ -13,7 +13,7 @@ from casr.errors import SettingError as NoScene
 from casr.synthetic import Appearance, ContactState, ContactWorld, Drawn, PressSettings, Scene, TabulatedWorld
 from emg2vsa.actuator import SPRINGS
 from emg2vsa.arrays import Floats
-from emg2vsa.contact_mechanics import Relaxation, adhesive_force_n, area_share, in_series
+from emg2vsa.contact_mechanics import Relaxation, adhesive_force_of_one_n, area_share_of_one, in_series
 from emg2vsa.contact_mechanics.relaxation import specimen_share
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.emulated.camera import FrameTiming
@@ -82,11 +82,11 @@ class SeenPress:
         if touch.normal_n <= 0:
             return self._apart
         # bodies of s times the modulus under s times the force have the same contact
-        elastic_n = float(adhesive_force_n(touch.elastic_n, self.adhesion_mj_per_m2)) / self.modulus
+        elastic_n = adhesive_force_of_one_n(touch.elastic_n, self.adhesion_mj_per_m2) / self.modulus
         if self.effect:
             elastic_n = self._as_large_n(elastic_n, area_factor * self.effect.factor(touch.normal_n))
         state = self.scene.skin.state(elastic_n)
-        left = math.sqrt(area_share(touch.shear_n, touch.normal_n, self.friction))
+        left = math.sqrt(area_share_of_one(touch.shear_n, touch.normal_n, self.friction))
         pulled_mm = (1 - self.specimen) * touch.sheared_mm
         return ContactState(radius_mm=left * state.radius_mm, normal_n=state.normal_n, tangential_mm=pulled_mm)
 

@@ -62,7 +62,9 @@ class Probe:
             if settings.plate
             else specimen_contact(settings.stiffness_n_per_mm, settings.contact)
         )
+        self._resistance = self._contact.resistance
         self._mm_per_rad = math.degrees(settings.mm_per_degree)
+        self._mm2_per_rad2 = self._mm_per_rad**2
         tilt_rad = math.radians(settings.angle_deg)
         self._sin, self._cos = math.sin(tilt_rad), math.cos(tilt_rad)
         # work along the axis is work along the normal: both the force and the indentation take a cosine
@@ -99,7 +101,11 @@ class Probe:
     def force_n(self, touch: Touch) -> Force:
         """Force on the specimen: x the way its surface falls off, y, and z down the probe's axis, so pressing is +."""
         normal_n, shear_n = touch.normal_n, touch.shear_n
-        return normal_n * self._sin - shear_n * self._cos, 0.0, self._along_n(normal_n, shear_n)
+        return normal_n * self._sin - shear_n * self._cos, 0.0, self.along_n(normal_n, shear_n)
+
+    def along_n(self, normal_n: float, shear_n: float) -> float:
+        """Of both forces, that down the probe's axis, N."""
+        return normal_n * self._cos + shear_n * self._sin
 
     def begin(self, step_s: float) -> None:
         """A step of that length begins where the last one has ended."""
@@ -111,7 +117,7 @@ class Probe:
         depth_mm = (shaft_rad - self.touch_rad) * self._depth_mm_per_rad
         if depth_mm <= 0:
             return 0.0, 0.0
-        elastic_n, growth_n_per_mm = self._contact.resistance(depth_mm)
+        elastic_n, growth_n_per_mm = self._resistance(depth_mm)
         if not self.remembers:
             return elastic_n * self._lever_m_per_rad, growth_n_per_mm * self._depth_mm_per_rad * self._lever_m_per_rad
         history = self._history if self._begun else self._in_step()
@@ -122,7 +128,7 @@ class Probe:
         if normal_n <= 0:
             return 0.0, 0.0
         # of a contact that sticks to a rigid mount: what a solver goes by need not be exact
-        growth_nm = growth_n_per_mm / history.beta * self._stiffer * self._mm_per_rad**2 / 1000
+        growth_nm = growth_n_per_mm / history.beta * self._stiffer * self._mm2_per_rad2 / 1000
         return (normal_n * self._cos + shear_n * self._sin) * self._mm_per_rad / 1000, growth_nm
 
     def settle(self, shaft_rad: float) -> Touch:
@@ -136,7 +142,7 @@ class Probe:
                 self._history.reset()
             self._at_rad, self._elastic_n, self._touch = self.touch_rad, 0.0, APART
             return APART
-        elastic_n, growth_n_per_mm = self._contact.resistance(depth_mm)
+        elastic_n, growth_n_per_mm = self._resistance(depth_mm)
         history = self._history if self._begun else self._in_step()
         turned_rad = shaft_rad - self._at_rad
         deeper_mm = turned_rad * self._depth_mm_per_rad
@@ -150,15 +156,12 @@ class Probe:
         """What holds the shaft back now that it has settled there, N m."""
         if not self.remembers:
             return self.torque_nm(shaft_rad)[0]
-        return self._along_n(self._touch.normal_n, self._touch.shear_n) * self._mm_per_rad / 1000
+        return self.along_n(self._touch.normal_n, self._touch.shear_n) * self._mm_per_rad / 1000
 
     def _in_step(self) -> ContactHistory:
         self._history.begin(self._step_s)
         self._begun = True
         return self._history
-
-    def _along_n(self, normal_n: float, shear_n: float) -> float:
-        return normal_n * self._cos + shear_n * self._sin
 
     def _depth_mm(self, shaft_rad: float) -> float:
         return (shaft_rad - self.touch_rad) * self._depth_mm_per_rad

@@ -77,6 +77,7 @@ class Loop:
         until_ms = int(self._clock.now_s() * 1000 + 1e-6)
         if until_ms <= self._now_ms:
             return
+        strained = self.motors.strained
         while self._now_ms < until_ms:
             if self._now_ms >= self._watchdog_ms:
                 self.bridge_on = self.current.on if self.motors.faults.flag_only else None
@@ -84,13 +85,14 @@ class Loop:
             while self._commanded and self._commanded[0][0] <= self._now_ms:
                 self.new = References(self._commanded.popleft()[1], self.new.on)
             # only the watchdog, a command, or a load that may stall a motor, comes between
-            plain = not (current.input_mode or self.motors.strained or self.current.on != self.new.on)
+            plain = not (strained or current.input_mode or self.current.on != self.new.on)
             next_ms = self._commanded[0][0] if self._commanded else until_ms
             turns = max(1, min(until_ms, self._watchdog_ms, next_ms) - self._now_ms) if plain else 1
             self._turns(turns, current, shadow)
             self._now_ms += turns
-            if self.motors.strained:
+            if strained:
                 self._turn_shaft()
+                strained = self.motors.strained
         self._turn_shaft()
 
     def feed_watchdog(self, counts: int) -> None:

@@ -188,9 +188,12 @@ class World:
             return
         self._change_press()
         still, probe, joint, path = before_rad == motors_rad, self._probe, self._joint, self._path
-        angle_rad = path.end_rad
+        angle_rad, (first_rad, second_rad) = path.end_rad, before_rad
+        first_moved_rad, second_moved_rad = motors_rad[0] - first_rad, motors_rad[1] - second_rad
         for end_s, share, step_s in _steps(start_s, until_s, growing=still and probe.remembers):
-            from_rad, now_rad = angle_rad, motors_rad if still else _between(before_rad, motors_rad, share)
+            from_rad, now_rad = angle_rad, motors_rad
+            if not still:
+                now_rad = first_rad + share * first_moved_rad, second_rad + share * second_moved_rad
             angle_rad = joint.moved(from_rad, step_s, now_rad, probe)
             touch = probe.settle(angle_rad)
             if still and angle_rad == from_rad and (not probe.remembers or probe.above_mm(angle_rad) >= 0):
@@ -201,7 +204,7 @@ class World:
                 self._keep(touch)
 
     def _keep(self, touch: Touch) -> None:
-        force_n, loading = self._probe.force_n(touch)[2], self.loadings[-1]
+        force_n, loading = self._probe.along_n(touch.normal_n, touch.shear_n), self.loadings[-1]
         if force_n >= (loading[-1][0] if loading else 0.0) + LOADING_STEP_N:
             loading.append((force_n, touch))
 
@@ -235,7 +238,3 @@ def _steps(start_s: float, until_s: float, *, growing: bool) -> Iterator[tuple[f
     step_s = whole_s / steps
     for k in range(1, steps + 1):
         yield until_s if k == steps else start_s + k * step_s, k / steps, step_s
-
-
-def _between(before: Motors, after: Motors, share: float) -> Motors:
-    return before[0] + share * (after[0] - before[0]), before[1] + share * (after[1] - before[1])
