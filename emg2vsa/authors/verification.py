@@ -126,12 +126,11 @@ def _text(name: str, deposit: Deposit, ours: Deposit, *, exact: bool) -> Agreeme
 
 
 def _is_of_runs(name: str, ours: Deposit) -> bool:
-    """Whether a table tells of runs: one of its columns is an angle, a condition, an algorithm, or it mixes claims."""
-    beside = name.removesuffix(".tex") + ".csv"
-    if not name.startswith("tables/") or not ours.has(beside):
+    """Whether a table tells of runs, by its columns; statements tell of people and runs, schedules of people."""
+    table = f"{name.rpartition('.')[0]}.csv"
+    if not name.startswith("tables/") or not ours.has(table):
         return not name.startswith("schedules/")
-    columns = set(next(csv.reader(ours.text(beside).splitlines()), []))
-    return bool(columns & _COLUMNS_OF_RUNS)
+    return bool(_COLUMNS_OF_RUNS & set(next(csv.reader(ours.text(table).splitlines()), [])))
 
 
 _COLUMNS_OF_RUNS = {"angle_deg", "condition", "algorithm", "claim", "key", "quantity", "press", "contrast", "design"}
