@@ -84,8 +84,10 @@ class RdtBox:
         self._noisy = NoisyCounts(s.noise, (s.counts_per_force, s.counts_per_torque), s.seed)
         self._alarm = AXIA_OUT_OF_RANGE if s.axia else NETBOX_SATURATED
         self._bias: Sequence[float] = NO_LOAD
-        self._judged, self._beyond = self._bias, False
-        "The load of the record before, and whether it is beyond the rating."
+        self._judged: Sequence[float] = NO_LOAD
+        "The load of the record before."
+        self._beyond = False
+        "Whether that load is beyond the rating."
         self._skipped = 0
         self._stream: _Stream | None = None
         self._post = FaultyPost()

@@ -95,7 +95,7 @@ def full_force(sample: ForceSample) -> dict[str, Any]:
     return dict(zip(_OF_FORCE, loads_of(sample), strict=True))
 
 
-def loads_of(sample: ForceSample) -> tuple[float, float, float, float, float, float, int, int | None]:
+def loads_of(sample: ForceSample) -> tuple[Any, ...]:
     """The same, as the last fields of a row."""
     return (*sample.force_n.tolist(), *sample.torque_nm.tolist(), sample.status.code, sample.sequence)
 
