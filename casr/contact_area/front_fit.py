@@ -183,7 +183,8 @@ class _Search:
             shared -= (own * seen).sum(axis=-1)
             size = np.maximum(size - (own**2).sum(axis=-1), 1e-6)
             power = np.maximum(full - (seen**2).sum(axis=-1), 0.0)
-        return _cost(shared, size, power, PULL * full)
+        cost: Array = _cost(shared, size, power, PULL * full)
+        return cost
 
     def _products(self, motion: Array32, mean: Array32) -> tuple[Array32, Array32]:
         """(W, R, T) motion times what was seen, and (W, R, T or 1) its own square; both without the common shift.
@@ -212,7 +213,7 @@ class _Search:
         share = 2 / np.pi * np.arcsin(np.minimum(edge_rad / np.maximum(around.angle, 1e-9), 1.0))
         pulled = share[:, None, :, None] * moves
         pulled = (pulled - pulled.mean(axis=2, keepdims=True)).reshape(radius_mm.size, 2, -1)
-        return np.linalg.qr(pulled.transpose(0, 2, 1))[0].transpose(0, 2, 1)
+        return np.asarray(np.linalg.qr(pulled.transpose(0, 2, 1))[0].transpose(0, 2, 1), dtype=np.float64)
 
     def _centred(self, axis: Array, worlds: Rows) -> Array:
         """The direction of least cost near ``axis``, by Newton's method with numerical derivatives."""
