@@ -1,6 +1,6 @@
 """What other instruction sets change: a small study with an emulated rig, run from recordings to report under each.
 
-Run with ``python -m benchmarks.processors``: the table of ``benchmarks/results/processors.md``. Libraries choose their
+Run with ``python -m benchmarks.processors``: a table as in decision 31. Libraries choose their
 arithmetic by the processor they find; each baseline hides some of it from one of them, or from all, in a process of its
 own. Numbers are compared with those of the processor as it is.
 """
