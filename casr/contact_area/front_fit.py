@@ -8,6 +8,7 @@ amplitude that is free but drawn to 1. Force is not used: area over force and it
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -134,29 +135,56 @@ class _Search:
         return axis, worlds
 
     def fit(self, axis: Array, worlds: Rows | slice, library: Library) -> tuple[Array, Array, Array]:
-        """(W, T) best radius in mm, least cost in px^2, and the cost's second derivative by the radius."""
+        """(W, T) best radius in mm, least cost in px^2, and the cost's second derivative by the radius.
+
+        The radius of the grid is found in single precision. Of a few worlds, cost beside it is in double precision:
+        differences of single ones carry the processor's order of summation into the fifth digit of an area.
+        """
         around = self._view.around(self._directions, axis)
         u_r, u_z, tilt = library.motion_at(around.arc_mm, worlds)
         by_pin = around.moved_px(u_r, u_z, tilt)
         motion = _by_contact(by_pin)
         shared, size = self._products(motion, by_pin.mean(axis=0))
-        power, pull = self._power, PULL * self._power
+        power, along = self._power, None
         if self._sheared:
             along = self._along(around, library.radius_mm)
-            seen, own = along @ self._flat, np.einsum("wrn,rkn->wrk", motion, along)
+            single = along.astype(np.float32)
+            seen, own = single @ self._flat, np.einsum("wrn,rkn->wrk", motion, single)
             shared = shared - np.einsum("wrk,rkt->wrt", own, seen)
             size = np.maximum(size - (own**2).sum(axis=-1)[..., None], 1e-6)
             power = np.maximum(power - (seen**2).sum(axis=1), 0.0)
-        amplitude = (shared + pull) / (size + pull)
-        cost = power - 2 * amplitude * shared + amplitude**2 * size + pull * (amplitude - 1) ** 2
+        cost = _cost(shared, size, power, PULL * self._power)
         radius = library.radius_mm
         step = radius[1] - radius[0]
         best = np.clip(np.argmin(cost, axis=1), 1, radius.size - 2)
-        before, least, after = (np.take_along_axis(cost, best[:, None] + k, axis=1)[:, 0] for k in (-1, 0, 1))
+        beside = best[:, None] + np.arange(-1, 2)[:, None]
+        near = (
+            np.take_along_axis(cost, beside, axis=1) if isinstance(worlds, slice) else self._near(motion, along, beside)
+        )
+        before, least, after = near[:, 0], near[:, 1], near[:, 2]
         bend = np.maximum(before - 2 * least + after, 1e-6)
         shift = np.clip((before - after) / (2 * bend), -1.0, 1.0)
         cost_there = np.maximum(least - bend * shift**2 / 2, 1e-6)
         return radius[0] + step * (best + shift), cost_there.astype(np.float64), bend.astype(np.float64) / step**2
+
+    def _near(self, motion: Array32, along: Array | None, beside: Rows) -> Array:
+        """(W, K, T) cost at the radii ``beside`` (W, K, T), in double precision."""
+        n_worlds, _, n_frames = beside.shape
+        rows = np.take_along_axis(motion, beside.reshape(n_worlds, -1, 1), axis=1).astype(np.float64)
+        pins = rows.reshape(*beside.shape, -1, 2) * self._seen[..., None]
+        pins -= pins.sum(axis=-2, keepdims=True) / np.maximum(self._seen.sum(axis=1), 1)[:, None, None]
+        rows = (pins * self._seen[..., None]).reshape(*beside.shape, -1)
+        moved = self._moved_px.reshape(n_frames, -1)
+        shared, size = np.einsum("wktn,tn->wkt", rows, moved), np.einsum("wktn,wktn->wkt", rows, rows)
+        power = full = (moved**2).sum(axis=1)
+        if along is not None:
+            pulled = along[beside]
+            seen, own = np.einsum("wktcn,tn->wktc", pulled, moved), np.einsum("wktcn,wktn->wktc", pulled, rows)
+            shared -= (own * seen).sum(axis=-1)
+            size = np.maximum(size - (own**2).sum(axis=-1), 1e-6)
+            power = np.maximum(full - (seen**2).sum(axis=-1), 0.0)
+        cost: Array = _cost(shared, size, power, PULL * full)
+        return cost
 
     def _products(self, motion: Array32, mean: Array32) -> tuple[Array32, Array32]:
         """(W, R, T) motion times what was seen, and (W, R, T or 1) its own square; both without the common shift.
@@ -173,7 +201,7 @@ class _Search:
         sums = ((pins[..., k] @ self._mask) ** 2 for k in range(2))
         return shared, square - sum(sums) / np.maximum(self._mask.sum(axis=0), 1)
 
-    def _along(self, around: PinsAroundAxis, radius_mm: Array) -> Array32:
+    def _along(self, around: PinsAroundAxis, radius_mm: Array) -> Array:
         """(R, 2, 2 N) unit motions of pins, without the common shift, whose contact of each radius is pulled along the
         surface in either direction; outside it the skin goes along as about a sheared disc (Johnson 1985, 3.7)."""
         view = self._view
@@ -185,7 +213,7 @@ class _Search:
         share = 2 / np.pi * np.arcsin(np.minimum(edge_rad / np.maximum(around.angle, 1e-9), 1.0))
         pulled = share[:, None, :, None] * moves
         pulled = (pulled - pulled.mean(axis=2, keepdims=True)).reshape(radius_mm.size, 2, -1)
-        return np.linalg.qr(pulled.transpose(0, 2, 1))[0].transpose(0, 2, 1).astype(np.float32)
+        return np.asarray(np.linalg.qr(pulled.transpose(0, 2, 1))[0].transpose(0, 2, 1), dtype=np.float64)
 
     def _centred(self, axis: Array, worlds: Rows) -> Array:
         """The direction of least cost near ``axis``, by Newton's method with numerical derivatives."""
@@ -208,6 +236,12 @@ class _Search:
 
     def _cost(self, axis: Array, worlds: Rows) -> float:
         return float(self.fit(axis, worlds, self._library.coarse)[1].sum(axis=1).min())
+
+
+def _cost(shared: Any, size: Any, power: Any, pull: Any) -> Any:
+    """What is left of ``power`` by the best amplitude of a motion, which ``pull`` draws to 1."""
+    amplitude = (shared + pull) / (size + pull)
+    return power - 2 * amplitude * shared + amplitude**2 * size + pull * (amplitude - 1) ** 2
 
 
 def _by_contact(by_pin: Array32) -> Array32:

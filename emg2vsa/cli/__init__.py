@@ -15,7 +15,7 @@ PROGRAM = Program(
     epilog="Try: emg2vsa simulate studies/palpation/study.toml, then emg2vsa run studies/palpation/study.toml.",
     commands=(
         "new", "inspect", "convert", "sample", "simulate", "check", "run", "status", "clean", "fit", "schedule",
-        "report", "power", "design", "stats", "stiffness", "rig", "session", "bench", "completion",
+        "report", "verify", "power", "design", "stats", "stiffness", "rig", "session", "bench", "completion",
     ),
     stopped="What was finished is kept; the same command goes on from there.",
     extras=dict.fromkeys(("scipy", "pandas", "matplotlib", "edfio", "ezc3d", "jinja2", "serial"), "study"),

@@ -22,10 +22,11 @@ from emg2vsa.study_file.toml_file import placed, read_toml
 __all__ = ["load_study", "missing_files"]
 
 
-def load_study(path: str | Path) -> Study:
+def load_study(path: str | Path, folder: Path | None = None) -> Study:
     """The study in a TOML file.
 
-    Relative paths in the file are resolved against its folder. Data files need not exist: see ``missing_files``.
+    Relative paths in the file are resolved against its folder, or against ``folder``, where the study then lies. Data
+    files need not exist: see ``missing_files``.
 
     Raises
     ------
@@ -36,7 +37,7 @@ def load_study(path: str | Path) -> Study:
     """
     path = Path(path)
     text, raw = read_toml(path, "a study file")
-    folder = os.path.dirname(os.path.abspath(path))
+    place = os.path.abspath(path if folder is None else folder / path.name)
     tables, problems = checked_tables(StudyFile, _with_paper(raw))
     of_runs_alone = _is_of_runs_alone(raw)
     if not of_runs_alone:
@@ -44,7 +45,7 @@ def load_study(path: str | Path) -> Study:
         problems += [Problem((name,), f"a table [{name}]", "nothing") for name in wanted]
     people: tuple[Person, ...] = ()
     if participants := tables.get("participants"):
-        people, found = _people(participants, folder)
+        people, found = _people(participants, os.path.dirname(place))
         problems += found
     sound = {name: table for name, table in tables.items() if name not in {problem.path[0] for problem in problems}}
     if "participants" in sound:
@@ -52,7 +53,7 @@ def load_study(path: str | Path) -> Study:
     problems += _contradictions({**sound, "raw": raw, "of_runs_alone": of_runs_alone})
     if problems:
         raise placed(path, text, dict.fromkeys(problems))
-    return study_of(os.path.abspath(path), StudyFile(**tables), people, raw)
+    return study_of(place, StudyFile(**tables), people, raw)
 
 
 def missing_files(study: Study) -> tuple[RecordingEntry, ...]:
