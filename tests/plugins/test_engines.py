@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,8 @@ from casr.errors import PluginError, SettingError
 from casr.flow.estimate import FlowSettings, FlowTracker
 from casr.flow.region import Region
 from casr.images import as_grey
-from tests.plugins.conftest import Install
+
+Install = Callable[..., Path]
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,8 @@ from emg2vsa.readers.front_door import open_recording, read
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study_file import load_study
 from emg2vsa.synthetic.recording import make_recording
-from tests.plugins.conftest import Install
+
+Install = Callable[..., Path]
 
 ARGUMENTS = "--emg", "EDC", "--emg", "FDS", "--force", "Fz", "--json"
 

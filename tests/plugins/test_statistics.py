@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,8 @@ from scipy.stats import alexandergovern
 
 import emg2vsa
 from emg2vsa.cli import main
-from tests.plugins.conftest import Install
+
+Install = Callable[..., Path]
 
 BY = "by alexander-govern of lab-tools 1.0"
 
