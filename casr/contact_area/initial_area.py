@@ -34,3 +34,8 @@ class InitialArea:
     notes: tuple[str, ...]
     relative_sd: float | None = None
     saturated: bool = False
+
+    def __repr__(self) -> str:
+        area = f"{self.area_px2:.4g} px2" if self.area_mm2 is None else f"{self.area_mm2:.4g} mm2"
+        notes = f", {len(self.notes)} notes" if self.notes else ""
+        return f"InitialArea({area} by rule {self.rule}, {self.selected.size} pins{notes})"
