@@ -79,5 +79,19 @@ class AreaError(CasrError):
     """A contact area that cannot be: larger than the pin array it is seen by."""
 
 
+class PluginError(CasrError):
+    """What another installed package adds cannot be imported, or does not keep to its contract."""
+
+
 class SettingError(CasrError):
     """One setting does not make sense, alone or with the others."""
+
+
+_LONGEST_SAID = 160
+
+
+def said_by(error: BaseException) -> str:
+    """What foreign code says of what it could not do, as one short line: it may quote a file, whatever is in it."""
+    said = "".join(each if each.isprintable() else " " for each in f"{type(error).__name__}: {error}")
+    said = " ".join(said.split())
+    return said if len(said) <= _LONGEST_SAID else said[: _LONGEST_SAID - 3] + "..."

@@ -1,4 +1,4 @@
-"""Spring model of the qbmove variable stiffness actuators: stiffness preset to joint stiffness and back.
+"""The qbmove variable stiffness actuators: co-contraction to stiffness (7), motors to position and preset (8), springs.
 
 Two motors at q1 = x_e + s and q2 = x_e - s pull the output shaft x through exponential springs; s is the preset, the
 co-contraction of equation (8). The external torque that holds the shaft at x, and the stiffness there, are
@@ -46,6 +46,25 @@ SPRINGS = {
         0.0227, 6.7328, 0.0216, 6.9602, "qbmove Maker Pro datasheet, as in NMMI/ILC-code, Parameters/cube_parameters.m"
     ),
 }
+
+
+def stiffness_percent(activity_v: ArrayLike, span_v: tuple[float, float], percent: tuple[float, float]) -> Floats:
+    """Equation (7), k = p1 v + p2: co-contraction v to percent of the actuator's maximum stiffness (any shape).
+
+    span_v : the activities that go to the two ends of ``percent``; what lies outside goes to the nearer end.
+    """
+    share = np.clip((np.asarray(activity_v, dtype=np.float64) - span_v[0]) / (span_v[1] - span_v[0]), 0.0, 1.0)
+    return (1 - share) * percent[0] + share * percent[1]
+
+
+def equilibrium_and_preset(theta_1: float, theta_2: float) -> tuple[float, float]:
+    """Equation (8): position (theta1 + theta2)/2 and preset (theta1 - theta2)/2 of two motors, in their unit."""
+    return (theta_1 + theta_2) / 2, (theta_1 - theta_2) / 2
+
+
+def motor_positions(equilibrium: int, preset: int) -> tuple[int, int]:
+    """The motors theta1 and theta2 of an equilibrium and a preset: equation (8) the other way round."""
+    return equilibrium + preset, equilibrium - preset
 
 
 def ticks_of_percent(percent: ArrayLike, max_preset_ticks: int) -> Ints:

@@ -86,6 +86,18 @@ class Fits:
     weights: str
     confidence: float
 
+    def __repr__(self) -> str:
+        usable = self.verdict != "rejected"
+        told = (
+            f", median b {np.nanmedian(self.b_v[usable]):.4g} {self.activity_unit}"
+            if np.isfinite(self.b_v[usable]).any()
+            else ""
+        )
+        people, specimens = np.unique(self.participant).size, np.unique(self.specimen).size
+        return (
+            f"Fits({usable.sum()} of {usable.size} trials usable{told}; {people} participants, {specimens} specimens)"
+        )
+
 
 def fit_trials(
     trials: Trials, fit: FitSettings, window: WindowSettings, judgements: Sequence[PressJudgement] = ()

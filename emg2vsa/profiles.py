@@ -83,6 +83,10 @@ class Profiles:
     by_rule: tuple[ByRule, ...] = ()
     "The new specimen by the default rule and by the paper's, beside each other; without one that refuses."
 
+    def __repr__(self) -> str:
+        new = "" if self.new is None else f", new {self.new.specimen}: b {self.new.b_v:.4g} {self.unit}"
+        return f"Profiles({len(self.profiles)} specimens of {self.participant or 'all participants'}{new})"
+
 
 def build_profiles(
     fits: Fits,

@@ -140,6 +140,12 @@ class Study(StageSettings):
     task: str = ""
     "BIDS label of the task; a layout that is not BIDS has none."
 
+    def __repr__(self) -> str:
+        counts = (
+            f"{len(self.participants)} participants, {len(self.specimens)} specimens, {len(self.recordings)} recordings"
+        )
+        return f"Study({self.name!r}, {self.mode} mode: {counts})"
+
     @property
     def palpated(self) -> tuple[str, ...]:
         """Specimens that every participant was asked to press: those of the recordings, lost ones included."""

@@ -11,9 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
 
 from emg2vsa.held_lock import taken
 from emg2vsa.runs import ContactPicture, FirstContact, PressCurve, RunScores
+
+settings.register_profile("busy computer", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("busy computer")
 
 ROOT = Path(__file__).resolve().parent.parent
 SHARED = Path(os.environ.get("EMG2VSA_TEST_DATA", ROOT.parent / "shared" / "data"))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from casr.command_line import Group, whole_number
+from casr.plugins import plugins
 from casr.terminal import note
 
 if TYPE_CHECKING:
@@ -18,6 +19,17 @@ ENGINES = ("pin-affine", "horn-schunck", "dis")
 AREA_RULES = ("edge", "hexagon", "circle", "paper")
 FORCE_RULES = ("exposure", "mean")
 "Written out once more, because the modules that own them load NumPy; a test compares them."
+
+
+class Engines:
+    """Names of engines for argparse; those of other installed packages are looked up when ours do not do."""
+
+    def __contains__(self, name: object) -> bool:
+        return name in ENGINES or name in tuple(self)
+
+    def __iter__(self) -> Iterator[str]:
+        yield from ENGINES
+        yield from (plugin.name for plugin in plugins("casr.flow_engines") if plugin.name not in ENGINES)
 
 
 def add_frames(parser: argparse.ArgumentParser, metavar: str = "PATH", help: str = "") -> None:
@@ -51,7 +63,7 @@ def add_tare(parser: Group) -> None:
 
 def add_engine(parser: Group) -> None:
     """How motion between frames is measured."""
-    parser.add_argument("--engine", choices=ENGINES, default=ENGINES[0], help="motion estimate (default %(default)s)")
+    parser.add_argument("--engine", choices=Engines(), default=ENGINES[0], help="motion estimate (default %(default)s)")
 
 
 def add_threshold(parser: Group) -> None:

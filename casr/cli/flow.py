@@ -149,7 +149,7 @@ def _print(name: str, engine: str, region: Region, steps: list[dict[str, Any]]) 
 
     x_px, y_px = region.centre_px
     radius_px = math.sqrt(region.area_px2 / math.pi)
-    used = "pins" if engine == "pin-affine" else "pixels"
+    used = {"pin-affine": "pins", "horn-schunck": "pixels", "dis": "pixels"}.get(engine, "used")
     print(f"{name}: {engine}, region of radius {radius_px:.1f} px about ({x_px:.1f}, {y_px:.1f})")
     print(f"{'from':>6} {'to':>6} {'divergence':>11} {'log growth':>11} {'sum':>9} {used:>7}")
     for step in steps:
@@ -163,10 +163,10 @@ def _print(name: str, engine: str, region: Region, steps: list[dict[str, Any]]) 
 def _picture(
     sequence: FrameSequence, steps: list[dict[str, Any]], regions: list[Region], flow: FlowSettings
 ) -> Picture:
-    """Of all steps for pins; of the step that grows most for dense flow."""
+    """Of all steps for pins, which an engine of another package may use or not; of the step that grows most else."""
     from casr.overlays import flow_picture, pin_ways, spreading_picture
 
-    if flow.engine == "pin-affine":
+    if flow.engine not in ("dis", "horn-schunck"):
         frames = [steps[0]["from"], *(step["to"] for step in steps)]
         ways, span = pin_ways(sequence, frames, flow.pins), f"frames {frames[0]} to {frames[-1]}"
         return spreading_picture(sequence[frames[0]], *ways, regions[0].polygon_px, span)

@@ -1,4 +1,4 @@
-"""How the pins moved from the rest frame to the first contact, and which of them the contact moved."""
+"""How the pins moved from the rest frame to the first contact."""
 
 from __future__ import annotations
 
@@ -9,14 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import PinsError
-from casr.flow.region import Region
 from casr.median import median
 from casr.pins import pin_pitch_px
 from casr.pins.lattice import NEIGHBOURS, at_border, nearest_pins
 
 Array = NDArray[np.float64]
 
-GROUP_PITCHES = 2.5  # across the pin in the middle of the contact, which stays
 SHIFT_PX = 0.5
 _NONE = np.zeros(0, dtype=bool)
 
@@ -83,33 +81,3 @@ def pin_motion(rest_px: ArrayLike, contact_px: ArrayLike) -> PinMotion:
         displacement = displacement - shift
         notes += (f"A common shift of all pins by ({shift[0]:.2f}, {shift[1]:.2f}) px is taken off.",)
     return PinMotion(ids, rest, contact, displacement, pitch, notes)
-
-
-def contact_cluster(motion: PinMotion, threshold_px: float) -> tuple[NDArray[np.bool_], tuple[str, ...]]:
-    """(n,) whether each pin is in contact: the largest group of moved pins close together, and the pins they enclose.
-
-    The pin in the middle of the contact cannot move, so pins within the convex hull of the group count: contacts of
-    convex bodies are convex.
-    """
-    moved = motion.distance_px > threshold_px
-    cluster = _largest_group(moved, motion.apart_px < GROUP_PITCHES * motion.pitch_px)
-    notes: tuple[str, ...] = ()
-    if (dropped := int(moved.sum() - cluster.sum())) > 0:
-        notes += (f"Pins that moved apart from the contact are left out: {dropped}.",)
-    if cluster.sum() >= 3:
-        hull = Region.from_points(motion.rest_px[cluster])
-        cluster = cluster | hull.contains(motion.rest_px)
-    return cluster, notes
-
-
-def _largest_group(members: NDArray[np.bool_], near: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    left, best = members.copy(), np.zeros_like(members)
-    while left.any():
-        group = np.zeros_like(members)
-        group[np.argmax(left)] = True
-        while (grown := group | (near[group].any(axis=0) & members)).sum() > group.sum():
-            group = grown
-        left &= ~group
-        if group.sum() > best.sum():
-            best = group
-    return best

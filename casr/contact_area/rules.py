@@ -1,161 +1,21 @@
-"""Initial area by the rule asked for: a count of pins, one cell each (eqs 3 to 5), or the area within an outline."""
+"""Initial area by the rule asked for: Algorithm 1, or the area within an outline."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from casr.camera import Camera, undistorted
+from casr.contact_area.algorithm_1 import AS_PRINTED, hexagon_rule, paper_rule, printed_rule
 from casr.contact_area.array import check_area
 from casr.contact_area.edge import ContactEdge, fit_edge
-from casr.contact_area.motion import PinMotion, contact_cluster, pin_motion
-from casr.errors import NoContactError, SettingError
+from casr.contact_area.initial_area import InitialArea
+from casr.contact_area.motion import PinMotion, pin_motion
+from casr.errors import SettingError
 from casr.flow.region import Region
-from casr.pins import Pins, pin_pitch_px
-from casr.pins.sites import Kind, lattice_kind
-
-
-@dataclass(frozen=True, eq=False)
-class InitialArea:
-    """Area of the first contact.
-
-    Parameters
-    ----------
-    area_mm2 : A_c0, mm^2; None without camera.
-    area_px2 : the same in pixels of the undistorted image.
-    rule : the rule that gave it.
-    selected : (n,) rows of the rest frame's pins in the contact.
-    polygon_px : (K, 2) outline of the contact in the first-contact frame. For hexagons it is their convex hull, whose
-        area need not be A_c0.
-    notes : what was left out, filled or fell back.
-    relative_sd : standard deviation of the area for the noise of single pins, as a share of it; None where the rule
-        does not tell.
-    saturated : nearly all pins moved, so that the threshold shows the size of the array instead of the contact's.
-    """
-
-    area_mm2: float | None
-    area_px2: float
-    rule: str
-    selected: NDArray[np.intp]
-    polygon_px: NDArray[np.float64]
-    notes: tuple[str, ...]
-    relative_sd: float | None = None
-    saturated: bool = False
-
-
-def lattice_cell(pitch_px: float, kind: Kind, turn: float = 0.0) -> NDArray[np.float64]:
-    """(6 or 4, 2) corners of the cell that each pin of a lattice has to itself: they tile it without gaps.
-
-    A hexagon's apothem is half the pitch, so that its radius r_h is pitch / sqrt(3), as in eq. (3).
-
-    Parameters
-    ----------
-    turn : of the lattice's rows against x, radians.
-    """
-    n = 4 if kind == "square" else 6
-    angle = turn + 2 * np.pi / n * (np.arange(n) + 0.5)
-    radius_px = pitch_px / (2 * np.cos(np.pi / n))
-    return np.asarray(radius_px * np.column_stack([np.cos(angle), np.sin(angle)]))
-
-
-def _cells_outline(centres_px: NDArray[np.float64], cell_px: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(K, 2) convex hull of the cells around (n, 2) centres, px."""
-    return Region.from_points((centres_px[:, None] + cell_px).reshape(-1, 2)).polygon_px
-
-
-SATURATED_SHARE = 0.9
-
-
-def _hexagon_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
-    """Pins that moved more than the threshold and those they enclose.
-
-    Raises
-    ------
-    NoContactError : none moved.
-    """
-    inside, notes = contact_cluster(motion, threshold_px)
-    moved = int((motion.distance_px > threshold_px).sum())
-    if moved == 0:
-        farthest = int(np.argmax(motion.distance_px))
-        raise NoContactError(
-            "first contact",
-            wanted=f"pins that moved more than {threshold_px:g} px from the rest frame",
-            found=f"at most {motion.distance_px[farthest]:.2f} px, by pin {motion.ids[farthest]}",
-            do="Start at a higher force, or lower threshold_px (--threshold-px).",
-        )
-    saturated = moved >= SATURATED_SHARE * motion.ids.size
-    if saturated:
-        notes += (
-            f"{moved} of {motion.ids.size} pins moved more than {threshold_px:g} px: the skin bulges everywhere, so "
-            "this is the area of the array, not of the contact. Take an earlier first-contact frame, or rule 'edge'.",
-        )
-    return _hexagons(motion, camera, np.flatnonzero(inside), int(inside.sum()), "hexagon", notes, saturated)
-
-
-def _paper_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
-    """Algorithm 1 as it must be meant: whole-pixel centroids, each pin against itself in the other frame.
-
-    Raises
-    ------
-    NoContactError : none moved.
-    """
-    moved_px = np.hypot(*(np.trunc(motion.contact_px) - np.trunc(motion.rest_px)).T)
-    chosen = np.flatnonzero(moved_px > threshold_px)
-    if not chosen.size:
-        raise NoContactError(
-            "first contact",
-            wanted=f"pins that moved more than {threshold_px:g} px from the rest frame, in whole pixels",
-            found=f"at most {moved_px.max():.2f} px, by pin {motion.ids[np.argmax(moved_px)]}",
-            do="Start at a higher force, or lower threshold_px (--threshold-px).",
-        )
-    saturated = chosen.size >= SATURATED_SHARE * motion.ids.size
-    return _hexagons(motion, camera, chosen, chosen.size, "paper", (), saturated)
-
-
-def _printed_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
-    """Algorithm 1 to the letter: whole-pixel centroids, every pin of the first frame against every one of the second.
-
-    ``signpin.append`` runs for each pair further apart than the threshold, so a pin counts once for nearly every pin of
-    the other frame and a motionless array of N pins has N (N - 1) hexagons.
-    """
-    first, second = np.trunc(motion.rest_px), np.trunc(motion.contact_px)
-    apart = np.hypot(*(first[:, None] - second[None]).transpose(2, 0, 1)) > threshold_px
-    count, chosen = int(apart.sum()), np.flatnonzero(apart.any(axis=1))
-    if count == 0:
-        farthest_px = float(np.hypot(*(first[:, None] - second[None]).transpose(2, 0, 1)).max())
-        raise NoContactError(
-            "first contact",
-            wanted=f"pairs of pins of the two frames that are more than {threshold_px:g} px apart",
-            found=f"at most {farthest_px:.0f} px",
-            do="Lower threshold_px (--threshold-px).",
-        )
-    return _hexagons(motion, camera, chosen, count, AS_PRINTED, (), chosen.size >= SATURATED_SHARE * motion.ids.size)
-
-
-def _hexagons(
-    motion: PinMotion,
-    camera: Camera | None,
-    chosen: NDArray[np.intp],
-    count: int,
-    rule: str,
-    notes: tuple[str, ...],
-    saturated: bool,
-) -> InitialArea:
-    rest = motion.rest_px if camera is None else camera.undistorted_px(motion.rest_px)
-    kind = lattice_kind(motion.rest_px)
-    one_px2 = Region(lattice_cell(pin_pitch_px(rest), kind)).area_px2
-    return InitialArea(
-        area_mm2=None if camera is None else count * one_px2 * camera.mm2_per_px2,
-        area_px2=count * one_px2,
-        rule=rule,
-        selected=motion.ids[chosen],
-        polygon_px=_cells_outline(motion.contact_px[chosen], lattice_cell(motion.pitch_px, kind)),
-        notes=motion.notes + notes,
-        saturated=saturated,
-    )
-
+from casr.pins import Pins
 
 MIN_EXPLAINED = 0.7  # noise alone reaches 0.57, presses of a real sensor 0.98
 MAX_AREA_ERROR = 0.3
@@ -218,8 +78,6 @@ def _within(
 
 
 RULES = ("edge", "hexagon", "circle", "paper")
-AS_PRINTED = "as-printed"
-"A rule that no score can ask for: its area is that of thousands of hexagons, which no sensor has."
 
 
 def initial_area(
@@ -272,12 +130,12 @@ def initial_area(
 
 def _by_rule(motion: PinMotion, camera: Camera | None, rule: str, threshold_px: float) -> InitialArea:
     if rule == "paper":
-        return _paper_rule(motion, camera, threshold_px)
+        return paper_rule(motion, camera, threshold_px)
     if rule == AS_PRINTED:
-        return _printed_rule(motion, camera, threshold_px)
+        return printed_rule(motion, camera, threshold_px)
     if rule == "edge":
         found = _edge_rule(motion, camera)
         if isinstance(found, InitialArea):
             return found
         motion = replace(motion, notes=(*motion.notes, f"No contact edge: {found}; hexagons instead."))
-    return _hexagon_rule(motion, camera, threshold_px)
+    return hexagon_rule(motion, camera, threshold_px)

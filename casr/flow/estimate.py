@@ -12,6 +12,7 @@ from casr.flow.dense_engine import DenseEngine, DenseFlow
 from casr.flow.dis import Dis
 from casr.flow.image_engine import ImageEngine
 from casr.flow.pin_engine import PinEngine
+from casr.flow.plugin_engine import PluginEngine
 from casr.flow.region import Points, Region
 from casr.flow.step import ENGINES, Engine, FlowSettings, FlowStep
 from casr.images import as_grey
@@ -35,7 +36,8 @@ class FlowTracker:
 
     Raises
     ------
-    SettingError : the whole image by pins.
+    SettingError : the whole image by an engine that is not dense, or of another package.
+    PluginError : an engine of another package cannot be used.
     """
 
     def __init__(self, settings: FlowSettings | None = None, *, whole_image: bool = False) -> None:
@@ -79,15 +81,17 @@ class FlowTracker:
 def _engine(settings: FlowSettings) -> Engine:
     if settings.engine == "pin-affine":
         return PinEngine(settings)
+    if settings.engine not in ENGINES:
+        return PluginEngine(settings)
     return DenseEngine(_dense_flow(settings), settings.core_fraction, doubt_of(settings.engine))
 
 
 def _of_image(settings: FlowSettings) -> Engine:
-    if settings.engine == "pin-affine":
+    if settings.engine not in LOST_PERCENT:
         raise SettingError(
             "region image",
             wanted="a dense engine, horn-schunck or dis",
-            found="pin-affine, which sees pins only",
+            found=f"{settings.engine}, which follows a region",
             do="Choose one with engine (--engine dis), or leave the region to be found.",
         )
     return ImageEngine(_dense_flow(settings))

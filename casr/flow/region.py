@@ -30,6 +30,10 @@ class Region:
 
     polygon_px: Points
 
+    def __repr__(self) -> str:
+        x_px, y_px = self.centre_px
+        return f"Region({self.area_px2:.4g} px2 about ({x_px:.1f}, {y_px:.1f}) px, {len(self.polygon_px)} vertices)"
+
     def __post_init__(self) -> None:
         polygon = np.array(self.polygon_px, dtype=np.float64)
         usable = polygon.ndim == 2 and polygon.shape[0] >= 3 and polygon.shape[1] == 2 and np.isfinite(polygon).all()

@@ -10,6 +10,7 @@ from casr.errors import SettingError
 from casr.flow.region import Points, Region
 from casr.images import Grey
 from casr.pins import PinSettings
+from casr.plugins import plugins
 
 SINGLE_FROM_ALPHA = 1.0
 MOST_BAD_FRAMES = 2  # so many in a row are left out; one more ends the press
@@ -81,13 +82,19 @@ class HornSchunckSettings:
 ENGINES = ("pin-affine", "horn-schunck", "dis")
 
 
+def known_engines() -> tuple[str, ...]:
+    """``ENGINES``, then those that other installed packages add (entry points of ``casr.flow_engines``)."""
+    return tuple(dict.fromkeys((*ENGINES, *(plugin.name for plugin in plugins("casr.flow_engines")))))
+
+
 @dataclass(frozen=True, kw_only=True)
 class FlowSettings:
     """How the growth of the contact region is measured.
 
     Parameters
     ----------
-    engine : one of ``ENGINES``: the pins of the region; dense flow by Horn and Schunck; dense flow by OpenCV's DIS.
+    engine : one of ``ENGINES``: the pins of the region; dense flow by Horn and Schunck; dense flow by OpenCV's DIS; or
+        an engine of another installed package by its name (``known_engines``).
     core_fraction : the fit looks at the region scaled by this about its centroid, 0 to 1. At the border the flow has
         a kink, which pins 20 px apart under-sample and every dense method rounds off.
     pins : for ``pin-affine``. horn_schunck : for that engine. dis_preset : for ``dis``.
@@ -100,10 +107,9 @@ class FlowSettings:
     dis_preset: str = "medium"
 
     def __post_init__(self) -> None:
-        if self.engine not in ENGINES:
-            raise SettingError(
-                "engine", wanted=" or ".join(ENGINES), found=repr(self.engine), do="Choose one of these engines."
-            )
+        if self.engine not in ENGINES and self.engine not in known_engines():
+            wanted, do = " or ".join(known_engines()), "Choose one of these engines, or install the one that you mean."
+            raise SettingError("engine", wanted=wanted, found=repr(self.engine), do=do)
         if not 0 < self.core_fraction <= 1:
             found = repr(self.core_fraction)
             raise SettingError("core_fraction", wanted="above 0, at most 1", found=found, do="0.7 suits most presses.")

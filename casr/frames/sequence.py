@@ -90,6 +90,12 @@ class FrameSequence:
     readings: ForceReadings | None = None
     mean_force_n: NDArray[np.float64] | None = None
 
+    def __repr__(self) -> str:
+        force = "no force" if self.force_n is None else f"force up to {np.nanmax(self.force_n, initial=-np.inf):.3g} N"
+        camera = "no camera" if self.camera is None else "camera known"
+        size = f"{self.shape[1]} x {self.shape[0]} px"
+        return f"FrameSequence({self.name!r}: {len(self)} frames of {size}, {force}, {camera})"
+
     def __post_init__(self) -> None:
         height_px, width_px = self.shape
         if self.camera is not None and (self.camera.width_px, self.camera.height_px) != (width_px, height_px):

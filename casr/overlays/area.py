@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.contact_area.rules import lattice_cell
+from casr.contact_area.algorithm_1 import lattice_cell
 from casr.overlays.canvas import Picture, photo, view_of
 from casr.palette import GREEN, RED, SKY, YELLOW
 from casr.pins import pin_pitch_px

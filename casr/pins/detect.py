@@ -32,6 +32,10 @@ class Pins:
     area_px: NDArray[np.float64]
     notes: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        notes = f", {len(self.notes)} notes" if self.notes else ""
+        return f"Pins({len(self)} pins, median area {np.median(self.area_px):.3g} px{notes})"
+
     def __len__(self) -> int:
         return len(self.centroids_px)
 

@@ -50,6 +50,12 @@ class SpreadRate:
     law: PowerLaw | None = None
     window_n: tuple[float, float] | None = None
 
+    def __repr__(self) -> str:
+        scatter = (
+            "" if self.scatter_low is None else f" [{self.scatter_low:.4g}, {self.scatter_high:.4g}] by scatter alone"
+        )
+        return f"SpreadRate({self.value:.4g} {self.unit}{scatter}, rule {self.rule}, {self.n_frames} frames)"
+
 
 def readable(unit: str) -> str:
     """``mm2/N`` as mm²/N."""

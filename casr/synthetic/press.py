@@ -52,6 +52,9 @@ class SimulatedPress:
     truth: PressTruth
     frames: SimulatedFrames
 
+    def __repr__(self) -> str:
+        return f"SimulatedPress({len(self.frames)} frames up to {np.max(self.frames.force_n):.3g} N)"
+
     def sequence(self) -> FrameSequence:
         """The press as a scorer gets it: frames, camera, and the logged force of each frame."""
         log = self.timeline

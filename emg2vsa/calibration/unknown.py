@@ -41,6 +41,12 @@ class Estimate:
     n: Ints
     extrapolated: NDArray[np.bool_]
 
+    def __repr__(self) -> str:
+        of = zip(self.kappa, self.repeats.low, self.repeats.high, strict=True)
+        told = [f"{kappa:.4g} [{low:.4g}, {high:.4g}]" for kappa, low, high in of]
+        more = f" and {len(told) - 3} more" if len(told) > 3 else ""
+        return f"Estimate(kappa {', '.join(told[:3])}{more} N/mm)"
+
     @property
     def determined(self) -> NDArray[np.bool_]:
         """(d,) whether the interval is narrower than the calibrated range, in N/mm and as a ratio."""

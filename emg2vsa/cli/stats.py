@@ -25,6 +25,7 @@ def add_to(commands: Commands) -> None:
         "verdict changes. "
         "Numbers are read exactly as they are written. Rows without a number, group or block are left out and counted. "
         "Without --value and --group the columns are listed. "
+        "Statistics of other installed packages (plugins) follow ours; the status is 1 where one of them fails. "
         "Example: emg2vsa stats slopes.csv --value b --group specimen --block participant",
     )
     parser.add_argument("table", type=Path, metavar="TABLE", help="CSV, TSV or semicolon-separated text with a header")
@@ -49,6 +50,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.companions.plugin_statistics import BROKEN
     from emg2vsa.companions.tidy import tidy_tests
     from emg2vsa.readers.tidy_table import read_tidy_table
 
@@ -68,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_json(_as_json(found, arguments))
     else:
         _print(found, arguments)
-    return 0
+    return 1 if any(note.startswith(BROKEN) for _, outcome in found.of_plugins for note in outcome.notes) else 0
 
 
 def _check(arguments: argparse.Namespace) -> None:

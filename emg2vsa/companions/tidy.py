@@ -11,10 +11,12 @@ import numpy as np
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.companions.groups import EqualityTests, equality_tests
+from emg2vsa.companions.plugin_statistics import plugin_outcomes
 from emg2vsa.companions.table import TableTests, table_tests
 from emg2vsa.errors import DataError
 from emg2vsa.statistics.clusters import Names, clusters_of
 from emg2vsa.statistics.moments import shifted_doubles
+from emg2vsa.statistics.outcome import Outcome
 
 
 @dataclass(frozen=True)
@@ -22,6 +24,7 @@ class TidyTests:
     """groups (S,), count, mean, sd (S,) of all their rows; blocks (P,), empty without.
 
     together : all rows as one block, as if independent. equality : of groups. by_block : None without blocks.
+    of_plugins : outcomes of statistics of other packages, each with whose it is.
     n : rows that entered; without_number, without_name : rows left out, and why.
     """
 
@@ -37,6 +40,7 @@ class TidyTests:
     without_number: int
     without_name: int
     alpha: float
+    of_plugins: tuple[tuple[str, Outcome], ...]
 
     def alike(self) -> tuple[str, ...]:
         """Names of groups and of blocks that differ in capitals or spaces only: "'S1', 's1'"."""
@@ -94,6 +98,7 @@ def tidy_tests(
         without_number=int(np.count_nonzero(~number)),
         without_name=int(np.count_nonzero(number & ~named)),
         alpha=alpha,
+        of_plugins=plugin_outcomes(doubles + origin, groups, blocks if block else None),
     )
 
 

@@ -90,3 +90,8 @@ class Trials:
     "What is doubtful about the recording as a whole; its presses are used."
     overviews: tuple[EmgOverview, ...] = ()
     "The raw EMG of each recording, for its picture."
+
+    def __repr__(self) -> str:
+        usable = int(np.count_nonzero(self.verdict != "rejected"))
+        of = f"{self.participant} {self.specimen}"
+        return f"Trials({of}: {self.repetition.size} presses, {usable} usable, {self.fs_hz:g} Hz)"

@@ -1,7 +1,8 @@
 """The code behind a result: every module of this project that its stage reaches, and the libraries that those import.
 
 Reached is what a module imports, anywhere in it, and what it names in a string: readers, decoders and engines are
-imported by name. Comments and docstrings do not count, nor do imports for type checkers alone.
+imported by name. Where a module asks for the plugins of a group, the distributions that have some count as libraries.
+Comments and docstrings do not count, nor do imports for type checkers alone.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from emg2vsa.pipeline.fingerprint import Fingerprints, Part, State, digest, part
 
 PACKAGES = ("emg2vsa", "casr")
 _MODULE = re.compile(rf"({'|'.join(PACKAGES)})(\.\w+)+(:\w+)?$")
+_PLUGINS = "plugins "
+"""Begins what stands for the distributions with plugins of a group, among names of libraries."""
 _STANDARD = frozenset(sys.stdlib_module_names) | {"__future__"}
 
 
@@ -86,10 +89,10 @@ class Code:
         return found
 
     def _distributions(self, name: str) -> list[tuple[str, str]]:
-        """Distributions that install the import name, with their versions; the name itself as ``absent``."""
+        """Distributions of an import name or of a group of plugins, with versions; an import name can be ``absent``."""
         if not self._installed:
             self._installed = {key: list(map(tuple, of)) for key, of in self._prints.installed(_installed).items()}
-        return self._installed.get(name, [(name, "absent")])
+        return self._installed.get(name, [] if name.startswith(_PLUGINS) else [(name, "absent")])
 
 
 @cache
@@ -108,18 +111,22 @@ def module_file(name: str) -> str | None:
 
 
 def _installed() -> dict[str, list[tuple[str, str]]]:
-    """Import name to its distributions with their versions; slow, and loaded by this alone."""
-    from importlib.metadata import packages_distributions, version
+    """Import name, and group of plugins, to its distributions with their versions; slow, and loaded by this alone."""
+    from importlib.metadata import distributions, packages_distributions, version
 
-    names = {name: sorted(set(of)) for name, of in packages_distributions().items()}
-    return {name: [(one, version(one)) for one in of] for name, of in names.items()}
+    names = {name: list(of) for name, of in packages_distributions().items()}
+    for distribution in distributions():
+        for entry in distribution.entry_points:
+            if entry.group.startswith(tuple(f"{package}." for package in PACKAGES)):
+                names.setdefault(f"{_PLUGINS}{entry.group}", []).append(distribution.name)
+    return {name: [(one, version(one)) for one in sorted(set(of))] for name, of in names.items()}
 
 
 def _digested(source: bytes, package: str) -> list[Any]:
     """Digest of the code, names in this project that may be modules it imports, names of foreign packages."""
     tree = ast.parse(source)
     names: set[str] = set()
-    foreign: set[str] = set()
+    groups: set[str] = set()
     for node in _walk(tree):
         if isinstance(node, ast.Import):
             names.update(alias.name for alias in node.names)
@@ -127,16 +134,16 @@ def _digested(source: bytes, package: str) -> list[Any]:
             origin = _origin(node, package)
             names.update([origin, *(f"{origin}.{alias.name}" for alias in node.names)])
         elif isinstance(node, ast.Call) and _called(node) == "import_module":
-            names.update(a.value for a in node.args[:1] if isinstance(a, ast.Constant) and isinstance(a.value, str))
+            names.update(_first_text(node))
+        elif isinstance(node, ast.Call) and _called(node) == "plugins":
+            groups.update(_first_text(node))
         elif isinstance(node, ast.Constant) and isinstance(node.value, str) and _MODULE.match(node.value):
             names.add(node.value.partition(":")[0])
         body = getattr(node, "body", None)
         if isinstance(body, list):
             node.body = [statement for statement in body if not _is_text(statement)]  # type: ignore[attr-defined]
-    for name in names:
-        first = name.partition(".")[0]
-        if first not in PACKAGES and first not in _STANDARD:
-            foreign.add(first)
+    firsts = {name.partition(".")[0] for name in names}
+    foreign = firsts.difference(PACKAGES, _STANDARD) | {f"{_PLUGINS}{group}" for group in groups}
     own = sorted(name for name in names if name.partition(".")[0] in PACKAGES)
     return [digest(ast.dump(tree)), own, sorted(foreign)]
 
@@ -158,6 +165,10 @@ def _origin(node: ast.ImportFrom, package: str) -> str:
     """Module that the names come from; a relative one counted from ``package``."""
     above = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
     return ".".join([*above, *([node.module] if node.module else [])])
+
+
+def _first_text(node: ast.Call) -> list[str]:
+    return [a.value for a in node.args[:1] if isinstance(a, ast.Constant) and isinstance(a.value, str)]
 
 
 def _called(node: ast.Call) -> str:

@@ -26,7 +26,7 @@ State = tuple[int, int, int, int]
 MISSING = "missing"
 _SETTLED_NS = 1_000_000_000
 _START, _MIDDLE = b'{"sum": "', b'", "files": '
-_INSTALLED = "installed libraries"
+_INSTALLED = "installed libraries and plugins"
 
 
 def digest(*parts: str | bytes) -> str:
@@ -112,8 +112,8 @@ class Fingerprints:
         return value
 
     def installed(self, look: Callable[[], Any]) -> Any:
-        """What ``look`` finds of the installed libraries, until a folder of libraries changes."""
-        libraries = (path for path in sys.path if path.endswith("-packages"))
+        """What ``look`` finds of the installed libraries and plugins, until a folder of libraries changes."""
+        libraries = (path for path in sys.path if path.endswith("-packages") or _holds_distributions(path))
         folders = [[path, found[1]] for path in libraries if (found := state_of(path)) is not None]
         known = self._known.get(_INSTALLED) or self._beside.get(_INSTALLED)
         if known is None or known[0] != folders:
@@ -126,6 +126,12 @@ class Fingerprints:
         """Read the file anew next time, whatever its state says."""
         self._beside.pop(str(path), None)
         self._changed |= self._known.pop(str(path), None) is not None
+
+
+def _holds_distributions(path: str) -> bool:
+    with contextlib.suppress(OSError):
+        return any(name.endswith((".dist-info", ".egg-info")) for name in os.listdir(path or "."))
+    return False
 
 
 def _steady(path: str, state: State, compute: Callable[[bytes], Any]) -> tuple[Any, State | None]:

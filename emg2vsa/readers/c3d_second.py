@@ -11,9 +11,10 @@ from pathlib import Path
 import c3d
 import numpy as np
 
+from casr.errors import said_by
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.on_demand import OnDemand, Track, refuse_nothing
-from emg2vsa.readers.opened import Contents, said_by, unique_names
+from emg2vsa.readers.opened import Contents, unique_names
 from emg2vsa.readers.units import canonical
 
 _NOTE = "ezc3d does not read this file; the package c3d did. The forces of its plates are not computed."

@@ -24,6 +24,7 @@ class Reader:
     """A format: its name, the module whose ``open_recording(path)`` reads it, and how a file of it is recognised.
 
     second : the reader that is tried where this one does not support a file, crashes or meets a limit.
+    any_text : it takes whatever is text, so that readers of other packages are asked before it.
     library : the foreign decoder that the module calls, for which it runs in a child process; None: it calls none.
     """
 
@@ -32,6 +33,7 @@ class Reader:
     matches: Callable[[Path, bytes], bool]
     library: str | None = None
     second: Reader | None = None
+    any_text: bool = False
 
 
 def _first_line(head: bytes) -> str:
@@ -123,8 +125,8 @@ READERS: tuple[Reader, ...] = (
     Reader("MATLAB", "emg2vsa.readers.matlab", _is_matlab, "scipy or h5py"),
     Reader("Trigno Discover CSV", "emg2vsa.readers.discover", _is_discover),
     Reader("EMGworks CSV", "emg2vsa.readers.emgworks", _is_emgworks),
-    Reader("text matrix", "emg2vsa.readers.text_matrix", _is_text_matrix),
-    Reader("CSV", "emg2vsa.readers.plain_csv", _is_plain_csv),
+    Reader("text matrix", "emg2vsa.readers.text_matrix", _is_text_matrix, any_text=True),
+    Reader("CSV", "emg2vsa.readers.plain_csv", _is_plain_csv, any_text=True),
 )
 
 

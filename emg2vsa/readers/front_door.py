@@ -16,9 +16,11 @@ from pathlib import Path
 from casr.counts import count
 from casr.decoder_child import Limits
 from casr.decoder_process import DecoderFailed, InChild
+from casr.errors import said_by
 from emg2vsa.errors import Emg2vsaError, RecordingError, SlowReadingError, UnsupportedError
 from emg2vsa.readers.formats import READERS, Reader, head_of, reader_of
-from emg2vsa.readers.opened import Contents, OpenRecording, StoredChannel, said_by, to_si, usable
+from emg2vsa.readers.opened import Contents, OpenRecording, StoredChannel, to_si, usable
+from emg2vsa.readers.plugin_readers import Noted, plugin_reader
 from emg2vsa.readers.refused import refused
 from emg2vsa.recordings import ChannelInfo, Recording, no_such_channel
 from emg2vsa.settings import ReadingSettings
@@ -30,6 +32,8 @@ def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str
     """The format of a file and the file opened and validated, its samples not read yet.
 
     reading : limits of a foreign decoder, for this and for every later request to the opened file.
+
+    A file that no reader here knows by its content is offered to those of other packages (``plugin_readers``).
 
     Raises RecordingError where the file is absent, empty, of no known format or damaged, or where its decoder crashes
     or meets a limit.
@@ -54,13 +58,21 @@ def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str
     if (not_read := refused(path, head)) is not None:
         raise RecordingError(path, wanted="a recording in a format that is read", found=not_read[0], do=not_read[1])
     reader = reader_of(path, head)
+    faults: tuple[str, ...] = ()
+    if reader is None or reader.any_text:
+        plugin, faults = plugin_reader(path, head)
+        if plugin is not None:
+            _count(path)
+            return plugin.format, plugin.open(path)
     if reader is None:
         raise RecordingError(
-            path, wanted=f"one of the {len(READERS)} formats of docs/reference/formats.md", found="an unknown format",
+            path, wanted=f"one of the {len(READERS)} formats of docs/reference/formats.md",
+            found="; ".join(["an unknown format", *faults]),
             do="Export the recording as CSV with a time column, C3D, EDF/BDF or .mat.",
         )  # fmt: skip
     try:
-        return reader.format, _opened(path, reader, reading)
+        opened = _opened(path, reader, reading)
+        return reader.format, Noted(opened, faults) if faults else opened
     except RecordingError as error:
         given_up = isinstance(error, UnsupportedError) or isinstance(error.__cause__, DecoderFailed)
         if reader.second is not None and given_up:
@@ -69,9 +81,13 @@ def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str
         raise
 
 
-def _opened(path: Path, reader: Reader, reading: ReadingSettings) -> OpenRecording:
+def _count(path: Path) -> None:
     count("files read")
     count("bytes read", path.stat().st_size)
+
+
+def _opened(path: Path, reader: Reader, reading: ReadingSettings) -> OpenRecording:
+    _count(path)
     if reader.library is not None:
         return _OpenInChild(path, reader, reading)
     opened: OpenRecording = importlib.import_module(reader.module).open_recording(path)

@@ -20,10 +20,11 @@ import numpy as np
 import scipy.io
 from numpy.typing import NDArray
 
+from casr.errors import said_by
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers import delsys_mat
 from emg2vsa.readers.on_demand import OnDemand
-from emg2vsa.readers.opened import Contents, StoredChannel, said_by, unique_names
+from emg2vsa.readers.opened import Contents, StoredChannel, unique_names
 from emg2vsa.readers.timing import even_clock
 from emg2vsa.readers.units import split_unit
 from emg2vsa.recordings import ChannelInfo

@@ -15,8 +15,6 @@ from emg2vsa.errors import RecordingError
 from emg2vsa.readers.units import si_factor
 from emg2vsa.recordings import Channel, ChannelInfo
 
-_LONGEST_SAID = 160
-
 
 @dataclass(frozen=True)
 class StoredChannel:
@@ -148,10 +146,3 @@ def scaled(stored: StoredChannel, factor: float, unit: str, conversion: str) -> 
     if factor != 1.0:
         samples *= factor
     return Channel(stored.name, samples, unit, stored.fs_hz, stored.start_s, conversion)
-
-
-def said_by(error: Exception) -> str:
-    """What a library says of a damaged file, as one short line: it may quote the file, whatever is in it."""
-    said = "".join(each if each.isprintable() else " " for each in f"{type(error).__name__}: {error}")
-    said = " ".join(said.split())
-    return said if len(said) <= _LONGEST_SAID else said[: _LONGEST_SAID - 3] + "..."

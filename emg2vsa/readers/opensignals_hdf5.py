@@ -14,9 +14,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.errors import said_by
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.on_demand import CountedRows, OnDemand, Track, counted, refuse_nothing
-from emg2vsa.readers.opened import Contents, said_by, unique_names
+from emg2vsa.readers.opened import Contents, unique_names
 from emg2vsa.readers.opensignals import COUNTER, rate_hz, started, unit_of
 
 _WRITTEN_BY = "OpenSignals, or MATLAB 7.3"

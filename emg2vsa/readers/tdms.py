@@ -15,9 +15,10 @@ import numpy as np
 from nptdms import TdmsChannel, TdmsFile
 from numpy.typing import NDArray
 
+from casr.errors import said_by
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.on_demand import OnDemand, Track, refuse_nothing
-from emg2vsa.readers.opened import Contents, said_by, unique_names
+from emg2vsa.readers.opened import Contents, unique_names
 from emg2vsa.readers.units import canonical
 
 _DECIMATED = "Decimated Data_Level"

@@ -20,9 +20,10 @@ import numpy as np
 import pyxdf
 from numpy.typing import NDArray
 
+from casr.errors import said_by
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.on_demand import OnDemand, Track, refuse_nothing
-from emg2vsa.readers.opened import Contents, said_by, unique_names
+from emg2vsa.readers.opened import Contents, unique_names
 from emg2vsa.readers.timing import even_clock
 from emg2vsa.readers.units import canonical
 

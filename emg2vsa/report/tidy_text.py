@@ -10,7 +10,7 @@ from textwrap import wrap
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.companions.table import BlockTests
+from emg2vsa.companions.table import BlockTests, TableTests
 from emg2vsa.companions.tidy import TidyTests
 from emg2vsa.report.companion_rows import (
     COLUMNS,
@@ -148,15 +148,20 @@ def outcomes(found: TidyTests) -> Iterator[tuple[str, Outcome]]:
             yield from ((f"{name} over blocks", outcome) for outcome in blocks.pair_outcomes(pair))
         if found.equality.tost is not None:
             yield name, found.equality.tost.outcome(0, pair)
-    if found.by_block is None:
-        return
+    if found.by_block is not None:
+        yield from _outcomes_by_block(found, found.by_block)
+    yield from found.of_plugins
+
+
+def _outcomes_by_block(found: TidyTests, tests: TableTests) -> Iterator[tuple[str, Outcome]]:
+    pairs = found.together.pairs
     for i, block in enumerate(found.blocks.tolist()):
-        yield from ((f"groups in {block}", outcome) for outcome in found.by_block.between_groups.outcomes(i))
-        for pair, (first, second) in enumerate(zip(tests.pairs.first, tests.pairs.second, strict=True)):
+        yield from ((f"groups in {block}", outcome) for outcome in tests.between_groups.outcomes(i))
+        for pair, (first, second) in enumerate(zip(pairs.first, pairs.second, strict=True)):
             name = f"{found.groups[first]} - {found.groups[second]} in {block}"
-            yield from ((name, outcome) for outcome in found.by_block.pairs.outcomes(i, pair))
+            yield from ((name, outcome) for outcome in tests.pairs.outcomes(i, pair))
     for i, group in enumerate(found.groups.tolist() if found.blocks.size > 1 else []):
-        yield from ((f"blocks in {group}", outcome) for outcome in found.by_block.between_blocks.outcomes(i))
+        yield from ((f"blocks in {group}", outcome) for outcome in tests.between_blocks.outcomes(i))
 
 
 def text(found: TidyTests, style: Style, *, details: bool) -> str:
@@ -167,9 +172,9 @@ def text(found: TidyTests, style: Style, *, details: bool) -> str:
         parts.append("\n".join(wrap(hypothesis.mind, sum(_WIDTHS) + 6)))
     by = "LSD" if _over_blocks(found) is None else _differences(found).method
     parts += [f"\nPairs, p of each test (differences and their intervals: {by})", *_pairs(found, style), "\nResults"]
-    above = ""
+    above, shown = "", _SUMMARY.union(name for name, _ in found.of_plugins)
     for name, outcome in outcomes(found):
-        if details or name in _SUMMARY:
+        if details or name in shown:
             parts += [name] if name != above else []
             parts.append(f"  {outcome.method}: {said(outcome, style)}{_notes(outcome)}")
             above = name

@@ -120,6 +120,16 @@ class RunScores:
     first_contact: FirstContact | None
     notes: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        usable = self.verdicts.count("ok")
+        casr = self.casr.get(self.algorithm, np.array([]))
+        told = (
+            f", median CASR {np.nanmedian(casr):.4g} {self.area_unit}/N by {self.algorithm}"
+            if np.isfinite(casr).any()
+            else ""
+        )
+        return f"RunScores({self.name}: {usable} of {len(self.verdicts)} presses scored{told})"
+
     @property
     def name(self) -> str:
         """Specimen, angle and condition in one word, as the run's folder is called."""

@@ -1,4 +1,4 @@
-"""Equations (7) and (8): co-contraction profiles to stiffness presets, over all exported specimens together."""
+"""Co-contraction profiles to stiffness presets by equation (7), over all exported specimens together."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from emg2vsa.actuator import stiffness_nm_per_rad, ticks_of_percent
+from emg2vsa.actuator import stiffness_nm_per_rad, stiffness_percent, ticks_of_percent
 from emg2vsa.arrays import Floats
 from emg2vsa.curves.force_bins import bin_edges
 from emg2vsa.errors import ScheduleError
@@ -91,9 +91,7 @@ def _schedule(
     provenance: dict[str, str],
 ) -> Schedule:
     limits = Limits(settings.stiffness_percent, settings.max_preset_ticks, settings.actuator, settings.scale)
-    share = np.clip((v - span[0]) / (span[1] - span[0]), 0.0, 1.0)
-    lowest, highest = settings.stiffness_percent
-    percent = limits.preset_percent((1 - share) * lowest + share * highest)
+    percent = limits.preset_percent(stiffness_percent(v, span, settings.stiffness_percent))
     ticks = ticks_of_percent(percent, settings.max_preset_ticks)
     widths = np.diff(edges)
     schedule = Schedule(

@@ -69,3 +69,9 @@ class Schedule:
     ramp: Ramp
     limits: Limits
     provenance: dict[str, str]
+
+    def __repr__(self) -> str:
+        low, high = self.stiffness_percent.min(), self.stiffness_percent.max()
+        span = f"{self.step_force_n[0]:g} to {self.step_force_n[-1]:g} N"
+        steps = f"{low:.3g} to {high:.3g} % in {self.preset_ticks.size} steps"
+        return f"Schedule({self.specimen} {self.condition}: {steps}, {span})"

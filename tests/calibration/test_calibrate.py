@@ -60,6 +60,8 @@ def test_every_way_finds_an_exact_law(law: Law, minimise: Minimise, points: Any)
     np.testing.assert_allclose(fit.left_out_error[0], 0, atol=1e-11)
     np.testing.assert_allclose([fit.r2[0], fit.adj_r2[0]], 1, rtol=1e-12)
     new = estimate(fit, [0.3, 0.3])
+    assert repr(new).startswith(f"Estimate(kappa {new.kappa[0]:.4g} [")
+    assert len(repr(new)) < 200
     np.testing.assert_allclose(new.kappa[0], law_of(law, np.array(0.3), *truth), rtol=1e-12)
     np.testing.assert_allclose([new.bootstrap_low[0], new.bootstrap_high[0]], new.kappa[0], rtol=1e-11)
     assert not new.extrapolated[0]

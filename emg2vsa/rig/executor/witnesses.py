@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from emg2vsa.actuator import RAD_PER_TICK, Springs
+from emg2vsa.actuator import RAD_PER_TICK, Springs, equilibrium_and_preset, motor_positions
 from emg2vsa.rig.devices import ForceSample, Measurements
 from emg2vsa.rig.executor.guards import Seen
 from emg2vsa.rig.executor.motion import Motion, Phase
@@ -42,7 +42,9 @@ class Witnesses:
     def depth_mm(self) -> float:
         """Depth of the probe that the motors stand for, when they were last read."""
         at = self._at
-        return self._rig.depth_at(at.motor_1 if self._springs is None else (at.motor_1 + at.motor_2) / 2)
+        return self._rig.depth_at(
+            at.motor_1 if self._springs is None else equilibrium_and_preset(at.motor_1, at.motor_2)[0]
+        )
 
     @property
     def mean_n(self) -> float:
@@ -166,7 +168,7 @@ class SlowMotors:
                 for motor, command in enumerate(self._obeyed):
                     step = share * (command - slow[motor])
                     slow[motor] += -most if step < -most else most if step > most else step
-        first, second = float(position_ticks + preset_ticks), float(position_ticks - preset_ticks)
+        first, second = map(float, motor_positions(position_ticks, preset_ticks))
         self._before, self._sent = self._sent or self._slow[0], [first] if self._rigid else [first, second]
         self._on_their_way.append((self._now_s + DEAD_S, self._sent))
         while self._on_their_way and self._on_their_way[0][0] <= self._now_s + 1e-9:

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from types import TracebackType
 from typing import Self
 
-from emg2vsa.actuator import SPRINGS, Springs
+from emg2vsa.actuator import SPRINGS, Springs, equilibrium_and_preset
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.device_settings import REPLY_S, Generation, Model
@@ -176,7 +176,7 @@ class Qbmove:
     def position_ticks(self) -> float:
         """Equilibrium (q1 + q2)/2 of the motors where they stand, ticks."""
         at = self.measurements()
-        return (at.motor_1 + at.motor_2) / 2
+        return equilibrium_and_preset(at.motor_1, at.motor_2)[0]
 
     def measurements(self) -> Measurements:
         """Motors and shaft."""

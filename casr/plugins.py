@@ -1,0 +1,57 @@
+"""What other installed packages add: objects that they name as entry points of a group, found without importing them.
+
+A group is looked up when something of it is asked for, and a plugin is imported when it is used. A plugin of the name
+of something of this project never takes its place.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from casr.errors import PluginError, said_by
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+
+@dataclass(frozen=True)
+class Plugin:
+    """An entry point of an installed distribution. ``str`` names it with its distribution and version."""
+
+    name: str
+    distribution: str
+    version: str
+    entry: EntryPoint
+
+    def __str__(self) -> str:
+        return f"{self.name} of {self.distribution} {self.version}"
+
+    def load(self) -> Any:
+        """The object that the entry point names. PluginError where it cannot be imported."""
+        try:
+            return self.entry.load()
+        except (Exception, SystemExit) as error:  # whatever a foreign module does when it is imported
+            raise self.fault("a module that can be imported", said_by(error)) from error
+
+    def fault(self, wanted: str, found: str) -> PluginError:
+        """The error that names the plugin, for a break of its contract."""
+        do = f"Tell the authors of {self.distribution}, or uninstall it."
+        return PluginError(f"plugin {self}", wanted=wanted, found=found, do=do)
+
+
+@cache
+def plugins(group: str) -> tuple[Plugin, ...]:
+    """Plugins of a group, by distribution and name; of two with one name the first counts."""
+    from importlib.metadata import entry_points  # noqa: PLC0415  (looks through every installed distribution)
+
+    found = [
+        Plugin(entry.name, entry.dist.name, entry.dist.version, entry)
+        for entry in entry_points(group=group)
+        if entry.dist is not None
+    ]
+    first: dict[str, Plugin] = {}
+    for plugin in sorted(found, key=lambda each: (each.distribution.lower(), each.name)):
+        first.setdefault(plugin.name, plugin)
+    return tuple(first.values())

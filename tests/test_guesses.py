@@ -1,0 +1,53 @@
+"""A newcomer's guess: each equation, figure, table and algorithm of the paper is where its name says."""
+
+from __future__ import annotations
+
+import importlib
+
+import numpy as np
+import pytest
+
+from emg2vsa.actuator import equilibrium_and_preset, motor_positions, stiffness_percent
+
+PLACES = {
+    "equation (1), area from divergence": ("casr.spread.area_law", "", r"eq. 1"),
+    "equation (2), the spread rate": ("casr.spread.rate", "spread_rate", r"eq. (2)"),
+    "equation (3), the hexagon of a pin": ("casr.contact_area.algorithm_1", "lattice_cell", r"eq. (3)"),
+    "equation (4), the camera matrix": ("casr.camera", "Camera.matrix", r"eq. (4)"),
+    "equation (5), pixels to mm": ("casr.camera", "Camera.mm_per_px", r"eq. (5)"),
+    "equation (6), the logarithmic law": ("emg2vsa.curves.logarithmic", "", r"equation 6"),
+    "equation (6), as a stage": ("emg2vsa.fits", "", r"equation (6)"),
+    "equation (7), co-contraction to stiffness": ("emg2vsa.actuator", "stiffness_percent", r"Equation (7)"),
+    "equation (8), motors to position and preset": ("emg2vsa.actuator", "equilibrium_and_preset", r"Equation (8)"),
+    "Algorithm 1, the initial area": ("casr.contact_area.algorithm_1", "paper_rule", r"Algorithm 1"),
+    "figure 2, steps of Algorithm 1": ("emg2vsa.figures.algorithm_1", "", r"Figure 2"),
+    "figure 4, co-contraction": ("emg2vsa.figures.cocontraction", "", r"Figure 4"),
+    "figure 5, schedules": ("emg2vsa.figures.schedule_map", "", r"Figure 5"),
+    "figure 8, initial areas": ("emg2vsa.figures.casr_areas", "", r"Figure 8"),
+    "figure 9, contacts": ("emg2vsa.figures.casr_areas", "", r"Figure 9"),
+    "figures 10, 12 and 13, rates": ("emg2vsa.figures.casr_rates", "", r"Figures 10, 12 and 13"),
+    "figure 11, the interpolated profile": ("emg2vsa.figures.cocontraction", "", r"Figure 11"),
+    "figure 14, conditions": ("emg2vsa.figures.casr_rates", "", r"Figure 14"),
+    "Table I, stiffness of the new specimen": ("emg2vsa.report.sections.kappa", "", r"Table I"),
+}
+"""Thing to the module that a newcomer looks in, the object there, and what its docstring cites."""
+
+
+@pytest.mark.parametrize("thing", PLACES)
+def test_the_first_guess_is_right(thing: str) -> None:
+    module, name, cited = PLACES[thing]
+    found = importlib.import_module(module)
+    for part in filter(None, name.split(".")):
+        found = getattr(found, part)
+    assert cited in (found.__doc__ or "")
+
+
+def test_equation_7_maps_the_ends_and_the_middle() -> None:
+    percent = stiffness_percent([1e-6, 2e-6, 3e-6, 4e-6], (1e-6, 3e-6), (10.0, 60.0))
+    np.testing.assert_allclose(percent, [10, 35, 60, 60], rtol=1e-12)
+
+
+def test_equation_8_goes_there_and_back() -> None:
+    assert equilibrium_and_preset(1300, 700) == (1000, 300)
+    assert motor_positions(1000, 300) == (1300, 700)
+    assert equilibrium_and_preset(*motor_positions(-5, 12)) == (-5, 12)
