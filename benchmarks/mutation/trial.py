@@ -74,7 +74,7 @@ def run_tests(
         "-p",
         "benchmarks.mutation.time_limit",
     ]
-    command += ["--tb=no", "-rfE", "--hypothesis-seed=0", "-m", "not realtime", *tests]
+    command += ["--tb=no", "-rfE", "--hypothesis-seed=0", "-m", "not slow and not realtime", *tests]
     done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, text=True, check=False)
     return done.returncode, done.stdout
 
