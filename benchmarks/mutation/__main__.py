@@ -4,9 +4,10 @@
     python -m benchmarks.mutation --seed 20 --count 60 --map map --out mutation_20.json
     python -m benchmarks.mutation --table mutation_20.json ... > docs/benchmarks/mutation.md
 
-The second line takes about 20 s of processor time a mutant, at most 40 s for each of two runs, resumes where it was ended, and asks at its end that every
-test which killed a mutant passes on the unchanged tree: what such a test killed is run again without it. The tests are
-those of the last commit. ``benchmarks/mutation/judged.json`` says what each survivor is.
+The second line takes about 20 s of processor time a mutant, at most about 40 s for each of two runs. It resumes where
+it was ended, and asks at its end that every test which killed a mutant passes on the unchanged tree: what such a test
+killed is run again without it. The tests are those of the last commit. ``benchmarks/mutation/judged.json`` says what
+each survivor is.
 """
 
 from __future__ import annotations

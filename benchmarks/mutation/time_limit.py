@@ -1,4 +1,4 @@
-"""A test that no longer ends is ended, and the whole run with it; a run that costs too much is: a plugin for mutants."""
+"""A test that no longer ends is ended, and its run with it; a run over its budget is too: a plugin for mutants."""
 
 from __future__ import annotations
 
