@@ -56,12 +56,13 @@ def main(words: Sequence[str] | None = None) -> int:
                 f"{each.module}:{each.mutant.line} {each.mutant.kind}: {each.mutant.before!r} -> {each.mutant.after!r}"
             )
         return 0
-    run(chosen, lines, arguments.seed, arguments.out)
+    with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
+        run(chosen, lines, arguments.seed, arguments.out, Path(folder))
     return 0
 
 
-def run(chosen: list[Chosen], lines: LineMap, seed: int, out: Path) -> None:
-    """Try each mutant that ``out`` does not hold yet, then confirm what killed them."""
+def run(chosen: list[Chosen], lines: LineMap, seed: int, out: Path, folder: Path) -> None:
+    """Try each mutant that ``out`` does not hold yet, then confirm what killed them. folder : for copies."""
     results: dict[str, Any] = (
         json.loads(out.read_text(encoding="utf-8")) if out.exists() else {"seed": seed, "mutants": []}
     )
@@ -71,29 +72,28 @@ def run(chosen: list[Chosen], lines: LineMap, seed: int, out: Path) -> None:
         mutant = each.mutant
         if (each.module, mutant.start, mutant.kind, mutant.after) in done:
             continue
-        verdict = tried(TREE, each, files_for(TREE, each.module, mutant.line, lines))
+        verdict = tried(TREE, each, files_for(TREE, each.module, mutant.line, lines), folder)
         results["mutants"].append({"module": each.module} | asdict(mutant) | asdict(verdict))
         _write(out, results)
         print(f"{each.module}:{mutant.line} {mutant.kind}: {verdict.state} {verdict.by}", flush=True)
-    confirm(chosen, lines, results)
+    confirm(chosen, lines, results, folder)
     _write(out, results)
 
 
-def confirm(chosen: list[Chosen], lines: LineMap, results: dict[str, Any]) -> None:
+def confirm(chosen: list[Chosen], lines: LineMap, results: dict[str, Any], folder: Path) -> None:
     """Run every killing test on the unchanged tree; what one that fails there killed is tried without it."""
     killers = {row["by"] for row in results["mutants"] if "::" in row["by"]} - set(results.get("confirmed", []))
     failing: list[str] = []
     while killers:
-        with tempfile.TemporaryDirectory(prefix="unchanged-") as folder:
-            export(TREE, Path(folder) / "tree")
-            _, out = run_tests(Path(folder) / "tree", sorted(killers), first_failure=False)
+        export(TREE, folder / "tree")
+        _, out = run_tests(folder / "tree", sorted(killers), folder / "compiled", first_failure=False)
         failing += [name for name in failed_tests(out) if name in killers]
         results["confirmed"] = sorted({*results.get("confirmed", []), *killers} - set(failing))
         again = [row for row in results["mutants"] if row["by"] in failing]
         for row in again:
             each = next(each for each in chosen if (each.module, each.mutant.start) == (row["module"], row["start"]))
             files = files_for(TREE, each.module, each.mutant.line, lines)
-            row |= asdict(tried(TREE, each, files, deselected=failing))
+            row |= asdict(tried(TREE, each, files, folder, deselected=failing))
         killers = {row["by"] for row in again if "::" in row["by"]} - set(results["confirmed"])
 
 

@@ -14,7 +14,7 @@ CPU_S, WALL_S, EXIT_CODE = 60.0, 400.0, 124
 """Processor time and wall time of one test; the slowest fast test takes a third of the first on the unchanged code."""
 
 BUDGET_S = 40.0
-"""Processor time of the tests of one run and of their child processes; no test begins after it."""
+"""Processor time of a run up to its first failure, and of its child processes; no test begins after it."""
 OVER_BUDGET = "the budget of processor time is used up"
 
 
@@ -33,7 +33,8 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, bool, bool]:
     signal.setitimer(signal.ITIMER_PROF, 0)
     signal.setitimer(signal.ITIMER_REAL, 0)
     usages = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    if sum(usage.ru_utime + usage.ru_stime for usage in usages) > BUDGET_S:
+    up_to_first_failure = item.config.getoption("maxfail") == 1
+    if up_to_first_failure and sum(usage.ru_utime + usage.ru_stime for usage in usages) > BUDGET_S:
         item.session.shouldstop = OVER_BUDGET
     return report
 
