@@ -36,6 +36,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--package", default="", help="only packages whose name begins so, such as emg2vsa.statistics")
     parser.add_argument("--map", type=Path, help="folder of the line map; without it, tests that name the module")
     parser.add_argument("--out", type=Path, default=Path("mutation.json"), help="results, one entry a mutant")
+    parser.add_argument("--about", default="", help="what these results are of, for the page")
     parser.add_argument("--list", action="store_true", help="print the sample, run nothing")
     parser.add_argument("--table", type=Path, nargs="+", metavar="JSON", help="print the page of these results")
     arguments = parser.parse_args(words)
@@ -57,15 +58,14 @@ def main(words: Sequence[str] | None = None) -> int:
             )
         return 0
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
-        run(chosen, lines, arguments.seed, arguments.out, Path(folder))
+        about = {"seed": arguments.seed, "about": arguments.about}
+        run(chosen, lines, about, arguments.out, Path(folder))
     return 0
 
 
-def run(chosen: list[Chosen], lines: LineMap, seed: int, out: Path, folder: Path) -> None:
+def run(chosen: list[Chosen], lines: LineMap, of: dict[str, Any], out: Path, folder: Path) -> None:
     """Try each mutant that ``out`` does not hold yet, then confirm what killed them. folder : for copies."""
-    results: dict[str, Any] = (
-        json.loads(out.read_text(encoding="utf-8")) if out.exists() else {"seed": seed, "mutants": []}
-    )
+    results: dict[str, Any] = json.loads(out.read_text(encoding="utf-8")) if out.exists() else of | {"mutants": []}
     results["drawn"] = len(chosen)
     done = {(row["module"], row["start"], row["kind"], row["after"]) for row in results["mutants"]}
     for each in chosen:
