@@ -38,9 +38,9 @@ HEAD = """# Small wrong changes that the tests notice
 Written by `python -m benchmarks.mutation --table`. A mutant is one wrong change of one expression or statement, in a
 copy of the project of its own. The test files that execute its line run first, then others of its package, at most 10
 files in all, without tests marked `slow` or `realtime`, until a test fails or a run has used 40 s of processor time
-(the first 4 files are one run, the others another). A rate is therefore a lower bound for the whole
-suite. A run that was ended early has tried only part of its sample, in random order: its rate is of those it tried. What killed a mutant of `confirmed` passes on the
-unchanged code. States are those before the tests were written that survivors called for.
+(the first 4 files are one run, the others another). A rate is therefore a lower bound for the whole suite. A run that
+was ended early has tried only part of its sample, in random order: its rate is of those it tried. What killed a mutant
+of `confirmed` passes on the unchanged code. States are those before the tests were written that survivors called for.
 """
 
 
