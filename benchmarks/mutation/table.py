@@ -24,9 +24,9 @@ def table(samples: list[dict[str, Any]]) -> str:
     out = [HEAD, _rates(samples)]
     for each in samples:
         survivors = [row for row in each["mutants"] if row["state"] == "survived"]
-        out += [f"\n## Seed {each['seed']}: survivors\n", "| place | change | what it is |", "|---|---|---|"]
+        out += [f"\n## {_named(each)}: survivors\n", "| place | change | what it is |", "|---|---|---|"]
         out += [f"| {_place(row)} | {_change(row)} | {judged.get(key(row), 'not judged')} |" for row in survivors]
-        out += [f"\n## Seed {each['seed']}: all mutants\n", "| place | kind | change | end |", "|---|---|---|---|"]
+        out += [f"\n## {_named(each)}: all mutants\n", "| place | kind | change | end |", "|---|---|---|---|"]
         for row in each["mutants"]:
             end = f"killed by `{row['by']}`" if row["state"] == "killed" else row["state"]
             out.append(f"| {_place(row)} | {row['kind']} | {_change(row)} | {end.replace('|', chr(92) + '|')} |")
@@ -37,22 +37,27 @@ HEAD = """# Small wrong changes that the tests notice
 
 Written by `python -m benchmarks.mutation --table`. A mutant is one wrong change of one expression or statement, in a
 copy of the project of its own. The test files that execute its line run first, then others of its package, at most 10
-files in all, without those marked `realtime`, until a test fails. A rate is therefore a lower bound for the whole
-suite. A run that was ended early has tried only part of its sample. What killed a mutant of `confirmed` passes on the
-unchanged code. States are those before the tests were written that survivors called for.
+files in all, without tests marked `slow` or `realtime`, until a test fails or a run has used 40 s of processor time
+(the first 4 files are one run, the others another). A rate is therefore a lower bound for the whole suite. A run that
+was ended early has tried only part of its sample, in random order: its rate is of those it tried. What killed a mutant
+of `confirmed` passes on the unchanged code. States are those before the tests were written that survivors called for.
 """
 
 
 def _rates(samples: list[dict[str, Any]]) -> str:
-    rows = ["| seed | mutants tried | killed | timed out | survived | noticed | 95 % interval |", "|---" * 7 + "|"]
+    rows = ["| sample | mutants tried | killed | timed out | survived | noticed | 95 % interval |", "|---" * 7 + "|"]
     for each in samples:
         n, states = len(each["mutants"]), Counter(row["state"] for row in each["mutants"])
         noticed = n - states["survived"]
         low, high = wilson(noticed, n)
         counts = f"{states['killed']} | {states['timed out']} | {states['survived']}"
         share = f"{100 * noticed / n:.0f} % | {100 * low:.0f} to {100 * high:.0f} %"
-        rows.append(f"| {each['seed']} | {n} of {each['drawn']} | {counts} | {share} |")
+        rows.append(f"| {_named(each)} | {n} of {each['drawn']} | {counts} | {share} |")
     return "\n".join(rows)
+
+
+def _named(each: dict[str, Any]) -> str:
+    return f"Seed {each['seed']}" + (f", {each['about']}" if each.get("about") else "")
 
 
 def key(row: dict[str, Any]) -> str:

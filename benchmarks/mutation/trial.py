@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +15,8 @@ from benchmarks.mutation.sample import Chosen
 from benchmarks.mutation.time_limit import EXIT_CODE
 
 FIRST_FILES = 4
+COMPILED = "casr/flow/"
+"""Modules of the functions that numba compiles."""
 _FAILED = re.compile(r"^(?:FAILED|ERROR) (.+?)(?: - |$)", re.MULTILINE)
 
 
@@ -27,27 +29,32 @@ class Verdict:
     tried: tuple[str, ...]
 
 
-def tried(tree: Path, chosen: Chosen, files: Sequence[str], *, deselected: Sequence[str] = ()) -> Verdict:
-    """Run the ranked test ``files`` against the mutant: the first ``FIRST_FILES`` alone, then the others."""
-    with tempfile.TemporaryDirectory(prefix="mutant-") as folder:
-        copy = Path(folder) / "tree"
-        export(tree, copy)
-        module = copy / chosen.module
-        module.write_text(chosen.mutant.applied(module.read_text(encoding="utf-8")), encoding="utf-8")
-        for part in (files[:FIRST_FILES], files[FIRST_FILES:]):
-            if not part:
-                continue
-            code, out = run_tests(copy, part, deselected=deselected)
-            if code == EXIT_CODE:
-                return Verdict("timed out", "", tuple(part))
-            if code not in (0, 5):  # 5: no test was chosen
-                failed = _FAILED.search(out)
-                return Verdict("killed", failed[1] if failed else f"pytest ended with {code}", tuple(part))
+def tried(tree: Path, chosen: Chosen, files: Sequence[str], folder: Path, *, deselected: Sequence[str] = ()) -> Verdict:
+    """Run the ranked test ``files`` against the mutant: the first ``FIRST_FILES`` alone, then the others.
+
+    folder : for the copy; the next mutant's takes its place, and finds there what numba compiled of unchanged code.
+    """
+    copy = folder / "tree"
+    export(tree, copy)
+    module = copy / chosen.module
+    module.write_text(chosen.mutant.applied(module.read_text(encoding="utf-8")), encoding="utf-8")
+    # numba does not see that a function in another file has changed
+    compiled = (copy if chosen.module.startswith(COMPILED) else folder) / "compiled"
+    for part in (files[:FIRST_FILES], files[FIRST_FILES:]):
+        if not part:
+            continue
+        code, out = run_tests(copy, part, compiled, deselected=deselected)
+        if code == EXIT_CODE:
+            return Verdict("timed out", "", tuple(part))
+        if code not in (0, 5):  # 5: no test was chosen
+            failed = _FAILED.search(out)
+            return Verdict("killed", failed[1] if failed else f"pytest ended with {code}", tuple(part))
     return Verdict("survived", "", tuple(files))
 
 
 def export(tree: Path, copy: Path) -> None:
-    """What the last commit of ``tree`` holds, as a folder of its own."""
+    """What the last commit of ``tree`` holds, in place of whatever ``copy`` is."""
+    shutil.rmtree(copy, ignore_errors=True)
     copy.mkdir()
     archive = subprocess.Popen(["git", "-C", str(tree), "archive", "HEAD"], stdout=subprocess.PIPE)
     subprocess.run(["tar", "x", "-C", str(copy)], stdin=archive.stdout, check=True)
@@ -56,11 +63,12 @@ def export(tree: Path, copy: Path) -> None:
 
 
 def run_tests(
-    copy: Path, tests: Sequence[str], *, deselected: Sequence[str] = (), first_failure: bool = True
+    copy: Path, tests: Sequence[str], compiled: Path, *, deselected: Sequence[str] = (), first_failure: bool = True
 ) -> tuple[int, str]:
-    """pytest's exit code, or that of ``time_limit``, and its output."""
+    """pytest's exit code, or that of ``time_limit``, and its output. compiled : folder of numba's."""
     data = os.environ.get("EMG2VSA_TEST_DATA", str(Path.cwd().parent / "shared" / "data"))
     environment = os.environ | {"PYTHONPATH": str(copy), "EMG2VSA_TEST_DATA": data, "OPENBLAS_NUM_THREADS": "1"}
+    environment["NUMBA_CACHE_DIR"] = str(compiled)
     skipped = [word for name in deselected for word in ("--deselect", name)]
     stop = ["-x"] if first_failure else []
     command = [
@@ -74,7 +82,7 @@ def run_tests(
         "-p",
         "benchmarks.mutation.time_limit",
     ]
-    command += ["--tb=no", "-rfE", "--hypothesis-seed=0", "-m", "not realtime", *tests]
+    command += ["--tb=no", "-rfE", "--hypothesis-seed=0", "-m", "not slow and not realtime", *tests]
     done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, text=True, check=False)
     return done.returncode, done.stdout
 

@@ -63,6 +63,14 @@ def _texts(results: StudyResults, content: Content) -> Iterator[tuple[str, str |
 
 def contents(results: StudyResults) -> Content:
     """What the sections that apply give, by name. ValueError : two of them give the same name."""
+    content = numbers_and_tables(results)
+    for section in _sections(results):
+        _add(content.drawings, _drawn(section, results), section)
+    return content
+
+
+def numbers_and_tables(results: StudyResults) -> Content:
+    """``contents`` without drawings, which take most of its time. ValueError : as there."""
     content = Content()
     sections = _sections(results)
     for section in sections:
@@ -74,7 +82,6 @@ def contents(results: StudyResults) -> Content:
         content.tables |= {table.name: table for table in claims_tables(claims)}
     for section in sections:
         _add(content.tables, {table.name: table for table in section.tables(results, content.quantities)}, section)
-        _add(content.drawings, _drawn(section, results), section)
     return content
 
 

@@ -38,7 +38,7 @@ def test_indentation_is_exact_in_a_hertz_contact_and_nearly_so_in_ours(hertz, ou
         assert found == pytest.approx(bench.kappa_new, rel=worst)
 
 
-@pytest.mark.parametrize("correlation", [-0.4, 0.0, 0.4, 0.9])
+@pytest.mark.parametrize("correlation", [0.4, *(pytest.param(r, marks=pytest.mark.slow) for r in (-0.4, 0.0, 0.9))])
 def test_fused_intervals_cover_and_cues_that_agree_are_rarely_doubted(hertz, correlation):
     found = both(hertz, correlation=correlation)
     assert np.mean(found.correlation) == pytest.approx(correlation, abs=0.03)

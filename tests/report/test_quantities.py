@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from emg2vsa.fits import usable
-from emg2vsa.report.study_report import contents
+from emg2vsa.report.study_report import numbers_and_tables
 
 
 @pytest.fixture(scope="module")
 def found(results):
-    return contents(results).quantities
+    return numbers_and_tables(results).quantities
 
 
 def test_names_are_sorted_and_values_plain(found):
@@ -44,7 +44,7 @@ def test_rejected_trials_are_counted_but_do_not_enter(found, results):
     worst = np.argmin(results.people.fits.adj_r2_bins)
     verdict = results.people.fits.verdict.copy()
     verdict[worst] = "rejected"
-    without = contents(
+    without = numbers_and_tables(
         replace(results, people=replace(results.people, fits=replace(results.people.fits, verdict=verdict)))
     ).quantities
     assert without["fit.adj_r2_bins.min"] > found["fit.adj_r2_bins.min"] == results.people.fits.adj_r2_bins[worst]
@@ -61,7 +61,7 @@ def test_the_worst_pair_is_the_largest_p_among_the_kept(found):
 
 
 def test_failed_stages_leave_their_numbers_out(broken):
-    found = contents(broken).quantities
+    found = numbers_and_tables(broken).quantities
     assert not [key for key in found if key.startswith(("hypotheses.", "profiles.", "schedules.", "recovery."))]
     assert found["study.failures"] == 3
     assert found["fit.used"] == 71
@@ -71,7 +71,7 @@ def test_failed_stages_leave_their_numbers_out(broken):
 def test_nothing_usable_is_not_an_exception(results):
     fits = replace(results.people.fits, verdict=np.full(results.people.fits.verdict.shape, "rejected"))
     assert not usable(fits, "ok+warned").any()
-    found = contents(replace(results, people=replace(results.people, fits=fits))).quantities
+    found = numbers_and_tables(replace(results, people=replace(results.people, fits=fits))).quantities
     assert found["fit.used"] == 0
     assert math.isnan(found["fit.adj_r2_bins.min"])
     assert found["recovery.n"] == 0

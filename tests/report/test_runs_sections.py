@@ -10,7 +10,7 @@ import pytest
 
 from emg2vsa.calibration.runs_calibration import calibrate_runs
 from emg2vsa.discrimination import discriminate
-from emg2vsa.report import paper
+from emg2vsa.report import paper, study_report
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import Runs
 from emg2vsa.report.rig_claims import area_claims, kappa_claims, rate_claims, reduction_claims
@@ -19,7 +19,7 @@ from emg2vsa.report.sections.actuators import level_change
 from emg2vsa.report.sections.implied import IMPLIED
 from emg2vsa.report.sections.kappa import holds, span
 from emg2vsa.report.sections.runs import RUNS
-from emg2vsa.report.study_report import contents, write_figure_pdfs, write_study_report
+from emg2vsa.report.study_report import contents, numbers_and_tables, write_figure_pdfs, write_study_report
 from emg2vsa.settings import PAPER, CalibrationSettings, DiscriminationSettings, RunSettings
 
 FEW = DiscriminationSettings(resamples=200)
@@ -54,9 +54,12 @@ def content(whole) -> Content:
 
 
 @pytest.fixture(scope="module")
-def written(whole, tmp_path_factory) -> Path:
+def written(whole, content, tmp_path_factory) -> Path:
+    """The report and its PDFs, of drawings that were made once."""
     folder = tmp_path_factory.mktemp("runs")
-    files = write_study_report(whole, folder) + write_figure_pdfs(whole, folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(study_report, "_drawn", lambda section, results: content.drawings if section is RUNS else {})
+        files = write_study_report(whole, folder) + write_figure_pdfs(whole, folder)
     assert set(files) == {path for path in folder.rglob("*") if path.is_file()}
     return folder
 
@@ -68,11 +71,11 @@ def numbers(written):
 
 @pytest.fixture
 def report_of(results, stiffness_n_per_mm):
-    """The report of some runs that were tested."""
+    """Numbers and tables of some runs that were tested, with drawings if asked for."""
 
-    def made(runs, **settings):
-        found = discriminate(runs, stiffness_n_per_mm, "S_new", replace(FEW, **settings))
-        return contents(replace(results, runs=Runs(tuple(runs), found)))
+    def made(runs, make=numbers_and_tables):
+        found = discriminate(runs, stiffness_n_per_mm, "S_new", FEW)
+        return make(replace(results, runs=Runs(tuple(runs), found)))
 
     return made
 
@@ -143,7 +146,7 @@ def test_table_one_shows_no_error_of_what_is_not_determined(whole, calibration):
 
     conditions = tuple(replace(each, algorithms=undetermined(each.algorithms)) for each in calibration.conditions)
     changed = replace(calibration, conditions=conditions)
-    content = contents(replace(whole, runs=replace(whole.runs, calibration=changed)))
+    content = numbers_and_tables(replace(whole, runs=replace(whole.runs, calibration=changed)))
     shown = content.tables["table_one"].shown_rows
     assert {row["rigid"] for row in shown if row["angle_deg"] == 45} == {"not determined"}
     assert {row["rigid"] for row in shown if row["angle_deg"] == 30} == {None}
@@ -158,7 +161,7 @@ def test_areas_beyond_the_pin_array_stand_in_table_one_in_place_of_an_error(whol
 
     runs = tuple(beyond(run) for run in some_runs)
     calibration = calibrate_runs(runs, stiffness_n_per_mm, "S_new", CalibrationSettings(resamples=20))
-    found = contents(replace(whole, runs=replace(whole.runs, scores=runs, calibration=calibration)))
+    found = numbers_and_tables(replace(whole, runs=replace(whole.runs, scores=runs, calibration=calibration)))
     shown = {row["algorithm"]: row for row in found.tables["table_one"].shown_rows if row["angle_deg"] == 45}
     told = {name.split()[0].split("\N{NO-BREAK SPACE}")[0]: row["rigid_same"] for name, row in shown.items()}
     assert told["circle"] == "areas up to 7.0 × the pin array"
@@ -196,7 +199,7 @@ def test_pins_of_algorithm_1_stand_by_the_force_of_its_first_frame(run_of, repor
     runs = [run_of(name, 0.0, "modular") for name in KNOWN]
     runs[0] = counted(runs[0], [4, 6, 9, 12, 20, 31, 40, 55, 60, 73], forces)
     runs[1] = counted(runs[1], [-1, -1, 0, 19, 18, 17, 16, 15, 14, 13], forces)
-    content = report_of(runs)
+    content = report_of(runs, contents)
     rows = {row["specimen"]: row for row in content.tables["algorithm_1"].rows}
     assert [rows["S1"][key] for key in ("presses", "least", "median", "most")] == [10, 4, 25.5, 73]
     assert rows["S1"]["rank_correlation"] == pytest.approx(1.0)
@@ -211,10 +214,10 @@ def test_pins_of_algorithm_1_stand_by_the_force_of_its_first_frame(run_of, repor
 
 def test_figure_2_states_its_press_and_is_left_out_without_one(run_of, report_of):
     runs = [run_of(name, angle, c) for name in KNOWN for angle in (0.0, 30.0) for c in ("high-stiffness", "modular")]
-    caption = report_of(runs).drawings["fig02_algorithm_1"].caption
+    caption = report_of(runs, contents).drawings["fig02_algorithm_1"].caption
     assert "press 1 on S1, high-stiffness, 30°" in caption
     assert "0.61 N" in caption
-    assert "fig02_algorithm_1" not in report_of([replace(run, first_contact=None) for run in runs]).drawings
+    assert "fig02_algorithm_1" not in report_of([replace(run, first_contact=None) for run in runs], contents).drawings
 
 
 @pytest.mark.parametrize(("name", "figure"), [("high-stiffness", 10), ("modular", 12)])
@@ -308,7 +311,7 @@ def test_the_papers_r2_stands_only_where_the_paper_has_one(content):
 
 def test_without_a_known_stiffness_no_error_is_stated(whole, calibration):
     unknown = replace(calibration, known_kappa_new=float("nan"))
-    content = contents(replace(whole, runs=replace(whole.runs, calibration=unknown)))
+    content = numbers_and_tables(replace(whole, runs=replace(whole.runs, calibration=unknown)))
     assert {row["holds"] for row in content.tables["kappa_new"].rows} == {None}
 
 
@@ -365,7 +368,7 @@ def test_without_an_estimate_the_reason_is_told(whole, calibration, content):
 
 def test_measured_runs_are_not_called_simulated(run_of, report_of, results):
     runs = [replace(run_of(name, 0.0, "high-stiffness"), simulated=False) for name in KNOWN]
-    content = report_of(runs)
+    content = report_of(runs, contents)
     assert content.quantities["runs.simulated"] is False
     assert set(content.drawings) >= {"fig08_initial_area", "fig09_first_contact", "fig10_rigid"}
     assert not any("Simulated rig" in drawing.caption for drawing in content.drawings.values())
@@ -460,7 +463,7 @@ def test_tests_that_cannot_reject_decide_no_claim(runs, results, stiffness_n_per
     """Two presses of each: no worst pair of three specimens or more can have p < .05 by Dunn's test."""
     few = tuple(only(runs, 2))
     told = replace(results, runs=Runs(few, discriminate(few, stiffness_n_per_mm, "S_new", FEW)))
-    claims = {claim.key: claim for claim in rate_claims(told, contents(told).quantities)}
+    claims = {claim.key: claim for claim in rate_claims(told, numbers_and_tables(told).quantities)}
     for key in ("casr_rigid", "casr_human_like", "casr_constant", "new_specimen_at_minimum"):
         assert claims[key].verdict == "cannot be tested here"
         assert "cannot reach significance" in claims[key].why
@@ -477,14 +480,14 @@ def test_not_rejected_is_not_called_equal(run_of, results, stiffness_n_per_mm):
         (tuple(only(equal, 1)), "cannot be tested here", "So few presses cannot reach significance."),
     ):
         told = replace(results, runs=Runs(runs, discriminate(runs, stiffness_n_per_mm, "S_new", FEW)))
-        claim = next(iter(area_claims(told, contents(told).quantities)))
+        claim = next(iter(area_claims(told, numbers_and_tables(told).quantities)))
         assert (claim.verdict, claim.why) == (verdict, why)
 
 
 def test_the_name_of_the_papers_algorithm_is_that_of_its_area_rule(whole):
     for rule, name in ((None, "hexagon (paper)"), ("circle", "circle (paper)"), ("edge", "edge (paper)")):
         study = replace(whole.study, scoring=RunSettings(algorithm="paper", area_rule=rule))
-        names = {row["algorithm"] for row in contents(replace(whole, study=study)).tables["recipes"].rows}
+        names = {row["algorithm"] for row in numbers_and_tables(replace(whole, study=study)).tables["recipes"].rows}
         assert name in names
         assert ("hexagon (paper)" in names) is (rule is None)
 
@@ -492,7 +495,7 @@ def test_the_name_of_the_papers_algorithm_is_that_of_its_area_rule(whole):
 def test_what_emulated_presses_say_of_the_whole_image_is_computed(whole):
     def said(study):
         told = replace(whole, study=study)
-        return " ".join(rendered(IMPLIED, told, contents(told)).split())
+        return " ".join(rendered(IMPLIED, told, numbers_and_tables(told)).split())
 
     assert "here CASR over the whole image" not in said(whole.study)
     image = replace(whole.study, scoring=RunSettings(algorithm="edge", engine="dis", region="image"))

@@ -15,7 +15,7 @@ from emg2vsa.report.inputs import Runs, StudyResults
 from emg2vsa.report.section import rendered
 from emg2vsa.report.sections.actuators import ACTUATORS
 from emg2vsa.report.sections.stiffness import STIFFNESS
-from emg2vsa.report.study_report import contents
+from emg2vsa.report.study_report import contents, numbers_and_tables
 from emg2vsa.settings import DiscriminationSettings
 
 CONDITIONS = ("high-stiffness", "modular", "constant-min", "all-20")
@@ -40,7 +40,7 @@ def effect(*, best: int = 3, swaps: bool = True) -> StiffnessEffect:
 
 
 def table(results: StudyResults, name: str) -> list[dict[str, str]]:
-    return list(csv.DictReader(io.StringIO("".join(contents(results).tables[name].csv()))))
+    return list(csv.DictReader(io.StringIO("".join(numbers_and_tables(results).tables[name].csv()))))
 
 
 def page(results: StudyResults) -> str:
@@ -64,7 +64,7 @@ def test_tables_hold_the_numbers_of_the_stage(results: StudyResults) -> None:
 
 
 def test_quantities_have_the_same_numbers(results: StudyResults) -> None:
-    found = contents(replace(results, stiffness=effect())).quantities
+    found = numbers_and_tables(replace(results, stiffness=effect())).quantities
     assert found["stiffness.modular.contrast_gain.assumed_percent"] == pytest.approx(100 * np.expm1(0.0031))
     assert found["stiffness.modular.frame_sum.neighbour_swapped"] == pytest.approx(0.85)
     assert found["stiffness.timing.best"] == "all-20"
@@ -105,7 +105,7 @@ def test_the_runs_decide_the_claim_and_mechanics_stands_beside(
 
 
 def test_without_runs_mechanics_decides_nothing(results: StudyResults) -> None:
-    found = contents(replace(results, stiffness=effect(best=1))).quantities
+    found = numbers_and_tables(replace(results, stiffness=effect(best=1))).quantities
     assert found["claims.human_like_contrast.verdict"] == "cannot be tested here"
 
 

@@ -27,7 +27,7 @@ from emg2vsa.report.sections.claims import CLAIMS, NOT_RESULTS
 from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.glossary import TERMS
 from emg2vsa.report.sections.kappa import ADVANCING_FRONT_ERROR, LAW_ERRORS
-from emg2vsa.report.study_report import contents, write_figure_pdfs, write_study_report
+from emg2vsa.report.study_report import contents, numbers_and_tables, write_figure_pdfs, write_study_report
 
 
 @pytest.fixture(scope="module")
@@ -241,14 +241,14 @@ def test_a_study_of_runs_alone_says_nothing_on_people(results, tmp_path, read_pa
 
 
 def test_plate_indentations_are_judged_where_the_study_says_how_straight_they_are(results):
-    assert contents(results).quantities["claims.plate_r2.verdict"] == "cannot be tested here"
+    assert numbers_and_tables(results).quantities["claims.plate_r2.verdict"] == "cannot be tested here"
     straight = {"S1": 0.9914, "S3": 0.9731}
     specimens = tuple(replace(s, plate_adjusted_r2=straight.get(s.name)) for s in results.study.specimens)
-    told = contents(replace(results, study=replace(results.study, specimens=specimens))).quantities
+    told = numbers_and_tables(replace(results, study=replace(results.study, specimens=specimens))).quantities
     assert told["claims.plate_r2.ours"] == 0.9731
     assert told["claims.plate_r2.verdict"] == "cannot be tested here"  # S2 and S5 say nothing
     every = tuple(replace(s, plate_adjusted_r2=straight.get(s.name, 0.95)) for s in specimens)
-    told = contents(replace(results, study=replace(results.study, specimens=every))).quantities
+    told = numbers_and_tables(replace(results, study=replace(results.study, specimens=every))).quantities
     assert (told["claims.plate_r2.ours"], told["claims.plate_r2.verdict"]) == (0.95, "holds")
 
 
@@ -269,14 +269,14 @@ def test_every_claim_has_a_verdict_a_reason_where_it_cannot_be_tested_and_a_link
 
 def test_a_claim_follows_the_numbers(results):
     """A second opinion on three verdicts, from the products of the stages."""
-    found = contents(results).quantities
+    found = numbers_and_tables(results).quantities
     tests, alpha = results.people.hypotheses.tests, results.people.hypotheses.alpha
     differ = int(np.count_nonzero(tests.between_blocks.anova.p < alpha))
     assert found["claims.equal_participants.ours"] == differ
     assert found["claims.equal_participants.verdict"] == ("does not hold" if differ else "holds")
     assert found["claims.specimens_differ.verdict"] == "holds"
     unlike = replace(results.people.hypotheses, worst_p=0.2)
-    changed = contents(replace(results, people=replace(results.people, hypotheses=unlike))).quantities
+    changed = numbers_and_tables(replace(results, people=replace(results.people, hypotheses=unlike))).quantities
     assert changed["claims.specimens_differ.verdict"] == "does not hold"
 
 
@@ -292,7 +292,7 @@ def test_lost_recordings_confirm_nothing(results, fits_of):
     assert set(lost.missing_pairs) == expected
     assert lost.worst_p < lost.alpha
     assert np.isnan(lost.claims["kept_pairs_within_participants"])
-    content = contents(replace(results, people=replace(results.people, fits=fits, hypotheses=lost)))
+    content = numbers_and_tables(replace(results, people=replace(results.people, fits=fits, hypotheses=lost)))
     for claim in ("specimens_differ", "equal_participants", "gaussian_clusters", "curves", "log_fit_r2", "power"):
         assert content.quantities[f"claims.{claim}.verdict"] in {"cannot be tested here", "does not hold"}, claim
     assert content.quantities["claims.specimens_differ.verdict"] == "cannot be tested here"
@@ -305,7 +305,7 @@ def test_lost_recordings_confirm_nothing(results, fits_of):
 @pytest.mark.parametrize(("sign", "way"), [(1, "rises"), (-1, "falls")])
 def test_the_order_of_the_slopes_is_told(results, sign, way):
     fits = replace(results.people.fits, b_v=sign * results.people.fits.b_v)
-    content = contents(replace(results, people=replace(results.people, fits=fits)))
+    content = numbers_and_tables(replace(results, people=replace(results.people, fits=fits)))
     order = "S1, S2, S3, S5" if sign > 0 else "S5, S3, S2, S1"
     assert content.quantities["hypotheses.b_order"] == order
     page = rendered(CLAIMS, results, content)

@@ -27,9 +27,18 @@ def test_p_of_statsmodels_critical_values(n: int) -> None:
     np.testing.assert_allclose(found[p < 0.005], p[p < 0.005], rtol=0.045)
 
 
-@pytest.mark.parametrize("n", [4, 5, 7, 10, 13, 28, 60])
-def test_p_is_how_often_a_normal_sample_has_such_a_d(n: int) -> None:
-    batches = 4 if n <= 13 else 1
+FEW, MANY = (4, 5, 7, 10, 13), (28, 60)
+
+
+@pytest.mark.parametrize(
+    ("n", "batches"),
+    [
+        *((n, 1) for n in FEW),
+        *(pytest.param(n, 4, marks=pytest.mark.slow) for n in FEW),
+        *(pytest.param(n, 1, marks=pytest.mark.slow) for n in MANY),
+    ],
+)
+def test_p_is_how_often_a_normal_sample_has_such_a_d(n: int, batches: int) -> None:
     rng = np.random.default_rng(n)
     d = [ks_normal(rng.standard_normal((50_000, n)), standardise=True).d for _ in range(batches)]
     ordered = np.sort(np.concatenate(d))[::-1]

@@ -28,10 +28,16 @@ ACTUATORS = {
     "maker-pro": ("modular", "qbmove-maker-pro"),
     "advanced": ("constant-mean", "qbmove-advanced"),
 }
-pytestmark = [
-    pytest.mark.parametrize("home_ticks", [-6000, 0]),
-    pytest.mark.parametrize(("condition", "springs"), ACTUATORS.values(), ids=ACTUATORS),
-]
+pytestmark = pytest.mark.parametrize(
+    ("home_ticks", "condition", "springs"),
+    [
+        pytest.param(
+            ticks, *actuator, id=f"{ticks}-{name}", marks=pytest.mark.slow if ticks == 0 and name != "rigid" else ()
+        )
+        for ticks in (-6000, 0)
+        for name, actuator in ACTUATORS.items()
+    ],
+)
 
 
 @dataclass
