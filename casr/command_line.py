@@ -124,7 +124,7 @@ class Parser(argparse.ArgumentParser):
         if left:
             parser: argparse.ArgumentParser = getattr(found, "parser", self)
             options = list(parser._option_string_actions)
-            near = [nearest(word.partition("=")[0], options) for word in left if word.startswith("-")]
+            near = [_hint(word.partition("=")[0], options, parser.prog) for word in left if word.startswith("-")]
             parser.error(f"unrecognized arguments: {' '.join(left)}.{''.join(near)}")
         return found
 
@@ -137,6 +137,11 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         self.print_usage(sys.stderr)
         self.exit(2, f"{coloured(self.prog, 'bad', sys.stderr)}: {message}\n")
+
+
+def _hint(word: str, options: Sequence[str], command: str) -> str:
+    """What to do about a word that is no option, or that stands where it is none."""
+    return f" Write {word} after {command}." if word in options else nearest(word, options)
 
 
 def nearest(word: str, known: Iterable[str]) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from casr.errors import SettingError
 from casr.scored import Score
 from casr.spread.correlated_errors import normal_quantile
 from casr.spread.rate import CONFIDENCE
@@ -43,7 +44,10 @@ def frame_columns(unit: str) -> tuple[str, ...]:
 
 
 def frame_table(score: Score) -> dict[str, list[Value]]:
-    """The columns of ``frame_rows`` by name, as a DataFrame or any other table takes them."""
+    """The columns of ``frame_rows`` by name, as a DataFrame or any other table takes them. SettingError: no score."""
+    if not isinstance(score, Score):
+        do = "Score the press first: casr.frame_table(casr.score(press))."
+        raise SettingError("frame_table", wanted="a Score", found=type(score).__name__, do=do)
     names = frame_columns(score.area_unit)
     return dict(zip(names, map(list, zip(*frame_rows(score), strict=True)), strict=True))
 

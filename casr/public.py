@@ -25,11 +25,17 @@ def score(press: str | PathLike[str] | FrameSequence, settings: ScoreSettings | 
     `Score.rate`, `Score.interval` and `Score.area` are the answer; `frame_table` has a row a frame.
     Raises as `open_frames` and ``casr.scoring.score``: a `CasrError` that names file, frame and what to do.
     """
+    if settings is not None and not isinstance(settings, ScoreSettings):
+        do = "Make them so: casr.ScoreSettings(force_stop_n=3.0)."
+        raise SettingError("score, settings", wanted="casr.ScoreSettings", found=type(settings).__name__, do=do)
     if isinstance(press, FrameSequence):
         if files:
             found = ", ".join(files)
             do = "Give them to open_frames."
             raise SettingError("score", wanted="no files beside frames that are open", found=found, do=do)
         return score_frames(press, settings)
+    if not isinstance(press, (str, PathLike)):
+        do = "Give the path of a press folder or of a file of frames."
+        raise SettingError("score, press", wanted="a path or open frames", found=type(press).__name__, do=do)
     named: dict[str, Any] = {key: Path(value) if key in ("force", "camera") else value for key, value in files.items()}
     return score_frames(open_frames(Path(press), **named), settings)

@@ -19,12 +19,24 @@ from emg2vsa.errors import DataError, SettingError, StudyError
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.fits import Fits, fit_trials
+from emg2vsa.public.columns import LABELS, column, file_of, numbers_of, plain, refuse_missing_labels
+from emg2vsa.public.even_times import rate_and_start
 from emg2vsa.public.frames import frame_of
+from emg2vsa.public.settings import settings_or_default
 from emg2vsa.readers.front_door import inspect
-from emg2vsa.readers.roles import RoleChannels, read_roles
+from emg2vsa.readers.opened import StoredChannel, usable
+from emg2vsa.readers.roles import (
+    SLOWEST_EMG_HZ,
+    SLOWEST_FORCE_HZ,
+    RoleChannels,
+    emg_in_v,
+    force_in_n,
+    read_roles,
+    refuse_rate,
+)
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import ChannelSettings, StageSettings
-from emg2vsa.study_file.problems import checked, nearest
+from emg2vsa.study_file.problems import checked, shown
 
 Source = str | PathLike[str]
 """A file."""
@@ -65,7 +77,7 @@ def _at(time_s: Floats, channel: Channel) -> Floats:
 
 def channels(file: Source) -> pd.DataFrame:
     """The channels of a recording: ``name``, ``unit``, ``fs_hz``, ``n_samples``. RecordingError: it cannot be read."""
-    name, found = inspect(Path(file))
+    name, found = inspect(file_of(file, "channels"))
     frame = pd.DataFrame([vars(one) for one in found], columns=["name", "unit", "fs_hz", "n_samples"])
     frame.attrs = {"file": str(file), "format": name, "emg2vsa": __version__}
     return frame
@@ -91,79 +103,99 @@ def read(
     Parameters
     ----------
     source : a file, or a DataFrame with a column for each channel, evenly sampled at ``fs_hz``.
-    emg : names of the EMG channels, or muscle to name. force : name of the force channel.
+    emg : names of the EMG channels, or muscle to name. force : name of the force channel. Columns of a DataFrame may
+        have whole numbers for names.
     force_file : second file that holds the force, on the same clock.
     fs_hz : sampling rate, where the file does not state it; of a DataFrame it is needed unless it has ``time_s``.
     emg_unit, force_unit, newtons_per_unit, gain : where the file does not say; a DataFrame is in V and N without them.
+        newtons_per_unit is for a unit that is no force.
     sign : -1 where the sensor reports a press as a negative force. tare : take the force at rest off.
     settings : its table ``reading`` limits decoders.
 
     Raises
     ------
-    RecordingError : the file, or a channel, cannot be used. StudyError : an option that cannot be.
+    RecordingError : the file, or a channel, cannot be used. DataError : a column cannot. StudyError, SettingError : an
+    option that cannot be.
     """
-    named = [emg] if isinstance(emg, str) else emg
-    muscles = dict(named) if isinstance(named, Mapping) else {name: name for name in named}
-    table = isinstance(source, pd.DataFrame)
-    units = ("V", "N") if table else (None, None)
-    asked = {
+    reading = settings_or_default(settings).reading
+    table = source if isinstance(source, pd.DataFrame) else None
+    path = Path("DataFrame") if table is not None else file_of(source, "read", "a file or a DataFrame")
+    muscles, force = _muscles(emg, plain(force), table is not None, force_file is None), plain(force)
+    if table is not None:
+        emg_unit = "V" if emg_unit is None else emg_unit
+        force_unit = "N" if force_unit is None and newtons_per_unit is None else force_unit
+    spelt = {name: name if table is None else str(name) for name in (*muscles.values(), force)}
+    asked = plain({
         "emg": {
-            role: {"name": name, "unit": emg_unit or units[0], "gain": gain, "fs_hz": fs_hz}
+            role: {"name": spelt[name], "unit": emg_unit, "gain": gain, "fs_hz": fs_hz}
             for role, name in muscles.items()
         },
         "force": {
-            "name": force, "unit": force_unit or units[1], "newtons_per_unit": newtons_per_unit, "sign": sign,
+            "name": spelt[force], "unit": force_unit, "newtons_per_unit": newtons_per_unit, "sign": sign,
             "tare": "rest" if tare else "none", "fs_hz": fs_hz,
         },
-    }  # fmt: skip
+    })  # fmt: skip
     made, problems = checked(ChannelSettings, asked, ("channels",))
     if problems:
         raise StudyError(tuple(f"read: {problem}" for problem in problems))
-    if isinstance(source, pd.DataFrame):
-        return _of_table(source, made, fs_hz)
-    second = None if force_file is None else Path(force_file)
-    reading = settings.reading if settings else None
-    return Recording(Path(source).stem, read_roles(Path(source), second, made, reading), made)
+    second = None if force_file is None else file_of(force_file, "read, force_file")
+    if table is None:
+        return Recording(path.stem, read_roles(path, second, made, reading), made)
+    if second is not None:
+        do = "Put the force into a column of the table."
+        raise SettingError("read, force_file", wanted="none beside a DataFrame", found=str(second), do=do)
+    return _of_table(table, path, muscles, force, made)
 
 
-_PER_V = {"V": 1.0, "mV": 1e-3, "uV": 1e-6}
+def _muscles(emg: Any, force: Any, is_table: bool, one_file: bool) -> dict[str, Any]:
+    """Muscle to the name of its channel. SettingError: names that are none, or one name for two channels."""
+    emg = plain(emg)
+    named = [emg] if isinstance(emg, str) else emg
+    if not isinstance(named, (Mapping, list, tuple)):
+        do = 'Write emg=["EDC", "FDS"].'
+        raise SettingError("read, emg", wanted="names, or muscle to name", found=shown(emg), do=do)
+    names = [*(named.values() if isinstance(named, Mapping) else named), force]
+    kinds, wanted = ((str, int), "names of columns") if is_table else ((str,), "names as text")
+    for index, name in enumerate(names):
+        where = "read, force" if index == len(names) - 1 else "read, emg"
+        if not isinstance(name, kinds) or isinstance(name, bool):
+            do = "Give the name of the channel."
+            raise SettingError(where, wanted=wanted, found=shown(name), do=do)
+        if name in names[:index] and (one_file or index < len(names) - 1):
+            do = "Name each channel once."
+            raise SettingError(where, wanted="a channel of its own for each role", found=f"{name!r} twice", do=do)
+    return (
+        {str(role): name for role, name in named.items()} if isinstance(named, Mapping) else {str(n): n for n in named}
+    )
 
 
-def _of_table(table: pd.DataFrame, asked: ChannelSettings, fs_hz: float | None) -> Recording:
-    """A recording from columns of samples in volts (or mV, uV) and newtons."""
-    start_s = 0.0
+def _of_table(
+    table: pd.DataFrame, path: Path, muscles: Mapping[str, Any], force: Any, asked: ChannelSettings
+) -> Recording:
+    """A recording from columns of samples, by the rules for those of a file that states no unit."""
+    columns = {name: numbers_of(table, name) for name in (*muscles.values(), force)}
+    fs_hz, start_s = asked.force.fs_hz, 0.0
     if "time_s" in table.columns:
-        time_s = table["time_s"].to_numpy(np.float64)
-        steps = np.diff(time_s)
-        if time_s.size < 2 or not np.all(steps > 0) or np.ptp(steps) > 0.01 * np.median(steps):
-            raise DataError(
-                "DataFrame, time_s", wanted="times that rise by one step", found="other steps",
-                do="Resample the table, or give fs_hz and drop the column.",
-            )  # fmt: skip
-        fs_hz, start_s = fs_hz or float((time_s.size - 1) / (time_s[-1] - time_s[0])), float(time_s[0])
+        fs_hz, start_s = rate_and_start(numbers_of(table, "time_s", wanted="seconds as numbers"), fs_hz)
     if fs_hz is None:
         do = "Give the sampling rate: fs_hz=1000."
         raise SettingError("read, fs_hz", wanted="a rate in Hz for a DataFrame without time_s", found="none", do=do)
-    scale = asked.force.newtons_per_unit or 1.0
+
+    def stored(name: Any, unit: str | None, slowest_hz: float) -> StoredChannel:
+        channel = usable(path, str(name), StoredChannel(str(name), columns[name], unit, fs_hz, start_s))
+        refuse_rate(path, channel, slowest_hz)
+        return channel
+
     emg = {
-        role: _column(table, one.name, _PER_V.get(str(one.unit), 1.0) / one.gain, "V", fs_hz, start_s)
-        for role, one in asked.emg.items()
+        role: emg_in_v(path, stored(muscles[role], one.unit, SLOWEST_EMG_HZ), one) for role, one in asked.emg.items()
     }
-    force = _column(table, asked.force.name, asked.force.sign * scale, "N", fs_hz, start_s)
-    return Recording("DataFrame", RoleChannels(emg, force, "DataFrame", ()), asked)
-
-
-def _column(table: pd.DataFrame, name: str, factor: float, unit: str, fs_hz: float, start_s: float) -> Channel:
-    if name not in table.columns:
-        known = [str(column) for column in table.columns]
-        do = nearest(name, known, "Choose one of them.")
-        raise DataError("DataFrame", wanted=f"a column {name!r}", found=f"columns {', '.join(known)}", do=do)
-    samples = pd.to_numeric(table[name], errors="coerce").to_numpy(np.float64) * factor
-    return Channel(name, samples, unit, float(fs_hz), start_s, f"{unit} of a DataFrame")
+    pressing = stored(force, asked.force.unit, SLOWEST_FORCE_HZ)
+    notes = pressing.notes
+    return Recording("DataFrame", RoleChannels(emg, force_in_n(path, pressing, asked.force), "DataFrame", notes), asked)
 
 
 def _extracted(recording: Recording, settings: StageSettings | None, participant: str, specimen: str) -> Trials:
-    settings = settings or StageSettings()
+    settings = settings_or_default(settings)
     if not isinstance(recording, Recording):
         do = "Read the file first: emg2vsa.read(file, emg=[...], force=...)."
         raise SettingError("recording", wanted="a Recording", found=type(recording).__name__, do=do)
@@ -207,38 +239,40 @@ def fit(
 ) -> pd.DataFrame:
     """Fit v = a + b ln(F / 1 N), equation (6), to every press; one row each.
 
-    source : a `Recording`, or a DataFrame with ``force_n`` and ``activity_v`` and, for several presses, ``repetition``:
-    samples that are conditioned already, as `samples` gives them.
+    source : a `Recording`, or a DataFrame with ``force_n`` and ``activity_v``: samples that are conditioned already, as
+    `samples` gives them. Every participant, specimen and repetition that its columns of these names tell is a press;
+    presses keep the order in which they first appear.
 
     Columns of a recording: those of `trials` that tell the press, and ``a_v``, ``b_v`` with standard errors, the
     interval ``b_lo_v`` to ``b_hi_v``, ``n_points``, ``adj_r2`` and more.
     SignalError, DataError : what cannot be fitted.
     """
-    settings = settings or StageSettings()
+    settings = settings_or_default(settings)
     if isinstance(source, pd.DataFrame):
         return _fit_table(source, settings)
     return fits_frame(fit_trials(_extracted(source, settings, participant, specimen), settings.fit, settings.window))
 
 
 def _fit_table(table: pd.DataFrame, settings: StageSettings) -> pd.DataFrame:
-    for name in ("force_n", "activity_v"):
-        if name not in table.columns:
-            found = f"columns {', '.join(map(str, table.columns))}"
-            raise DataError("DataFrame", wanted=f"a column {name!r}", found=found, do="Rename the column.")
-    press = table["repetition"] if "repetition" in table.columns else pd.Series(1, index=table.index)
-    order = np.argsort(press.to_numpy(), kind="stable")
-    numbers, counts = np.unique(press.to_numpy(), return_counts=True)
-    force_n, activity = (table[name].to_numpy(np.float64)[order] for name in ("force_n", "activity_v"))
-    if not (np.isfinite(force_n).all() and np.isfinite(activity).all() and (force_n > 0).all()):
-        do = "Leave such rows out."
-        raise DataError("DataFrame", wanted="finite samples with a force above 0 N", found="others", do=do)
+    force_n, activity = (numbers_of(table, name) for name in ("force_n", "activity_v"))
+    if not (force_n.size and np.isfinite(force_n).all() and np.isfinite(activity).all() and (force_n > 0).all()):
+        found, do = "others" if force_n.size else "no row", "Leave such rows out."
+        raise DataError("DataFrame", wanted="finite samples with a force above 0 N", found=found, do=do)
+    refuse_missing_labels(table, "DataFrame")
+    told = pd.DataFrame({name: column(table, name).to_numpy() for name in LABELS if name in table.columns})
+    told = told if "repetition" in told else told.assign(repetition=np.ones(len(table), np.int64))
+    press = told.groupby(list(told.columns), sort=False, observed=True).ngroup().to_numpy()
+    order = np.argsort(press, kind="stable")
+    counts = np.bincount(press)
+    force_n, activity = force_n[order], activity[order]
+    presses = told.drop_duplicates(ignore_index=True)
     offsets = np.concatenate([[0], np.cumsum(counts)])
     edges = bin_edges(*settings.window.force_n, settings.fit.bin_n)
-    found = fit_presses(force_n, activity, offsets, edges, settings.fit).reported
-    frame = pd.DataFrame(
-        {
-            "repetition": numbers, "a_v": found.a, "b_v": found.b, "a_se_v": found.a_se, "b_se_v": found.b_se,
-            "b_lo_v": found.b_lo, "b_hi_v": found.b_hi, "n_points": found.n, "adj_r2": found.adj_r2,
+    fitted = fit_presses(force_n, activity, offsets, edges, settings.fit).reported
+    frame = presses.assign(
+        **{
+            "a_v": fitted.a, "b_v": fitted.b, "a_se_v": fitted.a_se, "b_se_v": fitted.b_se,
+            "b_lo_v": fitted.b_lo, "b_hi_v": fitted.b_hi, "n_points": fitted.n, "adj_r2": fitted.adj_r2,
         }
     )  # fmt: skip
     frame.attrs = {"points": settings.fit.points, "confidence": settings.fit.confidence, "emg2vsa": __version__}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import cached_property
 from os import PathLike
 from typing import Any
 
@@ -12,12 +11,13 @@ import pandas as pd
 
 from emg2vsa import __version__, artifacts
 from emg2vsa.calibration.results import CalibrationResults, ConditionResult, LawResult
-from emg2vsa.errors import DataError
+from emg2vsa.errors import DataError, SettingError
 from emg2vsa.fits import concatenate
 from emg2vsa.pipeline.plan import Board, survey
 from emg2vsa.pipeline.pool import available_cores
 from emg2vsa.pipeline.run import Progress, run_study
 from emg2vsa.pipeline.stage_order import ORDER, stages_for
+from emg2vsa.public.columns import file_of, plain
 from emg2vsa.public.frames import outcomes_frame
 from emg2vsa.public.recordings import fits_frame, samples_frame, trials_frame
 from emg2vsa.public.schedules import profiles_frame, schedules_frame
@@ -25,8 +25,24 @@ from emg2vsa.report.sections.hypotheses import outcomes
 from emg2vsa.runs import RunScores
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
+from emg2vsa.study_file.problems import shown
 
 StudyFile = str | PathLike[str]
+
+
+class _Table:
+    """A table that is made when it is first asked for; whoever asks gets a copy of their own."""
+
+    def __init__(self, make: Callable[[Results], pd.DataFrame]) -> None:
+        self._make, self.__doc__ = make, make.__doc__
+
+    def __get__(self, results: Results | None, owner: type) -> pd.DataFrame:
+        if results is None:
+            return self  # type: ignore[return-value]  # as a property of the class, for its documentation
+        made = results._made
+        if self._make.__name__ not in made:
+            made[self._make.__name__] = self._make(results)
+        return made[self._make.__name__].copy()
 
 
 class Results:
@@ -40,59 +56,60 @@ class Results:
 
     def __init__(self, board: Board) -> None:
         self._board = board
+        self._made: dict[str, pd.DataFrame] = {}
         self.study: Study = board.study
 
     def __repr__(self) -> str:
         there = [name for name in ORDER if self._board.done(name)]
         return f"Results({self.study.name!r}, {self.study.mode} mode: {', '.join(there) or 'nothing yet'})"
 
-    @cached_property
+    @_Table
     def steps(self) -> pd.DataFrame:
         """Every step: stage, item, status (fresh, stale, waits, failed, blocked), reasons, message."""
         rows = [(s.stage, s.item, s.status, "; ".join(s.reasons), s.message) for s in self._board.steps.values()]
         return pd.DataFrame(rows, columns=["stage", "item", "status", "reasons", "message"])
 
-    @cached_property
+    @_Table
     def trials(self) -> pd.DataFrame:
         """The presses of people, one row each, as `emg2vsa.trials` gives them."""
         return self._joined("trials", trials_frame)
 
-    @cached_property
+    @_Table
     def samples(self) -> pd.DataFrame:
         """The conditioned samples within all presses: force, activity and envelopes, as `emg2vsa.samples`."""
         return self._joined("trials", samples_frame)
 
-    @cached_property
+    @_Table
     def fits(self) -> pd.DataFrame:
         """v = a + b ln(F / 1 N) of every press of people, as `emg2vsa.fit` gives it."""
         found = fits_frame(concatenate(self._all("fits")))
         found.attrs |= self._origin("fits")
         return found
 
-    @cached_property
+    @_Table
     def tests(self) -> pd.DataFrame:
         """The tests on b, one row each, as `emg2vsa.stats` gives them."""
         (found,) = self._all("hypotheses")
         return self._told(outcomes_frame(outcomes(found)), "hypotheses")
 
-    @cached_property
+    @_Table
     def profiles(self) -> pd.DataFrame:
         """Mean co-contraction against force of every specimen and of the one nobody palpated."""
         (found,) = self._all("profiles")
         return self._told(profiles_frame(found), "profiles")
 
-    @cached_property
+    @_Table
     def schedules(self) -> pd.DataFrame:
         """Stiffness schedules, one row a step of force, as `emg2vsa.schedule` gives them."""
         (found,) = self._all("schedules")
         return self._told(schedules_frame(found), "schedules")
 
-    @cached_property
+    @_Table
     def scores(self) -> pd.DataFrame:
         """Presses of the rig, one row a press and vision algorithm: A_c0, CASR, and what else was measured."""
         return self._joined("runs", _scores_frame)
 
-    @cached_property
+    @_Table
     def calibration(self) -> pd.DataFrame:
         """kappa of the new specimen with its interval, one row an angle, condition, algorithm and law."""
         (found,) = self._all("calibration")
@@ -133,7 +150,7 @@ def load(study: StudyFile) -> Results:
 
     StudyError : the study file has problems.
     """
-    return Results(survey(load_study(study), ORDER, lambda text: None))
+    return Results(survey(_study_of(study), ORDER, lambda text: None))
 
 
 def run(study: StudyFile, *, only: str | None = None, jobs: int | None = None) -> Results:
@@ -144,9 +161,17 @@ def run(study: StudyFile, *, only: str | None = None, jobs: int | None = None) -
     """
     if only is not None and only not in ORDER:
         raise DataError("only", wanted=f"one of {', '.join(ORDER)}", found=repr(only), do="Choose one of these.")
+    jobs = plain(jobs)
+    if jobs is not None and (not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1):
+        do = "Choose a number of processes, or leave it out for all cores."
+        raise SettingError("jobs", wanted="a whole number from 1", found=shown(jobs), do=do)
     silent = Progress(lambda stage, total: None, lambda step: None, lambda: None, lambda text: None)
-    run_study(load_study(study), stages=stages_for(only), jobs=jobs or available_cores(), progress=silent)
+    run_study(_study_of(study), stages=stages_for(only), jobs=jobs or available_cores(), progress=silent)
     return load(study)
+
+
+def _study_of(file: StudyFile) -> Study:
+    return load_study(file_of(file, "study", "the path of a study file"))
 
 
 def _scores_frame(run: RunScores) -> pd.DataFrame:

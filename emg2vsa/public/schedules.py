@@ -10,10 +10,12 @@ import numpy as np
 import pandas as pd
 
 from emg2vsa import __version__
-from emg2vsa.errors import DataError
+from emg2vsa.errors import DataError, SettingError
 from emg2vsa.exemplary import compare_participants
 from emg2vsa.fits import Fits
 from emg2vsa.profiles import Profiles, build_profiles
+from emg2vsa.public.columns import column, number_of, numbers_of, refuse_missing_labels, table_of
+from emg2vsa.public.settings import settings_or_default
 from emg2vsa.schedules import Schedule
 from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import StageSettings
@@ -30,32 +32,51 @@ def schedule(
     ----------
     fits : one row a press, as `emg2vsa.fit` gives them: ``specimen``, ``a_v``, ``b_v``, and where they are there
         ``participant`` and ``verdict`` (rejected presses do not enter).
-    stiffness_n_per_mm : specimen to its stiffness by plate indentation, N/mm.
+    stiffness_n_per_mm : specimen to its stiffness by plate indentation, N/mm; above 0 for every specimen of the
+        fits, or of ``profile.specimens`` where that names some.
     settings : tables ``profile``, ``schedule``, ``window``, ``hypotheses`` (which verdicts enter).
 
     Columns: specimen, condition, step, force_from_n, force_to_n, stiffness_percent, preset_ticks,
     stiffness_nm_per_rad, activity_v. DataError, ScheduleError : no schedule can be made.
     """
-    settings = settings or StageSettings()
+    settings = settings_or_default(settings)
     product = _fits_of(fits)
+    known = _stiffness_of(product, stiffness_n_per_mm, settings)
     choice = None
     if settings.profile.participant == "medoid":
-        choice = compare_participants(
-            product, stiffness_n_per_mm, settings.profile, settings.window, settings.hypotheses.use
-        )
-    profiles = build_profiles(
-        product, stiffness_n_per_mm, settings.profile, settings.window, settings.hypotheses.use, choice
-    )
+        choice = compare_participants(product, known, settings.profile, settings.window, settings.hypotheses.use)
+    profiles = build_profiles(product, known, settings.profile, settings.window, settings.hypotheses.use, choice)
     return schedules_frame(build_schedules(profiles, settings.schedule, {"emg2vsa": __version__}))
 
 
+def _stiffness_of(fits: Fits, given: Mapping[Any, Any], settings: StageSettings) -> dict[str, float]:
+    """Every stiffness that is one. DataError: a specimen that takes part has none."""
+    if not isinstance(given, Mapping):
+        do = "Write {'S1': 1.4, 'S2': 0.6}."
+        raise SettingError(
+            "schedule, stiffness_n_per_mm", wanted="specimen to its stiffness", found=type(given).__name__, do=do
+        )
+    told = {str(name): one for name, one in given.items()}
+    known = {name: value for name, one in told.items() if (value := number_of(one)) is not None and value > 0}
+    for name in settings.profile.specimens or dict.fromkeys(fits.specimen.tolist()):
+        if name not in known:
+            raise DataError(
+                f"schedule, stiffness_n_per_mm, specimen {name!r}", wanted="a number above 0, in N/mm",
+                found=repr(told[name]) if name in told else "none",
+                do="Give its stiffness, or leave it out: Settings(profile={'specimens': [...]}).",
+            )  # fmt: skip
+    return known
+
+
 def _fits_of(frame: pd.DataFrame) -> Fits:
-    """A table of fits as the product that profiles are made from; what a table does not tell is NaN."""
+    """A table of fits as the product that profiles are made from; what profiles do not need is NaN."""
+    frame = table_of(frame, "schedule, fits")
     absent = [name for name in _NEEDED if name not in frame.columns]
     if absent or frame.empty:
         found = f"no {', '.join(absent)}" if absent else "no row"
         do = "Fit recordings first: emg2vsa.fit(recording, specimen=...), and join their tables."
         raise DataError("fits", wanted=f"rows with {', '.join(_NEEDED)}", found=found, do=do)
+    refuse_missing_labels(frame, "fits")
     n = len(frame)
     known: dict[str, Any] = {
         "participant": np.full(n, ""), "repetition": np.arange(1, n + 1), "verdict": np.full(n, "ok"),
@@ -63,14 +84,11 @@ def _fits_of(frame: pd.DataFrame) -> Fits:
         "bin_force_n": np.zeros((n, 0)), "bin_v": np.zeros((n, 0)),
         "activity_unit": frame.attrs.get("activity_unit", "V"), "points": "bins", "weights": "none", "confidence": 0.95,
     }  # fmt: skip
-    for field in dataclasses.fields(Fits):
-        if field.name in frame.columns:
-            column = frame[field.name]
-            is_text = not pd.api.types.is_numeric_dtype(column)
-            known[field.name] = column.to_numpy(np.str_ if is_text else None)
-        else:
-            known.setdefault(field.name, np.full(n, np.nan))
-    return Fits(**known)
+    known |= {name: numbers_of(frame, name, "fits") for name in ("a_v", "b_v")}
+    for name in ("participant", "specimen", "verdict"):
+        if name in frame.columns:
+            known[name] = column(frame, name, "fits").astype(str).to_numpy(np.str_)
+    return Fits(**{field.name: known.get(field.name, np.full(n, np.nan)) for field in dataclasses.fields(Fits)})
 
 
 def schedules_frame(found: Sequence[Schedule]) -> pd.DataFrame:
@@ -88,7 +106,7 @@ def schedules_frame(found: Sequence[Schedule]) -> pd.DataFrame:
         for one in found
     ]  # fmt: skip
     frame = pd.concat(parts, ignore_index=True)
-    frame.attrs = dict(found[0].provenance)
+    frame.attrs = {**found[0].provenance}
     return frame
 
 

@@ -7,8 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from emg2vsa.errors import SettingError, StudyError
+from emg2vsa.public.columns import plain
 from emg2vsa.settings import PAPER, StageSettings
-from emg2vsa.study_file.problems import checked, nearest
+from emg2vsa.study_file import contradictions
+from emg2vsa.study_file.problems import Problem, checked, nearest, shown
 
 _KINDS = {field.name: field for field in dataclasses.fields(StageSettings)}
 
@@ -24,25 +26,31 @@ class Settings(StageSettings):
 
     Raises
     ------
-    SettingError : a table that is none. StudyError : every key or value that cannot be, each in a line.
+    SettingError : a table that is none. StudyError : every key or value that cannot be, alone or with others, each in
+    a line.
     """
 
     def __init__(self, *, paper: bool = False, **tables: Mapping[str, Any]) -> None:
+        if not isinstance(paper, bool):
+            do = "Write paper=True, or leave it out."
+            raise SettingError("Settings, paper", wanted="True or False", found=shown(paper), do=do)
         for name in tables:
             if name not in _KINDS:
                 do = nearest(name, _KINDS, "Choose one of them.")
                 raise SettingError("Settings", wanted=f"tables {', '.join(_KINDS)}", found=repr(name), do=do)
         made: dict[str, Any] = {}
-        problems: list[str] = []
+        problems: list[Problem] = []
         for name in _KINDS:
             kind = type(getattr(_DEFAULTS, name))
             values = {**(PAPER.get(name, {}) if paper else {}), **_table(name, tables.get(name, {}))}
             if kind is type(None):
                 continue
             made[name], found = checked(kind, values, (name,))
-            problems += [f"Settings: {problem}" for problem in found]
+            problems += found
+        faulty = {problem.path[0] for problem in problems}
+        problems += contradictions({name: table for name, table in made.items() if name not in faulty})
         if problems:
-            raise StudyError(tuple(problems))
+            raise StudyError(tuple(f"Settings: {problem}" for problem in dict.fromkeys(problems)))
         super().__init__(**made)
 
     def __repr__(self) -> str:
@@ -64,4 +72,18 @@ def _table(name: str, values: object) -> dict[str, Any]:
     if not isinstance(values, Mapping):
         do = f"Write Settings({name}={{...}})."
         raise SettingError(f"Settings, {name}", wanted="a mapping of keys to values", found=repr(values), do=do)
-    return dict(values)
+    for key in values:
+        if not isinstance(key, str):
+            do = "Name a key of the study file."
+            raise SettingError(f"Settings, {name}", wanted="keys as text", found=repr(key), do=do)
+    return dict(plain(values))
+
+
+def settings_or_default(settings: StageSettings | None) -> StageSettings:
+    """``settings``, or every default where they are None. SettingError: they are anything else."""
+    if settings is None:
+        return _DEFAULTS
+    if not isinstance(settings, StageSettings):
+        do = "Make them so: emg2vsa.Settings(window={...}); a study that load gave, as load(file).study, will do too."
+        raise SettingError("settings", wanted="emg2vsa.Settings", found=type(settings).__name__, do=do)
+    return settings

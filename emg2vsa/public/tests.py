@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from decimal import Decimal
 from os import PathLike
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from emg2vsa import __version__
 from emg2vsa.companions.tidy import tidy_tests
-from emg2vsa.errors import DataError, SettingError
+from emg2vsa.errors import DataError, RecordingError, SettingError
+from emg2vsa.public.columns import column, file_of, is_missing, number_of, plain
 from emg2vsa.public.frames import outcomes_frame
-from emg2vsa.readers.tidy_table import read_tidy_table
+from emg2vsa.readers.tidy_table import TidyTable, read_tidy_table
 from emg2vsa.report.tidy_text import outcomes, text
-from emg2vsa.study_file.problems import nearest
+from emg2vsa.study_file.problems import shown
 
 
 def stats(
@@ -41,47 +42,55 @@ def stats(
     confidence, effect_name, effect_size, notes. ``attrs["text"]`` is what ``emg2vsa stats`` prints.
     DataError : a column is missing or holds no numbers, or there are too few groups or rows.
     """
-    if not 0 < alpha < 0.5:
-        raise SettingError("alpha", wanted="a level between 0 and 0.5", found=repr(alpha), do="Choose one, as 0.05.")
-    if margin is not None and not 0 < margin < np.inf:
-        raise SettingError("margin", wanted="a number above 0", found=repr(margin), do="Choose such a margin.")
+    level = number_of(alpha)
+    if level is None or not 0 < level < 0.5:
+        raise SettingError("alpha", wanted="a level between 0 and 0.5", found=shown(alpha), do="Choose one, as 0.05.")
+    margin_of_equality = None if margin is None else number_of(margin)
+    if margin is not None and not (margin_of_equality and margin_of_equality > 0):
+        raise SettingError("margin", wanted="a number above 0", found=shown(margin), do="Choose such a margin.")
+    for role, name in {"value": value, "group": group, "block": block}.items():
+        if not isinstance(name, (str, int)) and not (role == "block" and name is None):
+            do = f"Give the column: {role}='NAME'."
+            raise SettingError(f"stats, {role}", wanted="a column's name", found=shown(plain(name)), do=do)
     if isinstance(table, pd.DataFrame):
-        columns = {name: _column(table, name) for name in (value, group, *([block] if block else []))}
+        columns = {name: column(table, name) for name in (value, group, *([] if block is None else [block]))}
         numbers = [_number(one, value) for one in columns[value]]
-        groups, blocks = _names(columns[group]), _names(columns[block]) if block else None
+        groups, blocks = _names(columns[group]), _names(columns[block]) if block is not None else None
     else:
-        read = read_tidy_table(Path(table))
-        numbers, groups, blocks = read.numbers(value), read.texts(group), read.texts(block) if block else None
-    found = tidy_tests(numbers, groups, blocks, alpha, margin, protected=protected)
+        read = _read(file_of(table, "stats", "a DataFrame or the path of a file"))
+        numbers, groups = read.numbers(value), read.texts(group)
+        blocks = read.texts(block) if block is not None else None
+    found = tidy_tests(numbers, groups, blocks, level, margin_of_equality, protected=protected)
     frame = outcomes_frame(outcomes(found))
     frame.attrs = {
-        "value": value, "group": group, "block": block, "alpha": alpha, "n": found.n,
+        "value": value, "group": group, "block": block, "alpha": level, "n": found.n,
         "left_out": found.without_number + found.without_name, "text": text(found, "plain", details=False),
         "emg2vsa": __version__,
     }  # fmt: skip
     return frame
 
 
-def _column(table: pd.DataFrame, name: str) -> pd.Series:
-    if name not in table.columns:
-        known = [str(one) for one in table.columns]
-        do = nearest(name, known, "Choose one of them.")
-        raise DataError("DataFrame", wanted=f"a column {name!r}", found=f"columns {', '.join(known)}", do=do)
-    return table[name]
+def _read(file: Path) -> TidyTable:
+    try:
+        return read_tidy_table(file)
+    except OSError as error:
+        found = error.strerror or "an error"
+        raise RecordingError(file, wanted="a readable file", found=found, do="Check the path.") from error
 
 
 def _number(value: object, column: str) -> Decimal | None:
-    """The exact value of a float; None for a missing one."""
-    if value is None or value is pd.NA or value != value:  # NaN differs from itself
-        return None
-    try:
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        number = float("inf")
-    if not np.isfinite(number):
-        do = "Correct the cell, or make it NaN."
-        raise DataError(f"DataFrame, column {column!r}", wanted="finite numbers or NaN", found=repr(value), do=do)
-    return Decimal(repr(number))
+    """The exact value of a number, whatever its type; None for a missing one."""
+    value = plain(value)
+    with suppress(ValueError, ArithmeticError):
+        if is_missing(value):
+            return None
+        if isinstance(value, (int, float, str, Decimal)):
+            exact = Decimal(repr(value)) if isinstance(value, float) else Decimal(value)
+            # beyond the reach of float64 no test can say anything, and exact arithmetic would not end
+            if exact == 0 or (exact.is_finite() and 0 < abs(float(exact)) < float("inf")):
+                return exact
+    do, found = "Correct the cell, or make it NaN.", repr(value) if isinstance(value, str) else shown(value)
+    raise DataError(f"DataFrame, column {column!r}", wanted="finite numbers or NaN", found=found, do=do)
 
 
 def _names(column: pd.Series) -> list[str]:

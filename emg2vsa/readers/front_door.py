@@ -47,7 +47,7 @@ def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str
         if isinstance(error, FileNotFoundError) and any(text in str(path) for text in ("*", "{repetition}")):
             found = "no file that matches this pattern"  # as the study file has it, for want of a match
         raise RecordingError(
-            path, wanted="a readable file", found=found, do="Check the path in the study file."
+            path, wanted="a readable file", found=found, do="Check the path."
         ) from error
     if head is None:  # reading it may never end
         raise RecordingError(

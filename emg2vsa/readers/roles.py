@@ -15,7 +15,7 @@ from emg2vsa.readers.units import si_factor
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings, ReadingSettings
 
-_SLOWEST_EMG_HZ, _SLOWEST_FORCE_HZ, _FASTEST_HZ = 10.0, 2.0, 200e3
+SLOWEST_EMG_HZ, SLOWEST_FORCE_HZ, _FASTEST_HZ = 10.0, 2.0, 200e3
 """Rates beyond which a column of time is misread: 1000 Hz in milliseconds that are labelled seconds reads as 1 Hz."""
 
 
@@ -65,17 +65,17 @@ def read_roles(
         force_stored = load_named(force_open, force_names, force_hz)
         name = emg_format if emg_format == force_format else f"{emg_format} + {force_format}"
     for path, channel, slowest in [
-        *((emg_open.path, channel, _SLOWEST_EMG_HZ) for channel in emg_stored),
-        *((force_open.path, channel, _SLOWEST_FORCE_HZ) for channel in force_stored),
+        *((emg_open.path, channel, SLOWEST_EMG_HZ) for channel in emg_stored),
+        *((force_open.path, channel, SLOWEST_FORCE_HZ) for channel in force_stored),
     ]:
-        _refuse_rate(path, channel, slowest)
+        refuse_rate(path, channel, slowest)
     emg = {
-        role: _emg_in_v(emg_open.path, stored, settings)
+        role: emg_in_v(emg_open.path, stored, settings)
         for (role, settings), stored in zip(channels.emg.items(), emg_stored, strict=True)
     }
     said: tuple[str, ...] = ()
     if channels.force.gauges is None:
-        force = _force_in_n(force_open.path, force_stored[0], channels.force)
+        force = force_in_n(force_open.path, force_stored[0], channels.force)
     else:
         force, said = force_of_gauges(force_open.path, force_stored, channels.force, cal_file)
     force, aligned = _on_emg_clock(emg_open, force_open, force, channels.force)
@@ -84,7 +84,7 @@ def read_roles(
     return RoleChannels(emg, force, name, (*notes, *said, *aligned))
 
 
-def _refuse_rate(path: Path, stored: StoredChannel, slowest_hz: float) -> None:
+def refuse_rate(path: Path, stored: StoredChannel, slowest_hz: float) -> None:
     """A rate at which nobody records is a time in another unit than its header says, or no time at all."""
     if slowest_hz < stored.fs_hz < _FASTEST_HZ:
         return
@@ -107,7 +107,7 @@ def read_emg(emg_file: Path, channels: ChannelSettings, reading: ReadingSettings
     wanted = channels.emg.values()
     stored = load_named(opened, [one.name for one in wanted], [one.fs_hz for one in wanted])
     return {
-        role: _emg_in_v(opened.path, one, settings)
+        role: emg_in_v(opened.path, one, settings)
         for (role, settings), one in zip(channels.emg.items(), stored, strict=True)
     }
 
@@ -130,7 +130,8 @@ def _on_emg_clock(
     return replace(force, start_s=force.start_s + offset_s), (said,)
 
 
-def _emg_in_v(path: Path, stored: StoredChannel, settings: EmgChannelSettings) -> Channel:
+def emg_in_v(path: Path, stored: StoredChannel, settings: EmgChannelSettings) -> Channel:
+    """A stored EMG in V, gain divided out; its samples are changed in place. RecordingError: its unit is no voltage."""
     known = si_factor(settings.unit or stored.unit)
     if known is None or known[0] != "V":
         raise RecordingError(
@@ -143,7 +144,11 @@ def _emg_in_v(path: Path, stored: StoredChannel, settings: EmgChannelSettings) -
     return scaled(stored, known[1] / settings.gain, "V", _joined(steps))
 
 
-def _force_in_n(path: Path, stored: StoredChannel, settings: ForceChannelSettings) -> Channel:
+def force_in_n(path: Path, stored: StoredChannel, settings: ForceChannelSettings) -> Channel:
+    """A stored force in N, sign applied; its samples are changed in place.
+
+    RecordingError: its unit is no force and ``newtons_per_unit`` is not given, or both are.
+    """
     unit = settings.unit or stored.unit
     known = si_factor(unit)
     where = f"{path}, channel {stored.name!r}"

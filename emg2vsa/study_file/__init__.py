@@ -19,7 +19,7 @@ from emg2vsa.study_file.problems import Problem, checked, checked_tables, shown
 from emg2vsa.study_file.tables import ParticipantsTable, StudyFile
 from emg2vsa.study_file.toml_file import placed, read_toml
 
-__all__ = ["load_study", "missing_files"]
+__all__ = ["contradictions", "load_study", "missing_files"]
 
 
 def load_study(path: str | Path, folder: Path | None = None) -> Study:
@@ -50,7 +50,7 @@ def load_study(path: str | Path, folder: Path | None = None) -> Study:
     sound = {name: table for name, table in tables.items() if name not in {problem.path[0] for problem in problems}}
     if "participants" in sound:
         sound["ids"] = tuple(person.participant for person in people)
-    problems += _contradictions({**sound, "raw": raw, "of_runs_alone": of_runs_alone})
+    problems += contradictions({**sound, "raw": raw, "of_runs_alone": of_runs_alone})
     if problems:
         raise placed(path, text, dict.fromkeys(problems))
     return study_of(place, StudyFile(**tables), people, raw)
@@ -114,7 +114,7 @@ def _said(row: Mapping[str, str | None], key: str) -> str:
     return "" if text.lower() == "n/a" else text
 
 
-def _contradictions(known: Mapping[str, Any]) -> Iterator[Problem]:
+def contradictions(known: Mapping[str, Any]) -> Iterator[Problem]:
     """What every check finds that may look at tables without fault alone, and at none that was left out.
 
     A check takes tables as parameters of their names; one that has a default may have been left out.
