@@ -1,7 +1,7 @@
 """The child's end of `casr.decoder_process`: it answers requests with what a decoder returns or raises.
 
 One request is a pickle in a pipe. One answer is a head in another pipe, and parts: a pickle, and the buffers of its
-arrays. The parts lie in memory that both processes share on Linux, elsewhere they follow the head in the pipe.
+arrays. A head of no parts has the number of the system's error that left no room for them. The parts lie in memory that both processes share on Linux, elsewhere they follow the head in the pipe.
 """
 
 from __future__ import annotations
@@ -118,7 +118,11 @@ def _pickled(value: Any) -> list[Any]:
 
 def _send(parts: list[Any], answers: FileIO, shared: SharedMemory | None) -> None:
     sizes = [memoryview(part).nbytes for part in parts]
-    memory = shared.room_for(sum(sizes)) if shared else np.empty(0, np.uint8)
+    try:
+        memory = shared.room_for(sum(sizes)) if shared else np.empty(0, np.uint8)
+    except OSError as error:  # a limit on the size of files, or no memory: this answer needs neither
+        write_whole(answers, HEAD.pack(0) + HEAD.pack(error.errno or 0))
+        return
     head = HEAD.pack(len(parts)) + np.array([*sizes, memory.size], np.dtype("<u8")).tobytes()
     if shared is None:
         write_whole(answers, head)

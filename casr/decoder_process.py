@@ -31,6 +31,10 @@ from casr.decoder_child import HEAD, Limits, SharedMemory, read_whole, write_who
 START_SECONDS = 60.0
 """Limit on starting the child and importing a decoder; it is not the file's fault."""
 _END_SECONDS = 5.0
+_FROM_OUTSIDE = frozenset(
+    getattr(signal, name) for name in ("SIGKILL", "SIGTERM", "SIGHUP", "SIGXCPU") if hasattr(signal, name)
+)
+"""Signals that no decoder's fault sends. The system sends SIGKILL where memory runs out."""
 
 
 class DecoderFailed(Exception):
@@ -47,6 +51,10 @@ class DecoderFailed(Exception):
         return self.reason
 
 
+class DecoderLost(DecoderFailed):
+    """The child was killed from outside, or the system gave it no room: the file may be sound."""
+
+
 class InChild:
     """An object that lives in the child: ``module.function(*arguments)``, made anew when the child had to be replaced.
 
@@ -58,7 +66,7 @@ class InChild:
 
     Raises
     ------
-    DecoderFailed : the child crashed or met a limit. Whatever ``function`` raises is raised here too.
+    DecoderFailed : the child crashed or met a limit. DecoderLost : it was killed, or could not be started. Whatever ``function`` raises is raised here too.
     """
 
     def __init__(self, library: str, module: str, function: str, arguments: tuple[Any, ...], limits: Limits) -> None:
@@ -104,7 +112,10 @@ def end_child() -> None:
 def _running_child() -> _Child:
     global _current
     if _current is None or not _current.alive:
-        _current = _Child()
+        try:
+            _current = _Child()
+        except OSError as error:
+            raise DecoderLost(f"its reader could not be started ({error.strerror or error})") from error
     return _current
 
 
@@ -125,7 +136,8 @@ if sys.platform != "win32":
 class _Child:
     """The parent's end: one request, one answer.
 
-    The bytes of an answer lie in shared memory on Linux, elsewhere they follow in the pipe.
+    The bytes of an answer lie in shared memory on Linux, elsewhere they follow in the pipe. An answer without parts says
+    why there is no room for them.
     """
 
     def __init__(self) -> None:
@@ -218,10 +230,12 @@ class _Child:
 
     def _parts(self) -> list[np.ndarray[Any, Any]]:
         (count,) = HEAD.unpack(read_whole(self._answers, HEAD.size).data)
-        *sizes, capacity = read_whole(self._answers, (count + 1) * HEAD.size).view(np.dtype("<u8")).tolist()
+        *sizes, last = read_whole(self._answers, (count + 1) * HEAD.size).view(np.dtype("<u8")).tolist()
+        if not count:
+            raise DecoderLost(f"the system gave its reader no room for what it read ({os.strerror(last).lower()})")
         if self._shared is None:
             return [read_whole(self._answers, size) for size in sizes]
-        memory, starts = self._shared.array(capacity), np.cumsum([0, *sizes])
+        memory, starts = self._shared.array(last), np.cumsum([0, *sizes])
         return [memory[start : start + size].copy() for start, size in zip(starts, sizes, strict=False)]
 
     def _crashed(self, library: str) -> DecoderFailed:
@@ -230,7 +244,10 @@ class _Child:
             how = f"exit code {code}" if code >= 0 else (signal.strsignal(-code) or f"signal {-code}").lower()
         except subprocess.TimeoutExpired:
             how = "no valid answer"
+            code = 0
         self.end()
+        if -code in _FROM_OUTSIDE:
+            return DecoderLost(f"its reader was killed from outside ({library}, {how})")
         return DecoderFailed(f"its reader crashed ({library}, {how})")
 
     def end(self) -> None:

@@ -17,8 +17,8 @@ class RecordingError(InputError):
     """A recording, or one of its channels, cannot be read as asked."""
 
 
-class SlowReadingError(RecordingError):
-    """Reading a recording took too long; on a computer that is less busy it may not."""
+class PassingError(RecordingError):
+    """Reading a recording failed for a reason that may pass: its reader took too long, crashed or was killed."""
 
 
 class UnsupportedError(RecordingError):

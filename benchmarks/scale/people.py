@@ -47,7 +47,7 @@ def measured(folder: Path) -> tuple[Path, dict[str, Any]]:
     study.write_text(re.sub(r"\[runs\]\n(.+\n)*", "", TEMPLATE.read_text()))
     _run("simulate", study)
     _, _, out = _run("run", study, "--only", "trials", "--jobs", "1", "--profile")
-    return study, out["profile"]["trials"]
+    return study, next(own for own in out["profile"] if own["stage"] == "trials")
 
 
 def replicated(one: Path, folder: Path, count: int) -> Path:
@@ -102,8 +102,8 @@ def measure(study: Path) -> dict[str, Any]:
         "cpu_s": cpu_s,
         "peak_mb": peak_mb,
         "stages": {
-            name: {"cpu_s": own["cpu_s"], "peak_mb": own["peak_mb"], "computed": own["computed"]}
-            for name, own in out["profile"].items()
+            own["stage"]: {"cpu_s": own["cpu_s"], "peak_mb": own["peak_mb"], "computed": own["computed"]}
+            for own in out["profile"]
             if own["computed"]
         },
         "failures": len(out["failures"]),

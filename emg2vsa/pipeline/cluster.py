@@ -38,6 +38,8 @@ from emg2vsa.study import Study
 
 _LOOK_S = 1.0
 """So often the cluster is looked at while no task ends."""
+_END_S = 3.0
+"""So long a scheduler may take to answer while the run ends: one that does not answer is left."""
 _AHEAD = 3
 """Tasks handed over per worker, so that none waits for work, and the scheduler holds few."""
 _SHOWN = 3
@@ -74,7 +76,7 @@ class ClusterWorkers:
         self._client: Any = None
         self._asked = Asked(self._mark, ())
         self._facts: dict[str, str] = {}
-        self._running: dict[Any, Task] = {}
+        self._running: dict[Any, tuple[Task, dict[str, tuple[int, int] | None]]] = {}
         self._most = 1
 
     def __enter__(self) -> Self:
@@ -117,7 +119,7 @@ class ClusterWorkers:
                 seen = {path: size_and_time(path) for path in paths}
                 key = f"{task.step}-{secrets.token_hex(8)}"
                 future = self._client.submit(attempt, task, seen, self._asked, key=key, pure=False)
-                self._running[future] = task
+                self._running[future] = task, seen
                 future.add_done_callback(ended.put)
             try:
                 future = ended.get(timeout=_LOOK_S)
@@ -127,9 +129,11 @@ class ClusterWorkers:
                     raise self._lost("that all its workers are gone") from None
                 continue
             alive = time.monotonic()
-            task = self._running.pop(future)
+            task, seen = self._running.pop(future)
             try:
-                result = future.result()
+                result = self._result(future)
+            except DataError:
+                raise
             except distributed.KilledWorker:
                 died.append(task)
                 continue
@@ -137,6 +141,9 @@ class ClusterWorkers:
                 raise self._lost("that the connection to it ended") from error
             except Exception as error:  # a task keeps its own errors: this is the worker's
                 raise self._lost(f"a worker that cannot carry out a task ({type(error).__name__}: {error})") from error
+            if isinstance(result, Refused) and result.unseen and size_and_time(result.unseen) != seen[result.unseen]:
+                changed = f"{result.unseen} changed while the step ran. Run the study again."
+                result = Ended(task.step, "failed", changed)
             if isinstance(result, Refused):
                 raise self._refuse({"a worker that came later": result.facts}, result.unseen)
             on_end(result)
@@ -155,18 +162,30 @@ class ClusterWorkers:
         logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what a user has to know is said here
         held.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": 1}))  # of a local cluster
         if self._local:
-            quiet = {"dashboard_address": None, "silence_logs": logging.CRITICAL}
-            cluster = distributed.LocalCluster(self._local, threads_per_worker=1, memory_limit=0, **quiet)
+            no_pages = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
+            held.enter_context(dask.config.set(no_pages))
+            quiet = {"scheduler_kwargs": {"dashboard": False}, "silence_logs": logging.CRITICAL}
+            cluster = distributed.LocalCluster(
+                n_workers=self._local, threads_per_worker=1, memory_limit=0, host="127.0.0.1", dashboard_address="127.0.0.1:0",
+                **quiet,
+            )  # fmt: skip
             self._address = held.enter_context(cluster).scheduler_address
         try:
             client = distributed.Client(self._address, timeout=self._timeout_s, set_as_default=False)
+        except TypeError as error:  # what Dask raises where an encrypted address meets no certificates
+            raise DataError(
+                f"emg2vsa run --scheduler {self._address}", wanted="certificates for an encrypted connection",
+                found=f"none ({error})",
+                do="Name them under distributed.comm.tls in Dask's configuration, or use an address with tcp://.",
+            ) from error  # fmt: skip
         except (OSError, ValueError) as error:
             raise DataError(
                 f"emg2vsa run --scheduler {self._address}", wanted="a Dask scheduler that answers",
                 found=f"none within {self._timeout_s:g} s ({error})",
                 do="Start it with dask scheduler, or give the address that it prints.",
             ) from error  # fmt: skip
-        self._client = held.enter_context(client)
+        self._client = client
+        held.callback(self._close)
         end = time.monotonic() + self._timeout_s
         while not self._count_workers():
             if time.monotonic() > end:
@@ -190,27 +209,65 @@ class ClusterWorkers:
         asked = Asked(self._mark, tuple(sorted(libraries - {"python"})))
         self._facts = facts_here(asked.mark, asked.libraries) | {AT_A_TIME: "1"}
         self._asked = Asked(asked.mark, asked.libraries, digest_of(self._facts))
-        answers = self._client.run(facts_of_worker, asked.mark, asked.libraries, on_error="return")
+        try:
+            answers = self._client.run(
+                facts_of_worker, asked.mark, asked.libraries, on_error="return", callback_timeout=self._timeout_s
+            )
+        except (OSError, RuntimeError) as error:
+            raise self._lost(self._silence(error, "that it or a worker")) from error
         if differ := {worker: facts for worker, facts in answers.items() if facts != self._facts}:
             raise self._refuse(differ)
 
     def _count_workers(self) -> int:
         """Number of workers; raises DataError where the scheduler is lost. How many tasks go out follows it."""
         try:
-            threads = self._client.nthreads()
+            threads = self._client.sync(self._client.scheduler.ncores, callback_timeout=self._timeout_s)
         except Exception as error:
-            raise self._lost(f"that it does not answer ({type(error).__name__})") from error
+            raise self._lost(self._silence(error, "that it")) from error
         self._most = _AHEAD * max(len(threads), 1)
         return len(threads)
 
+    def _result(self, future: Any) -> Any:
+        """The result of a task that ended; a worker that is slow to send it is waited for while the scheduler answers."""
+        while True:
+            try:
+                return future.result(timeout=self._timeout_s)
+            except TimeoutError:
+                self._count_workers()
+
     def _give_up(self) -> None:
-        """Cancel what is under way, and wait for what workers have begun: no other run may meet it."""
+        """Cancel what is under way, and wait for what workers have begun: no other run may meet it.
+
+        TimeoutError : the scheduler does not answer.
+        """
+        self._answers()
         self._client.cancel(list(self._running), force=True)
         self._running.clear()
-        if not self._local and any(self._client.run(begun).values()):
+        if not self._local and self._begun():
             self._say("Waiting for tasks that workers have begun. Ctrl-C again to leave them.")
-            while any(self._client.run(begun).values()):
+            while self._begun():
                 time.sleep(_LOOK_S)
+
+    def _begun(self) -> bool:
+        """Whether a worker is at a task, or too busy to say."""
+        try:
+            return any(self._client.run(begun, callback_timeout=_END_S).values())
+        except TimeoutError:
+            self._answers()
+            return True
+
+    def _answers(self) -> None:
+        """TimeoutError where the scheduler does not answer."""
+        self._client.sync(self._client.scheduler.identity, callback_timeout=_END_S)
+
+    def _close(self) -> None:
+        with contextlib.suppress(TimeoutError):
+            self._client.close(timeout=_END_S)
+
+    def _silence(self, error: Exception, who: str) -> str:
+        if isinstance(error, TimeoutError):
+            return f"{who} does not answer within {self._timeout_s:g} s"
+        return f"{who} does not answer ({type(error).__name__})"
 
     def _lost(self, found: str) -> DataError:
         do = "See that scheduler and workers run, then give the same command again: what was finished is kept."

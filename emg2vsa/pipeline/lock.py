@@ -15,7 +15,7 @@ from pathlib import Path
 
 from emg2vsa.errors import DataError
 from emg2vsa.held_lock import myself, taken, told
-from emg2vsa.pipeline.presence import Present, presence, present
+from emg2vsa.pipeline.presence import Present, not_a_folder, presence, present
 from emg2vsa.pipeline.shard import Shard
 
 _LOOK_AGAIN_S = 0.05
@@ -33,6 +33,7 @@ def study_lock(folder: Path, *, wait: bool, say: Callable[[str], None]) -> Itera
     """
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / LOCK_FILE
+    not_a_folder(path)
     handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
     try:
         _until_free(folder, lambda: "" if taken(handle) else told(path), wait, say)

@@ -56,7 +56,11 @@ def presence(path: Path, *, take_over: bool = False) -> Iterator[None]:
 
 
 def present(path: Path) -> str:
-    """Who holds the presence, in words; "" where nobody does, or where its holder on this computer has ended."""
+    """Who holds the presence, in words; "" where nobody does, or where its holder on this computer has ended.
+
+    DataError : a folder is in its place.
+    """
+    not_a_folder(path)
     try:
         handle = os.open(path, os.O_RDWR)
     except FileNotFoundError:
@@ -71,6 +75,12 @@ def present(path: Path) -> str:
         os.close(handle)
 
 
+def not_a_folder(path: Path) -> None:
+    """DataError where a folder is in the place of a lock."""
+    if path.is_dir():
+        raise DataError(path, wanted="a file, which says who works here", found="a folder", do="Remove it.")
+
+
 def _link(own: Path, path: Path, take_over: bool) -> None:
     who = ""
     for _ in range(_TRIES):
@@ -79,9 +89,10 @@ def _link(own: Path, path: Path, take_over: bool) -> None:
             return
         except FileExistsError:
             who = present(path)
-            if who and not take_over:
-                break
-            _remove_left(path, take_over)
+            if (
+                take_over or not who
+            ):  # else look again: who looks at the presence of one that has ended holds it briefly
+                _remove_left(path, take_over)
             time.sleep(_AGAIN_S)
         except OSError as error:
             do = "Put the results on a file system that has hard links."

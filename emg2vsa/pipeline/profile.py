@@ -20,13 +20,15 @@ _MOST_REASONS = 6
 class StageProfile:
     """One stage.
 
-    computed, fresh, left : steps that ran, whose stored result holds, and that could not run, as an input or their own
-    last try failed. reasons : why steps ran, to how many of them. cpu_s, wall_s : sums over its steps. slowest_s,
+    computed, failed, fresh, left : steps that ran and gave a result, that ran and gave none, whose stored result holds,
+    and that did not run: an input or their own last try failed, or a shard leaves them to another command, as it leaves
+    every step of the whole study. reasons : why steps ran, to how many of them. cpu_s, wall_s : sums over its steps. slowest_s,
     slowest : wall seconds of the slowest step, and its item. peak_mb : of the process that held most memory during a
     step; None where the system does not tell. counts : sums, by the names of ``casr.counts.COUNTED``.
     """
 
     computed: int = 0
+    failed: int = 0
     fresh: int = 0
     left: int = 0
     reasons: Counter[str] = field(default_factory=Counter)
@@ -38,8 +40,10 @@ class StageProfile:
     counts: Counter[str] = field(default_factory=Counter)
 
     def add(self, step: Step, spent: Spent) -> None:
-        """A step that ran."""
-        self.computed += 1
+        """A step that ran and ended."""
+        failed = step.status == "failed"
+        self.computed += not failed
+        self.failed += failed
         self.reasons.update(list(dict.fromkeys(map(kind_of, step.reasons))))
         self.cpu_s += spent.cpu_s
         self.wall_s += spent.wall_s
@@ -68,13 +72,15 @@ class Profile:
             own.fresh += step.status == "fresh"
         for name, own in self.stages.items():
             steps = sum(step.stage == name for step in board.steps.values())
-            own.left = max(steps - own.computed - own.fresh, 0)
+            own.left = max(steps - own.computed - own.failed - own.fresh, 0)
 
-    def as_json(self) -> dict[str, dict[str, Any]]:
-        """Stage to its numbers; seconds with six decimals."""
-        return {
-            name: {
+    def as_json(self) -> list[dict[str, Any]]:
+        """The numbers of each stage, in the order of the run; seconds with six decimals."""
+        return [
+            {
+                "stage": name,
                 "computed": own.computed,
+                "failed": own.failed,
                 "fresh": own.fresh,
                 "left": own.left,
                 "reasons": dict(own.reasons.most_common()),
@@ -86,16 +92,16 @@ class Profile:
                 "counts": {what: own.counts[what] for what in COUNTED if own.counts[what]},
             }
             for name, own in self.stages.items()
-        }
+        ]
 
     def lines(self) -> Iterator[str]:
         """A table of the stages, and beneath it why their steps ran and what was done inside."""
         width = max(map(len, self.stages), default=0) + 2
-        head = f"{'computed':>9}{'fresh':>7}{'left':>6}{'CPU s':>9}{'wall s':>9}{'slowest s':>11}{'peak MB':>9}"
+        head = f"{'computed':>9}{'failed':>8}{'fresh':>7}{'left':>6}{'CPU s':>9}{'wall s':>9}{'slowest s':>11}{'peak MB':>9}"
         yield f"{'stage':<{width}}{head}"
         for name, own in self.stages.items():
-            row = f"{name:<{width}}{own.computed:>9}{own.fresh:>7}{own.left:>6}"
-            if own.computed:
+            row = f"{name:<{width}}{own.computed:>9}{own.failed:>8}{own.fresh:>7}{own.left:>6}"
+            if own.computed or own.failed:
                 peak = "" if own.peak_mb is None else f"{own.peak_mb:.0f}"
                 row += f"{own.cpu_s:>9.2f}{own.wall_s:>9.2f}{own.slowest_s:>11.2f}{peak:>9}"
             yield row

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from emg2vsa import artifacts
-from emg2vsa.errors import Emg2vsaError, SlowReadingError
+from emg2vsa.errors import Emg2vsaError, PassingError
 from emg2vsa.pipeline.spent import Spent, measured
 from emg2vsa.pipeline.stage import Given
 from emg2vsa.pipeline.stage_order import stage
@@ -60,7 +60,7 @@ class Task:
         except ClaimedElsewhere as error:
             return Ended(self.step, "failed", str(error))
         except Emg2vsaError as error:
-            return Ended(self.step, "failed", str(error), final=not isinstance(error, SlowReadingError))
+            return Ended(self.step, "failed", str(error), final=not isinstance(error, PassingError))
         except OSError as error:  # the disk is full, or a folder may not be written to: the same input may do next time
             where = f"{error.filename}: " if error.filename else ""
             what = (error.strerror or str(error)).rstrip(".")

@@ -15,9 +15,9 @@ from pathlib import Path
 
 from casr.counts import count
 from casr.decoder_child import Limits
-from casr.decoder_process import DecoderFailed, InChild
+from casr.decoder_process import DecoderFailed, DecoderLost, InChild
 from casr.errors import said_by
-from emg2vsa.errors import Emg2vsaError, RecordingError, SlowReadingError, UnsupportedError
+from emg2vsa.errors import Emg2vsaError, PassingError, RecordingError, UnsupportedError
 from emg2vsa.readers.formats import READERS, Reader, head_of, reader_of
 from emg2vsa.readers.opened import Contents, OpenRecording, StoredChannel, to_si, usable
 from emg2vsa.readers.plugin_readers import Noted, plugin_reader
@@ -33,10 +33,9 @@ def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str
 
     reading : limits of a foreign decoder, for this and for every later request to the opened file.
 
-    A file that no reader here knows by its content is offered to those of other packages (``plugin_readers``).
-
-    Raises RecordingError where the file is absent, empty, of no known format or damaged, or where its decoder crashes
-    or meets a limit.
+from casr.decoder_process import DecoderFailed, DecoderLost, InChild
+from casr.errors import said_by
+from emg2vsa.errors import Emg2vsaError, PassingError, RecordingError, UnsupportedError
     """
     path = Path(path)
     try:
@@ -117,6 +116,11 @@ class _OpenInChild:
         wanted = f"{self._reader.format} data that {self._reader.library} can read"
         try:
             yield
+        except DecoderLost as error:
+            raise PassingError(
+                self.path, wanted="enough memory to read it", found=f"that {error.reason}",
+                do="The file may be sound. Free memory, or start fewer processes at a time, then run again.",
+            ) from error  # fmt: skip
         except DecoderFailed as error:
             do = "Export the file again, as CSV if need be."
             if error.limit is not None:
@@ -124,7 +128,7 @@ class _OpenInChild:
                 do += (
                     f" If the file is sound, raise {setting} in the study's table [reading] (fit: --max-{error.limit})."
                 )
-            kind = SlowReadingError if error.limit == "seconds" else RecordingError
+            kind = RecordingError if error.limit == "memory" else PassingError
             raise kind(
                 self.path, wanted=wanted, found=f"that {error.reason}", do=do,
             ) from error  # fmt: skip

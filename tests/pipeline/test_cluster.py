@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import os
 import shutil
@@ -148,6 +149,102 @@ def test_a_lost_scheduler_is_one_error_and_what_was_done_is_kept(
         f"{address}: expected a Dask scheduler with workers until the end, but found that "
     )
     assert str(error.value).endswith("give the same command again: what was finished is kept.")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows cannot stop a process")
+@pytest.mark.parametrize("ended_by", ["timeout", "SIGTERM"])
+def test_a_scheduler_that_is_stopped_ends_the_run(small: Path, scheduler: Scheduler, ended_by: str) -> None:
+    under_way = small.parent / ".emg2vsa" / "small" / "under-way"
+    timeout = "4" if ended_by == "timeout" else "1000"
+    command = [sys.executable, "-m", "emg2vsa.cli", "run", str(small), "--scheduler", scheduler.address]
+    with worker(scheduler.address):
+        assert soon(lambda: has_worker(scheduler.address), 120)
+        run = subprocess.Popen([*command, "--timeout", timeout], stderr=subprocess.PIPE, text=True)
+        assert soon(lambda: bool(list(under_way.glob("trials*.json"))), 200)
+        scheduler.process.send_signal(signal.SIGSTOP)
+        if ended_by == "SIGTERM":
+            time.sleep(3)  # the run asks the scheduler every second
+            run.terminate()
+        told = run.communicate(timeout=200)[1]
+    assert run.returncode == (2 if ended_by == "timeout" else 130), told
+    assert "Traceback" not in told
+    if ended_by == "timeout":
+        assert f"{scheduler.address}: expected a Dask scheduler with workers until the end, but found that it" in told
+        assert "does not answer within 4 s" in told
+        assert "what was finished is kept" in told
+    assert not (small.parent / ".emg2vsa" / "small" / ".lock.whole").exists()
+
+
+def has_worker(address: str) -> bool:
+    distributed = importlib.import_module("distributed")
+    with distributed.Client(address, set_as_default=False) as client:
+        return bool(client.nthreads())
+
+
+def test_an_encrypted_address_without_certificates_is_one_error(
+    small: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    capsys.readouterr()
+    assert main(["run", str(small), "--scheduler", "tls://127.0.0.1:9", "--timeout", "1"]) == 2
+    told = capsys.readouterr().err
+    assert "--scheduler tls://127.0.0.1:9: expected certificates for an encrypted connection, but found none (" in told
+    assert "distributed.comm.tls in Dask's configuration" in told
+
+
+def test_a_recording_replaced_while_it_waits_fails_its_step_alone(
+    tmp_path: Path, deeds: Callable[..., list[Any]]
+) -> None:
+    first, second = deeds("ok", "ok")
+    recording = tmp_path / "recording"
+    recording.write_text("old")
+    first.given.files["emg"] = (recording,)
+
+    class Client:
+        """Refuses the task whose file was replaced, as ``attempt`` does, and carries out the others."""
+
+        def submit(self, attempt: object, task: Any, seen: dict[str, Any], *more: object, **options: object) -> Any:
+            if not seen:
+                return Done(task())
+            recording.write_text("a newer one")
+            return Done(cluster_worker.Refused({}, str(recording)))
+
+    class Done:
+        def __init__(self, result: object) -> None:
+            self.value = result
+
+        def add_done_callback(self, call: Callable[[Any], None]) -> None:
+            call(self)
+
+        def result(self, timeout: float) -> Any:
+            return self.value
+
+    workers = ClusterWorkers(load_study_of(tmp_path), PEOPLE, address="tcp://1.2.3.4:5")
+    workers._client = Client()
+    ended: list[Ended] = []
+    workers.run([first, second], ended.append)
+    assert [one.status for one in ended] == ["failed", "done"]
+    assert ended[0].message == f"{recording} changed while the step ran. Run the study again."
+    assert not ended[0].final
+
+
+def test_a_cluster_here_shows_no_page_and_is_reached_from_here_alone(
+    small: Path, recwarn: pytest.WarningsRecorder
+) -> None:
+    def pages(dask_scheduler: Any = None, dask_worker: Any = None) -> tuple[str, list[str]]:
+        server = dask_scheduler or dask_worker  # a function within one goes to a worker by value
+        rules = [str(rule.matcher.regex.pattern) for rule in server.http_application.wildcard_router.rules]
+        return server.http_server.address, rules
+
+    with socket.socket() as other:
+        with contextlib.suppress(OSError):  # taken by another program, which does as well
+            other.bind(("127.0.0.1", 8787))
+            other.listen()
+        with ClusterWorkers(load_study(small), ("trials",), local=1) as workers:
+            scheduler = workers._client.run_on_scheduler(pages)
+            (worker,) = workers._client.run(pages).values()
+    assert scheduler == worker == ("127.0.0.1", [])
+    assert [str(one.message) for one in recwarn if "Port" in str(one.message)] == []
 
 
 def test_a_worker_that_would_compute_something_else_is_refused_by_name(

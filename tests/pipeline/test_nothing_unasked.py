@@ -37,7 +37,7 @@ def study(made: Path, tmp_path: Path) -> Path:
 def profile(study: Path, capsys: pytest.CaptureFixture[str], only: str) -> dict[str, dict]:
     capsys.readouterr()
     assert main(["run", str(study), "--only", only, "--profile", "--jobs", "1", "--json"]) == 0
-    return json.loads(capsys.readouterr().out)["profile"]
+    return {one["stage"]: one for one in json.loads(capsys.readouterr().out)["profile"]}
 
 
 def computed(found: dict[str, dict]) -> dict[str, int]:

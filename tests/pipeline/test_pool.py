@@ -27,7 +27,7 @@ import os, time
 from dataclasses import dataclass
 from pathlib import Path
 from emg2vsa import artifacts
-from emg2vsa.errors import DataError, SlowReadingError
+from emg2vsa.errors import DataError, PassingError
 from emg2vsa.pipeline.pool import Workers
 from emg2vsa.pipeline.stage import Given
 from emg2vsa.pipeline.tasks import Task
@@ -38,7 +38,7 @@ class Deed(Task):
             case "refuse":
                 raise DataError("x.csv", wanted="data", found="none", do="Record again.")
             case "slow":
-                raise SlowReadingError("x.c3d", wanted="data", found="that it took more than 10 s", do="Export.")
+                raise PassingError("x.c3d", wanted="data", found="that it took more than 10 s", do="Export.")
             case "crash":
                 raise ZeroDivisionError("by zero")
             case "damaged":

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -14,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from emg2vsa.errors import DataError
-from emg2vsa.held_lock import myself
+from emg2vsa.held_lock import myself, taken
 from emg2vsa.pipeline import presence as presences
 from emg2vsa.pipeline.lock import WHOLE_FILE, holder, shard_lock, study_lock
 from emg2vsa.pipeline.presence import presence, present
@@ -123,6 +124,25 @@ def test_a_presence_that_says_nothing_counts_as_somebodys(tmp_path: Path, conten
     path.write_text(content)
     assert present(path).startswith("another process, 0 min ago (if it has ended, remove ")
     assert "another process" in refused(tmp_path, Shard(1, 2))
+
+
+def test_a_look_at_a_presence_that_was_left_keeps_nobody_out(tmp_path: Path) -> None:
+    path = tmp_path / ".lock.shard-1-of-2"
+    path.write_text(json.dumps(myself()))
+    with path.open("r+b") as looking:
+        assert taken(looking.fileno())
+        threading.Timer(0.05, looking.close).start()
+        with presence(path):
+            assert path.exists()
+
+
+def test_a_folder_in_the_place_of_a_lock_is_to_be_removed(tmp_path: Path) -> None:
+    for name in (".lock.shard-1-of-2", ".lock.whole", ".lock"):
+        (tmp_path / name).mkdir()
+        shard = None if name == ".lock" else Shard(1, 2)
+        told = refused(tmp_path, shard)
+        assert f"{tmp_path / name}: expected a file, which says who works here, but found a folder. Remove it." == told
+        (tmp_path / name).rmdir()
 
 
 def test_of_two_that_take_over_one_gets_it(tmp_path: Path) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -11,7 +13,9 @@ import pytest
 
 from benchmarks.corrupted_files import flipped, good_files
 from casr.decoder_process import child_pid, end_child
-from emg2vsa.errors import RecordingError
+from emg2vsa.errors import PassingError, RecordingError
+from emg2vsa.pipeline.stage import Given
+from emg2vsa.pipeline.tasks import Task
 from emg2vsa.readers import front_door
 from emg2vsa.readers.formats import Reader
 from emg2vsa.readers.front_door import inspect, read
@@ -20,7 +24,7 @@ from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSe
 from emg2vsa.study_file.problems import checked
 
 READER = """
-import ctypes
+import ctypes, os, resource, signal
 import numpy as np
 from emg2vsa.readers.opened import Contents, StoredChannel
 from emg2vsa.recordings import ChannelInfo
@@ -39,6 +43,10 @@ class Opened:
             ctypes.PyDLL(None).sleep(100)
         if fault == "flood":
             np.ones(10**9)
+        if fault == "killed":
+            os.kill(os.getpid(), signal.SIGKILL)
+        if fault == "no room":
+            resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
 
     def describe(self):
         return (ChannelInfo("EDC", "V", 100.0, 500), ChannelInfo("Fz", "N", 100.0, 500))
@@ -46,6 +54,8 @@ class Opened:
     def load(self, indices):
         if self.path.read_text() == "crash later":
             ctypes.string_at(0)
+        if self.path.read_text() == "killed later":
+            os.kill(os.getpid(), signal.SIGKILL)
         return [StoredChannel("", np.arange(500.0), ("V", "N")[i], 100.0, notes=("of a channel",)) for i in indices]
 """
 ROLES = ChannelSettings(emg={"EDC": EmgChannelSettings(name="EDC")}, force=ForceChannelSettings(name="Fz"))
@@ -92,6 +102,52 @@ def test_a_fault_is_a_recording_error_and_the_next_file_is_read(odd: Path, fault
     assert "expected ODD data that libodd can read" in str(caught.value)
     odd.write_text("good")
     assert [info.name for info in inspect(odd, reading)[1]] == ["EDC", "Fz"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has neither these signals nor these limits")
+@pytest.mark.parametrize(
+    ("fault", "found"),
+    [
+        ("killed", "that its reader was killed from outside (libodd, killed)"),
+        ("killed later", "that its reader was killed from outside (libodd, killed)"),
+        pytest.param(
+            "no room", "that the system gave its reader no room for what it read (file too large)",
+            marks=pytest.mark.skipif(sys.platform != "linux", reason="answers lie in shared memory on Linux only"),
+        ),
+    ],
+)  # fmt: skip
+def test_what_the_system_does_to_a_reader_is_not_the_files_fault(odd: Path, fault: str, found: str) -> None:
+    odd.write_text(fault)
+    with pytest.raises(PassingError) as caught:
+        read(odd, ["Fz", "EDC"])
+    assert caught.value.found == found
+    assert "run again" in caught.value.do
+    assert "Export" not in str(caught.value)
+    odd.write_text("good")
+    assert read(odd, ["Fz"]).channels[0].samples.sum() == 124750.0
+
+
+@pytest.mark.parametrize(("fault", "final"), [("crash", False), ("killed", False), ("hang", False), ("flood", True)])
+def test_a_step_whose_reader_crashed_is_tried_again_by_the_next_run(
+    odd: Path, monkeypatch: pytest.MonkeyPatch, fault: str, final: bool
+) -> None:
+    odd.write_text(fault)
+    reading = ReadingSettings(max_seconds=1, max_memory_mb=200)
+    task = Task("trials/P01/S1", Given("P01/S1", {}, {}, {}), odd.parent / "out", odd.parent / "claim")
+    monkeypatch.setattr(Task, "_make", lambda self: read(odd, ["Fz"], reading))
+    ended = task()
+    assert (ended.status, ended.final) == ("failed", final)
+
+
+def test_a_reader_that_cannot_be_started_is_not_the_files_fault(odd: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    odd.write_text("good")
+
+    def no_process(*arguments: object, **how: object) -> None:
+        raise OSError(errno.ENOMEM, os.strerror(errno.ENOMEM))
+
+    monkeypatch.setattr(subprocess, "Popen", no_process)
+    with pytest.raises(PassingError, match="its reader could not be started \\(Cannot allocate memory\\)"):
+        inspect(odd)
 
 
 def test_files_of_text_start_no_child(tmp_path: Path) -> None:

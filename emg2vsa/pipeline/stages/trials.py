@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from emg2vsa.errors import Emg2vsaError, RecordingError, SlowReadingError
+from emg2vsa.errors import Emg2vsaError, RecordingError, PassingError
 from emg2vsa.pipeline.stage import Given, Stage
 from emg2vsa.readers.bids_sidecars import session_events, side_file_paths
 
@@ -73,7 +73,7 @@ def run(given: Given) -> Trials:
         try:
             trials = _part(given, number, channels, fault, given_settings)
             join_trials([*made[:1], trials], [*names[:1], str(emg)])
-        except SlowReadingError:
+        except PassingError:
             raise
         except Emg2vsaError as error:
             faults.append(error)
