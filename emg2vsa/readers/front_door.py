@@ -31,11 +31,11 @@ _READING = ReadingSettings()
 def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str, OpenRecording]:
     """The format of a file and the file opened and validated, its samples not read yet.
 
-    reading : limits of a foreign decoder, for this and for every later request to the opened file.
+        reading : limits of a foreign decoder, for this and for every later request to the opened file.
 
-from casr.decoder_process import DecoderFailed, DecoderLost, InChild
-from casr.errors import said_by
-from emg2vsa.errors import Emg2vsaError, PassingError, RecordingError, UnsupportedError
+    from casr.decoder_process import DecoderFailed, DecoderLost, InChild
+    from casr.errors import said_by
+    from emg2vsa.errors import Emg2vsaError, PassingError, RecordingError, UnsupportedError
     """
     path = Path(path)
     try:
@@ -45,9 +45,7 @@ from emg2vsa.errors import Emg2vsaError, PassingError, RecordingError, Unsupport
         found = error.strerror or "an error"
         if isinstance(error, FileNotFoundError) and any(text in str(path) for text in ("*", "{repetition}")):
             found = "no file that matches this pattern"  # as the study file has it, for want of a match
-        raise RecordingError(
-            path, wanted="a readable file", found=found, do="Check the path."
-        ) from error
+        raise RecordingError(path, wanted="a readable file", found=found, do="Check the path.") from error
     if head is None:  # reading it may never end
         raise RecordingError(
             path, wanted="a file", found="a pipe or a device", do="Save its data in a file, and name this file."
