@@ -106,7 +106,7 @@ def schedules_frame(found: Sequence[Schedule]) -> pd.DataFrame:
         for one in found
     ]  # fmt: skip
     frame = pd.concat(parts, ignore_index=True)
-    frame.attrs = {**found[0].provenance}
+    frame.attrs.update(found[0].provenance)
     return frame
 
 
