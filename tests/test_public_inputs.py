@@ -247,7 +247,7 @@ def test_tests_are_exact_for_whole_numbers_and_decimals() -> None:
         ({"value": ["b"]}, "value: expected a column's name"), ({"table": GROUPS["b"]}, "but found Series"),
         ({"table": np.zeros(3)}, "but found ndarray"), ({"table": None}, "but found NoneType"),
         ({"table": "nowhere.csv"}, "nowhere.csv: expected a readable file"),
-        *(({"table": GROUPS.assign(b=pd.Series([bad, 1, 2, 3], dtype=object))}, "column 'b': expected finite numbers or NaN")
+        *(({"table": GROUPS.assign(b=pd.Series([bad, 1, 2, 3], dtype=object))}, "'b': expected finite numbers or NaN")
           for bad in (10**400, 10**5000, Decimal("1e400"), Decimal("sNaN"), np.inf, [1], (0, (1,), 0))),
     ],
 )  # fmt: skip
