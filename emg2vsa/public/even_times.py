@@ -31,7 +31,7 @@ def rate_and_start(time_s: Floats, fs_hz: float | None) -> tuple[float, float]:
         even = bool(np.ptp(since_s - step_s * counts) <= rounding_s * (1 + 1e-9) + _DRIFT * step_s)
     if not even:
         raise DataError(
-            "DataFrame, time_s", wanted="times in seconds that rise by one step", found="other steps",
+            "DataFrame, time_s", wanted="times that rise by one step", found="other steps",
             do="Resample the table, split it at gaps, or give fs_hz and drop the column.",
         )  # fmt: skip
     measured_hz = (time_s.size - 1) / float(time_s[-1] - time_s[0])

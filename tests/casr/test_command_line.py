@@ -125,6 +125,7 @@ def test_colours(monkeypatch: pytest.MonkeyPatch, environment: dict[str, str], t
         (["rig", "rnu"], "Did you mean run?"),
         (["session", "finsh"], "Did you mean finish?"),
         (["run", "x", "y"], "unrecognized arguments: y.\n"),
+        (["-q", "run", "x"], "unrecognized arguments: -q. Write -q after emg2vsa run.\n"),
     ],
 )
 def test_a_mistyped_word_is_answered_with_the_nearest(

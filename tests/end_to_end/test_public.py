@@ -137,6 +137,10 @@ def test_the_results_of_a_study(ran_once: Path) -> None:
     found = emg2vsa.load(study)
     assert repr(found).startswith("Results('small', default mode: trials, fits")
     assert set(found.steps["status"]) <= {"fresh"}
+    slopes = found.fits["b_v"].copy()
+    changed = found.fits
+    changed["b_v"], changed.attrs["study"] = 0.0, "none"
+    pd.testing.assert_series_equal(found.fits["b_v"], slopes)
     assert len(found.trials) == len(found.fits) == 2 * 3 * 4
     assert found.fits.attrs["study"] == str(study)
     assert set(found.fits.attrs["results"]) == {
@@ -147,6 +151,14 @@ def test_the_results_of_a_study(ran_once: Path) -> None:
     assert found.samples.groupby(["participant", "specimen", "repetition"]).ngroups == 24
     report = json.loads((ran_once / "reports" / "small" / "results.json").read_text())
     assert found.study.name in json.dumps(report)
+
+
+def test_samples_of_a_study_are_fitted_as_the_study_does(ran_once: Path) -> None:
+    found = emg2vsa.load(ran_once / "studies" / "small" / "study.toml")
+    fits = emg2vsa.fit(found.samples, found.study)
+    told = ["participant", "specimen", "repetition"]
+    assert fits[told].to_numpy().tolist() == found.fits[told].to_numpy().tolist()
+    np.testing.assert_allclose(fits["b_v"], found.fits["b_v"], rtol=1e-12)
 
 
 def test_schedules_from_a_table_of_fits_are_those_of_the_study(ran_once: Path) -> None:
