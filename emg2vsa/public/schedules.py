@@ -106,12 +106,8 @@ def schedules_frame(found: Sequence[Schedule]) -> pd.DataFrame:
         for one in found
     ]  # fmt: skip
     frame = pd.concat(parts, ignore_index=True)
-<<<<<<< HEAD
-    frame.attrs.update(found[0].provenance)
-=======
     origin: dict[Any, Any] = dict(found[0].provenance)
     frame.attrs = origin
->>>>>>> refs/heads/fixb
     return frame
 
 
