@@ -16,7 +16,7 @@ from pathlib import Path
 from casr.counts import count
 from casr.decoder_child import Limits
 from casr.decoder_process import DecoderFailed, DecoderLost, InChild
-from emg2vsa.errors import Emg2vsaError, RecordingError, PassingError, UnsupportedError
+from emg2vsa.errors import Emg2vsaError, PassingError, RecordingError, UnsupportedError
 from emg2vsa.readers.formats import READERS, Reader, head_of, reader_of
 from emg2vsa.readers.opened import Contents, OpenRecording, StoredChannel, said_by, to_si, usable
 from emg2vsa.readers.refused import refused

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from emg2vsa.errors import Emg2vsaError, RecordingError, PassingError
+from emg2vsa.errors import Emg2vsaError, PassingError, RecordingError
 from emg2vsa.pipeline.stage import Given, Stage
 from emg2vsa.readers.bids_sidecars import session_events, side_file_paths
 
