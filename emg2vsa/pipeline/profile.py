@@ -23,8 +23,8 @@ class StageProfile:
     computed, failed, fresh, left : steps that ran and gave a result, that ran and gave none, whose stored result holds,
     and that did not run: an input or their own last try failed, or a shard leaves them to another command, as it leaves
     every step of the whole study. reasons : why steps ran, to how many of them. cpu_s, wall_s : sums over its steps.
-    slowest_s, slowest : wall seconds of the slowest step, and its item. peak_mb : of the process that held most memory during a
-    step; None where the system does not tell. counts : sums, by the names of ``casr.counts.COUNTED``.
+    slowest_s, slowest : wall seconds of the slowest step, and its item. peak_mb : of the process that held most memory
+    during a step; None where the system does not tell. counts : sums, by the names of ``casr.counts.COUNTED``.
     """
 
     computed: int = 0
