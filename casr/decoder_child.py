@@ -1,7 +1,8 @@
 """The child's end of `casr.decoder_process`: it answers requests with what a decoder returns or raises.
 
 One request is a pickle in a pipe. One answer is a head in another pipe, and parts: a pickle, and the buffers of its
-arrays. A head of no parts has the number of the system's error that left no room for them. The parts lie in memory that both processes share on Linux, elsewhere they follow the head in the pipe.
+arrays. A head of no parts has the number of the system's error that left no room for them.
+The parts lie in memory that both processes share on Linux, elsewhere they follow the head in the pipe.
 """
 
 from __future__ import annotations

@@ -66,7 +66,8 @@ class InChild:
 
     Raises
     ------
-    DecoderFailed : the child crashed or met a limit. DecoderLost : it was killed, or could not be started. Whatever ``function`` raises is raised here too.
+    DecoderFailed : the child crashed or met a limit. DecoderLost : it was killed, got no room for its
+        answer, or could not be started. Whatever ``function`` raises is raised here too.
     """
 
     def __init__(self, library: str, module: str, function: str, arguments: tuple[Any, ...], limits: Limits) -> None:
@@ -136,8 +137,8 @@ if sys.platform != "win32":
 class _Child:
     """The parent's end: one request, one answer.
 
-    The bytes of an answer lie in shared memory on Linux, elsewhere they follow in the pipe. An answer without parts says
-    why there is no room for them.
+    The bytes of an answer lie in shared memory on Linux, elsewhere they follow in the pipe. An answer without parts
+    says why there is no room for them.
     """
 
     def __init__(self) -> None:

@@ -162,12 +162,11 @@ class ClusterWorkers:
         logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what a user has to know is said here
         held.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": 1}))  # of a local cluster
         if self._local:
-            no_pages = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
-            held.enter_context(dask.config.set(no_pages))
-            quiet = {"scheduler_kwargs": {"dashboard": False}, "silence_logs": logging.CRITICAL}
+            for who in ("scheduler", "worker"):
+                held.enter_context(dask.config.set({f"distributed.{who}.http.routes": []}))
             cluster = distributed.LocalCluster(
-                n_workers=self._local, threads_per_worker=1, memory_limit=0, host="127.0.0.1", dashboard_address="127.0.0.1:0",
-                **quiet,
+                n_workers=self._local, threads_per_worker=1, memory_limit=0, silence_logs=logging.CRITICAL,
+                host="127.0.0.1", dashboard_address="127.0.0.1:0", scheduler_kwargs={"dashboard": False},
             )  # fmt: skip
             self._address = held.enter_context(cluster).scheduler_address
         try:
@@ -228,7 +227,7 @@ class ClusterWorkers:
         return len(threads)
 
     def _result(self, future: Any) -> Any:
-        """The result of a task that ended; a worker that is slow to send it is waited for while the scheduler answers."""
+        """The result of a task that ended; a worker slow to send it is waited for while the scheduler answers."""
         while True:
             try:
                 return future.result(timeout=self._timeout_s)

@@ -22,9 +22,9 @@ class StageProfile:
 
     computed, failed, fresh, left : steps that ran and gave a result, that ran and gave none, whose stored result holds,
     and that did not run: an input or their own last try failed, or a shard leaves them to another command, as it leaves
-    every step of the whole study. reasons : why steps ran, to how many of them. cpu_s, wall_s : sums over its steps. slowest_s,
-    slowest : wall seconds of the slowest step, and its item. peak_mb : of the process that held most memory during a
-    step; None where the system does not tell. counts : sums, by the names of ``casr.counts.COUNTED``.
+    every step of the whole study. reasons : why steps ran, to how many of them. cpu_s, wall_s : sums over its steps.
+    slowest_s, slowest : wall seconds of the slowest step, and its item. peak_mb : of the process that held most memory
+    during a step; None where the system does not tell. counts : sums, by the names of ``casr.counts.COUNTED``.
     """
 
     computed: int = 0
@@ -97,8 +97,8 @@ class Profile:
     def lines(self) -> Iterator[str]:
         """A table of the stages, and beneath it why their steps ran and what was done inside."""
         width = max(map(len, self.stages), default=0) + 2
-        head = f"{'computed':>9}{'failed':>8}{'fresh':>7}{'left':>6}{'CPU s':>9}{'wall s':>9}{'slowest s':>11}{'peak MB':>9}"
-        yield f"{'stage':<{width}}{head}"
+        steps = f"{'computed':>9}{'failed':>8}{'fresh':>7}{'left':>6}"
+        yield f"{'stage':<{width}}{steps}{'CPU s':>9}{'wall s':>9}{'slowest s':>11}{'peak MB':>9}"
         for name, own in self.stages.items():
             row = f"{name:<{width}}{own.computed:>9}{own.failed:>8}{own.fresh:>7}{own.left:>6}"
             if own.computed or own.failed:
