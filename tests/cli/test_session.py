@@ -80,7 +80,7 @@ def test_there_is_nothing_to_finish_before_a_session(study_file, capsys):
 def test_a_misspelt_command_is_told_from_a_study_file(study_file, capsys):
     with pytest.raises(SystemExit):
         main(["session", "rnu", str(study_file), "--participant", "P03"])
-    assert "invalid choice: 'rnu'" in capsys.readouterr().err
+    assert "but found 'rnu'. Did you mean run?" in capsys.readouterr().err
 
 
 def test_a_session_of_one_press_without_a_page(study_file, capsys):
