@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -29,12 +30,8 @@ def processor_s() -> float:
 
 def _ended_children_s() -> float:
     """0 on Windows, which does not tell."""
-    if sys.platform == "win32":
-        return 0.0
-    from resource import RUSAGE_CHILDREN, getrusage
-
-    used = getrusage(RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+    used = os.times()
+    return used.children_user + used.children_system
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 import resource
 import signal
+import sys
 from collections.abc import Generator
 from types import FrameType
 
 import pytest
+
+assert sys.platform != "win32", "clocks of tests need POSIX"
 
 CPU_S, WALL_S, EXIT_CODE = 60.0, 400.0, 124
 """Processor time and wall time of one test; the slowest fast test takes a third of the first on the unchanged code."""
