@@ -42,7 +42,7 @@ def are_short(shown: list[object]) -> None:
 def test_reprs_of_a_press() -> None:
     press = casr.simulate_press()
     sequence = press.sequence()
-    score = casr.scoring(sequence)
+    score = casr.score(sequence)
     pins = detect_pins(sequence[0])
     area = initial_area(pins, pins.centroids_px * 1.05, rule="circle")
     region = Region.circle(150, 150, 40)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -30,8 +29,13 @@ def processor_s() -> float:
 
 def _ended_children_s() -> float:
     """0 on Windows, which does not tell."""
-    used = os.times()
-    return used.children_user + used.children_system
+    if sys.platform == "win32":
+        return 0.0
+    else:
+        from resource import RUSAGE_CHILDREN, getrusage  # os.times counts in hundredths
+
+        used = getrusage(RUSAGE_CHILDREN)
+        return used.ru_utime + used.ru_stime
 
 
 @dataclass(frozen=True)

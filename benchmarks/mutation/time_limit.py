@@ -11,14 +11,15 @@ from types import FrameType
 
 import pytest
 
-assert sys.platform != "win32", "clocks of tests need POSIX"
-
 CPU_S, WALL_S, EXIT_CODE = 60.0, 400.0, 124
 """Processor time and wall time of one test; the slowest fast test takes a third of the first on the unchanged code."""
 
 BUDGET_S = 40.0
 """Processor time of a run up to its first failure, and of its child processes; no test begins after it."""
 OVER_BUDGET = "the budget of processor time is used up"
+
+
+assert sys.platform != "win32", "clocks of tests need POSIX"
 
 
 def _end(number: int, frame: FrameType | None) -> None:

@@ -50,7 +50,7 @@ def test_slopes_differ_between_specimens(tmp_path: Path) -> None:
 
 
 def test_presses_score_and_the_soft_one_spreads_faster(tmp_path: Path) -> None:
-    hard, soft = (casr.scoring(path).rate.value for path in write_sample("presses", tmp_path))
+    hard, soft = (casr.score(path).rate.value for path in write_sample("presses", tmp_path))
     assert hard == pytest.approx(65.2, rel=0.1)
     assert soft == pytest.approx(90.0, rel=0.1)
 

@@ -47,7 +47,7 @@ def test_it_is_shown_everywhere_under_its_name(
     assert ours == without["outcomes"]
     assert (last["of"], last["n"]) == (BY, 24)
     assert last["statistic"] == pytest.approx(wanted.statistic, rel=1e-12)
-    row = emg2vsa.statistics(path, value="b", group="specimen").iloc[-1]
+    row = emg2vsa.stats(path, value="b", group="specimen").iloc[-1]
     assert (row["of"], row["p"]) == (BY, pytest.approx(wanted.pvalue, rel=1e-12))
 
 
@@ -71,13 +71,13 @@ def test_a_broken_one_is_named_and_the_others_stay(
     assert "One-way ANOVA" in said.out
     assert "Traceback" not in said.err
     assert f"no result: plugin alexander-govern of lab-tools 1.0: {BROKEN[code]}" in said.out
-    row = emg2vsa.statistics(path, value="b", group="specimen").iloc[-1]
+    row = emg2vsa.stats(path, value="b", group="specimen").iloc[-1]
     assert np.isnan(row["p"])
     assert BROKEN[code] in row["notes"]
 
 
 def test_a_statistic_cannot_change_what_others_get(install: Install, table: tuple[Path, dict[str, np.ndarray]]) -> None:
     path, _ = table
-    ours = emg2vsa.statistics(path, value="b", group="specimen")
+    ours = emg2vsa.stats(path, value="b", group="specimen")
     install(code="def alexander_govern(values, groups, blocks):\n    values[:] = 0\n    return []\n")
-    assert emg2vsa.statistics(path, value="b", group="specimen").equals(ours)
+    assert emg2vsa.stats(path, value="b", group="specimen").equals(ours)
