@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import pkgutil
 from pathlib import Path
 
 import numpy as np
@@ -97,6 +98,6 @@ def test_a_file_is_no_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 
 
 def test_no_module_hides_a_public_name() -> None:
-    package = Path(emg2vsa.__file__).parent
-    modules = {path.stem for path in package.iterdir() if path.suffix == ".py" or path.is_dir()}
-    assert modules.isdisjoint(emg2vsa.__all__)
+    for package in (emg2vsa, casr):
+        modules = {module.name for module in pkgutil.iter_modules(package.__path__)}
+        assert modules.isdisjoint(package.__all__)

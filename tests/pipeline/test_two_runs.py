@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -57,6 +59,7 @@ def test_without_waiting_the_second_names_the_first_and_a_killed_one_is_no_hindr
         path: data for path, data in emptied(study).items() if "/profiles/" not in path and "/schedules/" not in path
     }
     first = started(study, ["--only", "hypotheses"])
+    os.kill(first.pid, signal.SIGSTOP)  # it holds the study for as long as this test looks
     capsys.readouterr()
     assert main(["run", str(study), "--no-wait", "--jobs", "1"]) == 2
     told = capsys.readouterr().err
