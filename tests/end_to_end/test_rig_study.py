@@ -219,7 +219,7 @@ def alone(pressed: Path, tmp_path: Path) -> Path:
     return study
 
 
-@pytest.mark.parametrize("more", [[], ["--casr-only"]])
+@pytest.mark.parametrize("more", [[], pytest.param(["--casr-only"], marks=pytest.mark.slow)])
 def test_measured_runs_alone_end_with_a_report_of_section_six(alone, capsys, more):
     text = alone.read_text()
     alone.write_text(text[: text.rindex("[[specimens]]")] + text[text.index("[runs]") :] + NEW)
@@ -243,6 +243,7 @@ def test_measured_runs_alone_end_with_a_report_of_section_six(alone, capsys, mor
     assert "people" not in about
 
 
+@pytest.mark.slow
 def test_without_a_new_specimen_the_report_says_that_nothing_was_estimated(alone, capsys):
     assert main(["run", str(alone)]) == 0
     assert "note: No stiffness was estimated" in capsys.readouterr().out
@@ -301,6 +302,7 @@ def test_what_is_wrong_with_the_runs_stops_no_session_check(simulated, tmp_path,
     assert "runs.tsv: expected tab-separated columns" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_measured_run_is_never_overwritten(copy, capsys):
     (copy.parent / "runs-virtual" / "S1_0_modular" / "emulated.json").unlink()
     shutil.rmtree(copy.parent / ".emg2vsa")
