@@ -17,6 +17,11 @@ from emg2vsa.settings import FilterSettings
 from emg2vsa.signals.filters import IirFilter
 from emg2vsa.signals.windowed import filter_windows
 
+FEWEST_OUT = 16
+"Outputs of a block: narrower matrices multiply more slowly."
+SMALLEST_EXPONENT = -1021
+"Of a power of two whose inverse is finite."
+
 
 @dataclass(frozen=True)
 class Smoother:
@@ -100,48 +105,45 @@ def envelopes_at(
     n = channels[0].size
     starts, stops = first - kernel.before, first + step * (counts - 1) + kernel.after + 1
     filtered = filter_windows(channels, np.maximum(starts, 0), np.minimum(stops, n), iir)
-    unit = np.zeros((len(channels), 1), dtype=np.int32)
+    n_out = max(FEWEST_OUT, -(-kernel.taps.size // step) - 1)
+    n_blocks = -(-counts // n_out) + 1
+    begins = np.cumsum(n_blocks) - n_blocks
+    rectified = np.zeros((len(channels), int(n_blocks.sum()), n_out * step))
+    flat = rectified.reshape(len(channels), -1)
+    for source, begin in zip(filtered, (begins * n_out * step + np.maximum(-starts, 0)).tolist(), strict=True):
+        np.abs(source, out=flat[:, begin : begin + source.shape[1]])
+    unit = np.ones((len(channels), 1))
     if kernel.squared:  # squares of 1e-160 V are zero, of 1e160 infinite; powers of two round nothing
-        unit = np.max([exponent_of(window) for window in filtered], axis=0)
-        filtered = [np.ldexp(window, -unit) for window in filtered]
-    smoothed = _smooth(filtered, np.maximum(-starts, 0), counts, step, kernel)
+        unit = np.ldexp(unit, np.maximum(exponent_of(flat), SMALLEST_EXPONENT))
+        flat /= unit
+        np.square(flat, out=flat)
+    smoothed = _smooth(rectified, step, kernel)
+    cuts = zip((begins * n_out).tolist(), counts.tolist(), strict=True)
+    levels = np.concatenate([smoothed[:, begin : begin + count] for begin, count in cuts], axis=1)
     if starts.min() < 0 or stops.max() > n:
         windows = zip(first.tolist(), counts.tolist(), strict=True)
-        smoothed /= _tap_sum(kernel, np.concatenate([begin + step * np.arange(count) for begin, count in windows]), n)
+        levels /= _tap_sum(kernel, np.concatenate([begin + step * np.arange(count) for begin, count in windows]), n)
     # a Hamming low-pass has tiny negative side taps; an envelope is never negative
-    np.maximum(smoothed, 0, out=smoothed)
-    return np.ldexp(np.sqrt(smoothed), unit) if kernel.squared else smoothed
+    np.maximum(levels, 0, out=levels)
+    return np.sqrt(levels) * unit if kernel.squared else levels
 
 
-def _smooth(filtered: Sequence[Floats], outside: Ints, counts: Ints, step: int, kernel: Smoother) -> Floats:
-    """Smoothed windows (channels, N), one after the other, from the filtered samples (channels, n) under each.
+def _smooth(rectified: Floats, step: int, kernel: Smoother) -> Floats:
+    """Smoothed outputs (m, N), ``step`` samples apart, of rectified samples (m, blocks, n); of the last block none.
 
-    outside : (windows,) how many samples under the first output's kernel lie before the record.
-    In blocks of as many samples as the kernel reaches over: the outputs of a block need it and the next only, so that
-    two small matrices of taps make all of them.
+    The outputs of a block need it and the start of the next only, so that two small matrices of taps make all of them.
     """
-    n_out = max(1, -(-kernel.taps.size // step) - 1)
-    size = n_out * step
-    blocks = -(-counts // n_out) + 1
-    begins = np.cumsum(blocks) - blocks
-    rectified = np.zeros((len(filtered[0]), int(blocks.sum()) * size))
-    for source, begin in zip(filtered, (begins * size + outside).tolist(), strict=True):
-        target = rectified[:, begin : begin + source.shape[1]]
-        np.square(source, out=target) if kernel.squared else np.abs(source, out=target)
-    own, following = _tap_matrices(kernel.taps.tobytes(), step, n_out)
-    rows = rectified.reshape(len(rectified), -1, size)
-    smoothed = rows[:, :-1] @ own
-    smoothed += rows[:, 1:] @ following
-    smoothed = smoothed.reshape(len(rectified), -1)
-    cuts = zip((begins * n_out).tolist(), counts.tolist(), strict=True)
-    return np.concatenate([smoothed[:, begin : begin + count] for begin, count in cuts], axis=1)
+    own, following = _tap_matrices(kernel.taps.tobytes(), step, rectified.shape[-1] // step)
+    smoothed = rectified[:, :-1] @ own
+    smoothed += rectified[:, 1:, : len(following)] @ following
+    return smoothed.reshape(len(rectified), -1)
 
 
 @lru_cache(maxsize=16)
 def _tap_matrices(taps: bytes, step: int, n_out: int) -> tuple[Floats, Floats]:
-    """What the samples of a block, and those of the next, add to its outputs (n_out * step, n_out), every ``step``."""
+    """What the samples of a block, and the first of the next, add to its outputs: (n_out * step, n_out), (r, n_out)."""
     kernel, size = np.frombuffer(taps), n_out * step
-    both = np.zeros((2 * size, n_out))
+    both = np.zeros((size + max(kernel.size - step, 0), n_out))
     for k in range(n_out):
         both[k * step : k * step + kernel.size, k] = kernel
     return both[:size].copy(), both[size:].copy()

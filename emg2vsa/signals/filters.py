@@ -17,7 +17,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import FilterSettings
 
-TRUNCATION = 1e-12
+TRUNCATION = 1e-14
 "Share of a transient that may be left after ``support_samples``."
 
 FEWEST_DIGITS = 7.0
@@ -201,10 +201,10 @@ def true_edges_hz(sos: Floats, fs_hz: float, *, passes: int, inside_hz: float) -
     return edge(0.0), edge(fs_hz / 2)
 
 
-def support_samples(sos: Floats) -> int:
-    """Samples after which a start-up transient has decayed below ``TRUNCATION``, from the slowest pole radius."""
+def support_samples(sos: Floats, share: float = TRUNCATION) -> int:
+    """Samples after which no more than a share of a start-up transient is left, from the slowest pole radius."""
     radius = max(float(np.max(np.abs(np.roots(section[3:])))) for section in sos)
-    return math.ceil(math.log(TRUNCATION) / math.log(radius))
+    return math.ceil(math.log(share) / math.log(radius))
 
 
 def default_pad_samples(sos: Floats) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from emg2vsa.signals.floor import floor_bias, press_levels, subtract_floor
+from emg2vsa.signals.floor import floor_bias, press_levels, slope_ratios, subtract_floor
 from emg2vsa.signals.hum import remove_hum, touch_hum
 from emg2vsa.signals.lag import UNKNOWN, estimate_lag
 from emg2vsa.signals.pairing import Clock
@@ -213,3 +213,11 @@ def shared_lag() -> tuple[tuple[np.ndarray], Clock, np.ndarray, Clock, float, np
     emg, force_n, stop_s = session(0.06)
     clock = Clock(0.0, FS_HZ, emg.size)
     return (emg,), clock, force_n, clock, 0.5, stop_s
+
+
+def test_slopes_are_compared_on_their_own_axes() -> None:
+    """Three times the slope on an axis of twice the length: a ratio of 1.5, in each press."""
+    true_x = np.concatenate((np.linspace(0, 1, 20), np.linspace(0, 3, 30)))
+    true_y, offsets = 2 + 0.5 * true_x, np.array([0, 20, 50])
+    ratio = slope_ratios(2 * true_x, 1 + 3 * true_y, true_x, true_y, np.ones(50), offsets)
+    np.testing.assert_allclose(ratio, 1.5, rtol=1e-12)

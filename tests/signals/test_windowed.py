@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from scipy import signal
@@ -13,6 +17,10 @@ from emg2vsa.signals.windowed import filter_record, filter_windows
 
 FS_HZ = 1000.0
 N = 12_000
+DOUBLE_POLES_HZ = [
+    1e4 / np.pi * np.arctan((1 + 2**0.5) ** 2 * np.tan(np.pi * 0.01)) * (1 + apart) for apart in (-1e-9, 0.0, 1e-9)
+]
+"Upper edges (Hz), at 10 kHz, of a band-pass of order 1 from 100 Hz on."
 
 
 def record(seed: int = 0, n: int = N) -> np.ndarray:
@@ -51,6 +59,29 @@ def test_windows_equal_sosfiltfilt_at_every_order(order, upper_hz):
     np.testing.assert_allclose(got, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize(
+    "settings",
+    [
+        FilterSettings(band_hz=(20.0, 5000.0)),
+        FilterSettings(band_hz=(5.0, 450.0), band_order=8),
+        FilterSettings(band_hz=(99.0, 101.0), band_order=4),
+        # the poles of this order meet where the upper edge is (1 + sqrt 2)^2 times the lower, warped
+        *(FilterSettings(band_hz=(100.0, upper_hz), band_order=1, phase="causal") for upper_hz in DOUBLE_POLES_HZ),
+        FilterSettings(band_hz=(100.0, 571.0), band_order=3),
+    ],
+    ids=lambda settings: f"{settings.band_hz[0]:g}-{settings.band_hz[1]:.9g} Hz, order {settings.band_order}",
+)
+def test_windows_of_any_filter_equal_its_sections_run_from_sample_to_sample(settings):
+    fs_hz = 10_000.0
+    band = band_pass(settings, fs_hz)
+    channels = record(6, 2 * band.support_samples + 3000)
+    start = np.array([band.support_samples + 1000])
+    (got,) = filter_windows(tuple(channels), start, start + 900, band)
+    run = signal.sosfiltfilt if band.zero_phase else signal.sosfilt
+    expected = run(band.sos, channels.astype(np.longdouble))[:, start[0] : start[0] + 900]
+    np.testing.assert_allclose(got, expected.astype(np.float64), rtol=0, atol=1e-11 * np.abs(expected).max())
+
+
 @pytest.mark.parametrize("offset", [0.0, 1e3, 1e6])
 def test_an_offset_costs_windows_no_more_than_its_own_rounding(offset):
     channels = record(2)
@@ -63,7 +94,7 @@ def test_an_offset_costs_windows_no_more_than_its_own_rounding(offset):
 
 @pytest.mark.parametrize("kind", ["band", "low"])
 def test_a_baseline_a_thousand_times_larger_costs_no_more_digits_than_in_the_whole_record(kind):
-    """Against the impulse response in extended precision; the ends of a piece see each other through the spectrum."""
+    """Against the impulse response in extended precision."""
     iir = band_pass(FilterSettings(), FS_HZ) if kind == "band" else force_low_pass(FilterSettings(), FS_HZ)
     rng = np.random.default_rng(5)
     samples = rng.standard_normal(20_000) + 1e3 * np.cumsum(rng.standard_normal(20_000)) / 30
@@ -129,3 +160,35 @@ def test_a_window_whose_support_ends_just_beyond_either_end_of_the_record():
                 start, stop = max(start, 0), min(stop, 4000)
                 (got,) = filter_windows(tuple(channels), np.array([start]), np.array([stop]), iir)
                 np.testing.assert_allclose(got, whole[:, start:stop], rtol=0, atol=2e-10 * np.abs(whole).max())
+
+
+MANY_CORES = """
+import hashlib, sys
+import numpy as np
+from emg2vsa.settings import FilterSettings
+from emg2vsa.signals.filters import band_pass, force_low_pass
+from emg2vsa.signals.windowed import filter_record, filter_windows
+
+record = np.random.default_rng(3).standard_normal((2, 300_000))
+told = hashlib.sha256()
+for iir in (band_pass(FilterSettings(band_order=4), 2000.0), force_low_pass(FilterSettings(), 2000.0)):
+    told.update(filter_record(record[0], iir).tobytes())
+    starts = np.arange(1000, 280_000, 9000)
+    for window in filter_windows(tuple(record), starts, starts + 5000, iir):
+        told.update(window.tobytes())
+print(told.hexdigest())
+"""
+
+
+@pytest.mark.parametrize("kernels", ["Haswell", "SkylakeX"])
+def test_the_same_bytes_on_any_number_of_cores(kernels: str) -> None:
+    told = {
+        subprocess.run(
+            [sys.executable, "-c", MANY_CORES],
+            env=os.environ | {"OPENBLAS_CORETYPE": kernels, "OPENBLAS_NUM_THREADS": threads},
+            check=True,
+            capture_output=True,
+        ).stdout
+        for threads in ("1", "2", "3")
+    }
+    assert len(told) == 1
