@@ -70,17 +70,14 @@ class Library:
         of_worlds = ("dome", "stiffness_n_per_mm", "friction", "computed_mm", "force_n", "edge_arc_mm", "motion")
         return replace(self, **{name: getattr(self, name)[worlds] for name in of_worlds})
 
-    def motion_at(
-        self, arc_mm: Array, worlds: Rows | slice = slice(None), radii: slice = slice(None)
-    ) -> NDArray[np.float32]:
-        """(3, N, W', R') motion at arcs (N,) of some worlds and radii; beyond the last arc that of the last."""
+    def motion_at(self, arc_mm: Array) -> NDArray[np.float32]:
+        """(3, N, R, W) motion at arcs (N,); beyond the last arc that of the last."""
         place = np.clip(arc_mm / self.arc_mm[1], 0, self.arc_mm.size - 1.000001)
         low = place.astype(np.intp)
         share = (place - low).astype(np.float32)[:, None, None]
-        motion = self._by_arc[:, :, worlds][..., radii]
-        between: NDArray[np.float32] = motion.take(low, axis=1)
+        between: NDArray[np.float32] = self._by_arc.take(low, axis=1)
         between *= 1 - share
-        above = motion.take(low + 1, axis=1)
+        above = self._by_arc.take(low + 1, axis=1)
         above *= share
         between += above
         return between
@@ -94,8 +91,8 @@ class Library:
 
     @cached_property
     def _by_arc(self) -> NDArray[np.float32]:
-        """(3, S, W, R) the motion, so that what belongs to an arc lies together."""
-        return np.ascontiguousarray(self.motion.transpose(3, 2, 0, 1))
+        """(3, S, R, W) the motion, so that what belongs to an arc lies together."""
+        return np.ascontiguousarray(self.motion.transpose(3, 2, 1, 0))
 
     def save(self, file: Path | IO[bytes]) -> None:
         """Write it with the motion in steps of 0.2 micrometres."""

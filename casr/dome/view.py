@@ -71,8 +71,8 @@ class DomeView:
         return np.asarray(points_mm[..., :2] / away * self.focal_px + self.pole_px)
 
     def around(self, directions: Points, axis: Points) -> PinsAroundAxis:
-        """Pins as seen from the contact whose middle lies in the direction ``axis`` (3,)."""
-        cosine = np.clip(directions @ axis, -1.0, 1.0)
+        """Pins as seen from the contact whose middle lies in the direction ``axis`` (3,), or (N, 3) for each pin."""
+        cosine = np.clip((directions * axis).sum(axis=1), -1.0, 1.0)
         outward = directions - cosine[:, None] * axis
         sine = np.linalg.norm(outward, axis=1)
         outward /= np.maximum(sine, 1e-12)[:, None]
@@ -83,7 +83,8 @@ class DomeView:
 class PinsAroundAxis:
     """Pins of a view in polar coordinates about the middle of a contact.
 
-    directions : (N, 3). axis : (3,). outward : (N, 3) unit vectors across the axis. angle : (N,) from the axis, rad.
+    directions : (N, 3). axis : (3,), or (N, 3) for each pin. outward : (N, 3) unit vectors across the axis.
+    angle : (N,) from the axis, rad.
     """
 
     view: DomeView
@@ -96,6 +97,11 @@ class PinsAroundAxis:
     def arc_mm(self) -> Points:
         """(N,) arc along the inside of the skin from the middle of the contact to the root of each pin."""
         return self.view.inner_radius_mm * self.angle
+
+    def of(self, pins: slice) -> PinsAroundAxis:
+        """Some of the pins."""
+        axis = np.broadcast_to(self.axis, self.directions.shape)[pins]
+        return PinsAroundAxis(self.view, self.directions[pins], axis, self.outward[pins], self.angle[pins])
 
     def moved_px(
         self,
@@ -121,11 +127,12 @@ class PinsAroundAxis:
             along -= at_rest
             along *= -length
             along += moved_mm
-        tips, outward, rest_px = (
+        tips, outward, axis, rest_px = (
             each.astype(kind).T.reshape(-1, *angle.shape)
             for each in (
                 self.view.tip_radius_mm * self.directions,
                 self.outward,
+                np.broadcast_to(self.axis, self.directions.shape),
                 self.view.rest_px(self.directions) - self.view.pole_px,
             )
         )
@@ -133,7 +140,7 @@ class PinsAroundAxis:
         def coordinate(k: int) -> NDArray[Real]:
             place: NDArray[Real] = out * outward[k]
             place += tips[k]
-            place += up * kind.type(self.axis[k])
+            place += up * axis[k]
             if pulled_mm is not None:
                 place += pulled_mm[:, k]
             return place

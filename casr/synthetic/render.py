@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.synthetic.appearance import SPECKLE_PX, Surface
+from casr.synthetic.read_noise import read_noise
 from casr.synthetic.skin import Skin
 
 EDGE_REACH = 5.5
@@ -54,7 +55,7 @@ def drawn(
 def exposed(grey: NDArray[np.float32], noise_grey: float, rng: np.random.Generator | None) -> NDArray[np.uint8]:
     """(H, W) uint8 frame of what was `drawn`, which stays as it is."""
     if noise_grey > 0 and rng is not None:
-        noise = rng.standard_normal(grey.shape, dtype=np.float32)
+        noise = read_noise(grey.shape, rng)
         noise *= np.float32(noise_grey)
         grey = np.add(grey, noise, out=noise)
         np.rint(grey, out=grey)
@@ -96,13 +97,15 @@ def _windows(
 
 
 def _add(image: NDArray[np.float32], corner: NDArray[np.int64], spots: NDArray[np.float32]) -> None:
-    """Add the windows to the image; what lies outside is dropped."""
-    size = spots.shape[1]
-    most_y, most_x = image.shape[0] - size, image.shape[1] - size
+    """Add the windows to the image, one after the other; what lies outside is dropped."""
+    size, (height, width) = spots.shape[1], image.shape
+    whole = image.flags.c_contiguous and bool(np.all((corner >= 0) & (corner <= (width - size, height - size))))
+    if whole:
+        # in the order of the spots too, so that the sums come out the same, at half the cost of a slice for each
+        steps = np.arange(size)[:, None] * width + np.arange(size)
+        at = (corner[:, 1] * width + corner[:, 0])[:, None, None] + steps
+        np.add.at(image.reshape(-1), at.reshape(-1), spots.reshape(-1))
+        return
     for (x, y), spot in zip(corner.tolist(), spots, strict=True):
-        if 0 <= x <= most_x and 0 <= y <= most_y:
-            part = image[y : y + size, x : x + size]
-            np.add(part, spot, part)
-        else:
-            part = image[max(y, 0) : max(y + size, 0), max(x, 0) : max(x + size, 0)]
-            part += spot[max(-y, 0) :, max(-x, 0) :][: part.shape[0], : part.shape[1]]
+        part = image[max(y, 0) : max(y + size, 0), max(x, 0) : max(x + size, 0)]
+        part += spot[max(-y, 0) :, max(-x, 0) :][: part.shape[0], : part.shape[1]]

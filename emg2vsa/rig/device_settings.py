@@ -8,14 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+from emg2vsa.rig.serial_speed import BAUD, Baud
 from emg2vsa.settings import Ge, Gt, Le, MinLen, Positive
 
 Generation = Literal["v6", "v7"]
 """Of a qbmove's firmware; they differ in acknowledgements, and in replies that do not fit one length byte."""
 Model = Literal["maker-pro", "advanced"]
-Baud = Literal[2_000_000, 460_800]
-"""Of the serial line: that of generations 6 and 7, and that of generation 5 and of whoever sets it (SET_BAUDRATE)."""
-BAUD: Baud = 2_000_000
 RDT_PORT = 49152
 """UDP port of the raw data of ATI's boxes."""
 RATE_HZ = 20.0

@@ -12,6 +12,9 @@ from emg2vsa.rig.device_settings import LOST_S
 from emg2vsa.settings import TICKS_PER_TURN, Ge, Gt, Le, NonNegative, Positive
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from emg2vsa.rig.devices import ForceSample
 
 
@@ -134,12 +137,18 @@ class RigSettings:
 
     def pushing_n(self, sample: ForceSample) -> float:
         """Force along ``push_axis``, N."""
-        return float(sample.force_n.dot(self.push_axis))
+        return float(sample.force_n.dot(self._push_axis))
 
     @cached_property
     def lever_m(self) -> float:
         """Travel of the probe per angle of the shaft, m/rad: the torque of the shaft over the force of the probe."""
         return math.degrees(self.gear_mm_per_degree) / 1000
+
+    @cached_property
+    def _push_axis(self) -> NDArray[np.float64]:
+        import numpy as np  # noqa: PLC0415  (who only reads a rig file does without)
+
+        return np.array(self.push_axis, dtype=np.float64)
 
     @cached_property
     def _mm_per_tick(self) -> float:

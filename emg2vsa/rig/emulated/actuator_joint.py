@@ -18,6 +18,8 @@ _ARRIVED_RAD = 1e-9
 _STEPS = 200
 _SOLVED_RAD = 1e-8
 """A step of Newton's so small is the last: as they converge, the one after it would be below 1e-13."""
+_SURELY = 1 - 1e-9
+"Of the friction: torques on the way are rounded otherwise than those at its ends."
 
 
 class Joint(Protocol):
@@ -26,6 +28,10 @@ class Joint(Protocol):
     def moved(self, shaft_rad: float, duration_s: float, motors_rad: Motors, probe: Probe) -> float:
         """Shaft angle, rad, that long after it was at ``shaft_rad``, with the motors where they are; the same angle
         when it rests. The probe's step of that length begins here, and ends with its ``settle``."""
+
+    def free(self, shaft_rad: float, before_rad: Motors, motors_rad: Motors, probe: Probe) -> float | None:
+        """Shaft angle, rad, after the motors' even way from ``before_rad``, where that is known without steps: nothing
+        is touched on it. None of any other way."""
 
     def loads_nm(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> Motors:
         """Torque, N m, that each motor must do to turn on to larger angles."""
@@ -37,6 +43,9 @@ class RigidJoint:
     def moved(self, shaft_rad: float, duration_s: float, motors_rad: Motors, probe: Probe) -> float:
         probe.begin(duration_s)
         return motors_rad[0]
+
+    def free(self, shaft_rad: float, before_rad: Motors, motors_rad: Motors, probe: Probe) -> float | None:
+        return motors_rad[0] if max(shaft_rad, before_rad[0], motors_rad[0]) <= probe.touch_rad else None
 
     def loads_nm(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> Motors:
         return probe.load_nm(motors_rad[0]), 0.0
@@ -95,6 +104,22 @@ class SpringJoint:
             return shaft_rad
         left = exp(-duration_s / self.settling_s) if self.settling_s else 0.0
         return angle + (shaft_rad - angle) * left
+
+    def free(self, shaft_rad: float, before_rad: Motors, motors_rad: Motors, probe: Probe) -> float | None:
+        """Friction holds the shaft: motors at rest hunt for their reference by a few ticks."""
+        if shaft_rad > probe.touch_rad:
+            return None
+        a1, half_1, quarter_1, a2, half_2, quarter_2 = self._halves
+        exp = math.exp
+        # each spring pulls the more the farther its motor is, so that it is at its most and least at the two ends
+        up_1, later_1 = half_1 * exp(a1 * (shaft_rad - before_rad[0])), half_1 * exp(a1 * (shaft_rad - motors_rad[0]))
+        up_2, later_2 = half_2 * exp(a2 * (shaft_rad - before_rad[1])), half_2 * exp(a2 * (shaft_rad - motors_rad[1]))
+        low_1, high_1 = (up_1, later_1) if up_1 < later_1 else (later_1, up_1)
+        low_2, high_2 = (up_2, later_2) if up_2 < later_2 else (later_2, up_2)
+        least_nm = low_1 - quarter_1 / low_1 + low_2 - quarter_2 / low_2
+        most_nm = high_1 - quarter_1 / high_1 + high_2 - quarter_2 / high_2
+        held_nm = self.friction_nm * _SURELY
+        return shaft_rad if -held_nm <= least_nm and most_nm <= held_nm else None
 
     def loads_nm(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> Motors:
         s = self.springs

@@ -19,9 +19,10 @@ from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.box_faults import BoxFaults
 from emg2vsa.rig.emulated.camera import EmulatedCamera
 from emg2vsa.rig.emulated.controls import ArtificialEffect
+from emg2vsa.rig.emulated.direct_drivers import DirectNetFt, DirectQbmove
 from emg2vsa.rig.emulated.fault_plan import FaultPlan
 from emg2vsa.rig.emulated.faults import FaultyWire, WireLine
-from emg2vsa.rig.emulated.off_contact import Nearness, OffContactCycle, OffContactNetFt, OffContactQbmove
+from emg2vsa.rig.emulated.off_contact import OffContactCycle
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.probe import Touch
 from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
@@ -115,7 +116,6 @@ class EmulatedRig:
         self._press = 0
         self._lock = threading.RLock()
         self._looked_s, self._is_near = math.nan, True
-        self._nearness = Nearness(self._near)
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
         away = World(
             clock, replace(self._draws.world(0), gap_mm=_AWAY_MM, springs=SPRINGS[emulated.springs] if rigid else None)
@@ -136,6 +136,7 @@ class EmulatedRig:
         self._force_zero_n = 0.0
         self._mounting = _turned_to(self.rig.push_axis)
         self._rotation = self._mounting.tolist()
+        self._upright = bool(np.array_equal(self._mounting, np.eye(3)))
         self.box = RdtBox(self._wrenches, box)
         self.box.faults = BoxFaults(seed=self._draws.sensor_seed)
         self._seen = self._draws.seen(0)
@@ -179,8 +180,8 @@ class EmulatedRig:
     def devices(self, *, exact: bool = True) -> Devices:
         """The real drivers on lines within this process, force sensor and camera started.
 
-        exact : every turn of the loop is a conversation byte for byte, also off contact. Faults of the wire and of the
-        box are part of the conversation.
+        exact : every turn of the loop is a conversation byte for byte, of which faults of the wire and of the box are
+        part. Else the drivers ask actuator and box themselves.
         """
         line = WireLine("emulated bus", self.answer, lambda: self.wire.due_s, self.clock)
         box_line = LoopbackDatagrams("emulated box", self.box, self.clock)
@@ -193,18 +194,18 @@ class EmulatedRig:
             board = Qbmove(line, DEVICE_ID, model=model, clock=self.clock, stiffness_percent=percent)
             force = NetFt(box_line, page, self.clock)
         else:
-            board = OffContactQbmove(
-                line, DEVICE_ID, model=model, clock=self.clock, stiffness_percent=percent,
-                firmware=self.firmware, nearness=self._nearness,
-            )  # fmt: skip
-            force = OffContactNetFt(box_line, page, self.clock, box=self.box, nearness=self._nearness)
+            board = DirectQbmove(
+                line, DEVICE_ID, model=model, clock=self.clock, stiffness_percent=percent, firmware=self.firmware
+            )
+            all_records = self.rig.record_full_rate_force
+            force = DirectNetFt(box_line, page, self.clock, box=self.box, near=self._near, all_records=all_records)
         force.start()
         self.camera.start()
         return Devices(RigidMotor(board) if self.rigid else board, force, self.camera)
 
     def loop(self, *given: Any) -> ControlCycle:
         """The control loop of a run on `devices` that are not exact."""
-        return OffContactCycle(*given, nearness=self._nearness)
+        return OffContactCycle(*given, near=self._near)
 
     def _near(self) -> bool:
         """Asked several times in a turn, within which nothing moves."""
@@ -228,6 +229,8 @@ class EmulatedRig:
         # plain numbers: three at a time are too few for arrays to pay
         x, y, z = force_n
         z += self._force_zero_n
+        if self._upright:
+            return [x, y, z, 0.0, 0.0, 0.0]
         return [a * x + b * y + c * z for a, b, c in self._rotation] + [0.0, 0.0, 0.0]
 
     def _contact(self, time_s: float) -> ContactState:

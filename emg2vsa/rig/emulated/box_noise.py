@@ -36,8 +36,7 @@ class NoisyCounts:
     def of(self, load: Sequence[float], bias: Sequence[float]) -> Counts:
         """Six counts of the next record, under a load less a bias."""
         if self._at == _BLOCK:
-            self._noise = self._size * self._rng.standard_normal((_BLOCK, 6))
-            self._rows, self._at, self._under = self._noise.tolist(), 0, None
+            self._draw()
         row, self._at = self._at, self._at + 1
         if (load, bias) != self._before:
             self._before, self._under = (load, bias), None
@@ -51,3 +50,15 @@ class NoisyCounts:
             counts_of_block = np.rint(noisy_units * self._per_unit).clip(LEAST_COUNT, MOST_COUNT).astype(np.int64)
             self._under = list(map(tuple, counts_of_block.tolist()))
         return self._under[row]
+
+    def skip(self, records: int) -> None:
+        """So many records that nobody looks at: those after them come out as if these had been made."""
+        self._at += records
+        while self._at > _BLOCK:
+            left = self._at - _BLOCK
+            self._draw()
+            self._at = left
+
+    def _draw(self) -> None:
+        self._noise = self._size * self._rng.standard_normal((_BLOCK, 6))
+        self._rows, self._at, self._under = self._noise.tolist(), 0, None

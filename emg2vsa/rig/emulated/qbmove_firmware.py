@@ -79,6 +79,12 @@ class QbmoveFirmware:
         self._loop.feed_watchdog(self._watchdog_counts)
         return tuple(map(_word, self._asked[command]()))
 
+    def ask_active(self) -> int:
+        """What answers GET_ACTIVATE, likewise."""
+        self.advance()
+        self._loop.feed_watchdog(self._watchdog_counts)
+        return self._loop.current.on
+
     def tell(self, command: Command, first: int, second: int) -> None:
         """SET_POS_STIFF or SET_INPUTS with two words, as if a frame had come."""
         self.advance()

@@ -127,6 +127,25 @@ class RdtBox:
             self._send(stream, stream.last_s)
         self._post.deliver(time_s)
 
+    def newest_until(self, time_s: float) -> tuple[Record, float] | None:
+        """Of the records that are due the newest, and when it is measured, s; nobody looks at those before it."""
+        stream = self._stream
+        if stream is None:
+            return None
+        due, next_s, last_s, tick, divisor = 0, stream.next_s, 0.0, 0, self.settings.divisor
+        while next_s <= time_s + 1e-9 and due < stream.left:
+            due, last_s, tick = due + 1, next_s, round(next_s * INTERNAL_RATE_HZ)
+            next_s = (tick + divisor) / INTERNAL_RATE_HZ
+        if not due:
+            return None
+        stream.next_s, stream.last_s, stream.left = next_s, last_s, stream.left - due
+        if not stream.left:
+            self._stream = None
+        if not self.faults.stuck:
+            self._noisy.skip(due - 1)
+        stream.rdt_sequence += due - 1
+        return self._measured(stream, [tick], self._loads((last_s,)))[0], last_s
+
     def records_until(self, time_s: float, *, free: bool = False) -> list[tuple[Record, float]]:
         """Every record that is due, and when it is measured, s. Who takes them here gets no datagrams of them.
 

@@ -189,6 +189,9 @@ class World:
         self._change_press()
         still, probe, joint, path = before_rad == motors_rad, self._probe, self._joint, self._path
         angle_rad, (first_rad, second_rad) = path.end_rad, before_rad
+        if not still and (end_rad := joint.free(angle_rad, before_rad, motors_rad, probe)) is not None:
+            path.append(until_s, end_rad)
+            return
         first_moved_rad, second_moved_rad = motors_rad[0] - first_rad, motors_rad[1] - second_rad
         for end_s, share, step_s in _steps(start_s, until_s, growing=still and probe.remembers):
             from_rad, now_rad = angle_rad, motors_rad

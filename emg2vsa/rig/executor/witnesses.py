@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Collection, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -164,7 +165,7 @@ class SlowMotors:
         if self._obeyed is not None:
             most = self._guards.following_ticks_per_s * elapsed_s
             for time_s, slow in zip(self._times_s, self._slow, strict=True):
-                share = 1 - math.exp(-elapsed_s / time_s)
+                share = _share(elapsed_s, time_s)
                 for motor, command in enumerate(self._obeyed):
                     step = share * (command - slow[motor])
                     slow[motor] += -most if step < -most else most if step > most else step
@@ -189,6 +190,12 @@ class SlowMotors:
 
     def _seen(self, at: Measurements) -> tuple[float, ...]:
         return (at.motor_1,) if self._rigid else (at.motor_1, at.motor_2)
+
+
+@lru_cache(maxsize=256)
+def _share(elapsed_s: float, time_s: float) -> float:
+    """Of its way that a follower of first order goes; turns have few lengths, which differ by their rounding."""
+    return 1 - math.exp(-elapsed_s / time_s)
 
 
 class Stillness:

@@ -121,6 +121,11 @@ class RunRecord:
         """Whether frames and forces are being kept as a press."""
         return self._press is not None
 
+    @property
+    def judged(self) -> bool:
+        """Whether a judge is shown each row, and may end the loading by it."""
+        return self._judge is not None
+
     def row(self, row: Row) -> None:
         """Log a row; its raw force belongs to the press as well."""
         self.rows([row])

@@ -152,12 +152,19 @@ def test_without_the_length_of_pins_it_is_said_and_the_interval_is_wider() -> No
     assert np.abs(away).max() < 2
 
 
-def test_a_longer_pin_than_is_told_moves_the_area_by_what_its_part_says() -> None:
+@pytest.mark.parametrize(
+    ("part", "other"),
+    [
+        ("pin length", replace(CAMERA, sensor=Sensor(pin_length_mm=3.1, dome_radius_mm=20.0))),
+        ("depth", replace(CAMERA, depth_mm=1.01 * CAMERA.depth_mm)),
+    ],
+)
+def test_a_camera_that_is_not_as_told_moves_the_area_by_what_its_part_says(part: str, other: Camera) -> None:
     press = pressed(TabulatedWorld())
     told = front_of(press)
-    longer = front_of(press, replace(CAMERA, sensor=Sensor(pin_length_mm=3.1, dome_radius_mm=20.0)))
-    moved = np.log(longer.area / told.area)[press.wide]
-    np.testing.assert_allclose(moved, told.parts["pin length"][press.wide], atol=0.02)
+    moved = np.log(front_of(press, other).area / told.area)[press.wide]
+    assert moved.min() > 0.015
+    np.testing.assert_allclose(moved, told.parts[part][press.wide], atol=0.002)
 
 
 def test_without_a_camera_areas_are_in_pixels_and_it_is_said() -> None:

@@ -28,9 +28,12 @@ def _core_error(pair, **options):
     return divergence(flow)[core].mean() / pair.divergence - 1
 
 
-@pytest.mark.parametrize(("rim_motion_px", "spread"), [(0.25, 0.03), (1.0, 0.01), (3.0, 0.005), (6.0, 0.005)])
-def test_divergence_of_a_contact_within_one_per_cent(rim_motion_px, spread):
-    errors = [_core_error(contact_pair(rim_motion_px, seed)) for seed in range(6)]
+@pytest.mark.parametrize(
+    ("rim_motion_px", "spread", "pairs"), [(0.25, 0.03, 48), (1.0, 0.01, 12), (3.0, 0.005, 6), (6.0, 0.005, 6)]
+)
+def test_divergence_of_a_contact_within_one_per_cent(rim_motion_px, spread, pairs):
+    """So many pairs that the mean is known to 0.3 %."""
+    errors = [_core_error(contact_pair(rim_motion_px, seed)) for seed in range(pairs)]
     assert abs(np.mean(errors)) < 0.01
     assert np.std(errors) < spread
 

@@ -73,8 +73,15 @@ WRONG: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("rigid", [False, True])
-@pytest.mark.parametrize("wrong", WRONG)
+@pytest.mark.parametrize(
+    ("wrong", "rigid"),
+    [
+        *((wrong, False) for wrong in WRONG if wrong != "push_axis"),
+        ("push_axis", True),
+        pytest.param("push_axis", False, marks=pytest.mark.slow),
+        *(pytest.param(wrong, True, marks=pytest.mark.slow) for wrong in WRONG if wrong != "push_axis"),
+    ],
+)
 def test_each_wrong_setting_is_found_and_no_other(wrong: str, rigid: bool) -> None:
     ruler = Ruler(rigid=rigid)
     found = ruler.check(replace(TRUE, **WRONG[wrong]))

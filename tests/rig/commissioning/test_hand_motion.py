@@ -68,14 +68,22 @@ class Bench:
         return float(np.linalg.norm(self.rig.world.force_n(self.clock.now_s())))
 
 
-@pytest.mark.parametrize("rigid", [False, True])
+LYING = [
+    ("gain 0.1",), ("gain 0.5",), ("dead on",), ("dead on", "jumped-shaft 500"), ("lag 200",), ("frozen-motor-1 on",),
+]  # fmt: skip
+BETWEEN = [("gain 0.3",), ("dead on", "jumped-shaft -500")]
+"""What is told by the same guards as faults of LYING."""
+
+
 @pytest.mark.parametrize(
-    "faults",
+    ("faults", "rigid"),
     [
-        ("gain 0.1",), ("gain 0.3",), ("gain 0.5",), ("dead on",), ("dead on", "jumped-shaft 500"),
-        ("dead on", "jumped-shaft -500"), ("lag 200",), ("frozen-motor-1 on",),
+        *((faults, False) for faults in LYING),
+        *((faults, True) for faults in LYING[:3]),
+        *(pytest.param(faults, True, marks=pytest.mark.slow) for faults in LYING[3:]),
+        *(pytest.param(faults, rigid, marks=pytest.mark.slow) for faults in BETWEEN for rigid in (False, True)),
     ],
-)  # fmt: skip
+)
 def test_no_lying_sensor_lets_the_probe_press_too_hard(faults: tuple[str, ...], rigid: bool) -> None:
     for until_n, deg_per_s in ((2.0, 5.0), (MOST_N, 25.0)):
         bench = Bench(rigid=rigid)

@@ -12,7 +12,6 @@ import pytest
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.camera.opencv_camera import OpenCvCamera
 from emg2vsa.rig.clock import VirtualClock, WallClock
-from emg2vsa.rig.device_settings import BAUD
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.fault_words import FAULTS, help_text, put
@@ -27,6 +26,7 @@ from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
 from emg2vsa.rig.qbmove.transport import LoopbackLine, SerialLine
 from emg2vsa.rig.record.press_counts import BUSY
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
+from emg2vsa.rig.serial_speed import BAUD
 
 ELASTIC = EmulatedSettings(world="elastic")
 

@@ -33,3 +33,13 @@ def test_counts_are_those_of_each_record_by_itself(stays: int) -> None:
     found = [counts.of(load, bias) for load, bias in loads]
     assert found == one_by_one(loads, seed=5)
     assert {MOST_COUNT, LEAST_COUNT} <= {count for record in found for count in record}
+
+
+@pytest.mark.parametrize("skipped", [0, 1, 4, 255, 256, 257, 700])
+def test_records_that_nobody_looks_at_take_their_noise_with_them(skipped: int) -> None:
+    loads = [(PRESSED, BIAS)] * (skipped + 303)
+    counts, all_of_them = NoisyCounts(NOISE, PER_UNIT, seed=3), one_by_one(loads, seed=3)
+    found = [counts.of(*load) for load in loads[:3]]
+    counts.skip(skipped)
+    found += [counts.of(*load) for load in loads[skipped + 3 :]]
+    assert found == all_of_them[:3] + all_of_them[skipped + 3 :]

@@ -97,3 +97,31 @@ def test_settling_at_once() -> None:
 
 def test_the_rigid_joint_ignores_the_load_and_motor_2() -> None:
     assert RigidJoint().moved(0.0, 0.001, (2.5, -1.0), S3) == 2.5
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_shaft_said_to_be_free_is_where_every_millisecond_takes_it(model: str) -> None:
+    """Of ways of the motors that are long, or a few ticks as while they hunt for their reference."""
+    rng, said = np.random.default_rng(2), {"held": 0, "moved": 0, "touching": 0}
+    joint = SpringJoint(SPRINGS[model], 0.01, 0.01)
+    for _ in range(300):
+        preset = float(rng.uniform(0.05, 0.6))
+        before = preset, -preset
+        after = preset + float(rng.normal(0, 2e-3)), -preset + float(rng.normal(0, 2e-3))
+        probe = Probe(WorldSettings(gap_mm=float(rng.choice([0.0, 1e6]))))
+        start = joint.moved(float(rng.normal(0, 0.03)), math.inf, before, probe)
+        free = joint.free(start, before, after, probe)
+        shaft = start
+        for k in range(1, 6):
+            now = before[0] + k / 5 * (after[0] - before[0]), before[1] + k / 5 * (after[1] - before[1])
+            shaft = joint.moved(shaft, 0.001, now, probe)
+        assert free is None or free == shaft
+        said["touching" if start > probe.touch_rad else "moved" if free is None else "held"] += 1
+    assert min(said.values()) > 20, said
+
+
+def test_a_rigid_shaft_is_free_until_it_touches() -> None:
+    touch = S3.touch_rad
+    assert RigidJoint().free(0.0, (0.0, 0.0), (touch, 0.0), S3) == touch
+    assert RigidJoint().free(0.0, (0.0, 0.0), (touch + 1e-9, 0.0), S3) is None
+    assert RigidJoint().free(touch + 1e-9, (touch + 1e-9, 0.0), (0.0, 0.0), S3) is None

@@ -68,6 +68,15 @@ def test_fault(
     assert_safe(bench, ended)
     assert_recorded(bench, ended, tmp_path / "run")
 
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_the_run_after_a_fault(
+    fault: str, new_bench: Any, times_s: dict[str, float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench = new_bench(fault=fault, fault_s=times_s["load"])
+    if fault == "disk full":
+        fill_the_disk(bench, monkeypatch)
+    assert bench.run(tmp_path / "run").repetitions_done < 2
     monkeypatch.undo()
     bench.fault, bench.sent = "", []
     again = bench.run(tmp_path / "next")

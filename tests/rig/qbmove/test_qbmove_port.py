@@ -9,7 +9,7 @@ import serial
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock, WallClock
-from emg2vsa.rig.device_settings import BAUD, Generation
+from emg2vsa.rig.device_settings import Generation
 from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
 from emg2vsa.rig.emulated.qbmove_switches import MAKER_PRO
 from emg2vsa.rig.emulated.qbmove_v7 import MAKER_PRO_V7, QbmoveFirmwareV7
@@ -17,6 +17,7 @@ from emg2vsa.rig.emulated.servers import VirtualSerialPort
 from emg2vsa.rig.qbmove.driver import Qbmove
 from emg2vsa.rig.qbmove.scan import scan
 from emg2vsa.rig.qbmove.transport import SerialLine
+from emg2vsa.rig.serial_speed import BAUD
 
 
 class Free:
