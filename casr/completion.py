@@ -3,25 +3,34 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 from casr.command_line import Commands, Program, add_command, parsers_of
 
 SHELLS = ("bash", "zsh", "tcsh")
 
 
-def add_completion(commands: Commands, name: str, run: Any) -> None:
-    """The command ``completion`` of the program ``name``."""
-    parser = add_command(
-        commands,
-        "completion",
-        run,
-        "Print the completion of commands, options and files for a shell.",
-        f"bash: {name} completion bash > ~/.local/share/bash-completion/completions/{name}. zsh: write it as _{name} "
-        "into a folder of $fpath. Open a new shell afterwards.",
-    )
-    parser.add_argument("shell", choices=SHELLS)
+def command_of(name: str) -> Callable[[Commands], None]:
+    """Adds the command ``completion`` to the program ``name``, whose module ``<name>.cli`` holds it as ``PROGRAM``."""
+
+    def add_to(commands: Commands) -> None:
+        parser = add_command(
+            commands,
+            "completion",
+            run,
+            "Print the completion of commands, options and files for a shell.",
+            f"bash: {name} completion bash > ~/.local/share/bash-completion/completions/{name}. zsh: write it as "
+            f"_{name} into a folder of $fpath. Open a new shell afterwards.",
+        )
+        parser.add_argument("shell", choices=SHELLS)
+
+    def run(arguments: argparse.Namespace) -> int:
+        print(completion(import_module(f"{name}.cli").PROGRAM, arguments.shell))
+        return 0
+
+    return add_to
 
 
 def completion(program: Program, shell: str) -> str:

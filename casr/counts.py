@@ -16,7 +16,8 @@ COUNTED = {
     "samples conditioned": "through the filters, one count for each channel, with the support of the filters",
     "fits": "curves fitted to one row of points",
     "frames in folder": "frames of the presses that were opened",
-    "frames decoded": "frames read from disk and decoded",
+    "frames decoded": "of these, read from disk and decoded",
+    "frames decoded again": "of these, another time",
     "frames scored": "frames that entered a score",
     "pixels weighed": "pixels that entered a search for pins, the place of a pin, or a field of flow",
 }

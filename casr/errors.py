@@ -42,12 +42,19 @@ class CasrError(InputError):
     """Base of the errors of casr."""
 
 
+class PassingError(InputError):
+    """A file could not be read for a reason that may pass, such as too little memory; no word on the file itself.
+
+    It is no ``CasrError``: what stores why a press cannot be scored must not store this.
+    """
+
+
 @contextmanager
 def said_of(place: object) -> Iterator[None]:
     """Errors raised inside name the place, such as a press or a file, before their own ``where``."""
     try:
         yield
-    except CasrError as error:
+    except (CasrError, PassingError) as error:
         raise _rebuild(type(error), f"{place}, {error.where}", error.wanted, error.found, error.do) from error
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,18 +107,24 @@ def _shifted(sequence: FrameSequence, settings: ScoreSettings, lag_s: float) -> 
                 do="Add the column, or score without --camera-lag.",
             )
         force_n = sequence.readings.at_frames(lag_s)
+    return replace(_tared(force_n.tobytes(), settings.force_start_n, settings.tare), lag_s=lag_s)
+
+
+@lru_cache(maxsize=16)  # every algorithm that scores a press asks for its forces
+def _tared(as_bytes: bytes, start_n: float, tare: bool) -> PressForces:
+    force_n = np.frombuffer(as_bytes)
     wild = spikes(force_n)
     notes = note_on_spikes(wild, force_n, f"of {wild.size} frames have a force that")
     force_n = np.where(wild, np.nan, force_n)
     check_newtons(force_n, "force")
-    start_n = settings.force_start_n
     zero = force_zero(force_n, start_n)
     if zero is not None:
-        zero = replace(zero, taken_off=settings.tare)
-    if settings.tare:
+        zero = replace(zero, taken_off=tare)
+    if tare:
         notes += notes_on_zero(zero, start_n)
         force_n = force_n - (zero.level_n if zero else 0.0)
-    return PressForces(force_n, zero, lag_s, notes)
+    force_n.flags.writeable = False
+    return PressForces(force_n, zero, 0.0, notes)
 
 
 def _lag_looked_for(sequence: FrameSequence, forces: PressForces, settings: ScoreSettings) -> CameraLag | None:

@@ -61,10 +61,14 @@ class PressScorer:
     camera : None leaves areas in px^2.
     settings : how.
     follow_pins : False: dense flow does without pins after first contact; there is ``skin`` then, and no ``result``.
+    doubt_pins : False: no notes on the lattice of the pins at rest, for a press of which they are known.
     """
 
-    def __init__(self, camera: Camera | None, settings: ScoreSettings, *, follow_pins: bool = True) -> None:
-        self._camera, self._settings, self._follow_pins = camera, settings, follow_pins
+    def __init__(
+        self, camera: Camera | None, settings: ScoreSettings, *, follow_pins: bool = True, doubt_pins: bool = True
+    ) -> None:
+        self._camera, self._settings = camera, settings
+        self._follow_pins, self._doubt_pins = follow_pins, doubt_pins
         # a region that is given is meant whole; the core is for a contact edge, where the flow has a kink
         flow = replace(settings.flow, core_fraction=1.0) if isinstance(settings.region, Region) else settings.flow
         self._whole_image = settings.region == WHOLE_IMAGE
@@ -90,7 +94,8 @@ class PressScorer:
         """
         self._tracker = PinTracker(self._settings.flow.pins)
         self._rest = self._tracker.start(rest_image)
-        doubts = pins_in_doubt(self._rest.centroids_px, self._settings.flow.pins.expect_pins)
+        rest_px = self._rest.centroids_px
+        doubts = pins_in_doubt(rest_px, self._settings.flow.pins.expect_pins) if self._doubt_pins else ()
         self._contact_px = self._tracker.step(contact_image)
         if not self._is_good(self._contact_px):
             return False

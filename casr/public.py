@@ -23,7 +23,8 @@ def score(press: str | PathLike[str] | FrameSequence, settings: ScoreSettings | 
     files : ``force``, ``camera``, ``column``, ``force_rule`` of `open_frames`, where ``press`` is a path.
 
     `Score.rate`, `Score.interval` and `Score.area` are the answer; `frame_table` has a row a frame.
-    Raises as `open_frames` and ``casr.scoring.score``: a `CasrError` that names file, frame and what to do.
+    Raises as `open_frames` and ``casr.scoring.score``: a `CasrError` that names file, frame and what to do; where
+    trying again may do, such as with more memory, a `casr.errors.PassingError`.
     """
     if settings is not None and not isinstance(settings, ScoreSettings):
         do = "Make them so: casr.ScoreSettings(force_stop_n=3.0)."

@@ -47,11 +47,14 @@ def score(sequence: FrameSequence, settings: ScoreSettings | None = None) -> Sco
     return replace(scored, notes=tuple(notes), doubts=(*scored.doubts, *doubts_on_score(scored)))
 
 
-def score_skin(sequence: FrameSequence, settings: ScoreSettings, bad: Collection[int] = ()) -> SkinScore:
+def score_skin(
+    sequence: FrameSequence, settings: ScoreSettings, bad: Collection[int] = (), *, doubt_pins: bool = True
+) -> SkinScore:
     """Score the skin of the first contact of a press with a force log, and nothing else.
 
     It is what ``score`` says of the skin, for another engine, law or force of the same press, and takes less than half
     of the time: dense flow needs the pins of two frames only. bad : frames that ``score`` skipped.
+    doubt_pins : say what is odd about the pins at rest, too.
 
     Raises
     ------
@@ -61,7 +64,8 @@ def score_skin(sequence: FrameSequence, settings: ScoreSettings, bad: Collection
         forces = press_forces(sequence, settings)
         phase = loading_phase(forces.force_n, start_n=settings.force_start_n, stop_n=settings.force_stop_n)
         phase = replace(phase, frames=np.setdiff1d(phase.frames, list(bad)))
-        scorer = PressScorer(sequence.camera, settings, follow_pins=settings.flow.engine == "pin-affine")
+        follow_pins = settings.flow.engine == "pin-affine"
+        scorer = PressScorer(sequence.camera, settings, follow_pins=follow_pins, doubt_pins=doubt_pins)
         rest, begun = sequence[phase.rest], False
         for index in phase.frames.tolist():
             if begun:

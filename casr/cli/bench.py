@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from importlib import import_module
 from pathlib import Path
 
-import casr
 from casr.cli.arguments import names
 from casr.command_line import Commands, add_command, whole_number
-from casr.errors import SettingError
+from casr.source_checkout import benchmarks
 
 KINDS = ("presses", "numerics")
-SOURCE = Path(casr.__file__).parents[1]
-"Folder of the package; in a source checkout the benchmarks lie there too."
 
 
 def add_to(commands: Commands) -> None:
@@ -43,14 +38,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    if not (SOURCE / "benchmarks" / "tactile").is_dir():
-        raise SettingError(
-            "bench", wanted=f"a source checkout, with benchmarks/ beside {SOURCE / 'casr'}", found="none",
-            do=f"Get the sources of emg2vsa {casr.__version__} and run there: python -m casr.cli bench",
-        )  # fmt: skip
-    if str(SOURCE) not in sys.path:
-        sys.path.insert(0, str(SOURCE))
-    import_module("benchmarks.tactile").run(
+    benchmarks("tactile", "casr").run(
         arguments.what,
         arguments.out,
         n_seeds=arguments.seeds,

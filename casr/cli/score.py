@@ -25,7 +25,7 @@ from casr.cli.arguments import (
     say_notes,
 )
 from casr.command_line import Commands, Group, add_command, add_json, print_json
-from casr.errors import CasrError, SettingError
+from casr.errors import CasrError, PassingError, SettingError
 
 if TYPE_CHECKING:
     from casr.flow.region import Region
@@ -210,7 +210,7 @@ def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
     for name, path in called.items():
         try:
             scores[name] = _score(arguments, path, settings)
-        except CasrError as error:
+        except (CasrError, PassingError) as error:
             failures[name] = str(error)
             print(f"not scored: {name}: {error}", file=sys.stderr)
             continue

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.median import median
+
 Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
 
@@ -47,11 +49,12 @@ def _skin_shapes(from_centre: Points, edges: Array, rim_centre: Points, rim_radi
     along = (rim_centre.conj() * from_centre).real / distance
     rim = np.sqrt(np.maximum(along**2 + rim_radius**2 - np.abs(rim_centre) ** 2, 0.0)) + along
     rim = np.maximum(rim, NEAREST_RIM * distance * inward)
-    stretching = inward * np.clip((rim - distance) / (rim - distance * inward), 0.0, 1.0)
+    stretching = inward * np.minimum(np.maximum((rim - distance) / (rim - distance * inward), 0.0), 1.0)
     return np.asarray(from_centre * np.stack([bending, np.where(edges > 1, stretching, 1.0)]))
 
 
 STEPS = np.array([0.02, 0.02, 1e-3, 1e-3, 1e-3, 1e-3])  # of the numerical derivatives, px or 1
+_BESIDE = np.concatenate([np.diag(STEPS), -np.diag(STEPS)])
 REACH = np.array([10.0, 10.0, 0.3, 0.2, 0.2, 0.4])  # of one iteration
 MAX_ITERATIONS = 30
 ENOUGH = 1e-5  # relative gain of an iteration, below which it was the last
@@ -94,7 +97,7 @@ class DisplacementField:
     def trusting(self, p: Array) -> DisplacementField:
         """The same field with less trust in pins far from the contact or far off the model."""
         off = np.abs(self.residuals(p[None])[0][0].view(np.complex128)) / self._root
-        limit = HUBER_LIMIT * max(float(np.median(off)), 1e-9)
+        limit = HUBER_LIMIT * max(float(median(off)), 1e-9)
         edges = np.abs(self.rest - (p[0] + 1j * p[1])) / np.exp(p[2])
         trust = np.minimum(1.0, limit / np.maximum(off, 1e-12)) / (1 + (edges / NEAR_EDGES) ** 6)
         return DisplacementField(self.rest, self.displacement, self.middle, trust)
@@ -104,7 +107,7 @@ class DisplacementField:
 
     def derivatives(self, p: Array) -> Array:
         """(K, 6, 2N) of the residuals by the parameters (K, 6)."""
-        around = p[:, None] + np.concatenate([np.diag(STEPS), -np.diag(STEPS)])
+        around = p[:, None] + _BESIDE
         ahead, behind = np.split(self.residuals(around)[0], 2, axis=1)
         return np.asarray((ahead - behind) / (2 * STEPS[:, None]))
 

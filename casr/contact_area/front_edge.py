@@ -38,17 +38,15 @@ class FrontEdge:
         turn = np.linspace(0, 2 * np.pi, _OUTLINE, endpoint=False)
         across = np.linalg.svd(fit.axis[None])[2][1:]
         around = np.cos(turn)[:, None] * across[0] + np.sin(turn)[:, None] * across[1]
-        outlines = []
-        for radius, arc in zip(self._radius_mm, self._arc_mm, strict=True):
-            angle = arc / INNER_RADIUS_MM
-            directions = np.cos(angle) * fit.axis + np.sin(angle) * around
-            row = float(np.interp(radius, library.radius_mm, np.arange(library.radius_mm.size)))
-            low = min(int(row), library.radius_mm.size - 2)
-            u = library.motion_at(np.full(1, arc), fit.worlds[:1], slice(low, low + 2))[:, 0, 0].astype(np.float64)
-            u_r, u_z, tilt = (np.full(_OUTLINE, (1 - row + low) * each[0] + (row - low) * each[1]) for each in u)
-            pins = fit.view.around(directions, fit.axis)
-            outlines.append(fit.view.rest_px(directions) + pins.moved_px(u_r, u_z, tilt))
-        return np.array(outlines)
+        angle = (self._arc_mm / INNER_RADIUS_MM)[:, None, None]
+        directions = (np.cos(angle) * fit.axis + np.sin(angle) * around).reshape(-1, 3)
+        row = np.interp(self._radius_mm, library.radius_mm, np.arange(library.radius_mm.size))
+        low = np.minimum(row.astype(np.intp), library.radius_mm.size - 2)
+        u = library.only(fit.worlds[:1]).motion_at(self._arc_mm)[..., 0].astype(np.float64)
+        frames = np.arange(len(row))
+        u = (1 - row + low) * u[:, frames, low] + (row - low) * u[:, frames, low + 1]
+        moved_px = fit.view.around(directions, fit.axis).moved_px(*np.repeat(u, _OUTLINE, axis=1))
+        return np.asarray((fit.view.rest_px(directions) + moved_px).reshape(len(row), _OUTLINE, 2))
 
 
 def as_a_whole(rest_px: Array, pins_px: Array, inside: NDArray[np.bool_]) -> tuple[Array, Array]:

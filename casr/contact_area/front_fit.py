@@ -8,9 +8,9 @@ amplitude that is free but drawn to 1. Force is not used: area over force and it
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,6 +27,8 @@ _CHOICE_FRAMES = 12
 _KEPT = (24, 12)
 "Worlds left after the first and the second look at the press."
 _CENTRED_BY = 4
+_BLOCK = 2**16
+"Numbers of one array while pins are moved: so many stay in the processor's cache."
 _CENTRE_ROUNDS = 5
 _CENTRE_STEP_RAD, _CENTRE_REACH_RAD, _CENTRE_FOUND_RAD = 0.02, 0.1, 1e-3
 
@@ -81,7 +83,7 @@ def fit_front(
         some = np.unique(np.linspace(0, len(moved_px) - 1, _CHOICE_FRAMES).astype(np.intp))
         start = None if near is None else view.directions(near.view.rest_px(near.axis[None]))[0]
         axis, worlds = search.of(some).chosen(start, looks)
-    radius, cost, bend = search.fit(axis, worlds, library)
+    radius, cost, bend = (each[0] for each in search.fit(axis[None], library.only(worlds)))
     misfit = cost.sum(axis=1)
     order = np.argsort(misfit, kind="stable")
     freedom = 2 * max(int(seen.sum()), 1)
@@ -108,9 +110,7 @@ class _Search:
     ) -> None:
         self._view, self._library, self._directions = view, library, directions
         self._moved_px, self._seen, self._sheared = moved_px, seen, sheared
-        self._power = (moved_px**2).sum(axis=(1, 2)).astype(np.float32)
-        self._flat = np.ascontiguousarray(moved_px.reshape(len(moved_px), -1).T, dtype=np.float32)
-        self._mask = np.ascontiguousarray(seen.T, dtype=np.float32)
+        self._power = (moved_px**2).sum(axis=(1, 2))
 
     def of(self, frames: Rows) -> _Search:
         """The same press in fewer frames."""
@@ -129,100 +129,124 @@ class _Search:
         weight = (self._moved_px[-1] ** 2).sum(axis=-1) ** 1.5 + 1e-12
         axis = _unit(weight @ self._directions) if start is None else start
         for kept in _KEPT[-looks:]:
-            misfit = self.fit(axis, slice(None), self._library.coarse)[1].sum(axis=1)
-            worlds = np.argsort(misfit, kind="stable")[:kept]
+            worlds = np.argsort(self._misfit_of_all(axis), kind="stable")[:kept]
             axis = self._centred(axis, worlds[:_CENTRED_BY])
         return axis, worlds
 
-    def fit(self, axis: Array, worlds: Rows | slice, library: Library) -> tuple[Array, Array, Array]:
-        """(W, T) best radius in mm, least cost in px^2, and the cost's second derivative by the radius.
-
-        The radius of the grid is found in single precision. Of a few worlds, cost beside it is in double precision:
-        differences of single ones carry the processor's order of summation into the fifth digit of an area.
-        """
-        around = self._view.around(self._directions, axis)
-        u_r, u_z, tilt = library.motion_at(around.arc_mm, worlds)
-        by_pin = around.moved_px(u_r, u_z, tilt)
-        motion = _by_contact(by_pin)
-        shared, size = self._products(motion, by_pin.mean(axis=0))
-        power, along = self._power, None
+    def _misfit_of_all(self, axis: Array) -> Array32:
+        """(W,) squared motion that each world of the coarse library leaves over, in single precision."""
+        library = self._library.coarse
+        around, motion = self._motion(axis[None], library)
+        moved = self._moved_px.reshape(len(self._moved_px), -1).astype(np.float32)
+        full = power = self._power.astype(np.float32)[:, None, None]
+        flat = motion.reshape(motion.shape[1], -1)  # (2 N, R W)
+        shared, size = (each.reshape(-1, *motion.shape[2:]) for each in (moved @ flat, self._sizes(flat)))
         if self._sheared:
-            along = self._along(around, library.radius_mm)
-            single = along.astype(np.float32)
-            seen, own = single @ self._flat, np.einsum("wrn,rkn->wrk", motion, single)
-            shared = shared - np.einsum("wrk,rkt->wrt", own, seen)
-            size = np.maximum(size - (own**2).sum(axis=-1)[..., None], 1e-6)
-            power = np.maximum(power - (seen**2).sum(axis=1), 0.0)
-        cost = _cost(shared, size, power, PULL * self._power)
+            along = self._along(around, library.radius_mm)[0].astype(np.float32)
+            own, seen = along @ motion[0].transpose(1, 0, 2), along @ moved.T  # (R, 2, W), (R, 2, T)
+            shared -= (seen.transpose(0, 2, 1) @ own).transpose(1, 0, 2)
+            size = np.maximum(size - (own**2).sum(axis=1), 1e-6)
+            power = np.maximum(full - (seen**2).sum(axis=1).T[..., None], 0.0)
+        misfit: Array32 = _least(_cost(shared, size, power, PULL * full), axis=1)[1].sum(axis=0)
+        return misfit
+
+    def _sizes(self, flat: Array32) -> Array32:
+        """(T or 1, K) squares of motions (2 N, K) without the common shift, of the pins seen in each frame."""
+        masks = np.array([pins for _, pins in self._alike], dtype=np.float32)
+        shifts = (masks @ flat[k::2] for k in range(2))
+        count = np.maximum(masks.sum(axis=1, keepdims=True), 1)
+        size = np.repeat(masks, 2, axis=1) @ flat**2 - sum(shift**2 for shift in shifts) / count
+        if len(masks) == 1:
+            return np.asarray(size)
+        of_frame = np.empty(len(self._seen), dtype=np.intp)
+        for k, (frames, _) in enumerate(self._alike):
+            of_frame[frames] = k
+        return np.asarray(size[of_frame])
+
+    def fit(self, axes: Array, library: Library) -> tuple[Array, Array, Array]:
+        """(A, W, T) best radius in mm, least cost in px^2, and the cost's second derivative by the radius, about each
+        of the directions ``axes`` (A, 3) of the contact's middle.
+
+        In double precision: differences of single ones carry the processor's order of summation into the fifth digit
+        of an area. So ``library`` should hold a few worlds.
+        """
+        around, single = self._motion(axes, library)
+        motion = single.astype(np.float64)
+        along = self._along(around, library.radius_mm) if self._sheared else None
+        cost = np.empty((len(axes), len(self._seen), *motion.shape[2:]))
+        for frames, pins in self._alike:
+            cost[:, frames] = self._cost_of(motion, along, frames, pins)
+        place, least, bend = (each.transpose(0, 2, 1) for each in _least(cost, axis=2))
         radius = library.radius_mm
         step = radius[1] - radius[0]
-        best = np.clip(np.argmin(cost, axis=1), 1, radius.size - 2)
-        beside = best[:, None] + np.arange(-1, 2)[:, None]
-        near = (
-            np.take_along_axis(cost, beside, axis=1) if isinstance(worlds, slice) else self._near(motion, along, beside)
-        )
-        before, least, after = near[:, 0], near[:, 1], near[:, 2]
-        bend = np.maximum(before - 2 * least + after, 1e-6)
-        shift = np.clip((before - after) / (2 * bend), -1.0, 1.0)
-        cost_there = np.maximum(least - bend * shift**2 / 2, 1e-6)
-        return radius[0] + step * (best + shift), cost_there.astype(np.float64), bend.astype(np.float64) / step**2
+        return radius[0] + step * place, least, bend / step**2
 
-    def _near(self, motion: Array32, along: Array | None, beside: Rows) -> Array:
-        """(W, K, T) cost at the radii ``beside`` (W, K, T), in double precision."""
-        n_worlds, _, n_frames = beside.shape
-        rows = np.take_along_axis(motion, beside.reshape(n_worlds, -1, 1), axis=1).astype(np.float64)
-        pins = rows.reshape(*beside.shape, -1, 2) * self._seen[..., None]
-        pins -= pins.sum(axis=-2, keepdims=True) / np.maximum(self._seen.sum(axis=1), 1)[:, None, None]
-        rows = (pins * self._seen[..., None]).reshape(*beside.shape, -1)
-        moved = self._moved_px.reshape(n_frames, -1)
-        shared, size = np.einsum("wktn,tn->wkt", rows, moved), np.einsum("wktn,wktn->wkt", rows, rows)
-        power = full = (moved**2).sum(axis=1)
+    @cached_property
+    def _alike(self) -> list[tuple[Rows, Mask]]:
+        """Frames in which the same pins are seen, and which these are."""
+        patterns, which = np.unique(self._seen, axis=0, return_inverse=True)
+        return [(np.flatnonzero(which.ravel() == k), pins) for k, pins in enumerate(patterns)]
+
+    def _cost_of(self, motion: Array, along: Array | None, frames: Rows, pins: Mask) -> Array:
+        """(A, T', R, W) cost in some frames, by the pins that are seen in them; motion : (A, 2 N, R, W)."""
+        n_axes, _, n_radii, n_worlds = motion.shape
+        of_pins = slice(None) if pins.all() else np.repeat(pins, 2)
+        moved = self._moved_px[frames].reshape(frames.size, -1)[:, of_pins]
+        power = full = self._power[frames][:, None, None]
+        rows = motion[:, of_pins].reshape(n_axes, -1, 2, n_radii, n_worlds)
+        rows = (rows - rows.mean(axis=1, keepdims=True)).reshape(n_axes, -1, n_radii * n_worlds)
+        shared = (moved @ rows).reshape(n_axes, -1, n_radii, n_worlds)
+        size = (rows**2).sum(axis=1).reshape(n_axes, 1, n_radii, n_worlds)
         if along is not None:
-            pulled = along[beside]
-            seen, own = np.einsum("wktcn,tn->wktc", pulled, moved), np.einsum("wktcn,wktn->wktc", pulled, rows)
-            shared -= (own * seen).sum(axis=-1)
-            size = np.maximum(size - (own**2).sum(axis=-1), 1e-6)
-            power = np.maximum(full - (seen**2).sum(axis=-1), 0.0)
+            pulled = along[..., of_pins]  # (A, R, 2, 2 N)
+            own = pulled @ rows.reshape(n_axes, -1, n_radii, n_worlds).transpose(0, 2, 1, 3)  # (A, R, 2, W)
+            seen = pulled @ moved.T
+            shared -= (seen.swapaxes(2, 3) @ own).transpose(0, 2, 1, 3)
+            size = np.maximum(size - (own**2).sum(axis=2)[:, None], 1e-6)
+            power = np.maximum(full - (seen**2).sum(axis=2).transpose(0, 2, 1)[..., None], 0.0)
         cost: Array = _cost(shared, size, power, PULL * full)
         return cost
 
-    def _products(self, motion: Array32, mean: Array32) -> tuple[Array32, Array32]:
-        """(W, R, T) motion times what was seen, and (W, R, T or 1) its own square; both without the common shift.
-
-        motion : (W, R, 2 N) of pins x, y, x, y and so on. mean : (2, W, R) of all pins.
-        """
-        shared = motion @ self._flat
-        if self._seen.all():
-            n_pins = motion.shape[-1] // 2
-            size = np.einsum("wrn,wrn->wr", motion, motion) - n_pins * (mean**2).sum(axis=0)
-            return shared, size[..., None]
-        pins = motion.reshape(*motion.shape[:2], -1, 2)
-        square = (pins**2).sum(axis=-1) @ self._mask
-        sums = ((pins[..., k] @ self._mask) ** 2 for k in range(2))
-        return shared, square - sum(sums) / np.maximum(self._mask.sum(axis=0), 1)
+    def _motion(self, axes: Array, library: Library) -> tuple[PinsAroundAxis, Array32]:
+        """All pins about each of the axes (A, 3), and how they move by a library, (A, 2 N, R, W) of x, y, x, y."""
+        directions = np.tile(self._directions, (len(axes), 1))
+        around = self._view.around(directions, np.repeat(axes, len(self._directions), axis=0))
+        moved = np.empty((len(directions), 2, library.radius_mm.size, library.n_worlds), dtype=np.float32)
+        n_pins = max(1, _BLOCK // moved[0, 0].size)
+        for first in range(0, len(directions), n_pins):
+            some = slice(first, first + n_pins)
+            moved[some] = around.of(some).moved_px(*library.motion_at(around.arc_mm[some]))
+        return around, moved.reshape(len(axes), -1, *moved.shape[2:])
 
     def _along(self, around: PinsAroundAxis, radius_mm: Array) -> Array:
-        """(R, 2, 2 N) unit motions of pins, without the common shift, whose contact of each radius is pulled along the
-        surface in either direction; outside it the skin goes along as about a sheared disc (Johnson 1985, 3.7)."""
-        view = self._view
-        tips = view.tip_radius_mm * self._directions
+        """(A, R, 2, 2 N) unit motions of pins, without the common shift, whose contact of each radius is pulled along
+        the surface in either direction; outside it the skin goes along as about a sheared disc (Johnson 1985, 3.7)."""
+        view, directions = self._view, self._directions
+        axes, angle = around.axis[:: len(directions)], around.angle.reshape(-1, 1, len(directions))
+        tips = view.tip_radius_mm * directions
         away = tips[:, 2:] + view.behind_mm
-        across = np.linalg.svd(around.axis[None])[2][1:]
-        moves = np.stack([view.focal_px * (e[:2] - tips[:, :2] * e[2] / away) / away for e in across])
+        across = np.linalg.svd(axes[:, None])[2][:, 1:, None]  # (A, 2, 1, 3)
+        moves = view.focal_px * (across[..., :2] - tips[:, :2] * across[..., 2:] / away) / away
         edge_rad = np.arcsin(np.clip(radius_mm / OUTER_RADIUS_MM, 0.0, 1.0))[:, None]
-        share = 2 / np.pi * np.arcsin(np.minimum(edge_rad / np.maximum(around.angle, 1e-9), 1.0))
-        pulled = share[:, None, :, None] * moves
-        pulled = (pulled - pulled.mean(axis=2, keepdims=True)).reshape(radius_mm.size, 2, -1)
-        return np.asarray(np.linalg.qr(pulled.transpose(0, 2, 1))[0].transpose(0, 2, 1), dtype=np.float64)
+        share = 2 / np.pi * np.arcsin(np.minimum(edge_rad / np.maximum(angle, 1e-9), 1.0))
+        pulled = share[:, :, None, :, None] * moves[:, None]
+        pulled = (pulled - pulled.mean(axis=3, keepdims=True)).reshape(*share.shape[:2], 2, -1)
+        one, other = (pulled[:, :, k, :] for k in range(2))
+        one /= np.linalg.norm(one, axis=-1, keepdims=True)
+        other -= (one * other).sum(axis=-1, keepdims=True) * one
+        other /= np.linalg.norm(other, axis=-1, keepdims=True)
+        return np.asarray(pulled)
 
     def _centred(self, axis: Array, worlds: Rows) -> Array:
         """The direction of least cost near ``axis``, by Newton's method with numerical derivatives."""
+        few = self._library.coarse.only(worlds)
         across = np.linalg.svd(axis[None])[2][1:]
         h = _CENTRE_STEP_RAD
         around = h * np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1)], dtype=np.float64)
         place = np.zeros(2)
         for _ in range(_CENTRE_ROUNDS):
-            c = [self._cost(_unit(axis + (place + offset) @ across), worlds) for offset in around]
+            axes = np.array([_unit(axis + each @ across) for each in place + around])
+            c = self.fit(axes, few)[1].sum(axis=2).min(axis=1)
             gradient = np.array([c[1] - c[2], c[3] - c[4]]) / (2 * h)
             mixed = c[5] - c[1] - c[3] + c[0]
             curve = np.array([[c[1] - 2 * c[0] + c[2], mixed], [mixed, c[3] - 2 * c[0] + c[4]]]) / h**2
@@ -234,9 +258,6 @@ class _Search:
                 break
         return _unit(axis + place @ across)
 
-    def _cost(self, axis: Array, worlds: Rows) -> float:
-        return float(self.fit(axis, worlds, self._library.coarse)[1].sum(axis=1).min())
-
 
 def _cost(shared: Any, size: Any, power: Any, pull: Any) -> Any:
     """What is left of ``power`` by the best amplitude of a motion, which ``pull`` draws to 1."""
@@ -244,11 +265,14 @@ def _cost(shared: Any, size: Any, power: Any, pull: Any) -> Any:
     return power - 2 * amplitude * shared + amplitude**2 * size + pull * (amplitude - 1) ** 2
 
 
-def _by_contact(by_pin: Array32) -> Array32:
-    """(W, R, 2 N) of (N, 2, W, R)."""
-    n_pins, _, n_worlds, n_radii = by_pin.shape
-    turned = cv2.transpose(by_pin.reshape(2 * n_pins, -1))  # three times as fast as a copy by NumPy
-    return np.asarray(turned.reshape(n_worlds, n_radii, -1), dtype=np.float32)
+def _least(cost: Any, axis: int) -> tuple[Any, Any, Any]:
+    """Place of the least cost along ``axis`` in steps of it, the cost there and its second derivative, by a parabola
+    through the three costs around the least."""
+    best = np.expand_dims(np.clip(np.argmin(cost, axis=axis), 1, cost.shape[axis] - 2), axis)
+    before, least, after = (np.take_along_axis(cost, best + k, axis=axis).squeeze(axis) for k in (-1, 0, 1))
+    bend = np.maximum(before - 2 * least + after, 1e-6)
+    shift = np.clip((before - after) / (2 * bend), -1.0, 1.0)
+    return best.squeeze(axis) + shift, np.maximum(least - bend * shift**2 / 2, 1e-6), bend
 
 
 def _unit(vector: Array) -> Array:

@@ -143,7 +143,8 @@ class PinEngine:
         """
         border = move_px[self._border][np.isfinite(move_px[self._border, 0])]
         moved_px = np.hypot(*(move_px[self._ids] - (median(border) if len(border) else 0.0)).T)
-        typical_px = float(np.nanmedian(moved_px)) if np.isfinite(moved_px).any() else 0.0
+        moved_px = moved_px[np.isfinite(moved_px)]
+        typical_px = float(median(moved_px)) if moved_px.size else 0.0
         if typical_px <= self._pitch_px / 2:
             return ()
         return ("pins jump beyond half their pitch: are these frames one press, in order?",)

@@ -174,5 +174,5 @@ class Region:
 
 def _signed_area(polygon_px: Points) -> float:
     """Shoelace area, px^2, positive clockwise on the screen (y down)."""
-    x, y = (polygon_px - polygon_px[0]).T
-    return 0.5 * float(x @ np.append(y[1:], y[:1]) - np.append(x[1:], x[:1]) @ y)
+    x, y = (polygon_px[1:] - polygon_px[0]).T  # from the first vertex, whose own terms are 0
+    return 0.5 * float(x[:-1] @ y[1:] - x[1:] @ y[:-1])

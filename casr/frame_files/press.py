@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.counts import count
 from casr.errors import FramesError
 from casr.frame_files.camera_file import read_camera
+from casr.frame_files.counted import CountedFrames
 from casr.frame_files.folder import CAMERA_FILE, FORCE_FILE, FileFrames, folder_contents, open_file, open_folder
 from casr.frame_files.force_log import ForceLog, read_force_log
 from casr.frames import (
@@ -53,8 +53,7 @@ def open_frames(
     """
     path = Path(path)
     in_folder = path.is_dir()
-    frames = open_folder(path) if in_folder else open_file(path)
-    _check_frames(path, frames)
+    frames = _counted(path, open_folder(path) if in_folder else open_file(path))
     notes = [*frames.notes, *(_ignored(path) if in_folder else [])]
     if in_folder:
         force, camera = force or _beside(path, FORCE_FILE), camera or camera_beside(path)
@@ -66,17 +65,16 @@ def open_frames(
     return FrameSequence(frames, seen_by, forces, tuple(notes), readings, mean_n)
 
 
-def _check_frames(path: Path, frames: FileFrames) -> None:
-    if len(frames) < 2:
+def _counted(path: Path, opened: FileFrames) -> CountedFrames:
+    if len(opened) < 2:
         raise FramesError(
             path,
             wanted="a sequence of two frames or more",
-            found="; ".join(("one frame", *frames.notes)),
+            found="; ".join(("one frame", *opened.notes)),
             do="Give all frames of the press: the static frame before contact and those of the loading.",
         )
-    count("frames in folder", len(frames))
-    count("frames decoded")
-    first = frames.read(0)
+    frames = CountedFrames(opened)
+    first = frames.first
     brightest = float(first.max())
     # 12 bits kept in 16 reach a grey level of 16 at most; floats from 0 to 1 and 8 bits kept in 16 reach 1
     if first.dtype != np.uint8 and 0 < brightest < 16:
@@ -86,6 +84,7 @@ def _check_frames(path: Path, frames: FileFrames) -> None:
             found=f"a brightest pixel of {brightest:.3g} of 255 in frame 0",
             do="Multiply floats from 0 to 1 by 255; shift 12 bits kept in 16 to the top, or save 8 bits.",
         )
+    return frames
 
 
 def _ignored(path: Path) -> list[str]:

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.decoder_child import Limits
-from casr.decoder_process import DecoderFailed, InChild
-from casr.errors import FramesError
+from casr.decoder_process import DecoderFailed, DecoderLost, InChild
+from casr.errors import FramesError, PassingError
 from casr.frame_files.trouble import other_size, undecodable, unreadable
 from casr.images import Grey, as_grey
 
@@ -35,7 +35,8 @@ class VideoFrames:
 
     Raises
     ------
-    FramesError : not a video, or OpenCV crashed on it or met a limit; on reading, as `VideoDecoder`.
+    FramesError : not a video, or OpenCV crashed on it or needed too much memory; on reading, as `VideoDecoder`.
+    PassingError : the child was killed from outside, had no room or took too long.
     """
 
     def __init__(self, path: Path) -> None:
@@ -68,12 +69,12 @@ class VideoFrames:
         try:
             yield
         except DecoderFailed as error:
-            raise FramesError(
-                self._path,
-                wanted="a video that OpenCV can read",
-                found=f"that {error.reason}",
-                do="Copy the file again, or save the frames as TIFF or PNG.",
-            ) from error
+            wanted, found = "a video that OpenCV can read", f"that {error.reason}"
+            if isinstance(error, DecoderLost) or error.limit == "seconds":
+                do = "The file may be sound. Free memory, or start fewer processes at a time, then run again."
+                raise PassingError(self._path, wanted=wanted, found=found, do=do) from error
+            do = "Copy the file again, or save the frames as TIFF or PNG."
+            raise FramesError(self._path, wanted=wanted, found=found, do=do) from error
 
 
 class VideoDecoder:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -184,37 +185,38 @@ class _Law:
         self._taken_s, self._moved, self._sd_px, self._rise = taken_s, moved_px / sd_px, sd_px, rise
         self._powers = POWER + POWER_SD * np.linspace(-3, 3, 61)
 
-    def _residuals(self, lag_s: float) -> _Array:
-        """(61, n + 1) for each power, the last how far the power is from the one expected."""
-        force_n = self._rise(self._taken_s - lag_s)
-        # noise about zero keeps its sign
-        law = np.sign(force_n) * np.abs(force_n) ** self._powers[:, None] / self._sd_px
-        size = (law**2).sum(axis=1)
-        scale = np.divide((law * self._moved).sum(axis=1), size, out=np.zeros_like(size), where=size > 0)
-        return np.column_stack([self._moved - scale[:, None] * law, (self._powers - POWER) / POWER_SD])
+    def _misfit(self, lag_s: NDArray[np.floating[Any]]) -> _Array:
+        """(L,) least sum of squared residuals, of all powers, for lags (L,).
 
-    def _misfit(self, lag_s: float) -> float:
-        return float((self._residuals(lag_s) ** 2).sum(axis=1).min())
+        One of the residuals is how far the power is from the one expected.
+        """
+        force_n = self._rise(self._taken_s - lag_s[:, None])[:, None]
+        # noise about zero keeps its sign
+        law = np.sign(force_n) * np.abs(force_n) ** self._powers[:, None] / self._sd_px  # (L, 61, n)
+        size = (law**2).sum(axis=-1)
+        scale = np.divide((law * self._moved).sum(axis=-1), size, out=np.zeros_like(size), where=size > 0)
+        left = ((self._moved - scale[..., None] * law) ** 2).sum(axis=-1)
+        return np.asarray((left + ((self._powers - POWER) / POWER_SD) ** 2).min(axis=-1))
 
     def misfit_of_one(self, lag_s: float) -> float:
         """Mean square of the residuals, by the degrees of freedom."""
-        return self._misfit(lag_s) / max(self._taken_s.size - 2, 1)
+        return float(self._misfit(np.array([lag_s]))[0]) / max(self._taken_s.size - 2, 1)
 
     @cached_property
     def best_lag_s(self) -> float:
         """The lag of the least misfit, to half a millisecond."""
         best_s, step_s = 0.0, 0.01
-        around = np.arange(-FARTHEST_S, FARTHEST_S + step_s / 2, step_s)
+        around: NDArray[np.floating[Any]] = np.arange(-FARTHEST_S, FARTHEST_S + step_s / 2, step_s)
         while step_s >= FINEST_S:
-            best_s = float(min(around, key=self._misfit))
+            best_s = float(around[np.argmin(self._misfit(around))])
             step_s /= 5
-            around = best_s + step_s * np.arange(-5, 6)
+            around = best_s + step_s * np.arange(-5.0, 6.0)
         return best_s
 
     def error_s(self, lag_s: float) -> float:
         """Standard error from how fast the misfit rises on either side, whatever the power there."""
-        least = self._misfit(lag_s)
         step_s = 0.005
-        bend = (self._misfit(lag_s + step_s) + self._misfit(lag_s - step_s) - 2 * least) / step_s**2
+        before, least, after = self._misfit(lag_s + step_s * np.array([-1.0, 0.0, 1.0])).tolist()
+        bend = (after + before - 2 * least) / step_s**2
         spread = max(self.misfit_of_one(lag_s), 1.0)
         return float(np.sqrt(2 * spread / bend)) if bend > 0 else float("inf")

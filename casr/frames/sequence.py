@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.camera import Camera
-from casr.counts import count
 from casr.errors import CameraError, FramesError
 from casr.frames.readings import ForceReadings
 from casr.images import Grey
@@ -149,7 +148,6 @@ class FrameSequence:
                 found=f"frame {index}",
                 do="Frames are counted from 0 in the order of the file.",
             )
-        count("frames decoded")
         return self.source.read(index % len(self))
 
     def __iter__(self) -> Iterator[Grey]:

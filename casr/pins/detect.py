@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from casr.counts import count
 from casr.errors import PinsError
 from casr.images import Grey, as_grey
+from casr.median import median
 from casr.pins.blobs import Blobs, above_surroundings, find_blobs, round_parts
 from casr.pins.lattice import NEIGHBOURS, nearest_pins
 from casr.pins.pitch import guess_pitch_px
@@ -112,7 +113,7 @@ def find_pins(grey: Grey, view: PinView) -> Pins:
 
 def reach_px(spacing_px: NDArray[np.float64]) -> NDArray[np.float64]:
     """Radius around each pin that holds all of it and nothing of the next one, from the distance (N,) to that one."""
-    reach: NDArray[np.float64] = REACH_OF_SPACING * np.minimum(spacing_px, np.median(spacing_px))
+    reach: NDArray[np.float64] = REACH_OF_SPACING * np.minimum(spacing_px, median(spacing_px))
     return reach
 
 

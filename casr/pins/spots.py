@@ -48,8 +48,8 @@ def measure_spots(image: Grey, near_px: NDArray[np.float64], reach_px: NDArray[n
     """
     widest = max(float(reach_px.max(initial=0.0)), SMALLEST_REACH_PX)
     margin = int(widest)
-    disc = _disc(int(widest**2))
     padded = cast(Grey, cv2.copyMakeBorder(image, margin, margin, margin, margin, cv2.BORDER_REPLICATE))
+    disc = _disc(int(widest**2), padded.shape[1])
     limit = np.array([image.shape[1], image.shape[0]]) - 1.0
     centres = np.clip(np.rint(near_px), 0, limit)
     found = _weigh(padded, centres, reach_px, disc)
@@ -64,27 +64,37 @@ def measure_spots(image: Grey, near_px: NDArray[np.float64], reach_px: NDArray[n
     return Spots(found[:, :2], found[:, 2], found[:, 3])
 
 
+@dataclass(frozen=True)
+class _Disc:
+    """Offsets x, y (K, 2) and distance (K,) of the pixels of a disc, and their places in a padded image that begins at
+    the corner of the first disc."""
+
+    offset: NDArray[np.float32]
+    distance: NDArray[np.float32]
+    place: NDArray[np.intp]
+
+
 @lru_cache(maxsize=64)
-def _disc(radius_squared: int) -> NDArray[np.float32]:
-    """(K, 3) offsets x, y and distance of the pixels of a disc."""
+def _disc(radius_squared: int, width: int) -> _Disc:
+    """The disc in a padded image of so many columns."""
     k = math.isqrt(radius_squared)
     y, x = np.mgrid[-k : k + 1, -k : k + 1]
     inside = x * x + y * y <= radius_squared
-    disc: NDArray[np.float32] = np.stack([x, y, np.hypot(x, y)], axis=-1)[inside].astype(np.float32)
-    disc.flags.writeable = False
-    return disc
+    pixels = np.stack([x, y, np.hypot(x, y)], axis=-1)[inside].astype(np.float32)
+    found = _Disc(pixels[:, :2], pixels[:, 2], (x + k + (y + k) * width)[inside])
+    for array in (found.offset, found.distance, found.place):
+        array.flags.writeable = False
+    return found
 
 
 def _weigh(
-    padded: Grey, centres: NDArray[np.float64], reach_px: NDArray[np.float64], disc: NDArray[np.float32]
+    padded: Grey, centres: NDArray[np.float64], reach_px: NDArray[np.float64], disc: _Disc
 ) -> NDArray[np.float64]:
     """(N, 4): centroid, area, contrast; the padding of the image is the radius of the disc."""
-    width = padded.shape[1]
-    start = (centres @ (1, width)).astype(np.intp) - int(disc[:, :2].min()) * (width + 1)
-    step = (disc[:, 1] * width + disc[:, 0]).astype(np.intp)
-    grey = padded.ravel().take(start[:, None] + step).astype(np.float32)
+    start = (centres[:, 0] + centres[:, 1] * padded.shape[1]).astype(np.intp)
+    grey = padded.ravel().take(start[:, None] + disc.place).astype(np.float32)
     count("pixels weighed", grey.size)
-    beyond = (disc[:, 2] > reach_px[:, None].astype(np.float32)) * OUT_OF_REACH
+    beyond = (disc.distance > reach_px[:, None].astype(np.float32)) * OUT_OF_REACH
     background = np.partition(grey[:, ::EVERY] + beyond[:, ::EVERY], RANK, axis=1)[:, RANK]
     grey -= beyond
     top = grey.max(axis=1)
@@ -93,7 +103,7 @@ def _weigh(
         contrast = top - background
         weight = np.maximum(grey - (background + np.float32(LEVEL_FRACTION) * contrast)[:, None], 0.0)
         weight *= weight / (weight + np.float32(SOFT_FRACTION) * contrast[:, None])
-        found[:, :2] = centres + (weight @ disc[:, :2]).astype(np.float64) / weight.sum(axis=1)[:, None]
+        found[:, :2] = centres + (weight @ disc.offset).astype(np.float64) / weight.sum(axis=1)[:, None]
         found[:, 2] = (grey > (background + 0.5 * contrast)[:, None]).sum(axis=1)
     found[:, 3] = contrast
     return found

@@ -101,7 +101,8 @@ def noisy_share(grey: Grey, most: float) -> float:
     over = (curved / MEDIAN_OF_NORMAL > np.float64(most)).sum(axis=1)
     noisy = 2 * over > curved.shape[1]
     even = 2 * over == curved.shape[1]
-    noisy[even] = np.median(curved[even], axis=1) / MEDIAN_OF_NORMAL > np.float64(most)
+    if even.any():
+        noisy[even] = np.median(curved[even], axis=1) / MEDIAN_OF_NORMAL > np.float64(most)
     return float(noisy.mean())
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import t as student
 
-from casr.errors import CasrError
+from casr.errors import CasrError, PassingError
 from casr.frame_files import open_frames, read_force_log
 from casr.frame_files.folder import FORCE_FILE
 from casr.frames import FrameSequence
@@ -71,7 +71,7 @@ def measure_delay(folders: Sequence[Path]) -> CameraDelay:
     for press in (path for folder in folders for path in sorted(folder.glob("press-*"))):
         try:
             found_s.append(_shift_of_press(press))
-        except (CasrError, RecordingError) as error:
+        except (CasrError, PassingError, RecordingError) as error:
             left_out.append(f"{press.parent.name}/{press.name}: {error}")
     if len(found_s) < FEWEST_PRESSES:
         raise RecordingError(

@@ -164,7 +164,8 @@ class Measured:
         if key not in self._skins:
             taken = self._seen.frames if self._seen else np.empty(0, dtype=np.intp)
             bad = np.setdiff1d(np.arange(taken[0], taken[-1]), taken) if taken.size else taken
-            self._skins[key] = score_skin(*self._asked(recipe, "skin"), bad.tolist())
+            own = key == _growth(self._settings.recipe)  # of the others nobody reads the notes
+            self._skins[key] = score_skin(*self._asked(recipe, "skin"), bad.tolist(), doubt_pins=own)
         return self._skins[key]
 
     def _asked(self, recipe: Recipe, quantity: str) -> tuple[FrameSequence, ScoreSettings]:

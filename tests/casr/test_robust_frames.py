@@ -23,7 +23,7 @@ from casr.pins import Pins, PinSettings
 from casr.scoring import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.stream import SKIPPED, StreamScorer
-from casr.synthetic import ContactWorld, PressSettings, Skin, simulate_press
+from casr.synthetic import ContactWorld, PressSettings, Skin, TimelineSettings, simulate_press
 
 Images = NDArray[np.uint8]
 SKIN = ScoreSettings(quantity="skin")
@@ -31,11 +31,11 @@ Frames = tuple[Images, NDArray[np.float64]]
 
 
 @cache
-def press(specimen: str = "S3", skin: Skin | None = None) -> Frames:
+def press(loading_s: float = 1.5) -> Frames:
     """Frames from rest to a little after the peak, and their force."""
     settings = PressSettings(
-        stiffness_n_per_mm=SPECIMENS[specimen], world=ContactWorld(), **({} if skin is None else {"skin": skin})
-    )  # type: ignore[arg-type]
+        stiffness_n_per_mm=SPECIMENS["S3"], world=ContactWorld(), timeline=TimelineSettings(loading_s=loading_s)
+    )
     made = simulate_press(settings)
     last = int(made.truth.loading_frames[-1]) + 3
     force = force_per_frame(made.timeline.log_force_n, made.timeline.log_frame_index, len(made.frames))
@@ -44,6 +44,13 @@ def press(specimen: str = "S3", skin: Skin | None = None) -> Frames:
 
 def scored(images: Images, force: NDArray[np.float64], settings: ScoreSettings | None = None) -> Score:
     return score(FrameSequence(ArrayFrames(images), None, force), settings or SKIN)
+
+
+@cache
+def clean_score(border_px: int = 0) -> Score:
+    """Of the press as it is, its images with a black border."""
+    images, force = press()
+    return scored(np.pad(images, ((0, 0), (border_px, border_px), (border_px, border_px))), force)
 
 
 def streamed(images: Images, force: NDArray[np.float64]) -> Score:
@@ -72,7 +79,7 @@ def half_noise(image: Images) -> Images:
 @pytest.mark.parametrize("spoil", [black, torn, half_noise])
 def test_a_bad_frame_is_left_out_and_said(spoil: Callable[[Images], Images]) -> None:
     images, force = press()
-    clean = scored(images, force)
+    clean = clean_score()
     bad = images.copy()
     hit = [int(clean.frames[k]) for k in (6, 15, 16, len(clean.frames) - 1)]
     for index in hit:
@@ -93,7 +100,7 @@ def test_a_bad_frame_is_left_out_and_said(spoil: Callable[[Images], Images]) -> 
 
 def test_a_bad_first_contact_leaves_the_next_frame_to_be_it() -> None:
     images, force = press()
-    clean = scored(images, force)
+    clean = clean_score()
     bad = images.copy()
     bad[clean.frames[0]] = 0
     for found in (scored(bad, force), streamed(bad, force)):
@@ -103,7 +110,7 @@ def test_a_bad_first_contact_leaves_the_next_frame_to_be_it() -> None:
 
 def test_three_bad_frames_in_a_row_end_the_press() -> None:
     images, force = press()
-    first = int(scored(images, force).frames[0])
+    first = int(clean_score().frames[0])
     bad = images.copy()
     bad[first + 10 : first + 13] = 0
     with pytest.raises(PinsError, match=rf"frame {first + 12}, pins: .*in 3 frames in a row"):
@@ -128,7 +135,7 @@ def test_the_stream_says_which_frame_it_skips_and_goes_on() -> None:
 def test_a_knock_of_the_camera_is_taken_out(knock_px: tuple[int, int]) -> None:
     images, force = press()
     wide = np.pad(images, ((0, 0), (60, 60), (60, 60)))
-    clean = scored(wide, force)
+    clean = clean_score(60)
     knocked = wide.copy()
     middle = int(clean.frames[20])
     knocked[middle:] = np.roll(wide[middle:], knock_px[::-1], axis=(1, 2))
@@ -147,7 +154,7 @@ def without_pin(image: Images, at_px: NDArray[np.float64]) -> Images:
 
 
 def test_one_lost_pin_of_three_does_not_end_a_press() -> None:
-    images, force = press()
+    images, force = press(3.0)
     clean = scored(images, force)
     start = clean.frames[0]
     pins = clean.contact_px
@@ -192,7 +199,7 @@ def test_growth_is_refused_in_clear_words_when_no_pins_are_left_around() -> None
 @pytest.mark.parametrize("appearance", ["large", "noisy", "dark"])
 def test_large_noisy_and_dark_frames_are_scored_as_the_clean_ones(appearance: str) -> None:
     images, force = press()
-    first = int(scored(images, force).frames[0])
+    first = int(clean_score().frames[0])
     rows = np.r_[0:4, first : first + 8]
     images, force = images[rows], force[rows]
     clean, settings, scale, within = scored(images, force), SKIN, 1, 0.01
@@ -230,7 +237,12 @@ class SquareSkin(Skin):
 
 def test_a_square_grid_of_pins_is_scored() -> None:
     made = simulate_press(
-        PressSettings(stiffness_n_per_mm=SPECIMENS["S5"], skin=SquareSkin(pitch_px=23.0), world=ContactWorld())
+        PressSettings(
+            stiffness_n_per_mm=SPECIMENS["S5"],
+            skin=SquareSkin(pitch_px=23.0),
+            world=ContactWorld(),
+            timeline=TimelineSettings(loading_s=1.5),
+        )
     )
     force = force_per_frame(made.timeline.log_force_n, made.timeline.log_frame_index, len(made.frames))
     images = np.stack([made.frames.read(index) for index in range(len(made.frames))])

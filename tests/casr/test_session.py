@@ -12,14 +12,15 @@ from casr.frames import FrameSequence, force_per_frame
 from casr.scoring import Score, score
 from casr.session import Stretch, stretch_of, unlike_others
 from casr.specimens import SPECIMENS
-from casr.synthetic import PressSettings, simulate_press
+from casr.synthetic import PressSettings, TimelineSettings, simulate_press
 from casr.synthetic.contact import ContactWorld
 
 
 @cache
 def pressed(specimen: str, stick_force_n: float | None, repetition: int = 0) -> Score:
     """In the world that sticks up to a force, or by finite elements."""
-    settings = PressSettings(stiffness_n_per_mm=SPECIMENS[specimen], repetition=repetition)
+    timeline = TimelineSettings(loading_s=1.5)
+    settings = PressSettings(stiffness_n_per_mm=SPECIMENS[specimen], repetition=repetition, timeline=timeline)
     if stick_force_n is not None:
         settings = dataclasses.replace(settings, world=ContactWorld(stick_force_n=stick_force_n))
     press = simulate_press(settings)

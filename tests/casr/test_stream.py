@@ -16,9 +16,10 @@ from casr.frames import FrameSequence, force_per_frame
 from casr.scoring import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.stream import StreamScorer, StreamState
-from casr.synthetic import ContactWorld, PressSettings, TabulatedWorld, World, simulate_press
+from casr.synthetic import ContactWorld, PressSettings, TabulatedWorld, TimelineSettings, World, simulate_press
 
 Frames = tuple[NDArray[np.uint8], NDArray[np.float64]]
+BRISK = TimelineSettings(loading_s=1.5)
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +28,7 @@ def press() -> Frames:
 
 
 def pressed(world: World) -> Frames:
-    made = simulate_press(PressSettings(stiffness_n_per_mm=SPECIMENS["S3"], world=world))
+    made = simulate_press(PressSettings(stiffness_n_per_mm=SPECIMENS["S3"], world=world, timeline=BRISK))
     line = made.timeline
     images = np.stack([made.frames.read(index) for index in range(len(made.frames))])
     return images, force_per_frame(line.log_force_n, line.log_frame_index, len(images))

@@ -70,3 +70,7 @@ def test_every_folder_is_a_mounting_unless_the_rig_says_that_it_goes_on(run, tmp
     assert [press.mounting for press in read_presses(folders)] == [1] * 3 + [2] * 6 + [3] * 3
     (run / PLAN_FILE).write_text('{"plan": {"mounting": [1]}}')
     assert [press.mounting for press in read_presses(folders)] == [1] * 3 + [2] * 6 + [3] * 3
+
+
+def test_a_folder_that_is_gone_has_no_presses(tmp_path):
+    assert list(read_presses([tmp_path / "taken away"], None)) == []

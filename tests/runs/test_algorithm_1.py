@@ -48,9 +48,10 @@ def test_n_is_that_of_a_second_implementation(pairs: list[Pair]) -> None:
         apart.append(selected_pins(mask_centroids(rest), mask_centroids(contact)) - found[-1])
     assert found == again
     assert min(found) < 10 < 20 < max(found)
-    # a mask of its own moves centroids by a tenth of a pixel, and whole pixels turn that into a pin more or less
+    # a mask of its own moves centroids by a tenth of a pixel, and whole pixels turn that into a pin more or less; into
+    # several in a press whose pins move alike, by just the threshold
     assert np.median(apart) == 0
-    assert max(map(abs, apart)) <= 3
+    assert np.count_nonzero(np.abs(apart) <= 1) >= 27
 
 
 def test_pins_that_move_by_more_than_half_a_pitch_find_no_other_partner() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from casr.contact_area import initial_area
+from casr.errors import PassingError
 from casr.frames import FrameSequence
 from casr.scored import ScoreSettings
 from casr.scoring import score
@@ -94,6 +95,17 @@ def test_presses_that_cannot_be_scored_stay_with_their_reason(run):
     for name in ALGORITHMS:
         assert np.isnan(run.a_c0[name][1:]).all()
     assert [curve.force_n.size > 0 for curve in run.curves] == [True, False, False]
+
+
+def test_frames_that_may_be_readable_another_time_leave_no_score_that_would_be_kept(sequence, monkeypatch):
+    """A video decoder that the system killed says nothing about the press."""
+
+    def killed(*_args):
+        raise PassingError("press", wanted="frames", found="a decoder that was killed", do="Run again.")
+
+    monkeypatch.setattr(SimulatedFrames, "read", killed)
+    with pytest.raises(PassingError):
+        scored(press(sequence))
 
 
 def test_force_over_indentation_comes_from_the_log(run):

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from casr.counts import counting
+from casr.frame_files import open_frames
 from casr.frames import FrameSequence
 from casr.pins import PinTracker
 from casr.specimens import SPECIMENS
 from casr.synthetic import PressSettings, simulate_press
 from casr.synthetic.settings import TimelineSettings
+from casr.synthetic.write import write_press
+from emg2vsa.pipeline.profile import StageProfile
+from emg2vsa.run_folders.presses import read_presses
 from emg2vsa.runs import RunScores
 from emg2vsa.runs.counted_pins import counted_pins
 from emg2vsa.runs.press import Press
@@ -83,3 +89,31 @@ def test_pins_counted_of_a_scored_press_are_those_counted_alone(sequence: FrameS
     assert alone is not None
     for name in ("frames", "force_n", "rest_px", "contact_px", "selected"):
         np.testing.assert_array_equal(getattr(together, name), getattr(alone, name))
+
+
+def test_decoded_frames_are_counted_where_they_are_decoded(tmp_path: Path) -> None:
+    timeline = TimelineSettings(loading_s=1.0)
+    press = simulate_press(PressSettings(stiffness_n_per_mm=SPECIMENS["S3"], timeline=timeline))
+    folder = write_press(press, tmp_path / "S3_0_modular" / "press-001")
+    with counting() as counts:
+        (found,) = read_presses([folder.parent])
+        scores = score_run(
+            [found], RunSettings(), specimen="S3", angle_deg=0.0, condition="modular", simulated=True
+        )  # fmt: skip
+    assert scores.verdicts == ("ok",)
+    assert counts["frames in folder"] == len(press.frames)
+    # two recipes score the press, and both look at most of its loading
+    assert len(scores.curves[0].force_n) < counts["frames decoded"] < counts["frames in folder"]
+    assert "frames decoded again" not in counts
+    with counting() as again:
+        opened = open_frames(folder)
+        for index in (0, 3, 3):
+            opened[index]
+    assert again["frames decoded"] == 2
+    assert again["frames decoded again"] == 1  # the first frame is kept
+
+
+def test_a_profile_says_how_many_frames_nobody_asked_for() -> None:
+    profiled = StageProfile(counts=Counter({"frames in folder": 30, "frames decoded": 18, "frames decoded again": 2}))
+    assert profiled.counted["frames not decoded"] == 12
+    assert "frames not decoded" not in StageProfile(counts=Counter({"fits": 3})).counted

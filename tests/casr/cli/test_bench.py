@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 import benchmarks.tactile
-from casr.cli import bench, main
+from casr import source_checkout
+from casr.cli import main
 
 
 def test_options_reach_the_bench(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -41,7 +42,7 @@ def test_an_unknown_kind_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
 def test_without_a_checkout_it_says_where_the_benchmarks_are(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(bench, "SOURCE", tmp_path)
+    monkeypatch.setattr(source_checkout, "SOURCE", tmp_path)
     assert main(["bench"]) == 2
     complaint = capsys.readouterr().err
     assert complaint.count("\n") == 1

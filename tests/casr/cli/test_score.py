@@ -63,7 +63,8 @@ def test_a_front_that_is_not_determined_heads_the_press(tmp_path: Path, capsys: 
 
 def test_a_press_unlike_the_others_is_named(presses: Path, tmp_path: Path, capsys: Captured) -> None:
     run = tmp_path / "run"
-    shutil.copytree(presses, run)
+    for name in ("S1_00deg_01", "S5_00deg_01", "S5_00deg_02"):
+        shutil.copytree(presses / name, run / name)
     odd = PressSettings(stiffness_n_per_mm=3.35, world=ContactWorld(stick_force_n=0.5))
     write_press(simulate_press(odd), run / "odd", overwrite=False)
     page = tmp_path / "pages.html"

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 import shutil
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import cv2
 import pytest
@@ -27,13 +30,19 @@ def press(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_press(made, tmp_path_factory.mktemp("stream") / "press", overwrite=False)
 
 
+@pytest.fixture(scope="module")
+def recorded(press: Path) -> dict[str, Any]:
+    """What ``casr score`` says of it."""
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        assert main(["score", str(press), "--json"]) == 0
+    return dict(json.loads(out.getvalue()))
+
+
 def lines_of(out: str) -> list[dict[str, object]]:
     return [json.loads(line) for line in out.splitlines()]
 
 
-def test_the_last_line_is_the_score_of_the_recording(press: Path, capsys: Captured) -> None:
-    assert main(["score", str(press), "--json"]) == 0
-    recorded = json.loads(capsys.readouterr().out)
+def test_the_last_line_is_the_score_of_the_recording(press: Path, recorded: dict[str, Any], capsys: Captured) -> None:
     assert main(["stream", str(press), "--json"]) == 0
     *frames, last = lines_of(capsys.readouterr().out)
     score = last["score"]
@@ -61,10 +70,8 @@ def test_for_people(press: Path, capsys: Captured) -> None:
 
 @pytest.mark.parametrize("pages", [True, pytest.param(False, marks=pytest.mark.slow)], ids=["images", "one file"])
 def test_a_press_that_is_being_recorded_is_followed_to_its_end(
-    press: Path, tmp_path: Path, capsys: Captured, pages: bool
+    press: Path, recorded: dict[str, Any], tmp_path: Path, capsys: Captured, pages: bool
 ) -> None:
-    assert main(["score", str(press), "--json"]) == 0
-    recorded = json.loads(capsys.readouterr().out)
     folder = tmp_path / "growing"
 
     def record() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from casr.errors import FramesError, ImageError
-from casr.frame_files import open_frames
+from casr.frame_files import npy, open_frames
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, ">u2", np.float32, np.float64])
@@ -71,6 +71,11 @@ def test_what_is_no_npy(tmp_path, data):
     (tmp_path / "press.npy").write_bytes(data)
     with pytest.raises(FramesError, match=r"press.npy: expected an .npy file"):
         open_frames(tmp_path / "press.npy")
+
+
+def test_an_npy_that_goes_away_is_named(tmp_path):
+    with pytest.raises(FramesError, match=r"gone.npy: expected a file or folder that can be read"):
+        npy.open_file(tmp_path / "gone.npy")
 
 
 @pytest.mark.slow

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from casr.decoder_child import Limits
-from casr.decoder_process import InChild, child_pid, end_child
-from casr.errors import FramesError
+from casr.decoder_process import DecoderLost, InChild, child_pid, end_child
+from casr.errors import FramesError, PassingError
 from casr.frame_files import open_frames, video
 from casr.frame_files.video import VideoDecoder
 
@@ -144,7 +144,7 @@ def test_a_decoder_that_crashes_is_a_frames_error(tmp_path, striped, monkeypatch
     monkeypatch.syspath_prepend(tmp_path)
     end_child()
     sequence = open_frames(write_video(tmp_path / "press.avi", striped, "MJPG"))
-    monkeypatch.setattr(sequence.source, "_decoder", InChild("OpenCV", "crashing", "Decoder", (), Limits()))
+    monkeypatch.setattr(sequence.source._frames, "_decoder", InChild("OpenCV", "crashing", "Decoder", (), Limits()))
     with pytest.raises(
         FramesError, match=r"press.avi: expected a video .* that its reader crashed \(OpenCV, segm.* Copy"
     ):
@@ -153,13 +153,24 @@ def test_a_decoder_that_crashes_is_a_frames_error(tmp_path, striped, monkeypatch
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no process can be stopped on Windows")
-def test_a_video_that_takes_too_long_is_refused(tmp_path, striped, monkeypatch):
+def test_a_video_that_takes_too_long_may_be_sound(tmp_path, striped, monkeypatch):
     path = write_video(tmp_path / "press.avi", striped, "MJPG")
     open_frames(path)  # starts the child
     os.kill(child_pid(), signal.SIGSTOP)
     monkeypatch.setattr(video, "LIMITS", Limits(seconds=0.2))
-    with pytest.raises(FramesError, match=r"that its reader took more than .* s\. Copy the file again"):
+    with pytest.raises(PassingError, match=r"that its reader took more than .* s\. The file may be sound"):
         open_frames(path)
+
+
+def test_a_video_whose_decoder_is_killed_twice_may_be_sound(tmp_path, striped, monkeypatch):
+
+    def killed(*_args):
+        raise DecoderLost("its reader was killed from outside (OpenCV, killed)")
+
+    frames = open_frames(write_video(tmp_path / "press.avi", striped, "MJPG"))
+    monkeypatch.setattr(InChild, "ask", killed)
+    with pytest.raises(PassingError, match="killed from outside"):
+        frames[5]
 
 
 def test_a_frame_may_be_changed_without_changing_the_file_s(tmp_path, striped):
