@@ -13,9 +13,8 @@ The stages are modules, in the order of the data: recordings, extraction, fits, 
 
 from __future__ import annotations
 
-from importlib import import_module
-
 from casr import __version__ as __version__
+from casr.lazy_names import lazy_names
 
 _NAMES = {
     "Emg2vsaError": "errors",
@@ -35,14 +34,4 @@ _NAMES = {
 """Public name to the module below this package that has it; loaded when it is first asked for."""
 __all__ = ["__version__", *_NAMES]
 
-
-def __getattr__(name: str) -> object:
-    if name not in _NAMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"{__name__}.{_NAMES[name]}"), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazy_names(__name__, _NAMES)

@@ -17,7 +17,7 @@ class RecordingError(InputError):
     """A recording, or one of its channels, cannot be read as asked."""
 
 
-class PassingError(RecordingError):
+class PassingError(RecordingError, casr.errors.PassingError):
     """Reading a recording failed for a reason that may pass: its reader took too long, crashed or was killed."""
 
 

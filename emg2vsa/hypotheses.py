@@ -75,14 +75,14 @@ class Hypotheses:
 
         Where some of these tests are missing, their largest p can refute a claim (p >= alpha), but not confirm it.
         """
-        blocks, tost = self.tests.blocks, self.tests.equality.tost
+        blocks, equality = self.tests.blocks, self.tests.equality
         over = np.nan if blocks is None else blocks.repeated.p_gg[0]
         claims = {
             "specimens_within_participants": self._every(self.tests.between_groups.anova.p, self.missing_cells),
             "kept_pairs_within_participants": self._every(np.array([self.worst_p]), self.missing_pairs),
             "specimens_over_participants": over,
         }
-        equal = {} if tost is None else {"participants_equal": self._every(tost.p, self.missing_cells)}
+        equal = {"participants_equal": self._every(equality.p, self.missing_cells)} if equality.margin else {}
         return {name: float(p) for name, p in (claims | equal).items()}
 
     def _every(self, p: Floats, missing: tuple[str, ...]) -> float:
@@ -97,10 +97,12 @@ def test_hypotheses(
     settings: HypothesisSettings,
     participants: Sequence[str] = (),  # noqa: PT028 - a function of the package, not a test
     specimens: Sequence[str] = (),  # noqa: PT028
+    laws: ForceLaws | None = None,  # noqa: PT028
 ) -> Hypotheses:
     """Test b of the trials that ``settings.use`` admits. Never raises for a small or incomplete study.
 
     participants, specimens : who was asked to press what; those of ``fits`` count as asked in any case.
+    laws : where they were compared already; ``fits`` then need no force bins.
     """
     admitted = usable(fits, settings.use)
     clusters = clusters_of(fits.participant, fits.specimen, fits.b_v, admitted)
@@ -129,7 +131,7 @@ def test_hypotheses(
             fits.b_v[admitted],
             1 - settings.alpha,
         ),
-        laws=force_laws(fits, settings.use, 1 - settings.alpha),
+        laws=laws or force_laws(fits, settings.use, 1 - settings.alpha),
         alpha=settings.alpha,
         notes=(*_left_out(clusters), *_incomplete(clusters, kept, tests.pairs.lsd.p), power_note),
     )

@@ -31,7 +31,6 @@ from scipy import special
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.forms import HERTZ, kappa_slope
-from emg2vsa.calibration.left_out import widened_interval
 from emg2vsa.calibration.mountings import by_mounting
 from emg2vsa.calibration.presses import mean_of
 from emg2vsa.calibration.repeats import RepeatInterval, labels_side_by_side, side_by_side
@@ -117,22 +116,6 @@ def mm_per_n(indent_n_per_mm: ArrayLike) -> Floats:
 
 def fuse(
     cutaneous: Calibration,
-    kinesthetic: Calibration,
-    casr: Floats,
-    indent_n_per_mm: Floats,
-    mountings: Ints | None = None,
-) -> Fusion:
-    """kappa of a specimen by both cues; scores (R,) or (d, R), of the same presses in the same order.
-
-    mountings : (R,) number of each press's mounting; None: one.
-    """
-    area, depth = np.atleast_2d(casr), np.atleast_2d(mm_per_n(indent_n_per_mm))
-    c, k = widened_interval(cutaneous, area, mountings), widened_interval(kinesthetic, depth, mountings)
-    return fuse_intervals(cutaneous, c, area, kinesthetic, k, depth, mountings)
-
-
-def fuse_intervals(
-    cutaneous: Calibration,
     c: RepeatInterval,
     area: Floats,
     kinesthetic: Calibration,
@@ -140,7 +123,11 @@ def fuse_intervals(
     depth: Floats,
     mountings: Ints | None = None,
 ) -> Fusion:
-    """Both intervals together; area, depth : (d, R) scores that they are from, NaN where there is none."""
+    """kappa of d specimens by both cues, of the same presses in the same order.
+
+    c, k : interval of each cue alone. area, depth : (d, R) the scores it is from, NaN where there is none.
+    mountings : (R,) number of each press's mounting; None: one.
+    """
     labels = labels_side_by_side(cutaneous.labels, area.shape[1], mountings)
     a, b = (by_mounting(side_by_side(cue.casr, own), labels) for cue, own in ((cutaneous, area), (kinesthetic, depth)))
     correlation = _correlation(a.reshape(len(a), -1, a.shape[-1]), b.reshape(len(b), -1, b.shape[-1]))

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.forms import eta_of
 from emg2vsa.calibration.laws import LAWS, WAYS
-from emg2vsa.calibration.repeats import RepeatInterval, repeat_interval
+from emg2vsa.calibration.repeats import repeat_interval
 from emg2vsa.settings import CalibrationSettings, Law
 
 
@@ -47,12 +47,6 @@ class LeftOut:
         """(d,) factor on the standard errors of a law that is rejected; 1 where it is not, or cannot be tested."""
         largest = np.max(np.where(np.isfinite(self.misfit), self.misfit, 1.0), axis=1, initial=1.0)
         return np.where(self.law_p < 1 - confidence, largest, 1.0)
-
-
-def widened_interval(calibration: Calibration, scores: Floats, mountings: Ints | None = None) -> RepeatInterval:
-    """``repeat_interval``, widened where the calibration's own test rejects its law."""
-    widened = left_out(calibration).widening(calibration.settings.confidence)
-    return repeat_interval(calibration, scores, mountings=mountings, widened=widened)
 
 
 def left_out(calibration: Calibration) -> LeftOut:

@@ -34,7 +34,7 @@ from emg2vsa.calibration.forms import (
     mount_share,
     specimen_share,
 )
-from emg2vsa.calibration.fusion import DISAGREE_P, calibrate_indentation, fuse_intervals
+from emg2vsa.calibration.fusion import DISAGREE_P, calibrate_indentation, fuse
 from emg2vsa.calibration.left_out import left_out
 from emg2vsa.calibration.repeats import interval_of, repeat_interval
 from emg2vsa.settings import CalibrationSettings
@@ -151,7 +151,7 @@ class OnlineCalibration:
         if self.by_travel and np.isfinite(depth).any():
             kinesthetic = self.by_travel.take(at)
             k = repeat_interval(kinesthetic, depth, mountings=mountings, own_noise=False, widened=self._widened[1])
-            both = fuse_intervals(cutaneous, c, area, kinesthetic, k, depth, mountings)
+            both = fuse(cutaneous, c, area, kinesthetic, k, depth, mountings)
             if np.isfinite(both.kappa).any():
                 return Judged(both.kappa, both.low, both.high, both.reach, share * both.weight, BOTH, both.p)
         return Judged(c.kappa, c.low, c.high, c.reach, share, AREA, np.full(c.kappa.shape, np.nan))

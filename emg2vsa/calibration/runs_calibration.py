@@ -21,7 +21,7 @@ from emg2vsa.calibration.forms import (
     mount_share,
     specimen_share,
 )
-from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse_intervals, mm_per_n
+from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse, mm_per_n
 from emg2vsa.calibration.left_out import compare_laws
 from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.calibration.presses import MOST_OUTLIERS, far_off, without_outliers
@@ -246,7 +246,7 @@ class _OneCondition:
     def _both(self, cutaneous: Estimate, scores: Floats, kinesthetic: Estimate) -> Fusion:
         area, depth = (np.atleast_2d(each) for each in (scores, mm_per_n(self.new.indent_n_per_mm)))
         c, k = cutaneous.repeats, kinesthetic.repeats
-        return fuse_intervals(cutaneous.calibration, c, area, kinesthetic.calibration, k, depth, self.new.mounting)
+        return fuse(cutaneous.calibration, c, area, kinesthetic.calibration, k, depth, self.new.mounting)
 
     def _law(self, found: Estimate, notes: tuple[str, ...] = ()) -> LawResult:
         calibration, serial, without = found.calibration, found.repeats.serial, found.left_out

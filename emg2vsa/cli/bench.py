@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from importlib import import_module
 from pathlib import Path
 
-import emg2vsa
 from casr.command_line import Commands, add_command, whole_number
-
-SOURCE = Path(emg2vsa.__file__).parents[1]
-"Folder of the package; in a source checkout the benchmarks lie there too."
+from casr.source_checkout import benchmarks
+from emg2vsa.errors import SettingError
 
 
 def add_to(commands: Commands) -> None:
@@ -42,18 +38,13 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    if not (SOURCE / "benchmarks" / "bench").is_dir():
-        from emg2vsa.errors import SettingError
-
-        raise SettingError(
-            "bench", wanted=f"a source checkout, with benchmarks/ beside {SOURCE / 'emg2vsa'}", found="none",
-            do=f"Get the sources of emg2vsa {emg2vsa.__version__} and run there: python -m emg2vsa.cli bench",
-        )  # fmt: skip
-    if str(SOURCE) not in sys.path:
-        sys.path.insert(0, str(SOURCE))
     if arguments.area == ["stress"]:
-        return int(import_module("benchmarks.stress").run(arguments.out, arguments.smoke))
-    program = import_module("benchmarks.bench.run")
+        for name in ("only", "repeats", "json", "compare", "list"):
+            if getattr(arguments, name):
+                do = "Leave it out: stress has --smoke and --out alone."
+                raise SettingError(f"bench stress, --{name}", wanted="no such option", found="it", do=do)
+        return int(benchmarks("stress", "emg2vsa").run(arguments.out, arguments.smoke))
+    program = benchmarks("bench.run", "emg2vsa")
     if arguments.list:
         program.list_areas()
         return 0

@@ -7,11 +7,10 @@ bins of its press. The first error holds how presses differ, the second is about
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
@@ -78,31 +77,49 @@ class ForceLaws:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class CellErrors:
+    """Of one cell: error (2, L), and unpredicted (2,) points, as in ``ForceLaws``."""
+
+    participant: str
+    specimen: str
+    error: Floats
+    unpredicted: Ints
+
+
 def force_laws(fits: Fits, use: str, confidence: float = 0.95) -> ForceLaws:
     """Compare the laws on the force bins of the trials that ``use`` admits; all bins count alike."""
-    cells = _cells(fits, usable(fits, use))
-    error, unpredicted = np.full((2, len(LAWS), len(cells)), np.nan), np.zeros(2, dtype=np.int64)
-    for i, (_, _, own) in enumerate(cells):
-        force_n, v = fits.bin_force_n[own], fits.bin_v[own]
-        for kind, split in enumerate((_without_a_press, _without_a_bin)):
-            error[kind, :, i], aside = _errors(force_n, v, split)
-            unpredicted[kind] += aside
-    participant = np.array([name for name, _, _ in cells], dtype=np.str_)
-    specimen = np.array([name for _, name, _ in cells], dtype=np.str_)
-    return _compared(participant, specimen, error, unpredicted, confidence)
+    return compare_laws(cell_errors(fits, use), confidence)
 
 
-def _cells(fits: Fits, admitted: NDArray[np.bool_]) -> list[tuple[str, str, list[int]]]:
-    """Participant, specimen and rows of each cell, both in natural order of their names."""
-    at = np.flatnonzero(admitted)
+def cell_errors(fits: Fits, use: str) -> list[CellErrors]:
+    """Errors of prediction of every cell of ``fits``: of recordings of different cells, one recording at a time will
+    do."""
+    at = np.flatnonzero(usable(fits, use))
     rows: dict[tuple[str, str], list[int]] = {}
-    for i, *cell in zip(at.tolist(), fits.participant[at].tolist(), fits.specimen[at].tolist(), strict=True):
-        rows.setdefault((cell[0], cell[1]), []).append(i)
+    for i, *names in zip(at.tolist(), fits.participant[at].tolist(), fits.specimen[at].tolist(), strict=True):
+        rows.setdefault((names[0], names[1]), []).append(i)
+    found = []
+    for (participant, specimen), own in rows.items():
+        kinds = [_errors(fits.bin_force_n[own], fits.bin_v[own], split) for split in (_without_a_press, _without_a_bin)]
+        errors, aside = zip(*kinds, strict=True)
+        found.append(CellErrors(participant, specimen, np.array(errors), np.array(aside, dtype=np.int64)))
+    return found
+
+
+def compare_laws(cells: Iterable[CellErrors], confidence: float = 0.95) -> ForceLaws:
+    """The laws over all cells, which are taken in natural order of their names."""
+    cells = list(cells)
     people, specimens = (
-        {name: place for place, name in enumerate(in_order(each).tolist())}
-        for each in (fits.participant, fits.specimen)
+        {name: place for place, name in enumerate(in_order(np.array(each, dtype=np.str_)).tolist())}
+        for each in ([cell.participant for cell in cells], [cell.specimen for cell in cells])
     )
-    return sorted(((*cell, own) for cell, own in rows.items()), key=lambda cell: (people[cell[0]], specimens[cell[1]]))
+    cells.sort(key=lambda cell: (people[cell.participant], specimens[cell.specimen]))
+    error = np.stack([cell.error for cell in cells], axis=-1) if cells else np.empty((2, len(LAWS), 0))
+    unpredicted = np.sum([cell.unpredicted for cell in cells], axis=0) if cells else np.zeros(2, dtype=np.int64)
+    participant = np.array([cell.participant for cell in cells], dtype=np.str_)
+    specimen = np.array([cell.specimen for cell in cells], dtype=np.str_)
+    return _compared(participant, specimen, error, unpredicted, confidence)
 
 
 _Split = Callable[[Floats, Floats], tuple[Floats, Floats, Floats, Floats]]

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.statistics.anova import Anova, VarianceTests, brown_forsythe, one_way
 from emg2vsa.statistics.bayes import BayesFactors, jzs_anova
 from emg2vsa.statistics.effect_size import omega2, share_interval
-from emg2vsa.statistics.equivalence import Equivalence, MarginUnit, tost
+from emg2vsa.statistics.equivalence import MarginUnit, tost_in_parts
 from emg2vsa.statistics.kruskal import KruskalWallis, kruskal
 from emg2vsa.statistics.lilliefors import Lilliefors, lilliefors
 from emg2vsa.statistics.moments import group_moments, unmasked
@@ -109,26 +109,48 @@ def group_tests(values: ArrayLike, confidence: float = 0.95) -> GroupTests:
 
 @dataclass(frozen=True)
 class EqualityTests:
-    """Over all pairs of groups of d designs.
+    """Over all pairs of groups of d designs, of which only what is said of all is kept: many groups have too many.
 
     bound : (d,) smallest margin within which every pair would be shown equal, in the unit of the data; bound_sd : in
-    pooled SDs of the design. tost : against the stated margin, both None without one.
+    pooled SDs of the design. pairs : (d,) that have a p, untested : that have none. margin, unit : as stated, None
+    without one; then worst_p : (d,) largest p of two one-sided tests, and shown : (d,) pairs with p below ``alpha``,
+    are NaN and 0.
     """
 
     bound: Floats
     bound_sd: Floats
-    tost: Equivalence | None
+    pairs: Ints
+    untested: Ints
+    worst_p: Floats
+    shown: Ints
     margin: float | None
+    unit: MarginUnit
     alpha: float
+
+    @property
+    def p(self) -> Floats:
+        """Largest p of every design, (d,). Where a pair has none: that of the others if it is ``alpha`` or more, which
+        settles that not all are equal, else NaN."""
+        return np.where((self.untested > 0) & ~(self.worst_p >= self.alpha), np.nan, self.worst_p)
 
 
 def equality_tests(
     values: ArrayLike, anova: Anova, alpha: float, margin: float | None = None, unit: MarginUnit = "data"
 ) -> EqualityTests:
     """Two one-sided tests of all pairs of ``values`` (d, k, n) whose ``anova`` is known; each at ``alpha``."""
-    stated = tost(values, margin or 1.0, unit=unit, alpha=alpha)  # the intervals do not depend on the margin
-    ends = np.fmax(np.abs(stated.low), np.abs(stated.high))
-    bound = np.fmax.reduce(ends, axis=1, initial=-np.inf)
+    d = anova.sd.size
+    bound, worst_p = np.full(d, np.nan), np.full(d, np.nan)
+    pairs, untested, shown = (np.zeros(d, dtype=np.int64) for _ in range(3))
+    for part in tost_in_parts(values, margin or 1.0, unit, alpha):  # the intervals do not depend on the margin
+        ends = np.fmax(np.abs(part.low), np.abs(part.high))
+        bound = np.fmax(bound, np.fmax.reduce(ends, axis=1))
+        worst_p = np.fmax(worst_p, np.fmax.reduce(part.p, axis=1))
+        there = np.isfinite(part.p)
+        pairs += np.count_nonzero(there, axis=1)
+        untested += np.count_nonzero(~there, axis=1)
+        shown += np.count_nonzero(part.p < alpha, axis=1)
+    if not margin:
+        worst_p, shown = np.full(d, np.nan), np.zeros(d, dtype=np.int64)
     bound = np.where(np.isfinite(bound), bound, np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return EqualityTests(bound, bound / anova.sd, stated if margin else None, margin, alpha)
+        return EqualityTests(bound, bound / anova.sd, pairs, untested, worst_p, shown, margin, unit, alpha)

@@ -15,6 +15,7 @@ from emg2vsa.companions.plugin_statistics import plugin_outcomes
 from emg2vsa.companions.table import TableTests, table_tests
 from emg2vsa.errors import DataError
 from emg2vsa.statistics.clusters import Names, clusters_of
+from emg2vsa.statistics.equivalence import Equivalence, tost
 from emg2vsa.statistics.moments import shifted_doubles
 from emg2vsa.statistics.outcome import Outcome
 
@@ -23,7 +24,8 @@ from emg2vsa.statistics.outcome import Outcome
 class TidyTests:
     """groups (S,), count, mean, sd (S,) of all their rows; blocks (P,), empty without.
 
-    together : all rows as one block, as if independent. equality : of groups. by_block : None without blocks.
+    together : all rows as one block, as if independent. equality : of groups; tost : of every pair of them
+    against the margin, None without one. by_block : None without blocks.
     of_plugins : outcomes of statistics of other packages, each with whose it is.
     n : rows that entered; without_number, without_name : rows left out, and why.
     """
@@ -35,6 +37,7 @@ class TidyTests:
     sd: Floats
     together: TableTests
     equality: EqualityTests
+    tost: Equivalence | None
     by_block: TableTests | None
     n: int
     without_number: int
@@ -93,6 +96,7 @@ def tidy_tests(
         sd=together.between_groups.sd[0],
         together=together,
         equality=equality_tests(one.values, together.between_groups.anova, alpha, margin),
+        tost=tost(one.values, margin, alpha=alpha) if margin else None,
         by_block=by_block,
         n=int(np.count_nonzero(admitted)),
         without_number=int(np.count_nonzero(~number)),

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats
-from emg2vsa.curves.line import fit_line
 
 _MAX_ITERATIONS = 60
 _LONGEST_STEP = 2.0  # of q where |z| <= 1: factors of e^2 at the ends of the data
@@ -115,8 +114,13 @@ def log_linear_start(z: Floats, y: Floats, w: Floats) -> Floats:
     towards = sign[:, None] * y
     used = (towards > 0) & (w > 0)
     weight = np.where(used, w * towards**2, 0.0)
+    weight /= np.max(weight, axis=1, keepdims=True, initial=0.0)
     log_y = np.log(np.where(used, towards, 1.0))
-    return fit_line(z, log_y, weight / np.max(weight, axis=1, keepdims=True, initial=0.0)).slope
+    total = np.sum(weight, axis=1)
+    arm = z - (_dot(weight, z) / total)[:, None]
+    lever = np.multiply(weight, arm, out=weight)
+    spread = _dot(lever, arm)
+    return np.asarray(_dot(lever, log_y) / np.where(spread > (4 * _EPS) ** 2 * total, spread, np.nan))
 
 
 def _dot(left: Floats, right: Floats) -> Floats:

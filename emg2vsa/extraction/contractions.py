@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from emg2vsa.extraction.extract import emg_record, filter_chain
+from emg2vsa.extraction.emg_record import emg_record, filter_chain
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import FilterSettings
 

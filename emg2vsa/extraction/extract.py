@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, bridge_gaps, median, samples_1d
-from emg2vsa.errors import SignalError
 from emg2vsa.extraction import Trials
+from emg2vsa.extraction.emg_record import Chain, EmgRecord, emg_record, filter_chain, where_of
+from emg2vsa.extraction.evidence import gather_evidence, record_qualities, said_of_bias, said_of_overload
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
 from emg2vsa.signals.cocontraction import cocontraction_index
 from emg2vsa.signals.delays import delay_budget
-from emg2vsa.signals.envelope import Smoother, decimation, envelopes_at, smoother
-from emg2vsa.signals.filters import IirFilter, band_pass, force_low_pass
+from emg2vsa.signals.filters import IirFilter
 from emg2vsa.signals.floor import floor_bias, press_levels, slope_ratios, subtract_floor
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
 from emg2vsa.signals.hum import remove_hum, touch_hum
@@ -26,25 +26,17 @@ from emg2vsa.signals.overview import emg_overview
 from emg2vsa.signals.pairing import (
     Clock,
     Instants,
-    band_limited_at,
     force_at,
     instants_between,
     rest_instants,
     rest_samples,
 )
 from emg2vsa.signals.plausibility import Signals, force_unit_doubt, plausibility
-from emg2vsa.signals.quality import RawQuality, falling_share, ratio_db, raw_qualities, window_means
+from emg2vsa.signals.quality import ratio_db, window_means
 from emg2vsa.signals.rest import Rest
-from emg2vsa.signals.segmentation import Presses
-from emg2vsa.signals.verdicts import Evidence, judge
+from emg2vsa.signals.verdicts import judge
 
 OVERVIEW_HZ = 10.0
-TOLD_BIAS = 0.01
-"A press whose b is expected to be off by a larger share says so."
-MOST_TOLD = 0.2
-"The size of a larger bias is not told: it rests on the fit that it spoils."
-TOLD_SHIFT_N = 0.1
-"A press around which the zero of force moves further says so: 0.1 N is 5 % of b."
 LARGE_CORRECTION = 0.05
 "A press whose b is corrected by a larger share says so: the correction rests on the hand being at rest."
 TONE_CORRECTION = 0.02
@@ -55,110 +47,6 @@ TONE_CHANCE = 1e-4
 "Noise alone makes the rests of a muscle differ with this probability."
 TOUCHED = 0.1
 "The finger is on the specimen above this share of the window's lower force."
-
-
-@dataclass(frozen=True)
-class _EmgRecord:
-    """The EMG channels of one record, (n,) each in volts, and where they were interpolated.
-
-    native : the channels at their own rates, by which they are judged; () where these are equal.
-    """
-
-    muscles: tuple[str, ...]
-    samples: tuple[Floats, ...]
-    missing: tuple[NDArray[np.bool_], ...]
-    fs_hz: float
-    start_s: float
-    native: tuple[_Native, ...] = ()
-
-
-def _where_of(channel: Channel) -> str:
-    """The channel, as an error names it."""
-    return f"channel {channel.name!r}"
-
-
-def emg_record(emg: Mapping[str, Channel]) -> _EmgRecord:
-    """All channels on the clock of the fastest, where all were recorded.
-
-    A channel of that rate and start stays as it is; the samples of any other are interpolated by band-limited
-    interpolation, which changes nothing below 0.9 of half its own rate.
-    """
-    if not emg:
-        raise SignalError("EMG", wanted="at least one channel", found="none", do="Name the channel of a muscle.")
-    native = {role: _native(channel) for role, channel in emg.items()}
-    fastest = max(emg.values(), key=lambda channel: channel.fs_hz)
-    alike = [
-        abs(c.fs_hz - fastest.fs_hz) <= 1e-6 * fastest.fs_hz and abs(c.start_s - fastest.start_s) <= 1e-6
-        for c in emg.values()
-    ]
-    if all(alike):
-        n = min(own.samples.size for own in native.values())
-        samples = tuple(own.samples[:n] for own in native.values())
-        missing = tuple(own.missing[:n] for own in native.values())
-        return _EmgRecord(tuple(emg), samples, missing, fastest.fs_hz, fastest.start_s)
-    start_s = max(own.start_s for own in native.values())
-    stop_s = min(own.start_s + (own.samples.size - 1) / own.fs_hz for own in native.values())
-    first = int(np.ceil((start_s - fastest.start_s) * fastest.fs_hz - 1e-9))
-    last = int(np.floor((stop_s - fastest.start_s) * fastest.fs_hz + 1e-9))
-    if last - first < 1:
-        raise SignalError(
-            "EMG", wanted="channels with time in common", found=f"none from {start_s:g} s to {stop_s:g} s",
-            do="Choose channels of one recording.",
-        )  # fmt: skip
-    clock = Clock(fastest.start_s + first / fastest.fs_hz, fastest.fs_hz, last - first + 1)
-    on_clock = [own.on(clock, same) for own, same in zip(native.values(), alike, strict=True)]
-    return _EmgRecord(
-        tuple(emg), tuple(samples for samples, _ in on_clock), tuple(missing for _, missing in on_clock), clock.fs_hz,
-        clock.start_s, tuple(native.values()),
-    )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class _Native:
-    """A channel as it was recorded, (n,) volts, and where it was interpolated for want of samples."""
-
-    samples: Floats
-    missing: NDArray[np.bool_]
-    fs_hz: float
-    start_s: float
-
-    def index(self, time_s: Floats) -> Floats:
-        return np.asarray((time_s - self.start_s) * self.fs_hz, dtype=np.float64)
-
-    def on(self, clock: Clock, same: bool) -> tuple[Floats, NDArray[np.bool_]]:
-        """Samples and what is missing on a clock; ``same``: it is the channel's own, from a later sample on."""
-        position = self.index(clock.time_s(np.arange(clock.n_samples)))
-        nearest = np.clip(np.rint(position).astype(np.int64), 0, self.samples.size - 1)
-        samples = self.samples[nearest] if same else band_limited_at(self.samples, position)
-        return samples, self.missing[nearest]
-
-
-def _native(channel: Channel) -> _Native:
-    where = _where_of(channel)
-    samples, missing = bridge_gaps(samples_1d(channel.samples, where, at_least=2), where)
-    return _Native(samples, missing, channel.fs_hz, channel.start_s)
-
-
-@dataclass(frozen=True)
-class Chain:
-    """What is run on one record: EMG band-pass and envelope, every ``step``-th sample kept; force low-pass or none."""
-
-    band: IirFilter
-    envelope: Smoother
-    step: int
-    low: IirFilter | None
-
-    def envelopes(self, record: _EmgRecord, pressing: Instants, resting: Instants) -> tuple[Floats, Floats]:
-        """Envelopes (m, N) in volts, computed at the instants of either only."""
-        first, counts = np.append(pressing.first, resting.first), np.append(pressing.counts, resting.counts)
-        both = envelopes_at(record.samples, first, counts, self.step, self.band, self.envelope)
-        n_pressing = pressing.offsets[-1]
-        return both[:, :n_pressing].copy(), both[:, n_pressing:]
-
-    def whole(self, record: _EmgRecord) -> Floats:
-        """Envelopes (m, N) in volts of the whole record."""
-        counts = np.array([(record.samples[0].size - 1) // self.step + 1])
-        return envelopes_at(record.samples, np.zeros(1, np.int64), counts, self.step, self.band, self.envelope)
 
 
 def extract_trials(
@@ -213,7 +101,7 @@ def extract_trials(
         lagging = _lag_bias(force_n, late_n, levels_v.sum(axis=0), instants.offsets)
     activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
     snr_db = ratio_db(window_means(measured_v, instants.offsets), rest_v[:, None])
-    quality = _record_qualities(raw, instants, chain.envelope)
+    quality = record_qualities(raw, instants, chain.envelope)
     doubt = conditioned.sign_doubt or doubt_by_emg(
         force_n, measured_v, instants.offsets, rest_v, window.force_n, force_channel.sign
     )
@@ -225,13 +113,13 @@ def extract_trials(
     rejects = window.implausible == "reject"
     fault = doubt or (implausible if rejects else "")
     remarks = seen.remarks if rejects else (*filter(None, (implausible,)), *seen.remarks)
-    biased = _said_of_bias(conditioned, floor, told_above if subtract else None, humming, lag, lagging, window)
-    loaded = _said_of_overload(force, presses)
+    biased = said_of_bias(conditioned, floor, told_above if subtract else None, humming, lag, lagging, window)
+    loaded = said_of_overload(force, presses)
     other = [
         (*over, *own, *((False, sign) for sign in signs))
         for over, own, signs in zip(loaded, biased, seen.of_press, strict=True)
     ]
-    evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, other)
+    evidence = gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, other)
     verdicts = [judge(trial, window) for trial in evidence]
     said += (fault,) if fault else ()
     every = max(1, round(force.fs_hz / OVERVIEW_HZ))
@@ -262,7 +150,7 @@ def extract_trials(
         overview_time_s=force_clock.time_s(np.arange(0, force_missing.size, every)),
         overview_force_n=conditioned.force_n[::every].copy(),
         delay=delay,
-        notes=(*notes, *conversions, *_filter_notes(chain), str(delay), *conditioned.notes, *noted, *said),
+        notes=(*notes, *conversions, *chain.notes, str(delay), *conditioned.notes, *noted, *said),
         lag_s=lag.lag_s,
         lag_se_s=lag.se_s,
         lag_bias=lagging,
@@ -276,23 +164,12 @@ def extract_trials(
     )
 
 
-def filter_chain(filters: FilterSettings, record: _EmgRecord, force_fs_hz: float) -> Chain:
-    """The filters, designed for these rates; SignalError where the EMG is too short for them."""
-    step = decimation(record.fs_hz, filters.output_fs_hz)
-    band, envelope = band_pass(filters, record.fs_hz), smoother(filters, record.fs_hz, step)
-    n, needed = record.samples[0].size, max(band.pad_samples + 1, envelope.taps.size)
-    if n < needed:
-        found, do = f"{n}", "Record for longer, or shorten the envelope's kernel."
-        raise SignalError("EMG", wanted=f"at least {needed} samples for its filters", found=found, do=do)
-    return Chain(band, envelope, step, force_low_pass(filters, force_fs_hz))
-
-
 def _conditioned(
     force: Channel, low: IirFilter | None, force_channel: ForceChannelSettings, window: WindowSettings
 ) -> tuple[ForceRecord, NDArray[np.bool_]]:
     """The force record, and which of its samples (n,) were missing."""
     at_least = 4 if low is None else max(4, low.pad_samples + 1)
-    raw_n, missing = bridge_gaps(samples_1d(force.samples, _where_of(force), at_least=at_least), _where_of(force))
+    raw_n, missing = bridge_gaps(samples_1d(force.samples, where_of(force), at_least=at_least), where_of(force))
     return condition_force(raw_n, force.fs_hz, low, force_channel, window), missing
 
 
@@ -323,14 +200,14 @@ def _rests_differ(envelopes_v: Floats, resting: Instants, fs_hz: float) -> bool:
 
 
 def _cleaned(
-    record: _EmgRecord,
+    record: EmgRecord,
     force: Channel,
     conditioned: ForceRecord,
     chain: Chain,
     filters: FilterSettings,
     force_channel: ForceChannelSettings,
     window: WindowSettings,
-) -> tuple[_EmgRecord, Lag, Floats, tuple[str, ...]]:
+) -> tuple[EmgRecord, Lag, Floats, tuple[str, ...]]:
     """The EMG without its hum, the lag of force behind it, the rms (m,) of hum only in presses, and what is said."""
     late_s = 0.0 if chain.low is None else chain.low.delay_s
     force_clock = Clock(force.start_s - force_channel.delay_s - late_s, force.fs_hz, conditioned.force_n.size)
@@ -377,31 +254,8 @@ def _cleaned(
     return replace(record, samples=samples), lag, touching_v, tuple(said)
 
 
-def _filter_notes(chain: Chain) -> tuple[str, ...]:
-    force = ("force: not filtered, as the study says",) if chain.low is None else chain.low.notes
-    return (*chain.band.notes, *chain.envelope.notes, *force)
-
-
-def _record_qualities(record: _EmgRecord, instants: Instants, envelope: Smoother) -> list[list[RawQuality]]:
-    """Quality by muscle and trial, of all raw samples under the envelope's kernel."""
-    starts = np.maximum(instants.first - envelope.before, 0)
-    stops = instants.last + envelope.after + 1
-    clock = Clock(record.start_s, record.fs_hz, record.samples[0].size)
-    own = record.native or [
-        _Native(samples, missing, record.fs_hz, record.start_s)
-        for samples, missing in zip(record.samples, record.missing, strict=True)
-    ]
-    qualities = []
-    for each in own:
-        bounds = [np.rint(each.index(clock.time_s(edge))).astype(np.int64) for edge in (starts, stops)]
-        windows = [slice(max(i, 0), j) for i, j in zip(*(edge.tolist() for edge in bounds), strict=True)]
-        samples, gone = [each.samples[w] for w in windows], [each.missing[w] for w in windows]
-        qualities.append(raw_qualities(samples, gone, each.fs_hz))
-    return qualities
-
-
 def _looked_at(
-    record: _EmgRecord,
+    record: EmgRecord,
     chain: Chain,
     instants: Instants,
     rest: Rest,
@@ -433,92 +287,3 @@ def _lag_bias(force_n: Floats, late_n: Floats, level: Floats, offsets: Ints) -> 
     """Share by which b (p,) changes where activity is paired with ``force_n`` (N,) and belongs to ``late_n`` (N,)."""
     x, y = np.log(np.maximum(force_n, 1e-9)), np.log(np.maximum(late_n, 1e-9))
     return slope_ratios(x, y, y, y, level, offsets) - 1
-
-
-def _said_of_bias(
-    force: ForceRecord,
-    floor: Floats,
-    told_above: float | None,
-    humming: Floats,
-    lag: Lag,
-    lagging: Floats,
-    window: WindowSettings,
-) -> list[tuple[tuple[bool, str], ...]]:
-    """What makes b of each press other than the muscle's, and by how much; whether it rejects the press.
-
-    told_above : the share by which the rest level, if it was subtracted, must have raised b to be told; else None.
-    """
-    said: list[tuple[tuple[bool, str], ...]] = []
-    implausible = window.implausible == "reject"
-    for i in range(floor.size):
-        own: list[tuple[bool, str]] = []
-        if force.tare == "impossible":
-            own.append((implausible, 'force is not tared: the record never rests (tare = "none" where it is zeroed)'))
-        if force.zero_shift_n[i] > TOLD_SHIFT_N:
-            rejects = implausible and bool(force.zero_shift_n[i] > window.max_gap_force_n)
-            own.append((rejects, f"the zero of force moves by {force.zero_shift_n[i]:.2f} N around this press"))
-        if told_above is not None and abs(floor[i]) > told_above:
-            own.append((False, f"the rest level that was subtracted raises b by {-100 * floor[i]:.0f} %"))
-        if told_above is None and abs(floor[i]) > TOLD_BIAS:
-            own.append((False, f"noise at rest lowers b by about {-100 * floor[i]:.0f} %"))
-        if humming[i] < -TOLD_BIAS:
-            own.append(
-                (False, f"hum changes when the specimen is touched, which lowers b by about {-100 * humming[i]:.0f} %")
-            )
-        if abs(lagging[i]) > TOLD_BIAS:
-            size = f"about {100 * abs(lagging[i]):.0f} %" if abs(lagging[i]) < MOST_TOLD else "more than 20 %"
-            way = f"{'raises' if lagging[i] > 0 else 'lowers'} b by {size}"
-            own.append((False, f"force follows EMG by {1e3 * lag.lag_s:.0f} ms, which {way}"))
-        if lag.differs:
-            own.append((False, lag.differs))
-        said.append(tuple(own))
-    return said
-
-
-def _said_of_overload(force: Channel, presses: Presses) -> list[tuple[tuple[bool, str], ...]]:
-    """Per press whether the force transducer was beyond its range, where that is known."""
-    if force.overloaded is None:
-        return [()] * presses.start_s.size
-    first = (presses.start_s * force.fs_hz).astype(np.int64)
-    last = np.ceil(presses.stop_s * force.fs_hz).astype(np.int64) + 1
-    counts = [int(np.count_nonzero(force.overloaded[a:b])) for a, b in zip(first, last, strict=True)]
-    return [((True, f"transducer overloaded in {count} samples"),) if count else () for count in counts]
-
-
-def _gather_evidence(
-    force: ForceRecord,
-    instants: Instants,
-    force_n: Floats,
-    force_missing: NDArray[np.bool_],
-    quality: list[list[RawQuality]],
-    snr_db: Floats,
-    record: _EmgRecord,
-    fault: str,
-    said: list[tuple[tuple[bool, str], ...]],
-) -> list[Evidence]:
-    """What is known of each press of a record; arrays as in ``extract_trials``."""
-    presses, offsets = force.presses, instants.offsets
-    fs_hz = force.fs_hz
-    evidence = []
-    for i, (start_s, stop_s) in enumerate(zip(presses.start_s, presses.stop_s, strict=True)):
-        curve_n = force_n[offsets[i] : offsets[i + 1]]
-        begin, end = int(start_s * fs_hz), min(int(np.ceil(stop_s * fs_hz)) + 1, force_missing.size)
-        evidence.append(
-            Evidence(
-                fault=fault,
-                duration_s=float(stop_s - start_s),
-                peak_force_n=float(presses.peak_n[i]),
-                reached=bool(presses.reached[i]),
-                at_edge=bool(presses.at_edge[i]),
-                covered=bool(instants.covered[i]),
-                force_missing=int(np.count_nonzero(force_missing[begin:end])),
-                falling_share=falling_share(curve_n, force.reversal_n),
-                rest_gap_n=float(force.gap_n[i]),
-                start_force_n=float(force.force_n[begin]),
-                emg_fs_hz=record.fs_hz,
-                emg={muscle: row[i] for muscle, row in zip(record.muscles, quality, strict=True)},
-                snr_db=dict(zip(record.muscles, snr_db[:, i].tolist(), strict=True)),
-                said=said[i],
-            )
-        )
-    return evidence

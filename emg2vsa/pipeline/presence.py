@@ -89,9 +89,8 @@ def _link(own: Path, path: Path, take_over: bool) -> None:
             return
         except FileExistsError:
             who = present(path)
-            if (
-                take_over or not who
-            ):  # else look again: who looks at the presence of one that has ended holds it briefly
+            # else look again: who looks at the presence of one that has ended holds it briefly
+            if take_over or not who:
                 _remove_left(path, take_over)
             time.sleep(_AGAIN_S)
         except OSError as error:

@@ -53,6 +53,14 @@ class StageProfile:
             self.peak_mb = max(self.peak_mb or 0.0, spent.peak_mb)
         self.counts.update(spent.counts)
 
+    @property
+    def counted(self) -> dict[str, int]:
+        """What was counted, in the order of ``COUNTED``, and how many frames nobody asked for."""
+        found = {what: self.counts[what] for what in COUNTED if self.counts[what]}
+        if "frames in folder" in found:
+            found["frames not decoded"] = self.counts["frames in folder"] - self.counts["frames decoded"]
+        return found
+
 
 class Profile:
     """The stages of a run, by name, in the order of the run; ``run_study`` fills it."""
@@ -89,7 +97,7 @@ class Profile:
                 "slowest_s": round(own.slowest_s, 6),
                 "slowest": own.slowest,
                 "peak_mb": None if own.peak_mb is None else round(own.peak_mb, 1),
-                "counts": {what: own.counts[what] for what in COUNTED if own.counts[what]},
+                "counts": own.counted,
             }
             for name, own in self.stages.items()
         ]
@@ -111,7 +119,7 @@ class Profile:
             if len(own.reasons) > _MOST_REASONS:
                 yield f"{name}: {len(own.reasons) - _MOST_REASONS} more reasons; --json lists them"
         for name, own in self.stages.items():
-            if said := ", ".join(f"{own.counts[what]} {what}" for what in COUNTED if own.counts[what]):
+            if said := ", ".join(f"{n} {what}" for what, n in own.counted.items()):
                 yield f"{name}: {said}"
 
 

@@ -6,8 +6,8 @@ import traceback
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from casr.errors import PassingError, UserError
 from emg2vsa import artifacts
-from emg2vsa.errors import Emg2vsaError, PassingError
 from emg2vsa.pipeline.spent import Spent, measured
 from emg2vsa.pipeline.stage import Given
 from emg2vsa.pipeline.stage_order import stage
@@ -59,7 +59,7 @@ class Task:
             return Ended(self.step, "failed", str(error), damaged=error.where)
         except ClaimedElsewhere as error:
             return Ended(self.step, "failed", str(error))
-        except Emg2vsaError as error:
+        except UserError as error:
             return Ended(self.step, "failed", str(error), final=not isinstance(error, PassingError))
         except OSError as error:  # the disk is full, or a folder may not be written to: the same input may do next time
             where = f"{error.filename}: " if error.filename else ""

@@ -21,7 +21,7 @@ from emg2vsa.public.columns import file_of, plain
 from emg2vsa.public.frames import outcomes_frame
 from emg2vsa.public.recordings import fits_frame, samples_frame, trials_frame
 from emg2vsa.public.schedules import profiles_frame, schedules_frame
-from emg2vsa.report.sections.hypotheses import outcomes
+from emg2vsa.report.sections.hypothesis_tables import outcomes
 from emg2vsa.runs import RunScores
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study

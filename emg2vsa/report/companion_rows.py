@@ -202,18 +202,15 @@ def _margin_row(paper: str, equality: EqualityTests, factor: float, unit: str, s
     level = f"{100 * (1 - 2 * equality.alpha):g}% intervals"
     bound, in_sd = (span_said(found, style) for found in (equality.bound * factor, equality.bound_sd))
     effect = f"{level} of all differences lie within ± {f'{bound} {unit}'.rstrip()} (± {in_sd} SD)"
-    if equality.tost is None or equality.margin is None:
+    if not equality.margin:
         return CompanionRow(paper, "Equivalence (TOST): no margin stated", effect, UNDECIDED + " without a margin")
-    p = equality.tost.p[np.isfinite(equality.tost.p)]
-    shown = int(np.count_nonzero(p < equality.alpha))
-    margin = (
-        f"± {equality.margin:g} SD" if equality.tost.unit == "sd" else f"± {number(equality.margin * factor)} {unit}"
-    )
+    shown, pairs = int(np.sum(equality.shown)), int(np.sum(equality.pairs))
+    margin = f"± {equality.margin:g} SD" if equality.unit == "sd" else f"± {number(equality.margin * factor)} {unit}"
     return CompanionRow(
         paper,
-        f"Equivalence (TOST) within {margin.rstrip()}: {shown} of {p.size} pairs shown equal",
+        f"Equivalence (TOST) within {margin.rstrip()}: {shown} of {pairs} pairs shown equal",
         effect,
-        "no" if shown == p.size else f"yes: equality not shown for {p.size - shown} of {p.size} pairs",
+        "no" if shown == pairs else f"yes: equality not shown for {pairs - shown} of {pairs} pairs",
     )
 
 

@@ -146,8 +146,8 @@ def outcomes(found: TidyTests) -> Iterator[tuple[str, Outcome]]:
         yield from ((name, outcome) for outcome in tests.pairs.outcomes(0, pair))
         if blocks is not None:
             yield from ((f"{name} over blocks", outcome) for outcome in blocks.pair_outcomes(pair))
-        if found.equality.tost is not None:
-            yield name, found.equality.tost.outcome(0, pair)
+        if found.tost is not None:
+            yield name, found.tost.outcome(0, pair)
     if found.by_block is not None:
         yield from _outcomes_by_block(found, found.by_block)
     yield from found.of_plugins

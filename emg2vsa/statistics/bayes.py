@@ -58,45 +58,69 @@ def jzs_anova(values: ArrayLike) -> BayesFactors:
     """
     groups = group_moments(values)
     total = np.sum(groups.count, axis=1)
-    information, between = _directions(groups, total)
+    along = _directions(groups, total)
     within = np.sum(groups.squares, axis=1)
     k = np.count_nonzero(groups.count, axis=1)
-    squares = np.where((k > 1) & (total > k), within + np.sum(between, axis=1), np.nan)
+    squares = np.where((k > 1) & (total > k), within + np.sum(along.squares, axis=1), np.nan)
     squares[squares == 0] = np.nan
-    return BayesFactors(_log_bf01(within / squares, between / squares[:, None], information, total - 1.0), total)
+    return BayesFactors(_log_bf01(within / squares, along.squares / squares[:, None], along, total - 1.0), total)
 
 
-def _directions(groups: GroupMoments, total: Ints) -> tuple[Floats, Floats]:
-    """Principal directions of the design: information on an effect along each, and sum of squares there; (d, k).
+@dataclass(frozen=True)
+class _Directions:
+    """Principal directions of d designs (d, j): information on an effect along each, how many are alike, and the sum of
+    squares along all these."""
 
-    Effects sum to zero over the groups that have values: k' groups have k' - 1 directions, the others carry nothing.
+    information: Floats
+    times: Floats
+    squares: Floats
+
+
+def _directions(groups: GroupMoments, total: Ints) -> _Directions:
+    """Effects sum to zero over the groups that have values: k' groups have k' - 1 directions.
+
+    Directions among groups of equally many values are alike, with this number as their information, and stand at right
+    angles to all others: so only sums over such groups are left to take apart, of which there are few.
     """
-    there = (groups.count > 0).astype(np.float64)
-    count = groups.count.astype(np.float64)
-    k, n = np.maximum(np.sum(there, axis=1), 1.0)[:, None], np.maximum(total, 1)[:, None]
-    centre = there[:, :, None] * (np.eye(there.shape[1]) - there[:, None, :] / k[:, None])
-    design = count[:, :, None] * np.eye(there.shape[1]) - count[:, :, None] * count[:, None, :] / n[:, None]
+    sizes = np.unique(groups.count[groups.count > 0])
+    member = (groups.count[:, :, None] == sizes).astype(np.float64)
+    alike = np.sum(member, axis=1)
+    k, n = np.maximum(np.sum(alike, axis=1), 1.0)[:, None, None], np.maximum(total, 1)[:, None, None]
+    grand = np.sum(groups.count * groups.offset, axis=1)[:, None] / n[:, 0]
+    deviation = np.where(groups.count > 0, groups.offset - grand, 0.0)
+    mean = np.vecmat(deviation, member) / np.maximum(alike, 1.0)
+    among = sizes * np.vecmat((deviation - np.matvec(member, mean)) ** 2, member)
+
+    root, eye = np.sqrt(alike), np.eye(sizes.size)
+    there, counted = np.where(alike > 0, 1.0, 0.0), sizes * root
+    centre = there[:, :, None] * eye - root[:, :, None] * root[:, None, :] / k
+    design = (sizes * there)[:, :, None] * eye - counted[:, :, None] * counted[:, None, :] / n
     information, axes = np.linalg.eigh(centre @ design @ centre)
-    grand = np.sum(count * groups.offset, axis=1)[:, None] / n
-    score = np.swapaxes(axes, 1, 2) @ centre @ (count * (groups.offset - grand))[:, :, None]
-    real = information > _NO_DIRECTION * np.max(information, axis=1, keepdims=True)
-    between = np.where(real, score[:, :, 0] ** 2 / np.where(real, information, 1.0), 0.0)
-    return np.where(real, information, 0.0), between
+    score = np.vecmat(np.matvec(centre, counted * mean), axes)
+    real = information > _NO_DIRECTION * np.max(information, axis=1, keepdims=True, initial=0.0)
+    between = np.where(real, score**2 / np.where(real, information, 1.0), 0.0)
+    return _Directions(
+        np.concatenate((np.broadcast_to(sizes, alike.shape), np.where(real, information, 0.0)), axis=1),
+        np.concatenate((np.maximum(alike - 1, 0.0), np.ones_like(alike)), axis=1),
+        np.concatenate((among, between), axis=1),
+    )
 
 
-def _log_bf01(unexplained: Floats, explained: Floats, information: Floats, power: Floats) -> Floats:
-    """Shares of the sum of squares left (d,) and along directions (d, j), with the information on each (d, j)."""
+def _log_bf01(unexplained: Floats, explained: Floats, along: _Directions, power: Floats) -> Floats:
+    """Shares of the sum of squares left (d,) and along directions (d, j)."""
     answer = np.full(unexplained.shape, np.nan)
     answer[unexplained == 0] = -np.inf
     places = np.flatnonzero(unexplained > 0)
     for start in range(0, places.size, _CHUNK):
         at = places[start : start + _CHUNK]
-        gain = SCALE * SCALE * information[at, None, :] * np.exp(_LOG_G)[:, None]
+        gain = SCALE * SCALE * along.information[at, None, :] * np.exp(_LOG_G)[:, None]
         taken = np.sum(explained[at, None, :] * gain / (1 + gain), axis=2)
         left = unexplained[at, None] + np.sum(explained[at, None, :] / (1 + gain), axis=2)
         # powers are large: neither next to 1 nor next to 0 may the logarithm lose digits
         log_left = np.where(taken < 0.5, np.log1p(-np.minimum(taken, 0.5)), np.log(left))
-        log = _LOG_PRIOR - np.sum(np.log1p(gain), axis=2) / 2 - power[at, None] / 2 * log_left
+        log = (
+            _LOG_PRIOR - np.sum(along.times[at, None, :] * np.log1p(gain), axis=2) / 2 - power[at, None] / 2 * log_left
+        )
         most = np.max(log, axis=1)
         answer[at] = -most - np.log(np.sum(np.exp(log - most[:, None]), axis=1))
     return answer

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,9 +12,9 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import SettingError
-from emg2vsa.statistics.moments import group_moments, shifted_doubles
+from emg2vsa.statistics.moments import GroupMoments, group_moments, shifted_doubles
 from emg2vsa.statistics.outcome import Outcome
-from emg2vsa.statistics.post_hoc import pair_numbers
+from emg2vsa.statistics.post_hoc import check_two_groups, pair_numbers
 
 Kind = Literal["pooled", "welch", "paired"]
 MarginUnit = Literal["data", "sd"]
@@ -95,13 +96,26 @@ def tost(
         do = f"Choose one of {', '.join(variants)}."
         raise SettingError("equivalence, kind", wanted="a known kind", found=repr(kind), do=do)
     doubles, _ = shifted_doubles(values)
-    contrasts = _paired(doubles) if kind == "paired" else _two_sample(doubles, welch=kind == "welch")
+    pairs = pair_numbers(doubles.shape[1])
+    if kind == "paired":
+        contrasts = _paired(doubles, *pairs)
+    else:
+        contrasts = _two_sample(group_moments(doubles), *pairs, welch=kind == "welch")
     return _decide(contrasts, variants[kind], margin, unit, alpha)
 
 
-def _two_sample(values: Floats, *, welch: bool) -> Contrasts:
-    groups = group_moments(values)
-    first, second = pair_numbers(values.shape[1])
+def tost_in_parts(values: ArrayLike, margin: float, unit: MarginUnit, alpha: float) -> Iterator[Equivalence]:
+    """``tost`` with pooled variance, the pairs of each first group at a time: of many groups all would fill memory."""
+    doubles, _ = shifted_doubles(values)
+    groups = group_moments(doubles)
+    check_two_groups(doubles.shape[1])
+    for first in range(doubles.shape[1] - 1):
+        second = np.arange(first + 1, doubles.shape[1])
+        contrasts = _two_sample(groups, np.full(second.shape, first), second, welch=False)
+        yield _decide(contrasts, "pooled variance", margin, unit, alpha)
+
+
+def _two_sample(groups: GroupMoments, first: Ints, second: Ints, *, welch: bool) -> Contrasts:
     n1, n2 = groups.count[:, first], groups.count[:, second]
     both = (n1 > 0) & (n2 > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -125,8 +139,7 @@ def _two_sample(values: Floats, *, welch: bool) -> Contrasts:
     )
 
 
-def _paired(values: Floats) -> Contrasts:
-    first, second = pair_numbers(values.shape[1])
+def _paired(values: Floats, first: Ints, second: Ints) -> Contrasts:
     finite = np.where(np.isfinite(values), values, np.nan)
     differences = finite[:, first] - finite[:, second]
     groups = group_moments(differences)
@@ -156,7 +169,8 @@ def _decide(of: Contrasts, variant: str, margin: float, unit: MarginUnit, alpha:
     width = margin * of.sd if unit == "sd" else np.where(np.isnan(of.sd), np.nan, margin)
     # the side the difference leans to is the harder one to reject
     t = (np.abs(of.difference) - width) / se
-    reach = special.stdtrit(of.df, 1 - alpha) * se
+    known, of_known = np.unique(of.df, return_inverse=True)  # few, and the quantile is slow
+    reach = special.stdtrit(known, 1 - alpha)[of_known].reshape(se.shape) * se
     return Equivalence(
         variant=variant,
         of=of,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 from scipy import special
@@ -63,12 +62,17 @@ class PairDifferences:
 
 def pair_numbers(k: int) -> tuple[Ints, Ints]:
     """First and second group (q,) of all pairs of k groups: 0-1, 0-2, ..., 1-2, ...; DataError below two groups."""
+    check_two_groups(k)
+    first, second = np.triu_indices(k, 1)
+    return first, second
+
+
+def check_two_groups(k: int) -> None:
+    """DataError below two groups."""
     if k < 2:
         raise DataError(
             "pairs of groups", wanted="two groups or more", found=str(k), do="Add a group, or test no pairs."
         )
-    pairs = np.array(list(combinations(range(k), 2)), dtype=np.int64)
-    return pairs[:, 0], pairs[:, 1]
 
 
 def student_pairs(

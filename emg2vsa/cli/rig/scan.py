@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
 from casr.command_line import Commands, add_command, add_json, whole_number
-from emg2vsa.rig.device_settings import BAUD, Baud
+from emg2vsa.rig.serial_speed import BAUD, Baud
 
 if TYPE_CHECKING:
     from emg2vsa.rig.clock import Clock

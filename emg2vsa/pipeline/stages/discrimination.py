@@ -47,4 +47,5 @@ STAGE = Stage(
     settings=settings,
     says=says,
     gives="The tests on areas and spread rates are",
+    loads=("emg2vsa.discrimination",),
 )

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Any
 from emg2vsa.pipeline.stage import Given, Stage
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from emg2vsa.fits import Fits
     from emg2vsa.hypotheses import Hypotheses
     from emg2vsa.pipeline.campaign import Campaign
 
@@ -17,11 +20,22 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
 
 
 def run(given: Given) -> Hypotheses:
+    """One recording at a time: of its force bins only what the laws say of them is kept."""
+    from emg2vsa.companions.force_laws import CellErrors, cell_errors, compare_laws
     from emg2vsa.fits import concatenate
     from emg2vsa.hypotheses import test_hypotheses
 
-    of = given.settings
-    return test_hypotheses(concatenate(given.each("fits")), of["hypotheses"], of["participants"], of["palpated"])
+    of = given.settings["hypotheses"]
+    errors: list[CellErrors] = []
+
+    def recordings() -> Iterator[Fits]:
+        for fits in given.each("fits"):
+            errors.extend(cell_errors(fits, of.use))
+            yield fits
+
+    fits = concatenate(recordings(), bins=False)
+    laws = compare_laws(errors, 1 - of.alpha)
+    return test_hypotheses(fits, of, given.settings["participants"], given.settings["palpated"], laws)
 
 
 STAGE = Stage(per="study", of="people", needs=("fits",), run=run, settings=settings, gives="The tests on people are")

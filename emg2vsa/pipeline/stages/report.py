@@ -135,4 +135,5 @@ STAGE = Stage(
     files=files,
     folder=folder,
     tells_failures=True,
+    loads=("emg2vsa.report.study_report", "matplotlib.backends.backend_svg"),
 )

@@ -1,0 +1,132 @@
+"""What is known of each press of a recording before it is judged, and what makes its b other than the muscle's."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.arrays import Floats
+from emg2vsa.extraction.emg_record import EmgRecord, Native
+from emg2vsa.recordings import Channel
+from emg2vsa.settings import WindowSettings
+from emg2vsa.signals.envelope import Smoother
+from emg2vsa.signals.force import ForceRecord
+from emg2vsa.signals.lag import Lag
+from emg2vsa.signals.pairing import Clock, Instants
+from emg2vsa.signals.quality import RawQuality, falling_share, raw_qualities
+from emg2vsa.signals.segmentation import Presses
+from emg2vsa.signals.verdicts import Evidence
+
+TOLD_BIAS = 0.01
+"A press whose b is expected to be off by a larger share says so."
+MOST_TOLD = 0.2
+"The size of a larger bias is not told: it rests on the fit that it spoils."
+TOLD_SHIFT_N = 0.1
+"A press around which the zero of force moves further says so: 0.1 N is 5 % of b."
+
+
+def record_qualities(record: EmgRecord, instants: Instants, envelope: Smoother) -> list[list[RawQuality]]:
+    """Quality by muscle and trial, of all raw samples under the envelope's kernel."""
+    starts = np.maximum(instants.first - envelope.before, 0)
+    stops = instants.last + envelope.after + 1
+    clock = Clock(record.start_s, record.fs_hz, record.samples[0].size)
+    own = record.native or [
+        Native(samples, missing, record.fs_hz, record.start_s)
+        for samples, missing in zip(record.samples, record.missing, strict=True)
+    ]
+    qualities = []
+    for each in own:
+        bounds = [np.rint(each.index(clock.time_s(edge))).astype(np.int64) for edge in (starts, stops)]
+        windows = [slice(max(i, 0), j) for i, j in zip(*(edge.tolist() for edge in bounds), strict=True)]
+        samples, gone = [each.samples[w] for w in windows], [each.missing[w] for w in windows]
+        qualities.append(raw_qualities(samples, gone, each.fs_hz))
+    return qualities
+
+
+def said_of_bias(
+    force: ForceRecord,
+    floor: Floats,
+    told_above: float | None,
+    humming: Floats,
+    lag: Lag,
+    lagging: Floats,
+    window: WindowSettings,
+) -> list[tuple[tuple[bool, str], ...]]:
+    """What makes b of each press other than the muscle's, and by how much; whether it rejects the press.
+
+    told_above : the share by which the rest level, if it was subtracted, must have raised b to be told; else None.
+    """
+    said: list[tuple[tuple[bool, str], ...]] = []
+    implausible = window.implausible == "reject"
+    for i in range(floor.size):
+        own: list[tuple[bool, str]] = []
+        if force.tare == "impossible":
+            own.append((implausible, 'force is not tared: the record never rests (tare = "none" where it is zeroed)'))
+        if force.zero_shift_n[i] > TOLD_SHIFT_N:
+            rejects = implausible and bool(force.zero_shift_n[i] > window.max_gap_force_n)
+            own.append((rejects, f"the zero of force moves by {force.zero_shift_n[i]:.2f} N around this press"))
+        if told_above is not None and abs(floor[i]) > told_above:
+            own.append((False, f"the rest level that was subtracted raises b by {-100 * floor[i]:.0f} %"))
+        if told_above is None and abs(floor[i]) > TOLD_BIAS:
+            own.append((False, f"noise at rest lowers b by about {-100 * floor[i]:.0f} %"))
+        if humming[i] < -TOLD_BIAS:
+            own.append(
+                (False, f"hum changes when the specimen is touched, which lowers b by about {-100 * humming[i]:.0f} %")
+            )
+        if abs(lagging[i]) > TOLD_BIAS:
+            size = f"about {100 * abs(lagging[i]):.0f} %" if abs(lagging[i]) < MOST_TOLD else "more than 20 %"
+            way = f"{'raises' if lagging[i] > 0 else 'lowers'} b by {size}"
+            own.append((False, f"force follows EMG by {1e3 * lag.lag_s:.0f} ms, which {way}"))
+        if lag.differs:
+            own.append((False, lag.differs))
+        said.append(tuple(own))
+    return said
+
+
+def said_of_overload(force: Channel, presses: Presses) -> list[tuple[tuple[bool, str], ...]]:
+    """Per press whether the force transducer was beyond its range, where that is known."""
+    if force.overloaded is None:
+        return [()] * presses.start_s.size
+    first = (presses.start_s * force.fs_hz).astype(np.int64)
+    last = np.ceil(presses.stop_s * force.fs_hz).astype(np.int64) + 1
+    counts = [int(np.count_nonzero(force.overloaded[a:b])) for a, b in zip(first, last, strict=True)]
+    return [((True, f"transducer overloaded in {count} samples"),) if count else () for count in counts]
+
+
+def gather_evidence(
+    force: ForceRecord,
+    instants: Instants,
+    force_n: Floats,
+    force_missing: NDArray[np.bool_],
+    quality: list[list[RawQuality]],
+    snr_db: Floats,
+    record: EmgRecord,
+    fault: str,
+    said: list[tuple[tuple[bool, str], ...]],
+) -> list[Evidence]:
+    """What is known of each press of a record; arrays as in ``extract_trials``."""
+    presses, offsets = force.presses, instants.offsets
+    fs_hz = force.fs_hz
+    evidence = []
+    for i, (start_s, stop_s) in enumerate(zip(presses.start_s, presses.stop_s, strict=True)):
+        curve_n = force_n[offsets[i] : offsets[i + 1]]
+        begin, end = int(start_s * fs_hz), min(int(np.ceil(stop_s * fs_hz)) + 1, force_missing.size)
+        evidence.append(
+            Evidence(
+                fault=fault,
+                duration_s=float(stop_s - start_s),
+                peak_force_n=float(presses.peak_n[i]),
+                reached=bool(presses.reached[i]),
+                at_edge=bool(presses.at_edge[i]),
+                covered=bool(instants.covered[i]),
+                force_missing=int(np.count_nonzero(force_missing[begin:end])),
+                falling_share=falling_share(curve_n, force.reversal_n),
+                rest_gap_n=float(force.gap_n[i]),
+                start_force_n=float(force.force_n[begin]),
+                emg_fs_hz=record.fs_hz,
+                emg={muscle: row[i] for muscle, row in zip(record.muscles, quality, strict=True)},
+                snr_db=dict(zip(record.muscles, snr_db[:, i].tolist(), strict=True)),
+                said=said[i],
+            )
+        )
+    return evidence
