@@ -154,6 +154,14 @@ def test_what_cannot_be_fitted_stays_with_a_reason() -> None:
     assert on_samples.reason[2] == "no fit: force does not change"
 
 
+def test_a_fit_on_forces_that_hardly_differ_says_how_many_digits_are_left() -> None:
+    force = np.linspace(5, 5.004, 40)
+    trials = trials_of([force, force], [A_V + B_V * np.log(force)] * 2, reasons=("EDC clipped", ""))
+    fits = fit_trials(trials, FitSettings(bin_n=0.0005), WindowSettings(force_n=(4.999, 5.006)))
+    said = "ill-conditioned fit: force changes by 0.0008 of itself, b keeps 13 digits"
+    assert fits.reason.tolist() == [f"EDC clipped; {said}", said]
+
+
 def test_rejected_trials_are_fitted_too() -> None:
     trials = dataclasses.replace(noisy(3), verdict=np.array(["ok", "rejected", "warned"], dtype="<U8"))
     fits = fit_trials(trials, FitSettings(), WINDOW)

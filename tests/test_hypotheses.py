@@ -12,8 +12,12 @@ import pytest
 from scipy import stats
 
 from emg2vsa import artifacts, hypotheses
+from emg2vsa.companions.groups import equality_tests
 from emg2vsa.fits import Fits
 from emg2vsa.settings import HypothesisSettings
+from emg2vsa.statistics.anova import one_way
+from emg2vsa.statistics.clusters import clusters_of
+from emg2vsa.statistics.equivalence import tost
 from emg2vsa.statistics.unbalanced_mixed import UnbalancedMixed
 
 PAPER = HypothesisSettings(kept_specimens=("S1", "S3", "S5"))
@@ -114,16 +118,32 @@ def test_over_people_the_sample_is_the_people() -> None:
 def test_equality_is_shown_only_against_a_margin() -> None:
     fits, _ = study()
     bound = hypotheses.test_hypotheses(fits, PAPER).tests.equality
-    assert bound.tost is None
+    assert bound.margin is None
+    assert not bound.shown.any()
+    assert np.isnan(bound.worst_p).all()
+    values = np.swapaxes(clusters_of(fits.participant, fits.specimen, fits.b_v, fits.verdict == "ok").values, 0, 1)
     for margin_sd in (1.0, 3.0):
         settings = HypothesisSettings(equivalence_margin_sd=margin_sd)
-        tost = hypotheses.test_hypotheses(fits, settings).tests.equality.tost
-        assert tost is not None
-        assert tost.unit == "sd"
-        shown = np.all(np.fmax(np.abs(tost.low), np.abs(tost.high)) < tost.margin, axis=1)
-        np.testing.assert_array_equal(np.all(tost.p < 0.05, axis=1), shown)
-    ends = np.fmax(np.abs(tost.low), np.abs(tost.high)).max(axis=1)
-    np.testing.assert_allclose(bound.bound, ends)
+        found = hypotheses.test_hypotheses(fits, settings).tests.equality
+        pairs = tost(values, margin_sd, unit="sd")
+        inside = np.fmax(np.abs(pairs.low), np.abs(pairs.high)) < pairs.margin
+        np.testing.assert_array_equal(found.shown, np.count_nonzero(inside, axis=1))
+        np.testing.assert_array_equal(found.worst_p, pairs.p.max(axis=1))
+        np.testing.assert_array_equal(found.pairs, pairs.p.shape[1])
+        assert found.unit == "sd"
+        np.testing.assert_array_equal(found.p < 0.05, found.shown == found.pairs)
+    np.testing.assert_allclose(bound.bound, np.fmax(np.abs(pairs.low), np.abs(pairs.high)).max(axis=1))
+
+
+def test_a_pair_without_a_test_leaves_equality_open_unless_another_refutes_it() -> None:
+    rng = np.random.default_rng(8)
+    alike = rng.standard_normal((1, 3, 40))
+    alike[0, 1:, 1:] = np.nan  # two groups of one value each have no pooled SD
+    for margin, refuted in ((20.0, False), (1e-6, True)):
+        found = equality_tests(alike, one_way(alike), 0.05, margin)
+        assert (found.pairs[0], found.untested[0]) == (2, 1)
+        assert (found.worst_p[0] >= 0.05) == refuted
+        np.testing.assert_equal(found.p[0], found.worst_p[0] if refuted else np.nan)
 
 
 def test_an_unbalanced_study_gets_the_other_mixed_model() -> None:

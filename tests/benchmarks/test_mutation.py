@@ -81,13 +81,13 @@ def test_bad_input_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
 
 def test_the_files_that_run_a_line_come_before_those_that_name_its_module() -> None:
     module = "emg2vsa/statistics/ranks.py"
-    lines = {module: {10: frozenset({"tests/test_docs.py"}), 20: frozenset({"tests/trials/test_extract.py"})}}
+    lines = {module: {10: frozenset({"tests/test_docs.py"}), 20: frozenset({"tests/extraction/test_extract.py"})}}
     near = files_for(ROOT, module, 12, {})
-    assert near[0] == "tests/stats/test_ranks.py"
+    assert near[0] == "tests/statistics/test_ranks.py"
     assert len(near) == 10
     by_line = files_for(ROOT, module, 12, lines)
-    assert by_line[:2] == ["tests/stats/test_ranks.py", "tests/test_docs.py"]
-    assert "tests/trials/test_extract.py" not in by_line
+    assert by_line[:2] == ["tests/statistics/test_ranks.py", "tests/test_docs.py"]
+    assert "tests/extraction/test_extract.py" not in by_line
 
 
 @pytest.mark.parametrize(("successes", "n", "low", "high"), [(0, 10, 0.0, 0.2775), (81, 263, 0.2553, 0.3662)])

@@ -10,6 +10,9 @@ import pytest
 
 from casr.specimens import SPECIMENS
 from casr.synthetic import ContactWorld, casr_truth
+from emg2vsa.calibration.calibrate import Calibration
+from emg2vsa.calibration.left_out import left_out
+from emg2vsa.calibration.repeats import RepeatInterval, repeat_interval
 
 FORCES_N = np.linspace(0.5, 7, 131)
 
@@ -37,6 +40,12 @@ class Bench:
         share = np.broadcast_to(noise, (4,))[:, None] * np.random.default_rng(seed).standard_normal((d, 4, r))
         scores = self.casr([*self.kappa, self.kappa_new])[:, None] * (1 + share)
         return scores[:, :3], scores[:, 3]
+
+    @staticmethod
+    def interval(calibration: Calibration, scores: np.ndarray) -> RepeatInterval:
+        """As ``estimate`` has it, without its bootstrap: widened where the known specimens reject the law."""
+        widened = left_out(calibration).widening(calibration.settings.confidence)
+        return repeat_interval(calibration, scores, widened=widened)
 
 
 @pytest.fixture(scope="session")

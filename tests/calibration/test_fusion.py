@@ -7,11 +7,18 @@ import pytest
 
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.forms import CASR_POWER, INDENTATION_POWER, mount_share
-from emg2vsa.calibration.fusion import calibrate_indentation, fuse
+from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse, mm_per_n
 from emg2vsa.calibration.unknown import estimate
 from emg2vsa.settings import CalibrationSettings
 
 EXPERIMENTS = 3000
+
+
+def fused(bench, cutaneous, kinesthetic, casr, indent_n_per_mm) -> Fusion:
+    """Both cues of a new specimen as the calibration of runs fuses them."""
+    area, depth = np.atleast_2d(casr), np.atleast_2d(mm_per_n(indent_n_per_mm))
+    c, k = (bench.interval(*each) for each in ((cutaneous, area), (kinesthetic, depth)))
+    return fuse(cutaneous, c, area, kinesthetic, k, depth)
 
 
 def both(bench, *, casr_noise=0.02, indent_noise=0.02, correlation=0.0, bias=1.0, d=EXPERIMENTS, seed=0):
@@ -24,7 +31,7 @@ def both(bench, *, casr_noise=0.02, indent_noise=0.02, correlation=0.0, bias=1.0
     depth = bench.mm_per_n(kappa)[:, None] * (1 + indent_noise * second)
     depth[:, 3] *= bias
     cutaneous = calibrate(bench.kappa, casr[:, :3], casr_unit="mm2/N")
-    return fuse(cutaneous, calibrate_indentation(bench.kappa, 1 / depth[:, :3]), casr[:, 3], 1 / depth[:, 3])
+    return fused(bench, cutaneous, calibrate_indentation(bench.kappa, 1 / depth[:, :3]), casr[:, 3], 1 / depth[:, 3])
 
 
 def coverage(bench, found):
@@ -79,7 +86,7 @@ def test_cues_that_disagree_are_said(hertz):
 def test_a_cue_without_stiffness_leaves_none(hertz):
     known, new = hertz.presses(1)
     depth = calibrate_indentation(hertz.kappa, 1 / hertz.mm_per_n(hertz.kappa)[:, None] * np.ones(10))
-    found = fuse(calibrate(hertz.kappa, known, casr_unit="mm2/N"), depth, new, np.full(10, -1.0))
+    found = fused(hertz, calibrate(hertz.kappa, known, casr_unit="mm2/N"), depth, new, np.full(10, -1.0))
     assert np.isnan(found.kappa[0])
     assert found.notes() == ("undefined: one of the two cues gives no stiffness",)
 
@@ -98,7 +105,7 @@ def test_a_mounting_moves_both_cues_and_is_counted_in_both(hertz):
     kinesthetic = calibrate_indentation(
         hertz.kappa, 1 / depth[:, :3], angle_share=mount_share(INDENTATION_POWER, angle_deg, sd_deg)
     )
-    found = fuse(cutaneous, kinesthetic, casr[:, 3], 1 / depth[:, 3])
+    found = fused(hertz, cutaneous, kinesthetic, casr[:, 3], 1 / depth[:, 3])
     assert 0.93 < coverage(hertz, found) < 0.975
     assert 0.02 < np.mean(found.p < 0.05) < 0.07
 
@@ -107,10 +114,11 @@ def test_the_settings_confidence_is_used(hertz):
     known, new = hertz.presses(3)
     depth = 1 / hertz.mm_per_n([*hertz.kappa, hertz.kappa_new])[:, None] * (1 + 0.01 * np.arange(10) % 3)
     half = CalibrationSettings(confidence=0.5)
-    wide = fuse(
-        calibrate(hertz.kappa, known, casr_unit=""), calibrate_indentation(hertz.kappa, depth[:3]), new, depth[3]
+    wide = fused(
+        hertz, calibrate(hertz.kappa, known, casr_unit=""), calibrate_indentation(hertz.kappa, depth[:3]), new, depth[3]
     )
-    narrow = fuse(
+    narrow = fused(
+        hertz,
         calibrate(hertz.kappa, known, half, casr_unit=""),
         calibrate_indentation(hertz.kappa, depth[:3], half),
         new,

@@ -9,7 +9,7 @@ import pytest
 
 from casr.synthetic import ContactWorld
 from emg2vsa.calibration.calibrate import calibrate
-from emg2vsa.calibration.left_out import left_out, widened_interval
+from emg2vsa.calibration.left_out import left_out
 from emg2vsa.calibration.presses import far_off, without_outliers
 from emg2vsa.calibration.repeats import repeat_interval
 from emg2vsa.calibration.runs_calibration import calibrate_runs
@@ -66,6 +66,14 @@ def test_a_drift_from_press_to_press_is_a_correlation_and_too_few_presses_have_n
     np.testing.assert_array_equal(few.effective_n, 3)
 
 
+def test_equal_presses_say_nothing_of_serial_correlation():
+    drift = np.cumsum(np.random.default_rng(6).standard_normal((1, 2, 12)), axis=-1)
+    found = serial_correlation(np.concatenate((drift, np.full((1, 1, 12), 4.2)), axis=1))
+    alone = serial_correlation(drift)
+    assert alone.rho[0] > 0.3
+    np.testing.assert_array_equal((found.rho, found.p), (alone.rho, alone.p))
+
+
 def test_a_missing_press_does_not_hide_the_correlation_and_the_unit_does_not_matter():
     x = autoregression(np.random.default_rng(6), (1, 4, 12), 0.7)
     held = np.insert(x, 5, np.nan, axis=-1)
@@ -109,14 +117,14 @@ def test_a_law_that_its_own_test_rejects_has_wider_intervals_that_hold_the_truth
     calibration = calibrate(bench.kappa, known, casr_unit="mm2/N")
     assert np.mean(left_out(calibration).law_p < 0.05) > 0.99
     assert coverage(bench, repeat_interval(calibration, new)) < 0.05
-    assert coverage(bench, widened_interval(calibration, new)) > 0.95
+    assert coverage(bench, bench.interval(calibration, new)) > 0.95
     said = estimate(calibrate(bench.kappa, known[0], QUICK, casr_unit="mm2/N"), new[0]).notes()
     assert any(note.startswith("the known specimens reject the law") for note in said)
 
 
 def test_a_law_that_holds_is_rarely_widened(hertz):
     known, new = hertz.presses(11, d=EXPERIMENTS, noise=0.01)
-    found = widened_interval(calibrate(hertz.kappa, known, casr_unit="mm2/N"), new)
+    found = hertz.interval(calibrate(hertz.kappa, known, casr_unit="mm2/N"), new)
     assert np.mean(found.widened > 1) < 0.06
 
 

@@ -83,7 +83,8 @@ def test_devices_and_typed_lines(
     assert emulate(study, "--participant", "P03", "--truth", str(tmp_path / "truth.json")) == 0
     said = capsys.readouterr().out
     for part in (
-        "Trigno server at 127.0.0.1", "Net F/T box", "done: place S1", "done: drop 2", "drop: expected a number",
+        "Trigno server at 127.0.0.1", "Net F/T box", "unpair N               the sensor",
+        "done: place S1", "done: drop 2", "drop: expected a number",
         "unpair: expected a number", "'flood' is none of", "a page of a running session", "end of the emulation",
     ):  # fmt: skip
         assert part in said

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import optimize, stats
 
-from emg2vsa.companions.force_laws import LAWS, LEFT_OUT, force_laws
+from emg2vsa.companions.force_laws import LAWS, LEFT_OUT, cell_errors, compare_laws, force_laws
 from emg2vsa.fits import Fits
 
 FORCE_N = np.geomspace(0.6, 6.8, 12)
@@ -90,6 +90,23 @@ def test_the_comparison_is_a_t_test_over_participants() -> None:
     assert found.ratio[0, 2] == pytest.approx(np.exp(of_person.mean()), rel=1e-12)
     assert found.compared.tolist() == [12, 12]
     assert "of 12 cells" in found.outcomes()[0].notes[0]
+
+
+def test_one_recording_at_a_time_gives_the_same() -> None:
+    v = presses("power", 7, (12, 2, 3))  # P10 stands behind P9
+    fits = fits_of(v)
+    columns = {
+        name: values for name, values in vars(fits).items() if isinstance(values, np.ndarray) and name != "bin_edges_n"
+    }
+    parts = [
+        dataclasses.replace(fits, **{name: values[own] for name, values in columns.items()})
+        for own in np.random.default_rng(0).permutation(np.arange(v[..., 0].size).reshape(-1, 3))
+    ]
+    found = compare_laws(error for part in parts for error in cell_errors(part, "ok"))
+    whole = force_laws(fits, "ok")
+    for field in dataclasses.fields(whole):
+        np.testing.assert_array_equal(getattr(found, field.name), getattr(whole, field.name))
+    assert whole.participant.tolist()[-2:] == ["P11", "P11"]
 
 
 @pytest.mark.parametrize("change", ["rejected", "one press", "no bins", "one participant", "constant"])

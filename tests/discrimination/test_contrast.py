@@ -83,15 +83,16 @@ def test_presses_of_one_mounting_are_no_replicates(tries, world, stiffness_n_per
     assert found <= stats.binom.ppf(0.999, tries, 0.05)
 
 
-@pytest.mark.parametrize("tries", [40, pytest.param(100, marks=pytest.mark.slow)])
-def test_an_effect_is_found_and_the_interval_holds_it(tries, world, stiffness_n_per_mm):
-    adds, held = {("modular", "S5"): 0.15}, 0
+@pytest.mark.parametrize(("tries", "least"), [(100, 91), pytest.param(400, 370, marks=pytest.mark.slow)])
+def test_an_effect_is_found_and_the_interval_holds_it(tries, least, world, stiffness_n_per_mm):
+    """If 88 % were covered instead of 95 %, 90 of 100 or fewer would be in 77 % of samples, 369 of 400 in 99.6 %."""
+    adds, held, found = {("modular", "S5"): 0.15}, 0, []
     for seed in range(tries):
         (slope, _) = measured(world(3, 3, 0.025, 0.03, seed, adds), stiffness_n_per_mm)
         held += bool(slope.changes.low[0] < 0.15 < slope.changes.high[0])
-    assert held >= 0.88 * tries
-    found = [measured(world(3, 3, 0.025, 0.03, seed, adds), stiffness_n_per_mm)[0].verdicts[0] for seed in range(20)]
-    assert found.count("raises") >= 17
+        found.append(slope.verdicts[0])
+    assert held >= least
+    assert found.count("raises") >= 0.85 * tries
     assert (
         measured(world(3, 3, 0.01, 0.01, 0, {("modular", "S5"): -0.2}), stiffness_n_per_mm)[0].verdicts[0] == "lowers"
     )

@@ -48,18 +48,23 @@ def test_another_level_alone_separates_no_better(run_of, stiffness_n_per_mm):
     assert compared.wins(0) is None
 
 
-@pytest.mark.parametrize("tries", [14, pytest.param(40, marks=pytest.mark.slow)])
-def test_the_difference_of_levels_covers_where_every_condition_is_mounted_anew(tries, run_of, stiffness_n_per_mm):
-    """Mountings that move every press of a run alike: what presses of one mounting show covers a small part of it."""
+@pytest.mark.parametrize(("tries", "least"), [(40, 36), pytest.param(200, 184, marks=pytest.mark.slow)])
+def test_the_difference_of_levels_covers_where_every_condition_is_mounted_anew(
+    tries, least, run_of, stiffness_n_per_mm
+):
+    """Mountings that move every press of a run alike: what presses of one mounting show covers a small part of it.
+
+    If 88 % were covered instead of 95 %, 35 of 40 or fewer would be in 53 % of samples, 183 of 200 in 95 %.
+    """
     rng, held, pressed = np.random.default_rng(5), {0.0: 0, 0.025: 0}, world(run_of)
     for _ in range(tries):
         runs = [scaled(run, level=1 + 0.025 * rng.standard_normal()) for run in pressed]
+        table = run_table(runs, stiffness_n_per_mm, "S_new")
         for sd in held:
-            table = run_table(runs, stiffness_n_per_mm, "S_new")
             ratio = compare_conditions(table, replace(FEW, resamples=50), sd).level_ratio
             held[sd] += bool(ratio.low[0] < 1 < ratio.high[0])
     assert held[0.0] < 0.6 * tries
-    assert held[0.025] > 0.85 * tries
+    assert held[0.025] >= least
 
 
 def test_human_like_is_compared_with_every_condition_at_its_angle(runs, stiffness_n_per_mm):

@@ -66,3 +66,14 @@ def ran(ran_once: Path, tmp_path: Path) -> Path:
     study = root / "studies" / "small" / "study.toml"
     assert main(["run", str(study), "--jobs", "1", "--json"]) == 0
     return study
+
+
+@pytest.fixture(scope="session")
+def packaged_once(ran_once: Path, built_once: Once) -> Path:
+    """``ran_once`` with the authors' package of the study."""
+
+    def package(root: Path) -> None:
+        shutil.copytree(ran_once, root, dirs_exist_ok=True)
+        assert main(["report", str(root / "studies/small/study.toml"), "--paper", "--jobs", "1", "--json"]) == 0
+
+    return built_once("packaged", package)

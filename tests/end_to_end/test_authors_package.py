@@ -23,10 +23,9 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 @pytest.fixture(scope="module")
-def package(ran_once: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def package(packaged_once: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("package")
-    shutil.copytree(ran_once, root, dirs_exist_ok=True)
-    assert main(["report", str(root / "studies/small/study.toml"), *EXACT]) == 0
+    shutil.copytree(packaged_once, root, dirs_exist_ok=True)
     return root / "reports" / "small" / "paper"
 
 
@@ -51,9 +50,13 @@ def test_a_second_run_gives_identical_bytes(package: Path) -> None:
     assert contents(package) == before
 
 
-def test_another_folder_gives_identical_bytes(package: Path, simulated: Path, tmp_path: Path) -> None:
-    shutil.copytree(simulated, tmp_path / "elsewhere" / "studies" / "small")
-    study = tmp_path / "elsewhere" / "studies" / "small" / "study.toml"
+def test_another_folder_and_two_processes_give_identical_bytes(
+    package: Path, simulated: Path, ran_once: Path, tmp_path: Path
+) -> None:
+    study = tmp_path / "studies" / "small" / "study.toml"
+    shutil.copytree(simulated, study.parent)
+    assert main(["run", str(study), "--jobs", "2", "--json"]) == 0
+    assert contents(tmp_path / "reports") == contents(ran_once / "reports")
     assert main(["report", str(study), "--out", str(tmp_path / "out"), *EXACT]) == 0
     assert contents(tmp_path / "out") == contents(package)
 

@@ -41,7 +41,7 @@ def demo(root: Path, *more: str) -> Path:
 @pytest.fixture(scope="module")
 def people(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What the demo says of people."""
-    return demo(tmp_path_factory.mktemp("people"), "--human-only") / "people"
+    return demo(tmp_path_factory.mktemp("people"), "--human-only", "--jobs", "1") / "people"
 
 
 @pytest.fixture(scope="module")

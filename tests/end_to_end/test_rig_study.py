@@ -10,19 +10,20 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tifffile
 
-from benchmarks.small_study import small_rig
 from casr.frame_files import read_camera
 from emg2vsa import artifacts
 from emg2vsa.cli import main
 from emg2vsa.runs import RunScores
+from tests.small import run_all
 
-RIG = small_rig("high-stiffness = [0]\nmodular = [0]\n")
+pytestmark = pytest.mark.usefixtures("blank_drawings")
 SPECIMENS = ("S1", "S3", "S5", "S_new")
 PARTS = ("people", "rig")
 RUNS = [f"{s}_0_{c}" for c in ("high-stiffness", "modular") for s in SPECIMENS]
@@ -30,7 +31,7 @@ RUNS = [f"{s}_0_{c}" for c in ("high-stiffness", "modular") for s in SPECIMENS]
 
 def run(study: Path, capsys: pytest.CaptureFixture[str], *more: str) -> dict[str, object]:
     capsys.readouterr()
-    main(["run", str(study), "--json", *more])
+    main(["run", str(study), "--jobs", "1", "--json", *more])
     result: dict[str, object] = json.loads(capsys.readouterr().out)
     return result
 
@@ -40,19 +41,10 @@ def scores(study: Path) -> dict[str, RunScores]:
     return {path.parent.name: artifacts.load(path) for path in store.glob("*/*.result")}
 
 
-def with_rig(study: Path) -> Path:
-    (study.parent / "rig.toml").write_text(RIG)
-    study.write_text(study.read_text() + '\n[runs]\nrig = "rig.toml"\n')
-    return study
-
-
 @pytest.fixture(scope="module")
-def pressed(simulated: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def pressed(built_once: Callable[[str, Callable[[Path], object]], Path]) -> Path:
     """A study whose emulated rig has run, to its report; copied, never changed."""
-    folder = tmp_path_factory.mktemp("pressed") / "studies" / "small"
-    shutil.copytree(simulated, folder)
-    assert main(["run", str(with_rig(folder / "study.toml")), "--json"]) == 0
-    return folder
+    return built_once("finished", run_all) / "studies" / "small"
 
 
 @pytest.fixture
@@ -142,13 +134,16 @@ def test_people_only_and_rig_only_have_reports_of_their_own(copy, capsys):
     assert linked["rig"] == []
 
 
-def test_people_only_and_rig_only_from_nothing(copy, capsys):
-    shutil.rmtree(copy.parent / ".emg2vsa")
-    ran = run(copy, capsys, "--human-only")["ran"]
-    assert not any(str(step).startswith(("runs", "discrimination", "calibration")) for step in ran)
-    rig = run(copy, capsys, "--casr-only")["ran"]
-    assert not any(str(step).startswith(("hypotheses", "pages")) for step in rig)
-    assert "calibration/study" in rig
+def test_people_only_and_rig_only_make_what_they_show_and_no_more(copy, capsys):
+    """Both parts lack results: the people's pages and tests, the schedules that the rig presses with, the scores."""
+    store = copy.parent / ".emg2vsa" / "small" / "store"
+    for stage in ("pages", "hypotheses", "schedules", "runs", "calibration"):
+        shutil.rmtree(store / stage)
+    rig = {str(step).partition("/")[0] for step in run(copy, capsys, "--casr-only")["ran"]}
+    assert rig == {"schedules", "runs", "calibration", "rig_report"}
+    shutil.rmtree(store / "schedules")
+    people = {str(step).partition("/")[0] for step in run(copy, capsys, "--human-only")["ran"]}
+    assert people == {"pages", "hypotheses", "schedules", "people_report"}
 
 
 def stripped(pressed: Path, root: Path) -> None:
@@ -167,13 +162,21 @@ def stripped(pressed: Path, root: Path) -> None:
     (root / "runs.tsv").write_text("\n".join(["folder\tspecimen\tangle_deg\tcondition", *rows]) + "\n")
 
 
-def test_measured_runs_without_any_hint_give_the_same_scores(pressed, simulated, tmp_path, capsys):
-    study = tmp_path / "studies" / "small" / "study.toml"
-    shutil.copytree(simulated, study.parent)
-    stripped(pressed, tmp_path / "lab")
-    shutil.copy(pressed / "runs-virtual" / RUNS[0] / "camera.toml", tmp_path / "lab" / "our-camera.toml")
-    assert read_camera(tmp_path / "lab" / "our-camera.toml") is not None
-    study.write_text(study.read_text() + '\n[runs]\nroot = "../../lab"\ncamera = "../../lab/our-camera.toml"\n')
+def with_runs(study: Path, runs: str) -> Path:
+    """The study with these runs in place of its emulated rig."""
+    text = study.read_text()
+    assert 'rig = "rig.toml"' in text
+    study.write_text(text.replace('rig = "rig.toml"', runs))
+    return study
+
+
+def test_measured_runs_without_any_hint_give_the_same_scores(pressed, copy, capsys):
+    study = with_runs(copy, 'root = "../../lab"\ncamera = "../../lab/our-camera.toml"')
+    shutil.rmtree(study.parent / ".emg2vsa")
+    lab = study.parents[2] / "lab"
+    stripped(pressed, lab)
+    shutil.copy(pressed / "runs-virtual" / RUNS[0] / "camera.toml", lab / "our-camera.toml")
+    assert read_camera(lab / "our-camera.toml") is not None
     assert run(study, capsys, "--casr-only")["failures"] == []
     found, emulated = scores(study), scores(pressed / "study.toml")
     assert sorted(found) == sorted(RUNS)
@@ -181,7 +184,7 @@ def test_measured_runs_without_any_hint_give_the_same_scores(pressed, simulated,
         assert not found[name].simulated
         np.testing.assert_allclose(found[name].casr["front"], emulated[name].casr["front"], rtol=1e-12)
         assert np.isnan(found[name].indent_n_per_mm).all()
-    page = (tmp_path / "reports" / "small" / "rig" / "index.html").read_text()
+    page = (study.parents[2] / "reports" / "small" / "rig" / "index.html").read_text()
     assert "emulated rig" not in page
 
 
@@ -223,8 +226,7 @@ def alone(pressed: Path, tmp_path: Path) -> Path:
 def test_measured_runs_alone_end_with_a_report_of_section_six(alone, capsys, more):
     text = alone.read_text()
     alone.write_text(text[: text.rindex("[[specimens]]")] + text[text.index("[runs]") :] + NEW)
-    assert main(["run", str(alone), "--json", *more]) == 0
-    result = json.loads(capsys.readouterr().out)
+    result = run(alone, capsys, *more)
     assert result["failures"] == result["rejected_presses"] == []
     (contrast,) = result["notes"]
     assert contrast.startswith("Whether human-like stiffness raises the contrast S5 : S1 of CASR by slope")
@@ -234,10 +236,10 @@ def test_measured_runs_alone_end_with_a_report_of_section_six(alone, capsys, mor
     assert 'id="kappa"' in page
     assert 'id="fits"' not in page
     assert "runs.kappa.new_specimen" in json.loads((reports / "results.json").read_text())
-    assert main(["run", str(alone)]) == 0
+    assert main(["run", str(alone), "--jobs", "1"]) == 0
     assert "0 steps run" in capsys.readouterr().out
     assert main(["run", str(alone), "--human-only"]) == 2
-    assert main(["report", str(alone), "--paper"]) == 0
+    assert main(["report", str(alone), "--paper", "--jobs", "1"]) == 0
     about = (reports / "paper" / "README.txt").read_text()
     assert "taken as measured on a rig" in about
     assert "people" not in about
@@ -245,7 +247,7 @@ def test_measured_runs_alone_end_with_a_report_of_section_six(alone, capsys, mor
 
 @pytest.mark.slow
 def test_without_a_new_specimen_the_report_says_that_nothing_was_estimated(alone, capsys):
-    assert main(["run", str(alone)]) == 0
+    assert main(["run", str(alone), "--jobs", "1"]) == 0
     assert "note: No stiffness was estimated" in capsys.readouterr().out
     page = (alone.parents[2] / "reports" / "small" / "index.html").read_text()
     assert "No stiffness was estimated" in page
@@ -255,11 +257,13 @@ def test_without_a_new_specimen_the_report_says_that_nothing_was_estimated(alone
 def test_rejected_presses_and_folders_left_out_are_said_aloud(alone, capsys):
     lab = alone.parent / "lab"
     table = (lab / "runs.tsv").read_text().splitlines()
-    (lab / "runs.tsv").write_text("\n".join(row for row in table if not row.startswith("day-7")))
+    (lab / "runs.tsv").write_text("\n".join(table[:4]))  # days 0 to 2
+    for day in range(3, 7):
+        shutil.rmtree(lab / f"day-{day}")
     shutil.rmtree(lab / "day-0" / "press-002" / "frames")
     (lab / "day-1" / "press-001" / "force.csv").unlink()
     for _ in range(2):  # the second time nothing runs, and all is said again
-        assert main(["run", str(alone)]) == 0
+        assert main(["run", str(alone), "--jobs", "1"]) == 0
         said = capsys.readouterr().out
         assert f"note: {lab / 'day-7'} holds frames but is no run: add it to {lab / 'runs.tsv'}" in said
         assert f"{RUNS[0]}: 1 of 2 presses rejected: {lab / 'day-0' / 'press-002'}: expected images" in said
@@ -286,14 +290,12 @@ def test_a_folder_of_runs_that_holds_none(alone, simulated, capsys):
     assert "lab: expected one run or more, but found none" in capsys.readouterr().err
     shutil.copytree(simulated, alone.parent, dirs_exist_ok=True)
     alone.write_text(alone.read_text() + '\n[runs]\nroot = "lab"\n')
-    assert main(["run", str(alone), "--only", "runs"]) == 0
+    assert main(["run", str(alone), "--only", "runs", "--jobs", "1"]) == 0
     assert f"note: no runs in {alone.parent / 'lab'}" in capsys.readouterr().out
 
 
-def test_what_is_wrong_with_the_runs_stops_no_session_check(simulated, tmp_path, capsys):
-    study = tmp_path / "studies" / "small" / "study.toml"
-    shutil.copytree(simulated, study.parent)
-    study.write_text(study.read_text() + '\n[runs]\nroot = "lab"\n')
+def test_what_is_wrong_with_the_runs_stops_no_session_check(copy, capsys):
+    study = with_runs(copy, 'root = "lab"')
     (study.parent / "lab").mkdir()
     (study.parent / "lab" / "runs.tsv").write_text("nonsense\n")
     assert main(["check", str(study), "P01"]) == 0
@@ -311,21 +313,25 @@ def test_a_measured_run_is_never_overwritten(copy, capsys):
     assert (copy.parent / "runs-virtual" / "S1_0_modular" / "log.csv").is_file()
 
 
-def test_killed_halfway_and_run_again(simulated, pressed, tmp_path, capsys):
-    folder = tmp_path / "studies" / "small"
-    shutil.copytree(simulated, folder)
-    study = with_rig(folder / "study.toml")
-    program = [sys.executable, "-m", "emg2vsa.cli", "run", str(study), "--casr-only", "--jobs", "1"]
+def test_killed_halfway_and_run_again(pressed, copy, capsys):
+    """Four runs of the eight, after the people's steps."""
+    rig = copy.with_name("rig.toml")
+    rig.write_text(rig.read_text().replace("high-stiffness = [0]\n", ""))
+    shutil.rmtree(copy.parent / "runs-virtual")
+    for stage in ("emulation", "runs"):
+        shutil.rmtree(copy.parent / ".emg2vsa" / "small" / "store" / stage)
+    program = [sys.executable, "-m", "emg2vsa.cli", "run", str(copy), "--only", "runs", "--jobs", "1"]
     running = subprocess.Popen(program, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    while len(list(folder.glob("runs-virtual/S*"))) < 2:
+    while len(list(copy.parent.glob("runs-virtual/S*"))) < 2:
         assert running.poll() is None
         time.sleep(0.02)
     os.killpg(running.pid, signal.SIGKILL)
     running.wait()
-    whole = {p.name for p in folder.glob("runs-virtual/S*")}
-    assert len(whole) < len(RUNS)
-    again = run(study, capsys, "--casr-only")
-    assert again["failures"] == []
-    assert sorted(p.name for p in folder.glob("runs-virtual/[!.]*")) == sorted(RUNS)
-    for name, found in scores(study).items():
-        np.testing.assert_array_equal(found.casr["front"], scores(pressed / "study.toml")[name].casr["front"])
+    modular = [name for name in RUNS if name.endswith("modular")]
+    assert len(list(copy.parent.glob("runs-virtual/S*"))) < len(modular)
+    assert run(copy, capsys, "--only", "runs")["failures"] == []
+    assert sorted(p.name for p in copy.parent.glob("runs-virtual/[!.]*")) == sorted(modular)
+    again, whole = scores(copy), scores(pressed / "study.toml")
+    assert sorted(again) == sorted(modular)
+    for name, found in again.items():
+        np.testing.assert_array_equal(found.casr["front"], whole[name].casr["front"])

@@ -24,11 +24,10 @@ DATA = "data/sub-P01/emg/sub-P01_task-palpation_acq-S1_emg.bdf"
 
 
 @pytest.fixture(scope="module")
-def published(ran_once: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def published(packaged_once: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A package beside its study; copied, never changed."""
     root = tmp_path_factory.mktemp("published")
-    shutil.copytree(ran_once, root, dirs_exist_ok=True)
-    assert main(["report", str(root / "studies/small/study.toml"), "--paper", "--jobs", "1", "--json"]) == 0
+    shutil.copytree(packaged_once, root, dirs_exist_ok=True)
     return root / "reports" / "small" / "paper"
 
 

@@ -9,11 +9,9 @@ from pathlib import Path
 import pytest
 import tifffile
 
-from benchmarks.small_study import WITH_A_RIG, small_rig, small_study
 from emg2vsa.cli import main
+from tests.small import run_all
 
-STUDY = small_study(tables=WITH_A_RIG)
-RIG = small_rig("high-stiffness = [0]\nmodular = [0]\n")
 MEASURED = """
 [study]
 name = "measured"
@@ -31,19 +29,10 @@ root = "lab"
 Once = Callable[[str, Callable[[Path], object]], Path]
 
 
-def _run_all(root: Path) -> None:
-    folder = root / "studies" / "small"
-    folder.mkdir(parents=True)
-    (folder / "study.toml").write_text(STUDY)
-    (folder / "rig.toml").write_text(RIG)
-    assert main(["simulate", str(folder / "study.toml"), "--json"]) == 0
-    assert main(["run", str(folder / "study.toml"), "--json"]) == 0
-
-
 @pytest.fixture(scope="session")
 def finished(built_once: Once) -> Path:
     """Folder of a study with every stage, run to its report; copied, never changed."""
-    return built_once("finished", _run_all) / "studies" / "small"
+    return built_once("finished", run_all) / "studies" / "small"
 
 
 @pytest.fixture
@@ -75,4 +64,4 @@ def _run_measured(finished: Path, folder: Path) -> None:
         shutil.copy(run / "camera.toml", folder / "lab" / specimen)
         rows.append(f"{specimen}\t{specimen}\t0\tmodular")
     (folder / "lab" / "runs.tsv").write_text("\n".join(rows) + "\n")
-    assert main(["run", str(folder / "study.toml"), "--json"]) == 0
+    assert main(["run", str(folder / "study.toml"), "--jobs", "1", "--json"]) == 0

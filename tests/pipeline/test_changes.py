@@ -22,6 +22,8 @@ from emg2vsa.pipeline.plan import Step, survey
 from emg2vsa.pipeline.stage_order import ORDER, stage
 from emg2vsa.study_file import load_study
 
+pytestmark = pytest.mark.usefixtures("blank_drawings")
+
 PRODUCT = Path(emg2vsa.__file__).parent.parent
 RECORDING = "data/sub-P01/emg/sub-P01_task-palpation_acq-S1_emg.bdf"
 

@@ -10,6 +10,8 @@ import pytest
 
 from emg2vsa.cli import main
 
+pytestmark = pytest.mark.usefixtures("blank_drawings")
+
 
 def files_below(folder: Path) -> set[str]:
     return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}

@@ -21,6 +21,12 @@ def memory(tmp_path: Path) -> Path:
     return tmp_path / "memory.json"
 
 
+@pytest.fixture
+def soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file is remembered 0.1 s after its last change, and not only 1 s after it."""
+    monkeypatch.setattr(fingerprint, "_SETTLED_NS", 100_000_000)
+
+
 def written(path: Path, text: str) -> Path:
     """A file that was changed long enough ago to be remembered."""
     path.write_text(text)
@@ -36,6 +42,7 @@ def remembered(memory: Path, path: Path) -> str:
     return found
 
 
+@pytest.mark.usefixtures("soon")
 def test_content_is_followed_and_read_once(memory: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert remembered(memory, tmp_path / "a") == "missing"
     path = written(tmp_path / "a", "1")
@@ -49,6 +56,7 @@ def test_content_is_followed_and_read_once(memory: Path, tmp_path: Path, monkeyp
     assert remembered(memory, path) == "missing"
 
 
+@pytest.mark.usefixtures("soon")
 def test_a_change_in_place_with_its_time_put_back_is_noticed(memory: Path, tmp_path: Path) -> None:
     path = written(tmp_path / "a", "1")
     before = path.stat()
@@ -67,6 +75,7 @@ def test_changes_faster_than_the_clock_of_the_file_system_are_noticed(memory: Pa
         assert prints.file(path) == digest(text)
 
 
+@pytest.mark.usefixtures("soon")
 def test_forgetting_reads_again(memory: Path, tmp_path: Path) -> None:
     path = written(tmp_path / "a", "1")
     prints = Fingerprints(memory)
@@ -77,6 +86,7 @@ def test_forgetting_reads_again(memory: Path, tmp_path: Path) -> None:
     assert prints.file(path) == digest("1")
 
 
+@pytest.mark.usefixtures("soon")
 @pytest.mark.parametrize(
     "content",
     [b"", b'{"half', b"[1]", b"\xff\xfe", b"5", b'{"files": 5}', b'{"sum": "0", "files": {"a": [[], 1]}}', b"[" * 9**5],
@@ -93,6 +103,7 @@ def test_a_damaged_memory_is_one_warning_and_made_anew(memory: Path, tmp_path: P
     assert remembered(memory, path) == digest("1")
 
 
+@pytest.mark.usefixtures("soon")
 def test_one_changed_byte_of_the_memory_is_noticed(memory: Path, tmp_path: Path) -> None:
     remembered(memory, written(tmp_path / "a", "1"))
     whole = memory.read_bytes()
@@ -103,6 +114,7 @@ def test_one_changed_byte_of_the_memory_is_noticed(memory: Path, tmp_path: Path)
         assert len(warnings) == 1
 
 
+@pytest.mark.usefixtures("soon")
 def test_the_memory_of_0_1_0_is_read_anew_without_a_word(memory: Path, tmp_path: Path) -> None:
     path = written(tmp_path / "a", "1")
     memory.write_text(json.dumps({str(path): [[1, path.stat().st_mtime_ns], "other"]}))

@@ -18,6 +18,8 @@ from emg2vsa.pipeline import places
 from emg2vsa.pipeline.stage_order import stage
 from emg2vsa.study_file import load_study
 
+pytestmark = pytest.mark.usefixtures("blank_drawings")
+
 READ_ONLY = """
 import sys
 from emg2vsa.cli import main

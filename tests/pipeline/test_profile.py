@@ -62,10 +62,10 @@ def test_workers_bring_the_same_counts_home(tmp_path: Path, capsys: pytest.Captu
 def test_a_step_says_why_it_ran_and_one_that_cannot_run_is_left(
     people: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    profile(people, capsys, "--only", "fits")
+    profile(people, capsys, "--only", "fits", "--jobs", "1")
     people.write_text(people.read_text() + "[filters]\noutput_fs_hz = 50\n")
     next(people.parent.glob("data/sub-P01/emg/*S1*.bdf")).write_bytes(b"no recording")
-    found = profile(people, capsys, "--only", "fits")
+    found = profile(people, capsys, "--only", "fits", "--jobs", "1")
     assert found["trials"]["reasons"]["changed file"] == 1
     assert found["trials"]["reasons"]["setting filters.output_fs_hz: 100.0 -> 50.0"] == 4
     assert [found["trials"][name] for name in ("computed", "failed", "left")] == [3, 1, 0]
@@ -73,7 +73,7 @@ def test_a_step_says_why_it_ran_and_one_that_cannot_run_is_left(
 
 
 def test_the_table_is_for_people(people: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", str(people), "--only", "fits", "--profile"]) == 0
+    assert main(["run", str(people), "--only", "fits", "--profile", "--jobs", "1"]) == 0
     out = capsys.readouterr().out
     assert "trials: 4 ran because: never ran" in out
     assert "samples conditioned" in out

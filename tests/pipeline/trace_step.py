@@ -1,7 +1,8 @@
-"""Run one step of a finished study again, and tell which modules ran, what they imported, and the bytes that came out.
+"""Run steps of a finished study again, and tell which modules ran, what they imported, and the bytes that came out.
 
-``python trace_step.py STUDY STAGE ITEM OUT`` writes OUT/executed.txt, OUT/imported.txt and OUT/product.result. Its
-child processes do the same recording through ``traced_children/sitecustomize.py``.
+``python trace_step.py STUDY OUT STAGE/ITEM ...`` writes executed.txt, imported.txt and product.result to OUT/STAGE.
+Each step has a process of its own, forked from one that holds foreign packages, to import them once, but no module of
+ours that a step runs. Its child processes do the same recording through ``traced_children/sitecustomize.py``.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import importlib.util
 import os
 import sys
 import threading
+import traceback
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +21,7 @@ from types import FrameType
 from typing import Any
 
 PACKAGES = ("emg2vsa", "casr")
+FOREIGN = ("scipy.signal", "scipy.stats", "pandas", "cv2", "tifffile", "jinja2", "matplotlib.backends.backend_svg")
 
 
 def record(out: Path) -> Callable[[], None]:
@@ -35,7 +38,7 @@ def record(out: Path) -> Callable[[], None]:
                 return name.removesuffix(".__init__")
         return ""
 
-    def on_event(frame: FrameType, event: str, argument: object) -> None:
+    def on_call(frame: FrameType, event: str, argument: object) -> None:
         file = frame.f_code.co_filename
         if file not in seen:
             seen[file] = name = module_of(file)
@@ -62,13 +65,13 @@ def record(out: Path) -> Callable[[], None]:
         return plain_by_name(name, package)
 
     def stop() -> None:
-        sys.setprofile(None)
-        threading.setprofile(None)  # type: ignore[arg-type]
+        sys.settrace(None)
+        threading.settrace(None)  # type: ignore[arg-type]
         builtins.__import__, importlib.import_module = plain_import, plain_by_name
 
     builtins.__import__, importlib.import_module = watched, watched_by_name
-    threading.setprofile(on_event)
-    sys.setprofile(on_event)
+    threading.settrace(on_call)
+    sys.settrace(on_call)
     return stop
 
 
@@ -79,24 +82,47 @@ def _origin(package: str) -> str:
     return spec.origin
 
 
-def main() -> None:
-    study, name, item, out = sys.argv[1], sys.argv[2], sys.argv[3], Path(sys.argv[4])
-    from emg2vsa import artifacts
+def main() -> int:
+    study, out, steps = sys.argv[1], Path(sys.argv[2]), sys.argv[3:]
     from emg2vsa.pipeline.plan import survey
-    from emg2vsa.pipeline.stage_order import ORDER, stage
-    from emg2vsa.pipeline.store import written_files
+    from emg2vsa.pipeline.stage_order import ORDER
     from emg2vsa.study_file import load_study
 
     board = survey(load_study(study), ORDER, print)
-    step = board.steps[f"{name}/{item}"]
-    assert step.status == "fresh", (step.id, step.status, step.reasons, step.message)
+    os.environ["PYTHONPATH"] = os.pathsep.join([str(Path(__file__).parent / "traced_children"), *sys.path])
+    for name in FOREIGN:
+        importlib.import_module(name)
+    for name in steps:
+        step = board.steps[name]
+        assert step.status == "fresh", (name, step.status, step.reasons, step.message)
+        process = os.fork()
+        if not process:
+            status = 1
+            try:
+                run(board, step, out / step.stage)
+                status = 0
+            except Exception:
+                traceback.print_exc()
+            finally:
+                sys.stderr.flush()
+                os._exit(status)
+        if os.waitpid(process, 0)[1]:
+            return 1
+    return 0
+
+
+def run(board: Any, step: Any, out: Path) -> None:
+    from emg2vsa import artifacts
+    from emg2vsa.pipeline.stage_order import stage
+    from emg2vsa.pipeline.store import written_files
+
+    out.mkdir()
     given = board.given(step)
     if given.folder is not None:
         given = replace(given, folder=out / "folder")
         (out / "folder").mkdir()
-    children = {"TRACE_TO": str(out), "PYTHONPATH": str(Path(__file__).parent / "traced_children")}
-    os.environ |= children | {"PYTHONPATH": os.pathsep.join([children["PYTHONPATH"], os.environ.get("PYTHONPATH", "")])}
-    run = stage(name).run
+    os.environ["TRACE_TO"] = str(out)
+    run = stage(step.stage).run
     stop = record(out)
     try:
         product = run(given)
@@ -109,4 +135,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -51,6 +51,12 @@ def test_notes(tmp_path: Path) -> None:
     assert "Fz" not in said
 
 
+@pytest.mark.parametrize(("stated", "told"), [(1000.9, False), (999.1, False), (1001.1, True), (998.9, True)])
+def test_a_rate_that_is_a_thousandth_off_is_told(tmp_path: Path, stated: float, told: bool) -> None:
+    notes = read(bids(tmp_path, HEAD, SamplingFrequency=stated), ["EDC"]).notes
+    assert any("_emg.json states" in note for note in notes) is told
+
+
 def test_voltage_against_force_leaves_the_unit_open(tmp_path: Path) -> None:
     recording = read(bids(tmp_path, HEAD + "EDC\tMISC\tN\tn/a\tgood\tn/a\n"), ["EDC"])
     assert recording.channels[0].unit == ""

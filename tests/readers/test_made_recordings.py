@@ -54,6 +54,13 @@ def test_a_cut_hpf_file_is_read_up_to_its_last_whole_chunk(tmp_path: Path) -> No
     assert "samples in it were left out" in opened.contents.notes[0]
 
 
+@pytest.mark.parametrize(("more", "notes"), [(16, ()), (15, ("The file is incomplete: it ends inside the chunk at",))])
+def test_the_smallest_chunk_of_an_hpf_file_is_its_head_alone(tmp_path: Path, more: int, notes: tuple[str, ...]) -> None:
+    found = _opened(tmp_path, made.hpf() + struct.pack("<qq", 0x6000, 16)[:more]).contents.notes
+    assert len(found) == len(notes)
+    assert all(note.startswith(start) for note, start in zip(found, notes, strict=True))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "found"),
     [

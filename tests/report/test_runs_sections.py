@@ -117,6 +117,7 @@ def test_the_papers_numbers_lie_beside_ours(numbers, tested):
     for condition, angle in (("high-stiffness", 45), ("modular", 0)):
         for algorithm in ("front", "circle"):
             assert abs(numbers[f"runs.{condition}.{angle}.{algorithm}.kappa.error"]) < 1
+            assert numbers[f"runs.{condition}.{angle}.{algorithm}.kappa.mounting_sd_percent"] == 2.5
 
 
 def test_means_and_spreads_are_those_of_the_presses(numbers, some_runs):

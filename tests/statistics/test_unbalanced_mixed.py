@@ -11,7 +11,7 @@ import pytest
 from emg2vsa.statistics.mixed import balanced_mixed
 from emg2vsa.statistics.outcome import Outcome
 from emg2vsa.statistics.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
-from tests.stats.conftest import LMER, STUDIES, clusters, dense_minus_2_reml, study
+from tests.statistics.conftest import LMER, STUDIES, clusters, dense_minus_2_reml, study
 
 
 def fitted(values: np.ndarray) -> UnbalancedMixed:

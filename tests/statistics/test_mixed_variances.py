@@ -13,7 +13,7 @@ from emg2vsa.statistics.mixed import balanced_mixed
 from emg2vsa.statistics.mixed_variances import MixedResiduals, MixedVariances, mixed_residuals, mixed_variances
 from emg2vsa.statistics.reml import by_variances, cells_of, lowest
 from emg2vsa.statistics.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
-from tests.stats.conftest import LMER, STUDIES, clusters, dense_minus_2_reml, study
+from tests.statistics.conftest import LMER, STUDIES, clusters, dense_minus_2_reml, study
 
 
 def variances(values: np.ndarray) -> MixedVariances:

@@ -44,9 +44,10 @@ def test_signed_ranks_of_many_are_scipys() -> None:
 
 
 @pytest.mark.parametrize(
-    ("tries", "low", "high"), [(100, 0.88, 0.995), pytest.param(2000, 0.93, 0.97, marks=pytest.mark.slow)]
+    ("tries", "low", "high"), [(200, 0.91, 0.985), pytest.param(2000, 0.93, 0.97, marks=pytest.mark.slow)]
 )
 def test_the_interval_of_g_covers(tries: int, low: float, high: float) -> None:
+    """If 88 % were covered instead of 95 %, it would fail for 93 % of samples of 200 and all of those of 2000."""
     rng, inside = np.random.default_rng(5), 0
     for _ in range(tries):
         found = paired_tests(np.stack([rng.standard_normal(12) + 0.8, np.zeros(12)], axis=1))

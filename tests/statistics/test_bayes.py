@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import mpmath as mp
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import integrate, linalg
 
+from emg2vsa.companions.groups import equality_tests
 from emg2vsa.errors import DataError
 from emg2vsa.statistics.anova import one_way
 from emg2vsa.statistics.bayes import SCALE, jzs_anova
@@ -118,6 +121,19 @@ def test_hostile_designs() -> None:
     outcome = jzs_anova(np.arange(20.0).reshape(2, 10)).outcome()
     assert (outcome.statistic_name, outcome.p, outcome.n) == ("BF01", None, 20)
     assert "r = 0.5" in outcome.notes[0]
+
+
+def test_many_groups_take_no_matrix_of_all_pairs_of_them() -> None:
+    values = np.random.default_rng(0).standard_normal((1, 1000, 4))
+    values[0, ::3, 2:] = np.nan
+    jzs_anova(values[:, :2])
+    tracemalloc.start()
+    found = jzs_anova(values)
+    equality_tests(values, one_way(values), 0.05)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert np.isfinite(found.log_bf01[0])
+    assert peak < 4e6  # one number of every pair is 8 MB
 
 
 def test_bad_shape_is_refused() -> None:

@@ -116,9 +116,10 @@ def test_origin_and_unit(shift: float, scale: float) -> None:
 
 @pytest.mark.parametrize(
     ("tries", "most", "low", "high"),
-    [(100, 0.125, 0.87, 0.995), pytest.param(400, 0.085, 0.915, 0.985, marks=pytest.mark.slow)],
+    [(200, 0.105, 0.91, 0.99), pytest.param(400, 0.085, 0.915, 0.985, marks=pytest.mark.slow)],
 )
 def test_size_and_coverage_of_the_share(tries: int, most: float, low: float, high: float) -> None:
+    """If 88 % were covered instead of 95 %, it would fail for 93 % of samples of 200 and 99 % of those of 400."""
     rejected, inside = 0, 0
     _, levels = design(11, (2, 3), least=3)
     a = np.array([name[-1] for name in levels["condition"]]).astype(float)
