@@ -319,11 +319,19 @@ def xdf(uneven: bool = False) -> bytes:
     return b"".join(parts)
 
 
-def xdf_stream(stamps: np.ndarray, samples: np.ndarray, fs_hz: float = 1000) -> bytes:
-    """One stream "EMG" with one channel: the samples (n,) with their time stamps (n,), in seconds."""
-    info = "<info><name>EMG</name><type>EMG</type><channel_count>1</channel_count>"
-    info += f"<nominal_srate>{fs_hz}</nominal_srate><channel_format>double64</channel_format><desc/></info>"
-    rows = [(stamp, struct.pack("<d", value)) for stamp, value in zip(stamps.tolist(), samples.tolist(), strict=True)]
+def xdf_stream(
+    stamps: np.ndarray, samples: np.ndarray, fs_hz: float = 1000, units: Mapping[str, str] | None = None
+) -> bytes:
+    """One stream "EMG": the samples (n,) or (n, channels) with their time stamps (n,), in seconds.
+
+    units : of each channel by its name; None: one channel without either.
+    """
+    columns = np.ascontiguousarray(samples, dtype="<f8").reshape(len(stamps), -1)
+    labels = [f"<channel><label>{name}</label><unit>{unit}</unit></channel>" for name, unit in (units or {}).items()]
+    info = f"<info><name>EMG</name><type>EMG</type><channel_count>{columns.shape[1]}</channel_count>"
+    info += f"<nominal_srate>{fs_hz}</nominal_srate><channel_format>double64</channel_format>"
+    info += f"<desc><channels>{''.join(labels)}</channels></desc></info>" if labels else "<desc/></info>"
+    rows = [(stamp, row.tobytes()) for stamp, row in zip(stamps.tolist(), columns, strict=True)]
     head = _xdf_chunk(1, b'<?xml version="1.0"?><info><version>1.0</version></info>')
     end = _xdf_chunk(6, struct.pack("<I", 1) + b"<info></info>")
     return b"XDF:" + head + _xdf_chunk(2, struct.pack("<I", 1) + info.encode()) + _xdf_samples(1, rows) + end

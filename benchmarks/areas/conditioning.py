@@ -15,7 +15,7 @@ from benchmarks.simulated_records import FS_HZ, MUSCLES, PER_RECORD, Records, as
 LONGDOUBLE = "the same filters and kernel in 80-bit arithmetic, run over the whole record"
 STEP = 10
 "Samples between outputs: 100 Hz."
-CUT = "the windows, wider on both sides by the filter's memory"
+CUT = "the windows, wider on both sides by the filter's memory, to 1e-12 of a transient"
 records_of = cache(make_records)
 
 
@@ -146,14 +146,15 @@ def _ours(records: Records, filters: Any) -> np.ndarray:
 
 def _peers(records: Records, filters: Any) -> Iterator[Way]:
     from emg2vsa.signals.envelope import smoother
-    from emg2vsa.signals.filters import band_pass
+    from emg2vsa.signals.filters import band_pass, support_samples
 
     band, kernel = band_pass(filters, FS_HZ), smoother(filters, FS_HZ, STEP)
-    reach, n_out = band.support_samples + kernel.before, int(records.counts[0])
+    support, n_out = support_samples(band.sos, 1e-12), int(records.counts[0])
+    reach = support + kernel.before
     length = 2 * reach + STEP * (n_out - 1) + 1
     cut = np.array([[emg[:, i - reach : i - reach + length] for i in records.first] for emg in records.emg])
     rows = cut.reshape(-1, length)
-    inside = slice(band.support_samples, length - band.support_samples)
+    inside = slice(support, length - support)
 
     def finished(filtered: np.ndarray) -> np.ndarray:
         smooth = _smoothed(filtered[:, inside], kernel, STEP)

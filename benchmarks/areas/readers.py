@@ -11,7 +11,17 @@ from typing import Any
 import numpy as np
 
 from benchmarks.bench.case import Area, Case, Size, Way, peer
-from benchmarks.written_recordings import NAMES, made_samples, write_bdf, write_c3d, write_csv, write_edf, write_mat
+from benchmarks.written_recordings import (
+    NAMES,
+    made_samples,
+    write_bdf,
+    write_c3d,
+    write_csv,
+    write_edf,
+    write_mat,
+    write_tdms,
+    write_xdf,
+)
 
 Samples = dict[str, np.ndarray]
 _FOLDERS: list[TemporaryDirectory[str]] = []
@@ -27,6 +37,10 @@ def files_of_formats(size: Size) -> Iterator[Case]:
     yield _case("CSV", write_csv(folder, truth), truth, _csv_peers)
     yield _case("C3D", write_c3d(folder, truth), truth, _c3d_peers)
     yield _case("MATLAB", write_mat(folder, truth), truth, _mat_peers)
+    if peer("nptdms"):
+        yield _case("TDMS", write_tdms(folder, truth), truth, _tdms_peers)
+    if peer("pyxdf"):
+        yield _case("XDF", write_xdf(folder, truth), truth, _xdf_peers, stream="EMG: ")
 
 
 def growth_with_length(size: Size) -> Iterator[Case]:
@@ -93,7 +107,10 @@ def video(size: Size) -> Iterator[Case]:
 CHILD = "in the child process, whose processor time counts"
 
 
-def _case(name: str, path: Path, truth: Samples, peers: Callable[[Path], Iterator[Way]], family: str = "") -> Case:
+def _case(
+    name: str, path: Path, truth: Samples, peers: Callable[[Path], Iterator[Way]], family: str = "", stream: str = ""
+) -> Case:
+    """stream : what our reader puts before the name of a channel."""
     from emg2vsa.readers.formats import head_of, reader_of
     from emg2vsa.readers.opened import to_si
 
@@ -103,9 +120,9 @@ def _case(name: str, path: Path, truth: Samples, peers: Callable[[Path], Iterato
     def here() -> Samples:
         opened = importlib.import_module(reader.module).open_recording(path)
         stored = opened.load(range(len(opened.describe())))
-        return {channel.name: to_si(channel).samples for channel in stored}
+        return {channel.name.removeprefix(stream): to_si(channel).samples for channel in stored}
 
-    ways = [Way("emg2vsa", "read", lambda: _ours(path), "equal", CHILD if reader.library else "")]
+    ways = [Way("emg2vsa", "read", lambda: _ours(path, stream=stream), "equal", CHILD if reader.library else "")]
     if reader.library:
         ways.append(Way("emg2vsa", "read in this process", here, "equal"))
     return _as_case(name, path, (*ways, *peers(path)), truth, family)
@@ -121,10 +138,11 @@ def _as_case(name: str, path: Path, ways: tuple[Way, ...], truth: Samples, famil
     )
 
 
-def _ours(path: Path, names: tuple[str, ...] = NAMES) -> Samples:
+def _ours(path: Path, names: tuple[str, ...] = NAMES, stream: str = "") -> Samples:
     from emg2vsa.readers.front_door import read
 
-    return {channel.name: channel.samples for channel in read(path, names).channels}
+    found = read(path, tuple(stream + name for name in names)).channels
+    return {channel.name.removeprefix(stream): channel.samples for channel in found}
 
 
 def _bdf_peers(path: Path) -> Iterator[Way]:
@@ -203,6 +221,25 @@ def _mat_peers(path: Path) -> Iterator[Way]:
         yield Way("pymatreader", "read_mat", by_pymatreader, "equal", "no units, no rate")
 
 
+def _tdms_peers(path: Path) -> Iterator[Way]:
+    nptdms = peer("nptdms")
+
+    def by_nptdms() -> Samples:
+        file = nptdms.TdmsFile.read(path)
+        return {name: file["box"][name][:] for name in NAMES}
+
+    yield Way("npTDMS", "TdmsFile.read", by_nptdms, "equal", "no units, no rate")
+
+
+def _xdf_peers(path: Path) -> Iterator[Way]:
+    pyxdf = peer("pyxdf")
+
+    def by_pyxdf() -> Samples:
+        return dict(zip(NAMES, pyxdf.load_xdf(str(path))[0][0]["time_series"].T, strict=True))
+
+    yield Way("pyxdf", "load_xdf", by_pyxdf, "equal", "smooths time stamps, tells no lost samples")
+
+
 def _film(folder: Path, n: int) -> tuple[Path, np.ndarray]:
     import cv2
 
@@ -236,12 +273,14 @@ AREA = Area(
         "ezc3d": "ezc3d",
         "c3d": "c3d",
         "pymatreader": "pymatreader",
+        "nptdms": "npTDMS",
+        "pyxdf": "pyxdf",
     },
     meaning=(
-        "BDF, EDF, C3D and MATLAB files are decoded by edfio, ezc3d and SciPy: the difference between their own "
-        "rows and ours in this process is what checks, units and a copy that may be changed cost; the difference "
-        "to the first row is the child process, which keeps a decoder that crashes or never ends away from a run "
-        "(decision 19). An error of the size of one quantum of the format (BDF 6e-8, EDF 2e-5 of the range) is "
-        "that of the file."
+        "BDF, EDF, C3D, MATLAB, TDMS and XDF files are decoded by edfio, ezc3d, SciPy, npTDMS and pyxdf: the "
+        "difference between their own rows and ours in this process is what checks, units and a copy that may be "
+        "changed cost; the difference to the first row is the child process, which keeps a decoder that crashes or "
+        "never ends away from a run (decision 19). An error of the size of one quantum of the format (BDF 6e-8, EDF "
+        "2e-5 of the range) is that of the file."
     ),
 )

@@ -21,7 +21,7 @@ def wilson(successes: int, n: int) -> tuple[float, float]:
 def table(samples: list[dict[str, Any]]) -> str:
     """Markdown of the results of ``python -m benchmarks.mutation``, one section a sample."""
     judged = json.loads(JUDGED.read_text(encoding="utf-8"))
-    out = [HEAD, _rates(samples)]
+    out = [HEAD, _rates(samples, judged)]
     for each in samples:
         survivors = [row for row in each["mutants"] if row["state"] == "survived"]
         out += [f"\n## {_named(each)}: survivors\n", "| place | change | what it is |", "|---|---|---|"]
@@ -38,22 +38,40 @@ HEAD = """# Small wrong changes that the tests notice
 Written by `python -m benchmarks.mutation --table`. A mutant is one wrong change of one expression or statement, in a
 copy of the project of its own. The test files that execute its line run first, then others of its package, at most 10
 files in all, without tests marked `slow` or `realtime`, until a test fails or a run has used 40 s of processor time
-(the first 4 files are one run, the others another). A rate is therefore a lower bound for the whole suite. A run that
-was ended early has tried only part of its sample, in random order: its rate is of those it tried. What killed a mutant
-of `confirmed` passes on the unchanged code. States are those before the tests were written that survivors called for.
+(the first 4 files are one run, the others another). Survivors were then judged by a person: "killed by other tests"
+are those that a fast or real-time test beyond these ten files fails on, tried by hand; "equivalent" are those that
+change no result, which do not count. A run that was ended early has tried only part of its sample, in random order:
+its rate is of those it tried. What killed a mutant of `confirmed` passes on the unchanged code. States are those
+before the tests were written that survivors called for.
 """
 
 
-def _rates(samples: list[dict[str, Any]]) -> str:
-    rows = ["| sample | mutants tried | killed | timed out | survived | noticed | 95 % interval |", "|---" * 7 + "|"]
+ELSEWHERE, EQUIVALENT = "Killed by the suite", "Equivalent"
+"""How a judgement begins of a survivor that other tests of the suite kill, and of one that no test can."""
+
+
+def _rates(samples: list[dict[str, Any]], judged: dict[str, str]) -> str:
+    heads = (
+        "sample", "mutants tried", "killed", "timed out", "killed by other tests", "equivalent", "survived",
+        "noticed", "95 % interval",
+    )  # fmt: skip
+    rows = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
     for each in samples:
-        n, states = len(each["mutants"]), Counter(row["state"] for row in each["mutants"])
+        states = Counter(_state(row, judged) for row in each["mutants"])
+        n = len(each["mutants"]) - states[EQUIVALENT]
         noticed = n - states["survived"]
         low, high = wilson(noticed, n)
-        counts = f"{states['killed']} | {states['timed out']} | {states['survived']}"
+        counts = (states[state] for state in ("killed", "timed out", ELSEWHERE, EQUIVALENT, "survived"))
         share = f"{100 * noticed / n:.0f} % | {100 * low:.0f} to {100 * high:.0f} %"
-        rows.append(f"| {_named(each)} | {n} of {each['drawn']} | {counts} | {share} |")
+        tried = f"{len(each['mutants'])} of {each['drawn']}"
+        rows.append(f"| {_named(each)} | {tried} | {' | '.join(map(str, counts))} | {share} |")
     return "\n".join(rows)
+
+
+def _state(row: dict[str, Any], judged: dict[str, str]) -> str:
+    """That of the trial, or for a survivor that of its judgement, where that is one of the two."""
+    said = judged.get(key(row), "") if row["state"] == "survived" else ""
+    return next((start for start in (ELSEWHERE, EQUIVALENT) if said.startswith(start)), row["state"])
 
 
 def _named(each: dict[str, Any]) -> str:
