@@ -181,6 +181,10 @@ class WindowSettings:
     "Number of presses a recording should hold; another number is reported."
 
 
+MOST_BINS = 1000
+"Force bins of a press at most: a fit keeps the covariance of every pair, 8 MB for these."
+
+
 @dataclass(frozen=True, kw_only=True)
 class FitSettings:
     """The logarithmic fit v = a + b log F, equation (6)."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import SettingError
+from emg2vsa.settings import MOST_BINS
 
 Number = TypeVar("Number", np.float64, np.int64)
 
@@ -53,6 +54,13 @@ def bin_edges(lowest_n: float, highest_n: float, bin_n: float) -> Floats:
             wanted="a lower and a higher force",
             found=f"{lowest_n}, {highest_n} N",
             do="Write the lower force first.",
+        )
+    if highest_n - lowest_n > MOST_BINS * bin_n:
+        raise SettingError(
+            "fit.bin_n",
+            wanted=f"at least {(highest_n - lowest_n) / MOST_BINS:g} N, for {MOST_BINS} bins at most",
+            found=f"{bin_n:g} N",
+            do="Widen the bins: the covariance of so many does not fit into memory.",
         )
     full = int(np.floor((highest_n - lowest_n) / bin_n * (1 + 1e-12)))
     edges = np.round(lowest_n + bin_n * np.arange(full + 1), 9)

@@ -91,16 +91,8 @@ class ClusterWorkers:
             if self._running and self._client.status == "running":
                 self._give_up()
 
-    def run(
-        self,
-        tasks: Sequence[Task],
-        on_end: OnEnd,
-        *,
-        alone: int = 1,
-        load: Sequence[str] = (),
-        meanwhile: Sequence[str] = (),
-    ) -> None:
-        """Run all tasks, and report each as it ends; ``alone``, ``load`` and ``meanwhile`` are the pool's concern.
+    def run(self, tasks: Sequence[Task], on_end: OnEnd, *, alone: int = 1, load: Sequence[str] = ()) -> None:
+        """Run all tasks, and report each as it ends; ``alone`` and ``load`` are the pool's concern.
 
         DataError : the scheduler was lost, or all workers were, or one differs.
         """

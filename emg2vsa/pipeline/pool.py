@@ -9,7 +9,6 @@ import os
 import sys
 import threading
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
@@ -46,27 +45,16 @@ class Workers:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self._close(at_once=kind is not None)
 
-    def run(
-        self,
-        tasks: Sequence[Task],
-        on_end: OnEnd,
-        *,
-        alone: int = 1,
-        load: Sequence[str] = (),
-        meanwhile: Sequence[str] = (),
-    ) -> None:
+    def run(self, tasks: Sequence[Task], on_end: OnEnd, *, alone: int = 1, load: Sequence[str] = ()) -> None:
         """Run all tasks, and report each as it ends.
 
         alone : up to so many run in this process, as starting workers would take longer. load : modules that the
-        workers have in common, of all that they will do; only the first use of them counts. meanwhile : modules that
-        this process needs later, and loads while the workers compute.
+        workers have in common, of all that they will do; only the first use of them counts.
         """
         if self._jobs == 1 or len(tasks) <= alone:
             for task in tasks:
                 on_end(task())
             return
-        if meanwhile:
-            threading.Thread(target=_load, args=(meanwhile,), name="load").start()
         for task in self._side_by_side(tasks, on_end, load):
             # some process died: one at a time, so that the task that kills it is known
             if self._side_by_side([task], on_end, load):
@@ -114,14 +102,6 @@ def _executor(jobs: int, load: Sequence[str]) -> ProcessPoolExecutor:
         # workers are forked from a server that has done the imports once
         context.set_forkserver_preload(list(load))
     return ProcessPoolExecutor(jobs, mp_context=context, initializer=end_with_parent)
-
-
-def _load(modules: Sequence[str]) -> None:
-    import importlib
-
-    for module in modules:
-        with suppress(ImportError):  # told by the step that needs it
-            importlib.import_module(module)
 
 
 def end_with_parent() -> None:

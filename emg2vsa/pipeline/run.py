@@ -135,20 +135,13 @@ def _run_stage(
         progress.step(step)
 
     tasks = [_task(board, step, profile is not None) for step in stale.values()]
-    workers.run(tasks, on_end, alone=stage(name).alone, load=_loads(stages), meanwhile=_loads_here(stages[1:]))
+    workers.run(tasks, on_end, alone=stage(name).alone, load=_loads(stages))
     progress.end()
     return again
 
 
 def _loads(stages: Sequence[str]) -> list[str]:
-    """Modules of what workers do."""
-    loads = {name: () if stage(name).per == "study" else stage(name).loads for name in stages}
-    return [module for name in stages for module in (module_of(name), *loads[name])]
-
-
-def _loads_here(stages: Sequence[str]) -> list[str]:
-    """Modules of what this process does: steps of the whole study."""
-    return [module for name in stages if stage(name).per == "study" for module in stage(name).loads]
+    return [module for name in stages for module in (module_of(name), *stage(name).loads)]
 
 
 def _task(board: Board, step: Step, profiled: bool) -> Task:

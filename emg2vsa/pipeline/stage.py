@@ -87,8 +87,7 @@ class Stage:
     alone_in : folder that holds nothing but its files; a file more in it makes the step stale.
     says : what a person should read of a product, "" where nothing.
     tells_failures : ``run`` gets the messages of all failed steps.
-    loads : modules that its steps load: workers share them from the start; those of a step of the whole study are
-    loaded while workers compute.
+    loads : modules that its steps load, so that workers may share them from the start.
     gives : what it puts into the report, with a verb, such as "The mean profiles are".
     alone : up to so many steps run in the calling process, as starting workers would take longer.
     """

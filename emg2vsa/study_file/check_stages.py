@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from emg2vsa.settings import (
+    MOST_BINS,
     RECIPES,
     ChannelSettings,
     CocontractionSettings,
@@ -108,6 +109,9 @@ def _bins(window: WindowSettings, fit: FitSettings) -> Iterator[Problem]:
     if fit.points == "bins" and 0 < upper - lower < 3 * fit.bin_n:
         do = "A fit of two parameters needs three bins."
         yield Problem(("fit", "bin_n"), f"at most {(upper - lower) / 3:g}", f"{fit.bin_n:g}", do)
+    if upper - lower > MOST_BINS * fit.bin_n:
+        do = f"More than {MOST_BINS} bins need too much memory: the covariance of every pair is kept."
+        yield Problem(("fit", "bin_n"), f"at least {(upper - lower) / MOST_BINS:g}", f"{fit.bin_n:g}", do)
 
 
 def _new_specimen(profile: ProfileSettings) -> Iterator[Problem]:

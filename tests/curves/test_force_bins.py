@@ -34,6 +34,14 @@ def test_swapped_window_is_refused() -> None:
         bin_edges(7.0, 0.5, 0.3)
 
 
+def test_bins_too_narrow_for_the_memory_are_refused() -> None:
+    assert bin_edges(0.5, 7.0, 0.0065).size == 1001
+    with pytest.raises(
+        SettingError, match=r"fit\.bin_n: expected at least 0\.0065 N, for 1000 bins at most, but found"
+    ):
+        bin_edges(0.5, 7.0, 0.006)
+
+
 def test_means_of_two_trials() -> None:
     force = np.array([1.0, 1.5, 2.0, 3.0, 0.9, 3.1, 1.0, np.nan, 2.5])
     v = np.array([1.0, 3.0, 5.0, 7.0, 99.0, 99.0, 2.0, 99.0, np.nan])

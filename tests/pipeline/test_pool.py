@@ -8,7 +8,6 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -18,7 +17,7 @@ from typing import Any
 import pytest
 
 from emg2vsa.pipeline.pool import Workers
-from emg2vsa.pipeline.run import _loads, _loads_here
+from emg2vsa.pipeline.run import _loads
 from emg2vsa.pipeline.stage_order import ORDER, stage
 from emg2vsa.pipeline.store import claimed
 from emg2vsa.pipeline.tasks import Ended
@@ -157,22 +156,3 @@ def test_what_workers_load_from_the_start_is_there() -> None:
             assert importlib.import_module(module).__name__ == module
     assert {"emg2vsa.rig.emulated.virtual_run", "emg2vsa.runs.score_run"} <= set(_loads(ORDER))
     assert "emg2vsa.extraction.extract" not in _loads(ORDER[ORDER.index("emulation") :])
-    assert "emg2vsa.report.study_report" in _loads_here(ORDER)
-    assert not {*_loads_here(ORDER)} & {*_loads(ORDER)}
-    assert _loads_here(("trials", "fits")) == []
-
-
-def test_modules_of_later_steps_load_while_workers_compute(
-    tasks: Callable[..., list[Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "needed_later.py").write_text("import threading\nthread = threading.current_thread()\n")
-    monkeypatch.delitem(sys.modules, "needed_later", raising=False)
-    meanwhile = ("absent_here", "needed_later")  # what is absent is told by the step that needs it
-    with Workers(2) as workers:
-        ended: list[Ended] = []
-        workers.run(tasks("ok"), ended.append, meanwhile=meanwhile)
-        assert "needed_later" not in sys.modules  # one task is done here: nobody waits
-        workers.run(tasks("ok", "ok"), ended.append, meanwhile=meanwhile)
-    assert soon(lambda: "needed_later" in sys.modules, 10)
-    assert sys.modules["needed_later"].thread is not threading.main_thread()
-    assert [each.status for each in ended] == ["done"] * 3

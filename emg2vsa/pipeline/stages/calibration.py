@@ -60,5 +60,4 @@ STAGE = Stage(
     settings=settings,
     says=says,
     gives="The stiffness of the new specimen is",
-    loads=("emg2vsa.calibration.runs_calibration",),
 )

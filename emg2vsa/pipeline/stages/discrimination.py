@@ -47,5 +47,4 @@ STAGE = Stage(
     settings=settings,
     says=says,
     gives="The tests on areas and spread rates are",
-    loads=("emg2vsa.discrimination",),
 )

@@ -135,5 +135,4 @@ STAGE = Stage(
     files=files,
     folder=folder,
     tells_failures=True,
-    loads=("emg2vsa.report.study_report", "matplotlib.backends.backend_svg"),
 )

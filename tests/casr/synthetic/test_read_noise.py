@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 
 from casr.synthetic.read_noise import read_noise
 
@@ -12,13 +13,17 @@ SHAPE = (301, 299)
 N = math.prod(SHAPE)
 
 
-def noise(seed: int) -> np.ndarray:
-    return read_noise(SHAPE, np.random.default_rng(seed))
+def noise(seed: int, bits: type[np.random.BitGenerator] = np.random.PCG64) -> np.ndarray:
+    return read_noise(SHAPE, np.random.Generator(bits(seed)))
 
 
-def test_it_is_normal() -> None:
-    """Moments within four of their standard errors, and as many beyond each of several limits as there should be."""
-    drawn = noise(1).astype(np.float64).ravel()
+@pytest.mark.parametrize("bits", [np.random.PCG64, np.random.MT19937])
+def test_it_is_normal(bits: type[np.random.BitGenerator]) -> None:
+    """Moments within four of their standard errors, and as many beyond each of several limits as there should be.
+
+    The bits come from a generator of 64 bits at a time, and from one of 32.
+    """
+    drawn = noise(1, bits).astype(np.float64).ravel()
     assert abs(drawn.mean()) < 4 / math.sqrt(N)
     assert abs(drawn.std() - 1) < 4 / math.sqrt(2 * N)
     assert abs((drawn**3).mean()) < 4 * math.sqrt(15 / N)
