@@ -106,19 +106,20 @@ def _polished(
 ) -> Floats:
     """Gauss-Newton from where the trust region stopped, while steps shrink and the sum of squares does not grow.
 
+    Steps that turn about the end shrink by pairs: one is allowed to be longer than the last, not than the last two.
     rounding : of the norm of the residuals; the sum of squares is not known better than that.
     """
     r = residual(b)
-    rss, last = float(r @ r), np.inf
+    rss, lengths = float(r @ r), (np.inf, np.inf)
     for _ in range(_POLISHING_STEPS):
         step = -solve(jacobian(b)[None], r[None]).coefficients[0]
         length = float(np.max(np.abs(step) / np.maximum(np.abs(b), np.finfo(np.float64).tiny)))
-        if not np.isfinite(length) or length >= last:
+        if not np.isfinite(length) or length >= max(lengths):
             break
         there = residual(b + step)
         if not there @ there <= rss + rounding * np.sqrt(rss):
             break
-        b, r, rss, last = b + step, there, float(there @ there), length
+        b, r, rss, lengths = b + step, there, float(there @ there), (lengths[1], length)
         if length < _EPS:
             break
     return b
