@@ -26,6 +26,7 @@ _OPENCV = {"OPENCV_CPU_DISABLE": "AVX2,AVX,FP16,SSE4.2,SSE4.1"}
 _LIBM = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX"}
 BASELINES: dict[str, dict[str, str]] = {
     "the same once more": {},
+    "NumPy without AVX-512": {"NPY_DISABLE_CPU_FEATURES": "X86_V4"},
     "NumPy without AVX2 and FMA3": _NUMPY,
     "OpenBLAS for Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
     "OpenBLAS for Sandybridge": {"OPENBLAS_CORETYPE": "Sandybridge"},

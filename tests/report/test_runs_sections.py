@@ -213,6 +213,15 @@ def test_pins_of_algorithm_1_stand_by_the_force_of_its_first_frame(run_of, repor
     assert "n = 0 in 1 of 28 presses" in content.tables["algorithm_1"].caption
 
 
+def test_a_count_of_pins_that_never_changes_rises_by_nothing(run_of, report_of):
+    forces = np.linspace(0.1, 0.95, 10)
+    runs = [
+        replace(run_of(name, 0.0, "modular"), pins_selected=np.full(10, 7), first_n=forces * factor)
+        for name, factor in zip(KNOWN, (1.0, 1.1, 1.3), strict=False)
+    ]
+    assert report_of(runs, contents).quantities["runs.algorithm_1.pins_per_n.median"] == 0
+
+
 def test_figure_2_states_its_press_and_is_left_out_without_one(run_of, report_of):
     runs = [run_of(name, angle, c) for name in KNOWN for angle in (0.0, 30.0) for c in ("high-stiffness", "modular")]
     caption = report_of(runs, contents).drawings["fig02_algorithm_1"].caption

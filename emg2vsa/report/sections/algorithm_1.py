@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from casr.flow.dis import dis_flow
 from emg2vsa.arrays import Floats, Ints
+from emg2vsa.curves.line import fit_line
 from emg2vsa.discrimination.run_table import RIGID
 from emg2vsa.figures.algorithm_1 import PinCounts, draw_pin_counts, draw_steps
 from emg2vsa.report.designs import drawing, looks, of_tests, tested
@@ -52,6 +53,11 @@ def _rank_correlation(first: Floats, second: Ints) -> float:
     return float(np.corrcoef(midranks(first), midranks(second))[0, 1])
 
 
+def _pins_per_n(force_n: Floats, pins: Ints) -> float:
+    """Slope of the counts; 0, without a rest of rounding, where they are all the same."""
+    return float(fit_line(force_n[None], pins[None].astype(np.float64)).slope[0])
+
+
 def _quantities(results: StudyResults) -> Items:
     every = list(_each(results))
     for specimen, angle, force_n, pins in every:
@@ -65,7 +71,7 @@ def _quantities(results: StudyResults) -> Items:
         yield "runs.algorithm_1.pins.max", int(max(pins.max() for *_, pins in every))
         yield "runs.algorithm_1.pins.none", int(sum(np.count_nonzero(pins == 0) for *_, pins in every))
         yield "runs.algorithm_1.step_n.median", _step_n(results.pressed.scores)
-        slopes = [np.polyfit(force_n, pins, 1)[0] for _, _, force_n, pins in every if np.ptp(force_n) > 0]
+        slopes = [_pins_per_n(force_n, pins) for _, _, force_n, pins in every if np.ptp(force_n) > 0]
         yield "runs.algorithm_1.pins_per_n.median", float(np.median(slopes)) if slopes else np.nan
 
 
