@@ -15,6 +15,7 @@ from functools import partial
 from typing import Any, NoReturn
 
 from casr.errors import UserError
+from casr.one_thread import one_thread
 from casr.terminal import VOICE, coloured
 
 Group = argparse._ActionsContainer  # a parser or a group of its options
@@ -61,6 +62,7 @@ class Program:
 
     def main(self, argv: Sequence[str] | None = None) -> int:
         """Run one sub-command; returns the exit status: 0 done, 1 something is not good, 2 unusable input."""
+        one_thread()
         words = sys.argv[1:] if argv is None else argv
         only = [name for name in words[:1] if name in self.commands]
         try:

@@ -27,6 +27,7 @@ from typing import IO, Any, Literal
 import numpy as np
 
 from casr.decoder_child import HEAD, Limits, SharedMemory, read_whole, write_whole
+from casr.one_thread import VARIABLES
 
 START_SECONDS = 60.0
 """Limit on starting the child and importing a decoder; it is not the file's fault."""
@@ -160,7 +161,7 @@ class _Child:
         search = os.pathsep.join(os.path.abspath(folder) for folder in sys.path)
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-c", f"from casr.decoder_child import serve; serve({shared}, {childs_end})"],
-            env=os.environ | {"PYTHONPATH": search, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+            env=os.environ | {"PYTHONPATH": search} | dict.fromkeys(VARIABLES, "1"),
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, bufsize=0, **how,
         )  # fmt: skip
         if childs_end >= 0:

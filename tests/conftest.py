@@ -9,6 +9,10 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
+from casr.one_thread import VARIABLES
+
+os.environ.update(dict.fromkeys(VARIABLES, "1"))  # before NumPy is loaded, as every command does
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings

@@ -13,8 +13,8 @@ from typing import Any
 
 import casr
 import emg2vsa
+from casr.one_thread import VARIABLES
 from emg2vsa.pipeline.fingerprint import digest, state_of
-from emg2vsa.pipeline.pool import ONE_THREAD
 from emg2vsa.pipeline.tasks import Ended, Task
 
 MARK = "mark of this run in the study's folder"
@@ -45,7 +45,7 @@ def facts_here(mark: Path, libraries: tuple[str, ...]) -> dict[str, str]:
     """What the results of this process depend on beside the task: versions, code, threads, the study's folder."""
     found = {"emg2vsa": emg2vsa.__version__, "python": platform.python_version()}
     found |= {name: _version(name) for name in libraries}
-    found |= {name: os.environ.get(name, "unset") for name in ONE_THREAD}
+    found |= {name: os.environ.get(name, "unset") for name in VARIABLES}
     found[MARK] = _read_mark(mark)
     return found | _code()
 

@@ -17,8 +17,6 @@ from emg2vsa.pipeline.tasks import Ended, Task
 if TYPE_CHECKING:
     from concurrent.futures import ProcessPoolExecutor
 
-ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-"""Variables that are 1 in every process that computes: the same bytes on any number of cores."""
 OnEnd = Callable[[Ended], None]
 
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from casr.one_thread import one_thread
 from emg2vsa.pipeline.lock import shard_lock, study_lock
 from emg2vsa.pipeline.places import check_places, locked_places
 from emg2vsa.pipeline.plan import Board, Step, open_board
-from emg2vsa.pipeline.pool import ONE_THREAD, Workers
+from emg2vsa.pipeline.pool import Workers
 from emg2vsa.pipeline.profile import Profile
 from emg2vsa.pipeline.shard import Shard
 from emg2vsa.pipeline.stage_order import module_of, stage
@@ -66,8 +66,7 @@ def run_study(
     another process holds the study (only without ``wait``); nothing was run.
     """
     check_places(study, stages)
-    for name in ONE_THREAD:  # the same bytes on any number of cores; workers inherit it
-        os.environ.setdefault(name, "1")
+    one_thread()  # workers inherit it
     with ExitStack() as held:
         for folder in locked_places(study, stages):
             held.enter_context(

@@ -19,6 +19,7 @@ from typing import Any, TextIO
 import cv2
 import numpy as np
 
+from casr.one_thread import VARIABLES
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.devices import Frame
 from emg2vsa.rig.kappa.judges import new_rows, stop_text, stop_word
@@ -198,9 +199,8 @@ def _views(memory: SharedMemory, shape: tuple[int, int]) -> tuple[Any, Any, Any]
 @contextmanager
 def _one_thread() -> Iterator[None]:
     """A process that is started within leaves the other cores to the control loop."""
-    names = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-    before = {name: os.environ.get(name) for name in names}
-    os.environ.update(dict.fromkeys(names, "1"))
+    before = {name: os.environ.get(name) for name in VARIABLES}
+    os.environ.update(dict.fromkeys(VARIABLES, "1"))
     try:
         yield
     finally:
