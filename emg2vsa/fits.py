@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints, median
-from emg2vsa.curves.force_bins import bin_edges
+from emg2vsa.curves.force_bins import fit_edges
 from emg2vsa.curves.logarithmic import said_of_forces
 from emg2vsa.curves.press_fits import PressFits, fit_presses
 from emg2vsa.errors import DataError
@@ -110,7 +110,7 @@ def fit_trials(
     With inverse-variance weights a bin counts as its number of samples over the square of its fitted level
     (``fit_log_by_level``); its errors allow for the envelope's memory (``bin_covariance``). On samples they do not.
     """
-    edges = bin_edges(*window.force_n, fit.bin_n)
+    edges = fit_edges(*window.force_n, fit.bin_n)
     curves = fit_presses(trials.force_n, trials.activity, trials.offsets, edges, fit)
     reported, bins = curves.reported, curves.bins
     fitted = (reported.n >= MIN_POINTS) & np.isfinite(reported.b) & np.isfinite(reported.b_se)

@@ -55,6 +55,13 @@ def bin_edges(lowest_n: float, highest_n: float, bin_n: float) -> Floats:
             found=f"{lowest_n}, {highest_n} N",
             do="Write the lower force first.",
         )
+    full = int(np.floor((highest_n - lowest_n) / bin_n * (1 + 1e-12)))
+    edges = np.round(lowest_n + bin_n * np.arange(full + 1), 9)
+    return edges if highest_n - edges[-1] < 1e-9 else np.append(edges, highest_n)
+
+
+def fit_edges(lowest_n: float, highest_n: float, bin_n: float) -> Floats:
+    """``bin_edges`` of the bins of a fit. SettingError where there would be more than ``MOST_BINS``."""
     if highest_n - lowest_n > MOST_BINS * bin_n:
         raise SettingError(
             "fit.bin_n",
@@ -62,9 +69,7 @@ def bin_edges(lowest_n: float, highest_n: float, bin_n: float) -> Floats:
             found=f"{bin_n:g} N",
             do="Widen the bins: the covariance of so many does not fit into memory.",
         )
-    full = int(np.floor((highest_n - lowest_n) / bin_n * (1 + 1e-12)))
-    edges = np.round(lowest_n + bin_n * np.arange(full + 1), 9)
-    return edges if highest_n - edges[-1] < 1e-9 else np.append(edges, highest_n)
+    return bin_edges(lowest_n, highest_n, bin_n)
 
 
 def bin_means(force_n: Floats, v: Floats, offsets: Ints, edges_n: Floats) -> ForceBins:

@@ -13,7 +13,7 @@ import pandas as pd
 
 from emg2vsa import __version__
 from emg2vsa.arrays import Floats
-from emg2vsa.curves.force_bins import bin_edges
+from emg2vsa.curves.force_bins import fit_edges
 from emg2vsa.curves.press_fits import fit_presses
 from emg2vsa.errors import DataError, SettingError, StudyError
 from emg2vsa.extraction import Trials
@@ -267,7 +267,7 @@ def _fit_table(table: pd.DataFrame, settings: StageSettings) -> pd.DataFrame:
     force_n, activity = force_n[order], activity[order]
     presses = told.drop_duplicates(ignore_index=True)
     offsets = np.concatenate([[0], np.cumsum(counts)])
-    edges = bin_edges(*settings.window.force_n, settings.fit.bin_n)
+    edges = fit_edges(*settings.window.force_n, settings.fit.bin_n)
     fitted = fit_presses(force_n, activity, offsets, edges, settings.fit).reported
     frame = presses.assign(
         **{

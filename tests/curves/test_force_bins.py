@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emg2vsa.curves.force_bins import bin_edges, bin_means, pad_rows
+from emg2vsa.curves.force_bins import bin_edges, bin_means, fit_edges, pad_rows
 from emg2vsa.errors import SettingError
 
 
@@ -35,11 +35,11 @@ def test_swapped_window_is_refused() -> None:
 
 
 def test_bins_too_narrow_for_the_memory_are_refused() -> None:
-    assert bin_edges(0.5, 7.0, 0.0065).size == 1001
+    assert fit_edges(0.5, 7.0, 0.0065).size == 1001
     with pytest.raises(
         SettingError, match=r"fit\.bin_n: expected at least 0\.0065 N, for 1000 bins at most, but found"
     ):
-        bin_edges(0.5, 7.0, 0.006)
+        fit_edges(0.5, 7.0, 0.006)
 
 
 def test_means_of_two_trials() -> None:
