@@ -13,6 +13,9 @@ VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def one_thread() -> None:
-    """In this process and those that it starts, unless its user asked for more."""
+    """In this process and those that it starts, unless its user asked for more.
+
+    To OpenBLAS only OPENBLAS_NUM_THREADS says so: OMP_NUM_THREADS, which batch systems set for every job, is no wish.
+    """
     for name in VARIABLES:
         os.environ.setdefault(name, "1")

@@ -182,7 +182,7 @@ class WindowSettings:
 
 
 MOST_BINS = 1000
-"Force bins of a press at most: a fit keeps the covariance of every pair, 8 MB for these."
+"Force bins of a press at most: a fit holds the covariance of every pair, 8 MB an array."
 
 
 @dataclass(frozen=True, kw_only=True)

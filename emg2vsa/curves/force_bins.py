@@ -6,6 +6,7 @@ independent nor of variance 1 / weight, and standard errors that think so are 5 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -62,12 +63,12 @@ def bin_edges(lowest_n: float, highest_n: float, bin_n: float) -> Floats:
 
 def fit_edges(lowest_n: float, highest_n: float, bin_n: float) -> Floats:
     """``bin_edges`` of the bins of a fit. SettingError where there would be more than ``MOST_BINS``."""
-    if highest_n - lowest_n > MOST_BINS * bin_n:
+    if (bins := (highest_n - lowest_n) / bin_n) > MOST_BINS + 1e-6:
         raise SettingError(
             "fit.bin_n",
-            wanted=f"at least {(highest_n - lowest_n) / MOST_BINS:g} N, for {MOST_BINS} bins at most",
-            found=f"{bin_n:g} N",
-            do="Widen the bins: the covariance of so many does not fit into memory.",
+            wanted=f"at most {MOST_BINS} bins from {lowest_n:g} to {highest_n:g} N",
+            found=f"{math.ceil(bins)} bins of {bin_n:g} N",
+            do="Widen the bins: no press has samples for so many.",
         )
     return bin_edges(lowest_n, highest_n, bin_n)
 

@@ -110,16 +110,16 @@ def _polished(
     rounding : of the norm of the residuals; the sum of squares is not known better than that.
     """
     r = residual(b)
-    rss, lengths = float(r @ r), (np.inf, np.inf)
+    rss, lengths = float(r @ r), tuple[float, ...]()
     for _ in range(_POLISHING_STEPS):
         step = -solve(jacobian(b)[None], r[None]).coefficients[0]
         length = float(np.max(np.abs(step) / np.maximum(np.abs(b), np.finfo(np.float64).tiny)))
-        if not np.isfinite(length) or length >= max(lengths):
+        if not np.isfinite(length) or length >= max(lengths, default=np.inf):
             break
         there = residual(b + step)
         if not there @ there <= rss + rounding * np.sqrt(rss):
             break
-        b, r, rss, lengths = b + step, there, float(there @ there), (lengths[1], length)
+        b, r, rss, lengths = b + step, there, float(there @ there), (*lengths[-1:], length)
         if length < _EPS:
             break
     return b

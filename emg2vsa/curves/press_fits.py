@@ -19,6 +19,9 @@ PARAMETERS = 2
 MOST_SHARE, ROUNDS = 0.7, 6
 "Of the noise, that a line is held to have taken; and how often that is found anew from its own result."
 
+CELLS_AT_ONCE = 2**22
+"Of covariances of bins; 32 MB an array."
+
 
 @dataclass(frozen=True)
 class PressFits:
@@ -54,8 +57,7 @@ def fit_presses(force_n: Floats, v: Floats, offsets: Ints, edges_n: Floats, fit:
         reported, _ = _fit(force, samples, np.ones(samples.shape), fit)
     else:
         reported, weights = _fit(bins.force_n, bins.v, bins.samples.astype(np.float64), fit)
-        covariance = bin_covariance(bins, noise, memory(correlation))
-        a_factor, b_factor, dof = error_factors(np.log(bins.force_n), weights, covariance)
+        a_factor, b_factor, dof = _factors(bins, weights, noise, memory(correlation))
         # where the effective number is not known (NaN), it sets no limit
         dof = np.fmin(dof, np.maximum(independent - PARAMETERS, 1))
         reported = widen(reported, a_factor, b_factor, dof, fit.confidence)
@@ -67,6 +69,19 @@ def fit_presses(force_n: Floats, v: Floats, offsets: Ints, edges_n: Floats, fit:
         lag1=correlation[:, 1] if correlation.shape[1] > 1 else np.full(n.size, np.nan),
         n_effective=effective_number(correlation, n),
     )
+
+
+def _factors(bins: ForceBins, weights: Floats, noise: Floats, memory: Floats) -> tuple[Floats, Floats, Floats]:
+    """``error_factors`` (k,) each, of some presses at a time: covariances of many narrow bins would fill the memory."""
+    at_once = max(1, CELLS_AT_ONCE // (bins.v.shape[1] + 1) ** 2)
+    found = []
+    for first in range(0, max(len(weights), 1), at_once):
+        part = slice(first, first + at_once)
+        own = ForceBins(bins.force_n[part], bins.v[part], bins.samples[part], bins.column[part])
+        covariance = bin_covariance(own, noise[part], memory[part])
+        found.append(error_factors(np.log(own.force_n), weights[part], covariance))
+    a_factor, b_factor, dof = (np.concatenate(each) for each in zip(*found, strict=True))
+    return a_factor, b_factor, dof
 
 
 def _fit(force_n: Floats, v: Floats, counts: Floats, fit: FitSettings) -> tuple[LogFit, Floats]:

@@ -13,13 +13,12 @@ from functools import lru_cache
 import numpy as np
 
 from emg2vsa.arrays import Floats
+from emg2vsa.signals.products import times
 
 SIZE = 64
 "Samples in a block: of the powers of two the fastest, for filters of one to four sections."
 NOTHING = 1e-15
 "Share of a state of which, when no more is left, nothing is carried on."
-ONE_THREAD = 2**18
-"Multiplications up to which OpenBLAS leaves a product to one thread (65 536 times its GEMM_MULTITHREAD_THRESHOLD, 4)."
 
 
 @dataclass(frozen=True)
@@ -77,25 +76,6 @@ def fill_states(rows: Floats, filters: Blocks) -> None:
         for reach, power in _within(filters, rows.shape[1]):
             backward[:, :-reach] += times(backward[:, reach:], power)
         after[:, -1], after[:, :-1] = 0.0, backward[:, 1:]
-
-
-def times(rows: Floats, matrix: Floats) -> Floats:
-    """rows (m, n, p) times matrix (p, q), in parts that BLAS does not share among threads.
-
-    Where it does, another number of cores rounds otherwise, and the same record gives other bytes. Whole parts stay in
-    the processor's cache, too.
-    """
-    (m, n, p), q = rows.shape, matrix.shape[1]
-    part = max(1, ONE_THREAD // matrix.size)
-    if part > 16:
-        part -= part % 16  # a whole number of the rows that BLAS computes at a time
-    whole = n - n % part
-    product = np.empty((m, n, q))
-    if whole:
-        parts = product[:, :whole].reshape(m, -1, part, q)
-        np.matmul(rows[:, :whole].reshape(m, -1, part, p), matrix, out=parts)
-    np.matmul(rows[:, whole:], matrix, out=product[:, whole:])
-    return product
 
 
 def _within(filters: Blocks, n_blocks: int) -> Iterator[tuple[int, Floats]]:

@@ -15,6 +15,7 @@ from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import FilterSettings
 from emg2vsa.signals.filters import IirFilter
+from emg2vsa.signals.products import times
 from emg2vsa.signals.windowed import filter_windows
 
 FEWEST_OUT = 16
@@ -134,8 +135,8 @@ def _smooth(rectified: Floats, step: int, kernel: Smoother) -> Floats:
     The outputs of a block need it and the start of the next only, so that two small matrices of taps make all of them.
     """
     own, following = _tap_matrices(kernel.taps.tobytes(), step, rectified.shape[-1] // step)
-    smoothed = rectified[:, :-1] @ own
-    smoothed += rectified[:, 1:, : len(following)] @ following
+    smoothed = times(rectified[:, :-1], own)
+    smoothed += times(rectified[:, 1:, : len(following)], following)
     return smoothed.reshape(len(rectified), -1)
 
 

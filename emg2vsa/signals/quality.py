@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints, runs_of
+from emg2vsa.signals.products import times
 
 MAINS_HZ = (50.0, 60.0)
 MAINS_HARMONICS = 3
@@ -77,7 +78,7 @@ def mains_ratios(windows: Sequence[Floats], fs_hz: float) -> Floats:
         blocks = np.concatenate(pieces)
         blocks -= blocks.mean(axis=1, keepdims=True)
         total = np.add.reduceat(np.vecdot(blocks, blocks), begin)
-        power = np.add.reduceat((blocks @ _mains_waves(size, fs_hz)) ** 2, begin)
+        power = np.add.reduceat(times(blocks[None], _mains_waves(size, fs_hz))[0] ** 2, begin)
         larger = power.reshape(len(alike), len(MAINS_HZ), -1).sum(axis=2).max(axis=1)
         ratios[alike] = np.divide(larger, total, out=np.zeros(len(alike)), where=total > 0)
     return np.minimum(ratios, 1.0)

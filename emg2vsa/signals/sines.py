@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats
+from emg2vsa.signals.products import times
 
 Phasors = NDArray[np.complex128]
 
@@ -36,8 +37,7 @@ def sine_phasors(channels: Sequence[Floats], pieces: Sequence[tuple[int, int]], 
             np.multiply(window, samples[begin:end], out=row[:size])
         padded[:, size:] = 0.0
         used = -(-size // BLOCK)
-        blocks = padded[:, : used * BLOCK].reshape(-1, BLOCK) @ within
-        of_block = blocks.view(np.complex128).reshape(len(channels), used, hz.size)
+        of_block = times(padded[:, : used * BLOCK].reshape(-1, used, BLOCK), within).view(np.complex128)
         found[:, i] = np.einsum("mbh,bh->mh", of_block, turns[:used])
     return found
 

@@ -9,8 +9,9 @@ import numpy as np
 
 from casr.counts import count
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.signals.blocks import SIZE, blocks_of, fill_states, times
+from emg2vsa.signals.blocks import SIZE, blocks_of, fill_states
 from emg2vsa.signals.filters import IirFilter
+from emg2vsa.signals.products import times
 
 
 def filter_record(samples: Floats, iir: IirFilter) -> Floats:
@@ -23,9 +24,9 @@ def filter_windows(channels: Sequence[Floats], starts: Ints, stops: Ints, iir: I
     """Every window [start, stop) of every channel (n,), filtered: (m, stop - start) each.
 
     A window is widened by the filter's support, within which whatever stands before (and after) it dies out, so the
-    result equals that of the whole record to better than 1e-10 of the signal; at the ends of the record it is the same
-    odd extension as ``sosfiltfilt`` uses. Widened windows that overlap are one piece, a whole number of blocks; all
-    pieces are filtered as one signal, end to end.
+    result equals that of the whole record to better than 1e-10 of the signal, where the filter keeps nine digits; at
+    the ends of the record it is the same odd extension as ``sosfiltfilt`` uses. Widened windows that overlap are one
+    piece, a whole number of blocks; all pieces are filtered as one signal, end to end.
     """
     windows = list(zip(starts.tolist(), stops.tolist(), strict=True))
     pieces, piece_of = _pieces(windows, channels[0].size, iir)

@@ -109,9 +109,10 @@ def _bins(window: WindowSettings, fit: FitSettings) -> Iterator[Problem]:
     if fit.points == "bins" and 0 < upper - lower < 3 * fit.bin_n:
         do = "A fit of two parameters needs three bins."
         yield Problem(("fit", "bin_n"), f"at most {(upper - lower) / 3:g}", f"{fit.bin_n:g}", do)
-    if upper - lower > MOST_BINS * fit.bin_n:
-        do = f"More than {MOST_BINS} bins need too much memory: the covariance of every pair is kept."
-        yield Problem(("fit", "bin_n"), f"at least {(upper - lower) / MOST_BINS:g}", f"{fit.bin_n:g}", do)
+    if (bins := (upper - lower) / fit.bin_n) > MOST_BINS + 1e-6:
+        wanted = f"at most {MOST_BINS} bins from {lower:g} to {upper:g} N"
+        found, do = f"{math.ceil(bins)} bins of {fit.bin_n:g} N", "Widen the bins: no press has samples for so many."
+        yield Problem(("fit", "bin_n"), wanted, found, do)
 
 
 def _new_specimen(profile: ProfileSettings) -> Iterator[Problem]:

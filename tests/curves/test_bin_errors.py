@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 
 from emg2vsa.curves.force_bins import bin_covariance, bin_means, error_factors
 from emg2vsa.curves.logarithmic import fit_log, widen
+from emg2vsa.curves.press_fits import fit_presses
+from emg2vsa.settings import FitSettings
 
 EDGES = np.array([1.0, 2.0, 3.0, 4.0])
 
@@ -90,3 +92,16 @@ def test_widen_keeps_the_estimate() -> None:
     assert (wide.a[0], wide.b[0]) == (fit.a[0], fit.b[0])
     np.testing.assert_allclose([wide.a_se, wide.b_se], [2 * fit.a_se, 3 * fit.b_se])
     np.testing.assert_allclose(wide.b_hi - wide.b_lo, 3 * (fit.b_hi - fit.b_lo))
+
+
+def test_many_presses_with_narrow_bins_are_fitted_as_each_alone() -> None:
+    """A thousand bins: the covariances of all seven presses at once would be 56 MB an array."""
+    rng, edges, fit = np.random.default_rng(4), np.linspace(0.5, 7, 1001), FitSettings(bin_n=0.0065)
+    forces = [np.sort(rng.uniform(0.5, 7, n)) for n in (300, 500, 200, 400, 350, 450, 250)]
+    levels = [(20 + 10 * np.log(force)) * (1 + 0.1 * rng.standard_normal(force.size)) for force in forces]
+    offsets = np.cumsum([0, *map(len, forces)])
+    together = fit_presses(np.concatenate(forces), np.concatenate(levels), offsets, edges, fit).reported
+    for i, (force, v) in enumerate(zip(forces, levels, strict=True)):
+        alone = fit_presses(force, v, np.array([0, force.size]), edges, fit).reported
+        for name in ("b", "a_se", "b_se", "b_lo", "b_hi"):
+            assert getattr(together, name)[i] == pytest.approx(getattr(alone, name)[0], rel=1e-9), name

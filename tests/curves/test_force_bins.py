@@ -36,9 +36,8 @@ def test_swapped_window_is_refused() -> None:
 
 def test_bins_too_narrow_for_the_memory_are_refused() -> None:
     assert fit_edges(0.5, 7.0, 0.0065).size == 1001
-    with pytest.raises(
-        SettingError, match=r"fit\.bin_n: expected at least 0\.0065 N, for 1000 bins at most, but found"
-    ):
+    assert fit_edges(0.1, 0.4, 0.0003).size == 1001  # 0.4 - 0.1 is a little more than 1000 x 0.0003
+    with pytest.raises(SettingError, match=r"at most 1000 bins from 0\.5 to 7 N, but found 1084 bins of 0\.006 N"):
         fit_edges(0.5, 7.0, 0.006)
 
 

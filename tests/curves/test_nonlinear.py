@@ -11,7 +11,7 @@ from scipy import optimize
 
 from benchmarks.nist import MODELS, digits, nonlinear_data, read_regression
 from emg2vsa.curves.exponential import fit_exponential
-from emg2vsa.curves.nonlinear import fit_nonlinear
+from emg2vsa.curves.nonlinear import _polished, fit_nonlinear
 from emg2vsa.errors import DataError
 
 X = np.linspace(0.1, 2, 15)
@@ -84,3 +84,24 @@ def test_as_many_parameters_as_points() -> None:
 def test_input_without_an_answer_is_refused(y: list[float], start: list[float], said: str) -> None:
     with pytest.raises(DataError, match=said):
         fit_nonlinear(exponential, np.arange(1.0, len(y) + 1), y, start)
+
+
+def _polished_on(map_of_errors: np.ndarray, root: np.ndarray, start: np.ndarray, rounding: float) -> np.ndarray:
+    """Error left by `_polished` where a step turns an error e into map @ e, and the residuals are root @ e."""
+    jacobian = root @ np.linalg.inv(np.eye(2) - map_of_errors)
+    one = np.ones(2)
+    return _polished(one + start, lambda b: root @ (b - one), lambda b: jacobian, rounding) - one
+
+
+def test_steps_that_turn_about_the_end_are_followed() -> None:
+    """One of them is longer than the one before it, measured by the parameter that moves most."""
+    turn = 0.3 * np.array([[np.cos(1.3), -np.sin(1.3)], [np.sin(1.3), np.cos(1.3)]])
+    stretch = np.diag([1.0, 10.0])
+    left = _polished_on(stretch @ turn @ np.linalg.inv(stretch), np.linalg.inv(stretch), np.array([1e-5, 1e-6]), 0.0)
+    assert np.abs(left).max() < 1e-14
+
+
+def test_steps_that_grow_are_not_followed() -> None:
+    """Where rounding hides that the sum of squares grows, the first step may be long, and none after it longer."""
+    left = _polished_on(np.diag([-1.5, 0.1]), np.eye(2), np.array([1e-5, 1e-5]), 1.0)
+    np.testing.assert_allclose(left, [-1.5e-5, 1e-6], rtol=1e-6)

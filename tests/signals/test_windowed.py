@@ -166,6 +166,7 @@ MANY_CORES = """
 import hashlib, sys
 import numpy as np
 from emg2vsa.settings import FilterSettings
+from emg2vsa.signals.envelope import envelopes_at, smoother
 from emg2vsa.signals.filters import band_pass, force_low_pass
 from emg2vsa.signals.windowed import filter_record, filter_windows
 
@@ -176,6 +177,9 @@ for iir in (band_pass(FilterSettings(band_order=4), 2000.0), force_low_pass(Filt
     starts = np.arange(1000, 280_000, 9000)
     for window in filter_windows(tuple(record), starts, starts + 5000, iir):
         told.update(window.tobytes())
+for step, filters in ((1, FilterSettings(fir_order=500)), (20, FilterSettings(envelope="rms"))):
+    band, kernel = band_pass(filters, 2000.0), smoother(filters, 2000.0, step)
+    told.update(envelopes_at(tuple(record), starts, np.full(31, 4000 // step), step, band, kernel).tobytes())
 print(told.hexdigest())
 """
 

@@ -127,7 +127,7 @@ CASES = [
         "EDC.",
     ),
     ("+", "[fit]\nbin_n = 3", "fit.bin_n", "three bins"),
-    ("+", "[fit]\nbin_n = 0.001", "fit.bin_n", "at least 0.0065"),
+    ("+", "[fit]\nbin_n = 0.001", "fit.bin_n", "at most 1000 bins from 0.5 to 7 N"),
     ("+", NEW, "profile.new_stiffness_n_per_mm", "the stiffness of 'N'"),
     ("+", "[profile]\nnew_stiffness_n_per_mm = 5", "profile.new_specimen", "a name"),
     ("+", NEW + "new_stiffness_n_per_mm = 9", "profile.new_stiffness_n_per_mm", "between 3.35 and 7.63"),
