@@ -38,7 +38,10 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    if arguments.area == ["stress"]:
+    if "stress" in arguments.area:
+        if len(arguments.area) > 1:
+            do = "Call it by itself: it is no area."
+            raise SettingError("bench stress", wanted="no other area", found=" ".join(arguments.area), do=do)
         for name in ("only", "repeats", "json", "compare", "list"):
             if getattr(arguments, name):
                 do = "Leave it out: stress has --smoke and --out alone."
