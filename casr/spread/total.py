@@ -35,5 +35,6 @@ def total_interval(value: float, parts: Mapping[str, float], left_out: tuple[str
     kept = {name: float(part) for name, part in parts.items()}
     if not value > 0 or not np.isfinite(list(kept.values())).all():
         return None
-    reach = float(np.exp(normal_quantile(CONFIDENCE) * np.sqrt(sum(part**2 for part in kept.values()))))
+    with np.errstate(over="ignore"):  # of a part that says nothing: the interval is from 0 to infinity
+        reach = float(np.exp(normal_quantile(CONFIDENCE) * np.sqrt(sum(part**2 for part in kept.values()))))
     return TotalInterval(value / reach, value * reach, kept, left_out)

@@ -244,11 +244,6 @@ def test_stress_takes_no_options_of_areas(capsys: pytest.CaptureFixture[str]) ->
     assert "bench stress, --only: expected no such option" in capsys.readouterr().err
 
 
-def test_stress_stands_alone(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["bench", "conditioning", "stress"]) == 2
-    assert "bench stress: expected no other area, but found conditioning stress" in capsys.readouterr().err
-
-
 def test_areas_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "--list"]) == 0
     assert "conditioning" in capsys.readouterr().out

@@ -120,4 +120,4 @@ def test_the_command_hands_on_what_was_asked(monkeypatch: pytest.MonkeyPatch, tm
 
 def test_stress_goes_with_no_area(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "stress", "pins"]) == 2
-    assert "expected an area" in capsys.readouterr().err
+    assert "bench stress: expected no other area, but found stress pins" in capsys.readouterr().err
