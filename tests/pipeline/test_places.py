@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from emg2vsa.cli import main
@@ -123,3 +124,9 @@ def test_where_the_report_is_is_said_although_a_step_failed(
     ]
     results = json.loads((page.parent / "results.json").read_text())
     assert results
+
+
+def test_the_report_names_the_versions_that_made_it(finished: Path) -> None:
+    page = (finished.parent.parent / "reports" / "small" / "index.html").read_text()
+    for name, version in (("python", f"{sys.version_info.major}.{sys.version_info.minor}"), ("numpy", np.__version__)):
+        assert f"<dt>{name}</dt><dd><code>{version}</code></dd>" in page

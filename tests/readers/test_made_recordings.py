@@ -211,6 +211,23 @@ def test_an_hdf5_file_of_another_program_is_refused(tmp_path: Path) -> None:
         open_recording(tmp_path / "a.h5")
 
 
+@pytest.mark.parametrize("beside", [(), ("00:A", "00:B")], ids=["alone", "beside devices"])
+def test_a_group_of_another_program_is_no_device(tmp_path: Path, beside: tuple[str, ...]) -> None:
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "made_two_devices.h5"
+    made.save_opensignals_hdf5(path)
+    with h5py.File(path, "a") as file:
+        file["analysis/peaks"] = np.zeros(9)
+        for device in ("00:A", "00:B"):
+            if device not in beside:
+                del file[device]
+    if beside:
+        assert [c.name for c in open_recording(path)[1].describe()] == ["00:A: channel_3", "00:B: channel_1"]
+    else:
+        with pytest.raises(RecordingError, match=r"expected an HDF5 file of OpenSignals.*found groups 'analysis'"):
+            open_recording(path)
+
+
 # TDMS and XDF
 
 

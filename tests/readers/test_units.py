@@ -22,6 +22,16 @@ def test_voltages_and_forces(unit: str, expected: tuple[str, float]) -> None:
     assert (kind, factor) == (expected[0], pytest.approx(expected[1], rel=1e-15))
 
 
+@pytest.mark.parametrize("plural", ["", "s"])
+@pytest.mark.parametrize(
+    ("word", "expected"),
+    [("volt", ("V", 1.0)), ("millivolt", ("V", 1e-3)), ("microvolt", ("V", 1e-6)), ("newton", ("N", 1.0))],
+)
+def test_units_as_words_in_any_case(word: str, plural: str, expected: tuple[str, float]) -> None:
+    for spelling in (word + plural, (word + plural).capitalize(), (word + plural).upper()):
+        assert si_factor(spelling) == expected
+
+
 @pytest.mark.parametrize("unit", [None, "", "MN", "g", "%MVC", "Nmm", "counts", "lb"])
 def test_all_else_is_no_voltage_and_no_force(unit: str | None) -> None:
     assert si_factor(unit) is None

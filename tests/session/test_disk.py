@@ -163,6 +163,14 @@ def test_a_line_never_reaches_the_disk_before_what_was_laid_before_it(tmp_path):
     assert order == ["samples", "lines", "lines", "samples", "lines"]
 
 
+def test_without_a_thread_samples_are_in_the_file_at_once(tmp_path):
+    disk = SessionDisk(background=False)
+    samples = disk.open(tmp_path / "samples")
+    assert disk.lay(samples, b"1234")
+    assert (tmp_path / "samples").read_bytes() == b"1234"
+    disk.close()
+
+
 KILLED = """
 import sys, time
 from pathlib import Path

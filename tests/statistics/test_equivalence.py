@@ -44,6 +44,16 @@ def test_p_and_interval_are_scipys(kind: Kind) -> None:
             np.testing.assert_allclose([found.p[i, j], found.low[i, j], found.high[i, j]], peer, rtol=1e-11)
 
 
+@pytest.mark.parametrize("shift", [-0.3, 0.0, 0.3])
+def test_t_is_that_of_the_side_that_is_harder_to_reject(shift: float) -> None:
+    """At a difference of 0 both sides are equally hard, and the upper one is told."""
+    x = np.array([1.0, 2.0, 4.0, 5.0])
+    found = tost(np.stack([x + shift, x[::-1]])[None], 0.8, "pooled")
+    margin = 0.8 if shift < 0 else -0.8
+    peer = stats.ttest_ind(x + shift + margin, x[::-1], equal_var=True).statistic
+    assert found.t[0, 0] == pytest.approx(peer, rel=1e-12)
+
+
 @given(st.integers(0, 2**32 - 1), st.floats(0.05, 3), st.floats(0.01, 0.4))
 @settings(max_examples=40, deadline=None)
 def test_equivalent_exactly_where_the_interval_is_inside(seed: int, margin: float, alpha: float) -> None:

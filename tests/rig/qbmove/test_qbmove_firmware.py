@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
+from emg2vsa.rig.emulated.qbmove_memory import Memory, slots
 from emg2vsa.rig.emulated.qbmove_switches import ADVANCED, MAKER_PRO, Switches
 from emg2vsa.rig.qbmove.packets import lrc
 
@@ -319,6 +320,14 @@ def test_offsets_of_the_advanced_have_another_sign_as_a_parameter_than_as_zeros(
     bench = Bench(ADVANCED, motors_ticks=(800, 800))
     bench.say("3a3a 01 0a 0c 0008 0320 0320 fce0 18")
     assert bench.words(MEASURE) == (0, 0, 0)
+
+
+def test_offsets_and_limits_of_the_list_are_in_ticks_of_each_encoders_resolution() -> None:
+    """get_param_list shifts them right by the resolution; the memory keeps internal ticks, 65536 to a turn."""
+    memory = Memory(resolutions=[0, 1, 3], offsets=[-800, 800, 4096], limits=[-30000, 30000, -20000, 20000])
+    values = {text.partition(" ")[0]: content for _, content, text in slots(memory)}
+    assert struct.unpack(">3h", values["8"]) == (-800, 400, 512)
+    assert struct.unpack(">4i", values["11"]) == (-30000, 30000, -10000, 10000)
 
 
 def test_a_reset_forgets_whole_turns() -> None:
