@@ -13,6 +13,7 @@ import pytest
 from benchmarks.tactile.worlds import without
 from casr.dome.library import (
     DEFAULT_WORLD,
+    DIGESTS,
     FAMILY,
     SHIPPED,
     Library,
@@ -117,6 +118,12 @@ def test_a_folder_without_tables_and_one_that_ends_too_early_are_refused(tmp_pat
     with pytest.raises(SettingError, match=r"reaches 29\.5 mm") as refused:
         worlds(tmp_path / ".")
     assert "19.5 mm" in refused.value.found
+
+
+def test_tables_other_than_those_that_casr_was_made_with_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(DIGESTS, SHIPPED, "0" * 64)
+    with pytest.raises(SettingError, match=r"expected the tables that casr was made with.*Install casr again"):
+        shipped.__wrapped__(SHIPPED)
 
 
 def test_the_motion_at_an_arc_lies_between_those_beside_it() -> None:
