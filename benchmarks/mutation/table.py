@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -41,31 +42,40 @@ files in all, without tests marked `slow` or `realtime`, until a test fails or a
 (the first 4 files are one run, the others another). Survivors were then judged by a person: "killed by other tests"
 are those that a fast or real-time test beyond these ten files fails on, tried by hand; "equivalent" are those that
 change no result, which do not count. A run that was ended early has tried only part of its sample, in random order:
-its rate is of those it tried. What killed a mutant of `confirmed` passes on the unchanged code. States are those
-before the tests were written that survivors called for.
+its rate is of those it tried. What killed a mutant of `confirmed` passes on the unchanged code. "Noticed" is what the
+tests did before any was written for a survivor, so a new sample may be expected to come out alike; "noticed now" also
+counts the survivors that have got a test since.
 """
 
 
 ELSEWHERE, EQUIVALENT = "Killed by the suite", "Equivalent"
 """How a judgement begins of a survivor that other tests of the suite kill, and of one that no test can."""
+SINCE = re.compile(r"\. (Written|Mended): ")
+"""What a judgement says of a survivor that a test was written or mended for."""
 
 
 def _rates(samples: list[dict[str, Any]], judged: dict[str, str]) -> str:
     heads = (
         "sample", "mutants tried", "killed", "timed out", "killed by other tests", "equivalent", "survived",
-        "noticed", "95 % interval",
+        "noticed", "95 % interval", "noticed now",
     )  # fmt: skip
     rows = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
-    for each in samples:
-        states = Counter(_state(row, judged) for row in each["mutants"])
-        n = len(each["mutants"]) - states[EQUIVALENT]
-        noticed = n - states["survived"]
-        low, high = wilson(noticed, n)
-        counts = (states[state] for state in ("killed", "timed out", ELSEWHERE, EQUIVALENT, "survived"))
-        share = f"{100 * noticed / n:.0f} % | {100 * low:.0f} to {100 * high:.0f} %"
-        tried = f"{len(each['mutants'])} of {each['drawn']}"
-        rows.append(f"| {_named(each)} | {tried} | {' | '.join(map(str, counts))} | {share} |")
+    rows += [_rate(_named(each), each["mutants"], each["drawn"], judged) for each in samples]
+    if len(samples) > 1:
+        together = [row for each in samples for row in each["mutants"]]
+        rows.append(_rate("together", together, sum(each["drawn"] for each in samples), judged))
     return "\n".join(rows)
+
+
+def _rate(name: str, mutants: list[dict[str, Any]], drawn: int, judged: dict[str, str]) -> str:
+    states = Counter(_state(row, judged) for row in mutants)
+    n = len(mutants) - states[EQUIVALENT]
+    noticed = n - states["survived"]
+    low, high = wilson(noticed, n)
+    since = sum(row["state"] == "survived" and SINCE.search(judged.get(key(row), "")) is not None for row in mutants)
+    counts = (states[state] for state in ("killed", "timed out", ELSEWHERE, EQUIVALENT, "survived"))
+    share = f"{100 * noticed / n:.0f} % | {100 * low:.0f} to {100 * high:.0f} % | {100 * (noticed + since) / n:.0f} %"
+    return f"| {name} | {len(mutants)} of {drawn} | {' | '.join(map(str, counts))} | {share} |"
 
 
 def _state(row: dict[str, Any], judged: dict[str, str]) -> str:
