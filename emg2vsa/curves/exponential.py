@@ -59,7 +59,7 @@ def _least_squares(rows: WeightedRows) -> tuple[Floats, Floats, Floats]:
     count("fits", len(y))
     q = search(z, y, rows.w, log_linear_start(z, y, rows.w))
     curve = projected(q, z, y, rows.w)
-    q = np.where(has_minimum(q, z, y, rows.w, curve), q, np.nan)
+    q = np.where(has_minimum(q, z, y, rows.w, curve), q + curve.step, np.nan)
     x0 = rows.x_centre + np.ldexp(curve.centre + 0 * q, unit_x)
     return x0, np.ldexp(curve.level + 0 * q, unit_y), np.ldexp(q, -unit_x)
 

@@ -16,6 +16,7 @@ from emg2vsa.arrays import Floats
 _MAX_ITERATIONS = 60
 _LONGEST_STEP = 2.0  # of q where |z| <= 1: factors of e^2 at the ends of the data
 _LAST_STEP = 1e-10  # Newton squares it: what is left is below rounding
+_LEFT = 1e-14  # of q after a step, by how steps have shrunk; the step of the last curve takes it away
 _LEAST_CONVEX = 1e-3
 _SPIKE = 1e-12  # of the curve's square, what points other than the heaviest carry
 _EPS = float(np.finfo(np.float64).eps)
@@ -49,9 +50,10 @@ def projected(q: Floats, z: Floats, y: Floats, w: Floats) -> Projected:
     centre = _dot(work, z) / uu
     arm = z - centre[:, None]
     lever = np.multiply(wu, arm, out=wu)
-    gauss_newton = p * _dot(lever, np.multiply(arm, u, out=work))
+    torque = np.multiply(lever, arm, out=arm)
+    gauss_newton = p * _dot(torque, u)
     residual = np.subtract(y, np.multiply(p[:, None], u, out=u), out=u)
-    newton = gauss_newton - _dot(lever, np.multiply(arm, residual, out=work))
+    newton = gauss_newton - _dot(torque, residual)
     curvature = np.where(newton / gauss_newton > _LEAST_CONVEX, newton, gauss_newton)
     return Projected(
         level=p * np.exp(q * centre - np.abs(q)),
@@ -64,19 +66,26 @@ def projected(q: Floats, z: Floats, y: Floats, w: Floats) -> Projected:
 
 
 def search(z: Floats, y: Floats, w: Floats, start: Floats) -> Floats:
-    """q (d,) of least squares from ``start``, NaN where there is no start or the search does not end; |z| <= 1."""
+    """q (d,) of least squares from ``start``, NaN where there is no start or the search does not end; |z| <= 1.
+
+    A q may be off by 1e-14; the step of its curve takes that away.
+    """
     q = np.full_like(start, np.nan)
     active = np.flatnonzero(np.isfinite(start))
-    z, y, w, here = z[active], y[active], w[active], start[active]
+    if active.size < start.size:
+        z, y, w = z[active], y[active], w[active]
+    here, before = start[active], np.zeros(active.size)
     size = _dot(w * y, y)
     now = projected(here, z, y, w)
     best, step = now.sse, np.clip(now.step, -_LONGEST_STEP, _LONGEST_STEP)
     for _ in range(_MAX_ITERATIONS):
-        last = np.abs(step) <= _LAST_STEP * np.maximum(1.0, np.abs(here))
+        length, unit = np.abs(step), np.maximum(1.0, np.abs(here))
+        last = (length <= _LAST_STEP * unit) | ((length / before) ** 2 * length <= _LEFT * unit)
         if np.any(last):
             q[active[last]] = (here + step)[last]
-            active, z, y, w = active[~last], z[~last], y[~last], w[~last]
-            here, best, step, size = here[~last], best[~last], step[~last], size[~last]
+            left = np.flatnonzero(~last)
+            active, z, y, w = active[left], z[left], y[left], w[left]
+            here, best, step, size, length = here[left], best[left], step[left], size[left], length[left]
         if active.size == 0:
             break
         there = projected(here + step, z, y, w)
@@ -84,6 +93,7 @@ def search(z: Floats, y: Floats, w: Floats, start: Floats) -> Floats:
         here = np.where(better, here + step, here)
         best = np.where(better, there.sse, best)
         step = np.where(better, np.clip(there.step, -_LONGEST_STEP, _LONGEST_STEP), step / 2)
+        before = length
     return q
 
 
@@ -108,14 +118,14 @@ def _rounding(sse: Floats, size: Floats) -> Floats:
 def log_linear_start(z: Floats, y: Floats, w: Floats) -> Floats:
     """Slope (d,) of ln |y| on z over the points of the prevailing sign, weighted by y^2: the answer but for noise.
 
-    NaN where those points do not lie at two z at least.
+    The largest |y| of a row is 1/2 to 1. NaN where those points do not lie at two z at least.
     """
-    sign = np.where(_dot(w * y, np.abs(y)) < 0, -1.0, 1.0)
-    towards = sign[:, None] * y
-    used = (towards > 0) & (w > 0)
-    weight = np.where(used, w * towards**2, 0.0)
-    weight /= np.max(weight, axis=1, keepdims=True, initial=0.0)
-    log_y = np.log(np.where(used, towards, 1.0))
+    size = np.abs(y)
+    weight = w * y
+    weight *= size
+    weight *= np.where(np.sum(weight, axis=1) < 0, -1.0, 1.0)[:, None]
+    np.maximum(weight, 0.0, out=weight)
+    log_y = np.log(np.where(weight > 0, size, 1.0))
     total = np.sum(weight, axis=1)
     arm = z - (_dot(weight, z) / total)[:, None]
     lever = np.multiply(weight, arm, out=weight)

@@ -14,6 +14,7 @@ from emg2vsa.errors import DataError
 @dataclass(frozen=True)
 class WeightedRows:
     """x, y, w : (d, n), finite, w between 0 and 1 and 0 where a point does not count (x = x_centre, y = 0 there).
+    x and y may be the caller's own.
 
     x_centre : (d,) the weighted mean of x, to its rounding. n : (d,) points that count. dof : n - 2, not below 0.
     """
@@ -45,26 +46,28 @@ def weighted_rows(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None, where: 
     """Broadcast and checked: y (n,) or (d, n); x and weights (n,) or (d, n). DataError for other shapes."""
     y_rows = np.atleast_2d(np.asarray(y, dtype=np.float64))
     x_rows = np.asarray(x, dtype=np.float64)
-    w_rows = np.ones(1) if weights is None else np.asarray(weights, dtype=np.float64)
-    check_rows(x_rows, y_rows, w_rows if weights is not None else None, where)
+    w_rows = None if weights is None else np.asarray(weights, dtype=np.float64)
+    check_rows(x_rows, y_rows, w_rows, where)
     if y_rows.shape[1] == 0:
-        y_rows, x_rows = np.full((len(y_rows), 1), np.nan), np.full(1, np.nan)
-        w_rows = np.ones(1)
-    x_rows, w_rows = np.broadcast_to(x_rows, y_rows.shape), np.broadcast_to(w_rows, y_rows.shape)
-    used = np.isfinite(x_rows) & np.isfinite(y_rows) & (w_rows > 0) & np.isfinite(w_rows)
-    w = np.where(used, w_rows, 0.0)
-    w /= np.max(w, axis=1, keepdims=True, initial=np.finfo(np.float64).tiny)
-    unit = exponent_of(np.where(used, x_rows, 0.0))
-    scaled = np.ldexp(np.where(used, x_rows, 0.0), -unit)  # the sum of many huge x must not overflow
+        y_rows, x_rows, w_rows = np.full((len(y_rows), 1), np.nan), np.full(1, np.nan), None
+    x_rows = np.broadcast_to(x_rows, y_rows.shape)
+    used = np.isfinite(x_rows) & np.isfinite(y_rows)
+    if w_rows is None:
+        w = used.astype(np.float64)
+    else:
+        used &= (w_rows > 0) & np.isfinite(w_rows)
+        w = np.where(used, w_rows, 0.0)
+        w /= np.max(w, axis=1, keepdims=True, initial=np.finfo(np.float64).tiny)
+    gaps = not used.all()
+    if gaps:
+        x_rows, y_rows = np.where(used, x_rows, 0.0), np.where(used, y_rows, 0.0)
+    unit = exponent_of(x_rows)
+    scaled = np.ldexp(x_rows, -unit)  # the sum of many huge x must not overflow
     with np.errstate(divide="ignore", invalid="ignore"):
         centre = np.nan_to_num(np.ldexp(np.vecdot(w, scaled) / np.sum(w, axis=1), unit[:, 0]))
-    return WeightedRows(
-        x=np.where(used, x_rows, centre[:, None]),
-        y=np.where(used, y_rows, 0.0),
-        w=w,
-        x_centre=centre,
-        n=np.count_nonzero(used, axis=1),
-    )
+    if gaps:
+        x_rows = np.where(used, x_rows, centre[:, None])
+    return WeightedRows(x_rows, y_rows, w, centre, np.count_nonzero(used, axis=1))
 
 
 def check_rows(x: Floats, y: Floats, weights: Floats | None, where: str) -> None:
