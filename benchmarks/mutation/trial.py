@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -15,6 +16,8 @@ from benchmarks.mutation.sample import Chosen
 from benchmarks.mutation.time_limit import EXIT_CODE
 
 FIRST_FILES = 4
+RUN_S = 600.0
+"""Wall time of one run of pytest: one that waits for a thread after its last test is seen by no test's clock."""
 COMPILED = "casr/flow/"
 """Modules of the functions that numba compiles."""
 _FAILED = re.compile(r"^(?:FAILED|ERROR) (.+?)(?: - |$)", re.MULTILINE)
@@ -83,8 +86,17 @@ def run_tests(
         "benchmarks.mutation.time_limit",
     ]
     command += ["--tb=no", "-rfE", "--hypothesis-seed=0", "-m", "not slow and not realtime", *tests]
-    done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, text=True, check=False)
-    return done.returncode, done.stdout
+    run = subprocess.Popen(
+        command, cwd=copy, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        start_new_session=True,
+    )  # fmt: skip
+    try:
+        out, _ = run.communicate(timeout=RUN_S)
+    except subprocess.TimeoutExpired:
+        os.killpg(run.pid, signal.SIGKILL)  # with its child processes, which may hold its output open
+        out, _ = run.communicate()
+        return (1 if _FAILED.search(out) else EXIT_CODE), out
+    return run.returncode, out
 
 
 def failed_tests(out: str) -> list[str]:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import ast
 import subprocess
+import time
 from collections import Counter
 from pathlib import Path
 
 import pytest
 
+from benchmarks.mutation import trial
 from benchmarks.mutation.mutants import mutants_of
 from benchmarks.mutation.nearest import files_for, read_line_map
 from benchmarks.mutation.sample import Chosen, package_of, sample
 from benchmarks.mutation.table import wilson
+from benchmarks.mutation.time_limit import EXIT_CODE
 from benchmarks.mutation.trial import tried
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -128,3 +131,22 @@ def test_a_mutant_is_killed_survives_or_never_ends(tmp_path: Path) -> None:
         verdict = tried(tree, Chosen("casr/low.py", found[kind, before]), ["tests/test_low.py"], tmp_path / "work")
         assert (verdict.state, verdict.by) == (state, "tests/test_low.py::test_low" if state == "killed" else "")
     assert (tree / "casr" / "low.py").read_text() == source
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fails", [True, False])
+def test_a_run_that_hangs_after_its_last_test_is_ended(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fails: bool
+) -> None:
+    monkeypatch.setattr(trial, "RUN_S", 10.0)
+    (tmp_path / "test_hangs.py").write_text(
+        "import threading\n"
+        "def test_it():\n"
+        "    threading.Thread(target=threading.Event().wait).start()\n"
+        f"    assert not {fails}\n"
+    )
+    begin_s = time.monotonic()
+    code, out = trial.run_tests(ROOT, [str(tmp_path / "test_hangs.py")], tmp_path)
+    assert time.monotonic() - begin_s < 60
+    assert code == (1 if fails else EXIT_CODE)
+    assert [name.rpartition("::")[2] for name in trial.failed_tests(out)] == ["test_it"] * fails
