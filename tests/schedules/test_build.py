@@ -14,6 +14,9 @@ from scipy.integrate import quad
 
 from emg2vsa.actuator import stiffness_nm_per_rad
 from emg2vsa.errors import ScheduleError
+from emg2vsa.figures.canvas import ONE_COLUMN_MM, style
+from emg2vsa.figures.palette import looks
+from emg2vsa.figures.schedule_map import draw_schedules
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.schedules import Limits, Schedule, check
 from emg2vsa.schedules.build import build_schedules, mean_over_steps
@@ -265,3 +268,18 @@ def test_check_of_the_ramp(name: str, value: float) -> None:
     schedule = schedules()["S1", "modular"]
     with pytest.raises(ScheduleError, match="ramp"):
         check(dataclasses.replace(schedule, ramp=dataclasses.replace(schedule.ramp, **{name: value})))
+
+
+def test_the_figure_is_one_column_wide_and_marks_every_level() -> None:
+    drawn = list(schedules().values())
+    with style():
+        figure = draw_schedules(drawn, looks(["S1", "S3", "S5"]))
+    assert figure.get_size_inches() * 25.4 == pytest.approx((ONE_COLUMN_MM, 74))
+    steps, levels = figure.axes
+    assert steps.get_position().width == pytest.approx(3 * levels.get_position().width)
+    constants = sorted(s.stiffness_percent[0] for s in drawn if s.condition != "modular")
+    assert len(constants) == 9
+    lines = [segment for bars in levels.collections for segment in bars.get_segments()]
+    shown = [y for line in levels.lines for y in line.get_ydata()] + [y for line in lines for _, y in line]
+    for percent in constants:
+        assert np.min(np.abs(np.array(shown) - percent)) < 1e-9

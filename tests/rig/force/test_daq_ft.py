@@ -172,6 +172,14 @@ def test_an_ni_card(monkeypatch):
     ]
 
 
+def test_an_ni_card_gives_a_thousand_samples_a_second_unless_told_otherwise(monkeypatch):
+    fake = FakeNi([[0.0]] * 6)
+    monkeypatch.setitem(sys.modules, "nidaqmx", fake.module())
+    monkeypatch.setitem(sys.modules, "nidaqmx.constants", constants())
+    NiVolts("Dev1/ai0:5", (-10, 10)).start()
+    assert [call[0] for call in fake.calls[:2]] == ["Dev1/ai0:5", 1000.0]
+
+
 def test_five_channels_are_not_six(monkeypatch):
     monkeypatch.setitem(sys.modules, "nidaqmx", FakeNi([[]] * 5).module())
     monkeypatch.setitem(sys.modules, "nidaqmx.constants", constants())

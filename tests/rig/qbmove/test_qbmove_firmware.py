@@ -330,6 +330,14 @@ def test_offsets_and_limits_of_the_list_are_in_ticks_of_each_encoders_resolution
     assert struct.unpack(">4i", values["11"]) == (-30000, 30000, -10000, 10000)
 
 
+def test_a_position_is_in_ticks_of_the_first_motors_resolution() -> None:
+    bench = Bench()
+    for body in (bytes((12, 0, 7, 1, 3, 1)), bytes((128, 3)), bytes((135, *struct.pack(">2h", 400, 0)))):
+        bench.say((b"::" + bytes((1, len(body) + 1)) + body + bytes((lrc(body),))).hex())
+    first, second, shaft = bench.words(MEASURE, after_ms=3000)
+    assert (first, second, shaft) == (pytest.approx(400, abs=8), pytest.approx(100, abs=2), pytest.approx(400, abs=8))
+
+
 def test_a_reset_forgets_whole_turns() -> None:
     bench = Bench(motors_ticks=(20000, 0))
     assert bench.words(MEASURE)[0] == 20000 - 32768
