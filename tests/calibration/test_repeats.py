@@ -17,7 +17,7 @@ from emg2vsa.calibration.forms import (
 )
 from emg2vsa.calibration.left_out import left_out
 from emg2vsa.calibration.presses import within
-from emg2vsa.calibration.repeats import by_kappa, by_mean_score, repeat_interval
+from emg2vsa.calibration.repeats import _noise, by_kappa, by_mean_score, repeat_interval
 from emg2vsa.errors import DataError
 from emg2vsa.settings import CalibrationSettings
 
@@ -156,3 +156,16 @@ def test_p_of_the_estimate_itself_is_one(hertz):
     np.testing.assert_allclose(found.p_of(found.eta), 1)
     ends = found.p_of(eta_of("compliance", found.high))
     np.testing.assert_allclose(ends, 0.05)
+
+
+def test_a_single_press_of_the_new_specimen_has_the_noise_and_freedom_of_its_noisier_neighbour():
+    rng = np.random.default_rng(8)
+    groups = np.full((1, 4, 1, 7), np.nan)
+    for row, (middle, sd, presses) in enumerate([(1.0, 0.01, 7), (2.0, 0.2, 5), (3.0, 0.05, 6), (2.6, 0.1, 1)]):
+        groups[0, row, 0, :presses] = middle + sd * rng.standard_normal(presses)
+    means = np.nanmean(groups[:, :, 0], axis=2)
+    variance, freedom, count = _noise(groups, means, own_noise=True)
+    own = np.nanvar(groups[0, :3, 0], axis=1, ddof=1)
+    np.testing.assert_allclose(variance[0], [*own, own[1]], rtol=1e-12)
+    assert freedom[0].tolist() == [6, 4, 5, 4]
+    assert count[0].tolist() == [7, 5, 6, 1]
