@@ -288,6 +288,13 @@ def test_lost_samples_of_an_xdf_stream_end_a_segment(tmp_path: Path, lost: int, 
         assert bool(lost) == any("2 segments" in note for note in channel.notes)
 
 
+def test_rate_and_start_of_an_xdf_stream_keep_their_digits_on_a_clock_that_began_days_ago() -> None:
+    xdf = pytest.importorskip("emg2vsa.readers.xdf", exc_type=ImportError)
+    rate_hz, start_s, said = xdf._fitted("EMG", 2.0**20 + np.arange(20_000) / 2048, 2048.0)
+    assert rate_hz == pytest.approx(2048, rel=1e-14)
+    assert (start_s, said) == (2.0**20, ())
+
+
 def test_an_xdf_rate_that_its_stamps_deny_is_said(tmp_path: Path) -> None:
     pytest.importorskip("pyxdf")
     opened = _opened(tmp_path, made.xdf_stream(np.arange(5000) / 997, np.arange(5000.0)), "slow.xdf")

@@ -220,7 +220,9 @@ def test_off_ends_a_silent_process_and_switches_off(rig: Rig, served: SimpleName
         begin_s = time.monotonic()
         status, out, err = rig("off", served.path)
         assert 1.0 < time.monotonic() - begin_s < 4.0
-        assert f"process {process.pid} is silent: ended" in err
+        assert [line for line in err.splitlines() if line.startswith("process")] == [
+            f"process {process.pid} uses the rig: asked to stop", f"process {process.pid} is silent: ended",
+        ]  # fmt: skip
         assert process.wait(5) == -signal.SIGKILL
         assert (folder / "stop").read_text() == "emg2vsa rig off\n"
     finally:
