@@ -10,11 +10,12 @@ import pytest
 from numpy.typing import NDArray
 
 from benchmarks.tactile.array_frames import ArrayFrames
-from casr.errors import FramesError, PinsError, SettingError
+from casr.errors import AreaError, FramesError, PinsError, SettingError
 from casr.frames import ForceReadings, FrameSequence
 from casr.page.wording import camera_lag, force_zero, verdict
 from casr.scoring import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
+from casr.spread import contact_areas
 from casr.stream import StreamScorer
 from casr.synthetic import ContactWorld, PressSettings, SimulatedPress, simulate_press
 
@@ -268,3 +269,14 @@ def test_a_bounce_before_the_press_is_not_the_press_without_force() -> None:
     assert found.frames[0] > first - 1
     peak = int(press().truth.loading_frames[-1])
     assert abs(order[int(found.frames[-1])] - peak) <= 1
+
+
+def test_equation_1_as_printed_grows_the_skin_beyond_the_array_and_is_refused() -> None:
+    known = plain()
+    assert known.initial.area_mm2 is not None
+    area_mm2 = contact_areas(known.initial.area_mm2, known.divergence, known.force_n, law="paper").max()
+    with pytest.raises(
+        AreaError, match=r"by equation \(1\) as printed: expected at most the area of the pin"
+    ) as refused:
+        scored(sequence(logged()), replace(SKIN, area_law="paper"))
+    assert f"but found {area_mm2:.5g} mm²" in str(refused.value)

@@ -44,6 +44,13 @@ def test_a_known_lag_is_found_within_what_is_told(power):
             assert all(lag.doubtful == bool(lag_s) for lag in found)
 
 
+def test_pins_that_do_not_move_have_no_lag():
+    readings = ForceReadings(ROW_S, 0.3 + force_at(ROW_S, 2.2), FRAME_S)
+    found = camera_lag(np.arange(40), np.repeat(PITCH[None], 40, axis=0), readings, zero_n=0.3, start_n=0.5)
+    assert found.lag_s is None
+    assert "the pins do not move" in found.why
+
+
 def test_a_lag_that_was_taken_off_is_no_doubt():
     assert CameraLag(0.1, 0.02, "", 0.05).doubtful
     assert not CameraLag(0.1, 0.02, "", 0.05, corrected_s=0.09).doubtful
