@@ -158,14 +158,17 @@ def test_p_of_the_estimate_itself_is_one(hertz):
     np.testing.assert_allclose(ends, 0.05)
 
 
-def test_a_single_press_of_the_new_specimen_has_the_noise_and_freedom_of_its_noisier_neighbour():
+@pytest.mark.parametrize("presses_of_new", [1, 3])
+def test_a_single_press_of_the_new_specimen_has_the_noise_and_freedom_of_its_noisier_neighbour(presses_of_new):
     rng = np.random.default_rng(8)
     groups = np.full((1, 4, 1, 7), np.nan)
-    for row, (middle, sd, presses) in enumerate([(1.0, 0.01, 7), (2.0, 0.2, 5), (3.0, 0.05, 6), (2.6, 0.1, 1)]):
+    designs = [(1.0, 0.01, 7), (2.0, 0.2, 5), (3.0, 0.05, 6), (2.6, 0.1, presses_of_new)]
+    for row, (middle, sd, presses) in enumerate(designs):
         groups[0, row, 0, :presses] = middle + sd * rng.standard_normal(presses)
     means = np.nanmean(groups[:, :, 0], axis=2)
     variance, freedom, count = _noise(groups, means, own_noise=True)
-    own = np.nanvar(groups[0, :3, 0], axis=1, ddof=1)
-    np.testing.assert_allclose(variance[0], [*own, own[1]], rtol=1e-12)
-    assert freedom[0].tolist() == [6, 4, 5, 4]
-    assert count[0].tolist() == [7, 5, 6, 1]
+    shown = [0, 1, 2, 1 if presses_of_new == 1 else 3]
+    own = [np.nanvar(groups[0, row, 0], ddof=1) for row in shown]
+    np.testing.assert_allclose(variance[0], own, rtol=1e-12)
+    assert freedom[0].tolist() == [designs[row][2] - 1 for row in shown]
+    assert count[0].tolist() == [7, 5, 6, presses_of_new]

@@ -66,13 +66,13 @@ def check_rig(
     say(f"touch: {touch.size_n:.2f} N at {touch.shaft_ticks} ticks")
     with hand.resting():
         person.zero_calliper()
+        zeroed_ticks = hand.shaft_ticks()  # the pad pushes the shaft back when the motors go off
     axis = _axis(rig, touch)
     sign = Check("push_sign", rig.push_sign, push_sign, push_sign == rig.push_sign, "which way the shaft pushes")
     back = hand.go(start.shaft_ticks, until_n=touch.size_n + TOUCH_N)
     _check_free(back, "after the touch")
-    way_deg = abs(touch.shaft_ticks - back.shaft_ticks) / TICKS_PER_DEGREE
     with hand.resting():
-        gear = _gear(rig, way_deg, person)
+        gear = _gear(rig, abs(zeroed_ticks - hand.shaft_ticks()) / TICKS_PER_DEGREE, person)
     found = replace(
         rig, push_sign=sign.found, push_axis=axis.found, gear_mm_per_degree=gear.found or rig.gear_mm_per_degree
     )

@@ -124,7 +124,11 @@ class HandMotion:
 
     def place(self, *, touched: bool = False) -> Place:
         """Where the probe is, at rest."""
-        return Place(self._actuator.measurements().shaft, self.felt_n(), touched)
+        return Place(self.shaft_ticks(), self.felt_n(), touched)
+
+    def shaft_ticks(self) -> int:
+        """Where the shaft is now, also while the hand rests."""
+        return self._actuator.measurements().shaft
 
     def go(
         self, ticks: float, *, until_n: float = LIMIT_N, deg_per_s: float = DEG_PER_S, from_zero: bool = True

@@ -76,7 +76,7 @@ def test_four_wrong_settings_are_found_and_mended(rig: Rig, served: SimpleNamesp
     assert "push_axis = [0.0, 0.0, 1.0] # of the sensor\npush_sign = 1 # which way\n" in written
     assert written.endswith(text)
     found = tomllib.loads(written)["rig"]
-    assert found["gear_mm_per_degree"] == pytest.approx(0.2, rel=0.03)
+    assert found["gear_mm_per_degree"] == pytest.approx(0.2, rel=0.01)
     assert RigSettings().depth_at(found["home_ticks"]) == pytest.approx(0.0, abs=0.5)  # where it began, 2 mm above
     assert motors(served.bench) == MOTORS_OFF
 

@@ -95,7 +95,7 @@ def test_all_four_at_once_are_mended_to_those_of_the_bench() -> None:
     found = ruler.check(wrong)
     assert found["push_axis"].found == (0.0, 0.0, 1.0)
     assert found["push_sign"].found == 1
-    assert found["gear_mm_per_degree"].found == pytest.approx(0.2, rel=0.03)
+    assert found["gear_mm_per_degree"].found == pytest.approx(0.2, rel=0.01)
     assert TRUE.depth_at(found["home_ticks"].found) == pytest.approx(ruler.touch_mm - 3.0, abs=0.15)
     assert ruler.most_n < 0.8
     mended = replace(wrong, **{key: check.found for key, check in found.items() if check.found is not None})
