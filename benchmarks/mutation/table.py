@@ -103,4 +103,5 @@ def _change(row: dict[str, Any]) -> str:
 
 
 def _short(text: str) -> str:
-    return text if len(text) <= 70 else text[:67] + "..."
+    """At most 70 characters, without a part of a word at its end."""
+    return text if len(text) <= 70 else re.sub(r"\w+$", "", text[:68])[:67] + "..."
