@@ -15,6 +15,8 @@ from pathlib import Path
 from benchmarks.mutation.sample import Chosen
 from benchmarks.mutation.time_limit import EXIT_CODE
 
+assert sys.platform != "win32", "process groups need POSIX"
+
 FIRST_FILES = 4
 RUN_S = 600.0
 """Wall time of one run of pytest: one that waits for a thread after its last test is seen by no test's clock."""
