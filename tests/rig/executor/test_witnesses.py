@@ -34,11 +34,12 @@ def test_between_where_it_was_and_its_command_a_motor_may_be_anywhere() -> None:
 
 def test_a_motor_that_stands_still_falls_behind_a_follower_of_first_order() -> None:
     motors, step_s, told = slow_motors(), 0.001, 150
-    for turn in range(201):
+    for turn in range(51):
         motors.send(told, 70, step_s if turn else 0.0)  # motors 220 and 80: 120 to go
-    followed_s = 200 * step_s - DEAD_S
+    followed_s = 50 * step_s - DEAD_S
     expected = 120 * (1 - math.exp(-followed_s / GUARDS.following_s))
-    assert motors.astray_ticks(Measurements(100, 80, 0)) == pytest.approx(expected, abs=3.0)
+    fastest_turn = 120 * step_s / GUARDS.following_s
+    assert motors.astray_ticks(Measurements(100, 80, 0)) == pytest.approx(expected, abs=fastest_turn)
     assert motors.astray_ticks(Measurements(220, 80, 0)) == 0.0
 
 
