@@ -37,9 +37,9 @@ from emg2vsa.rig.emulated.world import World
 from emg2vsa.rig.plan import RIGID, Condition
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.run_folders.presses import read_presses
-from emg2vsa.runs import RunScores
-from emg2vsa.runs.measured import Measured
-from emg2vsa.runs.score_run import score_run
+from emg2vsa.run_scores import RunScores
+from emg2vsa.run_scores.measured import Measured
+from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import CalibrationSettings, RunSettings
 
 Cell = tuple[str, float, Condition]

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.small_study import WITH_A_RIG, small_rig, small_study
-from emg2vsa.authors.agreement import relative_difference
+from emg2vsa.deposit.agreement import relative_difference
 
 ROOT = Path(__file__).parent.parent
 _NUMPY = {"NPY_DISABLE_CPU_FEATURES": "X86_V3"}
@@ -47,7 +47,7 @@ from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.run_folders.presses import read_presses
-from emg2vsa.runs.score_run import score_run
+from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import RunSettings
 folder = Path(sys.argv[1])
 run_virtual(modular_plan(1, specimen="S3"), RigSettings(), EmulatedSettings(), folder,

@@ -23,7 +23,7 @@ from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.laws import LAWS, WAYS
 from emg2vsa.calibration.online import OnlineCalibration, reachable_width
 from emg2vsa.errors import DataError
-from emg2vsa.runs import ALGORITHMS
+from emg2vsa.run_scores import ALGORITHMS
 from emg2vsa.settings import CalibrationSettings
 
 FORMAT, VERSION = "emg2vsa calibration", 1

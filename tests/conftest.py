@@ -18,7 +18,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from emg2vsa.held_lock import taken
-from emg2vsa.runs import ContactPicture, FirstContact, PressCurve, RunScores
+from emg2vsa.run_scores import ContactPicture, FirstContact, PressCurve, RunScores
 
 settings.register_profile("busy computer", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("busy computer")

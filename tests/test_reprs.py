@@ -15,7 +15,7 @@ from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.fits import fit_trials
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.recordings import Channel
-from emg2vsa.runs import RunScores
+from emg2vsa.run_scores import RunScores
 from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import (
     CocontractionSettings,

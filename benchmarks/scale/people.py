@@ -23,7 +23,7 @@ import numpy as np
 from emg2vsa import artifacts
 from emg2vsa.extraction import Trials
 from emg2vsa.pipeline.lock import study_lock
-from emg2vsa.pipeline.plan import open_board
+from emg2vsa.pipeline.plan import open_step_plan
 from emg2vsa.study_file import load_study
 
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -67,18 +67,18 @@ def replicated(one: Path, folder: Path, count: int) -> Path:
             there.parent.mkdir(parents=True, exist_ok=True)
             os.symlink(path, there)
     loaded = load_study(study)
-    stored = {step.id: step.at for step in open_board(load_study(one), ("trials",), print).add_stage("trials")}
+    stored = {step.id: step.at for step in open_step_plan(load_study(one), ("trials",), print).add_stage("trials")}
     factors = 1 + BETWEEN_PEOPLE * np.random.default_rng(1).standard_normal(count)
     with study_lock(loaded.results, wait=False, say=print):
-        board = open_board(loaded, ("trials",), print)
-        for step in board.add_stage("trials"):
+        plan = open_step_plan(loaded, ("trials",), print)
+        for step in plan.add_stage("trials"):
             name, _, specimen = step.item.partition("/")
             number = int(name[1:]) - 1
             trials = artifacts.load(stored[f"trials/{_own(number)}/{specimen}"])
             product = _other_person(trials, name, float(factors[number]))
-            artifacts.save(board.store.unfinished(step.id, step.key), product)
-            board.end(step, "done", "", final=False)
-        board.prints.save()
+            artifacts.save(plan.store.unfinished(step.id, step.key), product)
+            plan.end(step, "done", "", final=False)
+        plan.prints.save()
     return study
 
 

@@ -22,7 +22,7 @@ from casr.pins import PinTracker
 from casr.press_forces import press_forces
 from casr.scored import ScoreSettings
 from emg2vsa.run_folders.presses import read_presses
-from emg2vsa.runs.score_run import score_run
+from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import RunSettings
 
 THRESHOLD_PX = 2.0

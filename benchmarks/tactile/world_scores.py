@@ -17,7 +17,7 @@ from casr.errors import CasrError
 from casr.front_spread import FrontSpread
 from casr.scored import SkinSpread
 from casr.scoring import Score, score
-from casr.session import Stretch, stretch_of
+from casr.stretch import Stretch, stretch_of
 from casr.synthetic.press import SimulatedPress, simulate_press
 from casr.synthetic.settings import PressSettings
 

@@ -239,7 +239,7 @@ def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
 
 def _unlike_others(scores: Mapping[str, Score]) -> dict[str, str]:
     """Press to what sets it apart from the others of the folder."""
-    from casr.session import stretch_of, unlike_others
+    from casr.stretch import stretch_of, unlike_others
 
     stretches = {name: stretch_of(score) for name, score in scores.items()}
     return unlike_others({name: stretch for name, stretch in stretches.items() if stretch is not None})

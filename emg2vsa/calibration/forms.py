@@ -50,7 +50,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.runs import RunScores
+from emg2vsa.run_scores import RunScores
 from emg2vsa.settings import Law
 
 HERTZ = 1.5

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from casr.session import Stretch, unlike_others
+from casr.stretch import Stretch, unlike_others
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.cut_presses import cut_all, cut_forces, cut_rates, cut_travel
@@ -34,7 +34,7 @@ from emg2vsa.calibration.results import (
 )
 from emg2vsa.calibration.unknown import Estimate, estimate
 from emg2vsa.errors import DataError
-from emg2vsa.runs import ALGORITHMS, RunScores
+from emg2vsa.run_scores import ALGORITHMS, RunScores
 from emg2vsa.settings import PAPER, CalibrationSettings
 
 _LEAST_SPECIMENS = 2

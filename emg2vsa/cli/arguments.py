@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from casr.command_line import whole_number
 
 if TYPE_CHECKING:
-    from emg2vsa.pipeline.plan import Board
+    from emg2vsa.pipeline.plan import StepPlan
     from emg2vsa.settings import ReadingSettings
     from emg2vsa.study import Study
 
@@ -163,9 +163,9 @@ def jobs_of(arguments: argparse.Namespace) -> int:
     return int(arguments.jobs or available_cores())
 
 
-def say_not_used(board: Board) -> None:
+def say_not_used(plan: StepPlan) -> None:
     """One line on the error stream for every step that was refused or failed, in this run or before it."""
-    for item, stage, message in board.failures():
+    for item, stage, message in plan.failures():
         print(f"not used: {item} ({stage}): {message}", file=sys.stderr)
 
 

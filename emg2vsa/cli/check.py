@@ -17,8 +17,8 @@ from casr.terminal import Look, coloured, note
 from emg2vsa.cli.arguments import add_jobs, add_study, add_work, jobs_of, study_of
 
 if TYPE_CHECKING:
-    from emg2vsa.pipeline.plan import Board
-    from emg2vsa.pipeline.run import Progress
+    from emg2vsa.pipeline.plan import StepPlan
+    from emg2vsa.pipeline.run_study import Progress
     from emg2vsa.session_verdict import Doubts, SessionVerdict
     from emg2vsa.study import RecordingEntry, Study
 
@@ -94,15 +94,15 @@ def of_participants(study: Study, participants: list[str]) -> Study:
 
 def judge(study: Study, whole: Study, jobs: int, shown: Progress, below: Path | None) -> list[SessionVerdict]:
     """The verdicts on the study's recordings, beside what is known of the ``whole`` study's others."""
-    from emg2vsa.pipeline.run import run_study
+    from emg2vsa.pipeline.run_study import run_study
 
-    board = run_study(study, stages=STAGES, jobs=jobs, progress=shown, below=below)
-    doubts = _doubts(study, whole, board, below)
-    failures = {item: message for item, _, message in board.failures()}
-    return [_verdict(board, participant, failures, doubts) for participant in board.campaign.cells]
+    plan = run_study(study, stages=STAGES, jobs=jobs, progress=shown, below=below)
+    doubts = _doubts(study, whole, plan, below)
+    failures = {item: message for item, _, message in plan.failures()}
+    return [_verdict(plan, participant, failures, doubts) for participant in plan.campaign.cells]
 
 
-def _doubts(study: Study, whole: Study, board: Board, below: Path | None) -> Doubts:
+def _doubts(study: Study, whole: Study, plan: StepPlan, below: Path | None) -> Doubts:
     """What is doubtful beside all recordings of the whole study whose results are there."""
     from emg2vsa import artifacts
     from emg2vsa.fits import by_recording, concatenate
@@ -111,26 +111,26 @@ def _doubts(study: Study, whole: Study, board: Board, below: Path | None) -> Dou
 
     if len(whole.recordings) > len(study.recordings):
         everything = dataclasses.replace(study, recordings=whole.recordings)
-        board = survey(everything, STAGES, lambda text: None, below=below)
-    known = [key for key in board.campaign.recordings if board.done("trials", (key,)) and board.done("fits", (key,))]
-    fits = [artifacts.load(path) for path in board.done("fits", known)]
+        plan = survey(everything, STAGES, lambda text: None, below=below)
+    known = [key for key in plan.campaign.recordings if plan.done("trials", (key,)) and plan.done("fits", (key,))]
+    fits = [artifacts.load(path) for path in plan.done("fits", known)]
     return doubts_between(
-        [artifacts.load(path) for path in board.done("trials", known)],
+        [artifacts.load(path) for path in plan.done("trials", known)],
         by_recording(concatenate(fits)) if fits else {},
         whole.judgements,
     )
 
 
-def _verdict(board: Board, participant: str, failures: dict[str, str], doubts: Doubts) -> SessionVerdict:
+def _verdict(plan: StepPlan, participant: str, failures: dict[str, str], doubts: Doubts) -> SessionVerdict:
     from emg2vsa import artifacts
     from emg2vsa.session_verdict import judge_session
 
-    cells = board.campaign.cells[participant]
-    entries = [board.campaign.recordings[cell] for cell in cells]
-    fits = {e.specimen: artifacts.load(path) for e in entries for path in board.done("fits", (e.key,))}
+    cells = plan.campaign.cells[participant]
+    entries = [plan.campaign.recordings[cell] for cell in cells]
+    fits = {e.specimen: artifacts.load(path) for e in entries for path in plan.done("fits", (e.key,))}
     return judge_session(
         participant,
-        [artifacts.load(path) for path in board.done("trials", cells)],
+        [artifacts.load(path) for path in plan.done("trials", cells)],
         fits,
         {entry.specimen: entry.window.expected_trials for entry in entries},
         {entry.specimen: failures[entry.key] for entry in entries if entry.key in failures},

@@ -89,13 +89,13 @@ def _fits(study: Study, *, quiet: bool) -> dict[str, Fits]:
     from emg2vsa.cli.progress import progress
     from emg2vsa.pipeline.places import writable_or_temporary
     from emg2vsa.pipeline.pool import available_cores
-    from emg2vsa.pipeline.run import run_study
+    from emg2vsa.pipeline.run_study import run_study
 
     with writable_or_temporary(study, None, now=True) as (placed, below):
-        board = run_study(
+        plan = run_study(
             placed, stages=("trials", "fits"), jobs=available_cores(), progress=progress(quiet=quiet), below=below
         )
-        return {key: artifacts.load(path) for key in board.campaign.recordings for path in board.done("fits", (key,))}
+        return {key: artifacts.load(path) for key in plan.campaign.recordings for path in plan.done("fits", (key,))}
 
 
 def _distance(arguments: argparse.Namespace) -> float | None:

@@ -15,7 +15,7 @@ from emg2vsa.cli.arguments import jobs_of
 
 if TYPE_CHECKING:
     from emg2vsa.pipeline.cluster import ClusterWorkers
-    from emg2vsa.pipeline.plan import Board, Step
+    from emg2vsa.pipeline.plan import Step, StepPlan
     from emg2vsa.pipeline.shard import Shard
     from emg2vsa.study import Study
 
@@ -95,37 +95,37 @@ def ended_by_scheduler() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
-def left_of(board: Board) -> list[Step]:
+def left_of(plan: StepPlan) -> list[Step]:
     """Steps of a shard that did not run, as a step of the whole study that they need is not done."""
-    return [step for step in board.steps.values() if step.item != "study" and step.status in ("stale", "waits")]
+    return [step for step in plan.steps.values() if step.item != "study" and step.status in ("stale", "waits")]
 
 
-def missing_for(board: Board, left: Sequence[Step]) -> list[str]:
+def missing_for(plan: StepPlan, left: Sequence[Step]) -> list[str]:
     """Stages of the whole study that these steps need and that are not done."""
     from emg2vsa.pipeline.plan import DONE
     from emg2vsa.pipeline.stage_order import ORDER, stage
 
     needs = {need for step in left for need in stage(step.stage).needs if stage(need).per == "study"}
-    return [name for name in ORDER if name in needs and board.steps[f"{name}/study"].status not in DONE]
+    return [name for name in ORDER if name in needs and plan.steps[f"{name}/study"].status not in DONE]
 
 
-def rest_in_words(board: Board) -> str:
+def rest_in_words(plan: StepPlan) -> str:
     """What a shard left, and what to do when all shards have ended."""
-    left = left_of(board)
-    run = f"emg2vsa run {board.study.path}"
+    left = left_of(plan)
+    run = f"emg2vsa run {plan.study.path}"
     if not left:
         return f"This shard is done. When all shards are: {run}"
     counts = ", ".join(f"{name} {count}" for name, count in Counter(step.stage for step in left).items())
-    missing = missing_for(board, left)
+    missing = missing_for(plan, left)
     if not missing:
         return f"Not run: {counts}. Run this shard again."
     then = f"When all shards have ended: {run} --only {missing[-1]}, then the shards again."
     return f"Not run: {counts}. They need {missing[-1]}. {then}"
 
 
-def to_try_again(board: Board) -> bool:
+def to_try_again(plan: StepPlan) -> bool:
     """Whether a step of the shard failed by something else than its input, such as a full disk."""
-    failed = (board.ledger.last(step.id) for step in board.steps.values() if step.status == "failed")
+    failed = (plan.ledger.last(step.id) for step in plan.steps.values() if step.status == "failed")
     return any(entry is None or not entry.final for entry in failed)
 
 

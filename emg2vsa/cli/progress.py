@@ -10,7 +10,7 @@ from typing import TextIO
 
 from casr.terminal import VOICE
 from emg2vsa.pipeline.plan import Step
-from emg2vsa.pipeline.run import Progress
+from emg2vsa.pipeline.run_study import Progress
 
 _BAR_WIDTH = 24
 

@@ -14,7 +14,7 @@ from emg2vsa.cli.arguments import add_jobs, add_study, add_wait, add_work, jobs_
 from emg2vsa.errors import SettingError
 
 if TYPE_CHECKING:
-    from emg2vsa.pipeline.plan import Board
+    from emg2vsa.pipeline.plan import StepPlan
 
 
 def add_to(commands: Commands) -> None:
@@ -40,12 +40,12 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
-    from emg2vsa.pipeline.run import run_study
+    from emg2vsa.pipeline.run_study import run_study
     from emg2vsa.pipeline.stage_order import stages_for
 
     _check_package(arguments)
     study, below = study_of(arguments)
-    board = run_study(
+    plan = run_study(
         study,
         stages=stages_for("report"),
         jobs=jobs_of(arguments),
@@ -53,15 +53,15 @@ def run(arguments: argparse.Namespace) -> int:
         wait=not arguments.no_wait,
         below=below,
     )
-    failed = [message for item, stage, message in board.failures() if (item, stage) == ("study", "report")]
-    files, pages = board.files("report"), board.files("pages")
+    failed = [message for item, stage, message in plan.failures() if (item, stage) == ("study", "report")]
+    files, pages = plan.files("report"), plan.files("pages")
     folder = arguments.out or study.reports / "paper"
-    package = _package(board, folder, arguments) if arguments.paper and not failed else []
+    package = _package(plan, folder, arguments) if arguments.paper and not failed else []
     if arguments.json:
         paths = {"files": [*files, *pages], "paper": package}
         print_json({name: [str(path) for path in of] for name, of in paths.items()} | {"failed": failed})
     else:
-        say_not_used(board)
+        say_not_used(plan)
         for line in _listed(files, pages):
             print(line)
         if package:
@@ -76,12 +76,12 @@ def _listed(files: Sequence[Path], pages: Sequence[Path]) -> Iterator[str]:
         yield f"{folder}: {count} file{'s' if count != 1 else ''}"
 
 
-def _package(board: Board, folder: Path, arguments: argparse.Namespace) -> list[Path]:
-    from emg2vsa.authors.crate import UNLICENSED, UNPUBLISHED, Publication
-    from emg2vsa.authors.package import write_package
+def _package(plan: StepPlan, folder: Path, arguments: argparse.Namespace) -> list[Path]:
+    from emg2vsa.deposit.crate import UNLICENSED, UNPUBLISHED, Publication
+    from emg2vsa.deposit.package import write_package
 
     publication = Publication(arguments.published or UNPUBLISHED, arguments.licence or UNLICENSED)
-    return write_package(board, folder, publication)
+    return write_package(plan, folder, publication)
 
 
 def _check_package(arguments: argparse.Namespace) -> None:

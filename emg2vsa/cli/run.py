@@ -23,7 +23,7 @@ from emg2vsa.cli.machines import (
 from emg2vsa.pipeline.stage_order import ORDER
 
 if TYPE_CHECKING:
-    from emg2vsa.pipeline.plan import Board
+    from emg2vsa.pipeline.plan import StepPlan
     from emg2vsa.study import Study
 
 
@@ -79,7 +79,7 @@ def _stages(arguments: argparse.Namespace, study: Study) -> tuple[str, ...]:
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
     from emg2vsa.pipeline.profile import Profile
-    from emg2vsa.pipeline.run import run_study
+    from emg2vsa.pipeline.run_study import run_study
 
     start = time.monotonic()
     profile = Profile() if arguments.profile else None
@@ -87,7 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
     _check_people(arguments, study)
     stages, shown = _stages(arguments, study), progress(arguments.explain, arguments.json)
     with ended_by_scheduler():
-        board = run_study(
+        plan = run_study(
             study,
             stages=stages,
             jobs=jobs_of(arguments),
@@ -98,11 +98,11 @@ def run(arguments: argparse.Namespace) -> int:
             shard=arguments.shard,
             profile=profile,
         )
-    failures = board.failures()
+    failures = plan.failures()
     study_failed = any(item == "study" for item, _, _ in failures)
-    ran = [step.id for step in board.steps.values() if step.status == "done"]
-    notes, rejected = _notes(board), _rejected(board)
-    fresh = sum(step.status == "fresh" for step in board.steps.values())
+    ran = [step.id for step in plan.steps.values() if step.status == "done"]
+    notes, rejected = _notes(plan), _rejected(plan)
+    fresh = sum(step.status == "fresh" for step in plan.steps.values())
     if arguments.json:
         told = {
             "study": study.name,
@@ -114,9 +114,9 @@ def run(arguments: argparse.Namespace) -> int:
             "seconds": round(time.monotonic() - start, 3),
         }
         told |= {"profile": profile.as_json()} if profile else {}
-        print_json(told | (_of_shard(board) if arguments.shard else {"report": str(_page(board))}))
+        print_json(told | (_of_shard(plan) if arguments.shard else {"report": str(_page(plan))}))
     else:
-        say_not_used(board)
+        say_not_used(plan)
         for note in notes:
             print(f"note: {note}")
         for of in rejected:
@@ -127,34 +127,34 @@ def run(arguments: argparse.Namespace) -> int:
             f"{study.name}{share}: {len(ran)} {steps} run, {fresh} fresh, {len(failures)} refused or failed, "
             f"{seconds:.1f} s"
         )
-        lines = [rest_in_words(board)] if arguments.shard else [*_report_lines(board)]
+        lines = [rest_in_words(plan)] if arguments.shard else [*_report_lines(plan)]
         for line in (*lines, *(profile.lines() if profile else ())):
             print(line)
-    return int(to_try_again(board) if arguments.shard else study_failed)
+    return int(to_try_again(plan) if arguments.shard else study_failed)
 
 
-def _of_shard(board: Board) -> dict[str, list[str]]:
+def _of_shard(plan: StepPlan) -> dict[str, list[str]]:
     """What a shard left, for programs."""
-    left = left_of(board)
-    return {"left": [step.id for step in left], "needs": missing_for(board, left)}
+    left = left_of(plan)
+    return {"left": [step.id for step in left], "needs": missing_for(plan, left)}
 
 
-def _page(board: Board) -> Path:
+def _page(plan: StepPlan) -> Path:
     """The page of the report that the run made, or would make."""
     from emg2vsa.pipeline.stage_order import REPORTS
 
-    name = next((step.stage for step in board.steps.values() if step.stage in REPORTS), "report")
-    return board.folder(name, "study") / "index.html"
+    name = next((step.stage for step in plan.steps.values() if step.stage in REPORTS), "report")
+    return plan.folder(name, "study") / "index.html"
 
 
-def _report_lines(board: Board) -> Iterator[str]:
+def _report_lines(plan: StepPlan) -> Iterator[str]:
     """Where the report is, and what is missing from it."""
     from emg2vsa.pipeline.stage_order import REPORTS, stage
 
-    if not any(step.stage in REPORTS for step in board.steps.values()):
+    if not any(step.stage in REPORTS for step in plan.steps.values()):
         return
-    page = _page(board)
-    why = {name: message for item, name, message in board.failures() if item == "study"}
+    page = _page(plan)
+    why = {name: message for item, name, message in plan.failures() if item == "study"}
     if found := why.keys() & set(REPORTS):
         before = " The report in this place is from an earlier run." if page.exists() else ""
         yield f"Report: not written to {page}.{before} {why[found.pop()]}"
@@ -172,19 +172,19 @@ def _check_people(arguments: argparse.Namespace, study: Study) -> None:
         raise SettingError(study.path, wanted="recordings of people", found="a study of runs only", do=do)
 
 
-def _notes(board: Board) -> list[str]:
+def _notes(plan: StepPlan) -> list[str]:
     """What the steps and the folders of runs have to say; the same words of several recordings once."""
-    said = [step for step in board.steps.values() if step.message and step.status in {"done", "fresh"}]
+    said = [step for step in plan.steps.values() if step.message and step.status in {"done", "fresh"}]
     of_study = [step.message for step in said if step.item == "study"]
     counts = Counter(step.message for step in said if step.item != "study" and step.stage != "runs")
     of_recordings = [f"{note} ({count} recording{'s' if count != 1 else ''})" for note, count in counts.items()]
-    return [*board.campaign.notes, *of_recordings, *of_study]
+    return [*plan.campaign.notes, *of_recordings, *of_study]
 
 
-def _rejected(board: Board) -> list[dict[str, str]]:
+def _rejected(plan: StepPlan) -> list[dict[str, str]]:
     """Runs with presses that could not be scored: how many, and why most of them."""
     return [
         {"run": step.item, "message": step.message}
-        for step in board.steps.values()
+        for step in plan.steps.values()
         if step.stage == "runs" and step.message and step.status in {"done", "fresh"}
     ]

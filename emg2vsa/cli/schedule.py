@@ -48,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
     from emg2vsa.errors import ScheduleError
     from emg2vsa.pipeline.places import own_report, writable_or_temporary
-    from emg2vsa.pipeline.run import run_study
+    from emg2vsa.pipeline.run_study import run_study
     from emg2vsa.pipeline.stage_order import stages_for
     from emg2vsa.schedule_files import write_schedule
 

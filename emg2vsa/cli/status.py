@@ -35,8 +35,8 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.pipeline.stage_order import ORDER
 
     study, below = study_of(arguments)
-    board = survey(study, ORDER, lambda text: print(text, file=sys.stderr), below=below)
-    steps = board.steps.values()
+    plan = survey(study, ORDER, lambda text: print(text, file=sys.stderr), below=below)
+    steps = plan.steps.values()
     held = holder(study.results)
     if arguments.json:
         told = {s.id: {"status": s.status, "reasons": list(s.reasons), "message": s.message} for s in steps}

@@ -11,8 +11,8 @@ from casr.command_line import Commands, add_command, add_json, print_json
 from emg2vsa.cli.arguments import add_jobs, jobs_of
 
 if TYPE_CHECKING:
-    from emg2vsa.authors.agreement import Agreement, Difference
-    from emg2vsa.authors.verification import Verification
+    from emg2vsa.deposit.agreement import Agreement, Difference
+    from emg2vsa.deposit.verification import Verification
 
 _SHOWN = 20
 
@@ -46,8 +46,8 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.authors.verification import verify_package
     from emg2vsa.cli.progress import progress
+    from emg2vsa.deposit.verification import verify_package
 
     found = verify_package(
         arguments.package,

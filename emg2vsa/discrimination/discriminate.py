@@ -22,7 +22,7 @@ from emg2vsa.discrimination.contrast import Contrast, contrasts
 from emg2vsa.discrimination.factors import Factors, factors_of
 from emg2vsa.discrimination.run_table import RunTable, mean_of, run_table
 from emg2vsa.errors import DataError
-from emg2vsa.runs import RunScores
+from emg2vsa.run_scores import RunScores
 from emg2vsa.settings import DiscriminationSettings
 from emg2vsa.statistics.kruskal import RankPairs, dunn, kruskal
 from emg2vsa.statistics.mann_whitney import mann_whitney

@@ -9,7 +9,7 @@ import numpy as np
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import DataError
-from emg2vsa.runs import RunScores
+from emg2vsa.run_scores import RunScores
 from emg2vsa.statistics.clusters import in_order
 
 CONDITIONS = ("high-stiffness", "modular", "constant-min", "constant-mean", "constant-max")

@@ -26,7 +26,7 @@ from casr.pins.detect import fit_view
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.figures.canvas import panel_grid
 from emg2vsa.figures.palette import BLUE, INK, SKY, YELLOW, Look
-from emg2vsa.runs import FirstContact
+from emg2vsa.run_scores import FirstContact
 
 _BRIGHTEST = 255
 _ARROWS_PX = 12

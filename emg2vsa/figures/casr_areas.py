@@ -17,7 +17,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.figures.boxes import PairBar, draw_bars, draw_box
 from emg2vsa.figures.canvas import panel_grid
 from emg2vsa.figures.palette import GREY, INK, YELLOW, Look
-from emg2vsa.runs import ContactPicture
+from emg2vsa.run_scores import ContactPicture
 
 POOLED = Look(GREY, "o", "-")
 """All specimens of an angle together."""

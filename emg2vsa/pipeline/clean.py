@@ -22,21 +22,21 @@ def clean(study: Study, *, wait: bool, say: Callable[[str], None]) -> tuple[int,
     never touched. Raises as ``survey`` and ``study_lock``.
     """
     with study_lock(study.results, wait=wait, say=say):
-        board = survey(study, (*ORDER, *PART_REPORTS), say)
-        board.store.sweep()
+        plan = survey(study, (*ORDER, *PART_REPORTS), say)
+        plan.store.sweep()
         removed = size = 0
-        for step_id in list(board.store.stored_steps()):
-            step = board.steps.get(step_id)
-            kept = [] if step is None else [step.key] if step.key else board.ledger.keys(step_id)[:1]
-            for path in board.store.results(step_id):
+        for step_id in list(plan.store.stored_steps()):
+            step = plan.steps.get(step_id)
+            kept = [] if step is None else [step.key] if step.key else plan.ledger.keys(step_id)[:1]
+            for path in plan.store.results(step_id):
                 if path.stem not in kept:
                     size += path.stat().st_size
                     path.unlink()
                     removed += 1
-        for step_id in set(board.ledger.steps()) - set(board.steps):
-            board.ledger.drop(step_id)
-        board.store.drop_empty_folders()
-        board.ledger.compact(force=True)
+        for step_id in set(plan.ledger.steps()) - set(plan.steps):
+            plan.ledger.drop(step_id)
+        plan.store.drop_empty_folders()
+        plan.ledger.compact(force=True)
     return removed, size
 
 

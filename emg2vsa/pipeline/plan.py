@@ -54,7 +54,7 @@ class Step:
         return f"{self.stage}/{self.item}"
 
 
-class Board:
+class StepPlan:
     """The state of all steps so far; the one place that knows keys.
 
     reading : nothing is recorded, and results below count for stages that write files too. shard : only its steps are
@@ -308,7 +308,7 @@ def _beside(path: str, base: str) -> str:
     )
 
 
-def open_board(
+def open_step_plan(
     study: Study,
     stages: Iterable[str],
     warn: Callable[[str], None],
@@ -316,10 +316,10 @@ def open_board(
     below: Path | None = None,
     reading: bool = False,
     shard: Shard | None = None,
-) -> Board:
-    """The board of a study, with its runs looked up where one of the ``stages`` needs them. Raises as ``campaign``."""
+) -> StepPlan:
+    """The plan of a study, with its runs looked up where one of the ``stages`` needs them. Raises as ``campaign``."""
     found = campaign(study) if needs_runs(tuple(stages)) else Campaign(study)
-    return Board(found, Store(study.results, below), warn, reading=reading, shard=shard)
+    return StepPlan(found, Store(study.results, below), warn, reading=reading, shard=shard)
 
 
 def memory_of_files(results: Path, warn: Callable[[str], None], shard: Shard | None = None) -> Fingerprints:
@@ -330,10 +330,10 @@ def memory_of_files(results: Path, warn: Callable[[str], None], shard: Shard | N
     return Fingerprints(whole, warn, beside=sorted(results.glob("fingerprints.shard-*.json")))
 
 
-def survey(study: Study, stages: Sequence[str], warn: Callable[[str], None], *, below: Path | None = None) -> Board:
+def survey(study: Study, stages: Sequence[str], warn: Callable[[str], None], *, below: Path | None = None) -> StepPlan:
     """The state of all steps of the stages; nothing is computed, nothing but the fingerprint memory is written."""
-    board = open_board(study, stages, warn, below=below, reading=True)
+    plan = open_step_plan(study, stages, warn, below=below, reading=True)
     for name in stages:
-        board.add_stage(name)
-    board.prints.save()
-    return board
+        plan.add_stage(name)
+    plan.prints.save()
+    return plan

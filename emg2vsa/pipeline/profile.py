@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from casr.counts import COUNTED
-from emg2vsa.pipeline.plan import Board, Step
+from emg2vsa.pipeline.plan import Step, StepPlan
 from emg2vsa.pipeline.spent import Spent
 
 _TOLD = ("setting", "library")
@@ -72,14 +72,14 @@ class Profile:
         """A step that ran, and what it took."""
         self.stages.setdefault(step.stage, StageProfile()).add(step, spent)
 
-    def end(self, board: Board) -> None:
-        """The steps that did not run, as the board has them at the end."""
+    def end(self, plan: StepPlan) -> None:
+        """The steps that did not run, as the plan has them at the end."""
         ran, self.stages = self.stages, {}
-        for step in board.steps.values():
+        for step in plan.steps.values():
             own = self.stages.setdefault(step.stage, ran.get(step.stage, StageProfile()))
             own.fresh += step.status == "fresh"
         for name, own in self.stages.items():
-            steps = sum(step.stage == name for step in board.steps.values())
+            steps = sum(step.stage == name for step in plan.steps.values())
             own.left = max(steps - own.computed - own.failed - own.fresh, 0)
 
     def as_json(self) -> list[dict[str, Any]]:

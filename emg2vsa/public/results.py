@@ -13,16 +13,16 @@ from emg2vsa import __version__, artifacts
 from emg2vsa.calibration.results import CalibrationResults, ConditionResult, LawResult
 from emg2vsa.errors import DataError, SettingError
 from emg2vsa.fits import concatenate
-from emg2vsa.pipeline.plan import Board, survey
+from emg2vsa.pipeline.plan import StepPlan, survey
 from emg2vsa.pipeline.pool import available_cores
-from emg2vsa.pipeline.run import Progress, run_study
+from emg2vsa.pipeline.run_study import Progress, run_study
 from emg2vsa.pipeline.stage_order import ORDER, stages_for
 from emg2vsa.public.columns import file_of, plain
 from emg2vsa.public.frames import outcomes_frame
 from emg2vsa.public.recordings import fits_frame, samples_frame, trials_frame
 from emg2vsa.public.schedules import profiles_frame, schedules_frame
 from emg2vsa.report.sections.hypothesis_tables import outcomes
-from emg2vsa.runs import RunScores
+from emg2vsa.run_scores import RunScores
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
 from emg2vsa.study_file.problems import shown
@@ -54,19 +54,19 @@ class Results:
     Every table raises DataError where the study has no result of that kind: run it first.
     """
 
-    def __init__(self, board: Board) -> None:
-        self._board = board
+    def __init__(self, plan: StepPlan) -> None:
+        self._plan = plan
         self._made: dict[str, pd.DataFrame] = {}
-        self.study: Study = board.study
+        self.study: Study = plan.study
 
     def __repr__(self) -> str:
-        there = [name for name in ORDER if self._board.done(name)]
+        there = [name for name in ORDER if self._plan.done(name)]
         return f"Results({self.study.name!r}, {self.study.mode} mode: {', '.join(there) or 'nothing yet'})"
 
     @_Table
     def steps(self) -> pd.DataFrame:
         """Every step: stage, item, status (fresh, stale, waits, failed, blocked), reasons, message."""
-        rows = [(s.stage, s.item, s.status, "; ".join(s.reasons), s.message) for s in self._board.steps.values()]
+        rows = [(s.stage, s.item, s.status, "; ".join(s.reasons), s.message) for s in self._plan.steps.values()]
         return pd.DataFrame(rows, columns=["stage", "item", "status", "reasons", "message"])
 
     @_Table
@@ -116,9 +116,9 @@ class Results:
         return self._told(_calibration_frame(found), "calibration")
 
     def _all(self, stage: str) -> list[Any]:
-        paths = self._board.done(stage)
+        paths = self._plan.done(stage)
         if not paths:
-            failed = [f"{s.id}: {s.message}" for s in self._board.steps.values() if s.stage == stage and s.message]
+            failed = [f"{s.id}: {s.message}" for s in self._plan.steps.values() if s.stage == stage and s.message]
             raise DataError(
                 self.study.path, wanted=f"results of the stage {stage} that are up to date",
                 found=failed[0] if failed else "none",
@@ -137,7 +137,7 @@ class Results:
         return frame
 
     def _origin(self, stage: str) -> dict[str, Any]:
-        steps = [step for step in self._board.steps.values() if step.stage == stage]
+        steps = [step for step in self._plan.steps.values() if step.stage == stage]
         there = {step.item: step.result for step in steps if step.status in ("fresh", "done")}
         return {
             "study": str(self.study.path), "mode": self.study.mode, "stage": stage, "emg2vsa": __version__,

@@ -19,7 +19,7 @@ from emg2vsa.fits import Fits, usable
 from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.profiles import Profiles
 from emg2vsa.report.failures import Failure
-from emg2vsa.runs import RunScores
+from emg2vsa.run_scores import RunScores
 from emg2vsa.schedules import Schedule
 from emg2vsa.study import Study
 from emg2vsa.truth import Truth

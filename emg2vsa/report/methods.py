@@ -18,7 +18,7 @@ from emg2vsa.calibration.results import CalibrationResults, LawResult
 from emg2vsa.exemplary import Choice
 from emg2vsa.extraction import Trials
 from emg2vsa.report.wording import count, listed
-from emg2vsa.runs import RunScores
+from emg2vsa.run_scores import RunScores
 from emg2vsa.settings import (
     MEDOID,
     CalibrationSettings,

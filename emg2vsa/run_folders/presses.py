@@ -23,7 +23,7 @@ from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
 from emg2vsa.rig.record.press_counts import peak_forces_n, stopped_presses, verdicts
 from emg2vsa.rig.record.run_log import GOING_IN
 from emg2vsa.rig.rig_settings import axis_of
-from emg2vsa.runs.press import Press
+from emg2vsa.run_scores.press import Press
 
 _LOG = "log.csv"
 _PRESS = re.compile(r"press[-_ ]?\d", re.IGNORECASE)

@@ -16,7 +16,7 @@ from emg2vsa.session.open_sources import Maker
 from emg2vsa.session.plan import Plan, changes, draw_presses
 from emg2vsa.session.record import new_session, resume_session, session_folder
 from emg2vsa.session.recorded_stream import RecordedStream
-from emg2vsa.session.run import Session, check_muscles
+from emg2vsa.session.session import Session, check_muscles
 from emg2vsa.session.stay_judge import JudgeAtOnce, JudgeBeside
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.study import Study

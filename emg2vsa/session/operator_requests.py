@@ -6,7 +6,7 @@ import numpy as np
 
 from emg2vsa.session import journal
 from emg2vsa.session.press_list import Tried
-from emg2vsa.session.run import Session
+from emg2vsa.session.session import Session
 from emg2vsa.session.views import Request
 
 STEADY_N = 0.2

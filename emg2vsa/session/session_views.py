@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from emg2vsa.session.operator_requests import refusal
-from emg2vsa.session.run import Session
+from emg2vsa.session.session import Session
 from emg2vsa.session.views import OperatorState, ParticipantState, Request
 
 

@@ -17,7 +17,7 @@ from emg2vsa.calibration.presses import without_outliers
 from emg2vsa.calibration.runs_calibration import calibrate_runs, online_calibrations
 from emg2vsa.calibration.unknown import estimate
 from emg2vsa.errors import DataError
-from emg2vsa.runs import ALGORITHMS
+from emg2vsa.run_scores import ALGORITHMS
 from emg2vsa.settings import CalibrationSettings
 
 QUICK = CalibrationSettings(resamples=50)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.discrimination import discriminate
-from emg2vsa.runs import RunScores
+from emg2vsa.run_scores import RunScores
 
 
 def test_the_experiments_factors(runs: tuple[RunScores, ...], stiffness_n_per_mm: dict[str, float]) -> None:

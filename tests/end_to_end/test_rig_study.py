@@ -20,7 +20,7 @@ import tifffile
 from casr.frame_files import read_camera
 from emg2vsa import artifacts
 from emg2vsa.cli import main
-from emg2vsa.runs import RunScores
+from emg2vsa.run_scores import RunScores
 from tests.small import run_all
 
 pytestmark = pytest.mark.usefixtures("blank_drawings")

@@ -74,7 +74,7 @@ def test_a_session_like_the_papers_gives_back_a_and_b(tmp_path, capsys):
 def _compare(study_file, truth):
     """Mean b of each specimen within four standard errors of what was put in, and within 12 %."""
     from emg2vsa.cli.progress import progress
-    from emg2vsa.pipeline.run import run_study
+    from emg2vsa.pipeline.run_study import run_study
     from emg2vsa.study_file import load_study
 
     study = load_study(study_file)

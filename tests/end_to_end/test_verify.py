@@ -15,9 +15,9 @@ from typing import Any
 
 import pytest
 
-from emg2vsa.authors import verification
-from emg2vsa.authors.crate import METADATA
 from emg2vsa.cli import main
+from emg2vsa.deposit import verification
+from emg2vsa.deposit.crate import METADATA
 
 Verify = Callable[..., tuple[int, dict[str, Any]]]
 DATA = "data/sub-P01/emg/sub-P01_task-palpation_acq-S1_emg.bdf"

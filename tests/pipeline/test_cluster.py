@@ -266,7 +266,7 @@ def test_facts_tell_what_differs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     here = facts_here(mark, ("numpy", "no-such-thing"))
     assert here[cluster_worker.MARK] == "token"
     assert here["no-such-thing"] == "absent"
-    assert here["code of emg2vsa/pipeline/run.py"]
+    assert here["code of emg2vsa/pipeline/run_study.py"]
     assert here["code of casr/atomic.py"]
     assert facts_here(tmp_path / "none", ())[cluster_worker.MARK] == "unreadable (No such file or directory)"
     workers = ClusterWorkers(load_study_of(tmp_path), ("trials",), address="tcp://1.2.3.4:5")

@@ -126,9 +126,9 @@ for line in sys.stdin:
     file, text = json.loads(line)
     path, before = Path(file), Path(file).read_bytes()
     path.write_text(text)
-    board = survey(load_study(sys.argv[1]), ORDER, print)
+    plan = survey(load_study(sys.argv[1]), ORDER, print)
     path.write_bytes(before)
-    stale = {s.stage: s.reasons for s in board.steps.values() if s.status == "stale"}
+    stale = {s.stage: s.reasons for s in plan.steps.values() if s.status == "stale"}
     print(json.dumps(stale), flush=True)
 """
 

@@ -88,18 +88,18 @@ def main() -> int:
     from emg2vsa.pipeline.stage_order import ORDER
     from emg2vsa.study_file import load_study
 
-    board = survey(load_study(study), ORDER, print)
+    plan = survey(load_study(study), ORDER, print)
     os.environ["PYTHONPATH"] = os.pathsep.join([str(Path(__file__).parent / "traced_children"), *sys.path])
     for name in FOREIGN:
         importlib.import_module(name)
     for name in steps:
-        step = board.steps[name]
+        step = plan.steps[name]
         assert step.status == "fresh", (name, step.status, step.reasons, step.message)
         process = os.fork()
         if not process:
             status = 1
             try:
-                run(board, step, out / step.stage)
+                run(plan, step, out / step.stage)
                 status = 0
             except Exception:
                 traceback.print_exc()
@@ -111,13 +111,13 @@ def main() -> int:
     return 0
 
 
-def run(board: Any, step: Any, out: Path) -> None:
+def run(plan: Any, step: Any, out: Path) -> None:
     from emg2vsa import artifacts
     from emg2vsa.pipeline.stage_order import stage
     from emg2vsa.pipeline.store import written_files
 
     out.mkdir()
-    given = board.given(step)
+    given = plan.given(step)
     if given.folder is not None:
         given = replace(given, folder=out / "folder")
         (out / "folder").mkdir()

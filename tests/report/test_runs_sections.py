@@ -18,7 +18,7 @@ from emg2vsa.report.section import Content, rendered
 from emg2vsa.report.sections.actuators import level_change
 from emg2vsa.report.sections.implied import IMPLIED
 from emg2vsa.report.sections.kappa import holds, span
-from emg2vsa.report.sections.runs import RUNS
+from emg2vsa.report.sections.rig_runs import RUNS
 from emg2vsa.report.study_report import contents, numbers_and_tables, write_figure_pdfs, write_study_report
 from emg2vsa.settings import PAPER, CalibrationSettings, DiscriminationSettings, RunSettings
 

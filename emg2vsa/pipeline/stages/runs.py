@@ -12,7 +12,7 @@ from emg2vsa.pipeline.stage import Given, Keyed, Stage
 if TYPE_CHECKING:
     from emg2vsa.arrays import Floats
     from emg2vsa.pipeline.campaign import Campaign
-    from emg2vsa.runs import RunScores
+    from emg2vsa.run_scores import RunScores
 
 
 _FRAMES = "frames"
@@ -69,7 +69,7 @@ def takes(campaign: Campaign, item: str) -> list[tuple[str, str]]:
 def run(given: Given) -> RunScores:
     from emg2vsa.errors import DataError
     from emg2vsa.run_folders.presses import is_simulated, read_presses, run_notes
-    from emg2vsa.runs.score_run import score_run
+    from emg2vsa.run_scores.score_run import score_run
 
     used = given.settings
     specimen, angle_deg, condition = used["run"]
@@ -105,7 +105,7 @@ STAGE = Stage(
     of="runs",
     needs=("emulation",),
     run=run,
-    loads=("emg2vsa.run_folders.presses", "emg2vsa.runs.score_run"),
+    loads=("emg2vsa.run_folders.presses", "emg2vsa.run_scores.score_run"),
     settings=settings,
     files=files,
     takes=takes,

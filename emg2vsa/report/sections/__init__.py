@@ -40,7 +40,7 @@ from emg2vsa.report.sections.power import POWER
 from emg2vsa.report.sections.profiles import PROFILES
 from emg2vsa.report.sections.provenance import PROVENANCE
 from emg2vsa.report.sections.rates import RATES
-from emg2vsa.report.sections.runs import RUNS
+from emg2vsa.report.sections.rig_runs import RUNS
 from emg2vsa.report.sections.schedules import SCHEDULES
 from emg2vsa.report.sections.stiffness import STIFFNESS
 from emg2vsa.report.sections.vision import VISION

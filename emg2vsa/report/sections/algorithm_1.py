@@ -20,7 +20,7 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Table, rows_of
-from emg2vsa.runs import FirstContact, RunScores
+from emg2vsa.run_scores import FirstContact, RunScores
 from emg2vsa.statistics.kruskal import midranks
 
 _ANGLE_DEG = 45.0

@@ -45,7 +45,7 @@ from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Table, rows_of
 from emg2vsa.report.verdicts import change, how_many
 from emg2vsa.report.wording import area_unit, number, p_text, p_value
-from emg2vsa.runs import PICTURED_N
+from emg2vsa.run_scores import PICTURED_N
 
 _MANY = "designs"
 _OUTLINED = {"front": "outline that the {} algorithm finds and the area within it"}

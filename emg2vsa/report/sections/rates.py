@@ -36,7 +36,7 @@ from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Cell, Column, Table, rows_of
 from emg2vsa.report.verdicts import change, dunn_bounds, how_many
 from emg2vsa.report.wording import UNDEFINED, area_unit, bounded, exact_p, interval, listed, p_value, scored_by
-from emg2vsa.runs import PressCurve
+from emg2vsa.run_scores import PressCurve
 
 _RAW = (
     "Left: raw dA/dF from frame to frame of all presses, a part of them, and its fit, the derivative of {law} through "

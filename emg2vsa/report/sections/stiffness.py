@@ -22,7 +22,7 @@ from emg2vsa.report.section import Claim, Quantities, Section
 from emg2vsa.report.sections.actuators import CONTRAST_CLAIM, CONTRAST_PAPER, CONTRAST_SAYS, contrast_claim
 from emg2vsa.report.table import Cell, Column, Row, Table, rows_of
 from emg2vsa.report.wording import number, signed
-from emg2vsa.runs.product import PressCurve
+from emg2vsa.run_scores.product import PressCurve
 
 _HUMAN_LIKE = "modular"
 _ASSUMED, _LOSSY = 1, 2

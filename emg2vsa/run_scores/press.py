@@ -11,8 +11,8 @@ from casr.errors import CasrError
 from casr.frames import FrameSequence
 from casr.scored import SkinScore
 from emg2vsa.arrays import Floats
-from emg2vsa.runs.measured import Measured, Numbers
-from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, ContactPicture, PressCurve
+from emg2vsa.run_scores.measured import Measured, Numbers
+from emg2vsa.run_scores.product import ALGORITHMS, PICTURED_N, ContactPicture, PressCurve
 from emg2vsa.settings import RunSettings
 
 _LEAST_ROWS = 5

@@ -9,7 +9,7 @@ from emg2vsa import artifacts
 from emg2vsa.cli import main
 from emg2vsa.cli.check import of_participants
 from emg2vsa.cli.progress import progress
-from emg2vsa.pipeline.run import run_study
+from emg2vsa.pipeline.run_study import run_study
 from emg2vsa.session.dataset import write_dataset
 from emg2vsa.session.journal import JOURNAL_FILE, Judged, read_journal
 from emg2vsa.session.views import Request

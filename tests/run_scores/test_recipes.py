@@ -16,9 +16,9 @@ from casr.scoring import score
 from casr.specimens import SPECIMENS
 from casr.synthetic import ContactWorld, PressSettings, simulate_press
 from casr.synthetic.settings import TimelineSettings
-from emg2vsa.runs import ALGORITHMS, RunScores
-from emg2vsa.runs.press import Press
-from emg2vsa.runs.score_run import score_run
+from emg2vsa.run_scores import ALGORITHMS, RunScores
+from emg2vsa.run_scores.press import Press
+from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import PAPER, RECIPES, RunSettings
 
 PAPERS_STEPS = {"engine": "horn-schunck", "force_rule": "mean", "area_rule": "paper", "law": "paper", "rate": "paper"}

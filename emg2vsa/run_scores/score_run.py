@@ -9,9 +9,9 @@ import numpy as np
 
 from casr.errors import CasrError
 from emg2vsa.arrays import Floats
-from emg2vsa.runs.counted_pins import counted_pins
-from emg2vsa.runs.press import Press, ScoredPress, score_press
-from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, FirstContact, PressCurve, RunScores
+from emg2vsa.run_scores.counted_pins import counted_pins
+from emg2vsa.run_scores.press import Press, ScoredPress, score_press
+from emg2vsa.run_scores.product import ALGORITHMS, PICTURED_N, FirstContact, PressCurve, RunScores
 from emg2vsa.settings import RunSettings
 
 _NOTHING = PressCurve(np.empty(0), np.empty(0))

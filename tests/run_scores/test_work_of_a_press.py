@@ -19,10 +19,10 @@ from casr.synthetic.settings import TimelineSettings
 from casr.synthetic.write import write_press
 from emg2vsa.pipeline.profile import StageProfile
 from emg2vsa.run_folders.presses import read_presses
-from emg2vsa.runs import RunScores
-from emg2vsa.runs.counted_pins import counted_pins
-from emg2vsa.runs.press import Press
-from emg2vsa.runs.score_run import score_run
+from emg2vsa.run_scores import RunScores
+from emg2vsa.run_scores.counted_pins import counted_pins
+from emg2vsa.run_scores.press import Press
+from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import RunSettings
 
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from emg2vsa.authors.crate import METADATA, parts_of
-from emg2vsa.authors.package import SUPPLEMENT
+from emg2vsa.deposit.crate import METADATA, parts_of
+from emg2vsa.deposit.package import SUPPLEMENT
 from emg2vsa.errors import DataError
 
 _WANTED = "an authors' package, as emg2vsa report STUDY --paper writes it"

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from emg2vsa.pipeline.plan import DONE, Board, Step
+from emg2vsa.pipeline.plan import DONE, Step, StepPlan
 from emg2vsa.pipeline.stage_order import ORDER, stage
 from emg2vsa.study import Study
 
@@ -40,17 +40,17 @@ class Lineage:
         return json.dumps(whole, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
 
 
-def lineage(board: Board, keys: Iterable[str]) -> Lineage:
+def lineage(plan: StepPlan, keys: Iterable[str]) -> Lineage:
     """Lineage of the numbers ``keys`` of a study that has just been run."""
-    done = [step for step in board.steps.values() if step.status in DONE]
-    base = board.study.path.parent
+    done = [step for step in plan.steps.values() if step.status in DONE]
+    base = plan.study.path.parent
     files: dict[str, str] = {}
     libraries: dict[str, str] = {}
     for step in done:
         files |= {_beside(path, base): value for path, value in step.parts.files.items()}
         libraries |= step.parts.libraries.value
     return Lineage(
-        numbers={key: _steps_of(key, done, board.study) for key in keys},
+        numbers={key: _steps_of(key, done, plan.study) for key in keys},
         steps={step.id: _plain(step, base) for step in done},
         inputs=dict(sorted(files.items())),
         libraries=dict(sorted(libraries.items())),

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from emg2vsa.authors.documents import packages, proof, readme
+from emg2vsa.deposit.documents import packages, proof, readme
 
 FILES = {
     "numbers.tex": b"% Written\n\\newcommand{\\emgFitUsed}{700} % fit.used\n",

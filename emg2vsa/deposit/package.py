@@ -13,11 +13,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from casr.atomic import write_bytes_atomic
-from emg2vsa.authors.crate import METADATA, SOURCES, UNPUBLISHED, Publication, metadata, parts_of
-from emg2vsa.authors.documents import proof, readme
-from emg2vsa.authors.lineage import Lineage, lineage
+from emg2vsa.deposit.crate import METADATA, SOURCES, UNPUBLISHED, Publication, metadata, parts_of
+from emg2vsa.deposit.documents import proof, readme
+from emg2vsa.deposit.lineage import Lineage, lineage
 from emg2vsa.errors import DataError
-from emg2vsa.pipeline.plan import Board
+from emg2vsa.pipeline.plan import StepPlan
 from emg2vsa.pipeline.stages.report import results_of
 from emg2vsa.report.numbers import macro_names, unit_of
 from emg2vsa.report.study_report import write_figure_pdfs
@@ -31,14 +31,14 @@ _EMULATED = "The rig was emulated: its runs are no measurements."
 _MEASURED = "The runs are taken as measured on a rig."
 
 
-def write_package(board: Board, folder: Path, publication: Publication) -> list[Path]:
+def write_package(plan: StepPlan, folder: Path, publication: Publication) -> list[Path]:
     """Write the package of a study whose report is up to date into ``folder``; its files.
 
     The bytes depend on the results and ``publication`` alone. Whatever the report offers enters: each of its numbers,
     tables, figures and schedules. DataError : the folder holds something that is no such package.
     """
     old = _files_of_earlier(folder)
-    files = _files(board, publication)
+    files = _files(plan, publication)
     files[SUPPLEMENT] = zip_bytes(files)
     for name in old - set(files):
         (folder / name).unlink(missing_ok=True)
@@ -47,10 +47,10 @@ def write_package(board: Board, folder: Path, publication: Publication) -> list[
     return [folder / name for name in sorted(files)]
 
 
-def _files(board: Board, publication: Publication) -> dict[str, bytes]:
-    study, files = board.study, _from_report(board)
+def _files(plan: StepPlan, publication: Publication) -> dict[str, bytes]:
+    study, files = plan.study, _from_report(plan)
     found = json.loads(files["results.json"])
-    traced = lineage(board, found)
+    traced = lineage(plan, found)
     files |= _sources(study)
     files["results.csv"] = _results_csv(found, traced).encode()
     files["provenance.json"] = traced.json().encode()
@@ -75,12 +75,12 @@ def _about(found: Mapping[str, object]) -> str:
     return " ".join(said)
 
 
-def _from_report(board: Board) -> dict[str, bytes]:
+def _from_report(plan: StepPlan) -> dict[str, bytes]:
     """What the report wrote that is not for screens, and its figures as PDF, which only a paper needs."""
-    paths = [path for path in board.files("report") if path.suffix not in _FOR_SCREENS]
-    files = {Path(os.path.relpath(path, board.study.reports)).as_posix(): path.read_bytes() for path in paths}
+    paths = [path for path in plan.files("report") if path.suffix not in _FOR_SCREENS]
+    files = {Path(os.path.relpath(path, plan.study.reports)).as_posix(): path.read_bytes() for path in paths}
     with tempfile.TemporaryDirectory() as folder:
-        drawn = write_figure_pdfs(results_of(board.given(board.steps["report/study"])), Path(folder))
+        drawn = write_figure_pdfs(results_of(plan.given(plan.steps["report/study"])), Path(folder))
         return files | {path.relative_to(folder).as_posix(): path.read_bytes() for path in drawn}
 
 

@@ -11,8 +11,8 @@ from casr.pins import Pins, PinSettings, PinTracker
 from casr.press_forces import press_forces
 from casr.scored import SkinScore
 from emg2vsa.arrays import Floats
-from emg2vsa.runs.measured import asked_of
-from emg2vsa.runs.product import FirstContact
+from emg2vsa.run_scores.measured import asked_of
+from emg2vsa.run_scores.product import FirstContact
 from emg2vsa.settings import RunSettings
 
 

@@ -10,7 +10,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 import emg2vsa
-from emg2vsa.authors.agreement import (
+from emg2vsa.deposit.agreement import (
     OF_PEOPLE,
     OF_RUNS,
     Agreement,
@@ -20,11 +20,11 @@ from emg2vsa.authors.agreement import (
     restated_list,
     restated_macros,
 )
-from emg2vsa.authors.crate import METADATA
-from emg2vsa.authors.deposit import Deposit, open_deposit, sha256_of
-from emg2vsa.authors.recomputed import Data, data_of, recompute, without_data
+from emg2vsa.deposit.crate import METADATA
+from emg2vsa.deposit.open_deposit import Deposit, open_deposit, sha256_of
+from emg2vsa.deposit.recomputed import Data, data_of, recompute, without_data
 from emg2vsa.errors import SettingError
-from emg2vsa.pipeline.run import Progress
+from emg2vsa.pipeline.run_study import Progress
 
 RESULTS = "results.json"
 AGREES, DIFFERS, UNVERIFIED = 0, 1, 2

@@ -16,7 +16,7 @@ from emg2vsa.report.rig_claims import area_claims, filter_claims, kappa_claims, 
 from emg2vsa.report.section import Claim, Quantities, Section, of_runs
 from emg2vsa.report.table import Column, Row, Table
 from emg2vsa.report.wording import count, listed
-from emg2vsa.runs import RunScores
+from emg2vsa.run_scores import RunScores
 
 _NUMBER = re.compile(r"-?\b\d+(\.\d+)?(e[-+]?\d+)?\b")
 _PLACE = re.compile(r"^\S*/press-\d+, ")

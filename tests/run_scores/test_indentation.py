@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from emg2vsa.runs.press import indentation_slope
+from emg2vsa.run_scores.press import indentation_slope
 
 STEP_MM = 360 / 4096 * 0.2  # of the encoder through the gear
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import io
 import zipfile
 
-from emg2vsa.authors.package import zip_bytes
+from emg2vsa.deposit.package import zip_bytes
 
 
 def test_bytes_depend_on_names_and_contents_alone():

@@ -8,7 +8,7 @@ from pathlib import PurePosixPath
 from textwrap import wrap
 
 import emg2vsa
-from emg2vsa.authors.crate import description
+from emg2vsa.deposit.crate import description
 from emg2vsa.report.latex import latex_text
 
 _EXAMPLES = (

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from casr.one_thread import one_thread
 from emg2vsa.pipeline.lock import shard_lock, study_lock
 from emg2vsa.pipeline.places import check_places, locked_places
-from emg2vsa.pipeline.plan import Board, Step, open_board
+from emg2vsa.pipeline.plan import Step, StepPlan, open_step_plan
 from emg2vsa.pipeline.pool import Workers
 from emg2vsa.pipeline.profile import Profile
 from emg2vsa.pipeline.shard import Shard
@@ -52,7 +52,7 @@ def run_study(
     cluster: ClusterWorkers | None = None,
     shard: Shard | None = None,
     profile: Profile | None = None,
-) -> Board:
+) -> StepPlan:
     """Bring the ``stages`` of a study up to date and say how every step ended.
 
     wait : for another run of the same study to end. below : results of the same study elsewhere, read and not written.
@@ -78,31 +78,31 @@ def run_study(
             Store(study.results).sweep()
         workers: Workers | ClusterWorkers = Workers(jobs) if cluster is None else cluster
         held.enter_context(workers)
-        board = open_board(study, stages, progress.say, below=below, shard=shard)
+        plan = open_step_plan(study, stages, progress.say, below=below, shard=shard)
         if shard is None:
-            board.ledger.compact()
-            board.prints.take_in()
+            plan.ledger.compact()
+            plan.prints.take_in()
         ran: set[str] = set()
         for last in range(_TRIES - 1, -1, -1):
-            board.steps.clear()
+            plan.steps.clear()
             try:
-                again = [_run_stage(board, stages[i:], workers, progress, ran, profile) for i in range(len(stages))]
+                again = [_run_stage(plan, stages[i:], workers, progress, ran, profile) for i in range(len(stages))]
             finally:
-                board.prints.save()
+                plan.prints.save()
             if not any(again) or not last:
                 break
         for step in ran:  # a later round finds fresh what an earlier one made
-            board.steps[step].status = "done" if board.steps[step].status == "fresh" else board.steps[step].status
-            board.store.keep_only(step, board.ledger.keys(step))
+            plan.steps[step].status = "done" if plan.steps[step].status == "fresh" else plan.steps[step].status
+            plan.store.keep_only(step, plan.ledger.keys(step))
         if shard is None:
-            board.ledger.compact()
+            plan.ledger.compact()
         if profile is not None:
-            profile.end(board)
-    return board
+            profile.end(plan)
+    return plan
 
 
 def _run_stage(
-    board: Board,
+    plan: StepPlan,
     stages: Sequence[str],
     workers: Workers | ClusterWorkers,
     progress: Progress,
@@ -112,8 +112,8 @@ def _run_stage(
     """Run the stale steps of the first of ``stages``; whether a file it needs turned out unusable, so that all is
     looked up again. Workers are started for the stages after it as well."""
     name = stages[0]
-    steps = board.add_stage(name)
-    stale = {step.id: step for step in steps if board.runs_here(step)}
+    steps = plan.add_stage(name)
+    stale = {step.id: step for step in steps if plan.runs_here(step)}
     if not stale:
         return False
     progress.begin(name, len(stale))
@@ -123,9 +123,9 @@ def _run_stage(
         nonlocal again
         step = stale[ended.step]
         if ended.damaged:
-            board.prints.forget(ended.damaged)
+            plan.prints.forget(ended.damaged)
             step.status, step.message, again = "failed", ended.message, True
-        elif board.end(step, ended.status, ended.message, final=ended.final):
+        elif plan.end(step, ended.status, ended.message, final=ended.final):
             again = True
         elif step.status == "done":
             ran.add(step.id)
@@ -133,7 +133,7 @@ def _run_stage(
             profile.add(step, ended.spent)
         progress.step(step)
 
-    tasks = [_task(board, step, profile is not None) for step in stale.values()]
+    tasks = [_task(plan, step, profile is not None) for step in stale.values()]
     workers.run(tasks, on_end, alone=stage(name).alone, load=_loads(stages))
     progress.end()
     return again
@@ -143,7 +143,7 @@ def _loads(stages: Sequence[str]) -> list[str]:
     return [module for name in stages for module in (module_of(name), *stage(name).loads)]
 
 
-def _task(board: Board, step: Step, profiled: bool) -> Task:
-    store = board.store
+def _task(plan: StepPlan, step: Step, profiled: bool) -> Task:
+    store = plan.store
     store.claim(step.id).unlink(missing_ok=True)  # left by a killed process: nobody else may be at this step
-    return Task(step.id, board.given(step), store.unfinished(step.id, step.key), store.claim(step.id), profiled)
+    return Task(step.id, plan.given(step), store.unfinished(step.id, step.key), store.claim(step.id), profiled)

@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from emg2vsa.authors.crate import CONTEXT, METADATA, Publication, description, encoding_format, metadata, parts_of
+from emg2vsa.deposit.crate import CONTEXT, METADATA, Publication, description, encoding_format, metadata, parts_of
 
 FILES = {"README.txt": b"read", "tables/a b.csv": b"x,y\n", "figures/f.pdf": b"%PDF", "study.toml": b"[study]"}
 INPUTS = {"data/P01 é.bdf": "ab" * 32}

@@ -9,11 +9,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from emg2vsa.authors.crate import SOURCES
-from emg2vsa.authors.deposit import Deposit, sha256_of
+from emg2vsa.deposit.crate import SOURCES
+from emg2vsa.deposit.open_deposit import Deposit, sha256_of
 from emg2vsa.errors import DataError
 from emg2vsa.pipeline.places import OWNER_FILE, placed_in
-from emg2vsa.pipeline.run import Progress, run_study
+from emg2vsa.pipeline.run_study import Progress, run_study
 from emg2vsa.pipeline.stage_order import stages_for
 from emg2vsa.study_file import load_study
 

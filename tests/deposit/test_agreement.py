@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from emg2vsa.authors.agreement import compared, compared_texts, relative_difference, restated_list, tolerance_of
+from emg2vsa.deposit.agreement import compared, compared_texts, relative_difference, restated_list, tolerance_of
 
 
 @pytest.mark.parametrize(

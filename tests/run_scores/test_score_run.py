@@ -13,9 +13,9 @@ from casr.frames import FrameSequence
 from casr.scored import ScoreSettings
 from casr.scoring import score
 from casr.synthetic import PressSettings, SimulatedFrames, SimulatedPress, simulate_press
-from emg2vsa.runs import ALGORITHMS, PICTURED_N, RunScores
-from emg2vsa.runs.press import Press
-from emg2vsa.runs.score_run import score_run
+from emg2vsa.run_scores import ALGORITHMS, PICTURED_N, RunScores
+from emg2vsa.run_scores.press import Press
+from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import RunSettings
 
 SETTINGS = RunSettings()

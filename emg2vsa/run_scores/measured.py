@@ -15,7 +15,7 @@ from casr.frames import FrameSequence
 from casr.press_forces import press_forces
 from casr.scored import WHOLE_IMAGE, Score, ScoreSettings, SkinScore
 from casr.scoring import score, score_skin
-from casr.session import Stretch, stretch_of
+from casr.stretch import Stretch, stretch_of
 from emg2vsa.arrays import Floats
 from emg2vsa.settings import RECIPES, Recipe, RunSettings
 

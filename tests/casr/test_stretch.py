@@ -10,8 +10,8 @@ import pytest
 
 from casr.frames import FrameSequence, force_per_frame
 from casr.scoring import Score, score
-from casr.session import Stretch, stretch_of, unlike_others
 from casr.specimens import SPECIMENS
+from casr.stretch import Stretch, stretch_of, unlike_others
 from casr.synthetic import PressSettings, TimelineSettings, simulate_press
 from casr.synthetic.contact import ContactWorld
 
