@@ -268,9 +268,10 @@ class ControlCycle:
 
     def _log(self, now_s: float, late_s: float, force: Force, readings: Readings) -> None:
         assert self.motion is not None
+        sent: tuple[int | None, int | None] = self._sent or (None, None)
         row = Row(
             now_s, self.motion.repetition, self.motion.phase, force.sample.time_s, force.raw_n, force.filtered_n,
-            *(self._sent or (None, None)), *readings, self._record.frame_index, late_s, *loads_of(force.sample),
+            *sent, *readings, self._record.frame_index, late_s, *loads_of(force.sample),
         )  # fmt: skip
         with ending("recording"):
             self._record.row(row)
