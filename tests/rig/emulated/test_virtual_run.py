@@ -52,6 +52,7 @@ def test_the_same_inputs_give_the_same_bytes(plan: Plan, tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("condition", "world", "changes"),
     [
+        ("plate", "viscoelastic", {}),
         ("modular", "viscoelastic", {}),
         ("high-stiffness", "elastic", {"push_axis": (0.0, -0.6, 0.8), "record_full_rate_force": True}),
         ("modular", "elastic", {"push_sign": -1, "home_ticks": 700, "rate_hz": 100.0}),
@@ -66,7 +67,8 @@ def test_with_bytes_and_without_the_same_run_comes_out(
     rig, found = RigSettings(**changes), {}  # type: ignore[arg-type]
     for exact in (True, False):
         emulated = EmulatedSettings(exact=exact, world=world)  # type: ignore[arg-type]
-        run_plan = plan(condition, angle_deg=30.0, f_max_n=2.0, pause_s=0.3)
+        kind = {"condition": "high-stiffness", "plate": True} if condition == "plate" else {"condition": condition}
+        run_plan = plan(**kind, angle_deg=30.0, f_max_n=2.0, pause_s=0.3)
         ended = run_virtual(run_plan, rig, emulated, tmp_path / str(exact), started=STARTED)
         assert ended.how == ("guard" if "guards" in changes else "completed"), ended.why
         found[exact] = files(tmp_path / str(exact))
