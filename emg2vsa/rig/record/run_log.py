@@ -97,7 +97,7 @@ def full_force(sample: ForceSample) -> dict[str, Any]:
 
 def loads_of(sample: ForceSample) -> tuple[Any, ...]:
     """The same, as the last fields of a row."""
-    return (*sample.force_n.tolist(), *sample.torque_nm.tolist(), sample.status.code, sample.sequence)
+    return (*sample.loads, sample.status.code, sample.sequence)
 
 
 def row_of(line: str, where: str, n_fields: int = len(FIELDS)) -> Row:
