@@ -7,6 +7,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from emg2vsa.durable.writer import Writer
 from emg2vsa.rig.clock import Beat, Clock, ahead
 from emg2vsa.rig.devices import Devices, PressJudge
 from emg2vsa.rig.executor.control_cycle import ControlCycle
@@ -14,7 +15,6 @@ from emg2vsa.rig.executor.guards import GUARDS, Check
 from emg2vsa.rig.executor.plan_limits import check_plan, check_rating
 from emg2vsa.rig.executor.safe_end import SafeEnd, make_safe
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.record.disk import disk_for
 from emg2vsa.rig.record.ended import Ended, EndRun, busy_loop
 from emg2vsa.rig.record.run_record import RunRecord
 from emg2vsa.rig.rig_settings import RigSettings
@@ -54,11 +54,11 @@ def execute(
     """
     check_plan(plan, rig)
     check_rating(rig, devices.force.rating)
-    with disk_for(background) as disk:
+    with Writer(background=background) as writer:
         seen = devices.camera
         record = RunRecord(
             folder, started, seen.shape if seen else None,
-            delay_s=seen.delay_s if seen else 0.0, disk=disk, force_counts=devices.force.counts, judge=judge,
+            delay_s=seen.delay_s if seen else 0.0, writer=writer, force_counts=devices.force.counts, judge=judge,
         )  # fmt: skip
         record.plan(plan, rig, facts)
         with ahead():
