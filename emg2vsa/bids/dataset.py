@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
 from casr.atomic import write_text_atomic
 from emg2vsa import __version__
-from emg2vsa.bids.names import EVENTS_SIDECAR, subject
-from emg2vsa.bids.tables import Column, Json, merge_tsv, write_json
+from emg2vsa.bids.names import EVENTS_SIDECAR, RecordingName
+from emg2vsa.bids.tables import Column, Json, described, merge_tsv, write_json
 
 BIDS_VERSION = "1.11.1"
 _DESCRIPTION, _README = "dataset_description.json", "README.md"
@@ -58,18 +58,21 @@ def write_dataset(root: Path, dataset: DataSet, *, keep: bool = False) -> None:
         write_text_atomic(root / ".bidsignore", "".join(f"{pattern}\n" for pattern in dataset.ignored))
     if dataset.participants:
         if not (keep and (root / "participants.json").exists()):
-            write_json(root / "participants.json", {_PERSON: Column(dataset.participant).json()})
-        rows = [(subject(one),) for one in dataset.participants]
+            write_json(root / "participants.json", described({_PERSON: Column(dataset.participant)}))
+        rows = [(f"sub-{one}",) for one in dataset.participants]
         merge_tsv(root / _PEOPLE, (_PERSON,), rows, (lambda row: True) if keep else None)
     for task, columns in dataset.events.items():
         write_json(root / f"task-{task}{EVENTS_SIDECAR}", columns)
 
 
-def write_scans(root: Path, participant: str, scans: Iterable[tuple[str, str]], *, keep: bool = False) -> None:
-    """The recordings of a participant, (file below the participant's folder, when it began), in time order.
+def write_scans(root: Path, participant: str, began: Mapping[RecordingName, str], *, keep: bool = False) -> None:
+    """The recordings of a participant, and when each began, in time order.
 
     keep : others stay whose files are there. DataError : the table that is to be kept cannot be read.
     """
-    path = root / subject(participant) / f"{subject(participant)}_scans.tsv"
-    rows = sorted(scans, key=lambda scan: scan[1])
-    merge_tsv(path, ("filename", "acq_time"), rows, (lambda file: (path.parent / file).exists()) if keep else None)
+    folder = root / f"sub-{participant}"
+    rows = sorted(
+        ((name.path(root).relative_to(folder).as_posix(), at) for name, at in began.items()), key=lambda row: row[1]
+    )
+    stays = (lambda file: (folder / file).exists()) if keep else None
+    merge_tsv(folder / f"{folder.name}_scans.tsv", ("filename", "acq_time"), rows, stays)

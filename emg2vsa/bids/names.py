@@ -10,18 +10,13 @@ DATA, SIDECAR, CHANNELS = "_emg.bdf", "_emg.json", "_channels.tsv"
 EVENTS, EVENTS_SIDECAR = "_events.tsv", "_events.json"
 
 
-def is_label(text: str) -> bool:
-    """Whether a text can be a part of a name: letters and digits only."""
-    return text.isascii() and text.isalnum()
-
-
 def label_of(text: str) -> str:
-    """A text without what a label may not hold; "" where nothing is left."""
+    """A text without what a label may not hold: letters and digits; "" where nothing is left."""
     return re.sub(r"[^A-Za-z0-9]", "", text)
 
 
-def subject(participant: str) -> str:
-    return f"sub-{participant}"
+def is_label(text: str) -> bool:
+    return text == label_of(text) != ""
 
 
 @dataclass(frozen=True)
@@ -31,22 +26,18 @@ class RecordingName:
     participant: str
     task: str
     specimen: str = ""
-    run: int | str | None = None
+    run: int | None = None
     part: str = ""
 
     @property
     def stem(self) -> str:
-        given = {"sub": self.participant, "task": self.task, "acq": self.specimen, "run": self.run}
-        given["recording"] = self.part
-        return "_".join(f"{entity}-{label}" for entity, label in given.items() if label)
-
-    def below_subject(self) -> str:
-        """Path of the data file in the participant's folder."""
-        return f"emg/{self.stem}{DATA}"
+        labels = (self.participant, self.task, self.specimen, self.run, self.part)
+        given = zip(("sub", "task", "acq", "run", "recording"), labels, strict=True)
+        return "_".join(f"{entity}-{label}" for entity, label in given if label)
 
     def path(self, root: Path) -> Path:
         """The data file in the data set ``root``."""
-        return root / subject(self.participant) / self.below_subject()
+        return root / f"sub-{self.participant}" / "emg" / f"{self.stem}{DATA}"
 
 
 def beside(data: Path, ending: str) -> Path:

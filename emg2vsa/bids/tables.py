@@ -25,9 +25,12 @@ class Column:
     unit: str = ""
     levels: Mapping[str, str] = field(default_factory=dict)
 
-    def json(self) -> Json:
-        unit, levels = {"Units": self.unit} if self.unit else {}, {"Levels": dict(self.levels)} if self.levels else {}
-        return {"Description": self.said, **unit, **levels}
+
+def described(columns: Mapping[str, Column]) -> Json:
+    """Columns as the JSON file beside their table explains them."""
+    keys = ("Description", "Units", "Levels")
+    texts = {name: (column.said, column.unit, dict(column.levels)) for name, column in columns.items()}
+    return {name: {key: told for key, told in zip(keys, of, strict=True) if told} for name, of in texts.items()}
 
 
 def write_json(path: Path, content: Json) -> None:
@@ -45,9 +48,7 @@ def merge_tsv(
 ) -> None:
     """A table with ``new`` rows by their first cell, beside those of the file that stay, with what else they have.
 
-    stays : by their first cell; None: no row does.
-
-    DataError : what is there is no such table.
+    stays : by their first cell; None: no row does. DataError : the file is no such table.
     """
     rows: list[list[str]] = []
     if stays is not None and path.exists():
@@ -66,7 +67,6 @@ def merge_tsv(
         )  # fmt: skip
     kept = {row[0]: row for row in rows[1:] if stays is not None and stays(row[0])}
     for cells in new:
-        given = dict(zip(columns, cells, strict=True))
-        before = dict(zip(head, kept.get(cells[0], []), strict=False))
-        kept[cells[0]] = [given.get(column, before.get(column, ABSENT)) for column in head]
+        given = dict(zip(head, kept.get(cells[0], []), strict=False)) | dict(zip(columns, cells, strict=True))
+        kept[cells[0]] = [given.get(column, ABSENT) for column in head]
     write_tsv(path, head, kept.values())

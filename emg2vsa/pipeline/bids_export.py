@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,13 +13,12 @@ import numpy as np
 
 from emg2vsa import __version__
 from emg2vsa.arrays import bridge_gaps, runs_of
-from emg2vsa.bids.bdf import record_s, short_labels
-from emg2vsa.bids.channels import Channel as BidsChannel
 from emg2vsa.bids.dataset import DataSet, write_dataset
-from emg2vsa.bids.events import Event, EventColumns
 from emg2vsa.bids.names import RecordingName, is_label, label_of
-from emg2vsa.bids.recording import Recording, of_source, write_recording
-from emg2vsa.bids.tables import Column
+from emg2vsa.bids.recording import Channel as StoredChannel
+from emg2vsa.bids.recording import Event, Recording, event_columns, of_source
+from emg2vsa.bids.recording_files import record_s, short_labels, write_recording
+from emg2vsa.bids.tables import Column, described
 from emg2vsa.errors import Emg2vsaError, SettingError
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.extract import extract_trials
@@ -29,7 +29,7 @@ from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FitSettings, ReadingSettings
 from emg2vsa.study import RecordingEntry, RecordingPart
 
-_EVENTS = EventColumns(
+_EVENT_COLUMNS = event_columns(
     onset="Begin of the loading phase or gap, from the start of the recording.",
     duration="Its length.",
     kind=Column(
@@ -103,22 +103,60 @@ def export(
     recording that cannot be read is left out and reported.
     SettingError : the folder holds files or cannot be written to, or two names become one BIDS label.
     """
+    files: list[Path] = []
+    failures: list[tuple[str, str]] = []
+    notes: list[str] = []
+    sources: list[str] = []
+    written: set[str] = set()
+    total = sum(len(entry.parts) for entry in entries)
+    with _whole_or_nothing(folder) as unfinished:
+        if not is_label(about.task):
+            raise SettingError(
+                "--task", wanted="letters and digits only", found=repr(about.task), do="Rename the task."
+            )
+        people = _labels("participant", [entry.participant for entry in entries])
+        specimens = _labels("specimen", [entry.specimen for entry in entries if entry.specimen])
+        for entry in entries:
+            judged = None if fits is None else _Judged(fits.get(entry.key))
+            for number, part in enumerate(entry.parts, 1):
+                if progress is not None:
+                    progress(len(files) + len(failures), total, entry.key)
+                run = number if len(entry.parts) > 1 else None
+                specimen = specimens[entry.specimen] if entry.specimen else ""
+                recording = RecordingName(people[entry.participant], about.task, specimen, run)
+                try:
+                    made, said = _write(unfinished, recording, entry, part, about, base, cocontraction, reading, judged)
+                except Emg2vsaError as error:
+                    failures.append((entry.key, str(error)))
+                    continue
+                files += [folder / path.relative_to(unfinished) for path in made]
+                written.add(recording.participant)
+                notes += [f"{made[0].name}: {note}" for note in said]
+                used = ", ".join(path.name for path in (part.emg_file, part.force_file) if path is not None)
+                sources += [f"- `{path.name}`: {used}" for path in made]
+        if files:
+            listed = "\n".join(["Each file and what it was made from:", "", *sources])
+            whole = DataSet(
+                name, "Conversion of recordings to BIDS-EMG.", _README.format(version=__version__, sources=listed),
+                participants=sorted(written), events={about.task: described(_EVENT_COLUMNS)},
+            )  # fmt: skip
+            write_dataset(unfinished, whole)
+    return Exported(tuple(files), tuple(failures), tuple(dict.fromkeys(notes)))
+
+
+@contextmanager
+def _whole_or_nothing(folder: Path) -> Iterator[Path]:
+    """Where to write what comes into ``folder`` when all of it is there. SettingError : as ``export``."""
     unfinished = folder / _UNFINISHED
     if folder.exists() and (not folder.is_dir() or any(path != unfinished for path in folder.iterdir())):
         raise SettingError(
             folder, wanted="an empty or absent folder", found="files in it", do="Choose another folder with --out."
         )
-    if not is_label(about.task):
-        raise SettingError("--task", wanted="letters and digits only", found=repr(about.task), do="Rename the task.")
-    people = _labels("participant", [entry.participant for entry in entries])
-    specimens = _labels("specimen", [entry.specimen for entry in entries if entry.specimen])
     absent = not folder.exists()
     try:
         shutil.rmtree(unfinished, ignore_errors=True)  # of a conversion that was killed
         unfinished.mkdir(parents=True)
-        done = _converted(
-            unfinished, name, entries, people, specimens, about, base, cocontraction, reading, fits, progress
-        )
+        yield unfinished
         for path in unfinished.iterdir():
             path.rename(folder / path.name)
     except OSError as error:
@@ -130,46 +168,6 @@ def export(
         shutil.rmtree(unfinished, ignore_errors=True)
         if absent and folder.is_dir() and not any(folder.iterdir()):
             folder.rmdir()
-    return replace(done, files=tuple(folder / path.relative_to(unfinished) for path in done.files))
-
-
-def _converted(
-    folder: Path, name: str, entries: Sequence[RecordingEntry], people: Mapping[str, str],
-    specimens: Mapping[str, str], about: About, base: Path, cocontraction: CocontractionSettings,
-    reading: ReadingSettings, fits: Mapping[str, Fits] | None, progress: Callable[[int, int, str], None] | None,
-) -> Exported:  # fmt: skip
-    """``export`` into a folder of its own. people, specimens : their BIDS labels."""
-    files: list[Path] = []
-    failures: list[tuple[str, str]] = []
-    notes: list[str] = []
-    sources: list[str] = []
-    written: set[str] = set()
-    total = sum(len(entry.parts) for entry in entries)
-    for entry in entries:
-        judged = None if fits is None else _Judged(fits.get(entry.key))
-        for number, part in enumerate(entry.parts, 1):
-            if progress is not None:
-                progress(len(files) + len(failures), total, entry.key)
-            run = number if len(entry.parts) > 1 else None
-            specimen = specimens[entry.specimen] if entry.specimen else ""
-            recording = RecordingName(people[entry.participant], about.task, specimen, run)
-            try:
-                made, said = _write(folder, recording, entry, part, about, base, cocontraction, reading, judged)
-            except Emg2vsaError as error:
-                failures.append((entry.key, str(error)))
-                continue
-            files += made
-            written.add(recording.participant)
-            notes += [f"{made[0].name}: {note}" for note in said]
-            sources += [f"- `{path.name}`: {', '.join(p.name for p in _files_of(part))}" for path in made]
-    if files:
-        listed = "\n".join(["Each file and what it was made from:", "", *sources])
-        whole = DataSet(
-            name, "Conversion of recordings to BIDS-EMG.", _README.format(version=__version__, sources=listed),
-            participants=sorted(written), events={about.task: _EVENTS.json()},
-        )  # fmt: skip
-        write_dataset(folder, whole)
-    return Exported(tuple(files), tuple(failures), tuple(dict.fromkeys(notes)))
 
 
 def _labels(what: str, names: Sequence[str]) -> dict[str, str]:
@@ -185,10 +183,6 @@ def _labels(what: str, names: Sequence[str]) -> dict[str, str]:
     return labels
 
 
-def _files_of(part: RecordingPart) -> list[Path]:
-    return [path for path in (part.emg_file, part.force_file) if path is not None]
-
-
 def _write(
     folder: Path, name: RecordingName, entry: RecordingEntry, part: RecordingPart, about: About, base: Path,
     cocontraction: CocontractionSettings, reading: ReadingSettings, judged: _Judged | None,
@@ -196,11 +190,9 @@ def _write(
     """Data and side files of one recording; several where its rates share no data record."""
     if part.fault:
         raise SettingError(
-            part.emg_file.parent,
-            wanted=f"one file of {entry.key}",
-            found=part.fault,
+            part.emg_file.parent, wanted=f"one file of {entry.key}", found=part.fault,
             do="Name the file in the study file.",
-        )
+        )  # fmt: skip
     calibration = part.channels.force.cal_file
     roles = read_roles(
         part.emg_file, part.force_file, part.channels, reading, base / calibration if calibration else None
@@ -237,9 +229,7 @@ def _groups(roles: RoleChannels) -> dict[str, _Named]:
     """Channels that can share a file, all in one if possible."""
     names = [*roles.emg, "force" if roles.force.name in roles.emg else roles.force.name]
     channels = [*roles.emg.values(), roles.force]
-    muscles: list[str | None] = [*roles.emg, None]
-    labels = short_labels(names)
-    named = {label: (c, m) for label, c, m in zip(labels, channels, muscles, strict=True)}
+    named = dict(zip(short_labels(names), zip(channels, (*roles.emg, None), strict=True), strict=True))
     if record_s(channel.fs_hz for channel in channels) is not None:
         return {"": named}
     rates = sorted({channel.fs_hz for channel in channels}, reverse=True)
@@ -273,11 +263,8 @@ def _recording(
         stored_hz = count / length_s
         repeated = f"the first {before} samples repeat the first one recorded" if before else ""
         told = "; ".join(filter(None, (repeated, _moved(channel, start_s))))
-        said = f"{'surface EMG of ' + muscle if muscle else 'pressing force'}; in the source {channel.name!r}: "
-        said += channel.conversion
-        stored.append(
-            BidsChannel(label, filled * scale, unit, stored_hz, muscle, said, told, electrode_mm=about.electrode_mm)
-        )
+        said = f"; in the source {channel.name!r}: {channel.conversion}"
+        stored.append(StoredChannel(label, filled * scale, unit, stored_hz, muscle, said, told))
         first, stop = runs_of(missing)
         lost = zip(first.tolist(), stop.tolist(), strict=True)
         gaps += [Event(round((before + i) / stored_hz, 6), round((j - i) / stored_hz, 6), "gap") for i, j in lost]
@@ -286,7 +273,7 @@ def _recording(
     return Recording(
         name, stored, fs_hz, stop_s - start_s, length_s, equipment="emg2vsa-convert",
         software=f"converted by emg2vsa {__version__}",
-        events=sorted(gaps + events, key=lambda event: event.onset_s) or None, columns=_EVENTS,
+        events=sorted(gaps + events, key=lambda event: event.onset_s) or None, columns=_EVENT_COLUMNS,
         mains_hz=about.mains_hz, electrode_mm=about.electrode_mm,
     )  # fmt: skip
 
@@ -327,11 +314,12 @@ class _Judged:
         assert self.fits is not None
         judged = slice(first, self._next)
         verdicts, reasons = self.fits.verdict[judged].tolist(), self.fits.reason[judged].tolist()
-        words = ("repetition", "verdict", "peak_force", "reason")
-        peaks = [f"{peak_n:.4g}" for peak_n in trials.peak_force_n.tolist()]
-        cells = zip(trials.repetition.tolist(), verdicts, peaks, [why or "n/a" for why in reasons], strict=True)
-        times = zip(trials.start_s.tolist(), trials.duration_s.tolist(), cells, strict=True)
+        own = (trials.start_s, trials.duration_s, trials.repetition, trials.peak_force_n)
+        rows = zip(*(column.tolist() for column in own), verdicts, reasons, strict=True)
         return [
-            Event(start_s, round(duration_s, 4), "press", dict(zip(words, own, strict=True)))
-            for start_s, duration_s, own in times
-        ]
+            Event(
+                start_s, round(duration_s, 4), "press",
+                {"repetition": n, "verdict": verdict, "peak_force": f"{peak_n:.4g}", "reason": reason or "n/a"},
+            )
+            for start_s, duration_s, n, peak_n, verdict, reason in rows
+        ]  # fmt: skip

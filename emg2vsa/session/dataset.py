@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -17,12 +17,12 @@ from casr.atomic import write_text_atomic
 from emg2vsa import __version__
 from emg2vsa.arrays import bridge_gaps
 from emg2vsa.bids import dataset as bids
-from emg2vsa.bids.channels import Channel
-from emg2vsa.bids.events import Screen
 from emg2vsa.bids.names import RecordingName, remove_recording
-from emg2vsa.bids.recording import Recording, write_recording
+from emg2vsa.bids.recording import Channel, Recording, told_of_screen
+from emg2vsa.bids.recording_files import write_recording
+from emg2vsa.bids.tables import Json
 from emg2vsa.errors import DataError, Emg2vsaError, SettingError
-from emg2vsa.session.dataset_events import EVENTS, PressAttempt, press_attempts, stay_events
+from emg2vsa.session.dataset_events import EVENT_COLUMNS, PressAttempt, press_attempts, stay_events
 from emg2vsa.session.journal import (
     JOURNAL_FILE,
     Begun,
@@ -67,11 +67,9 @@ def write_dataset(folder: Path, study: Study) -> Written:
     settings = study.session
     if settings is None:
         raise SettingError(
-            study.path,
-            wanted="a table [session]",
-            found="none",
+            study.path, wanted="a table [session]", found="none",
             do="Put the table back with which the session was run.",
-        )
+        )  # fmt: skip
     plan = read_plan(folder / PLAN_FILE)
     lines, _ = read_journal(folder / JOURNAL_FILE)
     presses = press_attempts(lines, plan.presses)
@@ -83,8 +81,9 @@ def write_dataset(folder: Path, study: Study) -> Written:
         try:
             channels = _channels(study, plan.participant, window.specimen)
             emg, force = (streams.get((window.sitting, kind), []) for kind in ("emg", "force"))
-            signals = _usable(cut(window, emg, force), channels, name.stem)
-            stays.append(_Stay(name, window, list(in_sitting(lines, window.sitting)), signals, channels))
+            signals = cut(window, emg, force)
+            stored = _stored(signals, channels, name.stem)
+            stays.append(_Stay(name, window, list(in_sitting(lines, window.sitting)), signals, stored))
         except Emg2vsaError as error:
             left_out.append((f"{window.phase} on {window.specimen}", str(error)))
     targets = [stay.name.path(study.data) for stay in stays]
@@ -98,8 +97,8 @@ def write_dataset(folder: Path, study: Study) -> Written:
         for stay in stays:
             write_recording(study.data, stay.recording(settings, presses))
         bids.write_dataset(study.data, whole, keep=True)
-        scans = [(stay.name.below_subject(), stay.begun().isoformat(timespec="milliseconds")) for stay in stays]
-        bids.write_scans(study.data, plan.participant, scans, keep=True)
+        began = {stay.name: stay.begun().isoformat(timespec="milliseconds") for stay in stays}
+        bids.write_scans(study.data, plan.participant, began, keep=True)
     except OSError as error:
         raise SettingError(
             study.data, wanted="a data set with room for the session", found=error.strerror or str(error),
@@ -165,17 +164,23 @@ def _names(windows: Sequence[StayWindow], participant: str, task: str) -> list[R
     return names
 
 
-def _usable(signals: StaySignals, channels: ChannelSettings, stem: str) -> StaySignals:
+def _stored(signals: StaySignals, channels: ChannelSettings, stem: str) -> list[Channel]:
     """SignalError where more than half of a channel is lost. DataError where a muscle of the study was not recorded."""
-    for muscle in channels.emg:
+    stored = []
+    for muscle, channel in channels.emg.items():
         if muscle not in signals.muscles:
             raise DataError(
                 stem, wanted=f"the muscle {muscle} of [channels.emg]", found=", ".join(signals.muscles),
                 do="Put the table back with which the session was run.",
             )  # fmt: skip
-        bridge_gaps(signals.emg_v[:, signals.muscles.index(muscle)], f"{stem}, {muscle}")
-    bridge_gaps(signals.force_n, f"{stem}, force")
-    return signals
+        emg_v, _ = bridge_gaps(signals.emg_v[:, signals.muscles.index(muscle)], f"{stem}, {muscle}")
+        said = f"; {_measured(signals, 0)}"
+        stored.append(Channel(channel.name, emg_v * 1e6, "uV", signals.emg_fs_hz, muscle, said))
+    force_n, _ = bridge_gaps(signals.force_n, f"{stem}, force")
+    name, sign = channels.force.name, channels.force.sign
+    said = f", {'pressing positive' if sign > 0 else 'pressing negative'}; {_measured(signals, 1)}"
+    told = f"the first sample is {1e3 * signals.offset_s:+.3f} ms from the first one of the EMG"
+    return [*stored, Channel(name, force_n * sign, "N", signals.force_fs_hz, None, said, told)]
 
 
 def _make_room(folder: Path, root: Path, targets: Sequence[Path]) -> None:
@@ -203,7 +208,7 @@ class _Stay:
     window: StayWindow
     lines: Sequence[Line]
     signals: StaySignals
-    channels: ChannelSettings
+    channels: Sequence[Channel]
 
     def begun(self) -> datetime:
         """Date and time of day, without its zone, of the first sample."""
@@ -218,27 +223,12 @@ class _Stay:
             "electrodes": about.electrodes, "institution": about.institution, **_device(signals),
         }  # fmt: skip
         return Recording(
-            self.name, [*self._emg(about.electrode_mm), self._force()], signals.emg_fs_hz, signals.duration_s,
+            self.name, self.channels, signals.emg_fs_hz, signals.duration_s,
             signals.record_s, equipment="emg2vsa-session", software=f"emg2vsa {__version__}",
-            events=stay_events(self.window, signals, self.lines, presses), columns=EVENTS, screen=_screen(self.lines),
-            started=self.begun().replace(microsecond=0), mains_hz=about.power_line_hz, electrode_mm=about.electrode_mm,
-            how={term: told for term, told in how.items() if told},
+            events=stay_events(self.window, signals, self.lines, presses), columns=EVENT_COLUMNS, decimals=6,
+            screen=_screen(self.lines), started=self.begun().replace(microsecond=0), mains_hz=about.power_line_hz,
+            electrode_mm=about.electrode_mm, how={term: told for term, told in how.items() if told},
         )  # fmt: skip
-
-    def _emg(self, electrode_mm: float | None) -> Iterator[Channel]:
-        signals = self.signals
-        for muscle, channel in self.channels.emg.items():
-            samples, _ = bridge_gaps(signals.emg_v[:, signals.muscles.index(muscle)], channel.name)
-            said = f"surface EMG of {muscle}; {_measured(signals, 0)}"
-            yield Channel(channel.name, samples * 1e6, "uV", signals.emg_fs_hz, muscle, said, electrode_mm=electrode_mm)
-
-    def _force(self) -> Channel:
-        signals, channel = self.signals, self.channels.force
-        force_n, _ = bridge_gaps(signals.force_n, "force")
-        pressing = "pressing positive" if channel.sign > 0 else "pressing negative"
-        said = f"pressing force, {pressing}; {_measured(signals, 1)}"
-        told = f"the first sample is {1e3 * signals.offset_s:+.3f} ms from the first one of the EMG"
-        return Channel(channel.name, force_n * channel.sign, "N", signals.force_fs_hz, None, said, told)
 
 
 def _measured(signals: StaySignals, which: int) -> str:
@@ -256,13 +246,13 @@ def _device(signals: StaySignals) -> dict[str, str]:
     return {"manufacturer": "n/a", **dict(sorted(facts.items())), "software_filters": "n/a"}
 
 
-def _screen(lines: Sequence[Line]) -> Screen:
+def _screen(lines: Sequence[Line]) -> Json:
     begun = next((event for line in lines if isinstance(event := line.event, Begun)), None)
     told = next((event for line in lines if isinstance(event := line.event, ScreenTold)), None)
-    size_px = None
+    terms: Json = {"operating_system": begun.computer} if begun else {}
     if told and {"width", "height"} <= told.more.keys():
-        size_px = told.more["width"], told.more["height"]
-    return Screen(begun.software, begun.computer, size_px) if begun else Screen(__version__, None, size_px)
+        terms["screen_resolution"] = [told.more["width"], told.more["height"]]
+    return told_of_screen(software_version=begun.software if begun else __version__, **terms)
 
 
 def _notes(lines: Sequence[Line], stays: Sequence[_Stay]) -> Iterable[str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from emg2vsa.arrays import runs_of
-from emg2vsa.bids.events import Event, EventColumns
+from emg2vsa.bids.recording import Event, event_columns
 from emg2vsa.bids.tables import Column
 from emg2vsa.session.journal import (
     Commanded,
@@ -25,7 +25,7 @@ from emg2vsa.session.plan import PlannedPress
 from emg2vsa.session.record import Progress
 from emg2vsa.session.stays import StaySignals, StayWindow
 
-EVENTS = EventColumns(
+EVENT_COLUMNS = event_columns(
     onset="From the first sample of the recording.",
     duration="Its length; n/a for what has none.",
     kind=Column(
@@ -63,7 +63,6 @@ EVENTS = EventColumns(
         "load_time": Column("Time from the lower to the upper force.", "s"),
         "note": Column("What the operator wrote."),
     },
-    decimals=6,
 )
 
 

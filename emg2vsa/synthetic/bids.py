@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from emg2vsa import __version__
-from emg2vsa.bids.channels import Channel, muscle_name
 from emg2vsa.bids.dataset import DataSet, write_dataset, write_scans
-from emg2vsa.bids.events import Event, EventColumns, Screen
 from emg2vsa.bids.names import RecordingName, is_label
-from emg2vsa.bids.recording import Recording, write_recording
-from emg2vsa.bids.tables import Column
+from emg2vsa.bids.recording import Channel, Event, Recording, event_columns, muscle_name, told_of_screen
+from emg2vsa.bids.recording_files import write_recording
+from emg2vsa.bids.tables import Column, described
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study import Study
@@ -21,10 +20,9 @@ from emg2vsa.synthetic.recording import SyntheticRecording
 from emg2vsa.synthetic.stored import StoredChannel, stored_channels
 
 _MADE = "Synthetic recordings with known truth."
-_SIMULATED = "n/a (simulated)"
 _ELECTRODE_MM = 10
 _LOW_HZ, _HIGH_HZ = AMPLIFIER_BAND_HZ
-_CUES = EventColumns(
+_CUES = event_columns(
     "When the participant is told to act, from the start of the recording.",
     "Not applicable: a cue has no length.",
     Column("What the participant is told.", levels={"start": "Begin to press.", "stop": "Let go."}),
@@ -34,19 +32,14 @@ _HOW = {
     "hardware_filters": {
         "Amplifier band (simulated)": {"Low cut (Hz)": _LOW_HZ, "High cut (Hz)": _HIGH_HZ, "Order": 2}
     },
-    "ground": _SIMULATED,
     "placement": "Simulated bipolar pairs over the muscle bellies; no electrode was placed.",
-    "electrode_material": _SIMULATED,
-    "electrode_type": _SIMULATED,
-    "electrode_manufacturer": _SIMULATED,
-    "electrodes": _SIMULATED,
     "manufacturer": "emg2vsa (synthetic)",
     "model": "synthetic recording",
     "amplifier_type": "simulated",
-    "serial": "n/a",
-    "subject_artefact_description": "n/a",
-    "institution": "n/a",
-    "institution_address": "n/a",
+    **dict.fromkeys(
+        ("ground", "electrode_material", "electrode_type", "electrode_manufacturer", "electrodes"), "n/a (simulated)"
+    ),
+    **dict.fromkeys(("serial", "subject_artefact_description", "institution", "institution_address"), "n/a"),
     "institutional_department_name": "n/a",
 }
 _README = """\
@@ -69,22 +62,18 @@ def check_labels(plan: Sequence[PlannedRecording]) -> None:
     for name in dict.fromkeys(name for planned in plan for name in (planned.participant, planned.specimen)):
         if not is_label(name):
             raise SettingError(
-                f"name {name!r}",
-                wanted="letters and digits only, for it becomes a BIDS label",
-                found=repr(name),
+                f"name {name!r}", wanted="letters and digits only, for it becomes a BIDS label", found=repr(name),
                 do="Rename it, or write another format.",
-            )
+            )  # fmt: skip
 
 
 def write_bids(folder: Path, planned: PlannedRecording, recording: SyntheticRecording) -> Path:
     """Data file of one recording with its side files; returns the data file."""
     if not float(recording.fs_hz).is_integer():
         raise SettingError(
-            "simulation.fs_hz",
-            wanted="whole samples a second, for BDF stores whole seconds",
-            found=f"{recording.fs_hz:g} Hz",
-            do="Round it, or write another format.",
-        )
+            "simulation.fs_hz", wanted="whole samples a second, for BDF stores whole seconds",
+            found=f"{recording.fs_hz:g} Hz", do="Round it, or write another format.",
+        )  # fmt: skip
     channels = [_channel(channel, recording.fs_hz) for channel in stored_channels(planned, recording, "uV")]
     return write_recording(
         folder,
@@ -105,7 +94,7 @@ def write_around(folder: Path, study: Study, settings: SimulationSettings, plan:
         version=__version__, specimens=len(study.specimens), repetitions=settings.repetitions, muscles=muscles
     )
     participants = list(dict.fromkeys(planned.participant for planned in plan))
-    told = _CUES.json() | Screen(__version__).json()
+    told = described(_CUES) | told_of_screen(software_version=__version__)
     whole = DataSet(
         name, _MADE, readme, participants=participants, participant="Simulated participant.",
         events={planned.task: told for planned in plan}, authors=["emg2vsa"], licence="CC0",
@@ -113,7 +102,7 @@ def write_around(folder: Path, study: Study, settings: SimulationSettings, plan:
     write_dataset(folder, whole)
     for participant in participants:
         own = [planned for planned in plan if planned.participant == participant]
-        write_scans(folder, participant, [(_name(one).below_subject(), one.acquired.isoformat()) for one in own])
+        write_scans(folder, participant, {_name(one): one.acquired.isoformat() for one in own})
     truth = folder / "derivatives" / "truth"
     # the standard has no name for tables of what was simulated
     of_truth = DataSet(
@@ -129,10 +118,9 @@ def _name(planned: PlannedRecording) -> RecordingName:
 
 
 def _channel(stored: StoredChannel, fs_hz: float) -> Channel:
-    said = f"surface EMG of {stored.muscle}" if stored.muscle else "pressing force"
     return Channel(
-        stored.name, stored.samples, stored.unit, fs_hz, stored.muscle, said, stated_hz=str(fs_hz),
-        pair=stored.muscle or "", placed=" (simulated)", electrode_mm=_ELECTRODE_MM, band_hz=AMPLIFIER_BAND_HZ,
+        stored.name, stored.samples, stored.unit, fs_hz, stored.muscle, stated_hz=str(fs_hz),
+        pair=stored.muscle or "", placed=" (simulated)", band_hz=AMPLIFIER_BAND_HZ,
     )  # fmt: skip
 
 

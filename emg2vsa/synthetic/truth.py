@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from emg2vsa.bids.tables import Column, Json, write_json, write_tsv
+from emg2vsa.bids.tables import Column, Json, described, write_json, write_tsv
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.synthetic.plan import PlannedRecording
 from emg2vsa.synthetic.recording import SyntheticRecording
@@ -70,4 +70,4 @@ def write_truth(folder: Path, settings: SimulationSettings, presses: Sequence[Ro
 
 def _write_table(stem: Path, columns: Mapping[str, str], rows: Sequence[Row], more: Json) -> None:
     write_tsv(stem.with_suffix(".tsv"), columns, rows)
-    write_json(stem.with_suffix(".json"), {name: Column(said).json() for name, said in columns.items()} | more)
+    write_json(stem.with_suffix(".json"), described({name: Column(said) for name, said in columns.items()}) | more)

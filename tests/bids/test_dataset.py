@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from emg2vsa.bids.dataset import DataSet, write_dataset, write_scans
+from emg2vsa.bids.names import RecordingName
 from emg2vsa.errors import DataError
 
 SET = DataSet("mine", "Made.", "Text.\n", participants=("P02",), ethics="2026-7", events={"press": {"a": {}}})
@@ -39,13 +40,16 @@ def test_what_others_wrote_stays_where_that_is_asked_for(keep: bool, tmp_path: P
 
 
 def test_scans_stand_in_time_order_and_go_with_their_files(tmp_path: Path) -> None:
-    (tmp_path / "sub-P02" / "emg").mkdir(parents=True)
-    (tmp_path / "sub-P02" / "emg" / "old").touch()
-    path = tmp_path / "sub-P02" / "sub-P02_scans.tsv"
-    write_scans(tmp_path, "P02", [("emg/old", "2"), ("emg/lost", "1")])
-    assert path.read_text() == "filename\tacq_time\nemg/lost\t1\nemg/old\t2\n"
-    write_scans(tmp_path, "P02", [("emg/new", "3")], keep=True)
-    assert path.read_text() == "filename\tacq_time\nemg/old\t2\nemg/new\t3\n"
+    def rows() -> list[str]:
+        return (tmp_path / "sub-P02" / "sub-P02_scans.tsv").read_text().splitlines()
+
+    old, lost, new = (RecordingName("P02", task) for task in ("old", "lost", "new"))
+    old.path(tmp_path).parent.mkdir(parents=True)
+    old.path(tmp_path).touch()
+    write_scans(tmp_path, "P02", {old: "2", lost: "1"})
+    assert rows() == ["filename\tacq_time", "emg/sub-P02_task-lost_emg.bdf\t1", "emg/sub-P02_task-old_emg.bdf\t2"]
+    write_scans(tmp_path, "P02", {new: "3"}, keep=True)
+    assert rows() == ["filename\tacq_time", "emg/sub-P02_task-old_emg.bdf\t2", "emg/sub-P02_task-new_emg.bdf\t3"]
 
 
 def test_a_table_that_is_none_is_not_replaced(tmp_path: Path) -> None:

@@ -10,23 +10,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from emg2vsa.bids.bdf import short_labels
-from emg2vsa.bids.channels import Channel
-from emg2vsa.bids.events import Event, EventColumns, Screen
 from emg2vsa.bids.names import RecordingName
-from emg2vsa.bids.recording import Recording, of_source, write_recording
+from emg2vsa.bids.recording import Channel, Event, Recording, of_source, told_of_screen
+from emg2vsa.bids.recording_files import short_labels, write_recording
 from emg2vsa.bids.tables import Column
 from emg2vsa.errors import SettingError
 
 SAMPLES = np.linspace(-1, 1, 2000)
-EMG = Channel("EMG 1", SAMPLES, "uV", 1000.0, "edc", "surface EMG")
-FORCE = Channel("Fz", SAMPLES, "N", 1000.0, None, "pressing force", "odd")
-COLUMNS = EventColumns(
-    "When.", "How long.", Column("What.", levels={"press": "A press."}), {"note": Column("Said.")}, 3
-)
+EMG = Channel("EMG 1", SAMPLES, "uV", 1000.0, "edc")
+FORCE = Channel("Fz", SAMPLES, "N", 1000.0, None, told="odd")
+KIND = Column("What.", levels={"press": "A press."})
+COLUMNS = event_columns("When.", "How long.", KIND, {"note": Column("Said.")})
 ONE = Recording(
     RecordingName("P01", "press"), [EMG, FORCE], 1000.0, 2.0, 1.0, "test", "emg2vsa 1",
-    [Event(0.5, None, "start"), Event(1, 0.25, "press", {"note": "a\tb"})], COLUMNS,
+    [Event(0.5, None, "start"), Event(1, 0.25, "press", {"note": "a\tb"})], COLUMNS, 3,
 )  # fmt: skip
 
 
@@ -66,7 +63,9 @@ def test_terms_become_keys_of_the_standard_and_further_keys_stand_as_they_are(tm
 def test_events_that_are_not_known_have_no_table_and_a_screen_is_told(tmp_path: Path) -> None:
     write_recording(tmp_path / "a", replace(ONE, events=None))
     assert files(tmp_path / "a") == ["channels.tsv", "emg.bdf", "emg.json"]
-    path = write_recording(tmp_path / "b", replace(ONE, events=(), screen=Screen("1", size_px=(3, 2))))
+    path = write_recording(
+        tmp_path / "b", replace(ONE, events=(), screen=told_of_screen(software_version="1", screen_resolution=[3, 2]))
+    )
     assert files(tmp_path / "b") == ["channels.tsv", "emg.bdf", "emg.json", "events.json", "events.tsv"]
     told = json.loads(path.with_name("sub-P01_task-press_events.json").read_text())
     assert told["onset"] == {"Description": "When.", "Units": "s"}

@@ -1,17 +1,19 @@
-"""Channels as BDF+ (24-bit European data format)."""
+"""The files of a recording: channels and events as BDF+ (24-bit European data format), and what stands beside it."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Iterable, Sequence
-from datetime import datetime
+from pathlib import Path
 
+import edfio
 import numpy as np
-from edfio import Bdf, BdfSignal, EdfAnnotation, Patient, Recording
 
-from emg2vsa.bids.channels import Channel
-from emg2vsa.bids.events import Event
+from casr.atomic import write_bytes_atomic
+from emg2vsa.bids.names import CHANNELS, EVENTS, EVENTS_SIDECAR, SIDECAR, beside
+from emg2vsa.bids.recording import CHANNEL_COLUMNS, Channel, Recording
+from emg2vsa.bids.tables import described, write_json, write_tsv
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import LABEL_CHARACTERS
 
@@ -19,29 +21,34 @@ _RATE_TOLERANCE = 1e-6
 _LONGEST_RECORD_S = 2.0
 
 
-def bdf_bytes(
-    channels: Sequence[Channel],
-    events: Iterable[Event],
-    *,
-    patient: str,
-    equipment: str,
-    record_s: float,
-    started: datetime | None = None,
-) -> bytes:
-    """The file of channels, with events as annotations.
+def write_recording(root: Path, recording: Recording) -> Path:
+    """The files of a recording in the data set ``root``; returns the data file, which comes last.
 
     Each channel has its own symmetric range, so a stored value is exact to 6e-8 of that range. Samples fill whole data
-    records of ``record_s``. SettingError for a name that BDF cannot hold.
+    records. SettingError : BDF cannot hold the name of a channel.
     """
-    file = Bdf(
-        [_signal(channel) for channel in channels],
-        patient=Patient(code=patient),
-        recording=Recording(startdate=started.date() if started else None, equipment_code=equipment),
+    path, content = recording.name.path(root), _bdf(recording).to_bytes()
+    write_json(beside(path, SIDECAR), recording.sidecar())
+    cells = [channel.cells(recording.electrode_mm) for channel in recording.channels]
+    write_tsv(beside(path, CHANNELS), CHANNEL_COLUMNS, cells)
+    if recording.events is not None:
+        write_tsv(beside(path, EVENTS), recording.columns, recording.event_rows())
+    if recording.screen is not None:
+        write_json(beside(path, EVENTS_SIDECAR), described(recording.columns) | recording.screen)
+    write_bytes_atomic(path, content)  # who waits for it finds what belongs to it
+    return path
+
+
+def _bdf(recording: Recording) -> edfio.Bdf:
+    started, events = recording.started, recording.events or ()
+    return edfio.Bdf(
+        [_signal(channel) for channel in recording.channels],
+        patient=edfio.Patient(code=recording.name.participant),
+        recording=edfio.Recording(startdate=started.date() if started else None, equipment_code=recording.equipment),
         starttime=started.time() if started else None,
-        data_record_duration=record_s,
-        annotations=[EdfAnnotation(event.onset_s, event.duration_s, event.kind) for event in events],
+        data_record_duration=recording.record_s,
+        annotations=[edfio.EdfAnnotation(event.onset_s, event.duration_s, event.kind) for event in events],
     )
-    return file.to_bytes()
 
 
 def record_s(rates_hz: Iterable[float]) -> float | None:
@@ -74,16 +81,15 @@ def short_labels(names: Sequence[str]) -> list[str]:
     return found
 
 
-def _signal(channel: Channel) -> BdfSignal:
+def _signal(channel: Channel) -> edfio.BdfSignal:
     if len(channel.label) > LABEL_CHARACTERS or not channel.label.isascii():
         raise SettingError(
-            f"channel {channel.label!r}",
+            f"channel {channel.label!r}", found=f"{len(channel.label)} characters",
             wanted=f"a name of at most {LABEL_CHARACTERS} ASCII characters, for BDF holds no more",
-            found=f"{len(channel.label)} characters",
             do="Shorten it, or write another format.",
-        )
+        )  # fmt: skip
     limit = _two_digits_above(float(np.max(np.abs(channel.samples))))
-    return BdfSignal(
+    return edfio.BdfSignal(
         channel.samples,
         channel.fs_hz,
         label=channel.label,
