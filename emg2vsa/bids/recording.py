@@ -99,7 +99,9 @@ class Event:
     cells: Mapping[str, object] = field(default_factory=dict)
 
 
-def event_columns(onset: str, duration: str, kind: Column, own: Mapping[str, Column] | None = None) -> Json:
+def event_columns(
+    onset: str, duration: str, kind: Column, own: Mapping[str, Column] | None = None
+) -> dict[str, Column]:
     """Columns of a table of events. onset, duration : what is said of these times. own : beyond time and kind."""
     return {"onset": Column(onset, "s"), "duration": Column(duration, "s"), "trial_type": kind, **(own or {})}
 

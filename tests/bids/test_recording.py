@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.bids.names import RecordingName
-from emg2vsa.bids.recording import Channel, Event, Recording, of_source, told_of_screen
+from emg2vsa.bids.recording import Channel, Event, Recording, event_columns, of_source, told_of_screen
 from emg2vsa.bids.recording_files import short_labels, write_recording
 from emg2vsa.bids.tables import Column
 from emg2vsa.errors import SettingError
