@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from functools import lru_cache
+from operator import gt
 
 from emg2vsa.rig.devices import ForceSample, Rating
 from emg2vsa.rig.executor.motion import Phase
@@ -93,9 +95,14 @@ def lateral_force(moment: Moment, limits: GuardSettings) -> str | None:
     if moment.phase not in _INWARDS:  # skin that slides back pulls nearly across
         return None
     across_n = math.sqrt(max(0.0, moment.force.size_n**2 - moment.force_n**2))
-    tilt_rad = math.radians(moment.angle_deg) + math.atan(limits.skin_friction)
-    by_angle_n = abs(moment.force_n) * math.tan(min(tilt_rad, _STEEPEST_RAD))
+    by_angle_n = abs(moment.force_n) * _sliding(moment.angle_deg, limits.skin_friction)
     return _above(across_n, limits.lateral_n + by_angle_n, "N across push_axis")
+
+
+@lru_cache
+def _sliding(angle_deg: float, friction: float) -> float:
+    """Force across the push axis over that along it, of a probe about to slide down the slope."""
+    return math.tan(min(math.radians(angle_deg) + math.atan(friction), _STEEPEST_RAD))
 
 
 def torque(moment: Moment, limits: GuardSettings) -> str | None:
@@ -107,11 +114,11 @@ def overload(moment: Moment, limits: GuardSettings) -> str | None:
     """More than the force sensor is made for."""
     if moment.rating is None:
         return None
-    ratings = moment.rating.force_n + moment.rating.torque_nm
-    for name, load, most in zip(_LOADS, moment.force.loads, ratings, strict=True):
-        if abs(load) > most:
-            return _above(abs(load), most, f"{name}, the sensor's rating")
-    return None
+    loads, ratings = moment.force.loads, moment.rating.force_n + moment.rating.torque_nm
+    if True not in map(gt, map(abs, loads), ratings):
+        return None
+    each = zip(_LOADS, map(abs, loads), ratings, strict=True)
+    return next(_above(load, most, f"{name}, the sensor's rating") for name, load, most in each if load > most)
 
 
 def force_rate(moment: Moment, limits: GuardSettings) -> str | None:

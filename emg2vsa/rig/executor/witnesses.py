@@ -218,7 +218,7 @@ def spring_force_n(at: Measurements, springs: Springs, rig: RigSettings) -> floa
 
     It differs from that on the specimen by the friction of the shaft over the lever, and while the shaft moves.
     """
-    first, second = (RAD_PER_TICK * (at.shaft - motor) for motor in (at.motor_1, at.motor_2))
+    first, second = RAD_PER_TICK * (at.shaft - at.motor_1), RAD_PER_TICK * (at.shaft - at.motor_2)
     torque_nm = springs.k1_nm * _sinh(springs.a1_per_rad * first) + springs.k2_nm * _sinh(springs.a2_per_rad * second)
     return -rig.push_sign * torque_nm / rig.lever_m
 
