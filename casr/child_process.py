@@ -20,7 +20,6 @@ import select
 import signal
 import struct
 import sys
-import threading
 import time
 import weakref
 from collections.abc import Iterator, Sequence
@@ -100,7 +99,8 @@ class Child:
     def __init__(
         self, module: str, function: str, *arguments: int, descriptors: Sequence[int] = (), quiet: bool, nice: int = 0
     ) -> None:
-        import subprocess  # noqa: PLC0415  (the child has no use for it)
+        import subprocess  # noqa: PLC0415  (the child has no use for them)
+        import threading  # noqa: PLC0415
 
         how: dict[str, Any] = {}
         self._lifeline: FileIO | None = None

@@ -11,6 +11,7 @@ Windows do not enforce one. Ctrl-C ends a request at once, except on Windows, wh
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import pickle
 import sys
@@ -81,7 +82,7 @@ class InChild:
         self._child = child = _running_child()
         module, function, arguments = self._made_by
         child.import_decoder(module, self._library)
-        self._key = child.new_key()
+        self._key = next(child.keys)
         child.ask(("make", self._key, module, function, arguments), self._limits, self._library)
         weakref.finalize(self, child.released.append, self._key)
 
@@ -138,11 +139,7 @@ class _Decoder(Child):
         super().__init__("casr.decoder_child", "serve", *(descriptors or [-1]), descriptors=descriptors, quiet=True)
         self.released: list[int] = []
         self._imported: set[str] = set()
-        self._keys = 0
-
-    def new_key(self) -> int:
-        self._keys += 1
-        return self._keys
+        self.keys = itertools.count(1)
 
     def import_decoder(self, module: str, library: str) -> None:
         """Outside the limits of a file: starting Python and importing a library are not its fault."""

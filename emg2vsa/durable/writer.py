@@ -14,10 +14,9 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from queue import Empty, SimpleQueue
-from types import TracebackType
-from typing import NamedTuple, Protocol, Self
+from typing import NamedTuple, Protocol
 
-from emg2vsa.durable.system import SYSTEM, System
+from emg2vsa.durable.system import SYSTEM, OperatingSystem
 from emg2vsa.errors import DeviceError
 
 LARGEST_QUEUE = 2000
@@ -55,7 +54,7 @@ class Writer:
     What kills the program takes the writes that wait: of a disk that is not held up, no more than the newest turn.
     """
 
-    def __init__(self, *, background: bool, system: System = SYSTEM) -> None:
+    def __init__(self, *, background: bool, system: OperatingSystem = SYSTEM) -> None:
         self.system = system
         self.sealed_files: list[_Sealed] = []
         self.trouble = ""
@@ -72,12 +71,6 @@ class Writer:
         self._thread = threading.Thread(target=self._work, name="writer", daemon=True) if background else None
         if self._thread:
             self._thread.start()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self.close()
 
     def do(self, write: Callable[..., None], *given: object) -> None:
         """Do ``write(*given)`` once, now or soon. DeviceError: this write, or one before it, was refused."""

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from casr.atomic import write_bytes_atomic
 from emg2vsa.durable.sealed_file import SealedFile
-from emg2vsa.durable.system import SYSTEM, System
+from emg2vsa.durable.system import SYSTEM, OperatingSystem
 from emg2vsa.durable.writer import Writer
 from emg2vsa.errors import DataError, DeviceError, SettingError
 from emg2vsa.held_lock import myself, taken, told
@@ -139,7 +139,7 @@ class SessionRecord:
     """
 
     def __init__(
-        self, folder: Path, plan: Plan, lock: int, now_s: Callable[[], float], background: bool, system: System
+        self, folder: Path, plan: Plan, lock: int, now_s: Callable[[], float], background: bool, system: OperatingSystem
     ) -> None:
         self.folder, self.plan, self.repaired_bytes = folder, plan, 0
         self.progress = Progress(plan.presses)
@@ -239,7 +239,7 @@ class SessionRecord:
 
 
 def new_session(
-    folder: Path, plan: Plan, now_s: Callable[[], float], *, background: bool = True, system: System = SYSTEM
+    folder: Path, plan: Plan, now_s: Callable[[], float], *, background: bool = True, system: OperatingSystem = SYSTEM
 ) -> SessionRecord:
     """The folder of a new session, its plan on the disk itself before anything else.
 
@@ -265,7 +265,7 @@ def new_session(
 
 
 def resume_session(
-    folder: Path, now_s: Callable[[], float], *, background: bool = True, system: System = SYSTEM
+    folder: Path, now_s: Callable[[], float], *, background: bool = True, system: OperatingSystem = SYSTEM
 ) -> SessionRecord:
     """The folder of a session that was begun, opened for its next sitting; arguments as of ``new_session``.
 

@@ -7,6 +7,7 @@ import os
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -19,7 +20,7 @@ from emg2vsa.errors import DeviceError
 
 @pytest.fixture
 def disk() -> Iterator[Writer]:
-    with Writer(background=True) as writer:
+    with closing(Writer(background=True)) as writer:
         yield writer
 
 

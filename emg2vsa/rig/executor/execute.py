@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -54,7 +55,7 @@ def execute(
     """
     check_plan(plan, rig)
     check_rating(rig, devices.force.rating)
-    with Writer(background=background) as writer:
+    with closing(Writer(background=background)) as writer:
         seen = devices.camera
         record = RunRecord(
             folder, started, seen.shape if seen else None,
