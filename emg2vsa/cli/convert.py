@@ -88,8 +88,8 @@ def _fits(study: Study, *, quiet: bool) -> dict[str, Fits]:
     from emg2vsa import artifacts
     from emg2vsa.cli.progress import progress
     from emg2vsa.pipeline.places import writable_or_temporary
-    from emg2vsa.pipeline.pool import available_cores
     from emg2vsa.pipeline.run_study import run_study
+    from emg2vsa.process_pool import available_cores
 
     with writable_or_temporary(study, None, now=True) as (placed, below):
         plan = run_study(
