@@ -26,9 +26,10 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.run_folders.camera_delay import SYSTEMATIC_S, measure_delay
+    from emg2vsa.lab.camera_delay import camera_delay
+    from emg2vsa.run_folders.camera_delay import SYSTEMATIC_S
 
-    found = measure_delay([folder for path in arguments.runs for folder in _folders(path)])
+    found = camera_delay(arguments.runs)
     if arguments.json:
         print_json(asdict(found))
         return 0
@@ -43,23 +44,6 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         print(f"for the rig file, in [camera]:\ndelay_s = {max(0.0, found.delay_s):.4f}")
     return 0
-
-
-def _folders(path: Path) -> list[Path]:
-    """The run in ``path``; or those of the rig file ``path``. SettingError where it is neither, or there are none."""
-    from emg2vsa.errors import SettingError
-    from emg2vsa.rig.record.new_folder import PLAN_FILE
-    from emg2vsa.rig_file import load_rig
-
-    if path.is_dir():
-        return [path]
-    if not path.exists():
-        raise SettingError(path, wanted="the folder of a run, or a rig file", found="neither", do="Check the path.")
-    runs = load_rig(path).runs
-    if not (folders := sorted(plan.parent for plan in runs.glob(f"*/{PLAN_FILE}"))):
-        do = "Press first: emg2vsa rig run."
-        raise SettingError(path, wanted=f"runs in {runs}", found="none", do=do)
-    return folders
 
 
 def _ms(seconds: float) -> str:

@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 from casr.command_line import Commands, add_command, add_json, print_json
 from emg2vsa.cli.rig.choice import add_choice, add_rig, runs_chosen
 
 if TYPE_CHECKING:
     from emg2vsa.rig.executor.dry_run import DryRun, Leg
-    from emg2vsa.rig.plan import RunPlan
-    from emg2vsa.rig.rig_settings import RigSettings
-
-
-_HEAD = (
-    f"{'run':<26}{'presses':>8}{'position, ticks':>16}{'preset, ticks':>16}{'force, N':>16}{'largest, N':>12}"
-    f"{'at most, s':>12}"
-)
 
 
 def add_to(commands: Commands) -> None:
@@ -40,73 +32,41 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.lab.dry_runs import dry_run, limits
     from emg2vsa.rig.executor.guards import laxer_guards
     from emg2vsa.rig_file import load_rig
-    from emg2vsa.rig_file.plans import plans_of
     from emg2vsa.rig_file.sequence import ordered
 
     file = load_rig(arguments.rig)
-    order, runs = ordered(file.experiment), runs_chosen(arguments, file)
-    plans = dict(zip(runs, plans_of(file, runs), strict=True))
-    told = {run.name: _tried(plans[run], file.rig) for run in order.runs if run in plans}
+    order = ordered(file.experiment)
+    told = {run.name: found for run, found in dry_run(file, runs_chosen(arguments, file)).items()}
+    good = {name: found for name, found in told.items() if not isinstance(found, str)}
     if arguments.json:
-        described = {name: _document(found) for name, found in told.items()}
-        sequence = {"order": order.order, "seed": order.seed, "sequence": list(described)}
-        print_json({"limits": _limits(file.rig), "runs": described} | sequence)
-    else:
-        print("\n".join(f"{name}: {value}" for name, value in _limits(file.rig).items()))
-        print(f"order of the runs: {order}")
-        for line in laxer_guards(file.rig):
-            print(line)
-        print("" if arguments.details else f"\n{_HEAD}")
-        for name, found in told.items():
-            if isinstance(found, str):
-                print(f"{name}: not possible. {found}")
-            else:
-                print(_table(name, found) if arguments.details else _row(name, found))
-        seconds = sum(found.at_most_s for found in told.values() if not isinstance(found, str))
-        print(f"\n{len(told)} runs, at most {seconds / 60:.1f} min; nothing was sent")
-    return int(any(isinstance(found, str) for found in told.values()))
+        runs = {name: asdict(good[name]) if name in good else {"problem": found} for name, found in told.items()}
+        sequence = {"order": order.order, "seed": order.seed, "sequence": list(told)}
+        print_json({"limits": limits(file), "runs": runs} | sequence)
+        return int(len(good) < len(told))
+    lines = [f"{name}: {value}" for name, value in limits(file).items()]
+    lines += [f"order of the runs: {order}", *laxer_guards(file.rig), "", *([] if arguments.details else [_row()])]
+    for name, found in told.items():
+        text = _table if arguments.details else _row
+        lines.append(text(name, good[name]) if name in good else f"{name}: not possible. {found}")
+    seconds = sum(found.at_most_s for found in good.values())
+    print("\n".join(lines), f"\n\n{len(told)} runs, at most {seconds / 60:.1f} min; nothing was sent", sep="")
+    return int(len(good) < len(told))
 
 
-def _tried(plan: RunPlan, rig: RigSettings) -> DryRun | str:
-    from emg2vsa.errors import InputError
-    from emg2vsa.rig.executor.dry_run import dry_run
-
-    try:
-        return dry_run(plan, rig)
-    except InputError as error:
-        return str(error)
-
-
-def _limits(rig: RigSettings) -> dict[str, str]:
-    from emg2vsa.actuator import ticks_of_percent
-
-    low, high = ticks_of_percent(rig.stiffness_percent, rig.max_preset_ticks)
-    percent = "{:g} to {:g} %".format(*rig.stiffness_percent)
-    return {
-        "positions": "{} to {} ticks".format(*rig.position_ticks),
-        "presets": f"{low} to {high} ticks, {percent} of {rig.max_preset_ticks}",
-        "travel": f"{rig.travel_mm:g} mm, {rig.ticks_at(rig.travel_mm) - rig.home_ticks:+d} ticks from home",
-        "force": f"{rig.guards.force_n:g} N, {rig.guards.force_rate_n_per_s:g} N/s",
-    }
-
-
-def _document(found: DryRun | str) -> dict[str, Any]:
-    return {"problem": found} if isinstance(found, str) else dataclasses.asdict(found)
-
-
-def _row(name: str, found: DryRun) -> str:
-    presets = [leg.preset_ticks for leg in found.legs]
-    ticks = [tick for leg in found.legs for tick in leg.position_ticks]
-    low_n, high_n = found.legs[0].force_n or (0.0, 0.0)
-    high_n = max([high_n, *(leg.force_n[1] for leg in found.legs if leg.force_n)])
-    columns = f"{min(ticks)} to {max(ticks)}", f"{min(presets)} to {max(presets)}", f"{low_n:g} to {high_n:g}"
-    return (
-        f"{name:<26}{found.repetitions:>8}"
-        + "".join(f"{column:>16}" for column in columns)
-        + f"{_largest(found):>12}{found.at_most_s:>12.1f}"
-    )
+def _row(name: str = "", found: DryRun | None = None) -> str:
+    columns = ["position, ticks", "preset, ticks", "force, N"]
+    first, presses, largest, at_most = "run", "presses", "largest, N", "at most, s"
+    if found:
+        presets, ticks = [leg.preset_ticks for leg in found.legs], [t for leg in found.legs for t in leg.position_ticks]
+        forces = [(0.0, 0.0) if leg.force_n is None else leg.force_n for leg in found.legs]
+        ends = (min(ticks), max(ticks)), (min(presets), max(presets)), (forces[0][0], max(high for _, high in forces))
+        columns = ["{:g} to {:g}".format(*both) for both in ends[2:]]
+        columns = [f"{low} to {high}" for low, high in ends[:2]] + columns
+        first, presses, largest, at_most = name, str(found.repetitions), _largest(found), f"{found.at_most_s:.1f}"
+    return f"{first:<26}{presses:>8}" + "".join(f"{each:>16}" for each in columns) + f"{largest:>12}{at_most:>12}"
 
 
 def _largest(found: DryRun) -> str:

@@ -16,7 +16,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from emg2vsa.cli.rig.rig_lock import lock_path, rig_lock, rig_user
+from emg2vsa.lab.rig_lock import lock_path, rig_lock, rig_user
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.rig_settings import RigSettings
 
@@ -57,8 +57,7 @@ def calliper(served: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> list[s
             return ""
         return f"{touch_mm - now_mm:.2f}" if "How far" in question else "y"
 
-    monkeypatch.setattr("emg2vsa.cli.rig.hand.answer", answer)
-    monkeypatch.setattr("emg2vsa.cli.rig.commission.answer", answer)
+    monkeypatch.setattr("emg2vsa.cli.rig.choice._asked", answer)
     return asked
 
 
@@ -91,8 +90,8 @@ def test_four_wrong_settings_are_found_and_mended(rig: Rig, served: SimpleNamesp
 def test_settings_are_not_written_unasked(rig: Rig, served: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> None:
     served.path.write_text("[rig]\npush_axis = [1, 0, 0]\n\n" + served.path.read_text())
     before = served.path.read_text()
-    monkeypatch.setattr("emg2vsa.cli.rig.commission.confirmed", lambda question, yes: question == "Ready?")
-    status, out, _ = rig("commission", served.path, "--yes")
+    monkeypatch.setattr("emg2vsa.cli.rig.choice._asked", not_written)
+    status, out, _ = rig("commission", served.path)
     assert status == 1
     assert "push_axis           1, 0, 0           0, 0, 1           WRONG" in out
     assert served.path.read_text() == before
@@ -203,7 +202,7 @@ def test_off_ends_a_silent_process_and_switches_off(rig: Rig, served: SimpleName
     folder = tmp_path / "runs" / "S1_0_modular"
     folder.mkdir(parents=True)
     hang = (
-        "import sys, time; from pathlib import Path; from emg2vsa.cli.rig.rig_lock import rig_lock\n"
+        "import sys, time; from pathlib import Path; from emg2vsa.lab.rig_lock import rig_lock\n"
         "with rig_lock(Path(sys.argv[1]), Path(sys.argv[2])): print('held', flush=True); time.sleep(60)"
     )
     process = subprocess.Popen([sys.executable, "-c", hang, str(served.path), str(folder)], stdout=subprocess.PIPE)
@@ -238,7 +237,7 @@ def test_off_ends_a_silent_process_and_switches_off(rig: Rig, served: SimpleName
 def test_off_lets_a_process_that_obeys_end_by_itself(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
     folder = tmp_path / "runs" / "S1_0_modular"
     obey = (
-        "import sys, time; from pathlib import Path; from emg2vsa.cli.rig.rig_lock import rig_lock\n"
+        "import sys, time; from pathlib import Path; from emg2vsa.lab.rig_lock import rig_lock\n"
         "folder = Path(sys.argv[2])\n"
         "with rig_lock(Path(sys.argv[1]), folder):\n"
         "    print('held', flush=True)\n"

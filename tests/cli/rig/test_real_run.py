@@ -13,7 +13,7 @@ import pytest
 
 from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames
-from emg2vsa.cli.rig import real_run
+from emg2vsa.lab import real_press
 
 Rig = Callable[..., tuple[int, str, str]]
 ONE = ("--specimen", "S1", "--angle", "0", "--condition", "modular")

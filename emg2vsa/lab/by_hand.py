@@ -1,0 +1,342 @@
+"""Moves, zeros and parameters of a rig by hand: one user at a time, and the motors go off however it ends."""
+
+from __future__ import annotations
+
+import json
+import signal
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from casr.atomic import write_text_atomic
+from emg2vsa.errors import DeviceError, SettingError
+from emg2vsa.lab.person import NOBODY, Person
+from emg2vsa.lab.rig_lock import end_user, rig_lock, stop_unnamed_run
+from emg2vsa.rig.clock import WallClock
+from emg2vsa.rig.commissioning.hand_motion import (
+    FASTEST_DEG_PER_S,
+    LIMIT_SHARE,
+    TICKS_PER_DEGREE,
+    TOUCH_N,
+    HandMotion,
+)
+from emg2vsa.rig.commissioning.watchdog import WatchdogProof, prove_watchdog, write_proof
+from emg2vsa.rig.device_settings import ActuatorSettings, MotorSettings
+from emg2vsa.rig.devices import Devices, Measurements
+from emg2vsa.rig.open_rig import OpenRig, board_info, board_settings, open_board, open_force, open_rig
+from emg2vsa.rig.plan import RIGID, Condition
+from emg2vsa.rig.qbmove.driver import Qbmove
+from emg2vsa.rig.qbmove.info import Parameter, QbmoveInfo
+from emg2vsa.rig_file import RigFile, load_rig
+
+_SIGNALS = ("SIGTERM", "SIGHUP", "SIGQUIT")
+_RISE_N = 0.5
+_LEFT_N = 0.2
+_WAIT_S = 0.2
+Force = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class AtHome:
+    """shaft_ticks, from_home_mm : where the probe is. force_n : (x, y, z) N, as measured. touched : a force ended the
+    move. force_remains : more than 0.5 N in one axis."""
+
+    shaft_ticks: int
+    from_home_mm: float
+    force_n: Force
+    touched: bool
+    force_remains: bool
+
+
+@dataclass(frozen=True)
+class Jogged:
+    """Where the shaft began and is, ticks; how far it turned, degrees; how far the probe went towards the specimen, mm
+    by the gear of the rig file. force_n : (x, y, z) N above that at the start. touched : a force ended the move."""
+
+    from_ticks: int
+    shaft_ticks: int
+    moved_deg: float
+    moved_mm: float
+    force_n: Force
+    touched: bool
+
+
+@dataclass(frozen=True)
+class Tared:
+    """Force (x, y, z) N before and after. good : it is zero now, within 0.2 N."""
+
+    before_n: Force
+    force_n: Force
+
+    @property
+    def good(self) -> bool:
+        """Not with a force that is no number, either."""
+        return max(map(abs, self.force_n)) <= _LEFT_N
+
+
+@dataclass(frozen=True)
+class Zeroed:
+    """Ticks of motor 1, motor 2 and shaft, before and after."""
+
+    before_ticks: Measurements
+    ticks: Measurements
+
+
+@dataclass(frozen=True)
+class Off:
+    """device : table of the rig file. problem : why its motors are not known to be off; "" where they are.
+    ticks : of motor 1, motor 2 and shaft."""
+
+    device: str
+    problem: str
+    ticks: Measurements | None
+
+
+@dataclass(frozen=True)
+class BoardParameters:
+    """where : port and id of the device. parameters : by their number."""
+
+    where: str
+    info: QbmoveInfo
+    parameters: Mapping[int, Parameter]
+
+    def document(self) -> dict[str, Any]:
+        """For JSON."""
+        listed = {str(each.number): {"name": each.name, "values": list(each.values)} for each in self._each()}
+        return {"firmware": self.info.firmware, "device_id": self.info.device_id, "parameters": listed}
+
+    def lines(self) -> Iterator[str]:
+        """A line for each."""
+        return (f"{each.number:>2} {each.name:<28} {shown(each.values)}" for each in self._each())
+
+    def _each(self) -> Iterator[Parameter]:
+        return iter(self.parameters.values())
+
+
+@dataclass(frozen=True)
+class HandRig:
+    """A rig ready to be moved by hand, without its camera."""
+
+    opened: OpenRig
+    hand: HandMotion
+
+
+@contextmanager
+def hand_rig(file: RigFile, *, motor: bool) -> Iterator[HandRig]:
+    """Actuator and force sensor of the rig, opened and held; at the end, also by a signal, the motors go off.
+
+    DeviceError : as `open_rig`, or another process uses the rig.
+    """
+    clock, devices = WallClock(), replace(file.devices, camera=None)
+    with (
+        rig_lock(file.path),
+        signals_interrupt(),
+        open_rig(devices, file.rig, _condition(motor), clock) as opened,
+    ):
+        both = Devices(opened.devices.actuator, opened.devices.force)
+        yield HandRig(opened, HandMotion(both, opened.rig, clock))
+
+
+@contextmanager
+def signals_interrupt(*names: str) -> Iterator[None]:
+    """A signal that would kill the program at once interrupts it as Ctrl-C does: so the motors go off first."""
+    before = {}
+    for name in names or _SIGNALS:
+        if number := getattr(signal, name, None):
+            before[number] = signal.signal(number, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def _held_board(file: RigFile, motor: bool, clock: WallClock | None = None) -> Iterator[Qbmove]:
+    """The actuator that is asked for, the rig held."""
+    settings = board_settings(file.devices, _condition(motor))
+    with rig_lock(file.path), open_board(settings, file.rig.stiffness_percent, clock or WallClock()) as board:
+        yield board
+
+
+def _condition(motor: bool) -> Condition:
+    return RIGID if motor else "modular"
+
+
+def home(file: RigFile, *, motor: bool = False) -> AtHome:
+    """Move the probe slowly to its retracted position, home_ticks; also one that stands pressed.
+
+    A force 0.5 N above that at the start ends the move. motor : the rigid motor instead of the qbmove. DeviceError :
+    as `hand_rig`, or a device is lost.
+    """
+    with hand_rig(file, motor=motor) as ready:
+        ready.hand.start()
+        place = ready.hand.go(file.rig.home_ticks, until_n=_RISE_N, from_zero=False)
+        force_n = ready.opened.devices.force.read().force_n
+    remains = float(abs(force_n).max()) > TOUCH_N
+    depth_mm = file.rig.depth_at(place.shaft_ticks)
+    return AtHome(place.shaft_ticks, depth_mm, _force(force_n), place.touched, remains)
+
+
+def jog(
+    file: RigFile, *, mm: float | None = None, deg: float | None = None, deg_per_s: float = 5.0, limit_n: float = 2.0,
+    motor: bool = False, person: Person = NOBODY,
+) -> Jogged:  # fmt: skip
+    """Move the probe slowly by ``mm`` towards the specimen, or the shaft by ``deg`` degrees.
+
+    The move ends where a force is ``limit_n`` N above that at the start; the probe then goes back until it is free.
+    deg_per_s : speed of the shaft. SettingError : a speed or force that is too large, or not one of the two ways.
+    DeviceError : as `hand_rig`, or a guard ended the move: the probe may still press.
+    """
+    if (mm is None) == (deg is None):
+        raise SettingError("jog", wanted="mm or deg", found="both or neither", do="Give one of them.")
+    _check("--deg-per-s", deg_per_s, FASTEST_DEG_PER_S)
+    _check("--limit-n", limit_n, LIMIT_SHARE * file.rig.guards.force_n)
+    mm_per_degree = file.rig.gear_mm_per_degree * file.rig.push_sign
+    degrees = mm / mm_per_degree if mm is not None else deg or 0.0
+    with hand_rig(file, motor=motor) as ready:
+        start, begin = ready.hand.start(), ready.hand.at_ticks
+        place = ready.hand.go(begin + degrees * TICKS_PER_DEGREE, until_n=limit_n, deg_per_s=deg_per_s)
+        if touched := place.touched:
+            person.say(
+                f"{place.size_n:.2f} N at {place.shaft_ticks} ticks ended the move; back until the probe is free"
+            )
+            place = ready.hand.away(begin)
+    moved_deg = (place.shaft_ticks - start.shaft_ticks) / TICKS_PER_DEGREE
+    force_n = _force(place.force_n)
+    return Jogged(start.shaft_ticks, place.shaft_ticks, moved_deg, moved_deg * mm_per_degree, force_n, touched)
+
+
+def _check(name: str, value: float, most: float) -> None:
+    if not 0 < value <= most:
+        raise SettingError(
+            name, wanted=f"above 0 and at most {most:g}", found=f"{value:g}", do="Choose a value in this range."
+        )
+
+
+def _force(force_n: Any) -> Force:
+    x, y, z = map(float, force_n)
+    return x, y, z
+
+
+def tare(file: RigFile) -> Tared:
+    """Set the zero of the force sensor to the present load; the probe must touch nothing.
+
+    SettingError : the sensor keeps no zero. DeviceError : the sensor is absent, or another process uses the rig.
+    """
+    clock = WallClock()
+    if file.devices.force.kind != "net-ft":
+        do = "Set [force] bias = true: every run then begins with a tare."
+        raise SettingError(f"{file.path}, force.kind", wanted="net-ft, which keeps a zero", found="ni-daq", do=do)
+    with rig_lock(file.path):
+        sensor = open_force(file.devices.force, file.rig.guards, clock)
+        try:
+            sensor.start()
+            before_n = sensor.read().force_n
+            sensor.bias()
+            clock.sleep_until(clock.now_s() + _WAIT_S)
+            return Tared(_force(before_n), _force(sensor.read().force_n))
+        finally:
+            sensor.close()
+
+
+def zero(file: RigFile, *, motor: bool = False, person: Person = NOBODY) -> Zeroed | None:
+    """Make the present place of motors and shaft their zero, stored in the device; None where the person disagrees.
+
+    The motors must be off, and the shaft at rest without load. DeviceError : the device is absent or refuses, or
+    another process uses the rig.
+    """
+    with _held_board(file, motor) as board:
+        board_info(board)
+        before = board.measurements()
+        person.say("motors at {} and {} ticks, shaft at {}".format(*before))
+        if not person.agrees(f"Make this the zero of {board.where}?"):
+            return None
+        return Zeroed(before, board.set_zeros())
+
+
+def off(rig_file: str | Path, person: Person = NOBODY) -> tuple[Off, ...]:
+    """Switch the motors off in any state, and end the process that uses the rig: asked first, ended when silent.
+
+    The lock needs no more of the rig file than its name: a file with problems keeps no run going. StudyError : the file
+    cannot be read; DeviceError : somebody else's process uses the rig.
+    """
+    end_user(Path(rig_file), person.warn)
+    file = load_rig(rig_file)
+    stop_unnamed_run(file.runs, person.warn)
+    boards = {"actuator": file.devices.actuator, "motor": file.devices.motor}
+    return tuple(board_off(name, board, person) for name, board in boards.items() if board)
+
+
+def board_off(name: str, settings: ActuatorSettings | MotorSettings, person: Person = NOBODY) -> Off:
+    """Switch the motors of one device off, and ask it. SettingError where ``settings`` name no port."""
+    try:
+        with open_board(settings, (0.0, 100.0), WallClock()) as board:
+            board.deactivate()
+            at = board.measurements()
+    except DeviceError as error:
+        person.say(f"[{name}] NOT confirmed off: {error}")
+        return Off(name, str(error), None)
+    person.say(f"[{name}] motors off; motors at {at.motor_1} and {at.motor_2} ticks, shaft at {at.shaft}")
+    return Off(name, "", at)
+
+
+def parameters(
+    file: RigFile, *, change: tuple[int, tuple[float, ...]] | None = None, backup: Path | None = None,
+    motor: bool = False, person: Person = NOBODY,
+) -> BoardParameters | None:  # fmt: skip
+    """Parameters of the device, after ``change``, a number and its values, was stored; None where the person disagrees.
+
+    backup : first write all of them to this new JSON file. SettingError : it is there, or the values do not fit.
+    DeviceError : the device is absent or its motors are on, or another process uses the rig.
+    """
+    with _held_board(file, motor) as board:
+        found = BoardParameters(board.where, board_info(board), board.parameters())
+        if backup:
+            if backup.exists():
+                do = "Choose another name for --backup."
+                raise SettingError(backup, wanted="a new file", found="an existing file", do=do)
+            write_text_atomic(backup, json.dumps(found.document(), indent=2) + "\n")
+        if change:
+            number, values = change
+            was = shown(found.parameters[number].values) if number in found.parameters else "nothing"
+            if not person.agrees(
+                f"Set parameter {number} of {board.where} from {was} to {shown(values)}, and store it?"
+            ):
+                return None
+            board.set_parameter(number, values)
+            found = replace(found, parameters=board.parameters())
+    return found
+
+
+def shown(values: tuple[float, ...]) -> str:
+    """``1, 2.5``."""
+    return ", ".join(f"{value:g}" for value in values)
+
+
+@dataclass(frozen=True)
+class Proven:
+    """where : port and id of the device. path : file that keeps the proof, beside the rig file."""
+
+    where: str
+    proof: WatchdogProof
+    path: Path
+
+
+def proven_watchdog(file: RigFile, *, motor: bool = False, person: Person = NOBODY) -> Proven | None:
+    """Whether the motors go off when the program is silent for longer than watchdog_s; None where the person disagrees.
+
+    It moves the free probe by 2.5 degrees. DeviceError : the device is lost or does not move, or another process uses
+    the rig.
+    """
+    settings, clock = board_settings(file.devices, _condition(motor)), WallClock()
+    if not person.agrees("Is the probe free, with 1 mm of way on both sides?"):
+        return None
+    with signals_interrupt(), _held_board(file, motor, clock) as board, board:
+        info = board_info(board)
+        date, away_sign = datetime.now(UTC).isoformat(timespec="seconds"), -file.rig.push_sign
+        proof = prove_watchdog(board, info, clock, watchdog_s=settings.watchdog_s, away_sign=away_sign, date=date)
+    return Proven(board.where, proof, write_proof(file.path, "motor" if motor else "actuator", proof))
