@@ -13,12 +13,13 @@ from emg2vsa.errors import SettingError
 from emg2vsa.lab.ending import summary
 from emg2vsa.lab.judging import Judging
 from emg2vsa.lab.next_press import Believed, believed, check_judged_by, last_estimates, with_run
-from emg2vsa.lab.person import Person
+from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.pressed import Pressed
-from emg2vsa.lab.pressing import Pressing
+from emg2vsa.lab.pressing import pressing_of
 from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, KappaPlan
 from emg2vsa.rig.plan import RIGID
 from emg2vsa.rig.record.new_folder import folders_of
+from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run, chosen_runs
 
 
@@ -42,14 +43,21 @@ class Bench:
     mountings: dict[int, int] = field(default_factory=dict)
 
 
-def press_adaptively(pressing: Pressing, specimen: str, judging: Judging, presses: int | None = None) -> AdaptiveRuns:
-    """Press the specimen as ``next_press`` says, until no further press is worthwhile.
+def adaptive(
+    file: RigFile, specimen: str, judging: Judging, *, presses: int | None = None, folder: str | Path | None = None,
+    virtual: bool = False, person: Person = NOBODY,
+) -> AdaptiveRuns:  # fmt: skip
+    """Press an unknown specimen as `next_presses` says, until no further press is worthwhile.
 
-    presses : at most; None: those of the experiment for each calibration of ``judging``. Judged presses of the
-    specimen in the folder of the runs count along. SettingError, DataError : a calibration or a run that does not fit,
-    or nobody there who mounts the specimen.
+    judging : a calibration for every angle and condition that may be pressed, and the width that is enough. presses :
+    at most; None: those of the experiment for each calibration. Judged presses of the specimen in the folder of the
+    runs count along. Else as `press`; SettingError, too, where nobody is there who mounts the specimen.
+
+    >>> judging = rig.Judging((Path("modular_0.json"), Path("modular_30.json")), stop_at=0.1)
+    >>> rig.adaptive(file, "S4", judging, virtual=True).belief
     """
-    file, root, person = pressing.file, pressing.root, pressing.person
+    pressing = pressing_of(file, folder, virtual, person)
+    root = pressing.root
     opened = [open_calibration(path) for path in judging.calibrations]
     runs = tuple(chosen_runs(file, [specimen], [own.angle_deg], [own.condition], [1])[0] for own in opened)
     plans = pressing.plans(runs)
@@ -67,12 +75,12 @@ def press_adaptively(pressing: Pressing, specimen: str, judging: Judging, presse
             f"next: presses: {count}, by {name}{anew}; {choice.presses} are expected to leave "
             f"±{choice.half_width:.0%} of kappa"
         )
-        mounting, new = mounted(bench, choice, runs, root, None if pressing.virtual else person)
+        mounting, new = mounted(bench, choice, runs, root, None if virtual else person)
         here, plan = run._replace(mounting=mounting), replace(plans[run], repetitions=count, mounting=mounting)
         pressing.check_same(here.name, plan)
         folder = next(each for each in folders_of(root, here.name) if not each.exists())
         one = pressing.press(plan, folder, judged[run])
-        if pressing.virtual:
+        if virtual:
             person.warn(f"{folder.name}: {summary(one.ended, count)}")
         pressed.append((name, one))
         pressing.warn_unless_safe(one)

@@ -87,6 +87,10 @@ class Judging:
         return read_camera(path)
 
 
+WHOLE_PRESSES = Judging()
+"Nobody judges."
+
+
 def say_reachable(kappa: KappaPlan, plan: RunPlan, person: Person, *, emulated: bool) -> None:
     """What widths can be expected, before the first press."""
     own, presses = kappa.calibration, plan.repetitions

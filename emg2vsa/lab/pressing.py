@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from emg2vsa.lab.judging import Judging
+from emg2vsa.lab.judging import WHOLE_PRESSES, Judging
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.pressed import Pressed
 from emg2vsa.lab.real_press import press_for_real
@@ -14,11 +14,12 @@ from emg2vsa.lab.same_presses import check_same_presses
 from emg2vsa.lab.virtual_runs import emulated_of, virtual_job
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.kappa.live_kappa import KappaPlan
-from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.plan import Condition, RunPlan
 from emg2vsa.rig.record.new_folder import new_folder, presses_left
-from emg2vsa.rig_file import RigFile
-from emg2vsa.rig_file.plans import Run, plans_of
+from emg2vsa.rig_file import RigFile, load_rig
+from emg2vsa.rig_file.plans import Run, chosen_runs, plans_of
 
+load = load_rig
 UNSAFE = (
     "The sequence ends here: {folder} was left with the probe NOT retracted, or motors NOT confirmed off. Switch off "
     "with emg2vsa rig off {rig}, take the probe away with emg2vsa rig home {rig}, and look at ended.json before you "
@@ -81,13 +82,42 @@ class Pressing:
         if not pressed.left_safe:
             self.person.warn(UNSAFE.format(folder=pressed.folder, rig=self.file.path))
 
-    def press_run(self, run: Run, judging: Judging, presses: int | None = None) -> Pressed:
-        """One run in a new folder: ``presses``, else those that it still lacks, else those of the experiment.
 
-        Raises as `plans`, `check_same`, `Judging.plans`, `folder` and `press`; what is no DeviceError comes before
-        anything has moved.
-        """
-        plans = self.plans((run,), presses or self.missing(run.name) or self.file.experiment.repetitions)
-        self.check_same(run.name, plans[run])
-        kappa = judging.plans(self.file, plans, emulated=self.emulated)[run]
-        return self.press(plans[run], self.folder(run.name), kappa)
+def press(
+    file: RigFile, specimen: str, angle_deg: float = 0.0, condition: Condition = "modular", mounting: int = 1, *,
+    presses: int | None = None, folder: str | Path | None = None, virtual: bool = False,
+    judging: Judging = WHOLE_PRESSES, person: Person = NOBODY,
+) -> Pressed:  # fmt: skip
+    """Press one specimen at one angle, degrees, under one condition of stiffness; where it is recorded, and its log.
+
+    Parameters
+    ----------
+    specimen, angle_deg, condition, mounting : a run of the experiment of ``file``.
+    presses : None: those that the run still lacks.
+    folder : of the runs, in which this one gets a folder of its own; None: that of the rig file.
+    virtual : on the emulated rig, faster than real time; else the devices of the rig file press, in real time.
+    judging : calibrations that tell the stiffness of the specimen while it is pressed.
+    person : who is told what goes on.
+
+    Raises
+    ------
+    SettingError, ScheduleError, DataError : no such run, a limit of the rig that it breaks, a schedule that is absent,
+    or a run that is done; nothing has moved. DeviceError : a device is absent, or another process uses the rig.
+
+    Examples
+    --------
+    >>> run = rig.press(rig.load("rig.toml"), "S3", 0, "modular", virtual=True)
+    >>> run.log.plot("depth_mm", "force_n")
+    """
+    pressing = pressing_of(file, folder, virtual, person)
+    (run,) = chosen_runs(file, [specimen], [angle_deg], [condition], [mounting])
+    plans = pressing.plans((run,), presses or pressing.missing(run.name) or file.experiment.repetitions)
+    pressing.check_same(run.name, plans[run])
+    kappa = judging.plans(file, plans, emulated=pressing.emulated)[run]
+    return pressing.press(plans[run], pressing.folder(run.name), kappa)
+
+
+def pressing_of(file: RigFile, folder: str | Path | None, virtual: bool, person: Person) -> Pressing:
+    """As `press` has them."""
+    usual = file.virtual_runs if virtual else file.runs
+    return Pressing(file, usual if folder is None else Path(folder), virtual, person)

@@ -8,14 +8,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from emg2vsa.lab.ending import summary
-from emg2vsa.lab.judging import Judging, say_kappa, say_reachable
+from emg2vsa.lab.judging import WHOLE_PRESSES, Judging, say_kappa, say_reachable
+from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.pressed import Pressed
-from emg2vsa.lab.pressing import Pressing
+from emg2vsa.lab.pressing import Pressing, pressing_of
 from emg2vsa.lab.virtual_runs import VirtualJob, carried_out, virtual_job
+from emg2vsa.pipeline.pool import available_cores
 from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.plan import RIGID, RunPlan
+from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run
-from emg2vsa.rig_file.sequence import RunOrder
+from emg2vsa.rig_file.sequence import Order, RunOrder, ordered, run_order
 
 DONE_BEFORE = "done before"
 _ROUNDS = 3
@@ -42,15 +45,33 @@ class RunsDone:
     took_s: float
 
 
-def press_in_order(pressing: Pressing, runs: Sequence[Run], order: RunOrder, judging: Judging) -> RunsDone:
-    """All presses that ``runs`` still lack, in ``order``; the person is asked to put each specimen there.
+def sequence(
+    file: RigFile, runs: Sequence[Run] = (), *, order: Order | None = None, seed: int | None = None, kept: bool = True,
+    presses: int | None = None, folder: str | Path | None = None, virtual: bool = False, jobs: int | None = None,
+    judging: Judging = WHOLE_PRESSES, person: Person = NOBODY,
+) -> RunsDone:  # fmt: skip
+    """All presses that the experiment still lacks, or only ``runs`` of it; a sequence that was stopped goes on.
 
-    A run whose presses were rejected is repeated; one that ends otherwise ends the sequence, which the same call takes
-    up again. So does one that leaves the probe on the specimen, or the motors on, however whole its presses are.
-    Raises as `Pressing.press_run`.
+    On the devices ``person`` is asked to place each specimen. A run whose presses were rejected is repeated there; one
+    that ends otherwise ends the sequence, and so does one that leaves the probe on the specimen, or the motors on.
+    A virtual sequence uses ``jobs`` processes, None: all cores, and tells what fails in one run in ``not_pressed``.
+
+    order, seed : None: those kept in the folder of the runs, else those of the rig file. kept : in order.json.
+    presses : of each run of a virtual sequence, instead of the experiment's. Else as `press`.
+
+    >>> done = rig.sequence(file, virtual=True)
+    >>> [(run.name, one.ended.how) for run, one in done.pressed]
     """
+    pressing = pressing_of(file, folder, virtual, person)
+    drawn = run_order(pressing.root, file.experiment, order, seed) if kept else ordered(file.experiment, order, seed)
+    todo = tuple(run for run in drawn.runs if not runs or run in runs)
+    if virtual:
+        return _side_by_side(pressing, todo, drawn, judging, presses, jobs or available_cores())
+    return _in_order(pressing, todo, drawn, judging)
+
+
+def _in_order(pressing: Pressing, todo: tuple[Run, ...], order: RunOrder, judging: Judging) -> RunsDone:
     start, person = time.monotonic(), pressing.person
-    todo = tuple(run for run in order.runs if run in runs)
     plans = _plans(pressing, todo)
     judged = judging.plans(pressing.file, plans, emulated=pressing.emulated)
     pressed: list[tuple[Run, Pressed]] = []
@@ -85,16 +106,10 @@ def press_in_order(pressing: Pressing, runs: Sequence[Run], order: RunOrder, jud
     return RunsDone(pressing.root, order, todo, tuple(pressed), {}, left, good, time.monotonic() - start)
 
 
-def press_side_by_side(
-    pressing: Pressing, runs: Sequence[Run], order: RunOrder, judging: Judging, presses: int | None, jobs: int
+def _side_by_side(
+    pressing: Pressing, todo: tuple[Run, ...], order: RunOrder, judging: Judging, presses: int | None, jobs: int
 ) -> RunsDone:
-    """The presses that ``runs`` lack, on the emulated rig in ``jobs`` processes.
-
-    presses : of each run, instead of the experiment's. KeyboardInterrupt where a run was interrupted; else raises as
-    `Pressing.plans`, `Pressing.check_same` and `Judging.plans`. What fails in one run is told in ``not_pressed``.
-    """
     start, person, file = time.monotonic(), pressing.person, pressing.file
-    todo = tuple(run for run in order.runs if run in runs)
     plans = _plans(pressing, todo, presses)
     judged = judging.plans(file, plans, emulated=True)
     for line in laxer_guards(file.rig):

@@ -1,4 +1,5 @@
 from emg2vsa.lab.adaptive_runs import AdaptiveRuns as AdaptiveRuns
+from emg2vsa.lab.adaptive_runs import adaptive as adaptive
 from emg2vsa.lab.by_hand import home as home
 from emg2vsa.lab.by_hand import jog as jog
 from emg2vsa.lab.by_hand import off as off
@@ -13,16 +14,15 @@ from emg2vsa.lab.device_states import info as info
 from emg2vsa.lab.device_states import scan as scan
 from emg2vsa.lab.dry_runs import dry_run as dry_run
 from emg2vsa.lab.emulation import emulation as emulation
-from emg2vsa.lab.experiment import adaptive as adaptive
-from emg2vsa.lab.experiment import load as load
-from emg2vsa.lab.experiment import plates as plates
-from emg2vsa.lab.experiment import press as press
-from emg2vsa.lab.experiment import sequence as sequence
 from emg2vsa.lab.judging import Judging as Judging
 from emg2vsa.lab.next_press import next_presses as next_presses
 from emg2vsa.lab.person import Person as Person
+from emg2vsa.lab.plate_runs import plates as plates
 from emg2vsa.lab.pressed import Pressed as Pressed
+from emg2vsa.lab.pressing import load as load
+from emg2vsa.lab.pressing import press as press
 from emg2vsa.lab.sequence import RunsDone as RunsDone
+from emg2vsa.lab.sequence import sequence as sequence
 from emg2vsa.lab.watch import watch as watch
 
 __all__ = [

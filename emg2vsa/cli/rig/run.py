@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 from casr.command_line import Commands, add_command, add_json
 from emg2vsa.cli.arguments import add_jobs, jobs_of
@@ -34,39 +35,35 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     check_options(arguments)
-    from emg2vsa.cli.rig import run_words as words
-    from emg2vsa.lab.pressing import Pressing
     from emg2vsa.rig_file import load_rig
-    from emg2vsa.rig_file.sequence import ordered, run_order
 
-    file, person = load_rig(arguments.rig), person_of(arguments)
+    file = load_rig(arguments.rig)
     check_for(arguments, file)
-    root = arguments.out or (file.virtual_runs if arguments.virtual else file.runs)
-    pressing, judging, presses = (
-        Pressing(file, root, arguments.virtual, person),
-        judging_of(arguments),
-        arguments.repetitions,
-    )
+    from emg2vsa.cli.rig import run_words as words
+
+    virtual, presses, as_json = arguments.virtual, arguments.repetitions, arguments.json
+    root = arguments.out or (file.virtual_runs if virtual else file.runs)
+    where: dict[str, Any] = {"folder": root, "virtual": virtual, "person": person_of(arguments)}
     if arguments.plate:
-        from emg2vsa.lab.plate_runs import press_plates
+        from emg2vsa.lab.plate_runs import plates
 
-        return words.plates(press_plates(pressing, arguments.plate), root, as_json=arguments.json)
+        return words.plates(plates(file, arguments.plate, **where), root, as_json=as_json)
+    judging = judging_of(arguments)
     if arguments.adaptive:
-        from emg2vsa.lab.adaptive_runs import press_adaptively
+        from emg2vsa.lab.adaptive_runs import adaptive
 
-        done = press_adaptively(pressing, arguments.specimen[0], judging, presses)
-        return words.adaptive(done, as_json=arguments.json)
-    from emg2vsa.lab.sequence import press_in_order, press_side_by_side
-
+        done = adaptive(file, arguments.specimen[0], judging, presses=presses, **where)
+        return words.adaptive(done, as_json=as_json)
     runs = runs_chosen(arguments, file)
-    order = run_order(root, file.experiment, arguments.order, arguments.seed) if arguments.all else None
-    if arguments.virtual:
-        order, jobs = order or ordered(file.experiment), jobs_of(arguments)
-        made = press_side_by_side(pressing, runs, order, judging, presses, jobs)
-        return words.side_by_side(made, file, as_json=arguments.json)
-    if order:
-        return words.in_order(press_in_order(pressing, runs, order, judging), as_json=arguments.json)
+    if arguments.all or virtual:
+        from emg2vsa.lab.sequence import sequence
+
+        chosen = {"order": arguments.order, "seed": arguments.seed, "kept": arguments.all, "presses": presses}
+        made = sequence(file, runs, **chosen, jobs=jobs_of(arguments), judging=judging, **where)
+        return words.side_by_side(made, file, as_json=as_json) if virtual else words.in_order(made, as_json=as_json)
     words.tell_left(file, root)
     if len(runs) != 1:
-        return words.to_do(pressing, runs, as_json=arguments.json)
-    return words.one(pressing.press_run(runs[0], judging, presses), as_json=arguments.json)
+        return words.to_do(file, root, runs, as_json=as_json)
+    from emg2vsa.lab.pressing import press
+
+    return words.one(press(file, *runs[0], presses=presses, judging=judging, **where), as_json=as_json)

@@ -71,7 +71,8 @@ def check_for(arguments: argparse.Namespace, file: RigFile) -> None:
     told = {"angle": fixed, "condition": fixed, "mounting": "every new mounting gets the next number"}
     for name, why in told.items():
         if given := getattr(arguments, name):
-            _refuse(f"--{name}", "no choice of runs beside --adaptive", f"{given[0]}", f"Leave it out: {why.format(name)}.")
+            do = f"Leave it out: {why.format(name)}."
+            _refuse(f"--{name}", "no choice of runs beside --adaptive", str(given[0]), do)
     if len(arguments.specimen) != 1:
         _refuse("--specimen", "one specimen", ", ".join(arguments.specimen) or "none", "Name the unknown specimen.")
     if not arguments.calibration:

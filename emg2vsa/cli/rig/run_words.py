@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 
 from casr.command_line import print_json
 from emg2vsa.lab.pressed import Pressed
-from emg2vsa.lab.pressing import Pressing
 from emg2vsa.lab.sequence import DONE_BEFORE, RunsDone
-from emg2vsa.rig.record.new_folder import how_ended
+from emg2vsa.rig.record.new_folder import how_ended, presses_left
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run
 from emg2vsa.run_folders.find import left_by_emulator
@@ -38,18 +37,19 @@ def tell_left(file: RigFile, root: Path) -> None:
         )
 
 
-def to_do(pressing: Pressing, runs: Sequence[Run], *, as_json: bool) -> int:
+def to_do(file: RigFile, root: Path, runs: Sequence[Run], *, as_json: bool) -> int:
     """What is still to do, as options to copy."""
-    experiment = pressing.file.experiment
-    left = {run: count for run in runs if (count := pressing.missing(run.name))}
+    presses, emulated = file.experiment.repetitions, file.leads_to_emulated
+    lacking = {run: presses_left(root, run.name, presses, emulated=emulated) for run in runs}
+    left = {run: count for run, count in lacking.items() if count}
     if as_json:
         listed = [run._asdict() | {"presses_left": count} for run, count in left.items()]
         print_json({"runs": len(runs), "to_do": listed})
         return 0
     for run, count in left.items():
-        how, presses = how_ended(pressing.root / run.name), experiment.repetitions
+        how = how_ended(root / run.name)
         note = f"   # {how} before, {presses - count} of {presses} presses" if how else ""
-        again = f" --mounting {run.mounting}" if experiment.mountings > 1 else ""
+        again = f" --mounting {run.mounting}" if file.experiment.mountings > 1 else ""
         print(f"--specimen {run.specimen} --angle {run.angle_deg:g} --condition {run.condition}{again}{note}")
     do = "Name one as listed; --all leads through them; --virtual emulates them."
     again = "To repeat one, move its folder away, or choose another folder with --out."

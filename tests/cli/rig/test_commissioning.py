@@ -16,8 +16,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from emg2vsa.lab.rig_lock import lock_path, rig_lock, rig_user
 from emg2vsa.errors import DeviceError
+from emg2vsa.lab.person import Person
+from emg2vsa.lab.rig_lock import lock_path, rig_lock, rig_user
 from emg2vsa.rig.rig_settings import RigSettings
 
 Rig = Callable[..., tuple[int, str, str]]
@@ -90,8 +91,8 @@ def test_four_wrong_settings_are_found_and_mended(rig: Rig, served: SimpleNamesp
 def test_settings_are_not_written_unasked(rig: Rig, served: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> None:
     served.path.write_text("[rig]\npush_axis = [1, 0, 0]\n\n" + served.path.read_text())
     before = served.path.read_text()
-    monkeypatch.setattr("emg2vsa.cli.rig.choice._asked", not_written)
-    status, out, _ = rig("commission", served.path)
+    monkeypatch.setattr(Person, "agrees", lambda nobody, question: question == "Ready?")
+    status, out, _ = rig("commission", served.path, "--yes")
     assert status == 1
     assert "push_axis           1, 0, 0           0, 0, 1           WRONG" in out
     assert served.path.read_text() == before

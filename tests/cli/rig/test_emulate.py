@@ -15,8 +15,8 @@ from typing import Any
 
 import pytest
 
-from emg2vsa.lab.emulation import check_replaceable, served_file, toml_lines
 from emg2vsa.errors import SettingError
+from emg2vsa.lab.emulation import check_replaceable, served_file, toml_lines
 from emg2vsa.rig_file import load_rig
 from emg2vsa.run_folders.presses import is_simulated
 
