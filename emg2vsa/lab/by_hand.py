@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import signal
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -13,6 +13,7 @@ from typing import Any
 
 from casr.atomic import write_text_atomic
 from emg2vsa.errors import DeviceError, SettingError
+from emg2vsa.lab.device_states import shown
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.rig_lock import end_user, rig_lock, stop_unnamed_run
 from emg2vsa.rig.clock import WallClock
@@ -97,23 +98,16 @@ class Off:
 
 @dataclass(frozen=True)
 class BoardParameters:
-    """where : port and id of the device. parameters : by their number."""
+    """where : port and id of the device. parameters : in the order of their numbers."""
 
     where: str
     info: QbmoveInfo
-    parameters: Mapping[int, Parameter]
+    parameters: tuple[Parameter, ...]
 
     def document(self) -> dict[str, Any]:
         """For JSON."""
-        listed = {str(each.number): {"name": each.name, "values": list(each.values)} for each in self._each()}
+        listed = {str(each.number): {"name": each.name, "values": list(each.values)} for each in self.parameters}
         return {"firmware": self.info.firmware, "device_id": self.info.device_id, "parameters": listed}
-
-    def lines(self) -> Iterator[str]:
-        """A line for each."""
-        return (f"{each.number:>2} {each.name:<28} {shown(each.values)}" for each in self._each())
-
-    def _each(self) -> Iterator[Parameter]:
-        return iter(self.parameters.values())
 
 
 @dataclass(frozen=True)
@@ -294,7 +288,7 @@ def parameters(
     DeviceError : the device is absent or its motors are on, or another process uses the rig.
     """
     with _held_board(file, motor) as board:
-        found = BoardParameters(board.where, board_info(board), board.parameters())
+        found = BoardParameters(board.where, board_info(board), tuple(board.parameters().values()))
         if backup:
             if backup.exists():
                 do = "Choose another name for --backup."
@@ -302,19 +296,13 @@ def parameters(
             write_text_atomic(backup, json.dumps(found.document(), indent=2) + "\n")
         if change:
             number, values = change
-            was = shown(found.parameters[number].values) if number in found.parameters else "nothing"
-            if not person.agrees(
-                f"Set parameter {number} of {board.where} from {was} to {shown(values)}, and store it?"
-            ):
+            was = next((shown(each.values) for each in found.parameters if each.number == number), "nothing")
+            new = shown(values)
+            if not person.agrees(f"Set parameter {number} of {board.where} from {was} to {new}, and store it?"):
                 return None
             board.set_parameter(number, values)
-            found = replace(found, parameters=board.parameters())
+            found = replace(found, parameters=tuple(board.parameters().values()))
     return found
-
-
-def shown(values: tuple[float, ...]) -> str:
-    """``1, 2.5``."""
-    return ", ".join(f"{value:g}" for value in values)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, ForceS
 from emg2vsa.rig.force.net_ft import NetFt
 from emg2vsa.rig.open_rig import board_info, open_board, open_camera, open_force, within_device
 from emg2vsa.rig.qbmove.driver import Qbmove
-from emg2vsa.rig.qbmove.info import QbmoveInfo, check_kind
+from emg2vsa.rig.qbmove.info import Parameter, QbmoveInfo, check_kind
 from emg2vsa.rig.qbmove.limits import QbmoveLimits
 from emg2vsa.rig.qbmove.scan import qbmove_ports
 from emg2vsa.rig.qbmove.scan import scan as answering
@@ -130,8 +130,17 @@ def _board(settings: ActuatorSettings | MotorSettings, rig: RigSettings, clock: 
         )
         yield "parameters:"
         for parameter in board.parameters().values():
-            values = ", ".join(f"{value:g}" for value in parameter.values)
-            yield f"  {parameter.number:>2} {parameter.name:<28} {values}"
+            yield f"  {parameter_line(parameter)}"
+
+
+def parameter_line(parameter: Parameter) -> str:
+    """Number, name and values."""
+    return f"{parameter.number:>2} {parameter.name:<28} {shown(parameter.values)}"
+
+
+def shown(values: Sequence[float]) -> str:
+    """``1, 2.5``."""
+    return ", ".join(f"{value:g}" for value in values)
 
 
 def _force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> Lines:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict
 from pathlib import Path
 
-from casr.command_line import Commands, add_command, add_json, print_json
+from casr.command_line import Commands, add_command, add_json
+from emg2vsa.cli.rig.choice import finish
 
 
 def add_to(commands: Commands) -> None:
@@ -30,20 +30,19 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.run_folders.camera_delay import SYSTEMATIC_S
 
     found = camera_delay(arguments.runs)
-    if arguments.json:
-        print_json(asdict(found))
-        return 0
-    for why in found.left_out:
-        print(f"left out: {why}")
-    print(f"presses: {len(found.by_press_s)}, of {_ms(min(found.by_press_s))} to {_ms(max(found.by_press_s))}")
+    unchanged = abs(found.delay_s - found.set_s) <= found.half_width_s + SYSTEMATIC_S
     interval = f"95 % interval of half width {_ms(found.half_width_s)}"
-    print(f"delay: {_ms(found.delay_s)}, {interval}, and up to {_ms(SYSTEMATIC_S)} of the method")
-    print(f"set when they were recorded: {_ms(found.set_s)}")
-    if abs(found.delay_s - found.set_s) <= found.half_width_s + SYSTEMATIC_S:
-        print("what is set lies within that: nothing to change")
-    else:
-        print(f"for the rig file, in [camera]:\ndelay_s = {max(0.0, found.delay_s):.4f}")
-    return 0
+    return finish(
+        arguments,
+        found,
+        *(f"left out: {why}" for why in found.left_out),
+        f"presses: {len(found.by_press_s)}, of {_ms(min(found.by_press_s))} to {_ms(max(found.by_press_s))}",
+        f"delay: {_ms(found.delay_s)}, {interval}, and up to {_ms(SYSTEMATIC_S)} of the method",
+        f"set when they were recorded: {_ms(found.set_s)}",
+        "what is set lies within that: nothing to change"
+        if unchanged
+        else f"for the rig file, in [camera]:\ndelay_s = {max(0.0, found.delay_s):.4f}",
+    )
 
 
 def _ms(seconds: float) -> str:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from casr.command_line import Commands, add_command, add_json, whole_number
+from casr.command_line import Commands, add_command, add_json, print_json, whole_number
 from casr.terminal import note
 
 if TYPE_CHECKING:
@@ -60,6 +61,15 @@ def person_of(arguments: argparse.Namespace) -> Person:
     say = NOBODY.say if arguments.json else partial(print, flush=True)
     hint = NOBODY.hint if arguments.json else _complain
     return Person(say, hint, _complain, note, None if getattr(arguments, "yes", False) else _asked)
+
+
+def finish(arguments: argparse.Namespace, result: Any, *lines: str, good: bool = True) -> int:
+    """The result with --json, a dict or a dataclass; else these lines. Exit status."""
+    if arguments.json:
+        print_json(result if isinstance(result, dict) else asdict(result))
+    elif lines:
+        print("\n".join(lines))
+    return int(not good)
 
 
 def _complain(line: str) -> None:

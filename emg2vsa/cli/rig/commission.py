@@ -6,8 +6,8 @@ import argparse
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from casr.command_line import Commands, print_json
-from emg2vsa.cli.rig.choice import add_hand_command, person_of
+from casr.command_line import Commands
+from emg2vsa.cli.rig.choice import add_hand_command, finish, person_of
 
 if TYPE_CHECKING:
     from emg2vsa.rig.commissioning.checks import Check
@@ -45,9 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     for check in checks:
         person.say(_row(check))
     good = mend_settings(file, checks, person)
-    if arguments.json:
-        print_json({"checks": [asdict(check) for check in checks], "good": good})
-    return int(not good)
+    return finish(arguments, {"checks": [asdict(check) for check in checks], "good": good}, good=good)
 
 
 def _row(check: Check) -> str:

@@ -6,11 +6,14 @@ import argparse
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from casr.command_line import Commands, add_command, add_json, print_json
-from emg2vsa.cli.rig.choice import add_choice, add_rig, runs_chosen
+from casr.command_line import Commands, add_command, add_json
+from emg2vsa.cli.rig.choice import add_choice, add_rig, finish, runs_chosen
 
 if TYPE_CHECKING:
-    from emg2vsa.rig.executor.dry_run import DryRun, Leg
+    from emg2vsa.rig.executor.dry_run import DryRun
+
+_COLUMNS = "position, ticks", "preset, ticks", "force, N"
+_HEAD = f"{'run':<26}{'presses':>8}" + "".join(map("{:>16}".format, _COLUMNS)) + f"{'largest, N':>12}{'at most, s':>12}"
 
 
 def add_to(commands: Commands) -> None:
@@ -25,9 +28,8 @@ def add_to(commands: Commands) -> None:
     )
     add_rig(parser)
     add_choice(parser)
-    parser.add_argument(
-        "--details", action="store_true", help="list every part of a press: ramps, rests and force steps"
-    )
+    every = "list every part of a press: ramps, rests and force steps"
+    parser.add_argument("--details", action="store_true", help=every)
     add_json(parser)
 
 
@@ -41,47 +43,41 @@ def run(arguments: argparse.Namespace) -> int:
     order = ordered(file.experiment)
     told = {run.name: found for run, found in dry_run(file, runs_chosen(arguments, file)).items()}
     good = {name: found for name, found in told.items() if not isinstance(found, str)}
-    if arguments.json:
-        runs = {name: asdict(good[name]) if name in good else {"problem": found} for name, found in told.items()}
-        sequence = {"order": order.order, "seed": order.seed, "sequence": list(told)}
-        print_json({"limits": limits(file), "runs": runs} | sequence)
-        return int(len(good) < len(told))
+    runs = {name: asdict(good[name]) if name in good else {"problem": found} for name, found in told.items()}
     lines = [f"{name}: {value}" for name, value in limits(file).items()]
-    lines += [f"order of the runs: {order}", *laxer_guards(file.rig), "", *([] if arguments.details else [_row()])]
+    lines += [f"order of the runs: {order}", *laxer_guards(file.rig), "" if arguments.details else f"\n{_HEAD}"]
+    text = _table if arguments.details else _row
     for name, found in told.items():
-        text = _table if arguments.details else _row
         lines.append(text(name, good[name]) if name in good else f"{name}: not possible. {found}")
-    seconds = sum(found.at_most_s for found in good.values())
-    print("\n".join(lines), f"\n\n{len(told)} runs, at most {seconds / 60:.1f} min; nothing was sent", sep="")
-    return int(len(good) < len(told))
+    minutes = sum(found.at_most_s for found in good.values()) / 60
+    lines.append(f"\n{len(told)} runs, at most {minutes:.1f} min; nothing was sent")
+    result = {"limits": limits(file), "runs": runs, "order": order.order, "seed": order.seed, "sequence": list(told)}
+    return finish(arguments, result, *lines, good=len(good) == len(told))
 
 
-def _row(name: str = "", found: DryRun | None = None) -> str:
-    columns = ["position, ticks", "preset, ticks", "force, N"]
-    first, presses, largest, at_most = "run", "presses", "largest, N", "at most, s"
-    if found:
-        presets, ticks = [leg.preset_ticks for leg in found.legs], [t for leg in found.legs for t in leg.position_ticks]
-        forces = [(0.0, 0.0) if leg.force_n is None else leg.force_n for leg in found.legs]
-        ends = (min(ticks), max(ticks)), (min(presets), max(presets)), (forces[0][0], max(high for _, high in forces))
-        columns = ["{:g} to {:g}".format(*both) for both in ends[2:]]
-        columns = [f"{low} to {high}" for low, high in ends[:2]] + columns
-        first, presses, largest, at_most = name, str(found.repetitions), _largest(found), f"{found.at_most_s:.1f}"
-    return f"{first:<26}{presses:>8}" + "".join(f"{each:>16}" for each in columns) + f"{largest:>12}{at_most:>12}"
+def _row(name: str, found: DryRun) -> str:
+    presets, ticks = (
+        [leg.preset_ticks for leg in found.legs],
+        [tick for leg in found.legs for tick in leg.position_ticks],
+    )
+    low_n, high_n = found.legs[0].force_n or (0.0, 0.0)
+    high_n = max([high_n, *(leg.force_n[1] for leg in found.legs if leg.force_n)])
+    columns = f"{min(ticks)} to {max(ticks)}", f"{min(presets)} to {max(presets)}", f"{low_n:g} to {high_n:g}"
+    ends = f"{_largest(found):>12}{found.at_most_s:>12.1f}"
+    return f"{name:<26}{found.repetitions:>8}" + "".join(f"{column:>16}" for column in columns) + ends
 
 
 def _largest(found: DryRun) -> str:
-    """Unknown where the stiffness of the specimen is."""
     return "unknown" if found.largest_force_n is None else f"{found.largest_force_n:.1f}"
 
 
 def _table(name: str, found: DryRun) -> str:
-    head = f"{name}: {found.repetitions} presses, at most {found.at_most_s:.1f} s"
-    columns = f"  {'phase':<10}{'position, ticks':>18}{'preset, ticks':>15}{'force, N':>15}{'at most, s':>12}"
-    force = f"  largest force to expect: {_largest(found)} N; at most {found.past_contact_mm:.1f} mm past contact"
-    return "\n".join([head, columns, *map(_line, found.legs), force, ""])
-
-
-def _line(leg: Leg) -> str:
-    position = "{} to {}".format(*leg.position_ticks)
-    force = "" if leg.force_n is None else "{:g} to {:g}".format(*leg.force_n)
-    return f"  {leg.phase:<10}{position:>18}{leg.preset_ticks:>15}{force:>15}{leg.at_most_s:>12.2f}"
+    lines = [f"{name}: {found.repetitions} presses, at most {found.at_most_s:.1f} s"]
+    lines.append(f"  {'phase':<10}{'position, ticks':>18}{'preset, ticks':>15}{'force, N':>15}{'at most, s':>12}")
+    for leg in found.legs:
+        position, force = "{} to {}".format(*leg.position_ticks), "{:g} to {:g}".format(*leg.force_n or (0, 0))
+        lines.append(
+            f"  {leg.phase:<10}{position:>18}{leg.preset_ticks:>15}{force if leg.force_n else '':>15}{leg.at_most_s:>12.2f}"
+        )
+    past = f"at most {found.past_contact_mm:.1f} mm past contact"
+    return "\n".join([*lines, f"  largest force to expect: {_largest(found)} N; {past}", ""])

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict
 
-from casr.command_line import Commands, print_json
-from emg2vsa.cli.rig.choice import add_hand_command
+from casr.command_line import Commands
+from emg2vsa.cli.rig.choice import add_hand_command, finish
 
 
 def add_to(commands: Commands) -> None:
@@ -25,13 +24,10 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.rig_file import load_rig
 
     at = home(load_rig(arguments.rig), motor=arguments.motor)
-    if arguments.json:
-        print_json(asdict(at))
-        return int(at.touched or at.force_remains)
-    print(f"shaft at {at.shaft_ticks} ticks, {at.from_home_mm:.2f} mm from home; motors off")
-    print("force {:.2f}, {:.2f}, {:.2f} N".format(*at.force_n))
+    remark = []
     if at.touched:
-        print("the force rose on the way: is home_ticks right? emg2vsa rig commission checks it")
+        remark = ["the force rose on the way: is home_ticks right? emg2vsa rig commission checks it"]
     elif at.force_remains:
-        print("a force remains: tare the sensor if the probe is free, else check home_ticks")
-    return int(at.touched or at.force_remains)
+        remark = ["a force remains: tare the sensor if the probe is free, else check home_ticks"]
+    where = f"shaft at {at.shaft_ticks} ticks, {at.from_home_mm:.2f} mm from home; motors off"
+    return finish(arguments, at, where, "force {:.2f}, {:.2f}, {:.2f} N".format(*at.force_n), *remark, good=not remark)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 
-from casr.command_line import Commands, add_command, add_json, print_json
-from emg2vsa.cli.rig.choice import add_rig, person_of
+from casr.command_line import Commands, add_command, add_json
+from emg2vsa.cli.rig.choice import add_rig, finish, person_of
 
 
 def add_to(commands: Commands) -> None:
@@ -27,6 +27,5 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.rig_file import load_rig
 
     devices = info(load_rig(arguments.rig), person_of(arguments))
-    if arguments.json:
-        print_json({"devices": [asdict(each) for each in devices]})
-    return int(not all(each.usable for each in devices))
+    result = {"devices": [asdict(each) for each in devices]}
+    return finish(arguments, result, good=all(each.usable for each in devices))

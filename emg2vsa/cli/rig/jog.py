@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict
 
-from casr.command_line import Commands, print_json
-from emg2vsa.cli.rig.choice import add_hand_command, person_of
+from casr.command_line import Commands
+from emg2vsa.cli.rig.choice import add_hand_command, finish, person_of
 
 
 def add_to(commands: Commands) -> None:
@@ -43,10 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
     names = ("mm", "deg", "deg_per_s", "limit_n", "motor")
     chosen = {name: getattr(arguments, name) for name in names}
     done = jog(load_rig(arguments.rig), **chosen, person=person_of(arguments))
-    if arguments.json:
-        print_json(asdict(done))
-        return int(done.touched)
     way = f"{done.moved_deg:.2f} degrees, {done.moved_mm:.2f} mm towards the specimen by the gear of the rig file"
-    print(f"shaft from {done.from_ticks} to {done.shaft_ticks} ticks: {way}")
-    print("force {:.2f}, {:.2f}, {:.2f} N above that at the start; motors off".format(*done.force_n))
-    return int(done.touched)
+    shaft = f"shaft from {done.from_ticks} to {done.shaft_ticks} ticks: {way}"
+    force = "force {:.2f}, {:.2f}, {:.2f} N above that at the start; motors off".format(*done.force_n)
+    return finish(arguments, done, shaft, force, good=not done.touched)

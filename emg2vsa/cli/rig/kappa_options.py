@@ -16,39 +16,24 @@ _WIDTHS = (0.5, 100.0)
 
 def add_kappa(parser: Group) -> None:
     """Kappa while the finger presses."""
-    parser.add_argument(
-        "--calibration",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="judge the stiffness of the specimen while it is pressed, by this calibration of emg2vsa run; repeat it "
-        "for other angles and conditions. kappa.csv in the folder of the run has a row for each frame",
+    add, beside = parser.add_argument, "with --calibration"
+    judge = "judge the stiffness of the specimen while it is pressed, by this calibration of emg2vsa run"
+    rows = "repeat it for other angles and conditions. kappa.csv in the folder of the run has a row for each frame"
+    add("--calibration", type=Path, action="append", default=[], metavar="FILE", help=f"{judge}; {rows}")
+    stop = (
+        "end the loading of a press when the 95 %% interval of kappa reaches no more than this share of kappa to "
+        "either side, or when the rest of the press would narrow it by less than a tenth. Such a press counts as done, "
+        "and is marked as stopped"
     )
-    parser.add_argument(
-        "--stop-at",
-        type=width,
-        metavar="PERCENT",
-        help="with --calibration: end the loading of a press when the 95 %% interval of kappa reaches no more than "
-        "this share of kappa to either side, or when the rest of the press would narrow it by less than a tenth. Such "
-        "a press "
-        "counts as done, and is marked as stopped",
+    add("--stop-at", type=width, metavar="PERCENT", help=f"{beside}: {stop}")
+    adaptive = (
+        "choose stiffness preset, angle and number of presses of each next run as emg2vsa rig next does, until "
+        "--stop-at is reached or no press would narrow the interval by a tenth. Judged presses of the specimen in the "
+        "folder of the runs count along. The command asks where an angle or a mounting must be changed by hand"
     )
-    parser.add_argument(
-        "--adaptive",
-        action="store_true",
-        help="with --calibration and one --specimen: choose stiffness preset, angle and number of presses of each next "
-        "run as emg2vsa rig next does, until --stop-at is reached or no press would narrow the interval by a tenth. "
-        "Judged presses of the specimen in the folder of the runs count along. The command asks where an angle or a "
-        "mounting must be changed by hand",
-    )
-    parser.add_argument(
-        "--camera",
-        type=Path,
-        metavar="FILE",
-        help="with --calibration: camera.toml of the tactile camera (default: camera.toml beside the rig file; an "
-        "emulated rig has its own)",
-    )
+    add("--adaptive", action="store_true", help=f"{beside} and one --specimen: {adaptive}")
+    camera = "camera.toml of the tactile camera (default: camera.toml beside the rig file; an emulated rig has its own)"
+    add("--camera", type=Path, metavar="FILE", help=f"{beside}: {camera}")
 
 
 def width(text: str) -> float:

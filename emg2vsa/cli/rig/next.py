@@ -7,7 +7,8 @@ from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
-from casr.command_line import Commands, add_command, add_json, print_json
+from casr.command_line import Commands, add_command, add_json
+from emg2vsa.cli.rig.choice import finish
 from emg2vsa.cli.rig.kappa_options import width
 
 _SHOWN = 10
@@ -40,24 +41,22 @@ def run(arguments: argparse.Namespace) -> int:
 
     found = next_presses(arguments.calibration, arguments.done, arguments.presses, arguments.stop_at)
     names, chosen = found.calibrations, found.chosen
-    if arguments.json:
-        documents = [asdict(each) | {"calibration": names[each.calibration]} for each in found.options]
-        named = asdict(chosen) | {"calibration": names[chosen.calibration]} if chosen else None
-        print_json({"belief": asdict(found.belief), "next": named, "options": documents})
-        return int(chosen is None)
-    print(f"kappa so far: {found.belief}")
-    print(f"{'calibration':<28}{'presses':>8}{'mounting':>10}{'half width after':>18}{'information, bits':>19}")
+    documents = [asdict(each) | {"calibration": names[each.calibration]} for each in found.options]
+    named = asdict(chosen) | {"calibration": names[chosen.calibration]} if chosen else None
+    lines = [f"kappa so far: {found.belief}"]
+    lines.append(f"{'calibration':<28}{'presses':>8}{'mounting':>10}{'half width after':>18}{'information, bits':>19}")
     for choice in found.options[:_SHOWN]:
-        print(
-            f"{names[choice.calibration]:<28}{choice.presses:>8}{'new' if choice.remount else 'same':>10}"
-            f"{f'{choice.half_width:.1%}':>18}{choice.bits:>19.2f}"
-        )
+        mounting, width_after = "new" if choice.remount else "same", f"{choice.half_width:.1%}"
+        name = names[choice.calibration]
+        lines.append(f"{name:<28}{choice.presses:>8}{mounting:>10}{width_after:>18}{choice.bits:>19.2f}")
     if chosen is None:
-        print("No further press is needed: the width is reached, or no press would narrow it by a tenth.")
+        lines.append("No further press is needed: the width is reached, or no press would narrow it by a tenth.")
     else:
         again = "Mount the specimen anew and press" if chosen.remount else "Press"
-        print(f"Next: {again} by {names[chosen.calibration]}. It gives the most information for each press.")
-    return int(chosen is None)
+        by = names[chosen.calibration]
+        lines.append(f"Next: {again} by {by}. It gives the most information for each press.")
+    result = {"belief": asdict(found.belief), "next": named, "options": documents}
+    return finish(arguments, result, *lines, good=chosen is not None)
 
 
 def _presses(text: str) -> int:

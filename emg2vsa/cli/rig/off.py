@@ -6,8 +6,8 @@ import argparse
 from dataclasses import asdict
 from pathlib import Path
 
-from casr.command_line import Commands, add_command, add_json, print_json
-from emg2vsa.cli.rig.choice import person_of
+from casr.command_line import Commands, add_command, add_json
+from emg2vsa.cli.rig.choice import finish, person_of
 
 
 def add_to(commands: Commands) -> None:
@@ -38,6 +38,5 @@ def run(arguments: argparse.Namespace) -> int:
     person = person_of(arguments)
     by_port = ActuatorSettings(port=arguments.port, id=arguments.id)
     boards = (board_off("device", by_port, person),) if arguments.port else off(arguments.rig, person)
-    if arguments.json:
-        print_json({"devices": [asdict(each) for each in boards]})
-    return int(any(each.problem for each in boards))
+    result = {"devices": [asdict(each) for each in boards]}
+    return finish(arguments, result, good=not any(each.problem for each in boards))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from casr.command_line import Commands, print_json
-from emg2vsa.cli.rig.choice import add_hand_command, person_of
+from casr.command_line import Commands
+from emg2vsa.cli.rig.choice import add_hand_command, finish, person_of
 
 _ID = 1
 
@@ -29,21 +29,16 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.lab.by_hand import parameters
+    from emg2vsa.lab.device_states import parameter_line
     from emg2vsa.rig_file import load_rig
 
     chosen = {"change": arguments.set, "backup": arguments.backup, "motor": arguments.motor}
     found = parameters(load_rig(arguments.rig), **chosen, person=person_of(arguments))
     if found is None:
         return 1
-    if arguments.json:
-        print_json(found.document())
-        return 0
-    print(f"{found.where}: {found.info.firmware}")
-    for line in found.lines():
-        print(f"  {line}")
-    if arguments.backup:
-        print(f"written: {arguments.backup}")
-    return 0
+    lines = [f"{found.where}: {found.info.firmware}", *(f"  {parameter_line(each)}" for each in found.parameters)]
+    lines += [f"written: {arguments.backup}"] if arguments.backup else []
+    return finish(arguments, found.document(), *lines)
 
 
 def _setting(text: str) -> tuple[int, tuple[float, ...]]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 
-from casr.command_line import Commands, print_json
-from emg2vsa.cli.rig.choice import add_hand_command, person_of
+from casr.command_line import Commands
+from emg2vsa.cli.rig.choice import add_hand_command, finish, person_of
 
 
 def add_to(commands: Commands) -> None:
@@ -32,10 +32,11 @@ def run(arguments: argparse.Namespace) -> int:
     if found is None:
         return 1
     proof = found.proof
-    if arguments.json:
-        print_json(asdict(proof) | {"device": found.where, "written": str(found.path)})
-        return int(proof.verdict != "motors off")
-    print(f"{found.where}, {proof.firmware}: silent for {proof.silence_s:g} s with watchdog_s = {proof.watchdog_s:g}")
-    print(f"moved by one command: {proof.moved_before_ticks} ticks before, {proof.moved_after_ticks} ticks after")
-    print(f"{proof.verdict}: {SAID[proof.verdict]}\nwritten: {found.path}")
-    return int(proof.verdict != "motors off")
+    lines = (
+        f"{found.where}, {proof.firmware}: silent for {proof.silence_s:g} s with watchdog_s = {proof.watchdog_s:g}",
+        f"moved by one command: {proof.moved_before_ticks} ticks before, {proof.moved_after_ticks} ticks after",
+        f"{proof.verdict}: {SAID[proof.verdict]}",
+        f"written: {found.path}",
+    )
+    result = asdict(proof) | {"device": found.where, "written": str(found.path)}
+    return finish(arguments, result, *lines, good=proof.verdict == "motors off")

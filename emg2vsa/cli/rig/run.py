@@ -7,7 +7,7 @@ from typing import Any
 
 from casr.command_line import Commands, add_command, add_json
 from emg2vsa.cli.arguments import add_jobs, jobs_of
-from emg2vsa.cli.rig.choice import add_choice, add_rig, person_of, runs_chosen
+from emg2vsa.cli.rig.choice import add_choice, add_rig, finish, person_of, runs_chosen
 from emg2vsa.cli.rig.kappa_options import add_kappa, judging_of
 from emg2vsa.cli.rig.run_options import add_run_options, check_for, check_options
 
@@ -41,29 +41,29 @@ def run(arguments: argparse.Namespace) -> int:
     check_for(arguments, file)
     from emg2vsa.cli.rig import run_words as words
 
-    virtual, presses, as_json = arguments.virtual, arguments.repetitions, arguments.json
+    virtual, presses = arguments.virtual, arguments.repetitions
     root = arguments.out or (file.virtual_runs if virtual else file.runs)
     where: dict[str, Any] = {"folder": root, "virtual": virtual, "person": person_of(arguments)}
     if arguments.plate:
         from emg2vsa.lab.plate_runs import plates
 
-        return words.plates(plates(file, arguments.plate, **where), root, as_json=as_json)
-    judging = judging_of(arguments)
+        return words.plates(arguments, plates(file, arguments.plate, **where), root)
+    where["judging"] = judging_of(arguments)
     if arguments.adaptive:
         from emg2vsa.lab.adaptive_runs import adaptive
 
-        done = adaptive(file, arguments.specimen[0], judging, presses=presses, **where)
-        return words.adaptive(done, as_json=as_json)
+        return words.adaptive(arguments, adaptive(file, arguments.specimen[0], presses=presses, **where))
     runs = runs_chosen(arguments, file)
     if arguments.all or virtual:
         from emg2vsa.lab.sequence import sequence
 
         chosen = {"order": arguments.order, "seed": arguments.seed, "kept": arguments.all, "presses": presses}
-        made = sequence(file, runs, **chosen, jobs=jobs_of(arguments), judging=judging, **where)
-        return words.side_by_side(made, file, as_json=as_json) if virtual else words.in_order(made, as_json=as_json)
+        done = sequence(file, runs, **chosen, jobs=jobs_of(arguments), **where)
+        return words.side_by_side(arguments, done, file) if virtual else words.in_order(arguments, done)
     words.tell_left(file, root)
     if len(runs) != 1:
-        return words.to_do(file, root, runs, as_json=as_json)
+        return words.to_do(arguments, file, root, runs)
     from emg2vsa.lab.pressing import press
 
-    return words.one(press(file, *runs[0], presses=presses, judging=judging, **where), as_json=as_json)
+    one = press(file, *runs[0], presses=presses, **where)
+    return finish(arguments, one.document(), good=one.completed)

@@ -17,20 +17,14 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     where = "folder of the runs (default: the folder of the rig file; emulated runs go into another folder beside it)"
     add("--out", type=Path, metavar="DIR", help=where)
-    presses = (
-        "number of presses (default: those that the run still lacks). With --adaptive: the largest number of "
-        "presses (default: [experiment] repetitions for each calibration)"
-    )
-    add("--repetitions", type=whole_number, metavar="N", help=presses)
-    every = (
-        "do all chosen runs one after the other: place the specimen, press Enter; continues a stopped sequence "
-        "and repeats rejected presses"
-    )
-    add("--all", action="store_true", help=every)
-    order = (
-        "with --all: random order, or as the rig file lists the runs (default: [experiment] order); order.json keeps it"
-    )
-    add("--order", choices=("random", "listed"), help=order)
+    one = "number of presses (default: those that the run still lacks)"
+    unknown = "the largest number of presses (default: [experiment] repetitions for each calibration)"
+    add("--repetitions", type=whole_number, metavar="N", help=f"{one}. With --adaptive: {unknown}")
+    every = "do all chosen runs one after the other: place the specimen, press Enter"
+    again = "continues a stopped sequence and repeats rejected presses"
+    add("--all", action="store_true", help=f"{every}; {again}")
+    order = "random order, or as the rig file lists the runs (default: [experiment] order); order.json keeps it"
+    add("--order", choices=("random", "listed"), help=f"with --all: {order}")
     seed = "with --all: seed of the random order (default: [experiment] seed)"
     add("--seed", type=int, metavar="N", help=seed)
     add("--yes", action="store_true", help="with --all: ask no questions (for scripts)")

@@ -8,8 +8,8 @@ from functools import partial
 from pathlib import Path
 from typing import get_args
 
-from casr.command_line import Commands, add_command, add_json, print_json, whole_number
-from emg2vsa.cli.rig.choice import person_of
+from casr.command_line import Commands, add_command, add_json, whole_number
+from emg2vsa.cli.rig.choice import finish, person_of
 from emg2vsa.rig.serial_speed import BAUD, Baud
 
 
@@ -42,9 +42,8 @@ def run(arguments: argparse.Namespace) -> int:
     devices = scan(file, **asked, person=person)
     if none := not any(not each.device.startswith("[") for each in devices):
         person.say("no serial port with a qbmove's adapter; name another with --port")
-    if arguments.json:
-        print_json({"devices": [asdict(each) for each in devices]})
-    return int(none or not all(each.usable for each in devices))
+    result = {"devices": [asdict(each) for each in devices]}
+    return finish(arguments, result, good=not none and all(each.usable for each in devices))
 
 
 def _device_id(text: str) -> int:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict
 
-from casr.command_line import Commands, add_command, add_json, print_json
-from emg2vsa.cli.rig.choice import add_rig
+from casr.command_line import Commands, add_command, add_json
+from emg2vsa.cli.rig.choice import add_rig, finish
 
 
 def add_to(commands: Commands) -> None:
@@ -28,9 +27,5 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.rig_file import load_rig
 
     found = tare(load_rig(arguments.rig))
-    if arguments.json:
-        print_json(asdict(found))
-    else:
-        print("before: {:.3f}, {:.3f}, {:.3f} N".format(*found.before_n))
-        print("now: {:.3f}, {:.3f}, {:.3f} N".format(*found.force_n))
-    return int(not found.good)
+    before = "before: {:.3f}, {:.3f}, {:.3f} N".format(*found.before_n)
+    return finish(arguments, found, before, "now: {:.3f}, {:.3f}, {:.3f} N".format(*found.force_n), good=found.good)

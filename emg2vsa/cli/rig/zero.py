@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 
-from casr.command_line import Commands, print_json
-from emg2vsa.cli.rig.choice import add_hand_command, person_of
+from casr.command_line import Commands
+from emg2vsa.cli.rig.choice import add_hand_command, finish, person_of
 
 
 def add_to(commands: Commands) -> None:
@@ -29,9 +29,6 @@ def run(arguments: argparse.Namespace) -> int:
     done = zero(file, motor=arguments.motor, person=person_of(arguments))
     if done is None:
         return 1
-    if arguments.json:
-        print_json(asdict(done) | {"home_ticks": file.rig.home_ticks})
-        return 0
-    print("now {}, {} and {} ticks, stored".format(*done.ticks))
-    print(f"home_ticks = {file.rig.home_ticks} of {file.path} counts from the new zero: check it")
-    return 0
+    at, home_ticks = "now {}, {} and {} ticks, stored".format(*done.ticks), file.rig.home_ticks
+    check = f"home_ticks = {home_ticks} of {file.path} counts from the new zero: check it"
+    return finish(arguments, asdict(done) | {"home_ticks": home_ticks}, at, check)
