@@ -47,8 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
     lines = [f"{name}: {value}" for name, value in limits(file).items()]
     lines += [f"order of the runs: {order}", *laxer_guards(file.rig), "" if arguments.details else f"\n{_HEAD}"]
     text = _table if arguments.details else _row
-    for name, found in told.items():
-        lines.append(text(name, good[name]) if name in good else f"{name}: not possible. {found}")
+    lines += [text(name, good[name]) if name in good else f"{name}: not possible. {why}" for name, why in told.items()]
     minutes = sum(found.at_most_s for found in good.values()) / 60
     lines.append(f"\n{len(told)} runs, at most {minutes:.1f} min; nothing was sent")
     result = {"limits": limits(file), "runs": runs, "order": order.order, "seed": order.seed, "sequence": list(told)}
@@ -76,8 +75,7 @@ def _table(name: str, found: DryRun) -> str:
     lines.append(f"  {'phase':<10}{'position, ticks':>18}{'preset, ticks':>15}{'force, N':>15}{'at most, s':>12}")
     for leg in found.legs:
         position, force = "{} to {}".format(*leg.position_ticks), "{:g} to {:g}".format(*leg.force_n or (0, 0))
-        lines.append(
-            f"  {leg.phase:<10}{position:>18}{leg.preset_ticks:>15}{force if leg.force_n else '':>15}{leg.at_most_s:>12.2f}"
-        )
+        held = force if leg.force_n else ""
+        lines.append(f"  {leg.phase:<10}{position:>18}{leg.preset_ticks:>15}{held:>15}{leg.at_most_s:>12.2f}")
     past = f"at most {found.past_contact_mm:.1f} mm past contact"
     return "\n".join([*lines, f"  largest force to expect: {_largest(found)} N; {past}", ""])
