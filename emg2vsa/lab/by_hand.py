@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from casr.atomic import write_text_atomic
-from emg2vsa.errors import DeviceError, SettingError
+from emg2vsa.errors import SettingError
 from emg2vsa.lab.device_states import shown
 from emg2vsa.lab.person import NOBODY, Person
-from emg2vsa.lab.rig_lock import end_user, rig_lock, stop_unnamed_run
+from emg2vsa.lab.real_press import SAID
+from emg2vsa.lab.rig_lock import rig_lock
 from emg2vsa.rig.clock import WallClock
 from emg2vsa.rig.commissioning.hand_motion import (
     FASTEST_DEG_PER_S,
@@ -25,13 +26,12 @@ from emg2vsa.rig.commissioning.hand_motion import (
     HandMotion,
 )
 from emg2vsa.rig.commissioning.watchdog import WatchdogProof, prove_watchdog, write_proof
-from emg2vsa.rig.device_settings import ActuatorSettings, MotorSettings
-from emg2vsa.rig.devices import Devices, Measurements
+from emg2vsa.rig.devices import Measurements
 from emg2vsa.rig.open_rig import OpenRig, board_info, board_settings, open_board, open_force, open_rig
 from emg2vsa.rig.plan import RIGID, Condition
 from emg2vsa.rig.qbmove.driver import Qbmove
 from emg2vsa.rig.qbmove.info import Parameter, QbmoveInfo
-from emg2vsa.rig_file import RigFile, load_rig
+from emg2vsa.rig_file import RigFile
 
 _SIGNALS = ("SIGTERM", "SIGHUP", "SIGQUIT")
 _RISE_N = 0.5
@@ -74,8 +74,8 @@ class Tared:
 
     @property
     def good(self) -> bool:
-        """Not with a force that is no number, either."""
-        return max(map(abs, self.force_n)) <= _LEFT_N
+        """Not where a force is no number, either."""
+        return all(abs(part_n) <= _LEFT_N for part_n in self.force_n)
 
 
 @dataclass(frozen=True)
@@ -84,16 +84,6 @@ class Zeroed:
 
     before_ticks: Measurements
     ticks: Measurements
-
-
-@dataclass(frozen=True)
-class Off:
-    """device : table of the rig file. problem : why its motors are not known to be off; "" where they are.
-    ticks : of motor 1, motor 2 and shaft."""
-
-    device: str
-    problem: str
-    ticks: Measurements | None
 
 
 @dataclass(frozen=True)
@@ -110,17 +100,9 @@ class BoardParameters:
         return {"firmware": self.info.firmware, "device_id": self.info.device_id, "parameters": listed}
 
 
-@dataclass(frozen=True)
-class HandRig:
-    """A rig ready to be moved by hand, without its camera."""
-
-    opened: OpenRig
-    hand: HandMotion
-
-
 @contextmanager
-def hand_rig(file: RigFile, *, motor: bool) -> Iterator[HandRig]:
-    """Actuator and force sensor of the rig, opened and held; at the end, also by a signal, the motors go off.
+def hand_rig(file: RigFile, *, motor: bool) -> Iterator[tuple[OpenRig, HandMotion]]:
+    """The rig without its camera, opened and held, and what moves it; at the end, also by a signal, the motors go off.
 
     DeviceError : as `open_rig`, or another process uses the rig.
     """
@@ -130,8 +112,7 @@ def hand_rig(file: RigFile, *, motor: bool) -> Iterator[HandRig]:
         signals_interrupt(),
         open_rig(devices, file.rig, _condition(motor), clock) as opened,
     ):
-        both = Devices(opened.devices.actuator, opened.devices.force)
-        yield HandRig(opened, HandMotion(both, opened.rig, clock))
+        yield opened, HandMotion(opened.devices, opened.rig, clock)
 
 
 @contextmanager
@@ -166,10 +147,10 @@ def home(file: RigFile, *, motor: bool = False) -> AtHome:
     A force 0.5 N above that at the start ends the move. motor : the rigid motor instead of the qbmove. DeviceError :
     as `hand_rig`, or a device is lost.
     """
-    with hand_rig(file, motor=motor) as ready:
-        ready.hand.start()
-        place = ready.hand.go(file.rig.home_ticks, until_n=_RISE_N, from_zero=False)
-        force_n = ready.opened.devices.force.read().force_n
+    with hand_rig(file, motor=motor) as (opened, hand):
+        hand.start()
+        place = hand.go(file.rig.home_ticks, until_n=_RISE_N, from_zero=False)
+        force_n = opened.devices.force.read().force_n
     remains = float(abs(force_n).max()) > TOUCH_N
     depth_mm = file.rig.depth_at(place.shaft_ticks)
     return AtHome(place.shaft_ticks, depth_mm, _force(force_n), place.touched, remains)
@@ -191,14 +172,14 @@ def jog(
     _check("--limit-n", limit_n, LIMIT_SHARE * file.rig.guards.force_n)
     mm_per_degree = file.rig.gear_mm_per_degree * file.rig.push_sign
     degrees = mm / mm_per_degree if mm is not None else deg or 0.0
-    with hand_rig(file, motor=motor) as ready:
-        start, begin = ready.hand.start(), ready.hand.at_ticks
-        place = ready.hand.go(begin + degrees * TICKS_PER_DEGREE, until_n=limit_n, deg_per_s=deg_per_s)
+    with hand_rig(file, motor=motor) as (_, hand):
+        start, begin = hand.start(), hand.at_ticks
+        place = hand.go(begin + degrees * TICKS_PER_DEGREE, until_n=limit_n, deg_per_s=deg_per_s)
         if touched := place.touched:
             person.say(
                 f"{place.size_n:.2f} N at {place.shaft_ticks} ticks ended the move; back until the probe is free"
             )
-            place = ready.hand.away(begin)
+            place = hand.away(begin)
     moved_deg = (place.shaft_ticks - start.shaft_ticks) / TICKS_PER_DEGREE
     force_n = _force(place.force_n)
     return Jogged(start.shaft_ticks, place.shaft_ticks, moved_deg, moved_deg * mm_per_degree, force_n, touched)
@@ -252,32 +233,6 @@ def zero(file: RigFile, *, motor: bool = False, person: Person = NOBODY) -> Zero
         return Zeroed(before, board.set_zeros())
 
 
-def off(rig_file: str | Path, person: Person = NOBODY) -> tuple[Off, ...]:
-    """Switch the motors off in any state, and end the process that uses the rig: asked first, ended when silent.
-
-    The lock needs no more of the rig file than its name: a file with problems keeps no run going. StudyError : the file
-    cannot be read; DeviceError : somebody else's process uses the rig.
-    """
-    end_user(Path(rig_file), person.warn)
-    file = load_rig(rig_file)
-    stop_unnamed_run(file.runs, person.warn)
-    boards = {"actuator": file.devices.actuator, "motor": file.devices.motor}
-    return tuple(board_off(name, board, person) for name, board in boards.items() if board)
-
-
-def board_off(name: str, settings: ActuatorSettings | MotorSettings, person: Person = NOBODY) -> Off:
-    """Switch the motors of one device off, and ask it. SettingError where ``settings`` name no port."""
-    try:
-        with open_board(settings, (0.0, 100.0), WallClock()) as board:
-            board.deactivate()
-            at = board.measurements()
-    except DeviceError as error:
-        person.say(f"[{name}] NOT confirmed off: {error}")
-        return Off(name, str(error), None)
-    person.say(f"[{name}] motors off; motors at {at.motor_1} and {at.motor_2} ticks, shaft at {at.shaft}")
-    return Off(name, "", at)
-
-
 def parameters(
     file: RigFile, *, change: tuple[int, tuple[float, ...]] | None = None, backup: Path | None = None,
     motor: bool = False, person: Person = NOBODY,
@@ -305,20 +260,11 @@ def parameters(
     return found
 
 
-@dataclass(frozen=True)
-class Proven:
-    """where : port and id of the device. path : file that keeps the proof, beside the rig file."""
-
-    where: str
-    proof: WatchdogProof
-    path: Path
-
-
-def proven_watchdog(file: RigFile, *, motor: bool = False, person: Person = NOBODY) -> Proven | None:
+def proven_watchdog(file: RigFile, *, motor: bool = False, person: Person = NOBODY) -> WatchdogProof | None:
     """Whether the motors go off when the program is silent for longer than watchdog_s; None where the person disagrees.
 
-    It moves the free probe by 2.5 degrees. DeviceError : the device is lost or does not move, or another process uses
-    the rig.
+    It moves the free probe by 2.5 degrees, and keeps the proof beside the rig file. DeviceError : the device is lost or
+    does not move, or another process uses the rig.
     """
     settings, clock = board_settings(file.devices, _condition(motor)), WallClock()
     if not person.agrees("Is the probe free, with 1 mm of way on both sides?"):
@@ -327,4 +273,9 @@ def proven_watchdog(file: RigFile, *, motor: bool = False, person: Person = NOBO
         info = board_info(board)
         date, away_sign = datetime.now(UTC).isoformat(timespec="seconds"), -file.rig.push_sign
         proof = prove_watchdog(board, info, clock, watchdog_s=settings.watchdog_s, away_sign=away_sign, date=date)
-    return Proven(board.where, proof, write_proof(file.path, "motor" if motor else "actuator", proof))
+    path = write_proof(file.path, "motor" if motor else "actuator", proof)
+    silent = f"silent for {proof.silence_s:g} s with watchdog_s = {proof.watchdog_s:g}"
+    person.say(f"{board.where}, {proof.firmware}: {silent}")
+    person.say(f"moved by one command: {proof.moved_before_ticks} ticks before, {proof.moved_after_ticks} ticks after")
+    person.say(f"{proof.verdict}: {SAID[proof.verdict]}\nwritten: {path}")
+    return proof

@@ -34,8 +34,8 @@ def check_settings(
     person.say(_BEGIN)
     if not person.agrees("Ready?"):
         return None
-    with hand_rig(file, motor=motor) as ready:
-        return check_rig(ready.hand, ready.opened.rig, AtThePad(person), person.say, reach_deg)
+    with hand_rig(file, motor=motor) as (opened, hand):
+        return check_rig(hand, opened.rig, AtThePad(person), person.say, reach_deg)
 
 
 def mend_settings(file: RigFile, checks: Sequence[Check], person: Person = NOBODY) -> bool:

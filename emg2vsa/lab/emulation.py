@@ -30,12 +30,9 @@ class Emulation:
     specimen: str
     angle_deg: float
     servers: EmulatedServers
+    devices: dict[str, dict[str, Any]]
+    "The tables [actuator], [motor], [force] and [camera] that lead to it."
     faults: tuple[str, ...]
-
-    @property
-    def devices(self) -> dict[str, dict[str, Any]]:
-        """The tables [actuator], [motor], [force] and [camera] that lead to it."""
-        return served_tables(self.servers)
 
     def obey(self, line: str) -> str:
         """Put a fault on or off; what is to be said of it. Also ``help`` and ``where``."""
@@ -81,7 +78,7 @@ def emulation(
         if write:
             check_replaceable(write)
             write_text_atomic(write, served_file(file, servers, write.absolute().parent))
-        yield Emulation(specimen, angle_deg, servers, put_on)
+        yield Emulation(specimen, angle_deg, servers, served_tables(servers), put_on)
 
 
 def served_tables(servers: EmulatedServers) -> dict[str, dict[str, Any]]:

@@ -32,7 +32,7 @@ _NAMES = {
     "load": ".lab.pressing",
     "mend_settings": ".lab.commissioning",
     "next_presses": ".lab.next_press",
-    "off": ".lab.by_hand",
+    "off": ".lab.motors_off",
     "parameters": ".lab.by_hand",
     "plates": ".lab.plate_runs",
     "press": ".lab.pressing",

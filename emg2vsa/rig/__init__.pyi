@@ -2,7 +2,6 @@ from emg2vsa.lab.adaptive_runs import AdaptiveRuns as AdaptiveRuns
 from emg2vsa.lab.adaptive_runs import adaptive as adaptive
 from emg2vsa.lab.by_hand import home as home
 from emg2vsa.lab.by_hand import jog as jog
-from emg2vsa.lab.by_hand import off as off
 from emg2vsa.lab.by_hand import parameters as parameters
 from emg2vsa.lab.by_hand import proven_watchdog as proven_watchdog
 from emg2vsa.lab.by_hand import tare as tare
@@ -15,6 +14,7 @@ from emg2vsa.lab.device_states import scan as scan
 from emg2vsa.lab.dry_runs import dry_run as dry_run
 from emg2vsa.lab.emulation import emulation as emulation
 from emg2vsa.lab.judging import Judging as Judging
+from emg2vsa.lab.motors_off import off as off
 from emg2vsa.lab.next_press import next_presses as next_presses
 from emg2vsa.lab.person import Person as Person
 from emg2vsa.lab.plate_runs import plates as plates

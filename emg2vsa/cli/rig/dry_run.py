@@ -40,25 +40,23 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.rig_file.sequence import ordered
 
     file = load_rig(arguments.rig)
-    order = ordered(file.experiment)
+    order, bounds = ordered(file.experiment), limits(file)
     told = {run.name: found for run, found in dry_run(file, runs_chosen(arguments, file)).items()}
     good = {name: found for name, found in told.items() if not isinstance(found, str)}
     runs = {name: asdict(good[name]) if name in good else {"problem": found} for name, found in told.items()}
-    lines = [f"{name}: {value}" for name, value in limits(file).items()]
+    lines = [f"{name}: {value}" for name, value in bounds.items()]
     lines += [f"order of the runs: {order}", *laxer_guards(file.rig), "" if arguments.details else f"\n{_HEAD}"]
     text = _table if arguments.details else _row
     lines += [text(name, good[name]) if name in good else f"{name}: not possible. {why}" for name, why in told.items()]
-    minutes = sum(found.at_most_s for found in good.values()) / 60
+    minutes = sum(each.at_most_s for each in good.values()) / 60
     lines.append(f"\n{len(told)} runs, at most {minutes:.1f} min; nothing was sent")
-    result = {"limits": limits(file), "runs": runs, "order": order.order, "seed": order.seed, "sequence": list(told)}
+    result = {"limits": bounds, "runs": runs, "order": order.order, "seed": order.seed, "sequence": list(told)}
     return finish(arguments, result, *lines, good=len(good) == len(told))
 
 
 def _row(name: str, found: DryRun) -> str:
-    presets, ticks = (
-        [leg.preset_ticks for leg in found.legs],
-        [tick for leg in found.legs for tick in leg.position_ticks],
-    )
+    presets = [leg.preset_ticks for leg in found.legs]
+    ticks = [tick for leg in found.legs for tick in leg.position_ticks]
     low_n, high_n = found.legs[0].force_n or (0.0, 0.0)
     high_n = max([high_n, *(leg.force_n[1] for leg in found.legs if leg.force_n)])
     columns = f"{min(ticks)} to {max(ticks)}", f"{min(presets)} to {max(presets)}", f"{low_n:g} to {high_n:g}"
@@ -67,7 +65,7 @@ def _row(name: str, found: DryRun) -> str:
 
 
 def _largest(found: DryRun) -> str:
-    return "unknown" if found.largest_force_n is None else f"{found.largest_force_n:.1f}"
+    return "unknown" if (force_n := found.largest_force_n) is None else f"{force_n:.1f}"
 
 
 def _table(name: str, found: DryRun) -> str:
@@ -75,7 +73,7 @@ def _table(name: str, found: DryRun) -> str:
     lines.append(f"  {'phase':<10}{'position, ticks':>18}{'preset, ticks':>15}{'force, N':>15}{'at most, s':>12}")
     for leg in found.legs:
         position, force = "{} to {}".format(*leg.position_ticks), "{:g} to {:g}".format(*leg.force_n or (0, 0))
-        held = force if leg.force_n else ""
-        lines.append(f"  {leg.phase:<10}{position:>18}{leg.preset_ticks:>15}{held:>15}{leg.at_most_s:>12.2f}")
+        ends = f"{force if leg.force_n else '':>15}{leg.at_most_s:>12.2f}"
+        lines.append(f"  {leg.phase:<10}{position:>18}{leg.preset_ticks:>15}{ends}")
     past = f"at most {found.past_contact_mm:.1f} mm past contact"
     return "\n".join([*lines, f"  largest force to expect: {_largest(found)} N; {past}", ""])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict
 
 from casr.command_line import Commands
 from emg2vsa.cli.rig.choice import add_hand_command, finish, person_of
@@ -25,18 +24,7 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.lab.by_hand import proven_watchdog
-    from emg2vsa.lab.real_press import SAID
     from emg2vsa.rig_file import load_rig
 
-    found = proven_watchdog(load_rig(arguments.rig), motor=arguments.motor, person=person_of(arguments))
-    if found is None:
-        return 1
-    proof = found.proof
-    lines = (
-        f"{found.where}, {proof.firmware}: silent for {proof.silence_s:g} s with watchdog_s = {proof.watchdog_s:g}",
-        f"moved by one command: {proof.moved_before_ticks} ticks before, {proof.moved_after_ticks} ticks after",
-        f"{proof.verdict}: {SAID[proof.verdict]}",
-        f"written: {found.path}",
-    )
-    result = asdict(proof) | {"device": found.where, "written": str(found.path)}
-    return finish(arguments, result, *lines, good=proof.verdict == "motors off")
+    proof = proven_watchdog(load_rig(arguments.rig), motor=arguments.motor, person=person_of(arguments))
+    return 1 if proof is None else finish(arguments, proof, good=proof.verdict == "motors off")
