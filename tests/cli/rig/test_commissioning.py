@@ -16,7 +16,6 @@ from types import SimpleNamespace
 
 import pytest
 
-from emg2vsa.errors import DeviceError
 from emg2vsa.lab.person import Person
 from emg2vsa.lab.rig_lock import lock_path, rig_lock, rig_user
 from emg2vsa.rig.rig_settings import RigSettings
@@ -275,16 +274,6 @@ def test_sigterm_during_a_jog_switches_off(rig: Rig, served: SimpleNamespace) ->
     assert motors(served.bench) == MOTORS_OFF
 
 
-def test_the_lock_names_its_holder_and_goes_with_it(tmp_path: Path) -> None:
-    path = tmp_path / "rig.toml"
-    assert rig_user(path) is None
-    with rig_lock(path, tmp_path / "run"):
-        user = rig_user(path)
-        assert user is not None
-        assert (user.pid, user.folder) == (os.getpid(), tmp_path / "run")
-    assert rig_user(path) is None
-
-
 @pytest.mark.realtime
 @pytest.mark.parametrize("spoil", ["deleted", "spoilt"])
 def test_off_finds_a_run_whose_lock_names_it_no_more(
@@ -303,14 +292,3 @@ def test_off_finds_a_run_whose_lock_names_it_no_more(
     assert f"{folder} has not ended, though the rig's lock names no run: asked to stop" in err
     assert ((folder / "stop").exists(), (dead / "stop").exists()) == (True, False)
     assert "[actuator] motors off" in out
-
-
-def test_a_link_to_a_rig_file_has_the_lock_of_the_file(rig_file: Callable[..., Path], tmp_path: Path) -> None:
-    path, link = rig_file(), tmp_path / "elsewhere" / "other.toml"
-    link.parent.mkdir()
-    link.symlink_to(path)
-    with rig_lock(path):
-        user = rig_user(link)
-        assert (user is not None, lock_path(link)) == (True, lock_path(path))
-        with pytest.raises(DeviceError, match="expected a rig that no other process uses"), rig_lock(link):
-            pass
