@@ -11,6 +11,7 @@ import pytest
 NOTEBOOKS = sorted((Path(__file__).resolve().parent.parent / "docs" / "notebooks").glob("*.md"))
 EXPECTED = {
     "a-tactile-press": lambda names: names["press"].rate.value == pytest.approx(90.0, rel=0.1),
+    "a-virtual-press": lambda names: names["soft"].log["depth_mm"].max() > names["hard"].log["depth_mm"].max() > 3,
     "first-fit-to-schedule": lambda names: set(names["modular"]["specimen"]) == {"hard", "soft"},
 }
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict
 from pathlib import Path
 
-from casr.command_line import Commands, add_command, add_json, print_json
+from casr.command_line import Commands, add_command, add_json
+from emg2vsa.cli.rig.choice import finish
 
 
 def add_to(commands: Commands) -> None:
@@ -26,40 +26,23 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.run_folders.camera_delay import SYSTEMATIC_S, measure_delay
+    from emg2vsa.lab.camera_delay import camera_delay
+    from emg2vsa.run_folders.camera_delay import SYSTEMATIC_S
 
-    found = measure_delay([folder for path in arguments.runs for folder in _folders(path)])
-    if arguments.json:
-        print_json(asdict(found))
-        return 0
-    for why in found.left_out:
-        print(f"left out: {why}")
-    print(f"presses: {len(found.by_press_s)}, of {_ms(min(found.by_press_s))} to {_ms(max(found.by_press_s))}")
+    found = camera_delay(arguments.runs)
+    unchanged = abs(found.delay_s - found.set_s) <= found.half_width_s + SYSTEMATIC_S
     interval = f"95 % interval of half width {_ms(found.half_width_s)}"
-    print(f"delay: {_ms(found.delay_s)}, {interval}, and up to {_ms(SYSTEMATIC_S)} of the method")
-    print(f"set when they were recorded: {_ms(found.set_s)}")
-    if abs(found.delay_s - found.set_s) <= found.half_width_s + SYSTEMATIC_S:
-        print("what is set lies within that: nothing to change")
-    else:
-        print(f"for the rig file, in [camera]:\ndelay_s = {max(0.0, found.delay_s):.4f}")
-    return 0
-
-
-def _folders(path: Path) -> list[Path]:
-    """The run in ``path``; or those of the rig file ``path``. SettingError where it is neither, or there are none."""
-    from emg2vsa.errors import SettingError
-    from emg2vsa.rig.record.new_folder import PLAN_FILE
-    from emg2vsa.rig_file import load_rig
-
-    if path.is_dir():
-        return [path]
-    if not path.exists():
-        raise SettingError(path, wanted="the folder of a run, or a rig file", found="neither", do="Check the path.")
-    runs = load_rig(path).runs
-    if not (folders := sorted(plan.parent for plan in runs.glob(f"*/{PLAN_FILE}"))):
-        do = "Press first: emg2vsa rig run."
-        raise SettingError(path, wanted=f"runs in {runs}", found="none", do=do)
-    return folders
+    return finish(
+        arguments,
+        found,
+        *(f"left out: {why}" for why in found.left_out),
+        f"presses: {len(found.by_press_s)}, of {_ms(min(found.by_press_s))} to {_ms(max(found.by_press_s))}",
+        f"delay: {_ms(found.delay_s)}, {interval}, and up to {_ms(SYSTEMATIC_S)} of the method",
+        f"set when they were recorded: {_ms(found.set_s)}",
+        "what is set lies within that: nothing to change"
+        if unchanged
+        else f"for the rig file, in [camera]:\ndelay_s = {max(0.0, found.delay_s):.4f}",
+    )
 
 
 def _ms(seconds: float) -> str:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from functools import partial
+from dataclasses import asdict
 
 from casr.command_line import Commands, add_command, add_json
-from emg2vsa.cli.rig.choice import add_rig
+from emg2vsa.cli.rig.choice import add_rig, finish, person_of
 
 
 def add_to(commands: Commands) -> None:
@@ -23,23 +23,9 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.cli.rig.rig_lock import rig_lock
-    from emg2vsa.cli.rig.states import Telling, board_lines, camera_lines, force_lines
-    from emg2vsa.rig.clock import WallClock
+    from emg2vsa.lab.device_states import info
     from emg2vsa.rig_file import load_rig
 
-    file, clock = load_rig(arguments.rig), WallClock()
-    devices = file.devices
-    titled = {
-        f"[{name}] {board.port or 'without a port'}, id {board.id}": partial(board_lines, board, file.rig, clock)
-        for name, board in (("actuator", devices.actuator), ("motor", devices.motor))
-        if board
-    }
-    titled["[force]"] = partial(force_lines, devices.force, file.rig.guards, clock)
-    if devices.camera:
-        titled[f"[camera] {devices.camera.source}"] = partial(camera_lines, devices.camera, file.rig.guards, clock)
-    telling = Telling(arguments.json)
-    with rig_lock(file.path):
-        for title, lines in titled.items():
-            telling.say(title, lines)
-    return telling.end()
+    devices = info(load_rig(arguments.rig), person_of(arguments))
+    result = {"devices": [asdict(each) for each in devices]}
+    return finish(arguments, result, good=all(each.usable for each in devices))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from casr.command_line import Commands
-from emg2vsa.cli.rig.hand import add_hand_command, hand_rig
+from emg2vsa.cli.rig.choice import add_hand_command, finish, person_of
 
 
 def add_to(commands: Commands) -> None:
@@ -36,37 +36,13 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.rig.commissioning.hand_motion import FASTEST_DEG_PER_S, LIMIT_SHARE, TICKS_PER_DEGREE
+    from emg2vsa.lab.by_hand import jog
     from emg2vsa.rig_file import load_rig
 
-    file = load_rig(arguments.rig)
-    _check("--deg-per-s", arguments.deg_per_s, FASTEST_DEG_PER_S)
-    _check("--limit-n", arguments.limit_n, LIMIT_SHARE * file.rig.guards.force_n)
-    rig = file.rig
-    degrees = arguments.deg if arguments.mm is None else rig.push_sign * arguments.mm / rig.gear_mm_per_degree
-    with hand_rig(arguments, file) as ready:
-        start = ready.hand.start()
-        begin = ready.hand.at_ticks
-        target = begin + degrees * TICKS_PER_DEGREE
-        place = ready.hand.go(target, until_n=arguments.limit_n, deg_per_s=arguments.deg_per_s)
-        touched = place.touched
-        if touched:
-            print(f"{place.size_n:.2f} N at {place.shaft_ticks} ticks ended the move; back until the probe is free")
-            place = ready.hand.away(begin)
-    moved = place.shaft_ticks - start.shaft_ticks
-    way_mm = moved / TICKS_PER_DEGREE * rig.gear_mm_per_degree * rig.push_sign
-    print(
-        f"shaft from {start.shaft_ticks} to {place.shaft_ticks} ticks: {moved / TICKS_PER_DEGREE:.2f} degrees,", end=" "
-    )
-    print(f"{way_mm:.2f} mm towards the specimen by the gear of the rig file")
-    print("force {:.2f}, {:.2f}, {:.2f} N above that at the start; motors off".format(*place.force_n))
-    return int(touched)
-
-
-def _check(name: str, value: float, most: float) -> None:
-    from emg2vsa.errors import SettingError
-
-    if not 0 < value <= most:
-        raise SettingError(
-            name, wanted=f"above 0 and at most {most:g}", found=f"{value:g}", do="Choose a value in this range."
-        )
+    names = ("mm", "deg", "deg_per_s", "limit_n", "motor")
+    chosen = {name: getattr(arguments, name) for name in names}
+    done = jog(load_rig(arguments.rig), **chosen, person=person_of(arguments))
+    way = f"{done.moved_deg:.2f} degrees, {done.moved_mm:.2f} mm towards the specimen by the gear of the rig file"
+    shaft = f"shaft from {done.from_ticks} to {done.shaft_ticks} ticks: {way}"
+    force = "force {:.2f}, {:.2f}, {:.2f} N above that at the start; motors off".format(*done.force_n)
+    return finish(arguments, done, shaft, force, good=not done.touched)

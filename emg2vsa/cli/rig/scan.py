@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, get_args
+from typing import get_args
 
 from casr.command_line import Commands, add_command, add_json, whole_number
+from emg2vsa.cli.rig.choice import finish, person_of
 from emg2vsa.rig.serial_speed import BAUD, Baud
-
-if TYPE_CHECKING:
-    from emg2vsa.rig.clock import Clock
 
 
 def add_to(commands: Commands) -> None:
@@ -25,69 +23,27 @@ def add_to(commands: Commands) -> None:
         "not name. Exit status 0: adapters are present and every named device answers; 1: otherwise; 2: "
         "the rig file has problems, or another run or command is using the rig.",
     )
-    parser.add_argument("rig", nargs="?", type=Path, metavar="RIG", help="rig file whose devices are asked")
-    parser.add_argument(
-        "--port", action="append", default=[], help="ask this port, even if it is not listed; may be repeated"
-    )
-    parser.add_argument(
-        "--id", action="append", default=[], type=_device_id, help="ask only this device id; may be repeated"
-    )
-    parser.add_argument(
-        "--baud", type=int, choices=get_args(Baud), default=BAUD, help=f"baud rate of --port (default {BAUD})"
-    )
-    parser.add_argument(
-        "--wait-ms",
-        type=whole_number,
-        default=5,
-        metavar="MS",
-        help="time to wait for each answer in ms (default 5; 20 for slow lines)",
-    )
+    add, several = parser.add_argument, partial(parser.add_argument, action="append", default=[])
+    add("rig", nargs="?", type=Path, metavar="RIG", help="rig file whose devices are asked")
+    several("--port", help="ask this port, even if it is not listed; may be repeated")
+    several("--id", type=_device_id, help="ask only this device id; may be repeated")
+    add("--baud", type=int, choices=get_args(Baud), default=BAUD, help=f"baud rate of --port (default {BAUD})")
+    longest = "time to wait for each answer in ms (default 5; 20 for slow lines)"
+    add("--wait-ms", type=whole_number, default=5, metavar="MS", help=longest)
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from contextlib import nullcontext
-
-    from emg2vsa.cli.rig.rig_lock import rig_lock
-    from emg2vsa.cli.rig.states import Telling, camera_lines, force_lines
-    from emg2vsa.rig.clock import WallClock
-    from emg2vsa.rig.qbmove.scan import qbmove_ports
+    from emg2vsa.lab.device_states import scan
     from emg2vsa.rig_file import load_rig
 
-    clock, file = WallClock(), load_rig(arguments.rig) if arguments.rig else None
-    boards = [board for board in (file.devices.actuator, file.devices.motor) if board] if file else []
-    ports = {board.port: board.baud for board in boards if board.port} | dict.fromkeys(arguments.port, arguments.baud)
-    adapters, ids, telling = qbmove_ports(), arguments.id or range(1, 256), Telling(arguments.json)
-    for port in adapters:
-        if port not in ports:
-            telling.say(port, partial(iter, ["an adapter as qbmoves have; ask it with --port"]))
-    with rig_lock(file.path) if file else nullcontext():
-        for port, baud in ports.items():
-            telling.say(port, partial(_answers, port, baud, ids, arguments.wait_ms / 1000, clock))
-        if file:
-            telling.say("[force]", partial(force_lines, file.devices.force, file.rig.guards, clock))
-        if file and (camera := file.devices.camera):
-            telling.say(f"[camera] {camera.source}", partial(camera_lines, camera, file.rig.guards, clock))
-    if not adapters and not ports:
-        telling.remark("no serial port with a qbmove's adapter; name another with --port")
-    return telling.end(good=bool(adapters or ports))
-
-
-def _answers(port: str, baud: int, ids: Sequence[int], wait_s: float, clock: Clock) -> Iterator[str]:
-    from emg2vsa.errors import DeviceError
-    from emg2vsa.rig.qbmove.scan import scan
-    from emg2vsa.rig.qbmove.transport import SerialLine
-
-    line = SerialLine(port, baud)
-    try:
-        found = scan(line, clock, ids, reply_s=wait_s)
-    finally:
-        line.close()
-    if not found:
-        do = "Check power, cable and --baud; a slow line may need --wait-ms 20."
-        raise DeviceError(port, wanted="a qbmove that answers", found="none", do=do)
-    for one in found:
-        yield f"id {one.device_id}" + (f", serial number {one.serial_number}" if one.serial_number else "")
+    file, person = load_rig(arguments.rig) if arguments.rig else None, person_of(arguments)
+    asked = {"ports": arguments.port, "baud": arguments.baud, "ids": arguments.id, "wait_s": arguments.wait_ms / 1000}
+    devices = scan(file, **asked, person=person)
+    if none := not any(not each.device.startswith("[") for each in devices):
+        person.say("no serial port with a qbmove's adapter; name another with --port")
+    result = {"devices": [asdict(each) for each in devices]}
+    return finish(arguments, result, good=not none and all(each.usable for each in devices))
 
 
 def _device_id(text: str) -> int:

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from casr.command_line import Commands, add_command, add_json, print_json
-from emg2vsa.cli.rig.choice import add_rig
-
-_LEFT_N = 0.2
-_WAIT_S = 0.2
+from casr.command_line import Commands, add_command, add_json
+from emg2vsa.cli.rig.choice import add_rig, finish
 
 
 def add_to(commands: Commands) -> None:
@@ -26,29 +23,9 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.cli.rig.rig_lock import rig_lock
-    from emg2vsa.errors import SettingError
-    from emg2vsa.rig.clock import WallClock
-    from emg2vsa.rig.open_rig import open_force
+    from emg2vsa.lab.by_hand import tare
     from emg2vsa.rig_file import load_rig
 
-    file, clock = load_rig(arguments.rig), WallClock()
-    if file.devices.force.kind != "net-ft":
-        do = "Set [force] bias = true: every run then begins with a tare."
-        raise SettingError(f"{file.path}, force.kind", wanted="net-ft, which keeps a zero", found="ni-daq", do=do)
-    with rig_lock(file.path):
-        sensor = open_force(file.devices.force, file.rig.guards, clock)
-        try:
-            sensor.start()
-            before_n = sensor.read().force_n
-            sensor.bias()
-            clock.sleep_until(clock.now_s() + _WAIT_S)
-            force_n = sensor.read().force_n
-        finally:
-            sensor.close()
-    if arguments.json:
-        print_json({"before_n": list(map(float, before_n)), "force_n": list(map(float, force_n))})
-    else:
-        print("before: {:.3f}, {:.3f}, {:.3f} N".format(*before_n))
-        print("now: {:.3f}, {:.3f}, {:.3f} N".format(*force_n))
-    return int(not float(abs(force_n).max()) <= _LEFT_N)
+    found = tare(load_rig(arguments.rig))
+    before = "before: {:.3f}, {:.3f}, {:.3f} N".format(*found.before_n)
+    return finish(arguments, found, before, "now: {:.3f}, {:.3f}, {:.3f} N".format(*found.force_n), good=found.good)

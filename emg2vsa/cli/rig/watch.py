@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import json
 from pathlib import Path
 
-from casr.command_line import Commands, add_command
+from casr.command_line import Commands, add_command, add_json
 from emg2vsa.cli.arguments import add_port, web_pages
-from emg2vsa.errors import SettingError
 
 _PORT = 8420
 
@@ -24,24 +24,22 @@ def add_to(commands: Commands) -> None:
         "folder", type=Path, metavar="FOLDER", help="folder of a run, or a folder of runs, of which the newest is shown"
     )
     add_port(parser, _PORT)
+    add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    folder: Path = arguments.folder.resolve()
-    if folder.exists() and not folder.is_dir():
-        do = "Choose the folder of a run, or of runs."
-        raise SettingError(folder, wanted="a folder", found="a file", do=do)
     with web_pages("rig watch"):
-        from emg2vsa.live.server import listening, serve
-        from emg2vsa.live.watch_routes import watch_routes
+        from emg2vsa.lab.watch import watch
+    folder: Path = arguments.folder.resolve()
 
     def ready(address: str) -> None:
+        if arguments.json:  # one line: what reads it need not wait for the end
+            print(json.dumps({"folder": str(folder), "address": address}), flush=True)
+            return
         print(f"Watching {folder}" + ("" if folder.exists() else ", which is not there yet"))
         print(f"Open {address}\nCtrl-C ends the page, not the run.", flush=True)
 
-    try:
-        with listening(arguments.port) as at:
-            serve({"watch": watch_routes(folder)}, at, ready)
-    except KeyboardInterrupt:
+    watch(folder, arguments.port, ready)
+    if not arguments.json:
         print()
     return 0

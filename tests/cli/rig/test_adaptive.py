@@ -10,10 +10,8 @@ from pathlib import Path
 import pytest
 
 from benchmarks.rig.known_calibration import known_calibration
-from emg2vsa.calibration.next_press import Choice, next_press
+from emg2vsa.calibration.next_press import next_press
 from emg2vsa.calibration_file import open_calibration, write_calibration
-from emg2vsa.cli.rig.adaptive_runs import Bench, mounted
-from emg2vsa.rig_file.plans import Run
 
 Rig = Callable[..., tuple[int, str, str]]
 RigFile = Callable[..., Path]
@@ -98,32 +96,6 @@ def test_without_an_operator_a_change_by_hand_is_refused(
         "input. Run it in a terminal; the same command goes on from the presses that are done." in err
     )
     assert not (tmp_path / "runs").exists()
-
-
-def test_only_another_angle_motor_or_mounting_needs_a_hand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[str] = []
-    monkeypatch.setattr("emg2vsa.cli.rig.adaptive_runs._ask", lambda run, *, anew: asked.append(f"{run.name} {anew}"))
-    soft, stiff, tilted = (
-        Run("S3", angle_deg, condition)
-        for angle_deg, condition in ((0.0, "constant-min"), (0.0, "modular"), (30.0, "modular"))
-    )
-    (tmp_path / "S3_0_modular").mkdir()
-    runs, bench = (soft, stiff, tilted), Bench()
-
-    def place(calibration: int, *, remount: bool) -> tuple[int, bool]:
-        choice = Choice(calibration, 1, remount, 0.1, 1.0, True)
-        return mounted(bench, choice, runs, tmp_path, virtual=False)
-
-    assert place(0, remount=True) == (1, True)
-    assert len(asked) == 1, "two angles: where the specimen is to lie is said"
-    assert place(1, remount=True) == (2, True), "one is there already"
-    assert place(0, remount=False) == (1, False)
-    assert len(asked) == 1
-    (tmp_path / "S3_0_constant-min").mkdir()
-    assert place(0, remount=True) == (2, True)
-    assert asked[1:] == ["S3_0_constant-min True"]
-    assert place(2, remount=True) == (1, True)
-    assert asked[2:] == ["S3_30_modular False"]
 
 
 @pytest.mark.parametrize(

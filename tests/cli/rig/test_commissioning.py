@@ -16,8 +16,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from emg2vsa.cli.rig.rig_lock import lock_path, rig_lock, rig_user
-from emg2vsa.errors import DeviceError
+from emg2vsa.lab.person import Person
+from emg2vsa.lab.rig_lock import lock_path, rig_lock, rig_user
 from emg2vsa.rig.rig_settings import RigSettings
 
 Rig = Callable[..., tuple[int, str, str]]
@@ -57,8 +57,7 @@ def calliper(served: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> list[s
             return ""
         return f"{touch_mm - now_mm:.2f}" if "How far" in question else "y"
 
-    monkeypatch.setattr("emg2vsa.cli.rig.hand.answer", answer)
-    monkeypatch.setattr("emg2vsa.cli.rig.commission.answer", answer)
+    monkeypatch.setattr("emg2vsa.cli.rig.choice._asked", answer)
     return asked
 
 
@@ -91,7 +90,7 @@ def test_four_wrong_settings_are_found_and_mended(rig: Rig, served: SimpleNamesp
 def test_settings_are_not_written_unasked(rig: Rig, served: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> None:
     served.path.write_text("[rig]\npush_axis = [1, 0, 0]\n\n" + served.path.read_text())
     before = served.path.read_text()
-    monkeypatch.setattr("emg2vsa.cli.rig.commission.confirmed", lambda question, yes: question == "Ready?")
+    monkeypatch.setattr(Person, "agrees", lambda nobody, question: question == "Ready?")
     status, out, _ = rig("commission", served.path, "--yes")
     assert status == 1
     assert "push_axis           1, 0, 0           0, 0, 1           WRONG" in out
@@ -203,7 +202,7 @@ def test_off_ends_a_silent_process_and_switches_off(rig: Rig, served: SimpleName
     folder = tmp_path / "runs" / "S1_0_modular"
     folder.mkdir(parents=True)
     hang = (
-        "import sys, time; from pathlib import Path; from emg2vsa.cli.rig.rig_lock import rig_lock\n"
+        "import sys, time; from pathlib import Path; from emg2vsa.lab.rig_lock import rig_lock\n"
         "with rig_lock(Path(sys.argv[1]), Path(sys.argv[2])): print('held', flush=True); time.sleep(60)"
     )
     process = subprocess.Popen([sys.executable, "-c", hang, str(served.path), str(folder)], stdout=subprocess.PIPE)
@@ -238,7 +237,7 @@ def test_off_ends_a_silent_process_and_switches_off(rig: Rig, served: SimpleName
 def test_off_lets_a_process_that_obeys_end_by_itself(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
     folder = tmp_path / "runs" / "S1_0_modular"
     obey = (
-        "import sys, time; from pathlib import Path; from emg2vsa.cli.rig.rig_lock import rig_lock\n"
+        "import sys, time; from pathlib import Path; from emg2vsa.lab.rig_lock import rig_lock\n"
         "folder = Path(sys.argv[2])\n"
         "with rig_lock(Path(sys.argv[1]), folder):\n"
         "    print('held', flush=True)\n"
@@ -275,16 +274,6 @@ def test_sigterm_during_a_jog_switches_off(rig: Rig, served: SimpleNamespace) ->
     assert motors(served.bench) == MOTORS_OFF
 
 
-def test_the_lock_names_its_holder_and_goes_with_it(tmp_path: Path) -> None:
-    path = tmp_path / "rig.toml"
-    assert rig_user(path) is None
-    with rig_lock(path, tmp_path / "run"):
-        user = rig_user(path)
-        assert user is not None
-        assert (user.pid, user.folder) == (os.getpid(), tmp_path / "run")
-    assert rig_user(path) is None
-
-
 @pytest.mark.realtime
 @pytest.mark.parametrize("spoil", ["deleted", "spoilt"])
 def test_off_finds_a_run_whose_lock_names_it_no_more(
@@ -303,14 +292,3 @@ def test_off_finds_a_run_whose_lock_names_it_no_more(
     assert f"{folder} has not ended, though the rig's lock names no run: asked to stop" in err
     assert ((folder / "stop").exists(), (dead / "stop").exists()) == (True, False)
     assert "[actuator] motors off" in out
-
-
-def test_a_link_to_a_rig_file_has_the_lock_of_the_file(rig_file: Callable[..., Path], tmp_path: Path) -> None:
-    path, link = rig_file(), tmp_path / "elsewhere" / "other.toml"
-    link.parent.mkdir()
-    link.symlink_to(path)
-    with rig_lock(path):
-        user = rig_user(link)
-        assert (user is not None, lock_path(link)) == (True, lock_path(path))
-        with pytest.raises(DeviceError, match="expected a rig that no other process uses"), rig_lock(link):
-            pass

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from emg2vsa.cli.rig.rig_lock import rig_lock
+from emg2vsa.lab.rig_lock import rig_lock
 
 Rig = Callable[..., tuple[int, str, str]]
 NO_MOTOR = "/dev/no-such-motor: expected a serial port, but found "

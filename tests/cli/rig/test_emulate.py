@@ -11,12 +11,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
-from emg2vsa.cli.rig.emulate import check_replaceable, served_file, toml_lines
 from emg2vsa.errors import SettingError
+from emg2vsa.lab.emulation import check_replaceable, served_file
 from emg2vsa.rig_file import load_rig
 from emg2vsa.run_folders.presses import is_simulated
 
@@ -27,17 +26,6 @@ Rig = Callable[..., tuple[int, str, str]]
 def typed(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
     """Lines on standard input."""
     return lambda lines: monkeypatch.setattr("sys.stdin", io.StringIO(lines))
-
-
-@pytest.mark.parametrize(
-    "tables",
-    [
-        {"a": 1, "b": [1.5, -2e-07, 1e22], "c": True, "d": 'say "é\\n"\t'},
-        {"x": {"y": {"z": []}, "w": ["a", "b"]}, "odd key": {"S 1.2": 3.0, "high-stiffness": [0]}},
-    ],
-)
-def test_tables_as_toml(tables: dict[str, Any]) -> None:
-    assert tomllib.loads("\n".join(toml_lines(tables))) == tables
 
 
 def test_the_written_file_leads_to_the_emulated_devices(served: SimpleNamespace, tmp_path: Path) -> None:

@@ -204,7 +204,7 @@ def slow_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """Run and emulated rig by the same slowed clock."""
     clock = partial(FastClock, SLOWED)
     monkeypatch.setattr("tests.cli.rig.conftest.WallClock", clock)
-    monkeypatch.setattr("emg2vsa.cli.rig.real_run.WallClock", clock)
+    monkeypatch.setattr("emg2vsa.lab.real_press.WallClock", clock)
 
 
 @pytest.mark.realtime

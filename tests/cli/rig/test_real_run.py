@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,7 +12,6 @@ import pytest
 
 from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames
-from emg2vsa.cli.rig import real_run
 
 Rig = Callable[..., tuple[int, str, str]]
 ONE = ("--specimen", "S1", "--angle", "0", "--condition", "modular")
@@ -145,28 +143,3 @@ def test_runs_of_the_emulated_rig_are_told_and_do_not_count(
     assert (status, out) == (0, "")
     assert "2 runs, 0 still to do. To repeat one, move its folder away, or choose another" in err
     assert "0.1.0" not in err
-
-
-def test_presses_that_are_over_are_told_from_the_log(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """A row that has no end yet is no row."""
-    monkeypatch.setattr(real_run, "_LOOK_S", 0.005)
-    rows = ["time_s,repetition,phase,depth_mm"]
-    with real_run.PressLines(tmp_path, 3):
-        for row, news in (
-            ("0.5,1,load,1.0", ""),
-            ("7.25,1,pause,0.0", "press 1 of 3 done at 7.2 s\n"),
-            ("7.35,2,load,0.0", ""),
-            ("30.0,3,done,0.0", "press 2 of 3 done at 30.0 s\npress 3 of 3 done at 30.0 s\n"),
-        ):
-            rows.append(row)
-            (tmp_path / "new.csv").write_text("\n".join([*rows, "99.0,3,don"]))
-            (tmp_path / "new.csv").replace(tmp_path / "log.csv")
-            end_s = time.monotonic() + (5.0 if news else 0.05)
-            heard = ""
-            while time.monotonic() < end_s and len(heard) < max(1, len(news)):
-                heard += capsys.readouterr().err
-                time.sleep(0.002)
-            assert heard == news, row
-    assert capsys.readouterr().err == ""

@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from emg2vsa.cli.rig import real_run, run_sequence, virtual_runs
+from emg2vsa.lab import virtual_runs
+from emg2vsa.lab.pressed import Pressed
+from emg2vsa.lab.pressing import Pressing
 from emg2vsa.rig.emulated.virtual_run import run_virtual
+from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.new_folder import good_presses, how_ended
 
 Rig = Callable[..., tuple[int, str, str]]
@@ -151,23 +154,22 @@ class Rigged:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, *ends: tuple[Any, ...]) -> None:
         self.ends, self.asked, self.pressed = list(ends), list[str](), list[tuple[str, int, int | None]]()
-        monkeypatch.setattr(run_sequence, "press_run", self.press)
-        monkeypatch.setattr(run_sequence, "answer", self.answer)
+        monkeypatch.setattr(Pressing, "press", lambda pressing, *press: self.press(*press))
+        monkeypatch.setattr("emg2vsa.cli.rig.choice._asked", self.answer)
         self.answers: list[str] = []
 
     def answer(self, question: str) -> str:
         self.asked.append(question)
         return self.answers.pop(0) if self.answers else ""
 
-    def press(self, file: Any, run: Any, plan: Any, root: Path, *, kappa: Any, quiet: bool) -> tuple[Path, Any]:
-        name = run.name
-        folder = real_run.new_folder(root, name, file.experiment.repetitions, emulated=False)
+    def press(self, plan: RunPlan, folder: Path, kappa: None) -> Pressed:
         how, good, *away = self.ends.pop(0) if self.ends else ("completed", plan.repetitions)
         folder.mkdir(parents=True)
         (folder / "ended.json").write_text(json.dumps({"how": how, "repetitions_done": good}))
         self.pressed.append((folder.name, plan.repetitions, plan.order))
         retracted, deactivated = away or (True, True)
-        return folder, SimpleNamespace(how=how, retracted=retracted, deactivated=deactivated)
+        left = {"retracted": retracted, "deactivated": deactivated}
+        return Pressed(folder, Ended(how, "", "", "done", 1, 1.0, "", **left))
 
 
 def test_rejected_presses_are_repeated_and_a_guard_ends_the_sequence(
@@ -175,7 +177,6 @@ def test_rejected_presses_are_repeated_and_a_guard_ends_the_sequence(
 ) -> None:
     path = rig_file()
     bench = Rigged(monkeypatch, ("completed", 2), ("rejected", 1), ("completed", 1), ("guard", 1))
-    monkeypatch.setattr(run_sequence, "asdict", vars)
     status, out, err = rig("run", path, *LISTED)
     assert status == 1
     assert bench.pressed == [
@@ -206,7 +207,6 @@ def test_a_probe_that_was_left_on_the_specimen_ends_the_sequence(
     """Though all its presses are whole."""
     path = rig_file()
     bench = Rigged(monkeypatch, ("completed", 2), ("rejected", 2, *left))
-    monkeypatch.setattr(run_sequence, "asdict", vars)
     status, _, err = rig("run", path, *LISTED, "--yes")
     assert status == 1
     assert [name for name, *_ in bench.pressed] == ["S1_0_high-stiffness", "S3_0_high-stiffness"]
@@ -218,7 +218,6 @@ def test_a_session_with_a_rejected_press_says_so_by_its_status(
     rig: Rig, rig_file: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     bench = Rigged(monkeypatch, ("rejected", 1))
-    monkeypatch.setattr(run_sequence, "asdict", vars)
     status, out, _ = rig("run", rig_file(), *LISTED, "--yes")
     assert (status, len(bench.pressed)) == (1, 7)
     assert out.startswith("6 of 6 runs are done")

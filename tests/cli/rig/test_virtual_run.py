@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from benchmarks.rig.logs import read_log
-from emg2vsa.cli.rig import virtual_runs
+from emg2vsa.lab import virtual_runs
 from emg2vsa.rig.record.new_folder import how_ended
 from emg2vsa.run_folders.presses import read_presses
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from emg2vsa.cli.rig.prove_watchdog import remark
 from emg2vsa.errors import DeviceError
+from emg2vsa.lab.real_press import remark
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.commissioning.watchdog import (
     WatchdogProof,

@@ -93,7 +93,7 @@ def end_user(rig_file: Path, say: Callable[[str], None]) -> None:
             os.kill(user.pid, signal.SIGTERM)
         else:
             request_stop(user.folder, "emg2vsa rig off")
-        if _goes_by_itself(rig_file, user):
+        if not _falls_silent(user, lambda: rig_user(rig_file) == user, _CLOSING_S):
             say(f"process {user.pid} has ended by itself")
             return
         say(f"process {user.pid} is silent: ended")
@@ -115,29 +115,23 @@ def stop_unnamed_run(runs: Path, say: Callable[[str], None]) -> None:
     ended and whose log has just grown. Nobody knows its process: one that is silent is left."""
     logs = [log for root in (runs, runs.with_name(f"{runs.name}-plate")) for log in root.glob("*/log.csv")]
     going = [log for log in logs if how_ended(log.parent) in _GOING and time.time() - log.stat().st_mtime < _CLOSING_S]
-    if not going:
-        return
-    folder = max(going, key=lambda log: log.stat().st_mtime).parent
-    say(f"{folder} has not ended, though the rig's lock names no run: asked to stop")
-    request_stop(folder, "emg2vsa rig off")
-    run = RigUser(0, folder)
-    last, seen_s = _signs(run), time.monotonic()
-    while time.monotonic() - seen_s < SILENT_S:
-        if (now := _signs(run)) != last:
-            last, seen_s = now, time.monotonic()
-        time.sleep(_LOOK_S)
+    if going:
+        folder = max(going, key=lambda log: log.stat().st_mtime).parent
+        say(f"{folder} has not ended, though the rig's lock names no run: asked to stop")
+        request_stop(folder, "emg2vsa rig off")
+        _falls_silent(RigUser(0, folder), lambda: True, SILENT_S)
 
 
-def _goes_by_itself(rig_file: Path, user: RigUser) -> bool:
+def _falls_silent(user: RigUser, there: Callable[[], bool], closing_s: float) -> bool:
+    """Wait while it is there and gives signs of life; whether it stays without any. closing_s : after a run's end."""
     last, seen_s = _signs(user), time.monotonic()
-    while rig_user(rig_file) == user:
+    while there():
         if (now := _signs(user)) != last:
             last, seen_s = now, time.monotonic()
-        patience_s = _CLOSING_S if last[1] not in _GOING else SILENT_S
-        if time.monotonic() - seen_s > patience_s:
-            return False
+        if time.monotonic() - seen_s > (SILENT_S if last[1] in _GOING else closing_s):
+            return True
         time.sleep(_LOOK_S)
-    return True
+    return False
 
 
 def _signs(user: RigUser) -> tuple[int, str | None]:

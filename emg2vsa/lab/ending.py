@@ -8,13 +8,6 @@ from emg2vsa.rig.clock import LoopTiming
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
 
-UNSAFE = (
-    "The sequence ends here: {folder} was left with the probe NOT retracted, or motors NOT confirmed off. Switch off "
-    "with emg2vsa rig off {rig}, take the probe away with emg2vsa rig home {rig}, and look at ended.json before you "
-    "give the same command again."
-)
-"""Of a run among others, which end with it."""
-
 
 def told(ended: Ended, repetitions: int, folder: Path, rig: RigSettings) -> str:
     """How, cause and why, presses done, where motors and files were left, and the timing of the control loop."""

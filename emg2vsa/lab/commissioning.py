@@ -1,0 +1,86 @@
+"""The settings that protect a rig, checked by a touch on a soft pad with a person who looks on, and mended."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from emg2vsa.errors import SettingError
+from emg2vsa.lab.by_hand import hand_rig
+from emg2vsa.lab.person import NOBODY, Person
+from emg2vsa.rig.commissioning.checks import REACH_DEG, Check, check_rig
+from emg2vsa.rig_file import RigFile
+from emg2vsa.rig_file.edit import write_values
+from emg2vsa.study_file.problems import KeyPath
+
+_BEGIN = """\
+Put a soft pad flat on the force sensor, where the specimen lies.
+The probe must be free, 3 to 5 mm above it. It moves slowly, 5 degrees of the shaft a second, to a touch of 0.5 N.
+Any force of 0.5 N ends a move. Keep a hand on the switch of the power supply."""
+
+
+def check_settings(
+    file: RigFile, *, reach_deg: float = REACH_DEG, motor: bool = False, person: Person = NOBODY
+) -> tuple[Check, ...] | None:
+    """push_axis, push_sign, gear, home and depth by a touch of 0.5 N on a soft pad; None where nobody is ready.
+
+    reach_deg : farthest that the shaft may turn to reach the pad. Where nobody is asked the direction is searched, and
+    the gear, which needs a calliper, is not checked. SettingError : a reach that cannot be. DeviceError : as `hand_rig`
+    and `check_rig`.
+    """
+    if not 0 < reach_deg <= 180:
+        do = "Choose another."
+        raise SettingError("--reach-deg", wanted="above 0 and at most 180", found=f"{reach_deg:g}", do=do)
+    person.say(_BEGIN)
+    if not person.agrees("Ready?"):
+        return None
+    with hand_rig(file, motor=motor) as (opened, hand):
+        return check_rig(hand, opened.rig, AtThePad(person), person.say, reach_deg)
+
+
+def mend_settings(file: RigFile, checks: Sequence[Check], person: Person = NOBODY) -> bool:
+    """Write what is wrong in ``checks`` into the rig file; comments stay. Whether all is right now."""
+    wrong: dict[KeyPath, object] = {("rig", check.key): check.found for check in checks if not check.good}
+    if not wrong:
+        person.say(f"{file.path}: these settings are right")
+        return True
+    if not person.agrees(f"Write {', '.join(str(key[-1]) for key in wrong)} into {file.path}?"):
+        return False
+    write_values(file.path, wrong)
+    person.say(f"written: {file.path}; run emg2vsa rig commission once more to confirm it")
+    return True
+
+
+@dataclass(frozen=True)
+class AtThePad:
+    """What is asked while the probe touches the pad; nothing of a person who is not asked."""
+
+    person: Person
+
+    def towards(self, degrees: float) -> bool | None:
+        """Which way the probe went."""
+        if self.person.ask is None:
+            return None
+        question = f"The shaft has turned {degrees:g} degrees. Has the probe gone towards the pad? [y/n] "
+        while (said := self.person.answer(question).lower()) not in ("y", "yes", "n", "no"):
+            pass
+        return said.startswith("y")
+
+    def zero_calliper(self) -> None:
+        """The gear is measured from here on."""
+        self.person.answer(
+            "The probe touches the pad. Set a calliper to zero there, if you have one, and press Enter. "
+        )
+
+    def moved_mm(self, degrees: float) -> float | None:
+        """How far the probe went, by a calliper."""
+        question = (
+            f"The probe has gone back from the pad, {degrees:.2f} degrees of the shaft. How far, in mm, by a calliper? "
+            "(Enter: not measured) "
+        )
+        while said := self.person.answer(question):
+            try:
+                return float(said.replace(",", "."))
+            except ValueError:
+                self.person.say("Type a number of millimetres, such as 3.2.")
+        return None

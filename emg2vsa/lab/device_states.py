@@ -1,0 +1,203 @@
+"""What the devices of a rig say of themselves, in lines; the motors stay as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass
+from functools import partial
+
+from emg2vsa.errors import DeviceError, InputError
+from emg2vsa.lab.person import NOBODY, Person
+from emg2vsa.lab.rig_lock import rig_lock
+from emg2vsa.rig.clock import Clock, WallClock
+from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, ForceSettings, MotorSettings
+from emg2vsa.rig.force.net_ft import NetFt
+from emg2vsa.rig.open_rig import board_info, open_board, open_camera, open_force, within_device
+from emg2vsa.rig.qbmove.driver import Qbmove
+from emg2vsa.rig.qbmove.info import Parameter, QbmoveInfo, check_kind
+from emg2vsa.rig.qbmove.limits import QbmoveLimits
+from emg2vsa.rig.qbmove.scan import qbmove_ports
+from emg2vsa.rig.qbmove.scan import scan as answering
+from emg2vsa.rig.qbmove.transport import SerialLine
+from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
+from emg2vsa.rig.serial_speed import BAUD, Baud
+from emg2vsa.rig_file import RigFile
+
+_WATCH_S = 1.0
+"How long frames are counted."
+Lines = Iterator[str]
+
+
+@dataclass(frozen=True)
+class DeviceState:
+    """One device. usable : it answers, and a run may use it. problem : why not; None where it is. lines : what it says
+    of itself, each a fact."""
+
+    device: str
+    usable: bool
+    problem: str | None
+    lines: tuple[str, ...]
+
+
+def info(file: RigFile, person: Person = NOBODY) -> tuple[DeviceState, ...]:
+    """Every device of the rig file: firmware, limits, parameters and readings. DeviceError where the rig is in use."""
+    clock, devices = WallClock(), file.devices
+    titled: dict[str, Callable[[], Lines]] = {
+        f"[{name}] {board.port or 'without a port'}, id {board.id}": partial(_board, board, file.rig, clock)
+        for name, board in (("actuator", devices.actuator), ("motor", devices.motor))
+        if board
+    }
+    with rig_lock(file.path):
+        return tuple(_told(titled | _sensors(file, clock), person))
+
+
+def scan(
+    file: RigFile | None = None, *, ports: Sequence[str] = (), baud: Baud = BAUD, ids: Sequence[int] = (),
+    wait_s: float = 0.005, person: Person = NOBODY,
+) -> tuple[DeviceState, ...]:  # fmt: skip
+    """Serial adapters as qbmoves have; who answers on ``ports`` and those of the rig file; its sensor and camera.
+
+    baud : of ``ports``. ids : the only ones to ask; none: 1 to 255. wait_s : for each answer.
+    Nothing is sent to a port or address that is not named. DeviceError where the rig of the file is in use.
+    """
+    clock = WallClock()
+    boards = [board for board in (file.devices.actuator, file.devices.motor) if board] if file else []
+    asked = {board.port: board.baud for board in boards if board.port}
+    asked |= dict.fromkeys(ports, baud)
+    adapters = [port for port in qbmove_ports() if port not in asked]
+    found = list(_told(dict.fromkeys(adapters, _adapter), person))
+    titled: dict[str, Callable[[], Lines]] = {
+        port: partial(_answers, port, baud, ids or range(1, 256), wait_s, clock) for port, baud in asked.items()
+    }
+    with rig_lock(file.path) if file else nullcontext():
+        return (*found, *_told(titled | (_sensors(file, clock) if file else {}), person))
+
+
+def _sensors(file: RigFile, clock: Clock) -> dict[str, Callable[[], Lines]]:
+    guards, camera = file.rig.guards, file.devices.camera
+    titled: dict[str, Callable[[], Lines]] = {"[force]": partial(_force, file.devices.force, guards, clock)}
+    if camera:
+        titled[f"[camera] {camera.source}"] = partial(_camera, camera, guards, clock)
+    return titled
+
+
+def _told(titled: Mapping[str, Callable[[], Lines]], person: Person) -> Iterator[DeviceState]:
+    """Device after device as they answer; that one is not usable, and why, where that is so."""
+    for title, said in titled.items():
+        lines, problem = list[str](), None
+        person.say(title)
+        try:
+            for line in said():
+                lines.append(line.strip())
+                person.say(f"  {line}")
+        except InputError as error:
+            problem = str(error)
+            person.say(f"  not usable: {error}")
+        yield DeviceState(title, problem is None, problem, tuple(lines))
+
+
+def _adapter() -> Lines:
+    yield "an adapter as qbmoves have; ask it with --port"
+
+
+def _answers(port: str, baud: int, ids: Sequence[int], wait_s: float, clock: Clock) -> Lines:
+    line = SerialLine(port, baud)
+    try:
+        found = answering(line, clock, ids, reply_s=wait_s)
+    finally:
+        line.close()
+    if not found:
+        do = "Check power, cable and --baud; a slow line may need --wait-ms 20."
+        raise DeviceError(port, wanted="a qbmove that answers", found="none", do=do)
+    for one in found:
+        yield f"id {one.device_id}" + (f", serial number {one.serial_number}" if one.serial_number else "")
+
+
+def _board(settings: ActuatorSettings | MotorSettings, rig: RigSettings, clock: Clock) -> Lines:
+    """Info text, state, what a run may use, and parameters. DeviceError when the board is absent."""
+    rigid = isinstance(settings, MotorSettings)
+    with open_board(settings, rig.stiffness_percent, clock) as board:
+        info = board_info(board)
+        yield from _facts(info)
+        if isinstance(settings, ActuatorSettings):
+            check_kind(info, settings.model, board.where)
+        yield from _state(board, rigid)
+        yield _ready(info, board.where, rig)
+        usable = within_device(rig, info, rigid)
+        yield "a run may use: positions {} to {} ticks".format(*usable.position_ticks) + (
+            "" if rigid else ", {:.3g} to {:.3g} % of full stiffness".format(*usable.stiffness_percent)
+        )
+        yield "parameters:"
+        for parameter in board.parameters().values():
+            yield f"  {parameter_line(parameter)}"
+
+
+def parameter_line(parameter: Parameter) -> str:
+    """Number, name and values."""
+    return f"{parameter.number:>2} {parameter.name:<28} {shown(parameter.values)}"
+
+
+def shown(values: Sequence[float]) -> str:
+    """``1, 2.5``."""
+    return ", ".join(f"{value:g}" for value in values)
+
+
+def _force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> Lines:
+    """Configuration, one sample and its status. DeviceError when the sensor is absent or silent."""
+    sensor = open_force(settings, guards, clock)
+    try:
+        yield sensor.name
+        if isinstance(sensor, NetFt):
+            config = sensor.config
+            yield f"{1 / config.n_per_count:g} counts/N, {1 / config.nm_per_count:g} counts/(N m)"
+            yield f"{config.rate_hz:g} records a second, calibration {config.calibration_serial or 'not told'}"
+        sensor.start()
+        sample = sensor.read()
+        yield "force {:.3f}, {:.3f}, {:.3f} N".format(*sample.force_n)
+        remarks = "; ".join((*sample.status.faults, *sample.status.warnings))
+        yield f"status 0x{sample.status.code:08x}: {remarks or 'good'}"
+    finally:
+        sensor.close()
+
+
+def _camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Lines:
+    """Size and true rate of its frames. DeviceError when it is absent or gives none."""
+    camera = open_camera(settings, guards, clock)
+    try:
+        camera.start()
+        clock.sleep_until(clock.now_s() + _WATCH_S)
+        frames = camera.frames()
+        height, width = camera.shape
+        yield f"frames of {height} x {width} pixels, {len(frames)} in {_WATCH_S:g} s"
+        yield f"mean grey level {frames[-1].image.mean():.0f} of 255"
+    finally:
+        camera.close()
+
+
+def _facts(info: QbmoveInfo) -> Lines:
+    yield f"firmware {info.firmware}, id {info.device_id}"
+    yield f"control mode {info.control_mode}, input mode {info.input_mode}, resolutions {info.resolutions}"
+    for motor, (low, high) in enumerate(info.position_limits_ticks, start=1):
+        yield f"position limits of motor {motor}: {low} to {high} ticks"
+    yield f"full stiffness {info.max_stiffness_ticks} ticks, current limit {info.current_limit_ma} mA"
+    yield f"supply {info.voltage_mv / 1000:.1f} V"
+
+
+def _state(board: Qbmove, rigid: bool) -> Lines:
+    yield f"motors {'on' if board.is_active() else 'off'}"
+    at = board.measurements()
+    if rigid:  # motor 2 is not connected
+        yield f"motor at {at.motor_1} ticks"
+        yield f"current {board.currents_ma()[0]} mA"
+        return
+    yield "motors at {} and {} ticks, shaft at {}".format(*at)
+    yield "currents {} and {} mA".format(*board.currents_ma())
+
+
+def _ready(info: QbmoveInfo, where: str, rig: RigSettings) -> str:
+    try:
+        QbmoveLimits(where, info, rig.stiffness_percent).check_ready()
+    except DeviceError as error:
+        return f"not ready for a run: {error}"
+    return "set up for runs"

@@ -1,0 +1,52 @@
+"""What the person is asked while a rig is set up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from emg2vsa.errors import SettingError
+from emg2vsa.lab.commissioning import AtThePad
+from emg2vsa.lab.person import NOBODY, Person
+
+
+def answering(said: list[str], heard: list[str] | None = None) -> tuple[AtThePad, Iterator[str]]:
+    """Somebody with these answers, and the answers that are still to come."""
+    left = iter(said)
+    return AtThePad(Person(say=(heard or []).append, ask=lambda question: next(left))), left
+
+
+@pytest.mark.parametrize(
+    ("said", "moved_mm"), [(["3.2"], 3.2), (["3,2"], 3.2), (["far", "3.2"], 3.2), ([""], None), (["far", ""], None)]
+)
+def test_a_distance_is_taken_with_point_or_comma_and_asked_again_where_it_is_no_number(
+    said: list[str], moved_mm: float | None
+) -> None:
+    heard = ["begin"]
+    somebody, left = answering(said, heard)
+    assert somebody.moved_mm(20.0) == moved_mm
+    assert next(left, None) is None
+    assert ("Type a number of millimetres, such as 3.2." in heard) is (said[0] == "far")
+
+
+@pytest.mark.parametrize(("said", "towards"), [(["y"], True), (["No"], False), (["perhaps", "yes"], True)])
+def test_a_direction_is_asked_for_until_it_is_yes_or_no(said: list[str], towards: bool) -> None:
+    assert answering(said)[0].towards(5.0) is towards
+
+
+def test_nobody_is_asked_by_default_and_agrees() -> None:
+    nobody = AtThePad(NOBODY)
+    nobody.zero_calliper()
+    assert nobody.towards(5.0) is nobody.moved_mm(20.0) is None
+    assert NOBODY.agrees("Ready?")
+
+
+@pytest.mark.parametrize(("said", "agrees"), [("y", True), ("YES", True), ("", False), ("no", False), ("yo", False)])
+def test_only_yes_is_yes(said: str, agrees: bool) -> None:
+    assert Person(ask=lambda question: said).agrees("Ready?") is agrees
+
+
+def test_a_question_that_nobody_can_answer_is_refused() -> None:
+    with pytest.raises(SettingError, match="expected an answer, but found the end of the input"):
+        Person(ask=lambda question: None).agrees("Ready?")
