@@ -69,7 +69,8 @@ class Program:
         """Run one sub-command; returns the exit status: 0 done, 1 something is not good, 2 unusable input."""
         one_thread()
         words = list(sys.argv[1:] if argv is None else argv)
-        VOICE.quiet, VOICE.json = not {"-q", "--quiet"}.isdisjoint(words), "--json" in words
+        VOICE.quiet = not {"-q", "--quiet"}.isdisjoint(words)
+        VOICE.json = any(word.partition("=")[0] == "--json" for word in words)
         try:
             arguments = self.parser().parse_args(self._of_today(words))
             VOICE.quiet, VOICE.verbose = arguments.quiet, arguments.verbose
@@ -228,20 +229,12 @@ def add_subcommands(parser: argparse.ArgumentParser, package: str, names: Sequen
 
 
 def add_command(
-    commands: Commands,
-    name: str,
-    run: Any,
-    summary: str,
-    epilog: str = "",
-    options: str = "",
-    types: Types = None,
-    /,
+    commands: Commands, name: str, run: Any, summary: str, epilog: str = "", options: str = "", types: Types = None, /,
     **more: dict[str, Any],
-) -> argparse.ArgumentParser:
+) -> argparse.ArgumentParser:  # fmt: skip
     """A sub-command whose help opens with its one-line summary; its options are as for `add_options`."""
-    parser: argparse.ArgumentParser = commands.add_parser(
-        name, help=summary, description=summary, epilog=" ".join(epilog.split()) or None
-    )
+    after = " ".join(epilog.split()) or None
+    parser: argparse.ArgumentParser = commands.add_parser(name, help=summary, description=summary, epilog=after)
     parser.set_defaults(run=run, parser=parser)
     add_options(parser, VOICES + options, types, **more)
     return parser
@@ -253,14 +246,8 @@ VOICES = """
 """
 JSON = "--json  print the result as JSON\n"
 TYPES: Mapping[str, Any] = {
-    "DIR": Path,
-    "FOLDER": Path,
-    "FILE": Path,
-    "STUDY": Path,
-    "X": float,
-    "HZ": float,
-    "S": float,
-}
+    **dict.fromkeys(("DIR", "FOLDER", "FILE", "STUDY"), Path), **dict.fromkeys(("X", "HZ", "S"), float),
+}  # fmt: skip
 """What makes the value of an option from its text, by the word that stands for it in the help."""
 
 
