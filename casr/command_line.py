@@ -229,7 +229,7 @@ def add_subcommands(parser: argparse.ArgumentParser, package: str, names: Sequen
 
 
 def add_command(
-    commands: Commands, name: str, run: Any, summary: str, epilog: str = "", options: str = "", types: Types = None, /,
+    commands: Commands, name: str, run: Any, summary: str, epilog: str = "", options: str = "", /, types: Types = None,
     **more: dict[str, Any],
 ) -> argparse.ArgumentParser:  # fmt: skip
     """A sub-command whose help opens with its one-line summary; its options are as for `add_options`."""
@@ -251,7 +251,7 @@ TYPES: Mapping[str, Any] = {
 """What makes the value of an option from its text, by the word that stands for it in the help."""
 
 
-def add_options(parser: Group, table: str, types: Types = None, /, **more: dict[str, Any]) -> None:
+def add_options(parser: Group, table: str, /, types: Types = None, **more: dict[str, Any]) -> None:
     """Options and arguments from a table, such as ``--work DIR = .  folder of results``.
 
     table : one a row: its names, its value, two blanks, its help; an indented row goes on with the help. Without a
