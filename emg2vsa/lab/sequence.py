@@ -13,7 +13,7 @@ from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.pressed import Pressed
 from emg2vsa.lab.pressing import Pressing, pressing_of
 from emg2vsa.lab.virtual_runs import VirtualJob, carried_out, virtual_job
-from emg2vsa.pipeline.pool import available_cores
+from emg2vsa.process_pool import available_cores
 from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig_file import RigFile
