@@ -4,8 +4,17 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import asdict
+from pathlib import Path
 
+from casr.cli.arguments import Row
+from casr.cli.values import Kind
 from casr.command_line import print_json
+
+PLATE: Row = (
+    "--plate", Kind("PRESS", Path), None,
+    "no pictures: a press on a rigid plate, to see whether a dome that casr knows moves as this sensor does; exit "
+    "status 1: none does",
+)  # fmt: skip
 
 
 def check_plate(arguments: argparse.Namespace) -> int:
@@ -16,13 +25,12 @@ def check_plate(arguments: argparse.Namespace) -> int:
     from casr.frame_files import open_frames, read_camera
     from casr.scoring import score
 
-    sequence = open_frames(arguments.plate, camera=arguments.out if arguments.out and arguments.out.exists() else None)
-    camera = read_camera(arguments.out) if arguments.out and arguments.out.exists() else sequence.camera
+    given = arguments.out if arguments.out and arguments.out.exists() else None
+    sequence = open_frames(arguments.plate, camera=given)
+    camera = read_camera(given) if given else sequence.camera
     if camera is None:
-        raise CameraError(
-            arguments.plate, wanted="a camera file beside the press, or one given with --out", found="none",
-            do="Calibrate the camera first.",
-        )  # fmt: skip
+        wanted, do = "a camera file beside the press, or one given with --out", "Calibrate the camera first."
+        raise CameraError(arguments.plate, wanted=wanted, found="none", do=do)
     scored = score(sequence)
     found = check_on_plate(scored.rest.centroids_px, scored.pins_px, camera, worlds(arguments.domes))
     if arguments.json:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from casr.cli import arguments, bench, calibrate, main, score
+from casr.cli import arguments, bench, calibrate, main, simulate, values
 
 
 def test_choices_are_those_of_the_modules() -> None:
@@ -15,12 +15,12 @@ def test_choices_are_those_of_the_modules() -> None:
     from casr.frames import FORCE_RULES
     from casr.spread import AREA_LAWS, RATE_RULES, WINDOW_N
 
-    assert arguments.ENGINES == ENGINES
-    assert arguments.AREA_RULES == RULES
-    assert arguments.FORCE_RULES == FORCE_RULES
-    assert score.AREA_LAWS == AREA_LAWS
-    assert score.RATE_RULES == RATE_RULES
-    assert WINDOW_N[1] == score.PAPER_STOP_N
+    assert values.ENGINES == ENGINES
+    assert values.AREA_RULES == RULES
+    assert values.FORCE_RULES == FORCE_RULES
+    assert values.AREA_LAWS == AREA_LAWS
+    assert values.RATE_RULES == RATE_RULES
+    assert WINDOW_N[1] == arguments.PAPER_STOP_N
     assert bench.KINDS == KINDS
     assert tuple(OPENCV_FLAGS) == calibrate.DISTORTIONS
 

@@ -16,11 +16,11 @@ def test_options_reach_the_bench(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
     monkeypatch.setattr(benchmarks.tactile, "run", lambda *args, **kwargs: asked.append((args, kwargs)))
     assert main(["bench", "presses", "--out", "d", "--repetitions", "2", "--jobs", "3"]) == 0
-    words = {"n_seeds": 6, "n_repetitions": 2, "n_jobs": 3}
+    words = {"n_seeds": 6, "n_repetitions": 2, "n_jobs": 3, "show": True}
     assert main(["bench", "presses", "--world", "tabulated,front"]) == 0
     assert asked == [
         (("presses", Path("d")), words | {"worlds": ()}),
-        (("presses", None), {"n_seeds": 6, "n_repetitions": 10, "n_jobs": 1, "worlds": ("tabulated", "front")}),
+        (("presses", None), words | {"n_repetitions": 10, "n_jobs": 1, "worlds": ("tabulated", "front")}),
     ]
 
 
