@@ -7,7 +7,7 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
-from casr.command_line import Commands, Program, add_command, parsers_of
+from casr.command_line import Commands, Program, add_command, add_json, parsers_of, print_json
 
 SHELLS = ("bash", "zsh", "tcsh")
 
@@ -25,9 +25,11 @@ def command_of(name: str) -> Callable[[Commands], None]:
             f"_{name} into a folder of $fpath. Open a new shell afterwards.",
         )
         parser.add_argument("shell", choices=SHELLS)
+        add_json(parser)
 
     def run(arguments: argparse.Namespace) -> int:
-        print(completion(import_module(f"{name}.cli").PROGRAM, arguments.shell))
+        script = completion(import_module(f"{name}.cli").PROGRAM, arguments.shell)
+        print_json({"shell": arguments.shell, "script": script}) if arguments.json else print(script)
         return 0
 
     return add_to

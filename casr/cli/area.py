@@ -5,15 +5,13 @@ from __future__ import annotations
 import argparse
 
 from casr.cli import arguments as shared
-from casr.cli import values
 from casr.command_line import Commands, add_command, add_json, print_json
 from casr.errors import NoContactError
 
-FRAMES: shared.Row = (
-    "--frames", values.FRAMES, None,
-    "rest and first-contact frame (default: from the force log; without one frame 0 and the first in which three pins "
-    "have moved)",
-)  # fmt: skip
+FRAMES = """
+--frames I,J  rest and first-contact frame (default: from the force log; without one frame 0 and the first in which
+    three pins have moved)
+"""
 
 
 def add_to(commands: Commands) -> None:
@@ -23,10 +21,10 @@ def add_to(commands: Commands) -> None:
         "Exit status 1: none of the rules finds a contact. Example: casr area press --frames 0,20",
     )  # fmt: skip
     shared.add_frames(parser)
-    shared.add_options(parser, FRAMES, shared.START, shared.TARE, shared.THRESHOLD)
-    shared.add_options(parser.add_argument_group("pins"), *shared.PINS)
+    shared.add_shared(parser, FRAMES, shared.START, shared.TARE, shared.THRESHOLD)
+    shared.add_shared(parser.add_argument_group("pins"), shared.PINS)
     add_json(parser)
-    shared.add_options(parser, ("--figures", values.DIR, None, "write the pictures as SVG"))
+    shared.add_shared(parser, shared.FIGURES)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -5,23 +5,20 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 
-from casr.cli.arguments import Row, add_options
-from casr.cli.values import AT_LEAST_1, DIR, NAMES
-from casr.command_line import Commands, add_command, add_json, print_json
+from casr.cli.values import names
+from casr.command_line import Commands, add_command, add_json, add_options, print_json, whole_number
 from casr.source_checkout import benchmarks
 
 KINDS = ("presses", "numerics")
-# fmt: off
-OPTIONS: tuple[Row, ...] = (
-    ("--seeds n_seeds", AT_LEAST_1, 6, "numerics: pairs (default 6)"),
-    ("--repetitions n_repetitions", AT_LEAST_1, 10, "presses: of each specimen and angle (default 10)"),
-    ("--jobs n_jobs", AT_LEAST_1, 1, "presses: processes (default 1)"),
-    ("--world worlds", NAMES, (),
-     "presses: areas, CASR, intervals and kappa in these worlds: all, tabulated, full, domes, stick, or one of them, "
-     "as stick-0.43"),
-    ("--out", DIR, None, "write the tables and plots there too"),
-)
-# fmt: on
+OPTIONS = """
+what [WHAT]  default %(default)s
+--seeds N = 6  numerics: pairs (default %(default)s)
+--repetitions N = 10  presses: of each specimen and angle (default %(default)s)
+--jobs N = 1  presses: processes (default %(default)s)
+--world NAMES  presses: areas, CASR, intervals and kappa in these worlds: all, tabulated, full, domes, stick, or one of
+    them, as stick-0.43
+--out DIR  write the tables and plots there too
+"""
 
 
 def add_to(commands: Commands) -> None:
@@ -32,15 +29,15 @@ def add_to(commands: Commands) -> None:
         "double precision, and inputs at the edge. Time and error beside other libraries: emg2vsa bench pins flow "
         "growth area scoring. Needs the folder benchmarks/ of a source checkout.",
     )  # fmt: skip
-    parser.add_argument("what", choices=KINDS, nargs="?", default="presses", help="default %(default)s")
-    add_options(parser, *OPTIONS)
+    types, kinds = {"N": whole_number, "NAMES": names}, {"choices": KINDS, "default": "presses", "metavar": None}
+    add_options(parser, OPTIONS, types, what=kinds, world={"default": ()})
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    asked = {name: getattr(arguments, name) for name in ("n_seeds", "n_repetitions", "n_jobs", "worlds")}
-    bench = benchmarks("tactile", "casr")
-    tables = bench.run(arguments.what, arguments.out, **asked, show=not arguments.json)
+    counts = {"n_seeds": arguments.seeds, "n_repetitions": arguments.repetitions, "n_jobs": arguments.jobs}
+    bench, show = benchmarks("tactile", "casr"), not arguments.json
+    tables = bench.run(arguments.what, arguments.out, **counts, worlds=arguments.world, show=show)
     if arguments.json:
         print_json({"tables": [asdict(table) for table in tables]})
     return 0

@@ -6,19 +6,13 @@ import argparse
 import math
 
 from casr.cli import arguments as shared
-from casr.cli import values
 from casr.command_line import Commands, add_command, add_json, print_json
 
-# fmt: off
-FRAMES: shared.Row = ("--frames", values.FRAMES, None, "use the steps from frame I to frame J (default: all)")
-REGION: shared.Row = (
-    "--region", values.CIRCLE, None, "circle in the first frame, px (default: half as wide as the field of pins)",
-)
-FIGURES: shared.Row = (
-    "--figures", values.DIR, None,
-    "write a picture as PNG and SVG: ways of the pins, or the dense flow of the step that grows most",
-)
-# fmt: on
+FRAMES = "--frames I,J  use the steps from frame I to frame J (default: all)"
+REGION = "--region X,Y,R  circle in the first frame, px (default: half as wide as the field of pins)"
+FIGURES = """
+--figures DIR  write a picture as PNG and SVG: ways of the pins, or the dense flow of the step that grows most
+"""
 
 
 def add_to(commands: Commands) -> None:
@@ -30,10 +24,10 @@ def add_to(commands: Commands) -> None:
         "Example: casr flow frames --frames 19,20 --figures pictures",
     )  # fmt: skip
     shared.add_frames(parser)
-    shared.add_options(parser, FRAMES, shared.ENGINE, REGION)
-    shared.add_options(parser.add_argument_group("pins"), *shared.PINS)
+    shared.add_shared(parser, FRAMES, shared.ENGINE, REGION)
+    shared.add_shared(parser.add_argument_group("pins"), shared.PINS)
     add_json(parser)
-    shared.add_options(parser, FIGURES)
+    shared.add_shared(parser, FIGURES)
 
 
 def run(arguments: argparse.Namespace) -> int:

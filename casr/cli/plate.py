@@ -4,17 +4,8 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import asdict
-from pathlib import Path
 
-from casr.cli.arguments import Row
-from casr.cli.values import Kind
 from casr.command_line import print_json
-
-PLATE: Row = (
-    "--plate", Kind("PRESS", Path), None,
-    "no pictures: a press on a rigid plate, to see whether a dome that casr knows moves as this sensor does; exit "
-    "status 1: none does",
-)  # fmt: skip
 
 
 def check_plate(arguments: argparse.Namespace) -> int:

@@ -7,16 +7,15 @@ import sys
 from functools import partial
 
 from casr.cli import arguments as shared
-from casr.cli import values
-from casr.command_line import Commands, add_command, add_json, print_json
+from casr.command_line import JSON, Commands, add_command, print_json
 from casr.errors import SettingError
 
-OUTPUTS: tuple[shared.Row, ...] = (
-    ("--page", values.HTML, None, "write a page; of several presses, an index and a page for each"),
-    ("--pins", values.CSV, None, "write the way of every pin, of one press"),
-    ("--frames", values.CSV, None, "write force, areas, shear and torsion of every frame, of one press"),
-    ("--figures", values.DIR, None, "write the pictures as SVG"),
-)
+OUTPUT = f"""
+--page FILE.html  write a page; of several presses, an index and a page for each
+--pins FILE.csv  write the way of every pin, of one press
+--frames FILE.csv  write force, areas, shear and torsion of every frame, of one press
+{shared.FIGURES}"""
+CORRECT = "--correct-lag  find that lag, from when the pins begin to move and the force to rise, and take it off"
 
 
 def add_to(commands: Commands) -> None:
@@ -28,10 +27,8 @@ def add_to(commands: Commands) -> None:
         "Exit status 1: one of several presses could not be scored. Example: casr score press --page press.html",
     )  # fmt: skip
     shared.add_frames(parser, f"a press: {shared.PATH_HELP}; or a folder of presses")
-    shared.add_options(shared.add_method(parser).add_mutually_exclusive_group(), *shared.LAG)
-    output = parser.add_argument_group("output")
-    add_json(output)
-    shared.add_options(output, *OUTPUTS)
+    shared.add_shared(shared.add_method(parser).add_mutually_exclusive_group(), shared.LAG, CORRECT)
+    shared.add_shared(parser.add_argument_group("output"), JSON, OUTPUT)
 
 
 def run(arguments: argparse.Namespace) -> int:

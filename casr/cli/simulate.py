@@ -6,37 +6,32 @@ import argparse
 import sys
 from pathlib import Path
 
-from casr.cli.arguments import Row, add_options, of_fields
-from casr.cli.values import AT_LEAST_1, COUNT, DEGREES, INTEGER, NAMES, NEWTON, RMS
-from casr.command_line import Commands, add_command, add_json, print_json
+from casr.cli.arguments import of_fields
+from casr.cli.values import TYPES, count
+from casr.command_line import Commands, add_command, add_json, add_options, print_json, whole_number
 from casr.terminal import VOICE
 
-WORLDS = ("tabulated", "tabulated-frictionless", "stick", "front")
-# fmt: off
-PRESSES: tuple[Row, ...] = (
-    ("--specimens", NAMES, ("S1", "S3", "S5", "S2"), "specimens of the paper, S1 to S5 (default S1,S3,S5,S2)"),
-    ("--angles", DEGREES, (0.0, 30.0, 45.0), "default 0,30,45"),
-    ("--repetitions", AT_LEAST_1, 10, "of each specimen and angle (default 10)"),
-    ("--force-max-n", NEWTON, 7.0, "peak force, N (default 7)"),
-    ("--world", WORLDS, "tabulated",
-     "tabulated: finite elements, the skin sticks (default); tabulated-frictionless: it slides; stick: the contact "
-     "grows over the skin up to --stick-force-n, then stretches it; front: it never stretches it"),
-    ("--stick-force-n", NEWTON, None,
-     "with --world stick: force from which on the contact is a piece of skin (default 0.43)"),
-    ("--scatter", ("realistic", "none"), "realistic",
-     "how presses of one kind differ: depth, stiffness and angle of a mounting; area, resting force and delay of a "
-     "press (default %(default)s)"),
-    ("--mounting", COUNT, 0, "another mounting of sensor and specimens (default 0)"),
-    ("--seed", INTEGER, 0, "another sensor and other draws (default 0)"),
-)
-LOOK: tuple[Row, ...] = (
-    ("--noise-grey", RMS, 2.0, "read noise, grey levels (default 2)"),
-    ("--texture-grey", RMS, 0.0, "texture that moves with the skin, grey levels (default 0)"),
-    ("--dirt-grey", RMS, 0.0, "dirt that stays where it is, grey levels (default 0)"),
-    ("--glare n_glare", COUNT, 0, "reflections (default 0)"),
-    ("--missing-pins n_missing", COUNT, 0, "pins broken off (default 0)"),
-)
-# fmt: on
+PRESSES = """
+--specimens NAMES = S1,S3,S5,S2  specimens of the paper, S1 to S5 (default %(default)s)
+--angles DEGREES = 0,30,45  default %(default)s
+--repetitions N = 10  of each specimen and angle (default %(default)s)
+--force-max-n N = 7  peak force, N (default %(default)s)
+--world {tabulated,tabulated-frictionless,stick,front} = tabulated  tabulated: finite elements, the skin sticks
+    (default); tabulated-frictionless: it slides; stick: the contact grows over the skin up to --stick-force-n, then
+    stretches it; front: it never stretches it
+--stick-force-n N  with --world stick: force from which on the contact is a piece of skin (default 0.43)
+--scatter {realistic,none} = realistic  how presses of one kind differ: depth, stiffness and angle of a mounting; area,
+    resting force and delay of a press (default %(default)s)
+--mounting N = 0  another mounting of sensor and specimens (default %(default)s)
+--seed N = 0  another sensor and other draws (default %(default)s)
+"""
+LOOK = """
+--noise-grey RMS = 2  read noise, grey levels (default %(default)s)
+--texture-grey RMS = 0  texture that moves with the skin, grey levels (default %(default)s)
+--dirt-grey RMS = 0  dirt that stays where it is, grey levels (default %(default)s)
+--glare N = 0  reflections (default %(default)s)
+--missing-pins N = 0  pins broken off (default %(default)s)
+"""
 
 
 def add_to(commands: Commands) -> None:
@@ -46,10 +41,12 @@ def add_to(commands: Commands) -> None:
         "One folder per press, OUT/SPECIMEN_ANGLE_REPETITION, with frames.tif, force.csv, camera.toml and truth.json. "
         "The same options give the same bytes. Example: casr simulate presses --specimens S1,S3 --repetitions 3",
     )  # fmt: skip
-    parser.add_argument("out", type=Path, metavar="OUT", help="folder to write to")
-    add_options(parser.add_argument_group("presses"), *PRESSES)
-    add_options(parser.add_argument_group("look of the frames"), *LOOK)
-    add_options(parser, ("--overwrite", None, False, "replace presses that are there"))
+    add_options(parser, "out OUT  folder to write to", {"OUT": Path})
+    whole, least = {"type": count}, {"type": whole_number}
+    presses = parser.add_argument_group("presses")
+    add_options(presses, PRESSES, TYPES, repetitions=least, mounting=whole, seed={"type": int})
+    add_options(parser.add_argument_group("look of the frames"), LOOK, {**TYPES, "N": count})
+    add_options(parser, "--overwrite  replace presses that are there")
     add_json(parser)
 
 

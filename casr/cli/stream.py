@@ -7,7 +7,6 @@ import json
 from typing import TYPE_CHECKING
 
 from casr.cli import arguments as shared
-from casr.cli.values import SECONDS
 from casr.command_line import Commands, add_command, add_json, finite
 from casr.errors import SettingError
 from casr.terminal import note
@@ -17,11 +16,11 @@ if TYPE_CHECKING:
     from casr.scored import Spread
     from casr.stream import StreamState
 
-IDLE: shared.Row = (
-    "--idle idle_s", SECONDS, 2.0,
-    "with --follow: end when, after the first frame or the force of one, nothing new has come for so long "
-    "(default %(default)s)",
-)  # fmt: skip
+FOLLOW = """
+--follow  wait for frames that are still to come
+--idle SECONDS = 2.0  with --follow: end when, after the first frame or the force of one, nothing new has come for so
+    long (default %(default)s)
+"""
 
 
 def add_to(commands: Commands) -> None:
@@ -34,8 +33,8 @@ def add_to(commands: Commands) -> None:
         "--follow",
     )  # fmt: skip
     shared.add_frames(parser)
-    shared.add_options(parser, ("--follow", None, False, "wait for frames that are still to come"), IDLE)
-    shared.add_options(shared.add_method(parser), shared.LAG[0])
+    shared.add_shared(parser, FOLLOW)
+    shared.add_shared(shared.add_method(parser), shared.LAG)
     add_json(parser.add_argument_group("output"))
 
 
@@ -50,9 +49,9 @@ def run(arguments: argparse.Namespace) -> int:
         do = "Give the folder of the press, or leave out --follow."
         raise SettingError("--follow", wanted="a folder that is recorded into", found=f"a file, {path}", do=do)
     settings = shared.score_settings(arguments)
-    press, scorer = GrowingPress(path, **shared.files_of(arguments), lag_s=arguments.camera_lag_s), None
+    press, scorer = GrowingPress(path, **shared.files_of(arguments), lag_s=arguments.camera_lag), None
     waiting = f"waiting for frames and forces in {path}"
-    for frame in press.follow(arguments.idle_s, lambda: note(waiting)) if follow else press.new_frames(ended=True):
+    for frame in press.follow(arguments.idle, lambda: note(waiting)) if follow else press.new_frames(ended=True):
         scorer = scorer or StreamScorer(press.camera(), settings)
         state = scorer.push(frame.image, frame.force_n)
         print(told(frame, state, scorer.spread()), flush=True)

@@ -1,22 +1,16 @@
-"""What options take: kinds of values with the name they have in the help, and how their text is read."""
+"""What options take: how the text of a value is read, by the word that stands for it in the help."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-from casr.command_line import whole_number
 from casr.plugins import plugins
 
 ENGINES = ("pin-affine", "horn-schunck", "dis")
-AREA_RULES = ("edge", "hexagon", "circle", "paper")
-FORCE_RULES = ("exposure", "mean")
-QUANTITIES = ("front", "skin")
-AREA_LAWS = ("ode", "paper")
-RATE_RULES = ("power", "slope", "paper")
-"Written out once more, because the modules that own them load NumPy; a test compares them."
+"Written out once more, because the module that owns them loads NumPy; a test compares them."
 
 
 class Engines:
@@ -102,18 +96,10 @@ def _file(suffix: str) -> Callable[[str], Path]:
     return read
 
 
-class Kind(NamedTuple):
-    """Values of one kind. metavar : their name in the help. read : from text; ArgumentTypeError where it is none."""
-
-    metavar: str
-    read: Callable[[str], Any]
-
-
-FILE, DIR, PICTURE = (Kind(name, Path) for name in ("FILE", "DIR", "PICTURE"))
-FOLDER, NAME, NAMES = Kind("FOLDER", str), Kind("NAME", str), Kind("NAMES", names)
-HTML, CSV = Kind("FILE.html", _file(".html")), Kind("FILE.csv", _file(".csv"))
-NEWTON, PIXELS, MM, GREY = (Kind(unit, positive) for unit in ("N", "PX", "MM", "GREY"))
-SECONDS, HZ, PX2 = (Kind(unit, positive) for unit in ("SECONDS", "HZ", "PX2"))
-AT_LEAST_1, COUNT, INTEGER = Kind("N", whole_number), Kind("N", count), Kind("N", int)
-LAG, RMS, DEGREES = Kind("SECONDS", number), Kind("RMS", not_negative), Kind("DEGREES", numbers)
-FRAMES, CIRCLE, GRID = Kind("I,J", frame_pair), Kind("X,Y,R", str), Kind("COLUMNSxROWS", grid)
+TYPES: Mapping[str, Any] = {
+    **dict.fromkeys(("N", "PX", "PX2", "MM", "GREY", "SECONDS", "HZ"), positive),
+    "RMS": not_negative, "DEGREES": numbers, "NAMES": names, "I,J": frame_pair, "COLUMNSxROWS": grid,
+    "FILE.html": _file(".html"), "FILE.csv": _file(".csv"), "FOLDER": str,
+    **dict.fromkeys(("PICTURE", "PICTURES", "PRESS"), Path),
+}  # fmt: skip
+"What makes a value from its text, by the word that stands for it in the help."
