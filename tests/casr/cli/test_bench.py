@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import benchmarks.tactile
+from benchmarks.tactile.table import Table
 from casr import source_checkout
 from casr.cli import main
 
@@ -22,6 +24,16 @@ def test_options_reach_the_bench(monkeypatch: pytest.MonkeyPatch) -> None:
         (("presses", Path("d")), words | {"worlds": ()}),
         (("presses", None), words | {"n_repetitions": 10, "n_jobs": 1, "worlds": ("tabulated", "front")}),
     ]
+
+
+def test_json_holds_the_tables_and_nothing_else(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = Table("flow", "Flow", (("way", ""), ("ms", ".2f")), [("ours", 1.5), ("theirs", None)], ("a note",))
+    monkeypatch.setattr(benchmarks.tactile, "_measured", lambda *args: [table])
+    assert main(["bench", "numerics", "--json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)["tables"]
+    assert (found["name"], found["rows"], found["notes"]) == ("flow", [["ours", 1.5], ["theirs", None]], ["a note"])
 
 
 @pytest.mark.parametrize(
