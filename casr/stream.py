@@ -19,6 +19,8 @@ from casr.scored import Score, ScoreSettings, Spread
 from casr.skin_motion import SkinMotion
 
 PHASES = ("rest", "loading", "done")
+AFTER_FRAMES = 20
+"""So many frames out of contact after a contact, and the press is over."""
 SKIPPED = "the pins cannot be told: this frame is skipped"
 
 
@@ -155,9 +157,9 @@ class StreamScorer:
         self._contacts = kept
 
     @property
-    def rested(self) -> int:
-        """Frames out of contact since the last contact; 0 before the first and during one."""
-        return self._rested
+    def over(self) -> bool:
+        """Whether the press is: as the settings say, or after ``AFTER_FRAMES`` out of contact."""
+        return self._phase == "done" or self._rested >= AFTER_FRAMES
 
     def _state(self, force_n: float, notes: tuple[str, ...]) -> StreamState:
         frame = len(self._force_n) - 1

@@ -25,6 +25,7 @@ def run(
     n_repetitions: int = 10,
     n_jobs: int = 1,
     worlds: Sequence[str] = (),
+    show: bool = True,
 ) -> list[Table]:
     """Measure, print the tables, and with ``out`` write them there as text and CSV.
 
@@ -36,6 +37,7 @@ def run(
     n_repetitions : presses of each specimen and angle (``presses``); 10 in the paper.
     n_jobs : processes (``presses``).
     worlds : areas, CASR and kappa by world instead of by chain (``presses``); names of ``worlds.GROUPS``.
+    show : False: nothing is printed.
 
     Raises
     ------
@@ -50,7 +52,8 @@ def run(
         raise SettingError("--world", wanted="it with presses", found=f"it with {what}", do="Leave --world out.")
     tables = _measured(what, n_seeds, n_repetitions, n_jobs, worlds)
     text = "\n\n".join(table.text() for table in tables)
-    print(text)
+    if show:
+        print(text)
     if out:
         write_text_atomic(out / f"{'worlds' if worlds else what}.txt", text + "\n")
         for table in tables:

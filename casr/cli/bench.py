@@ -3,47 +3,41 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
+from dataclasses import asdict
 
-from casr.cli.arguments import names
-from casr.command_line import Commands, add_command, whole_number
+from casr.cli.values import names
+from casr.command_line import Commands, add_command, add_json, add_options, print_json, whole_number
 from casr.source_checkout import benchmarks
 
 KINDS = ("presses", "numerics")
+OPTIONS = """
+what [WHAT]  default %(default)s
+--seeds N = 6  numerics: pairs (default %(default)s)
+--repetitions N = 10  presses: of each specimen and angle (default %(default)s)
+--jobs N = 1  presses: processes (default %(default)s)
+--world NAMES  presses: areas, CASR, intervals and kappa in these worlds: all, tabulated, full, domes, stick, or one of
+    them, as stick-0.43
+--out DIR  write the tables and plots there too
+"""
 
 
 def add_to(commands: Commands) -> None:
     parser = add_command(
-        commands,
-        "bench",
-        run,
+        commands, "bench", run,
         "Score simulated presses every way there is, and try the divergence on hard scenes.",
         "presses: initial area and CASR of simulated presses, and the stiffness they give. numerics: single against "
         "double precision, and inputs at the edge. Time and error beside other libraries: emg2vsa bench pins flow "
         "growth area scoring. Needs the folder benchmarks/ of a source checkout.",
-    )
-    parser.add_argument("what", choices=KINDS, nargs="?", default="presses", help="default %(default)s")
-    parser.add_argument("--seeds", type=whole_number, default=6, metavar="N", help="numerics: pairs (default 6)")
-    parser.add_argument(
-        "--repetitions", type=whole_number, default=10, metavar="N",
-        help="presses: of each specimen and angle (default 10)",
     )  # fmt: skip
-    parser.add_argument("--jobs", type=whole_number, default=1, metavar="N", help="presses: processes (default 1)")
-    parser.add_argument(
-        "--world", type=names, default=(), metavar="NAMES",
-        help="presses: areas, CASR, intervals and kappa in these worlds: all, tabulated, full, domes, stick, or one of "
-        "them, as stick-0.43",
-    )  # fmt: skip
-    parser.add_argument("--out", type=Path, metavar="DIR", help="write the tables and plots there too")
+    types, kinds = {"N": whole_number, "NAMES": names}, {"choices": KINDS, "default": "presses", "metavar": None}
+    add_options(parser, OPTIONS, types, what=kinds, world={"default": ()})
+    add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    benchmarks("tactile", "casr").run(
-        arguments.what,
-        arguments.out,
-        n_seeds=arguments.seeds,
-        n_repetitions=arguments.repetitions,
-        n_jobs=arguments.jobs,
-        worlds=arguments.world,
-    )
+    counts = {"n_seeds": arguments.seeds, "n_repetitions": arguments.repetitions, "n_jobs": arguments.jobs}
+    bench, show = benchmarks("tactile", "casr"), not arguments.json
+    tables = bench.run(arguments.what, arguments.out, **counts, worlds=arguments.world, show=show)
+    if arguments.json:
+        print_json({"tables": [asdict(table) for table in tables]})
     return 0

@@ -16,13 +16,12 @@ def check_plate(arguments: argparse.Namespace) -> int:
     from casr.frame_files import open_frames, read_camera
     from casr.scoring import score
 
-    sequence = open_frames(arguments.plate, camera=arguments.out if arguments.out and arguments.out.exists() else None)
-    camera = read_camera(arguments.out) if arguments.out and arguments.out.exists() else sequence.camera
+    given = arguments.out if arguments.out and arguments.out.exists() else None
+    sequence = open_frames(arguments.plate, camera=given)
+    camera = read_camera(given) if given else sequence.camera
     if camera is None:
-        raise CameraError(
-            arguments.plate, wanted="a camera file beside the press, or one given with --out", found="none",
-            do="Calibrate the camera first.",
-        )  # fmt: skip
+        wanted, do = "a camera file beside the press, or one given with --out", "Calibrate the camera first."
+        raise CameraError(arguments.plate, wanted=wanted, found="none", do=do)
     scored = score(sequence)
     found = check_on_plate(scored.rest.centroids_px, scored.pins_px, camera, worlds(arguments.domes))
     if arguments.json:

@@ -17,7 +17,7 @@ from casr.flow.region import Points, Region
 from casr.flow.step import ENGINES, Engine, FlowSettings, FlowStep
 from casr.images import as_grey
 
-__all__ = ["ENGINES", "FlowSettings", "FlowStep", "FlowTracker"]
+__all__ = ["ENGINES", "FlowSettings", "FlowStep", "FlowTracker", "dense_flow"]
 
 
 LOST_PERCENT = {"horn-schunck": (35, 12), "dis": (40, 18)}
@@ -83,7 +83,7 @@ def _engine(settings: FlowSettings) -> Engine:
         return PinEngine(settings)
     if settings.engine not in ENGINES:
         return PluginEngine(settings)
-    return DenseEngine(_dense_flow(settings), settings.core_fraction, doubt_of(settings.engine))
+    return DenseEngine(dense_flow(settings), settings.core_fraction, doubt_of(settings.engine))
 
 
 def _of_image(settings: FlowSettings) -> Engine:
@@ -94,10 +94,11 @@ def _of_image(settings: FlowSettings) -> Engine:
             found=f"{settings.engine}, which follows a region",
             do="Choose one with engine (--engine dis), or leave the region to be found.",
         )
-    return ImageEngine(_dense_flow(settings))
+    return ImageEngine(dense_flow(settings))
 
 
-def _dense_flow(settings: FlowSettings) -> DenseFlow:
+def dense_flow(settings: FlowSettings) -> DenseFlow:
+    """The dense method of ``settings.engine``, one of ``LOST_PERCENT``."""
     if settings.engine == "dis":
         return Dis(settings.dis_preset)
     # loaded when used: it compiles its kernels with numba, which the other engines never need and may be absent

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +19,8 @@ from casr.frame_files.press import camera_beside
 from casr.frames import check_newtons, force_per_frame, spikes
 from casr.frames.force import first_of_frame
 from casr.images import Grey
+
+_LOOK_S = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +90,24 @@ class GrowingPress:
                 return
             self._next = index + 1
             yield NewFrame(index, image, float(times_s[index]), float(forces[index]))
+
+    def follow(self, idle_s: float, waiting: Callable[[], None]) -> Iterator[NewFrame]:
+        """Frames as they come, until after the first frame or the force of one nothing new has come for ``idle_s``.
+
+        waiting : called once where nothing is there yet. Raises as ``new_frames``.
+        """
+        newest_s, told = None, False
+        while newest_s is None or time.monotonic() - newest_s <= idle_s:
+            for frame in self.new_frames():
+                newest_s = time.monotonic()
+                yield frame
+            if newest_s is None and not told:
+                waiting()
+                told = True
+            if newest_s is None and self.behind:
+                newest_s = time.monotonic()
+            time.sleep(_LOOK_S)
+        yield from self.new_frames(ended=True)
 
     def _new_log(self, ended: bool) -> ForceLog | None:
         try:

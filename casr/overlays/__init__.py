@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from casr.flow.estimate import LOST_PERCENT, dense_flow
+from casr.images import as_grey
 from casr.overlays.area import area_picture, pins_picture
 from casr.overlays.canvas import Picture
 from casr.overlays.curves import area_curve, growth_curve
@@ -16,11 +18,13 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from casr.flow.followed import Followed
     from casr.frames import FrameSequence
     from casr.scoring import Score
 
 __all__ = [
-    "Picture", "area_picture", "flow_picture", "pin_ways", "pins_picture", "press_pictures", "spreading_picture",
+    "Picture", "area_picture", "flow_picture", "followed_picture", "pin_ways", "pins_picture", "press_pictures",
+    "spreading_picture",
 ]  # fmt: skip
 
 
@@ -51,3 +55,18 @@ def pin_ways(
     for index in frames[1:]:
         last_px = tracker.step(sequence[index])
     return first_px, last_px
+
+
+def followed_picture(sequence: FrameSequence, followed: Followed) -> Picture:
+    """A region that was followed: dense flow of the step in which it grows most, else the ways of the pins."""
+    frames, regions, engine = followed.frames, followed.regions, followed.settings.engine
+    if engine not in LOST_PERCENT:
+        ways, span = pin_ways(sequence, frames, followed.settings.pins), f"frames {frames[0]} to {frames[-1]}"
+        return spreading_picture(sequence[frames[0]], *ways, regions[0].polygon_px, span)
+    place = max(range(len(followed.steps)), key=lambda i: abs(followed.steps[i].log_growth))
+    before, after = frames[place : place + 2]
+    method = dense_flow(followed.settings)
+    method.start(as_grey(sequence[before]))
+    image = as_grey(sequence[after])
+    field = method.step(image, (0, 0, *reversed(image.shape)))
+    return flow_picture(sequence[before], field, regions[place].polygon_px, f"frames {before} to {after}")

@@ -183,7 +183,7 @@ def test_only_the_papers_algorithm_itself_needs_numba(sequence: FrameSequence, m
             "flow engine horn-schunck", wanted="the package numba", found="no such package", do="Get it."
         )
 
-    monkeypatch.setattr("casr.flow.estimate._dense_flow", absent)
+    monkeypatch.setattr("casr.flow.estimate.dense_flow", absent)
     found = scored(sequence)
     assert all(np.isfinite(found.casr[name][0]) for name in ALGORITHMS)
     (reason,) = scored(sequence, algorithm="paper").reasons

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from casr.cli import arguments, bench, calibrate, main, score
+from casr.cli import PROGRAM, main
+from casr.command_line import parsers_of
 
 
 def test_choices_are_those_of_the_modules() -> None:
@@ -13,16 +14,38 @@ def test_choices_are_those_of_the_modules() -> None:
     from casr.contact_area import RULES
     from casr.flow.step import ENGINES
     from casr.frames import FORCE_RULES
-    from casr.spread import AREA_LAWS, RATE_RULES, WINDOW_N
+    from casr.scored import QUANTITIES
+    from casr.spread import AREA_LAWS, RATE_RULES
+    from casr.synthetic.plan import SCATTERS
 
-    assert arguments.ENGINES == ENGINES
-    assert arguments.AREA_RULES == RULES
-    assert arguments.FORCE_RULES == FORCE_RULES
-    assert score.AREA_LAWS == AREA_LAWS
-    assert score.RATE_RULES == RATE_RULES
-    assert WINDOW_N[1] == score.PAPER_STOP_N
-    assert bench.KINDS == KINDS
-    assert tuple(OPENCV_FLAGS) == calibrate.DISTORTIONS
+    wanted = {
+        "score": {
+            "engine": ENGINES, "area": RULES, "force_rule": FORCE_RULES, "law": AREA_LAWS, "rate": RATE_RULES,
+            "quantity": QUANTITIES,
+        },
+        "bench": {"what": KINDS},
+        "calibrate": {"distortion": OPENCV_FLAGS},
+        "simulate": {"scatter": SCATTERS},
+    }  # fmt: skip
+    parsers = {parser.prog: parser for parser in parsers_of(PROGRAM.parser())}
+    for command, options in wanted.items():
+        actions = {action.dest: action for action in parsers[f"casr {command}"]._actions}
+        for option, known in options.items():
+            assert tuple(actions[option].choices or ()) == tuple(known)
+
+
+def test_what_is_not_given_is_the_default_of_the_modules() -> None:
+    """Of scoring, of pins and of simulated presses; the window of the mean rate too."""
+    from casr.cli.arguments import of_fields, score_settings
+    from casr.scored import ScoreSettings
+    from casr.synthetic import Appearance
+    from casr.synthetic.plan import PressPlan
+
+    parser = PROGRAM.parser()
+    assert score_settings(parser.parse_args(["score", "x"])) == ScoreSettings()
+    simulate = parser.parse_args(["simulate", "x"])
+    assert PressPlan(**of_fields(simulate, PressPlan)) == PressPlan()
+    assert Appearance(**of_fields(simulate, Appearance)) == Appearance()
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import benchmarks.tactile
+from benchmarks.tactile.table import Table
 from casr import source_checkout
 from casr.cli import main
 
@@ -16,12 +18,22 @@ def test_options_reach_the_bench(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
     monkeypatch.setattr(benchmarks.tactile, "run", lambda *args, **kwargs: asked.append((args, kwargs)))
     assert main(["bench", "presses", "--out", "d", "--repetitions", "2", "--jobs", "3"]) == 0
-    words = {"n_seeds": 6, "n_repetitions": 2, "n_jobs": 3}
+    words = {"n_seeds": 6, "n_repetitions": 2, "n_jobs": 3, "show": True}
     assert main(["bench", "presses", "--world", "tabulated,front"]) == 0
     assert asked == [
         (("presses", Path("d")), words | {"worlds": ()}),
-        (("presses", None), {"n_seeds": 6, "n_repetitions": 10, "n_jobs": 1, "worlds": ("tabulated", "front")}),
+        (("presses", None), words | {"n_repetitions": 10, "n_jobs": 1, "worlds": ("tabulated", "front")}),
     ]
+
+
+def test_json_holds_the_tables_and_nothing_else(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = Table("flow", "Flow", (("way", ""), ("ms", ".2f")), [("ours", 1.5), ("theirs", None)], ("a note",))
+    monkeypatch.setattr(benchmarks.tactile, "_measured", lambda *args: [table])
+    assert main(["bench", "numerics", "--json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)["tables"]
+    assert (found["name"], found["rows"], found["notes"]) == ("flow", [["ours", 1.5], ["theirs", None]], ["a note"])
 
 
 @pytest.mark.parametrize(

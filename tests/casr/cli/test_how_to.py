@@ -1,4 +1,4 @@
-"""The how-to: its commands run, and what they print looks as it says (numbers aside)."""
+"""The how-to: its commands run, and what they print looks as it says (numbers aside), where it says it."""
 
 from __future__ import annotations
 
@@ -33,7 +33,8 @@ def test_every_command_does_what_the_page_says(
     for command, output in steps():
         program, *words = shlex.split(command)
         assert (program, main(words)) == ("casr", 0), command
-        assert shape(capsys.readouterr().out) == shape(output), command
+        said = shape(capsys.readouterr().out)
+        assert said == shape(output) or not output.strip(), command
     assert {path.name for path in tmp_path.iterdir()} == {
         "presses",
         "scores.html",
