@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 from typing import Any
 
@@ -31,15 +30,3 @@ def add_to(commands: Commands) -> None:
         return parse(["run", *words] if is_study else words, namespace)
 
     parser.parse_known_args = parse_known_args
-
-
-def check_emulated(arguments: argparse.Namespace) -> None:
-    """--speed and --truth, before anything runs. SettingError for values that cannot be."""
-    from emg2vsa.errors import SettingError
-
-    if arguments.speed is not None and not 0.1 <= arguments.speed <= 100:
-        found = f"{arguments.speed:g}"
-        raise SettingError("--speed", wanted="0.1 to 100 times real time", found=found, do="Choose another.")
-    if arguments.truth and not arguments.truth.absolute().parent.is_dir():
-        do = "Make the folder."
-        raise SettingError(f"--truth {arguments.truth}", wanted="a file in a folder", found="no such folder", do=do)
