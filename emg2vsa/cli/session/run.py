@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     def ended(end: SessionEnd) -> None:
         newline = "\n" if end.why == "Ctrl-C" and not alone else ""
-        say(f"{newline}{end.how}{': ' if end.why else ''}{end.why}; recorded in {end.folder}")
+        say(f"{newline}{': '.join(filter(None, (end.how, end.why)))}; recorded in {end.folder}")
         if end.how != "completed":
             words = f"{arguments.study} --participant {arguments.participant}"
             say(f"Go on: emg2vsa session {words} --resume")

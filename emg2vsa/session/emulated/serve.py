@@ -14,8 +14,8 @@ from emg2vsa.rig.device_settings import ForceSettings
 from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox
 from emg2vsa.rig.emulated.rdt_server import RdtServer
 from emg2vsa.session.emulated.lsl_outlets import LslOutlets
-from emg2vsa.session.emulated.muscles import felt_n
 from emg2vsa.session.emulated.participant import EmulatedParticipant
+from emg2vsa.session.emulated.sensors import felt_n
 from emg2vsa.session.emulated.trigno_server import Ports, TrignoServer
 from emg2vsa.session.sources.trigno import places_of
 from emg2vsa.session_settings import TRIGNO_COMMAND_PORT, EmgSourceSettings, SessionSettings
