@@ -1,4 +1,4 @@
-"""Bias and spread of b through the conditioning, on a signal whose b is known (EMG notes 3.3).
+"""Bias and spread of b through the conditioning, on a signal whose b is known.
 
 Sum of two muscles v = 30 + 15 ln F uV, shared 60:40; Gaussian carrier with a Stegeman-type spectrum through 20-450 Hz,
 1.2 uV of noise in each channel; F rises linearly from 0.2 to 7.2 N in 2.5 s. Fit on 0.5 to 7 N.

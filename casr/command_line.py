@@ -6,17 +6,19 @@ import argparse
 import importlib
 import json
 import os
+import re
 import sys
 import traceback
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import partial
+from pathlib import Path
 from typing import Any, NoReturn
 
 from casr.errors import UserError
 from casr.one_thread import one_thread
-from casr.terminal import VOICE, coloured
+from casr.terminal import VOICE, coloured, note
 
 Group = argparse._ActionsContainer  # a parser or a group of its options
 Commands = Any  # argparse gives its collection of sub-parsers no public type
@@ -35,7 +37,7 @@ Written by `python -m {name}.cli.reference`; do not edit. The same text is in `{
 | 130 | stopped with Ctrl-C; what was finished is kept |
 
 Results go to the standard output; progress, notes and complaints to the error stream. With `--json` the standard output
-holds one JSON value.
+holds one JSON value; an error is one too, with the keys `error` and `status`, beside its text on the error stream.
 """
 
 
@@ -50,6 +52,7 @@ class Program:
     commands : in the order of the help.
     stopped : what Ctrl-C leaves, said after it.
     extras : library to the extra of the package that installs it.
+    moved : an older spelling to the one of today, each of one or two words. The older one still runs, and says so.
     """
 
     name: str
@@ -59,46 +62,60 @@ class Program:
     commands: tuple[str, ...]
     stopped: str
     extras: Mapping[str, str] = field(default_factory=dict)
+    moved: Mapping[str, str] = field(default_factory=dict)
 
     def main(self, argv: Sequence[str] | None = None) -> int:
         """Run one sub-command; returns the exit status: 0 done, 1 something is not good, 2 unusable input."""
         one_thread()
-        words = sys.argv[1:] if argv is None else argv
-        only = [name for name in words[:1] if name in self.commands]
+        words = list(sys.argv[1:] if argv is None else argv)
+        VOICE.quiet, VOICE.json = not {"-q", "--quiet"}.isdisjoint(words), "--json" in words
         try:
-            arguments = self.parser(only or self.commands).parse_args(words)
+            arguments = self.parser().parse_args(self._of_today(words))
             VOICE.quiet, VOICE.verbose = arguments.quiet, arguments.verbose
             status: int = arguments.run(arguments)
             sys.stdout.flush()
             return status
         except UserError as error:
-            self._complain(error.told_by(self.name))
+            return self._failed(error.told_by(self.name), message=str(error), **_parts(error))
         except ModuleNotFoundError as error:
             library = str(error.name).partition(".")[0]
             if library not in self.extras:
                 raise
             do = f'Install it: pip install "emg2vsa[{self.extras[library]}]".'
-            self._complain(f"{self.name}: expected the library {library}, but found none. {do}")
+            return self._failed(f"{self.name}: expected the library {library}, but found none. {do}", do=do)
         except BrokenPipeError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 0
         except OSError as error:
-            self._complain(f"{self.name}: {error.filename or 'input or output'}: {error.strerror or error}")
+            text = f"{error.filename or 'input or output'}: {error.strerror or error}"
+            return self._failed(f"{self.name}: {text}", message=text)
         except KeyboardInterrupt:
-            print(f"\nStopped. {self.stopped}", file=sys.stderr)
+            text = f"Stopped. {self.stopped}"
+            print(f"\n{text}", file=sys.stderr)
+            _print_error(130, message=text)
             return 130
-        return 2
 
-    def _complain(self, text: str) -> None:
-        """The error that is being handled, for a person; with ``-v`` where it arose."""
+    def _of_today(self, words: list[str]) -> list[str]:
+        """The words with an older spelling of the command replaced."""
+        for count in (2, 1):
+            new = self.moved.get(" ".join(words[:count]))
+            if new is not None:
+                note(f'{self.name}: "{self.name} {" ".join(words[:count])}" is now "{self.name} {new}".')
+                return [*new.split(), *words[count:]]
+        return words
+
+    def _failed(self, text: str, **parts: object) -> int:
+        """The error that is being handled, for a person and for a program; with ``-v`` where it arose."""
         if VOICE.verbose:
             traceback.print_exc()
         name, colon, rest = text.partition(": ")
         known = colon and name == self.name
         print(f"{coloured(name, 'bad', sys.stderr)}: {rest}" if known else text, file=sys.stderr)
+        _print_error(2, **({"message": rest} | parts))
+        return 2
 
-    def parser(self, names: Sequence[str] = ()) -> argparse.ArgumentParser:
-        """The parser of the whole command line, or of these commands only."""
+    def parser(self) -> argparse.ArgumentParser:
+        """The parser of the whole command line; modules of commands are imported when they are asked for."""
         whole = Parser(
             prog=self.name,
             description=self.description,
@@ -106,7 +123,7 @@ class Program:
             "130 stopped.",
         )
         whole.add_argument("--version", action="version", version=f"{self.name} {self.version}")
-        add_subcommands(whole, f"{self.name}.cli", names or self.commands)
+        add_subcommands(whole, f"{self.name}.cli", self.commands)
         return whole
 
     def reference_page(self, inputs: str) -> str:
@@ -116,6 +133,38 @@ class Program:
             parser.formatter_class = partial(argparse.HelpFormatter, width=PAGE_COLUMNS)  # type: ignore[assignment]
             parts.append(f"\n## `{parser.prog}`\n\n```text\n{parser.format_help()}```\n")
         return PAGE_HEAD.format(name=self.name, inputs=inputs) + "".join(parts)
+
+
+def _parts(error: UserError) -> dict[str, object]:
+    """What an error says of where it is, what was wanted and found, and what to do; as far as it does."""
+    names = {"what": "where", "wanted": "wanted", "found": "found", "do": "do", "problems": "problems"}
+    return {name: getattr(error, of) for name, of in names.items() if hasattr(error, of)}
+
+
+def _print_error(status: int, **parts: object) -> None:
+    """The error as one line of JSON, where JSON was asked for."""
+    if VOICE.json:
+        print(json.dumps({"error": parts, "status": status}), flush=True)
+
+
+class SubCommands(argparse._SubParsersAction):  # type: ignore[type-arg]
+    """Sub-commands, imported when they are asked for, and all of them for the help. modules : name to module."""
+
+    modules: Mapping[str, str] = {}
+
+    def load(self, *names: str) -> None:
+        """Import these, or all."""
+        for name in names or self.modules:
+            if name not in self.choices:
+                importlib.import_module(self.modules[name]).add_to(self)
+
+    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
+        self.load(values[0])
+        super().__call__(parser, namespace, values, option_string)
+
+    def _get_subactions(self) -> Any:
+        self.load()
+        return super()._get_subactions()
 
 
 class Parser(argparse.ArgumentParser):
@@ -131,13 +180,15 @@ class Parser(argparse.ArgumentParser):
         return found
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        if action.choices is not None and value not in action.choices:
-            known = [str(each) for each in action.choices]
+        choices = action.modules if isinstance(action, SubCommands) else action.choices
+        if choices is not None and value not in choices:
+            known = [str(each) for each in choices]
             listed = f"expected one of {', '.join(known)}, but found {str(value)!r}.{nearest(str(value), known)}"
             raise argparse.ArgumentError(action, listed)
 
     def error(self, message: str) -> NoReturn:
         self.print_usage(sys.stderr)
+        _print_error(2, message=f"{self.prog}: {message}")
         self.exit(2, f"{coloured(self.prog, 'bad', sys.stderr)}: {message}\n")
 
 
@@ -156,16 +207,23 @@ def parsers_of(whole: argparse.ArgumentParser) -> Iterator[argparse.ArgumentPars
     """``whole``, then its commands, each followed by its own."""
     yield whole
     for action in whole._actions:
-        if isinstance(action, argparse._SubParsersAction):
+        if isinstance(action, SubCommands):
+            action.load()
             for command in action.choices.values():
                 yield from parsers_of(command)
 
 
+def add_group(commands: Commands, name: str, summary: str, package: str, names: Sequence[str], epilog: str = "") -> Any:
+    """A command whose own commands are the modules of a package; its parser."""
+    parser = commands.add_parser(name, help=summary, description=summary, epilog=epilog or None)
+    add_subcommands(parser, package, names)
+    return parser
+
+
 def add_subcommands(parser: argparse.ArgumentParser, package: str, names: Sequence[str]) -> None:
-    """Let the module ``<package>.<name>`` of each name, with _ for -, add its parser."""
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    for name in names:
-        importlib.import_module(f"{package}.{name.replace('-', '_')}").add_to(commands)
+    """Let the module ``<package>.<name>`` of each name, with _ for -, add its parser when it is asked for."""
+    commands: Any = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", action=SubCommands)
+    commands.modules = {name: f"{package}.{name.replace('-', '_')}" for name in names}
 
 
 def add_command(commands: Commands, name: str, run: Any, summary: str, epilog: str = "") -> argparse.ArgumentParser:
@@ -181,9 +239,52 @@ def add_command(commands: Commands, name: str, run: Any, summary: str, epilog: s
     return parser
 
 
+JSON = "--json  print the result as JSON\n"
+TYPES: Mapping[str, Any] = {
+    "DIR": Path,
+    "FOLDER": Path,
+    "FILE": Path,
+    "STUDY": Path,
+    "X": float,
+    "HZ": float,
+    "S": float,
+}
+"""What makes the value of an option from its text, by the word that stands for it in the help."""
+
+
+def add_options(parser: Group, table: str, types: Mapping[str, Any] | None = None, **more: dict[str, Any]) -> None:
+    """Options and arguments from a table, such as ``--work DIR = .  folder of results``.
+
+    Parameters
+    ----------
+    table : one a row: its names, its value, two blanks, its help; an indented row goes on with the help. Without a
+        value it is a switch. ``= X`` after the value is the default; ``VALUE...`` may be repeated; ``{a,b}`` lists all
+        values. An argument is written ``files FILE...``; ``[FILE]`` may be left out, and so may ``[FILE...]``.
+    types : the word that stands for a value to its type, beside `TYPES`. more : keywords of ``add_argument`` by name.
+    """
+    for row in re.split(r"\n(?! )", table.strip("\n")):
+        spec, _, text = row.partition("  ")
+        spec, _, default = spec.partition(" = ")
+        *names, value = (*spec.split(), "") if spec.split()[-1].startswith("--") else spec.split()
+        option, bare = names[0].startswith("-"), value.strip("[].")
+        given: dict[str, Any] = {"help": " ".join(text.split())}
+        if not value:
+            given["action"] = "store_true"
+        elif value.startswith("{"):
+            given["choices"] = tuple(bare.strip("{}").split(","))
+        else:
+            given |= {"metavar": bare, "type": ({**TYPES, **(types or {})}).get(bare)}
+        if value.endswith(("...", "...]")):
+            given |= {"action": "append", "default": []} if option else {"nargs": "*" if value[0] == "[" else "+"}
+        elif value.startswith("["):
+            given["nargs"] = "?"
+        given |= {"default": default} if default else {}
+        parser.add_argument(*names, **given | more.get(names[-1].lstrip("-").replace("-", "_"), {}))
+
+
 def add_json(parser: Group) -> None:
     """Output for programs."""
-    parser.add_argument("--json", action="store_true", help="print the result as JSON")
+    add_options(parser, JSON)
 
 
 def print_json(value: object) -> None:

@@ -14,10 +14,12 @@ _COLOURS: dict[Look, int] = {"good": 32, "doubtful": 33, "bad": 31}
 
 
 class Voice:
-    """What the user asked to hear. quiet : no progress and no notes. verbose : reasons, and where an error arose."""
+    """What the user asked to hear. quiet : no progress and no notes. verbose : reasons, and where an error arose.
+    json : results, and errors too, for programs."""
 
     quiet = False
     verbose = False
+    json = False
 
 
 VOICE = Voice()

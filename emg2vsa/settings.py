@@ -482,4 +482,4 @@ PAPER: dict[str, dict[str, Any]] = {
     "runs": {"algorithm": "paper"},
     "calibration": {"law": "exponential", "minimise": "kappa", "outlier_mads": 0.0},
 }
-"""What ``mode = "paper"`` sets, unless the study says otherwise (method notes 1 and 3)."""
+"""What ``mode = "paper"`` sets, unless the study says otherwise (docs/method.md)."""

@@ -1,6 +1,6 @@
 """Linear regression on any columns, many designs at once, in extended precision.
 
-Nothing is dropped silently: pseudo-inverses with a cut-off lose all digits on NIST's Filip set (statistics notes 3b).
+Nothing is dropped silently: pseudo-inverses with a cut-off lose all digits on NIST's Filip set (docs/benchmarks).
 What the input has lost cannot come back: powers rounded to doubles leave 7.6 digits of Filip, whatever is done next;
 ``powers`` keeps them (11 digits).
 """

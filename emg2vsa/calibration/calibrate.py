@@ -28,7 +28,7 @@ _EQUATIONS = {
 NARROW = 1e-3
 """Specimens whose stiffnesses differ by a smaller share of themselves make an ill-conditioned design, which says so."""
 ENOUGH_SPECIMENS = 6
-"""Specimens below which the fit itself is all but untested (statistics notes 4.6)."""
+"""Specimens below which the fit itself is all but untested."""
 
 
 @dataclass(frozen=True)

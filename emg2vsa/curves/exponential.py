@@ -1,7 +1,7 @@
 """The exponential law y = p exp(q x), fitted to many designs in one call.
 
 By variable projection: for each q the best p is a quotient of sums, and q alone is searched for. Fewer things can go
-wrong than with two parameters, and 13 digits are right where general fitters give 7 to 8 (statistics notes 3c).
+wrong than with two parameters, and 13 digits are right where general fitters give 7 to 8 (docs/benchmarks/fits.md).
 """
 
 from __future__ import annotations

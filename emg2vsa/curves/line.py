@@ -1,7 +1,7 @@
 """Weighted straight lines y = intercept + slope x, many at once, in closed form.
 
 Each row is shifted by one of its own points (exact) and then centred (two passes), so that neither a large offset nor a
-tiny or huge scale costs digits; statistics notes 3b: the best and the fastest of the ways compared.
+tiny or huge scale costs digits: the best and the fastest of the ways compared in docs/benchmarks/fits.md.
 """
 
 from __future__ import annotations

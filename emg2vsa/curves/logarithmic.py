@@ -130,7 +130,7 @@ def widen(fit: LogFit, a_factor: Floats, b_factor: Floats, dof: Floats, confiden
 
 def level_weights(level: Floats) -> Floats:
     """Inverse-variance weights 1 / v^2 (k, p) from fitted levels, relative to the smallest: an envelope's noise grows
-    with its level (SD of b 7.5 % to 6.0 % of b in simulation, EMG notes 3.3).
+    with its level (SD of b 7.5 % to 6.0 % of b in simulation, benchmarks/slope_of_b.py).
 
     A fitted level below ``LEVEL_FLOOR`` of the row's largest, or negative, counts as that floor. Rows whose fit is
     undefined or nowhere positive get equal weights.

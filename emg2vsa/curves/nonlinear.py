@@ -2,7 +2,7 @@
 
 Trust region with exact Jacobians by the complex step (Squire and Trapp 1998), then Gauss-Newton steps on a scaled QR
 until nothing is gained: the certified values of all 27 NIST sets from both starts, where finite differences and default
-tolerances fail on six (statistics notes 3c).
+tolerances fail on six (docs/benchmarks/fits.md).
 """
 
 from __future__ import annotations

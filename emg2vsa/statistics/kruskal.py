@@ -147,7 +147,7 @@ def smallest_worst_p(groups: int, count: int, adjustment: Literal["none", "bonfe
     """Smallest value that the largest p of all pairs can take with ``groups`` of ``count`` untied values each.
 
     Mean ranks of equal groups span at most (groups - 1) count, so some neighbours lie no farther apart than count: the
-    best case is groups that do not overlap at all. A smaller p cannot come from this test (statistics notes 4.5). NaN
+    best case is groups that do not overlap at all. A smaller p cannot come from this test. NaN
     for fewer than two groups. With unequal groups no such simple bound holds.
     """
     if groups < 2 or count < 1:

@@ -42,7 +42,7 @@ def group_moments(values: ArrayLike) -> GroupMoments:
     """Moments of ``values`` (d, k groups, n a group), or of one design (k, n); no value where it is not finite.
 
     Every group is shifted by one of its own values and then centred: on float64 input that reaches what exact
-    arithmetic on the same doubles gives for all of NIST's ANOVA sets (statistics notes 3a). Decimal, Fraction and int
+    arithmetic on the same doubles gives for all of NIST's ANOVA sets (benchmarks/nist.py). Decimal, Fraction and int
     objects are accepted (None: no value); their differences are taken exactly. DataError for another shape.
     """
     doubles, origin = shifted_doubles(values)

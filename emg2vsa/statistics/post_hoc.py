@@ -105,7 +105,7 @@ def lsd(anova: Anova, confidence: float = 0.95, *, protected: bool = False) -> P
 
     protected : pairs of a design whose F test has p above 1 - ``confidence`` get p = 1, Fisher's first step. Either way
     the family-wise error is not controlled beyond three groups: .276 without and up to .20 with protection for five
-    groups (statistics notes 4.2).
+    groups (benchmarks/familywise.py).
     """
     first, second = pair_numbers(anova.mean.shape[1])
     with np.errstate(divide="ignore", invalid="ignore"):

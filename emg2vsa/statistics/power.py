@@ -20,7 +20,7 @@ MEANING = (
     "differs between the ten repetitions. To find that it differs between five specimens with the same assumptions, "
     "14 people have power .604 and 21 are needed; neither says anything on equality between people."
 )
-"""What the paper's sample size means (statistics notes 2)."""
+"""What the paper's sample size means."""
 _MOST_PEOPLE = 1_000_000
 _NO_EFFECT = 1e-13
 

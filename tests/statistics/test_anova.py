@@ -21,7 +21,7 @@ CEILING = {
     "SiRstv": 13.1, "SmLs01": 15, "SmLs02": 15, "SmLs03": 15, "AtmWtAg": 10.2, "SmLs04": 10.4,
     "SmLs05": 10.2, "SmLs06": 10.2, "SmLs07": 4.4, "SmLs08": 4.2, "SmLs09": 4.2,
 }  # fmt: skip
-"""Digits of F that exact arithmetic gives on the doubles nearest to the decimal data (statistics notes 3a)."""
+"""Digits of F that exact arithmetic gives on the doubles nearest to the decimal data."""
 
 
 def nist(path: Path) -> tuple[list[list[str]], list[str]]:

@@ -1,4 +1,4 @@
-"""Equivalence: the two one-sided tests of scipy, their interval, and the power of the statistics notes."""
+"""Equivalence: the two one-sided tests of scipy, their interval, and a power from simulation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tests on ranks beside scipy, the numbers of the statistics notes, and what must not change the answer."""
+"""Tests on ranks beside scipy, published numbers, and what must not change the answer."""
 
 from __future__ import annotations
 
