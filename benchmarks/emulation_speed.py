@@ -81,7 +81,7 @@ PARTS = {
     "force sensor": ("rdt", "box_", "net_ft.py", "datagrams.py", "direct_drivers.py"),
     "actuator": ("qbmove", "faults.py", "rigid_motor.py"),
     "frames": ("casr/", "camera.py", "press_draws.py", "numpy"),
-    "loop and guards": ("executor/", "off_contact.py", "bench.py", "clock.py", "rig_settings.py", "plan.py"),
+    "loop and guards": ("executor/", "bench.py", "clock.py", "rig_settings.py", "plan.py"),
     "log and files": ("record/",),
 }
 """To ends or pieces of the paths of their modules; the first that fits counts."""

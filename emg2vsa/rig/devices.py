@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:  # a run with nothing to do knows folders of runs without loading NumPy
@@ -41,6 +43,25 @@ class ForceSample:
     torque_nm: NDArray[np.float64]
     status: SensorStatus = SensorStatus()
     sequence: int | None = None
+
+    @cached_property
+    def loads(self) -> tuple[float, ...]:
+        """Force along x, y, z, N, and torque, N·m, as plain numbers: a turn of the loop looks at them many times."""
+        return *self.force_n.tolist(), *self.torque_nm.tolist()
+
+    @cached_property
+    def size_n(self) -> float:
+        """Length of the force, N."""
+        return _length(*self.loads[:3])
+
+    @cached_property
+    def torque_size_nm(self) -> float:
+        """Length of the torque, N·m."""
+        return _length(*self.loads[3:])
+
+
+def _length(x: float, y: float, z: float) -> float:
+    return math.sqrt(x * x + y * y + z * z)
 
 
 class ForceCounts(NamedTuple):
