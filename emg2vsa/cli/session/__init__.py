@@ -5,21 +5,23 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from casr.command_line import Commands, add_subcommands
+from casr.command_line import Commands, add_group
 
 SUBCOMMANDS = ("run", "finish", "emulate")
+PARTICIPANT = "--participant CODE  a code of [participants]: P03\n"
+REQUIRED = {"required": True}
 
 
 def add_to(commands: Commands) -> None:
-    summary = "A participant's session: acquired, judged and saved while it runs."
-    parser = commands.add_parser(
+    parser = add_group(
+        commands,
         "session",
-        help=summary,
-        description=summary,
-        epilog="emg2vsa session STUDY is short for emg2vsa session run STUDY. Try: emg2vsa session "
+        "A participant's session: acquired, judged and saved while it runs.",
+        "emg2vsa.cli.session",
+        SUBCOMMANDS,
+        "emg2vsa session STUDY is short for emg2vsa session run STUDY. Try: emg2vsa session "
         "studies/palpation/study.toml --participant P03 --virtual. docs/how-to/session.md leads through a session.",
     )
-    add_subcommands(parser, "emg2vsa.cli.session", SUBCOMMANDS)
     parse = parser.parse_known_args
 
     def parse_known_args(words: Any = None, namespace: Any = None) -> Any:

@@ -7,10 +7,21 @@ import signal
 import sys
 import threading
 from functools import partial
-from pathlib import Path
 
-from casr.command_line import Commands, add_command, add_json, print_json
+from casr.command_line import Commands, add_command, add_json, add_options, print_json
 from emg2vsa.cli.arguments import add_study
+from emg2vsa.cli.session import REQUIRED
+
+OPTIONS = """
+--participant CODE  who is emulated: P03
+--page URL  address of the participant's page, which is obeyed
+--operator-page URL  address of the operator's page, whose specimen is put on the table
+--operate  emulate the operator at that page too
+--mistake WORDS...  planned at a press: dips@12, early@training-1, electrode-off:FDS@21-30; may be given again
+--speed X = 1.0  times as fast as real time (default: 1)
+--start-delay S = 1.8  Trigno: from START to first samples (default: 1.8)
+--truth FILE  at the end, write what is true of every press
+"""
 
 
 def add_to(commands: Commands) -> None:
@@ -27,19 +38,7 @@ def add_to(commands: Commands) -> None:
         "specimens on the table and faults on the devices; type help.",
     )
     add_study(parser)
-    add = parser.add_argument
-    add("--participant", required=True, metavar="CODE", help="who is emulated: P03")
-    add("--page", metavar="URL", help="address of the participant's page, which is obeyed")
-    add("--operator-page", metavar="URL", help="address of the operator's page, whose specimen is put on the table")
-    add("--operate", action="store_true", help="emulate the operator at that page too")
-    add(
-        "--mistake", action="append", default=[], metavar="WORDS",
-        help="planned at a press: dips@12, early@training-1, electrode-off:FDS@21-30; may be given again",
-    )  # fmt: skip
-    add("--speed", type=float, default=1.0, metavar="X", help="times as fast as real time (default: 1)")
-    help_text = "Trigno: from START to first samples (default: 1.8)"
-    add("--start-delay", type=float, default=1.8, metavar="S", help=help_text)
-    add("--truth", type=Path, metavar="FILE", help="at the end, write what is true of every press")
+    add_options(parser, OPTIONS, participant=REQUIRED)
     add_json(parser)
 
 

@@ -6,9 +6,10 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from casr.command_line import Commands, add_command, add_json, print_json
+from casr.command_line import Commands, add_command, add_json, add_options, print_json
 from emg2vsa.cli import check
 from emg2vsa.cli.arguments import add_study
+from emg2vsa.cli.session import PARTICIPANT, REQUIRED
 
 if TYPE_CHECKING:
     from emg2vsa.session import FinishedSession
@@ -25,7 +26,7 @@ def add_to(commands: Commands) -> None:
         "unreadable; 2: there is no session, or it cannot be written.",
     )
     add_study(parser)
-    parser.add_argument("--participant", required=True, metavar="CODE", help="a code of [participants]: P03")
+    add_options(parser, PARTICIPANT, participant=REQUIRED)
     add_json(parser)
 
 

@@ -5,14 +5,28 @@ from __future__ import annotations
 import argparse
 import sys
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from casr.command_line import Commands, add_command, add_json, print_json
+from casr.command_line import Commands, add_command, add_json, add_options, print_json
 from emg2vsa.cli.arguments import add_port, add_study, web_pages
+from emg2vsa.cli.session import PARTICIPANT, REQUIRED
 
 if TYPE_CHECKING:
     from emg2vsa.session import Addresses, SessionEnd
+
+
+PAGES = """
+--bind ADDRESS  a further address of this computer, for a second screen or a tablet
+--no-page  with --virtual: an emulated operator instead of pages
+"""
+VIRTUAL = """
+--virtual  an emulated participant behind emulated sensors
+--mistake WORDS...  of the participant: dips@12, early@training-1, electrode-off:FDS@21-30; may be given again; kinds:
+    emg2vsa session emulate --help
+--speed X  times as fast as real time (default: 1; with --no-page: at once)
+--seed N  of the participant (default: that of [simulation])
+--truth FILE  at the end, write what is true of every press
+"""
 
 
 def add_to(commands: Commands) -> None:
@@ -27,26 +41,11 @@ def add_to(commands: Commands) -> None:
         "usable; 1: ended before its last press, or to repeat; 2: study file or devices are unusable.",
     )
     add_study(parser)
-    parser.add_argument("--participant", required=True, metavar="CODE", help="a code of [participants]: P03")
-    parser.add_argument("--resume", action="store_true", help="go on with the session that was interrupted")
+    add_options(parser, f"{PARTICIPANT}--resume  go on with the session that was interrupted", participant=REQUIRED)
     pages = parser.add_argument_group("pages")
     add_port(pages, 8421)
-    pages.add_argument(
-        "--bind", metavar="ADDRESS", help="a further address of this computer, for a second screen or a tablet"
-    )
-    pages.add_argument("--no-page", action="store_true", help="with --virtual: an emulated operator instead of pages")
-    virtual = parser.add_argument_group("without devices")
-    virtual.add_argument("--virtual", action="store_true", help="an emulated participant behind emulated sensors")
-    virtual.add_argument(
-        "--mistake", action="append", default=[], metavar="WORDS",
-        help="of the participant: dips@12, early@training-1, electrode-off:FDS@21-30; may be given again; kinds: "
-        "emg2vsa session emulate --help",
-    )  # fmt: skip
-    virtual.add_argument(
-        "--speed", type=float, metavar="X", help="times as fast as real time (default: 1; with --no-page: at once)"
-    )
-    virtual.add_argument("--seed", type=int, metavar="N", help="of the participant (default: that of [simulation])")
-    virtual.add_argument("--truth", type=Path, metavar="FILE", help="at the end, write what is true of every press")
+    add_options(pages, PAGES)
+    add_options(parser.add_argument_group("without devices"), VIRTUAL, {"N": int})
     add_json(parser)
 
 
