@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from emg2vsa.pipeline.judged_sessions import is_bad, judge, of_participants
 from emg2vsa.pipeline.run_study import Progress, run_study
 from emg2vsa.session.dataset import write_dataset
 from emg2vsa.session.open_session import folder_of, settings_of
@@ -39,7 +40,7 @@ class FinishedSession:
     @property
     def good(self) -> bool:
         """Every recording was written, and is good or usable."""
-        return not self.left_out and self.verdict not in ("repeat", "unreadable")
+        return not self.left_out and not is_bad(self.verdict)
 
 
 def finish(study: Study, participant: str, *, progress: Progress = SILENT) -> FinishedSession:
@@ -61,8 +62,6 @@ def finish(study: Study, participant: str, *, progress: Progress = SILENT) -> Fi
     >>> session.finish(study, "P03").verdict  # doctest: +SKIP
     'good'
     """
-    from emg2vsa.cli.check import judge, of_participants  # noqa: PLC0415
-
     settings_of(study, participant)
     written = write_dataset(folder_of(study, participant), study)
     whole = load_study(study.path)  # whose recordings are there now

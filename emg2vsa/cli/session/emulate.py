@@ -8,11 +8,11 @@ import sys
 import threading
 from functools import partial
 
-from casr.command_line import Commands, add_command, add_json, add_options, print_json
-from emg2vsa.cli.arguments import add_study
+from casr.command_line import JSON, Commands, add_command, print_json
+from emg2vsa.cli.arguments import STUDY
 from emg2vsa.cli.session import REQUIRED
 
-OPTIONS = """
+OPTIONS = """\
 --participant CODE  who is emulated: P03
 --page URL  address of the participant's page, which is obeyed
 --operator-page URL  address of the operator's page, whose specimen is put on the table
@@ -28,7 +28,7 @@ def add_to(commands: Commands) -> None:
     from emg2vsa.session.emulated.mistakes import OF_HAND, OF_SENSOR
 
     kinds = "; ".join(f"{kind}: {words}" for kind, words in (OF_HAND | OF_SENSOR).items())
-    parser = add_command(
+    add_command(
         commands,
         "emulate",
         run,
@@ -36,10 +36,9 @@ def add_to(commands: Commands) -> None:
         "Then run emg2vsa session STUDY in another shell, and type its two addresses here: page URL, and operator-page "
         f"URL. The truth of [simulation] is what the muscles do. Mistakes: {kinds}. Lines typed here put "
         "specimens on the table and faults on the devices; type help.",
+        f"{STUDY}{OPTIONS}{JSON}",
+        participant=REQUIRED,
     )
-    add_study(parser)
-    add_options(parser, OPTIONS, participant=REQUIRED)
-    add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:

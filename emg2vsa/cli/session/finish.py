@@ -4,30 +4,26 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from casr.command_line import Commands, add_command, add_json, add_options, print_json
-from emg2vsa.cli import check
-from emg2vsa.cli.arguments import add_study
+from casr.command_line import JSON, Commands, add_command, answer
+from emg2vsa.cli.arguments import STUDY
 from emg2vsa.cli.session import PARTICIPANT, REQUIRED
 
 if TYPE_CHECKING:
     from emg2vsa.session import FinishedSession
 
+SUMMARY = "Write the recordings of a session in BIDS, judge them, and make the participant's page."
+EPILOG = """
+A session that reaches its last press does so by itself. For one that was interrupted and will not be resumed; or again,
+after the study file has changed. Exit status 0: good or usable; 1: to repeat, or unreadable; 2: there is no session, or
+it cannot be written.
+"""
+
 
 def add_to(commands: Commands) -> None:
-    parser = add_command(
-        commands,
-        "finish",
-        run,
-        "Write the recordings of a session in BIDS, judge them, and make the participant's page.",
-        "A session that reaches its last press does so by itself. For one that was interrupted and will not be "
-        "resumed; or again, after the study file has changed. Exit status 0: good or usable; 1: to repeat, or "
-        "unreadable; 2: there is no session, or it cannot be written.",
-    )
-    add_study(parser)
-    add_options(parser, PARTICIPANT, participant=REQUIRED)
-    add_json(parser)
+    add_command(commands, "finish", run, SUMMARY, EPILOG, f"{STUDY}{PARTICIPANT}{JSON}", participant=REQUIRED)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -37,31 +33,29 @@ def run(arguments: argparse.Namespace) -> int:
 
     study = load_study(arguments.study)
     finished = session.finish(study, arguments.participant, progress=progress(quiet=True))
-    if arguments.json:
-        print_json(as_json(finished))
-    else:
-        say(finished)
+    answer(arguments.json, as_json(finished), lines(finished))
     return int(not finished.good)
 
 
 def as_json(finished: FinishedSession) -> dict[str, object]:
     """For programs."""
+    from emg2vsa.pipeline import judged_sessions
+
     return {
         "recordings": [str(path) for path in finished.recordings],
         "left_out": [{"stay": stay, "why": why} for stay, why in finished.left_out],
         "notes": list(finished.notes),
-        "verdicts": {verdict.participant: check.as_json(verdict) for verdict in finished.verdicts},
+        "verdicts": {verdict.participant: judged_sessions.as_json(verdict) for verdict in finished.verdicts},
         "page": str(finished.page),
     }
 
 
-def say(finished: FinishedSession) -> None:
+def lines(finished: FinishedSession) -> Iterator[str]:
     """For people."""
-    print(f"recordings: {len(finished.recordings)} in {finished.folder}")
-    for stay, why in finished.left_out:
-        print(f"left out: {stay}: {why}")
-    for note in finished.notes:
-        print(f"note: {note}")
-    for line in check.told(finished.verdicts, sys.stdout):
-        print(line)
-    print(f"page: {finished.page}")
+    from emg2vsa.pipeline.judged_sessions import told
+
+    yield f"recordings: {len(finished.recordings)} in {finished.folder}"
+    yield from (f"left out: {stay}: {why}" for stay, why in finished.left_out)
+    yield from (f"note: {note}" for note in finished.notes)
+    yield from told(finished.verdicts, sys.stdout)
+    yield f"page: {finished.page}"

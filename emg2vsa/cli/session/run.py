@@ -7,14 +7,21 @@ import sys
 from functools import partial
 from typing import TYPE_CHECKING
 
-from casr.command_line import Commands, add_command, add_json, add_options, print_json
-from emg2vsa.cli.arguments import add_port, add_study, web_pages
-from emg2vsa.cli.session import PARTICIPANT, REQUIRED
+from casr.command_line import JSON, Commands, add_command, add_options, answer
+from emg2vsa.cli.arguments import STUDY, add_port, web_pages
+from emg2vsa.cli.session import PARTICIPANT, REQUIRED, finish
 
 if TYPE_CHECKING:
     from emg2vsa.session import Addresses, SessionEnd
 
-
+SUMMARY = "Run a participant's session as [session] of the study file says, or go on with an interrupted one."
+EPILOG = """
+Two addresses are printed: the operator's page and the participant's. Samples and events are saved as they come; after
+the last press the recordings are written in BIDS, and the session is judged as emg2vsa check judges it. Ctrl-C ends the
+session, which --resume takes up again. Exit status 0: complete, and good or usable; 1: ended before its last press, or
+to repeat; 2: study file or devices are unusable.
+"""
+OPTIONS = f"{STUDY}{PARTICIPANT}--resume  go on with the session that was interrupted\n{JSON}"
 PAGES = """
 --bind ADDRESS  a further address of this computer, for a second screen or a tablet
 --no-page  with --virtual: an emulated operator instead of pages
@@ -30,29 +37,16 @@ VIRTUAL = """
 
 
 def add_to(commands: Commands) -> None:
-    parser = add_command(
-        commands,
-        "run",
-        run,
-        "Run a participant's session as [session] of the study file says, or go on with an interrupted one.",
-        "Two addresses are printed: the operator's page and the participant's. Samples and events are saved as they "
-        "come; after the last press the recordings are written in BIDS, and the session is judged as emg2vsa check "
-        "judges it. Ctrl-C ends the session, which --resume takes up again. Exit status 0: complete, and good or "
-        "usable; 1: ended before its last press, or to repeat; 2: study file or devices are unusable.",
-    )
-    add_study(parser)
-    add_options(parser, f"{PARTICIPANT}--resume  go on with the session that was interrupted", participant=REQUIRED)
+    parser = add_command(commands, "run", run, SUMMARY, EPILOG, OPTIONS, participant=REQUIRED)
     pages = parser.add_argument_group("pages")
     add_port(pages, 8421)
     add_options(pages, PAGES)
     add_options(parser.add_argument_group("without devices"), VIRTUAL, {"N": int})
-    add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa import session
     from emg2vsa.cli.progress import progress
-    from emg2vsa.cli.session import finish
     from emg2vsa.errors import SettingError
     from emg2vsa.study_file import load_study
 
@@ -81,15 +75,11 @@ def run(arguments: argparse.Namespace) -> int:
 
     with web_pages("session"):
         end = (session.resume if arguments.resume else session.run)(
-            study,
-            arguments.participant,
-            virtual=virtual if arguments.virtual else None,
+            study, arguments.participant, virtual=virtual if arguments.virtual else None,
             pages=None if alone else session.Pages(port=arguments.port, bind=arguments.bind),
             shown=shown, ended=ended, progress=progress(quiet=True),
         )  # fmt: skip
-    if arguments.json:
-        judged = finish.as_json(end.judged) if end.judged else None
-        print_json({"how": end.how, "why": end.why, "folder": str(end.folder), "judged": judged})
-    elif end.judged:
-        finish.say(end.judged)
+    judged = finish.as_json(end.judged) if end.judged else None
+    found = {"how": end.how, "why": end.why, "folder": str(end.folder), "judged": judged}
+    answer(arguments.json, found, finish.lines(end.judged) if end.judged else ())
     return int(not end.good)
