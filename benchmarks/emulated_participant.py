@@ -19,9 +19,9 @@ from emg2vsa.rig.clock import FastClock, VirtualClock, WallClock
 from emg2vsa.rig.emulated.rdt_server import RdtServer
 from emg2vsa.rig.force.datagrams import UdpLine
 from emg2vsa.rig.force.rdt import Command, parse_records, request_bytes
-from emg2vsa.session.emulated.muscles import EmgSampler, ForceSampler
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import Person, Response
+from emg2vsa.session.emulated.sensors import EmgSampler, ForceSampler
 from emg2vsa.session.emulated.serve import force_box
 from emg2vsa.session.emulated.trigno_base import FRAME_S
 from emg2vsa.session.emulated.trigno_server import TrignoServer

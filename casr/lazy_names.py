@@ -18,4 +18,4 @@ def lazy_names(package: str, modules: Mapping[str, str]) -> tuple[Callable[[str]
         setattr(sys.modules[package], name, value)
         return value
 
-    return load, lambda: sorted(("__version__", *modules))
+    return load, lambda: sorted(sys.modules[package].__all__)

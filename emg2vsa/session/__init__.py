@@ -1,7 +1,37 @@
 """One participant's session: acquired, judged and saved while it runs.
 
-Data flow: ``sources`` hand over blocks of samples on one clock; ``run`` (the turn of the session, 200 a second) appends
-them to ``raw_files``, moves the session from command to command, judges each press, and tells what pages show
-(``views``); every change is a line of the ``journal``. ``dataset`` turns a folder of raw files and its journal into
-BIDS-EMG. ``emulated`` holds the far ends of the wires and the simulated participant.
+In Python::
+
+    from emg2vsa import session
+    from emg2vsa.study_file import load_study
+
+    study = load_study("study.toml")
+    done = session.run(study, "P03", virtual=session.Virtual(seed=1, mistakes=("dips@12",)))
+    done.how, done.judged.verdict               # how it ended, and how good its recordings are
+
+Data flow: ``sources`` hand over blocks of samples on one clock; ``session`` (its turn, 200 a second) appends them to
+``raw_files``, moves on from command to command, judges each press, and tells what pages show (``views``); every change
+is a line of the ``journal``. ``dataset`` turns a folder of raw files and its journal into BIDS-EMG. ``emulated`` holds
+the far ends of the wires and the simulated participant.
 """
+
+from __future__ import annotations
+
+from casr.lazy_names import lazy_names
+
+_NAMES = {
+    "Addresses": ".lab.session_run",
+    "Emulation": ".lab.session_emulate",
+    "FinishedSession": ".lab.session_finish",
+    "Pages": ".lab.session_run",
+    "SessionEnd": ".lab.session_run",
+    "Virtual": ".lab.session_devices",
+    "emulate": ".lab.session_emulate",
+    "finish": ".lab.session_finish",
+    "resume": ".lab.session_run",
+    "run": ".lab.session_run",
+}
+"""Public name to its module, loaded when it is first asked for: this package stands below those modules."""
+__all__ = list(_NAMES)
+
+__getattr__, __dir__ = lazy_names(__name__, _NAMES)

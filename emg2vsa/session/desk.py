@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from emg2vsa.rig.clock import Beat, Clock, LoopTiming
 from emg2vsa.session.operator_requests import ask
+from emg2vsa.session.page_states import operator_state, participant_state
 from emg2vsa.session.session import TURN_S, Session
-from emg2vsa.session.session_views import operator_state, participant_state
 from emg2vsa.session.views import (
     ForceMessage,
     OperatorState,

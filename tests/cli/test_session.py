@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 from emg2vsa.cli import main
@@ -91,3 +93,33 @@ def test_a_session_of_one_press_without_a_page(study_file, capsys):
     assert (study_file.parent / "reports" / "small" / "participants" / "P03.html").exists() or "page:" in said
     assert main(["session", str(study_file), "--participant", "P03", "--virtual", "--no-page"]) == 2
     assert "--resume" in capsys.readouterr().err
+
+
+def test_a_session_in_json_is_one_object_with_its_verdict(study_file, capsys):
+    words = [str(study_file), "--participant", "P03"]
+    assert main(["session", *words, "--virtual", "--no-page", "--json"]) == 0
+    told = capsys.readouterr()
+    found = json.loads(told.out)
+    assert (found["how"], found["why"]) == ("completed", "")
+    assert found["folder"].endswith("sub-P03/press")
+    assert found["judged"]["verdicts"]["P03"]["specimens"][0]["ok"] == 1
+    assert "completed; recorded in" in told.err
+    assert main(["session", "finish", *words, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == found["judged"]
+
+
+def test_a_stopped_session_tells_how_it_goes_on(study_file, capsys, monkeypatch):
+    def stop(self, now_s):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("emg2vsa.session.emulated.operator.EmulatedOperator.turn", stop)
+    words = [str(study_file), "--participant", "P03", "--virtual", "--no-page"]
+    assert main(["session", *words]) == 1
+    first, again, finish = capsys.readouterr().out.splitlines()
+    assert first.startswith("ended: Ctrl-C; recorded in ")
+    assert again == f"Go on: emg2vsa session {study_file} --participant P03 --resume"
+    assert finish == f"Or write the recordings so far: emg2vsa session finish {study_file} --participant P03"
+    assert main(["session", *words, "--resume", "--json"]) == 1
+    told = capsys.readouterr()
+    assert json.loads(told.out)["judged"] is None
+    assert "Go on: " in told.err

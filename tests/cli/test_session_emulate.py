@@ -89,3 +89,19 @@ def test_devices_and_typed_lines(
     ):  # fmt: skip
         assert part in said
     assert json.loads((tmp_path / "truth.json").read_text())["participant"] == "P03"
+
+
+def test_json_is_one_object_with_the_addresses(
+    study: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO("place S1\nquit now\n"))
+    assert emulate(study, "--participant", "P03", "--json") == 0
+    told = capsys.readouterr()
+    found = json.loads(told.out)
+    assert found["participant"] == "P03"
+    assert found["addresses"]["emg"]["kind"] == "trigno"
+    assert f"emg_port = {found['addresses']['emg']['ports']['emg']}" in study.read_text(encoding="utf-8")
+    rig = study.with_name("rig.toml").read_text(encoding="utf-8")
+    assert f"rdt_port = {found['addresses']['force']['rdt_port']}" in rig
+    assert "done: place S1" in told.err
+    assert "end of the emulation" in told.err

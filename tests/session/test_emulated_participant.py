@@ -17,9 +17,9 @@ from scipy import signal
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.clock import FastClock, VirtualClock
 from emg2vsa.session.emulated.mistakes import parse_mistakes
-from emg2vsa.session.emulated.muscles import EmgSampler, carrier_filter
 from emg2vsa.session.emulated.participant import EmulatedParticipant, TruePress
 from emg2vsa.session.emulated.person import Person, Response, person_of
+from emg2vsa.session.emulated.sensors import EmgSampler, carrier_filter
 from emg2vsa.session.emulated.simulated import SimulatedSource, simulated_emg, simulated_force
 from emg2vsa.session.views import Command, ForceMessage, ParticipantState
 from emg2vsa.study_file import load_study

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 from typing import Any
 
-from casr.command_line import Commands, add_subcommands
+from casr.command_line import Commands, add_group
 
 SUBCOMMANDS = ("run", "finish", "emulate")
+PARTICIPANT = "--participant CODE  a code of [participants]: P03\n"
+REQUIRED = {"required": True}
 
 
 def add_to(commands: Commands) -> None:
-    summary = "A participant's session: acquired, judged and saved while it runs."
-    parser = commands.add_parser(
+    parser = add_group(
+        commands,
         "session",
-        help=summary,
-        description=summary,
-        epilog="emg2vsa session STUDY is short for emg2vsa session run STUDY. Try: emg2vsa session "
+        "A participant's session: acquired, judged and saved while it runs.",
+        "emg2vsa.cli.session",
+        SUBCOMMANDS,
+        "emg2vsa session STUDY is short for emg2vsa session run STUDY. Try: emg2vsa session "
         "studies/palpation/study.toml --participant P03 --virtual. docs/how-to/session.md leads through a session.",
     )
-    add_subcommands(parser, "emg2vsa.cli.session", SUBCOMMANDS)
     parse = parser.parse_known_args
 
     def parse_known_args(words: Any = None, namespace: Any = None) -> Any:
@@ -31,15 +32,3 @@ def add_to(commands: Commands) -> None:
         return parse(["run", *words] if is_study else words, namespace)
 
     parser.parse_known_args = parse_known_args
-
-
-def check_emulated(arguments: argparse.Namespace) -> None:
-    """--speed and --truth, before anything runs. SettingError for values that cannot be."""
-    from emg2vsa.errors import SettingError
-
-    if arguments.speed is not None and not 0.1 <= arguments.speed <= 100:
-        found = f"{arguments.speed:g}"
-        raise SettingError("--speed", wanted="0.1 to 100 times real time", found=found, do="Choose another.")
-    if arguments.truth and not arguments.truth.absolute().parent.is_dir():
-        do = "Make the folder."
-        raise SettingError(f"--truth {arguments.truth}", wanted="a file in a folder", found="no such folder", do=do)

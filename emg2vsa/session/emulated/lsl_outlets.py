@@ -9,8 +9,8 @@ from typing import Any, Self
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import WallClock
-from emg2vsa.session.emulated.muscles import EmgSampler, ForceSampler
 from emg2vsa.session.emulated.participant import EmulatedParticipant
+from emg2vsa.session.emulated.sensors import EmgSampler, ForceSampler
 
 PERIOD_S = 0.01
 "From chunk to chunk."

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.rig.clock import Clock
-from emg2vsa.session.emulated.muscles import EmgSampler
 from emg2vsa.session.emulated.participant import EmulatedParticipant
+from emg2vsa.session.emulated.sensors import EmgSampler
 
 TIME_BASE_HZ = 100e6
 RANGES_V = (0.2, 1.0, 5.0, 10.0)

@@ -14,8 +14,8 @@ from emg2vsa.rig.device_settings import ForceSettings
 from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox
 from emg2vsa.rig.emulated.rdt_server import RdtServer
 from emg2vsa.session.emulated.lsl_outlets import LslOutlets
-from emg2vsa.session.emulated.muscles import felt_n
 from emg2vsa.session.emulated.participant import EmulatedParticipant
+from emg2vsa.session.emulated.sensors import felt_n
 from emg2vsa.session.emulated.trigno_server import Ports, TrignoServer
 from emg2vsa.session.sources.trigno import places_of
 from emg2vsa.session_settings import TRIGNO_COMMAND_PORT, EmgSourceSettings, SessionSettings
@@ -26,9 +26,11 @@ LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
 @dataclass(frozen=True)
 class Served:
-    """What stands where, a line each. trigno : None where the EMG is no Trigno's."""
+    """What stands where. lines : for people, a line each. addresses : the same for programs, "emg", "force" or "lsl" to
+    its parts. trigno : None where the EMG is no Trigno's."""
 
     lines: tuple[str, ...]
+    addresses: dict[str, dict[str, object]]
     trigno: TrignoServer | None
 
 
@@ -46,16 +48,21 @@ def serve(
     """
     _check(settings, force, clock)
     lines: list[str] = []
+    addresses: dict[str, dict[str, object]] = {}
     trigno = None
     with ExitStack() as stack:
         if settings.emg.kind == "trigno":
             trigno = stack.enter_context(_trigno(participant, settings.emg, clock, start_delay_s))
+            addresses["emg"] = {"kind": "trigno", "hosts": ["127.0.0.1", "::1"], "ports": trigno.ports._asdict()}
             ports = ", ".join(f"{name} {port}" for name, port in trigno.ports._asdict().items())
             lines.append(f"EMG: Trigno server at 127.0.0.1 and ::1, ports {ports.replace('_', ' ')}")
         if force is not None:
             box = force_box(participant, settings.force.axis)
             server = RdtServer(box, clock, rdt_port=force.rdt_port, http_port=force.http_port)
             stack.enter_context(server)
+            addresses["force"] = {
+                "kind": "net-ft", "host": server.host, "rdt_port": server.rdt_port, "http_port": server.http_port
+            }  # fmt: skip
             lines.append(f"force: Net F/T box at {server.host}, RDT {server.rdt_port}, HTTP {server.http_port}")
         if "lsl" in (settings.emg.kind, settings.force.kind):
             assert isinstance(clock, WallClock)
@@ -68,8 +75,9 @@ def serve(
                 names=(settings.emg.stream, settings.force.stream),
             )
             stack.enter_context(outlets)
+            addresses["lsl"] = {"streams": list(outlets.names)}
             lines.append(f"LSL streams: {' and '.join(outlets.names)}")
-        yield Served(tuple(lines), trigno)
+        yield Served(tuple(lines), addresses, trigno)
 
 
 def _trigno(

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 
 from emg2vsa.rig.clock import Clock
 from emg2vsa.session.emulated.mistakes import Mistake
-from emg2vsa.session.emulated.muscles import EmgSampler, ForceSampler
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import person_of
+from emg2vsa.session.emulated.sensors import EmgSampler, ForceSampler
 from emg2vsa.session.streams import Block, StreamCounts, StreamInfo
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.study import Study

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
-from emg2vsa.session.emulated.muscles import EmgSampler
 from emg2vsa.session.emulated.participant import EmulatedParticipant
+from emg2vsa.session.emulated.sensors import EmgSampler
 from emg2vsa.session.emulated.trigno_base import END, FRAME_S, GREETING, SLOTS, TrignoBase
 
 HOSTS = (socket.AF_INET, "127.0.0.1"), (socket.AF_INET6, "::1")

@@ -2,27 +2,37 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from emg2vsa.session.operator_requests import refusal
+from emg2vsa.session.plan import PlannedPress
 from emg2vsa.session.session import Session
-from emg2vsa.session.views import OperatorState, ParticipantState, Request
+from emg2vsa.session.views import REQUESTS, OperatorState, ParticipantState, Request
+
+
+def _shown(session: Session) -> tuple[PlannedPress | None, Literal["quality", "training", "main"]]:
+    """The press that is under way or comes next, and the phase."""
+    press = session.running.press if session.running else session.wanted
+    return press, "quality" if not session.quality_done else "main" if press is None else press.phase
 
 
 def participant_state(session: Session) -> ParticipantState:
-    own, wanted = session.settings, session.running.press if session.running else session.wanted
+    own, (press, phase) = session.settings, _shown(session)
     texts = {name: value for name, value in vars(own.texts).items() if name != "language"}
     command = session.command
     text = texts.get(command, own.texts.wait)
     if session.measuring is not None:
         text = own.texts.contract if session.measuring.step == "contraction" else own.texts.relax
-    place, of = (0, 0) if wanted is None else session.presses.place(wanted) if wanted is not session.suggested else (
-        session.presses.place(session.stay)[1] + 1, session.presses.place(session.stay)[1] + 1,  # type: ignore[arg-type]
-    )  # fmt: skip
-    phase = "quality" if not session.quality_done else "main" if wanted is None else wanted.phase
+    place = of = 0
+    if press is not None and press is session.suggested and session.stay is not None:
+        place = of = session.presses.place(session.stay)[1] + 1
+    elif press is not None:
+        place, of = session.presses.place(press)
     until_s = session.pause_until_s if command == "pause" and session.now_s < session.pause_until_s else None
     return ParticipantState(
         command, text, phase, place, of, own.force_n, own.bar_n, own.load_s, own.palette, own.sound,
         own.texts.language, texts, until_s,
-    )  # type: ignore[arg-type]  # fmt: skip
+    )  # fmt: skip
 
 
 def _awaits(session: Session) -> tuple[str, str]:
@@ -59,14 +69,8 @@ def _awaits(session: Session) -> tuple[str, str]:
 
 def operator_state(session: Session) -> OperatorState:
     awaits, message = _awaits(session)
-    wanted = session.running.press if session.running else session.wanted
-    now_s = session.now_s
-    names = (
-        "measure-rest", "measure-contraction", "placed", "start", "abort", "accept", "repeat", "skip", "pause",
-        "continue", "end",
-    )  # fmt: skip
-    possible = [name for name in names if not refusal(session, Request(name))] + ["check", "note"]
-    running = session.running.view() if session.running else None
+    (press, phase), ended = _shown(session), session.ended
+    possible = (name for name in REQUESTS if name in ("check", "note") or not refusal(session, Request(name)))
     safe = "everything is on the disk" if session.record.is_safe else "the last events are being written"
     return OperatorState(
         participant=session.participant,
@@ -74,18 +78,16 @@ def operator_state(session: Session) -> OperatorState:
         command=session.command,
         awaits=awaits,
         message=message,
-        specimen="" if wanted is None else wanted.specimen,
-        phase="quality" if not session.quality_done else "main" if wanted is None else wanted.phase,
-        press=running,
+        specimen="" if press is None else press.specimen,
+        phase=phase,
+        press=session.running.view() if session.running else None,
         presses=session.presses.views(),
         checklist=dict(session.checklist),
-        devices=(session.emg.view(now_s), session.force.view(now_s)),
+        devices=(session.emg.view(session.now_s), session.force.view(session.now_s)),
         signals=session.signals,
         fits=tuple(session.fits.values()),
         warnings=tuple(session.warnings),
-        commands=tuple(possible) if session.ended is None else (),
+        commands=tuple(possible) if ended is None else (),
         saved=f"{session.record.folder}: {session.record.lines} events; {session.record.trouble or safe}.",
-        ended=""
-        if session.ended is None
-        else f"{session.ended.how}{': ' if session.ended.why else ''}{session.ended.why}",
+        ended=": ".join(filter(None, (ended.how, ended.why))) if ended else "",
     )

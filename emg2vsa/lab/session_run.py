@@ -1,0 +1,279 @@
+"""A participant's session as one call: run, or gone on with, and then written in BIDS and judged."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from emg2vsa.errors import SettingError
+from emg2vsa.lab.session_devices import Virtual, devices
+from emg2vsa.lab.session_finish import SILENT, FinishedSession, finish
+from emg2vsa.pipeline.run_study import Progress
+from emg2vsa.rig.clock import Clock, VirtualClock, WallClock, undisturbed
+from emg2vsa.session.desk import SessionDesk
+from emg2vsa.session.emulated.operator import EmulatedOperator
+from emg2vsa.session.emulated.participant import EmulatedParticipant
+from emg2vsa.session.open_session import folder_of, open_session, settings_of
+from emg2vsa.session.views import OperatorState
+from emg2vsa.study import Study
+
+if TYPE_CHECKING:
+    from emg2vsa.live.server import Listening
+
+_SHOWN_S = 1.5
+"""The pages stay so long after the end, to show it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pages:
+    """The two pages of a session, for a browser on this computer. They need the extra ``web``.
+
+    port : 0 for any that is free. bind : a further address of this computer, for a second screen or a tablet; what is
+    sent over it is not encrypted.
+    """
+
+    port: int = 8421
+    bind: str | None = None
+
+
+class Addresses(NamedTuple):
+    """Of the two pages. on_network : other computers can reach them."""
+
+    operator: str
+    participant: str
+    on_network: bool
+
+
+@dataclass(frozen=True)
+class SessionEnd:
+    """How a session ended.
+
+    how : "completed", "ended" (by the operator, or with Ctrl-C) or "failed"; why : in words, or "". folder : where the
+    samples and the journal are. judged : recordings and verdict of a session that is complete; None for another.
+    """
+
+    how: Literal["completed", "ended", "failed"]
+    why: str
+    folder: Path
+    judged: FinishedSession | None = None
+
+    @property
+    def good(self) -> bool:
+        """It is complete, and good or usable."""
+        return self.judged is not None and self.judged.good
+
+
+def run(
+    study: Study,
+    participant: str,
+    *,
+    virtual: Virtual | None = None,
+    pages: Pages | None = None,
+    shown: Callable[[Addresses], None] | None = None,
+    seen: Callable[[OperatorState], None] | None = None,
+    ended: Callable[[SessionEnd], None] | None = None,
+    progress: Progress = SILENT,
+) -> SessionEnd:
+    """Run a participant's session as [session] of the study says, to its last press, its recordings and its verdict.
+
+    It returns when the session has ended. Samples and events are saved as they come, so that a session that ended
+    early, or whose program was killed, goes on with `resume`.
+
+    Parameters
+    ----------
+    participant : a code of the study's participants.
+    virtual : an emulated participant behind emulated sensors; None for the devices that [session] names.
+    pages : the operator's and the participant's page. Without them the operator is emulated as well, which needs
+        ``virtual``. They are served by the calling thread, in which no event loop may run.
+    shown : called with the addresses of the pages when they can be opened.
+    seen : called with what the operator sees, whenever that changes. KeyboardInterrupt raised here ends the session
+        as Ctrl-C does.
+    ended : called when the session has ended, before its recordings are written.
+    progress : is told of the steps of the study that are run for the verdict.
+
+    Raises
+    ------
+    SettingError : the study has no [session] or no such participant; an option or the port cannot be used.
+    DataError : the session has been begun already: `resume` goes on with it.
+    DeviceError : a device does not answer when the session begins.
+
+    Examples
+    --------
+    >>> from emg2vsa import session
+    >>> from emg2vsa.study_file import load_study
+    >>> study = load_study("study.toml")  # doctest: +SKIP
+    >>> done = session.run(study, "P03", virtual=session.Virtual(seed=1))  # doctest: +SKIP
+    >>> done.how, done.judged.verdict  # doctest: +SKIP
+    ('completed', 'good')
+    """
+    end = _recorded(study, participant, False, virtual, pages, shown, seen)
+    return _judged(study, participant, end, ended, progress)
+
+
+def resume(
+    study: Study,
+    participant: str,
+    *,
+    virtual: Virtual | None = None,
+    pages: Pages | None = None,
+    shown: Callable[[Addresses], None] | None = None,
+    seen: Callable[[OperatorState], None] | None = None,
+    ended: Callable[[SessionEnd], None] | None = None,
+    progress: Progress = SILENT,
+) -> SessionEnd:
+    """Go on with a session that ended before its last press, in the order of presses that was drawn for it.
+
+    Parameters and errors are those of `run`, but DataError says that there is no session to resume, or that it is
+    complete. A press that was under way is repeated.
+
+    Examples
+    --------
+    >>> done = session.resume(study, "P03", virtual=session.Virtual(seed=1))  # doctest: +SKIP
+    """
+    end = _recorded(study, participant, True, virtual, pages, shown, seen)
+    return _judged(study, participant, end, ended, progress)
+
+
+def _judged(
+    study: Study,
+    participant: str,
+    end: SessionEnd,
+    ended: Callable[[SessionEnd], None] | None,
+    progress: Progress,
+) -> SessionEnd:
+    if ended is not None:
+        ended(end)
+    if end.how != "completed":
+        return end
+    return replace(end, judged=finish(study, participant, progress=progress))
+
+
+def _recorded(
+    study: Study,
+    participant: str,
+    again: bool,
+    virtual: Virtual | None,
+    pages: Pages | None,
+    shown: Callable[[Addresses], None] | None,
+    seen: Callable[[OperatorState], None] | None,
+) -> SessionEnd:
+    settings = settings_of(study, participant)
+    if pages is None and virtual is None:
+        do = "Give pages, or virtual for an emulated participant and operator."
+        raise SettingError("pages", wanted="pages for a session with devices", found="none", do=do)
+    clock = _clock(virtual, pages)
+    person, makers = devices(study, settings, participant, clock, virtual)
+    at_once = isinstance(clock, VirtualClock)
+    with (
+        _port_taken(pages) as at,
+        open_session(study, participant, clock, makers, resume=again, at_once=at_once) as desk,
+    ):
+        if person is not None:
+            person.watch(desk)
+        beside = _beside(desk, person, operate=at is None, seen=seen)
+        if at is None:
+            with nullcontext() if at_once else undisturbed():
+                _turn(desk, clock, beside)
+        else:
+            _with_pages(desk, clock, beside, at, shown)
+        over = desk.session.ended
+    if person is not None and virtual is not None:
+        virtual.keep_truth(person)
+    assert over is not None
+    return SessionEnd(over.how, over.why, folder_of(study, participant))
+
+
+def _clock(virtual: Virtual | None, pages: Pages | None) -> Clock:
+    if virtual is None:
+        return WallClock()
+    return VirtualClock() if pages is None and virtual.speed is None else virtual.clock()
+
+
+def _port_taken(pages: Pages | None) -> AbstractContextManager[Listening | None]:
+    """Before the session begins, for it ends nothing that has begun."""
+    if pages is None:
+        return nullcontext()
+    from emg2vsa.live.server import listening
+
+    return listening(pages.port, pages.bind)
+
+
+def _turn(desk: SessionDesk, clock: Clock, beside: Callable[[float], None]) -> None:
+    try:
+        desk.run(clock, beside)
+    except KeyboardInterrupt:
+        desk.session.end("ended", "Ctrl-C")
+
+
+def _beside(
+    desk: SessionDesk,
+    person: EmulatedParticipant | None,
+    *,
+    operate: bool,
+    seen: Callable[[OperatorState], None] | None,
+) -> Callable[[float], None]:
+    """What is done after each turn: by the emulated operator, or by whoever gives an emulated participant the specimen
+    that the operator is asked to place."""
+    operator = EmulatedOperator(desk, person.place) if operate and person is not None else None
+    told = 0
+
+    def beside(now_s: float) -> None:
+        nonlocal told
+        if operator is not None:
+            operator.turn(now_s)
+        number, state = desk.operator()
+        if operator is None and person is not None and state.awaits == "specimen":
+            person.place(state.specimen)
+        if seen is not None and number != told:
+            told = number
+            seen(state)
+
+    return beside
+
+
+def _with_pages(
+    desk: SessionDesk,
+    clock: Clock,
+    beside: Callable[[float], None],
+    at: Listening,
+    shown: Callable[[Addresses], None] | None,
+) -> None:
+    """The session turns in a thread of its own beside the server of the pages."""
+    from emg2vsa.live.server import HOST, serve
+    from emg2vsa.live.session_routes import session_pages
+
+    failures: list[BaseException] = []
+    over = threading.Event()
+
+    def turn() -> None:
+        try:
+            with undisturbed():
+                _turn(desk, clock, beside)
+            time.sleep(_SHOWN_S)
+        except BaseException as error:
+            failures.append(error)
+        finally:
+            over.set()
+
+    def ready(*pages: str) -> None:
+        operator, participant = pages
+        if shown is not None:
+            shown(Addresses(operator, participant, at.host != HOST))
+
+    turning = threading.Thread(target=turn, name="session")
+    turning.start()
+    try:
+        serve(session_pages(desk, clock), at, ready, over)
+        over.wait()
+    except KeyboardInterrupt:
+        pass
+    finally:
+        desk.session.end("ended", "Ctrl-C")
+        turning.join()
+    if failures:
+        raise failures[0]
