@@ -71,21 +71,22 @@ class ProcessPool:
 
         waiting = deque(enumerate(calls))
         running: dict[Future[T], int] = {}
-        while waiting or running:
+        ended: list[tuple[int, Callable[[], T]]] = []
+        while waiting or running or ended:
             while waiting and len(running) < self._jobs:  # no more: a worker would begin those after Ctrl-C
                 self._pool = self._pool or _executor(self._jobs, load)
                 try:
                     running[self._pool.submit(_called, waiting[0][1])] = waiting[0][0]
-                except BrokenProcessPool:  # a worker died that had nothing to do
+                except (BrokenProcessPool, ConnectionError):  # one died that had nothing to do, or what starts them
                     self._close()
                     break
                 waiting.popleft()
+            yield from ended  # while the workers are busy
             done = wait(running, return_when=FIRST_COMPLETED).done
             if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
                 self._close()
                 done = set(running)
-            for future in done:
-                yield running.pop(future), partial(_result, future)
+            ended = [(running.pop(future), partial(_result, future)) for future in done]
 
     def _close(self, at_once: bool = False) -> None:
         if self._pool is None:
