@@ -135,7 +135,7 @@ class _Decoder(Child):
         if sys.platform == "linux":
             with contextlib.suppress(OSError):  # some containers forbid it
                 self._shared = SharedMemory(os.memfd_create("decoded"))
-        descriptors = [self._shared.descriptor] if self._shared else []
+        descriptors: list[int] = [self._shared.descriptor] if self._shared else []
         super().__init__("casr.decoder_child", "serve", *(descriptors or [-1]), descriptors=descriptors, quiet=True)
         self.released: list[int] = []
         self._imported: set[str] = set()
