@@ -27,7 +27,10 @@ WORLDS = (
     "S5 0 high-stiffness P1", "S1 45 high-stiffness P4",
 )  # fmt: skip
 """Compared by their bytes alone: specimen, angle, condition, and world or control; P4 finds S1's schedule right."""
-RUNS = ("S1 0 modular viscoelastic", "S5 45 modular viscoelastic", "S3 30 high-stiffness elastic")
+RUNS = (
+    "S1 0 modular viscoelastic", "S5 45 modular viscoelastic", "S3 30 high-stiffness elastic",
+    "S1 0 high-stiffness viscoelastic", "S3 0 constant-mean viscoelastic", "S3 0 modular viscoelastic,exact",
+)  # fmt: skip
 CHILD = """
 import cProfile, hashlib, json, pstats, sys, time
 from datetime import datetime, timezone
@@ -81,7 +84,7 @@ PARTS = {
     "force sensor": ("rdt", "box_", "net_ft.py", "datagrams.py", "direct_drivers.py"),
     "actuator": ("qbmove", "faults.py", "rigid_motor.py"),
     "frames": ("casr/", "camera.py", "press_draws.py", "numpy"),
-    "loop and guards": ("executor/", "off_contact.py", "bench.py", "clock.py", "rig_settings.py", "plan.py"),
+    "loop and guards": ("executor/", "bench.py", "clock.py", "rig_settings.py", "plan.py"),
     "log and files": ("record/",),
 }
 """To ends or pieces of the paths of their modules; the first that fits counts."""

@@ -15,19 +15,21 @@ sample gone that a later line of the journal stands behind, a file that cannot b
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import random
 import shutil
 import tempfile
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
+from unittest import mock
 
 import numpy as np
 
-from emg2vsa.session.disk import OperatingSystem
+from emg2vsa.durable.system import OperatingSystem
 from emg2vsa.session.journal import (
     JOURNAL_FILE,
     Begun,
@@ -89,9 +91,23 @@ class WritingDown(OperatingSystem):
     def sync(self, handle: int) -> None:
         self.calls.append(Call("sync", self.names[handle]))
 
-    def rename(self, path: Path, to: Path) -> None:
-        os.replace(path, to)
-        self.calls.append(Call("rename", path.name, to=to.name))
+    @contextlib.contextmanager
+    def of_atomic(self) -> Iterator[None]:
+        """Calls of `casr.atomic`, which asks the operating system itself: a file is written once, before its fsync."""
+        replace = os.replace
+
+        def sync(handle: int) -> None:
+            path = Path(os.readlink(f"/proc/self/fd/{handle}"))
+            if path.is_file():
+                written = Call("write", path.name, 0, path.read_bytes())
+                self.calls += [Call("open", path.name), written, Call("sync", path.name)]
+
+        def rename(path: str, to: Path) -> None:
+            replace(path, to)
+            self.calls.append(Call("rename", Path(path).name, to=to.name))
+
+        with mock.patch("os.fsync", sync), mock.patch("os.replace", rename):
+            yield
 
 
 class Promised(NamedTuple):
@@ -108,7 +124,8 @@ def record_session(folder: Path) -> tuple[list[Call], list[Promised], list[bytes
     presses = draw_presses("power", "P01", ("S1", "S2", "S3"), SETTINGS)
     clock = [0.0]
     plan = Plan("power", "P01", 1, "2026-11-23T10:00:00", presses)
-    record = new_session(folder, plan, lambda: clock[0], background=False, system=system)
+    with system.of_atomic():
+        record = new_session(folder, plan, lambda: clock[0], background=False, system=system)
     written: list[bytes] = []
     told: list[Promised] = []
     sent = [0, 0]

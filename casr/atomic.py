@@ -8,12 +8,13 @@ from collections.abc import Iterable
 from pathlib import Path
 
 
-def write_bytes_atomic(path: Path, data: bytes) -> None:
+def write_bytes_atomic(path: Path, data: bytes, *, on_disk: bool = False) -> None:
     """Write ``data`` so that a reader sees the old file or the new one, never a part; folders are made.
 
+    on_disk : return when file and name have reached the disk itself, so that a loss of power takes neither.
     OSError : names ``path``, also where the disk is full.
     """
-    _write_atomic(path, (data,))
+    _write_atomic(path, (data,), on_disk)
 
 
 def write_text_atomic(path: Path, text: str | Iterable[str]) -> None:
@@ -21,15 +22,30 @@ def write_text_atomic(path: Path, text: str | Iterable[str]) -> None:
     _write_atomic(path, (piece.encode() for piece in ((text,) if isinstance(text, str) else text)))
 
 
-def _write_atomic(path: Path, pieces: Iterable[bytes]) -> None:
+def sync_folder(folder: Path) -> None:
+    """Names of files reach the disk itself; Windows has no such call, and its file systems need none."""
+    if hasattr(os, "O_DIRECTORY"):
+        handle = os.open(folder, os.O_DIRECTORY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def _write_atomic(path: Path, pieces: Iterable[bytes], on_disk: bool = False) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
         with os.fdopen(handle, "wb") as file:
             for piece in pieces:
                 file.write(piece)
+            if on_disk:
+                file.flush()
+                os.fsync(file.fileno())
         os.chmod(temporary, 0o644)
         os.replace(temporary, path)
+        if on_disk:
+            sync_folder(path.parent)
     except BaseException as error:
         Path(temporary).unlink(missing_ok=True)
         if isinstance(error, OSError) and error.errno is not None and error.filename is None:

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from casr.errors import UserError
+from casr.json_text import finite as finite
 from casr.one_thread import one_thread
 from casr.terminal import VOICE, coloured, note
 
@@ -296,17 +297,6 @@ def answer(as_json: bool, value: object, lines: Iterable[str]) -> None:
 def print_json(value: object) -> None:
     """JSON with sorted keys; a number that is not finite becomes null, which every reader knows."""
     print(json.dumps(finite(value), indent=2, sort_keys=True))
-
-
-def finite(value: object) -> object:
-    """The same with null for every number that is not finite, for JSON."""
-    if isinstance(value, dict):
-        return {key: finite(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [finite(item) for item in value]
-    if isinstance(value, float) and value - value != 0:
-        return None
-    return value
 
 
 def whole_number(text: str) -> int:

@@ -8,29 +8,25 @@ The parts lie in memory that both processes share on Linux, elsewhere they follo
 from __future__ import annotations
 
 import contextlib
-import faulthandler
 import importlib
 import mmap
 import os
 import pickle
-import signal
-import struct
 import sys
-from collections.abc import Iterator
 from dataclasses import dataclass
 from io import FileIO
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 
-HEAD = struct.Struct("<Q")
+from casr.child_process import HEAD, Pipes, limited, write_whole
+
 _MB = 1_000_000
 _KEPT_BYTES = 64 * _MB
 """Shared memory beyond this is given back with the next answer."""
 _MEMORY_PER_FILE_SIZE = 10.0
 _SECONDS_PER_BYTE = 1.0 / (10 * _MB)
-_WATCHDOG_AFTER_SECONDS = 2.0
 
 
 @dataclass(frozen=True)
@@ -49,37 +45,25 @@ class Limits:
         return Limits(self.seconds + size * _SECONDS_PER_BYTE, self.memory_mb + _MEMORY_PER_FILE_SIZE * size / _MB)
 
 
-def serve(shared: int, lifeline: int) -> None:
-    """The child's end: answer requests until the pipe ends.
+def serve(parent: Pipes, shared: int) -> None:
+    """Answer requests until the pipe ends.
 
     shared : descriptor of the file in memory that answers are written to; -1: they follow in the pipe.
-    lifeline : descriptor of a pipe that the parent holds open and never writes to; -1: there is none.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    requests, answers = FileIO(os.dup(0), "r"), FileIO(os.dup(1), "w")
-    nowhere = os.open(os.devnull, os.O_RDWR)
-    os.dup2(nowhere, 0)
-    os.dup2(nowhere, 1)  # what a decoder prints must not be taken for an answer
     memory = SharedMemory(shared) if shared >= 0 else None
     objects: dict[int, Any] = {}
-    if lifeline >= 0:
-        _die_with_parent(lifeline)
     while True:
-        try:
-            (size,) = HEAD.unpack(read_whole(requests, HEAD.size).data)
-            request, released, limits, folder = pickle.loads(read_whole(requests, size).data)
-        except EOFError:
-            os._exit(0)
+        request, released, limits, folder = pickle.loads(parent.receive().data)
         for key in released:
             objects.pop(key, None)
         if folder:
             with contextlib.suppress(OSError):  # then no relative path leads anywhere
                 os.chdir(folder)
-        with _limited(limits, nowhere):
+        with limited(limits.seconds, limits.memory_mb):
             parts = _done(request, objects)
         if sum(memoryview(part).nbytes for part in parts) > limits.memory_mb * _MB / 2:  # for it stands in memory twice
             parts = _pickled((False, MemoryError()))
-        _send(parts, answers, memory)
+        _send(parts, parent.to_other, memory)
 
 
 def _done(request: tuple[Any, ...], objects: dict[int, Any]) -> list[Any]:
@@ -135,35 +119,6 @@ def _send(parts: list[Any], answers: FileIO, shared: SharedMemory | None) -> Non
     write_whole(answers, head)
 
 
-@contextlib.contextmanager
-def _limited(limits: Limits, nowhere: int) -> Iterator[None]:
-    """Memory limited by the system; a watchdog that needs no interpreter lock, in case the parent cannot keep time."""
-    if sys.platform != "win32":
-        import resource  # noqa: PLC0415  (there is none on Windows)
-
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        _, hard = resource.getrlimit(resource.RLIMIT_DATA)
-        asked = int(limits.memory_mb * _MB)
-        resource.setrlimit(resource.RLIMIT_DATA, (asked if hard < 0 else min(asked, hard), hard))
-    faulthandler.dump_traceback_later(limits.seconds + _WATCHDOG_AFTER_SECONDS, exit=True, file=nowhere)
-    try:
-        yield
-    finally:
-        faulthandler.cancel_dump_traceback_later()
-
-
-def _die_with_parent(lifeline: int) -> None:
-    """Linux signals the end of the lifeline; unhandled, that signal ends a process whatever it is doing.
-
-    The pipe of requests would not do: the signal of a request may come when the child works on it already.
-    """
-    if sys.platform == "linux":
-        import fcntl  # noqa: PLC0415  (there is none on Windows)
-
-        fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
-        fcntl.fcntl(lifeline, fcntl.F_SETFL, fcntl.fcntl(lifeline, fcntl.F_GETFL) | os.O_ASYNC)
-
-
 class SharedMemory:
     """Memory that this process and its child both see, by the descriptor of a file without a name."""
 
@@ -187,21 +142,3 @@ class SharedMemory:
 
     def close(self) -> None:
         os.close(self.descriptor)
-
-
-def read_whole(file: FileIO, size: int) -> np.ndarray[Any, Any]:
-    """(size,) uint8. Raises EOFError where the file ends before."""
-    part = np.empty(size, np.uint8)
-    filled = 0
-    while filled < size:
-        got = file.readinto(part[filled:].data)
-        if not got:
-            raise EOFError
-        filled += got
-    return part
-
-
-def write_whole(file: IO[bytes] | FileIO, part: Any) -> None:
-    rest = memoryview(part).cast("B")
-    while rest:
-        rest = rest[file.write(rest) :]

@@ -10,32 +10,23 @@ Windows do not enforce one. Ctrl-C ends a request at once, except on Windows, wh
 
 from __future__ import annotations
 
-import atexit
 import contextlib
+import itertools
 import os
 import pickle
-import select
-import signal
-import subprocess
 import sys
 import threading
 import time
 import weakref
-from io import FileIO
-from typing import IO, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from casr.decoder_child import HEAD, Limits, SharedMemory, read_whole, write_whole
-from casr.one_thread import VARIABLES
+from casr.child_process import HEAD, Child, read_whole
+from casr.decoder_child import Limits, SharedMemory
 
 START_SECONDS = 60.0
 """Limit on starting the child and importing a decoder; it is not the file's fault."""
-_END_SECONDS = 5.0
-_FROM_OUTSIDE = frozenset(
-    getattr(signal, name) for name in ("SIGKILL", "SIGTERM", "SIGHUP", "SIGXCPU") if hasattr(signal, name)
-)
-"""Signals that no decoder's fault sends. The system sends SIGKILL where memory runs out."""
 
 
 class DecoderFailed(Exception):
@@ -74,7 +65,7 @@ class InChild:
     def __init__(self, library: str, module: str, function: str, arguments: tuple[Any, ...], limits: Limits) -> None:
         self._library, self._limits = library, limits
         self._made_by = module, function, arguments
-        self._child: _Child | None = None
+        self._child: _Decoder | None = None
         self._key = 0
         with _lock:
             self._make()
@@ -91,13 +82,13 @@ class InChild:
         self._child = child = _running_child()
         module, function, arguments = self._made_by
         child.import_decoder(module, self._library)
-        self._key = child.new_key()
+        self._key = next(child.keys)
         child.ask(("make", self._key, module, function, arguments), self._limits, self._library)
         weakref.finalize(self, child.released.append, self._key)
 
 
 _lock = threading.RLock()
-_current: _Child | None = None
+_current: _Decoder | None = None
 
 
 def child_pid() -> int | None:
@@ -111,11 +102,11 @@ def end_child() -> None:
         _current.end()
 
 
-def _running_child() -> _Child:
+def _running_child() -> _Decoder:
     global _current
     if _current is None or not _current.alive:
         try:
-            _current = _Child()
+            _current = _Decoder()
         except OSError as error:
             raise DecoderLost(f"its reader could not be started ({error.strerror or error})") from error
     return _current
@@ -125,69 +116,30 @@ def _forget_child() -> None:
     """After a fork: the child belongs to the parent of this process."""
     global _current, _lock
     _lock = threading.RLock()
-    if _current is not None:
-        _current.close_pipes()
-        _current = None
+    _current = None
 
 
-atexit.register(end_child)
 if sys.platform != "win32":
     os.register_at_fork(after_in_child=_forget_child)
 
 
-class _Child:
-    """The parent's end: one request, one answer.
+class _Decoder(Child):
+    """One request, one answer.
 
     The bytes of an answer lie in shared memory on Linux, elsewhere they follow in the pipe. An answer without parts
     says why there is no room for them.
     """
 
     def __init__(self) -> None:
-        how: dict[str, Any] = {}
         self._shared: SharedMemory | None = None
-        self._lifeline: FileIO | None = None
-        childs_end = -1
-        if sys.platform == "win32":
-            how["creationflags"] = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW
-        else:
-            how["process_group"] = 0  # Ctrl-C is for the parent
         if sys.platform == "linux":
             with contextlib.suppress(OSError):  # some containers forbid it
                 self._shared = SharedMemory(os.memfd_create("decoded"))
-            childs_end, ours = os.pipe()
-            self._lifeline = FileIO(ours, "w")
-            how["pass_fds"] = [childs_end, *([self._shared.descriptor] if self._shared else [])]
-        shared = self._shared.descriptor if self._shared else -1
-        search = os.pathsep.join(os.path.abspath(folder) for folder in sys.path)
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", "-c", f"from casr.decoder_child import serve; serve({shared}, {childs_end})"],
-            env=os.environ | {"PYTHONPATH": search} | dict.fromkeys(VARIABLES, "1"),
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, bufsize=0, **how,
-        )  # fmt: skip
-        if childs_end >= 0:
-            os.close(childs_end)
-        assert self._process.stdin is not None
-        assert isinstance(self._process.stdout, FileIO)
-        self._requests: IO[bytes] = self._process.stdin
-        self._answers: FileIO = self._process.stdout
-        self._open, self._ending = True, threading.RLock()
+        descriptors = [self._shared.descriptor] if self._shared else []
+        super().__init__("casr.decoder_child", "serve", *(descriptors or [-1]), descriptors=descriptors, quiet=True)
         self.released: list[int] = []
         self._imported: set[str] = set()
-        self._keys = 0
-
-    @property
-    def alive(self) -> bool:
-        if self._open and self._process.poll() is not None:
-            self.end()
-        return self._open
-
-    @property
-    def pid(self) -> int:
-        return self._process.pid
-
-    def new_key(self) -> int:
-        self._keys += 1
-        return self._keys
+        self.keys = itertools.count(1)
 
     def import_decoder(self, module: str, library: str) -> None:
         """Outside the limits of a file: starting Python and importing a library are not its fault."""
@@ -200,8 +152,11 @@ class _Child:
         try:
             started = time.monotonic()
             message = pickle.dumps((request, released, limits, _working_folder()))
-            write_whole(self._requests, HEAD.pack(len(message)) + message)
-            self._await(limits)
+            self.pipes.send(message)
+            # Windows cannot wait for a pipe; the child's own watchdog ends it there, and the pipe with it
+            if sys.platform != "win32" and not self.pipes.readable(limits.seconds):
+                self.end()
+                raise _too_late(limits)
             ended_well, value = self._answer()
         except (OSError, EOFError, ValueError, MemoryError, pickle.UnpicklingError) as error:  # or a spoilt answer
             late = time.monotonic() - started >= limits.seconds
@@ -216,55 +171,32 @@ class _Child:
             raise DecoderFailed(f"its reader needed more than {limits.memory_mb:.0f} MB", "memory")
         raise value
 
-    def _await(self, limits: Limits) -> None:
-        if sys.platform == "win32":
-            return  # pipes cannot be waited for there; the child's own watchdog ends it, and the pipe with it
-        answers = select.poll()
-        answers.register(self._answers, select.POLLIN)
-        if not answers.poll(1e3 * limits.seconds):
-            self.end()
-            raise _too_late(limits)
-
     def _answer(self) -> tuple[bool, Any]:
         parts = self._parts()
         ended_well, value = pickle.loads(parts[0].data, buffers=parts[1:])
         return ended_well, value
 
     def _parts(self) -> list[np.ndarray[Any, Any]]:
-        (count,) = HEAD.unpack(read_whole(self._answers, HEAD.size).data)
-        *sizes, last = read_whole(self._answers, (count + 1) * HEAD.size).view(np.dtype("<u8")).tolist()
+        (count,) = HEAD.unpack(read_whole(self.pipes.from_other, HEAD.size).data)
+        *sizes, last = read_whole(self.pipes.from_other, (count + 1) * HEAD.size).view(np.dtype("<u8")).tolist()
         if not count:
             raise DecoderLost(f"the system gave its reader no room for what it read ({os.strerror(last).lower()})")
         if self._shared is None:
-            return [read_whole(self._answers, size) for size in sizes]
+            return [read_whole(self.pipes.from_other, size) for size in sizes]
         memory, starts = self._shared.array(last), np.cumsum([0, *sizes])
         return [memory[start : start + size].copy() for start, size in zip(starts, sizes, strict=False)]
 
     def _crashed(self, library: str) -> DecoderFailed:
-        try:
-            code = self._process.wait(_END_SECONDS)
-            how = f"exit code {code}" if code >= 0 else (signal.strsignal(-code) or f"signal {-code}").lower()
-        except subprocess.TimeoutExpired:
-            how = "no valid answer"
-            code = 0
-        self.end()
-        if -code in _FROM_OUTSIDE:
+        how, from_outside = self.died_of()
+        if from_outside:
             return DecoderLost(f"its reader was killed from outside ({library}, {how})")
         return DecoderFailed(f"its reader crashed ({library}, {how})")
 
-    def end(self) -> None:
-        with self._ending:  # a descriptor that is closed twice may be another's by then
-            if self._open:
-                self._process.kill()
-                self._process.wait()
-                self.close_pipes()
-
-    def close_pipes(self) -> None:
-        self._open = False
-        for end in (self._requests, self._answers, self._lifeline, self._shared):
-            if end is not None:
-                with contextlib.suppress(OSError):
-                    end.close()
+    def let_go(self) -> None:
+        super().let_go()
+        if self._shared is not None:
+            with contextlib.suppress(OSError):
+                self._shared.close()
 
 
 def _working_folder() -> str:

@@ -77,8 +77,8 @@ AREA = Area(
     parts=(turns, beat),
     peers={},
     meaning=(
-        "A run on a clock of its own shows the processor time of the protocol; turns off contact are gone through "
-        "together unless the run is exact. In real time the emulators run in a process of their own, whose time "
+        "A run on a clock of its own shows the processor time of the protocol: by the wires, every turn is a "
+        "conversation byte for byte. In real time the emulators run in a process of their own, whose time "
         "counts too. Both loops have real-time priority where the system grants it; the loop with nothing to do "
         "shows the period errors that no loop on this machine could avoid."
     ),

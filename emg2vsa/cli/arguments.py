@@ -143,7 +143,7 @@ def study_of(arguments: argparse.Namespace) -> tuple[Study, Path | None]:
 
 def jobs_of(arguments: argparse.Namespace) -> int:
     """The number of processes asked for, or all cores."""
-    from emg2vsa.pipeline.pool import available_cores
+    from emg2vsa.process_pool import available_cores
 
     return int(arguments.jobs or available_cores())
 

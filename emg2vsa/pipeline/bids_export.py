@@ -2,30 +2,23 @@
 
 from __future__ import annotations
 
-import re
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from casr.atomic import write_bytes_atomic, write_text_atomic
 from emg2vsa import __version__
 from emg2vsa.arrays import bridge_gaps, runs_of
-from emg2vsa.bids import (
-    CHANNEL_COLUMNS,
-    BdfChannel,
-    Json,
-    bdf_bytes,
-    channel_cells,
-    description,
-    emg_sidecar,
-    record_s,
-    write_json,
-    write_tsv,
-)
+from emg2vsa.bids.dataset import DataSet, write_dataset
+from emg2vsa.bids.names import RecordingName, is_label, label_of
+from emg2vsa.bids.recording import Channel as StoredChannel
+from emg2vsa.bids.recording import Event, Recording, event_columns, of_source
+from emg2vsa.bids.recording_files import record_s, short_labels, write_recording
+from emg2vsa.bids.tables import Column, described
 from emg2vsa.errors import Emg2vsaError, SettingError
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.extract import extract_trials
@@ -33,32 +26,31 @@ from emg2vsa.fits import Fits, fit_trials
 from emg2vsa.readers.bids_sidecars import side_files
 from emg2vsa.readers.roles import RoleChannels, read_roles
 from emg2vsa.recordings import Channel
-from emg2vsa.settings import LABEL_CHARACTERS, CocontractionSettings, FitSettings, ReadingSettings
+from emg2vsa.settings import CocontractionSettings, FitSettings, ReadingSettings
 from emg2vsa.study import RecordingEntry, RecordingPart
 
-EVENT_COLUMNS = ("onset", "duration", "trial_type", "repetition", "verdict", "peak_force", "reason")
-_EVENTS: Json = {
-    "onset": {"Description": "Begin of the loading phase or gap, from the start of the recording.", "Units": "s"},
-    "duration": {"Description": "Its length.", "Units": "s"},
-    "trial_type": {
-        "Description": "What the row is of.",
-        "Levels": {
+_EVENT_COLUMNS = event_columns(
+    onset="Begin of the loading phase or gap, from the start of the recording.",
+    duration="Its length.",
+    kind=Column(
+        "What the row is of.",
+        levels={
             "press": "The loading phase of a press, found in the force by emg2vsa.",
             "gap": "Samples that the source file lacks; interpolated linearly here.",
         },
+    ),
+    own={
+        "repetition": Column("Number of the press within the recording."),
+        "verdict": Column(
+            "Verdict on the press, as it counts in the study: of emg2vsa, or of a person.",
+            levels={"ok": "Used.", "warned": "Used, with a remark.", "rejected": "Not used."},
+        ),
+        "peak_force": Column("Largest tared, filtered force of the press.", "N"),
+        "reason": Column("Reasons of the verdict."),
     },
-    "repetition": {"Description": "Number of the press within the recording."},
-    "verdict": {
-        "Description": "Verdict on the press, as it counts in the study: of emg2vsa, or of a person.",
-        "Levels": {"ok": "Used.", "warned": "Used, with a remark.", "rejected": "Not used."},
-    },
-    "peak_force": {"Description": "Largest tared, filtered force of the press.", "Units": "N"},
-    "reason": {"Description": "Reasons of the verdict."},
-}  # fmt: skip
+)
 _UNFINISHED = ".unfinished"
 _README = """\
-# {name}
-
 Recordings of people who pressed soft specimens with one finger, converted by emg2vsa {version}. Each has the surface
 EMG of the muscles in microvolts (amplifier gain divided out) and the pressing force in newtons (pressing positive, not
 tared), at the rates at which they were recorded. `acq-` names the specimen. The events are the presses as emg2vsa found
@@ -111,22 +103,60 @@ def export(
     recording that cannot be read is left out and reported.
     SettingError : the folder holds files or cannot be written to, or two names become one BIDS label.
     """
+    files: list[Path] = []
+    failures: list[tuple[str, str]] = []
+    notes: list[str] = []
+    sources: list[str] = []
+    written: set[str] = set()
+    total = sum(len(entry.parts) for entry in entries)
+    with _whole_or_nothing(folder) as unfinished:
+        if not is_label(about.task):
+            raise SettingError(
+                "--task", wanted="letters and digits only", found=repr(about.task), do="Rename the task."
+            )
+        people = _labels("participant", [entry.participant for entry in entries])
+        specimens = _labels("specimen", [entry.specimen for entry in entries if entry.specimen])
+        for entry in entries:
+            judged = None if fits is None else _Judged(fits.get(entry.key))
+            for number, part in enumerate(entry.parts, 1):
+                if progress is not None:
+                    progress(len(files) + len(failures), total, entry.key)
+                run = number if len(entry.parts) > 1 else None
+                specimen = specimens[entry.specimen] if entry.specimen else ""
+                recording = RecordingName(people[entry.participant], about.task, specimen, run)
+                try:
+                    made, said = _write(unfinished, recording, entry, part, about, base, cocontraction, reading, judged)
+                except Emg2vsaError as error:
+                    failures.append((entry.key, str(error)))
+                    continue
+                files += [folder / path.relative_to(unfinished) for path in made]
+                written.add(recording.participant)
+                notes += [f"{made[0].name}: {note}" for note in said]
+                used = ", ".join(path.name for path in (part.emg_file, part.force_file) if path is not None)
+                sources += [f"- `{path.name}`: {used}" for path in made]
+        if files:
+            listed = "\n".join(["Each file and what it was made from:", "", *sources])
+            whole = DataSet(
+                name, "Conversion of recordings to BIDS-EMG.", _README.format(version=__version__, sources=listed),
+                participants=sorted(written), events={about.task: described(_EVENT_COLUMNS)},
+            )  # fmt: skip
+            write_dataset(unfinished, whole)
+    return Exported(tuple(files), tuple(failures), tuple(dict.fromkeys(notes)))
+
+
+@contextmanager
+def _whole_or_nothing(folder: Path) -> Iterator[Path]:
+    """Where to write what comes into ``folder`` when all of it is there. SettingError : as ``export``."""
     unfinished = folder / _UNFINISHED
     if folder.exists() and (not folder.is_dir() or any(path != unfinished for path in folder.iterdir())):
         raise SettingError(
             folder, wanted="an empty or absent folder", found="files in it", do="Choose another folder with --out."
         )
-    if not about.task.isalnum() or not about.task.isascii():
-        raise SettingError("--task", wanted="letters and digits only", found=repr(about.task), do="Rename the task.")
-    people = _labels("participant", [entry.participant for entry in entries])
-    specimens = _labels("specimen", [entry.specimen for entry in entries if entry.specimen])
     absent = not folder.exists()
     try:
         shutil.rmtree(unfinished, ignore_errors=True)  # of a conversion that was killed
         unfinished.mkdir(parents=True)
-        done = _converted(
-            unfinished, name, entries, people, specimens, about, base, cocontraction, reading, fits, progress
-        )
+        yield unfinished
         for path in unfinished.iterdir():
             path.rename(folder / path.name)
     except OSError as error:
@@ -138,46 +168,11 @@ def export(
         shutil.rmtree(unfinished, ignore_errors=True)
         if absent and folder.is_dir() and not any(folder.iterdir()):
             folder.rmdir()
-    return replace(done, files=tuple(folder / path.relative_to(unfinished) for path in done.files))
-
-
-def _converted(
-    folder: Path, name: str, entries: Sequence[RecordingEntry], people: Mapping[str, str],
-    specimens: Mapping[str, str], about: About, base: Path, cocontraction: CocontractionSettings,
-    reading: ReadingSettings, fits: Mapping[str, Fits] | None, progress: Callable[[int, int, str], None] | None,
-) -> Exported:  # fmt: skip
-    """``export`` into a folder of its own. people, specimens : their BIDS labels."""
-    files: list[Path] = []
-    failures: list[tuple[str, str]] = []
-    notes: list[str] = []
-    sources: list[str] = []
-    total = sum(len(entry.parts) for entry in entries)
-    for entry in entries:
-        stem = f"sub-{people[entry.participant]}_task-{about.task}"
-        stem += f"_acq-{specimens[entry.specimen]}" if entry.specimen else ""
-        judged = None if fits is None else _Judged(fits.get(entry.key))
-        for number, part in enumerate(entry.parts, 1):
-            if progress is not None:
-                progress(len(files) + len(failures), total, entry.key)
-            run = f"{stem}_run-{number}" if len(entry.parts) > 1 else stem
-            target = folder / f"sub-{people[entry.participant]}" / "emg" / run
-            try:
-                made, said = _write(target, entry, part, about, base, cocontraction, reading, judged)
-            except Emg2vsaError as error:
-                failures.append((entry.key, str(error)))
-                continue
-            files += made
-            notes += [f"{made[0].name}: {note}" for note in said]
-            sources += [f"- `{path.name}`: {', '.join(p.name for p in _files_of(part))}" for path in made]
-    if files:
-        written = {path.name.split("_")[0] for path in files}
-        _write_dataset(folder, name, about.task, sorted(written), sources)
-    return Exported(tuple(files), tuple(failures), tuple(dict.fromkeys(notes)))
 
 
 def _labels(what: str, names: Sequence[str]) -> dict[str, str]:
     """Names without what a BIDS label may not hold. SettingError where nothing is left, or two become one."""
-    labels = {name: re.sub(r"[^A-Za-z0-9]", "", name) for name in names}
+    labels = {name: label_of(name) for name in names}
     for name, label in labels.items():
         twins = [other for other, own in labels.items() if own.casefold() == label.casefold()]
         if not label or len(twins) > 1:
@@ -188,28 +183,22 @@ def _labels(what: str, names: Sequence[str]) -> dict[str, str]:
     return labels
 
 
-def _files_of(part: RecordingPart) -> list[Path]:
-    return [path for path in (part.emg_file, part.force_file) if path is not None]
-
-
 def _write(
-    target: Path, entry: RecordingEntry, part: RecordingPart, about: About, base: Path,
+    folder: Path, name: RecordingName, entry: RecordingEntry, part: RecordingPart, about: About, base: Path,
     cocontraction: CocontractionSettings, reading: ReadingSettings, judged: _Judged | None,
 ) -> tuple[list[Path], list[str]]:  # fmt: skip
     """Data and side files of one recording; several where its rates share no data record."""
     if part.fault:
         raise SettingError(
-            part.emg_file.parent,
-            wanted=f"one file of {entry.key}",
-            found=part.fault,
+            part.emg_file.parent, wanted=f"one file of {entry.key}", found=part.fault,
             do="Name the file in the study file.",
-        )
+        )  # fmt: skip
     calibration = part.channels.force.cal_file
     roles = read_roles(
         part.emg_file, part.force_file, part.channels, reading, base / calibration if calibration else None
     )
     notes = []
-    presses: _Presses = []
+    presses: list[Event] = []
     try:
         trials = extract_trials(
             roles.emg, roles.force, participant=entry.participant, specimen=entry.specimen, filters=entry.filters,
@@ -224,13 +213,11 @@ def _write(
     for channel in (*roles.emg.values(), roles.force):
         if moved := _moved(channel, start_s):
             notes.append(f"{channel.name}: {moved}")
-    groups = _groups(roles)
+    further = {**of_source(side_files(part.emg_file).emg), **(about.more or {})}
     paths = []
-    for label, channels in groups.items():
-        stem = f"{target.name}_recording-{label}" if len(groups) > 1 else target.name
-        path = target.with_name(f"{stem}_emg.bdf")
-        _write_group(path, stem, channels, part, presses, start_s, about)
-        paths.append(path)
+    for label, channels in _groups(roles).items():
+        recording = _recording(replace(name, part=label), channels, part, presses, start_s, about)
+        paths.append(write_recording(folder, replace(recording, further=further)))
     return paths, notes
 
 
@@ -242,9 +229,7 @@ def _groups(roles: RoleChannels) -> dict[str, _Named]:
     """Channels that can share a file, all in one if possible."""
     names = [*roles.emg, "force" if roles.force.name in roles.emg else roles.force.name]
     channels = [*roles.emg.values(), roles.force]
-    muscles: list[str | None] = [*roles.emg, None]
-    labels = _short_names(names)
-    named = {label: (c, m) for label, c, m in zip(labels, channels, muscles, strict=True)}
+    named = dict(zip(short_labels(names), zip(channels, (*roles.emg, None), strict=True), strict=True))
     if record_s(channel.fs_hz for channel in channels) is not None:
         return {"": named}
     rates = sorted({channel.fs_hz for channel in channels}, reverse=True)
@@ -254,59 +239,43 @@ def _groups(roles: RoleChannels) -> dict[str, _Named]:
     }
 
 
-def _short_names(names: Sequence[str]) -> list[str]:
-    """ASCII names of at most 16 characters, no two alike."""
-    found: list[str] = []
-    for name in names:
-        short = re.sub(r"[^ -~]", "", name).strip()[:LABEL_CHARACTERS] or "channel"
-        number, unique = 1, short
-        while unique in found:
-            number += 1
-            unique = f"{short[: LABEL_CHARACTERS - 1 - len(str(number))]} {number}"
-        found.append(unique)
-    return found
-
-
-def _write_group(
-    path: Path, stem: str, channels: _Named, part: RecordingPart, presses: _Presses, start_s: float, about: About
-) -> None:
-    """One data file with its side files."""
-    rates = {channel.fs_hz for channel, _ in channels.values()}
-    length_s = record_s(rates)
+def _recording(
+    name: RecordingName, channels: _Named, part: RecordingPart, presses: Sequence[Event], start_s: float, about: About
+) -> Recording:
+    """What one data file holds."""
+    own = [channel for channel, _ in channels.values()]
+    length_s = record_s(channel.fs_hz for channel in own)
     if length_s is None:
         raise SettingError(
-            part.emg_file, wanted="a sampling rate that BDF can hold to a millionth", found=f"{min(rates):.9g} Hz",
-            do="Resample the recording.",
+            part.emg_file, wanted="a sampling rate that BDF can hold to a millionth",
+            found=f"{min(channel.fs_hz for channel in own):.9g} Hz", do="Resample the recording.",
         )  # fmt: skip
-    earlier = [round((channel.start_s - start_s) * channel.fs_hz) for channel, _ in channels.values()]
-    counts = [round(channel.fs_hz * length_s) for channel, _ in channels.values()]
-    sizes = [channel.samples.size for channel, _ in channels.values()]
+    earlier = [round((channel.start_s - start_s) * channel.fs_hz) for channel in own]
+    counts = [round(channel.fs_hz * length_s) for channel in own]
+    sizes = [channel.samples.size for channel in own]
     records = max(-(-(before + n) // count) for before, n, count in zip(earlier, sizes, counts, strict=True))
-    stop_s = max(channel.start_s + channel.duration_s for channel, _ in channels.values())
-    stored, rows, gaps = [], [], []
+    stop_s = max(channel.start_s + channel.duration_s for channel in own)
+    stored, gaps = [], []
     for (label, (channel, muscle)), before, count in zip(channels.items(), earlier, counts, strict=True):
         samples, missing = bridge_gaps(channel.samples, f"channel {channel.name!r}")
         filled = np.pad(samples, (before, records * count - before - samples.size), mode="edge")
         scale, unit = (1e6, "uV") if muscle else (1.0, "N")
-        fs_hz = count / length_s
-        transducer = "bipolar surface electrode" if muscle else "force sensor"
-        stored.append(BdfChannel(label, filled * scale, unit, fs_hz, transducer))
-        moved = _moved(channel, start_s)
-        rows.append(_channel_row(label, channel, muscle, unit, fs_hz, about, before, moved))
+        stored_hz = count / length_s
+        repeated = f"the first {before} samples repeat the first one recorded" if before else ""
+        told = "; ".join(filter(None, (repeated, _moved(channel, start_s))))
+        said = f"; in the source {channel.name!r}: {channel.conversion}"
+        stored.append(StoredChannel(label, filled * scale, unit, stored_hz, muscle, said, told))
         first, stop = runs_of(missing)
         lost = zip(first.tolist(), stop.tolist(), strict=True)
-        gaps += [((before + i) / fs_hz, (j - i) / fs_hz) for i, j in lost]
-    events = _events(presses, start_s, gaps)
-    annotations = [(onset, duration, kind) for onset, duration, kind, *_ in events]
-    content = bdf_bytes(
-        stored, annotations, patient=stem.split("_")[0].removeprefix("sub-"), equipment="emg2vsa-convert",
-        record_s=length_s,
+        gaps += [Event(round((before + i) / stored_hz, 6), round((j - i) / stored_hz, 6), "gap") for i, j in lost]
+    events = [replace(press, onset_s=round(press.onset_s - start_s, 4)) for press in presses]
+    fs_hz = next((channel.fs_hz for channel, muscle in channels.values() if muscle), own[0].fs_hz)
+    return Recording(
+        name, stored, fs_hz, stop_s - start_s, length_s, equipment="emg2vsa-convert",
+        software=f"converted by emg2vsa {__version__}",
+        events=sorted(gaps + events, key=lambda event: event.onset_s) or None, columns=_EVENT_COLUMNS,
+        mains_hz=about.mains_hz, electrode_mm=about.electrode_mm,
     )  # fmt: skip
-    write_bytes_atomic(path, content)
-    write_json(path.with_suffix(".json"), _emg_json(channels, part, about, stop_s - start_s))
-    write_tsv(path.with_name(f"{stem}_channels.tsv"), CHANNEL_COLUMNS, rows)
-    if events:
-        write_tsv(path.with_name(f"{stem}_events.tsv"), EVENT_COLUMNS, events)
 
 
 def _moved(channel: Channel, start_s: float) -> str:
@@ -316,24 +285,6 @@ def _moved(channel: Channel, start_s: float) -> str:
     return f"moved by {1e3 * moved_s:+.3g} ms, to its nearest sample" if abs(moved_s) > 1e-6 else ""
 
 
-def _channel_row(
-    label: str, channel: Channel, muscle: str | None, unit: str, fs_hz: float, about: About, before: int, moved: str
-) -> tuple[object, ...]:
-    repeated = f"the first {before} samples repeat the first one recorded" if before else ""
-    told = "; ".join(filter(None, (repeated, moved)))
-    said = f"{'surface EMG of ' + muscle if muscle else 'pressing force'}; in the source {channel.name!r}: "
-    said += channel.conversion
-    return channel_cells(label, muscle, unit, said, fs_hz, electrode_mm=about.electrode_mm, told=told)
-
-
-_Event = tuple[float, float, str, object, str, str, str]
-"""Cells in the order of ``EVENT_COLUMNS``."""
-
-
-_Presses = list[tuple[float, float, int, str, str, str]]
-"""Of each press start and duration in seconds, and cells from ``repetition`` on."""
-
-
 @dataclass
 class _Judged:
     """The verdicts of all presses of one participant on one specimen, whose files are gone through in turn."""
@@ -341,8 +292,11 @@ class _Judged:
     fits: Fits | None
     _next: int = 0
 
-    def presses(self, trials: Trials) -> _Presses:
-        """The presses of the next file. The fits number those of all files on, and add whole seconds to their times."""
+    def presses(self, trials: Trials) -> list[Event]:
+        """The presses of the next file, on its own clock.
+
+        The fits number those of all files on, and add whole seconds to their times.
+        """
         n = trials.repetition.size
         if n == 0:
             return []
@@ -360,52 +314,12 @@ class _Judged:
         assert self.fits is not None
         judged = slice(first, self._next)
         verdicts, reasons = self.fits.verdict[judged].tolist(), self.fits.reason[judged].tolist()
+        own = (trials.start_s, trials.duration_s, trials.repetition, trials.peak_force_n)
+        rows = zip(*(column.tolist() for column in own), verdicts, reasons, strict=True)
         return [
-            (start_s, duration_s, repetition, verdict, f"{peak_n:.4g}", reason or "n/a")
-            for start_s, duration_s, repetition, verdict, peak_n, reason in zip(
-                trials.start_s.tolist(), trials.duration_s.tolist(), trials.repetition.tolist(), verdicts,
-                trials.peak_force_n.tolist(), reasons, strict=True,
+            Event(
+                start_s, round(duration_s, 4), "press",
+                {"repetition": n, "verdict": verdict, "peak_force": f"{peak_n:.4g}", "reason": reason or "n/a"},
             )
+            for start_s, duration_s, n, peak_n, verdict, reason in rows
         ]  # fmt: skip
-
-
-def _events(presses: _Presses, start_s: float, gaps: Sequence[tuple[float, float]]) -> list[_Event]:
-    rows: list[_Event] = [(round(onset, 6), round(s, 6), "gap", "n/a", "n/a", "n/a", "n/a") for onset, s in gaps]
-    for begin_s, duration_s, repetition, verdict, peak, reason in presses:
-        rows.append((round(begin_s - start_s, 4), round(duration_s, 4), "press", repetition, verdict, peak, reason))
-    return sorted(rows, key=lambda row: row[0])
-
-
-def _emg_json(channels: _Named, part: RecordingPart, about: About, duration_s: float) -> Json:
-    emg = [channel for channel, muscle in channels.values() if muscle]
-    muscles = [muscle for _, muscle in channels.values() if muscle]
-    fs_hz = (emg or [channel for channel, _ in channels.values()])[0].fs_hz
-    own = emg_sidecar(
-        about.task, muscles, len(channels) - len(emg), fs_hz, duration_s, mains_hz=about.mains_hz,
-        electrode_mm=about.electrode_mm, software=f"converted by emg2vsa {__version__}",
-    )  # fmt: skip
-    return {**own, **_of_source(part.emg_file), **(about.more or {})}
-
-
-_FROM_SOURCE = (
-    "Manufacturer", "ManufacturersModelName", "DeviceSerialNumber", "HardwareFilters", "SoftwareFilters",
-    "EMGReference",
-    "EMGGround", "EMGPlacementScheme", "EMGPlacementSchemeDescription", "PowerLineFrequency", "InterelectrodeDistance",
-    "ElectrodeManufacturer", "ElectrodeManufacturersModelName", "ElectrodeType", "ElectrodeMaterial", "InstitutionName",
-    "InstitutionAddress", "InstitutionalDepartmentName", "Instructions", "SkinPreparation",
-)  # fmt: skip
-
-
-def _of_source(path: Path) -> Json:
-    """What the side files of a source that is BIDS already say of how it was recorded."""
-    stated = side_files(path).emg
-    return {key: stated[key] for key in _FROM_SOURCE if key in stated}
-
-
-def _write_dataset(folder: Path, name: str, task: str, people: Sequence[str], sources: Sequence[str]) -> None:
-    write_json(folder / "dataset_description.json", description(name, "raw", "Conversion of recordings to BIDS-EMG."))
-    listed = "\n".join(["Each file and what it was made from:", "", *sources])
-    write_text_atomic(folder / "README.md", _README.format(name=name, version=__version__, sources=listed))
-    write_tsv(folder / "participants.tsv", ("participant_id",), [(person,) for person in people])
-    write_json(folder / "participants.json", {"participant_id": {"Description": "Participant."}})
-    write_json(folder / f"task-{task}_events.json", _EVENTS)

@@ -14,8 +14,8 @@ from emg2vsa.errors import SettingError
 from emg2vsa.fits import Fits, by_recording, concatenate
 from emg2vsa.pipeline.places import writable_or_temporary
 from emg2vsa.pipeline.plan import StepPlan, survey
-from emg2vsa.pipeline.pool import available_cores
 from emg2vsa.pipeline.run_study import Progress, run_study
+from emg2vsa.process_pool import available_cores
 from emg2vsa.session_verdict import Doubts, SessionVerdict, doubts_between, judge_session
 from emg2vsa.study import Study
 

@@ -14,9 +14,9 @@ from emg2vsa.calibration.results import CalibrationResults, ConditionResult, Law
 from emg2vsa.errors import DataError, SettingError
 from emg2vsa.fits import concatenate
 from emg2vsa.pipeline.plan import StepPlan, survey
-from emg2vsa.pipeline.pool import available_cores
 from emg2vsa.pipeline.run_study import Progress, run_study
 from emg2vsa.pipeline.stage_order import ORDER, stages_for
+from emg2vsa.process_pool import available_cores
 from emg2vsa.public.columns import file_of, plain
 from emg2vsa.public.frames import outcomes_frame
 from emg2vsa.public.recordings import fits_frame, samples_frame, trials_frame

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:  # a run with nothing to do knows folders of runs without loading NumPy
@@ -34,6 +35,8 @@ class ForceSample:
     force_n, torque_nm : (3,) along x, y, z of the sensor, N and N·m.
     status : of this reading.
     sequence : the sensor's own number of it: another reading has another number. None where it counts none.
+    loads : the six of force and torque as plain numbers: a turn of the loop looks at them many times.
+    size_n, torque_size_nm : lengths of both.
     """
 
     time_s: float
@@ -41,6 +44,16 @@ class ForceSample:
     torque_nm: NDArray[np.float64]
     status: SensorStatus = SensorStatus()
     sequence: int | None = None
+    loads: tuple[float, ...] = field(init=False, repr=False)
+    size_n: float = field(init=False, repr=False)
+    torque_size_nm: float = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        fx, fy, fz = force = self.force_n.tolist()
+        tx, ty, tz = torque = self.torque_nm.tolist()
+        size_n, torque_size_nm = math.sqrt(fx * fx + fy * fy + fz * fz), math.sqrt(tx * tx + ty * ty + tz * tz)
+        # a frozen dataclass
+        self.__dict__.update(loads=(*force, *torque), size_n=size_n, torque_size_nm=torque_size_nm)
 
 
 class ForceCounts(NamedTuple):

@@ -1,4 +1,4 @@
-"""What happened in a stay at a specimen, as the rows of ``_events.tsv``: commands, presses, pauses, gaps and notes."""
+"""What happened in a stay at a specimen: commands, presses, pauses, gaps and notes, as events of its recording."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from emg2vsa.arrays import runs_of
-from emg2vsa.bids import Json
+from emg2vsa.bids.recording import Event, event_columns
+from emg2vsa.bids.tables import Column
 from emg2vsa.session.journal import (
     Commanded,
     Continued,
@@ -24,16 +25,12 @@ from emg2vsa.session.plan import PlannedPress
 from emg2vsa.session.record import Progress
 from emg2vsa.session.stays import StaySignals, StayWindow
 
-EVENT_COLUMNS = (
-    "onset", "duration", "trial_type", "specimen", "phase", "press", "repetition", "attempt", "verdict", "decision",
-    "counts", "reason", "peak_force", "load_time", "note",
-)  # fmt: skip
-EVENTS_JSON: Json = {
-    "onset": {"Description": "From the first sample of the recording.", "Units": "s"},
-    "duration": {"Description": "Its length; n/a for what has none.", "Units": "s"},
-    "trial_type": {
-        "Description": "What the row is of.",
-        "Levels": {
+EVENT_COLUMNS = event_columns(
+    onset="From the first sample of the recording.",
+    duration="Its length; n/a for what has none.",
+    kind=Column(
+        "What the row is of.",
+        levels={
             "command_start": "The screen tells the participant to press.",
             "command_stop": "The screen tells the participant to lift the finger.",
             "press": "One attempt at a press, from the first touch until the finger is lifted.",
@@ -42,29 +39,31 @@ EVENTS_JSON: Json = {
             "gap": "Samples that did not come; interpolated linearly here.",
             "operator_note": "A note of the operator, in the column note.",
         },
+    ),
+    own={
+        "specimen": Column("The specimen that was pressed."),
+        "phase": Column("Practice or not.", levels={"training": "Practice.", "main": "Counts."}),
+        "press": Column("Number of the press in the session's order, from 1."),
+        "repetition": Column("Number of the press on this specimen, from 1."),
+        "attempt": Column("From 1; a press that was not well done is done again."),
+        "verdict": Column(
+            "Verdict on the execution of the press, given within a second of its end.",
+            levels={"ok": "As asked.", "warned": "With a remark.", "rejected": "Not as asked; see reason."},
+        ),
+        "decision": Column(
+            "What the operator decided; n/a where nothing was to be decided.",
+            levels={"accept": "Keep it.", "repeat": "Do it again.", "skip": "Go on without it."},
+        ),
+        "counts": Column(
+            "Whether the press is one of the study's, by its execution alone.",
+            levels={"true": "It is analysed.", "false": "It is not analysed, for the reason that is given."},
+        ),
+        "reason": Column("Reasons of verdict and decision."),
+        "peak_force": Column("Largest force of the press.", "N"),
+        "load_time": Column("Time from the lower to the upper force.", "s"),
+        "note": Column("What the operator wrote."),
     },
-    "specimen": {"Description": "The specimen that was pressed."},
-    "phase": {"Description": "Practice or not.", "Levels": {"training": "Practice.", "main": "Counts."}},
-    "press": {"Description": "Number of the press in the session's order, from 1."},
-    "repetition": {"Description": "Number of the press on this specimen, from 1."},
-    "attempt": {"Description": "From 1; a press that was not well done is done again."},
-    "verdict": {
-        "Description": "Verdict on the execution of the press, given within a second of its end.",
-        "Levels": {"ok": "As asked.", "warned": "With a remark.", "rejected": "Not as asked; see reason."},
-    },
-    "decision": {
-        "Description": "What the operator decided; n/a where nothing was to be decided.",
-        "Levels": {"accept": "Keep it.", "repeat": "Do it again.", "skip": "Go on without it."},
-    },
-    "counts": {
-        "Description": "Whether the press is one of the study's, by its execution alone.",
-        "Levels": {"true": "It is analysed.", "false": "It is not analysed, for the reason that is given."},
-    },
-    "reason": {"Description": "Reasons of verdict and decision."},
-    "peak_force": {"Description": "Largest force of the press.", "Units": "N"},
-    "load_time": {"Description": "Time from the lower to the upper force.", "Units": "s"},
-    "note": {"Description": "What the operator wrote."},
-}  # fmt: skip
+)
 
 
 @dataclass
@@ -111,20 +110,18 @@ def press_attempts(lines: Sequence[Line], planned: tuple[PlannedPress, ...]) -> 
     return found
 
 
-def event_rows(
+def stay_events(
     window: StayWindow, signals: StaySignals, lines: Sequence[Line], presses: Mapping[tuple[int, int], PressAttempt]
-) -> list[dict[str, object]]:
-    """Rows in time order, all within the recording."""
+) -> list[Event]:
+    """In time order, all within the recording."""
     last_s = signals.duration_s
-    rows: list[dict[str, object]] = []
+    events: list[Event] = []
 
     def add(kind: str, start_s: float, stop_s: float | None, **cells: object) -> None:
         onset = signals.onset_s(start_s)
-        if not 0 <= onset < last_s:
-            return
-        length = "n/a" if stop_s is None else f"{min(signals.onset_s(stop_s), last_s) - onset:.6f}"
-        row: dict[str, object] = dict.fromkeys(EVENT_COLUMNS, "n/a")
-        rows.append(row | {"onset": f"{onset:.6f}", "duration": length, "trial_type": kind} | cells)
+        if 0 <= onset < last_s:
+            length = None if stop_s is None else round(min(signals.onset_s(stop_s), last_s) - onset, 6)
+            events.append(Event(round(onset, 6), length, kind, cells))
 
     for key in window.presses:
         own = presses[key]
@@ -142,20 +139,18 @@ def event_rows(
     for i, line in enumerate(lines):
         if isinstance(line.event, Paused):
             ends = (after.time_s for after in lines[i:] if isinstance(after.event, Continued))
-            add("pause", line.time_s, next(ends, None), reason=cell_text(line.event.why))
+            add("pause", line.time_s, next(ends, None), reason=_cell(line.event.why))
         elif isinstance(line.event, Noted):
             number = line.event.press or "n/a"
-            add("operator_note", line.time_s, None, press=number, note=cell_text(line.event.text))
+            add("operator_note", line.time_s, None, press=number, note=_cell(line.event.text))
     for missing, fs_hz in (
         (np.any(np.isnan(signals.emg_v), axis=1), signals.emg_fs_hz),
         (np.isnan(signals.force_n), signals.force_fs_hz),
     ):
         firsts, stops = runs_of(np.asarray(missing))
         for first, stop in zip(firsts.tolist(), stops.tolist(), strict=True):
-            row: dict[str, object] = dict.fromkeys(EVENT_COLUMNS, "n/a")
-            cells = {"onset": f"{first / fs_hz:.6f}", "duration": f"{(stop - first) / fs_hz:.6f}", "trial_type": "gap"}
-            rows.append(row | cells)
-    return sorted(rows, key=lambda row: float(str(row["onset"])))
+            events.append(Event(round(first / fs_hz, 6), round((stop - first) / fs_hz, 6), "gap"))
+    return sorted(events, key=lambda event: event.onset_s)
 
 
 def _press_cells(press: PressAttempt) -> dict[str, object]:
@@ -179,11 +174,11 @@ def _press_cells(press: PressAttempt) -> dict[str, object]:
         "specimen": begun.specimen, "phase": begun.phase, "press": begun.press, "repetition": begun.repetition,
         "attempt": begun.attempt, "verdict": (judged.verdict if judged else "") or "n/a",
         "decision": (decided.decision if decided else "") or "n/a", "counts": "true" if press.counts else "false",
-        "reason": cell_text(reason), "peak_force": "n/a" if peak_n is None else f"{peak_n:.4g}",
-        "load_time": "n/a" if load_s is None else f"{load_s:.4g}", "note": cell_text("; ".join(press.notes)),
+        "reason": _cell(reason), "peak_force": "n/a" if peak_n is None else f"{peak_n:.4g}",
+        "load_time": "n/a" if load_s is None else f"{load_s:.4g}", "note": _cell("; ".join(press.notes)),
     }  # fmt: skip
 
 
-def cell_text(text: str) -> str:
+def _cell(text: str) -> str:
     """A text as a cell of a table: no tab and no line feed in it."""
     return " ".join(text.split()) or "n/a"

@@ -8,7 +8,6 @@ CRC-32 of the text before it. Only the last line can be torn; it is cut off when
 from __future__ import annotations
 
 import json
-import math
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -17,6 +16,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
 
+from casr.json_text import finite
 from emg2vsa.errors import DataError
 
 JOURNAL_FILE = "journal.jsonl"
@@ -252,17 +252,8 @@ def line_bytes(line: Line) -> bytes:
         "line": line.number, "sitting": line.sitting, "time_s": round(line.time_s, 6), "at": line.at,
         "kind": _NAMES[type(line.event)], "event": asdict(line.event),
     }  # fmt: skip
-    text = json.dumps(_finite(content), ensure_ascii=False, allow_nan=False)[:-1]
+    text = json.dumps(finite(content), ensure_ascii=False, allow_nan=False)[:-1]
     return f'{text}{_SEAL}{zlib.crc32(text.encode()):08x}"}}\n'.encode()
-
-
-def _finite(value: Any) -> Any:
-    """The same with null for numbers that JSON does not have."""
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {key: _finite(own) for key, own in value.items()}
-    return [_finite(own) for own in value] if isinstance(value, (list, tuple)) else value
 
 
 def now_text() -> str:

@@ -22,8 +22,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.durable.sealed_file import SealedFile
+from emg2vsa.durable.writer import Writer
 from emg2vsa.errors import DataError
-from emg2vsa.session.disk import GrowingFile, SessionDisk
 from emg2vsa.session.streams import Block, StreamInfo
 
 _MAGIC, _BLOCK = b"E2VSAMP1", b"BLK1"
@@ -52,15 +53,14 @@ def block_bytes(block: Block) -> bytes:
 class SampleWriter:
     """A new file for a stream of a sitting."""
 
-    def __init__(self, disk: SessionDisk, path: Path, info: StreamInfo) -> None:
+    def __init__(self, writer: Writer, path: Path, info: StreamInfo) -> None:
         self.path = path
-        self._disk = disk
-        self._file: GrowingFile = disk.open(path)
-        disk.lay(self._file, head_bytes(info))
+        self._file = SealedFile(path, writer)
+        self._file.append(head_bytes(info))
 
     def append(self, block: Block) -> bool:
         """Add a block; never waits. False where it was given up, because the disk refuses for too long."""
-        return self._disk.lay(self._file, block_bytes(block))
+        return self._file.append(block_bytes(block))
 
 
 @dataclass(frozen=True)

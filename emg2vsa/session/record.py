@@ -14,9 +14,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 
+from casr.atomic import write_bytes_atomic
+from emg2vsa.durable.sealed_file import SealedFile
+from emg2vsa.durable.system import SYSTEM, OperatingSystem
+from emg2vsa.durable.writer import Writer
 from emg2vsa.errors import DataError, DeviceError, SettingError
 from emg2vsa.held_lock import myself, taken, told
-from emg2vsa.session.disk import SYSTEM, SessionDisk, System, write_sealed
 from emg2vsa.session.journal import (
     JOURNAL_FILE,
     Decided,
@@ -136,7 +139,7 @@ class SessionRecord:
     """
 
     def __init__(
-        self, folder: Path, plan: Plan, lock: int, now_s: Callable[[], float], background: bool, system: System
+        self, folder: Path, plan: Plan, lock: int, now_s: Callable[[], float], background: bool, system: OperatingSystem
     ) -> None:
         self.folder, self.plan, self.repaired_bytes = folder, plan, 0
         self.progress = Progress(plan.presses)
@@ -145,10 +148,9 @@ class SessionRecord:
         self.past: list[Line] = []
         "Lines of earlier sittings, and what opening the folder added to them."
         path = folder / JOURNAL_FILE
-        if path.exists():
-            self._read(path)
-        self._disk = SessionDisk(background=background, system=system)
-        self._journal = self._disk.open(path)
+        whole_bytes = self._read(path) if path.exists() else None
+        self._disk = Writer(background=background, system=system)
+        self._journal = SealedFile(path, self._disk, whole_bytes)
         self._resume()
 
     def append(self, event: Event, time_s: float | None = None) -> Line:
@@ -161,7 +163,7 @@ class SessionRecord:
         content = line_bytes(line)
         self.progress.take(line)
         self._lines = line.number
-        self._disk.seal(self._journal, content)
+        self._journal.seal(content)
         return line
 
     def open_stream(self, name: str, info: StreamInfo) -> SampleWriter:
@@ -211,18 +213,16 @@ class SessionRecord:
         finally:
             os.close(self._lock)
 
-    def _read(self, path: Path) -> None:
-        lines, whole = read_journal(path)
-        self.repaired_bytes = path.stat().st_size - whole
-        if self.repaired_bytes:
-            with path.open("rb+") as file:
-                file.truncate(whole)
-                os.fsync(file.fileno())
+    def _read(self, path: Path) -> int:
+        """Length of the whole lines."""
+        lines, whole_bytes = read_journal(path)
+        self.repaired_bytes = path.stat().st_size - whole_bytes
         for line in lines:
             self.progress.take(line)
         self.past = list(lines)
         self._lines = lines[-1].number if lines else 0
         self.sitting = max((line.sitting for line in lines), default=0) + 1
+        return whole_bytes
 
     def _resume(self) -> None:
         self._lines_before = self._lines
@@ -239,7 +239,7 @@ class SessionRecord:
 
 
 def new_session(
-    folder: Path, plan: Plan, now_s: Callable[[], float], *, background: bool = True, system: System = SYSTEM
+    folder: Path, plan: Plan, now_s: Callable[[], float], *, background: bool = True, system: OperatingSystem = SYSTEM
 ) -> SessionRecord:
     """The folder of a new session, its plan on the disk itself before anything else.
 
@@ -255,7 +255,7 @@ def new_session(
                 do="Go on with it: --resume. Or give another participant's code.",
             )  # fmt: skip
         try:
-            write_sealed(system, folder / PLAN_FILE, plan_bytes(plan))
+            write_bytes_atomic(folder / PLAN_FILE, plan_bytes(plan), on_disk=True)
         except OSError as error:
             raise DeviceError(
                 folder, wanted="a folder with room for the session", found=error.strerror or str(error),
@@ -265,7 +265,7 @@ def new_session(
 
 
 def resume_session(
-    folder: Path, now_s: Callable[[], float], *, background: bool = True, system: System = SYSTEM
+    folder: Path, now_s: Callable[[], float], *, background: bool = True, system: OperatingSystem = SYSTEM
 ) -> SessionRecord:
     """The folder of a session that was begun, opened for its next sitting; arguments as of ``new_session``.
 

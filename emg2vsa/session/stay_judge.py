@@ -7,24 +7,26 @@ of the session itself does not grow.
 from __future__ import annotations
 
 import contextlib
-import multiprocessing
-import signal
+import pickle
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
 from queue import SimpleQueue
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.child_process import Child, Pipes
 from emg2vsa.arrays import Floats
 from emg2vsa.recordings import Channel
 from emg2vsa.session.live_press import HowJudged, StayJudged, judge_stay
 from emg2vsa.session.quality import measured
 from emg2vsa.session.views import SignalView
 from emg2vsa.settings import FilterSettings
+
+_END_S = 2.0
+"""In which the process that judges must have ended; then it is ended."""
 
 
 class Timing(NamedTuple):
@@ -174,13 +176,13 @@ class JudgeBeside:
         self._messages.put(message)
 
     def answer(self) -> Answer | None:
+        if not self._asked:
+            return None
         try:
-            if self._asked and self._end.poll():
+            if self._child.pipes.readable():
+                answer: Answer = pickle.loads(self._child.pipes.receive().data)
                 self._asked = False
-                answer: Answer = self._end.recv()
                 return answer
-            if self._asked and not self._process.is_alive():
-                raise EOFError
         except (EOFError, OSError):
             self._asked = False
             self.close()
@@ -192,36 +194,27 @@ class JudgeBeside:
 
     def close(self) -> None:
         self._messages.put(None)
-        self._sender.join(2.0)
-        self._end.close()
-        self._process.join(2.0)
-        if self._process.is_alive():
-            self._process.terminate()
+        self._sender.join(_END_S)
+        self._child.close(_END_S)
 
     def _start(self) -> None:
-        context = multiprocessing.get_context("spawn")
-        self._end, far = context.Pipe()
-        self._process = context.Process(target=_serve, args=(far,), name="session judge", daemon=True)
-        self._process.start()
-        far.close()
+        self._child = Child("emg2vsa.session.stay_judge", "serve", quiet=False)
         self._messages: SimpleQueue[Any] = SimpleQueue()
-        arguments = (self._messages, self._end)
+        arguments = (self._messages, self._child.pipes)
         self._sender = threading.Thread(target=_send, args=arguments, name="to the judge", daemon=True)
         self._sender.start()
 
 
-def _send(messages: SimpleQueue[Any], end: Connection[Any, Any]) -> None:
-    with contextlib.suppress(OSError):  # a judge that died; ``answer`` tells it
+def _send(messages: SimpleQueue[Any], judge: Pipes) -> None:
+    with contextlib.suppress(OSError, ValueError):  # a judge that died, or was ended; ``answer`` tells it
         while (message := messages.get()) is not None:
-            end.send(message)
+            judge.send(pickle.dumps(message, pickle.HIGHEST_PROTOCOL))
 
 
-def _serve(end: Connection[Any, Any]) -> None:
-    """The far end: until the near one is closed. Ctrl-C is for the session, which ends in its own time."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def serve(session: Pipes) -> None:
+    """The far end: until the near one is closed."""
     judge = JudgeAtOnce()
-    with contextlib.suppress(EOFError, OSError):
-        while True:
-            judge.tell(end.recv())
-            if (answer := judge.answer()) is not None:
-                end.send(answer)
+    while True:
+        judge.tell(pickle.loads(session.receive().data))
+        if (answer := judge.answer()) is not None:
+            session.send(pickle.dumps(answer, pickle.HIGHEST_PROTOCOL))

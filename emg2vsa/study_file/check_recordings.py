@@ -10,6 +10,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
+from emg2vsa.bids.names import is_label
 from emg2vsa.settings import (
     GAUGE_AXES,
     MEDOID,
@@ -172,7 +173,7 @@ def _labels(recordings: RecordingsTable, specimens: Specimens, ids: tuple[str, .
     labels += [(("participants",), name) for name in ids]
     labels += [(("specimens", index, "name"), name) for index, name in enumerate(_names(specimens))]
     for path, label in labels:
-        if not (label.isascii() and label.isalnum()):
+        if not is_label(label):
             yield Problem(path, "letters and digits only, as it is a label in BIDS file names", repr(label))
 
 

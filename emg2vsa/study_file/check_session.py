@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from emg2vsa.bids.names import is_label
 from emg2vsa.session_settings import (
     MOST_FORCE_N,
     PARTICIPANT_CODE,
@@ -49,7 +50,7 @@ def _training(session: SessionSettings, specimens: tuple[SpecimenTable, ...]) ->
             yield Problem(at, "a specimen that is not among [[specimens]]", repr(name), do)
         if name.casefold() in seen:
             yield Problem(at, "every name once", f"{name!r} again")
-        if not (name.isascii() and name.isalnum()):
+        if not is_label(name):
             yield Problem(at, "letters and digits only, as it is a label in BIDS file names", repr(name))
         seen.add(name.casefold())
 

@@ -9,7 +9,7 @@ from typing import Literal
 
 from emg2vsa.errors import SettingError
 from emg2vsa.study import Study
-from emg2vsa.synthetic.bids import check_labels, write_bids, write_dataset
+from emg2vsa.synthetic.bids import check_labels, write_around, write_bids
 from emg2vsa.synthetic.formats import write_c3d, write_csv, write_emgworks
 from emg2vsa.synthetic.plan import PlannedRecording, plan_study
 from emg2vsa.synthetic.recording import SyntheticRecording
@@ -64,8 +64,8 @@ def simulate_study(
         rows.append(recording_row(planned, recording))
     truth_folder = folder
     if format == "bids":
-        truth_folder = write_dataset(folder, study, settings, plan)
-    truth, *_ = write_truth(truth_folder, settings, presses, rows)
+        truth_folder = write_around(folder, study, settings, plan)
+    truth = write_truth(truth_folder, settings, presses, rows)
     if progress is not None:
         progress(len(plan), len(plan), "truth")
     return SimulatedStudy(folder, format, tuple(files), truth)

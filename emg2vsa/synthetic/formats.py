@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 import tempfile
 from pathlib import Path
@@ -12,7 +14,7 @@ import numpy as np
 from casr.atomic import write_text_atomic
 from emg2vsa.synthetic.plan import PlannedRecording
 from emg2vsa.synthetic.recording import SyntheticRecording
-from emg2vsa.synthetic.stored import StoredChannel, number_rows, stored_channels, text_rows
+from emg2vsa.synthetic.stored import StoredChannel, number_rows, stored_channels
 
 SAMPLES_PER_FRAME = 10
 "Analog samples of a C3D frame: the format counts frames in 16 bits, and a minute at 1 kHz holds 60 000 samples."
@@ -25,10 +27,11 @@ def write_csv(folder: Path, planned: PlannedRecording, recording: SyntheticRecor
     """
     channels = stored_channels(planned, recording, "V")
     time_s = np.arange(recording.force_n.size) / recording.fs_hz
-    header = text_rows([["time [s]", *map(_heading, channels)]], ",")
+    header = io.StringIO()
+    csv.writer(header, lineterminator="\n").writerow(["time [s]", *map(_heading, channels)])
     rows = number_rows([time_s, *(channel.samples for channel in channels)], ["%.9g"] * (len(channels) + 1))
     path = folder / f"{planned.participant}_{planned.specimen}.csv"
-    write_text_atomic(path, header + rows)
+    write_text_atomic(path, header.getvalue() + rows)
     return path
 
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,10 +65,3 @@ def number_rows(columns: Sequence[NDArray[np.float64]], formats: Sequence[str]) 
     line = ",".join(formats) + "\n"
     text: str = line * table.shape[0] % tuple(table.ravel().tolist())
     return text
-
-
-def text_rows(rows: Iterable[Sequence[object]], delimiter: str) -> str:
-    """Rows of any cells, quoted where needed; floats in their shortest exact form."""
-    buffer = io.StringIO()
-    csv.writer(buffer, delimiter=delimiter, lineterminator="\n").writerows(rows)
-    return buffer.getvalue()

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from casr.atomic import write_text_atomic
+from emg2vsa.bids.tables import Column, Json, described, write_json, write_tsv
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.synthetic.plan import PlannedRecording
 from emg2vsa.synthetic.recording import SyntheticRecording
-from emg2vsa.synthetic.stored import text_rows
 
 PRESS_COLUMNS = {
     "participant": "Participant of the study.",
@@ -58,26 +56,18 @@ def recording_row(planned: PlannedRecording, recording: SyntheticRecording) -> R
     )
 
 
-def write_truth(
-    folder: Path, settings: SimulationSettings, presses: Sequence[Row], recordings: Sequence[Row]
-) -> tuple[Path, ...]:
-    """``truth.tsv`` and ``order.tsv`` (in order of acquisition), each with a JSON file that explains its columns."""
+def write_truth(folder: Path, settings: SimulationSettings, presses: Sequence[Row], recordings: Sequence[Row]) -> Path:
+    """``truth.tsv`` and ``order.tsv`` (in order of acquisition), each with a JSON file that explains its columns.
+
+    Returns the first of them.
+    """
     participants = list(dict.fromkeys(row[0] for row in recordings))
     in_time = sorted(recordings, key=lambda row: (participants.index(row[0]), row[1]))
-    return (
-        _table(folder / "truth.tsv", PRESS_COLUMNS, presses),
-        _described(folder / "truth.json", PRESS_COLUMNS, {"Simulation": asdict(settings)}),
-        _table(folder / "order.tsv", RECORDING_COLUMNS, in_time),
-        _described(folder / "order.json", RECORDING_COLUMNS, {}),
-    )
+    _write_table(folder / "truth", PRESS_COLUMNS, presses, {"Simulation": asdict(settings)})
+    _write_table(folder / "order", RECORDING_COLUMNS, in_time, {})
+    return folder / "truth.tsv"
 
 
-def _table(path: Path, columns: dict[str, str], rows: Sequence[Row]) -> Path:
-    write_text_atomic(path, text_rows([tuple(columns), *rows], "\t"))
-    return path
-
-
-def _described(path: Path, columns: dict[str, str], more: dict[str, object]) -> Path:
-    described = {name: {"Description": text} for name, text in columns.items()}
-    write_text_atomic(path, json.dumps(described | more, indent=2) + "\n")
-    return path
+def _write_table(stem: Path, columns: Mapping[str, str], rows: Sequence[Row], more: Json) -> None:
+    write_tsv(stem.with_suffix(".tsv"), columns, rows)
+    write_json(stem.with_suffix(".json"), described({name: Column(said) for name, said in columns.items()}) | more)

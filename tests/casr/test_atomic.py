@@ -42,3 +42,27 @@ def test_a_full_disk_names_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         write_text_atomic(tmp_path / "b.txt", "new")
     assert told.value.filename == str(tmp_path / "b.txt")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_on_the_disk_gets_its_name_after_its_content_and_the_folder_last(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    order: list[str] = []
+    replace = os.replace
+
+    def sync(handle: int) -> None:
+        path = Path(os.readlink(f"/proc/self/fd/{handle}"))
+        order.append(path.name if path.is_dir() else path.read_text())
+
+    def rename(path: str, to: Path) -> None:
+        replace(path, to)
+        order.append(to.name)
+
+    if not Path("/proc/self/fd").exists():
+        pytest.skip("names of open files are asked of /proc")
+    monkeypatch.setattr(os, "fsync", sync)
+    monkeypatch.setattr(os, "replace", rename)
+    write_bytes_atomic(tmp_path / "plan.json", b"the plan")
+    assert order == ["plan.json"]
+    write_bytes_atomic(tmp_path / "plan.json", b"the plan", on_disk=True)
+    assert order == ["plan.json", "the plan", "plan.json", tmp_path.name]

@@ -247,7 +247,7 @@ def test_a_request_that_is_signalled_late_does_not_end_the_child(make, monkeypat
     opened = make()
     child = decoder_process._current
     assert child is not None
-    written = child._requests.write
+    written = child.pipes.to_other.write
 
     def write_and_signal_again(message: bytes) -> int:
         size = written(message)
@@ -255,7 +255,7 @@ def test_a_request_that_is_signalled_late_does_not_end_the_child(make, monkeypat
         return size
 
     with monkeypatch.context() as patched:
-        patched.setattr(child, "_requests", SimpleNamespace(write=write_and_signal_again))
+        patched.setattr(child.pipes, "to_other", SimpleNamespace(write=write_and_signal_again))
         assert opened.ask("nap") == "rested"
     end_child()
 

@@ -240,9 +240,10 @@ def test_a_full_disk_leaves_nothing_and_is_told_with_the_folder(
             calls.append(path)
             if len(calls) == 3:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            path.parent.mkdir(parents=True, exist_ok=True)
             path.touch()
 
-        patched.setattr("emg2vsa.pipeline.bids_export.write_json", full)
+        patched.setattr("emg2vsa.bids.recording_files.write_json", full)
         assert main(words) == 2
     assert f"{tmp_path / 'b'}: expected a folder with room" in (said := capsys.readouterr().err)
     assert "No space left on device" in said

@@ -14,9 +14,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from emg2vsa.durable import writer as writing
+from emg2vsa.durable.sealed_file import SealedFile
+from emg2vsa.durable.system import OperatingSystem
+from emg2vsa.durable.writer import Writer
 from emg2vsa.errors import DeviceError
-from emg2vsa.session import disk as disk_module
-from emg2vsa.session.disk import OperatingSystem, SessionDisk
 from emg2vsa.session.journal import Noted, read_journal
 from emg2vsa.session.plan import Plan, draw_presses
 from emg2vsa.session.raw_files import SampleFile
@@ -65,7 +67,7 @@ def a_session(tmp_path: Path, system: OperatingSystem, background: bool = False)
 @pytest.mark.parametrize("background", [False, True])
 @pytest.mark.parametrize("fault", ["full", "broken"])
 def test_a_disk_that_refuses_is_told_and_nothing_is_lost_when_it_takes_again(tmp_path, monkeypatch, background, fault):
-    monkeypatch.setattr(disk_module, "_AGAIN_S", 0.02)
+    monkeypatch.setattr(writing, "_AGAIN_S", 0.02)
     system = SmallDisk()
     record = a_session(tmp_path, system, background)
     stream = record.open_stream("emg", EMG)
@@ -99,7 +101,7 @@ def test_a_disk_that_refuses_is_told_and_nothing_is_lost_when_it_takes_again(tmp
 
 @pytest.mark.parametrize("background", [False, True])
 def test_a_disk_that_stays_full_is_told_at_the_end_and_the_session_resumes(tmp_path, monkeypatch, background):
-    monkeypatch.setattr(disk_module, "_AGAIN_S", 0.02)
+    monkeypatch.setattr(writing, "_AGAIN_S", 0.02)
     record = a_session(tmp_path, SmallDisk(room=8_000), background)
     stream = record.open_stream("emg", EMG)
     for i in range(100):
@@ -117,7 +119,7 @@ def test_a_disk_that_stays_full_is_told_at_the_end_and_the_session_resumes(tmp_p
 
 
 def test_samples_beyond_what_may_wait_are_given_up_and_counted(tmp_path, monkeypatch):
-    monkeypatch.setattr(disk_module, "LARGEST_WAITING_BYTES", 20_000)
+    monkeypatch.setattr(writing, "LARGEST_WAITING_BYTES", 20_000)
     record = a_session(tmp_path, SmallDisk(room=8_000))
     stream = record.open_stream("emg", EMG)
     taken = [stream.append(Block(np.ones((100, 1)), 100 * i, 0.0)) for i in range(150)]
@@ -152,21 +154,21 @@ def test_a_line_never_reaches_the_disk_before_what_was_laid_before_it(tmp_path):
 
     if not Path("/proc/self/fd").exists():
         pytest.skip("names of open files are asked of /proc")
-    disk = SessionDisk(background=False, system=Watched())
-    samples, lines = disk.open(tmp_path / "samples"), disk.open(tmp_path / "lines")
-    disk.lay(samples, b"a")
-    disk.seal(lines, b"1")
-    disk.seal(lines, b"2")
-    disk.lay(samples, b"b")
-    disk.seal(lines, b"3")
+    disk = Writer(background=False, system=Watched())
+    samples, lines = SealedFile(tmp_path / "samples", disk), SealedFile(tmp_path / "lines", disk)
+    samples.append(b"a")
+    lines.seal(b"1")
+    lines.seal(b"2")
+    samples.append(b"b")
+    lines.seal(b"3")
     disk.close()
     assert order == ["samples", "lines", "lines", "samples", "lines"]
 
 
 def test_without_a_thread_samples_are_in_the_file_at_once(tmp_path):
-    disk = SessionDisk(background=False)
-    samples = disk.open(tmp_path / "samples")
-    assert disk.lay(samples, b"1234")
+    disk = Writer(background=False)
+    samples = SealedFile(tmp_path / "samples", disk)
+    assert samples.append(b"1234")
     assert (tmp_path / "samples").read_bytes() == b"1234"
     disk.close()
 

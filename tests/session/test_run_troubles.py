@@ -134,7 +134,7 @@ def test_a_hidden_page_rejects_the_press_under_way(play):
 
 
 def test_a_full_disk_pauses_the_session_until_there_is_room(play, monkeypatch):
-    from emg2vsa.session.disk import OperatingSystem
+    from emg2vsa.durable.system import OperatingSystem
 
     write = OperatingSystem.write
     full = {"now": False, "seen": False}

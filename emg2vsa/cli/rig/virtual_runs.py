@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import partial
@@ -19,7 +16,7 @@ from emg2vsa.cli.rig.ending import summary
 from emg2vsa.cli.rig.kappa_options import KappaPlans, say_kappa, say_reachable
 from emg2vsa.cli.rig.same_presses import check_same_presses
 from emg2vsa.errors import Emg2vsaError, SettingError
-from emg2vsa.pipeline.pool import end_with_parent
+from emg2vsa.process_pool import ProcessPool, WorkerDied
 from emg2vsa.rig.emulated.controls import ArtificialEffect, effect_of
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
@@ -123,19 +120,10 @@ def _document(run: Run, result: Ended | str) -> dict[str, Any]:
 
 def _carried_out(waiting: Mapping[Run, Job], jobs: int) -> Iterator[tuple[Run, Ended | str]]:
     """Every run and how it ended, or why there is none, in the order of their ends."""
-    if jobs == 1 or len(waiting) < 2:
-        for run, job in waiting.items():
-            yield run, _outcome(partial(_run, *job))
-        return
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(waiting)), mp_context=context, initializer=end_with_parent) as pool:
-        futures = {pool.submit(_run, *job): run for run, job in waiting.items()}
-        try:
-            for future in as_completed(futures):
-                yield futures[future], _outcome(future.result)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    runs, calls = list(waiting), [partial(_run, *job) for job in waiting.values()]
+    with ProcessPool(min(jobs, len(calls))) as pool:
+        for i, result in pool.ended(calls, load=[__name__]):
+            yield runs[i], _outcome(result)
 
 
 def _right_schedules(file: RigFile) -> tuple[Schedule, ...]:
@@ -164,8 +152,8 @@ def _outcome(make: Callable[[], Ended]) -> Ended | str:
         return make()
     except Emg2vsaError as error:
         return f"not run. {error}"
-    except BrokenProcessPool:
-        return "not run: its process died (out of memory, or killed)"
+    except WorkerDied as error:
+        return f"not run: {error}"
 
 
 def _table(results: Mapping[Run, Ended | str], plans: Mapping[Run, RunPlan]) -> Iterator[str]:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -22,7 +20,6 @@ from emg2vsa.rig.emulated.controls import ArtificialEffect
 from emg2vsa.rig.emulated.direct_drivers import DirectNetFt, DirectQbmove
 from emg2vsa.rig.emulated.fault_plan import FaultPlan
 from emg2vsa.rig.emulated.faults import FaultyWire, WireLine
-from emg2vsa.rig.emulated.off_contact import OffContactCycle
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.probe import Touch
 from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
@@ -31,7 +28,6 @@ from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox, configuration_page
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.truth import TrueLoading
 from emg2vsa.rig.emulated.world import World
-from emg2vsa.rig.executor.control_cycle import ControlCycle
 from emg2vsa.rig.force.datagrams import LoopbackDatagrams
 from emg2vsa.rig.force.net_ft import NetFt
 from emg2vsa.rig.force.netft_config import parse_config
@@ -64,8 +60,6 @@ def motor_board(world: World, clock: Clock, home_ticks: int = 0, latency_s: floa
 
 DEVICE_ID = 1
 _AWAY_MM = 1e6
-_NEAR_MM = 0.1
-"""Off the specimen; more than the probe goes in a turn of the loop."""
 TORQUE_NOISE_NM_PER_N = 0.02
 "Noise of the torque over that of the force (guess)."
 # with the rate limit of the factory, 0, a saturated move never starts; the one at which motors do move is a guess
@@ -115,7 +109,6 @@ class EmulatedRig:
         self._area_rng = np.random.default_rng(self._draws.sensor_seed)
         self._press = 0
         self._lock = threading.RLock()
-        self._looked_s, self._is_near = math.nan, True
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
         away = World(
             clock, replace(self._draws.world(0), gap_mm=_AWAY_MM, springs=SPRINGS[emulated.springs] if rigid else None)
@@ -198,22 +191,10 @@ class EmulatedRig:
                 line, DEVICE_ID, model=model, clock=self.clock, stiffness_percent=percent, firmware=self.firmware
             )
             all_records = self.rig.record_full_rate_force
-            force = DirectNetFt(box_line, page, self.clock, box=self.box, near=self._near, all_records=all_records)
+            force = DirectNetFt(box_line, page, self.clock, box=self.box, all_records=all_records)
         force.start()
         self.camera.start()
         return Devices(RigidMotor(board) if self.rigid else board, force, self.camera)
-
-    def loop(self, *given: Any) -> ControlCycle:
-        """The control loop of a run on `devices` that are not exact."""
-        return OffContactCycle(*given, near=self._near)
-
-    def _near(self) -> bool:
-        """Asked several times in a turn, within which nothing moves."""
-        now_s = self.clock.now_s()
-        if now_s != self._looked_s:
-            self._advance()
-            self._looked_s, self._is_near = now_s, self.world.above_mm < _NEAR_MM
-        return self._is_near
 
     def _advance(self) -> None:
         self.firmware.advance()

@@ -105,12 +105,6 @@ class EmulatedCamera:
         self._started_s = self._newest_s = self._clock.now_s()
         self._exposed = self._missing = 0
 
-    @property
-    def due_s(self) -> float:
-        """When the next frame arrives; not before, where that is not drawn yet."""
-        exposed_s = self._started_s + self._exposed / self._rate_hz
-        return (exposed_s if self._arrives_s is None else self._arrives_s) - 1e-9
-
     def frames(self) -> list[Frame]:
         """Frames since the last call, oldest first. DeviceError when there was none for too long."""
         frames = self.exposed()

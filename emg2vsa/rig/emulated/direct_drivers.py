@@ -5,10 +5,8 @@ What they say is what the drivers say that speak byte for byte (tests/rig/emulat
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
-from emg2vsa.rig.devices import ForceSample
 from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
 from emg2vsa.rig.emulated.rdt_box import RdtBox
 from emg2vsa.rig.force.net_ft import NetFt
@@ -16,8 +14,6 @@ from emg2vsa.rig.force.rdt import Record
 from emg2vsa.rig.qbmove.driver import ON, Qbmove
 from emg2vsa.rig.qbmove.packets import Command
 
-Near = Callable[[], bool]
-"""Whether the probe is in contact, or so near that it may be within a turn of the loop."""
 _RESTLESS_COUNTS = 100
 "Noise of this standard deviation never leaves all six counts of a record as those of the one before."
 
@@ -43,13 +39,11 @@ class DirectQbmove(Qbmove):
 class DirectNetFt(NetFt):
     """Once a stream has begun, its records come straight from the ``box``.
 
-    near : as given. all_records : somebody wants more than the newest of each turn.
+    all_records : somebody wants more than the newest of each turn.
     """
 
-    def __init__(self, *given: Any, box: RdtBox, near: Near, all_records: bool, **named: Any) -> None:
-        self._box, self._near = box, near
-        self._far = False
-        "Whether nothing was near at the last look."
+    def __init__(self, *given: Any, box: RdtBox, all_records: bool, **named: Any) -> None:
+        self._box = box
         counts = box.settings.counts_per_force, box.settings.counts_per_torque
         noise = min(size * per_unit for size, per_unit in zip(box.settings.noise, counts, strict=True))
         self._newest_only = noise >= _RESTLESS_COUNTS and not all_records
@@ -58,30 +52,18 @@ class DirectNetFt(NetFt):
     def _arrived(self) -> bool:
         if self._newest is None:
             return super()._arrived()
-        self.take(far=not self._near())
-        return True
-
-    @property
-    def newest(self) -> Record | None:
-        """The newest record that has been taken."""
-        return self._newest[0] if self._newest else None
-
-    def take(self, *, far: bool) -> tuple[Record, float]:
-        """The newest record and its time. far : nothing is near the probe."""
-        assert self._newest is not None
         now_s = self._clock.now_s()
         if now_s == self._looked_s:
-            return self._newest
+            return True
         self._looked_s = now_s
-        free, self._far = far and self._far, far
         # as a stream without gaps: faults are put only into exact benches
         if self._newest_only:
             if (found := self._box.newest_until(now_s)) is not None:
                 self._accept(*found, now_s)
         else:
-            for record, sent_s in self._box.records_until(now_s, free=free):
+            for record, sent_s in self._box.records_until(now_s):
                 self._unread.append(self._accept(record, sent_s, now_s))
-        return self._newest
+        return True
 
     def _accept(self, record: Record, sent_s: float, now_s: float) -> tuple[Record, float]:
         assert self._newest is not None
@@ -93,12 +75,3 @@ class DirectNetFt(NetFt):
         self._records += record.rdt_sequence - newest.rdt_sequence
         self._newest = record, newest_s
         return self._newest
-
-    def sample_of(self, record: Record, time_s: float) -> ForceSample:
-        """As `read` gives it."""
-        return self._sample(record, time_s)
-
-    @property
-    def steps(self) -> list[float]:
-        """Of the six counts, N and N m."""
-        return self._scale.tolist()

@@ -146,10 +146,8 @@ class RdtBox:
         stream.rdt_sequence += due - 1
         return self._measured(stream, [tick], self._loads((last_s,)))[0], last_s
 
-    def records_until(self, time_s: float, *, free: bool = False) -> list[tuple[Record, float]]:
-        """Every record that is due, and when it is measured, s. Who takes them here gets no datagrams of them.
-
-        free : nothing has touched the probe since the records before, so that one load stands for all."""
+    def records_until(self, time_s: float) -> list[tuple[Record, float]]:
+        """Every record that is due, and when it is measured, s. Who takes them here gets no datagrams of them."""
         if (stream := self._stream) is None:
             return []
         times_s, ticks, next_s, divisor = [], [], stream.next_s, self.settings.divisor
@@ -163,8 +161,7 @@ class RdtBox:
         stream.next_s, stream.last_s = next_s, times_s[-1]
         if not stream.left:
             self._stream = None
-        loads = self._loads(times_s[-1:]) * len(times_s) if free else self._loads(times_s)
-        return list(zip(self._measured(stream, ticks, loads), times_s, strict=True))
+        return list(zip(self._measured(stream, ticks, self._loads(times_s)), times_s, strict=True))
 
     def reading(self, time_s: float) -> tuple[int, tuple[int, ...]]:
         """Status word and the six counts at a time."""

@@ -104,8 +104,8 @@ class EmulatedSettings:
     control_specimen: str = ""
     "P4: areas are least noisy with the stiffness of this specimen's modular schedule."
     exact: bool = False
-    """true: in virtual time devices and drivers speak byte for byte in every turn, and every guard looks at it. The
-    same run comes out, in nearly twice the time; a test compares the two."""
+    """true: in virtual time drivers and devices speak byte for byte in every turn. false: the drivers ask the devices
+    without bytes. Guards look at every turn either way, and the same run comes out; a test compares the two."""
     behind_ports: bool = False
     "Set by emg2vsa rig emulate in the file it writes: the ports lead to emulated devices, and runs are marked so."
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from datetime import datetime
 from pathlib import Path
@@ -16,8 +17,8 @@ from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.controls import ArtificialEffect
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.truth import TRUTH_FILE, truth_text
-from emg2vsa.rig.executor.control_cycle import ControlCycle
 from emg2vsa.rig.executor.execute import execute
+from emg2vsa.rig.executor.guards import GUARDS, Check
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.kappa.judges import SameProcess, write_about
@@ -39,6 +40,7 @@ def run_virtual(
     mounted: str = "",
     effect: ArtificialEffect | None = None,
     kappa: KappaPlan | None = None,
+    guards: Mapping[str, Check] = GUARDS,
 ) -> Ended:
     """Carry out ``plan`` and record it in ``folder``, with the real executor and drivers; how it ended.
 
@@ -46,6 +48,7 @@ def run_virtual(
     rendered its frames. ``started`` : date and time to write to the run. ``run`` : other names, other draws, so that a
     run that goes on in another folder does not repeat its presses; the run's own where none is given. ``effect`` :
     artificial, of a control world. ``mounted`` : as in `PressDraws`. ``kappa`` : judge each press while it goes on.
+    ``guards`` : as in `execute`.
 
     Raises as `execute`, and SettingError as `EmulatedRig`.
     """
@@ -75,10 +78,9 @@ def run_virtual(
         devices = replace(devices, camera=None)
     else:
         write_camera(folder / CAMERA_FILE, bench.camera.scene.settings.camera)
-    cycle = ControlCycle if emulated.exact else bench.loop
     judge = None if kappa is None else SameProcess(kappa, folder / KAPPA_FILE)
     try:
-        ended = execute(plan, rig, devices, folder, clock, started=started, cycle=cycle, judge=judge)
+        ended = execute(plan, rig, devices, folder, clock, started=started, judge=judge, guards=guards)
     finally:
         if judge is not None:
             judge.close()

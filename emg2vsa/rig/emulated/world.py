@@ -145,11 +145,6 @@ class World:
         first, second = self._joint.loads_nm(shaft_rad, (side * motors_rad[0], side * motors_rad[1]), self._probe)
         return side * first, side * second
 
-    @property
-    def above_mm(self) -> float:
-        """Way of the probe to first contact, mm, when the actuator was last looked at; below 0 in contact."""
-        return self._probe.above_mm(self._path.end_rad)
-
     def probe_mm(self, time_s: float) -> float:
         """Way of the probe from where the shaft is at 0, mm, down is positive."""
         return self._probe.position_mm(self._shaft_at(time_s))

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 from emg2vsa.actuator import ticks_of_percent
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.clock import Beat, Clock
+from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.devices import Devices, ForceSample
 from emg2vsa.rig.executor.expected import most_past_contact_mm
-from emg2vsa.rig.executor.guards import AFTER_READING, GUARDS, Check, Moment, size, tripped
+from emg2vsa.rig.executor.guards import GUARDS, Check, Moment, tripped
 from emg2vsa.rig.executor.motion import Motion, advance
 from emg2vsa.rig.executor.safe_end import Start
 from emg2vsa.rig.executor.witnesses import Witnesses, at_rest
@@ -49,8 +49,17 @@ class Force(NamedTuple):
 class ControlCycle:
     """What a run remembers from turn to turn. Every method raises EndRun when a device is lost."""
 
-    def __init__(self, plan: RunPlan, rig: RigSettings, devices: Devices, record: RunRecord, clock: Clock) -> None:
+    def __init__(
+        self,
+        plan: RunPlan,
+        rig: RigSettings,
+        devices: Devices,
+        record: RunRecord,
+        clock: Clock,
+        guards: Mapping[str, Check] = GUARDS,
+    ) -> None:
         self._plan, self._rig, self._devices, self._record, self._clock = plan, rig, devices, record, clock
+        self._guards = guards
         self._average = MovingAverage(rig.filter_samples, rig.rate_hz)
         self._sent: tuple[int, int] | None = None
         self._stands_ticks = 0
@@ -68,10 +77,10 @@ class ControlCycle:
             actuator.activate()
             position_ticks, at = actuator.position_ticks(), actuator.measurements()
             device_ma = actuator.current_limit_ma()
-        guards = self._rig.guards
+        limits = self._rig.guards
         self._limits = replace(
-            guards,
-            current_ma=min(guards.current_ma, device_ma) if device_ma > 0 else guards.current_ma,
+            limits,
+            current_ma=min(limits.current_ma, device_ma) if device_ma > 0 else limits.current_ma,
             past_contact_mm=most_past_contact_mm(self._plan, self._rig),
         )
         self._witnesses = Witnesses(self._rig, actuator.springs, at)
@@ -80,11 +89,6 @@ class ControlCycle:
         self._turned_s = self._asked_s = self._frame_s = self._clock.now_s()
         self._active = True
         self.motion = Motion("home", self._turned_s, self._rig.depth_at(position_ticks))
-
-    def go_on(self, beat: Beat) -> tuple[Motion, float]:
-        """The turn at the next due time; the motion after it, and when it began."""
-        now_s, late_s = beat.wait()
-        return self.turn(now_s, late_s), now_s
 
     def turn(self, now_s: float, late_s: float) -> Motion:
         """One turn; the motion after it. Whatever ends the turn, what was sensed is logged."""
@@ -98,7 +102,8 @@ class ControlCycle:
             wanted = advance(self.motion, self._plan, force.filtered_n, now_s, now_s - self._turned_s, growth_n_per_s)
             if wanted.phase == "load" and self._record.enough(force.filtered_n):
                 wanted = wanted._replace(phase="retract", since_s=now_s)
-            self._judge(force, wanted, now_s, late_s)
+            moment = self._moment(force, wanted, now_s, late_s)
+            self._judge(moment)
             if at_rest(wanted, now_s):
                 self._free(
                     f"{now_s - wanted.since_s:.1f} s after the press" if wanted.repetition else "before the press"
@@ -113,7 +118,8 @@ class ControlCycle:
             if (wanted.phase, before.phase) == ("retract", "load"):
                 self._compare()
             self._ask(now_s)
-            self._judge(force, wanted, now_s, late_s, AFTER_READING)
+            moment.active = self._active
+            self._judge(moment)
         finally:
             self._log(now_s, late_s, force, readings)
         return self.motion
@@ -166,16 +172,13 @@ class ControlCycle:
         return sample
 
     def _note_peak(self, sample: ForceSample) -> None:
-        felt_n = size(sample.force_n)
+        felt_n = sample.size_n
         if math.isfinite(felt_n):
             self.peak_force_n = max(self.peak_force_n or 0.0, felt_n)
 
     def _feel(self) -> Force:
         with ending("stale sensor"):
             sample = self._devices.force.read()
-        return self._felt(sample)
-
-    def _felt(self, sample: ForceSample) -> Force:
         assert self.motion is not None
         self._note_peak(sample)
         self._witnesses.feel(sample, self.motion.phase)
@@ -202,11 +205,9 @@ class ControlCycle:
                 self._active = self._devices.actuator.is_active()
             self._asked_s = now_s
 
-    def _judge(
-        self, force: Force, wanted: Motion, now_s: float, late_s: float, guards: Mapping[str, Check] = GUARDS
-    ) -> None:
+    def _moment(self, force: Force, wanted: Motion, now_s: float, late_s: float) -> Moment:
         before = self._before or force
-        moment = Moment(
+        return Moment(
             now_s=now_s, late_s=late_s, period_s=self._rig.period_s,
             force=force.sample, before=before.sample, force_n=force.raw_n, force_before_n=before.raw_n,
             angle_deg=self._plan.angle_deg, phase=wanted.phase, rating=self._devices.force.rating,
@@ -214,7 +215,9 @@ class ControlCycle:
             depth_mm=wanted.depth_mm, travel_mm=self._plan.travel_mm, active=self._active,
             seen=self._witnesses.seen, contact_n=self._plan.f_contact_n,
         )  # fmt: skip
-        if found := tripped(moment, self._limits, guards):
+
+    def _judge(self, moment: Moment) -> None:
+        if found := tripped(moment, self._limits, self._guards):
             raise EndRun("guard", *found)
 
     def _enter(self, wanted: Motion, force: Force) -> None:
@@ -265,23 +268,13 @@ class ControlCycle:
 
     def _log(self, now_s: float, late_s: float, force: Force, readings: Readings) -> None:
         assert self.motion is not None
-        row = self._row(now_s, late_s, force, readings, self.motion, self._sent or (None, None))
-        with ending("recording"):
-            self._record.row(row)
-
-    def _row(
-        self,
-        now_s: float,
-        late_s: float,
-        force: Force,
-        readings: Readings,
-        motion: Motion,
-        sent: tuple[int | None, int | None],
-    ) -> Row:
-        return Row(
-            now_s, motion.repetition, motion.phase, force.sample.time_s, force.raw_n, force.filtered_n,
+        sent: tuple[int | None, int | None] = self._sent or (None, None)
+        row = Row(
+            now_s, self.motion.repetition, self.motion.phase, force.sample.time_s, force.raw_n, force.filtered_n,
             *sent, *readings, self._record.frame_index, late_s, *loads_of(force.sample),
         )  # fmt: skip
+        with ending("recording"):
+            self._record.row(row)
 
 
 class ending:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from emg2vsa.durable.writer import Writer
 from emg2vsa.rig.clock import Beat, Clock, ahead
 from emg2vsa.rig.devices import Devices, PressJudge
 from emg2vsa.rig.executor.control_cycle import ControlCycle
+from emg2vsa.rig.executor.guards import GUARDS, Check
 from emg2vsa.rig.executor.plan_limits import check_plan, check_rating
 from emg2vsa.rig.executor.safe_end import SafeEnd, make_safe
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.record.disk import disk_for
 from emg2vsa.rig.record.ended import Ended, EndRun, busy_loop
 from emg2vsa.rig.record.run_record import RunRecord
 from emg2vsa.rig.rig_settings import RigSettings
@@ -33,7 +35,7 @@ def execute(
     stop: Callable[[], str | None] = lambda: None,
     facts: Mapping[str, Any] | None = None,
     background: bool = False,
-    cycle: Callable[..., ControlCycle] = ControlCycle,
+    guards: Mapping[str, Check] = GUARDS,
     judge: PressJudge | None = None,
 ) -> Ended:
     """Run ``plan`` and record it in ``folder``; how it ended.
@@ -42,7 +44,7 @@ def execute(
     ``stop`` is asked in every turn, and ends the run by naming a reason: a signal that has come, a button. ``started``
     is the date and time at 0 s of ``clock``. ``facts`` : what the devices say of themselves, for plan.json.
     ``background`` : a thread writes to the disk, so that the loop never waits for it; wanted where time is real.
-    ``cycle`` : makes the control loop.
+    ``guards`` : name to check, all asked in every turn; not copied, so that what is added to them later counts too.
     ``judge`` : is shown the frames and forces of each press, and may end its loading before F_max.
 
     Raises
@@ -53,15 +55,16 @@ def execute(
     """
     check_plan(plan, rig)
     check_rating(rig, devices.force.rating)
-    with disk_for(background) as disk:
+    with closing(Writer(background=background)) as writer:
         seen = devices.camera
         record = RunRecord(
             folder, started, seen.shape if seen else None,
-            delay_s=seen.delay_s if seen else 0.0, disk=disk, force_counts=devices.force.counts, judge=judge,
+            delay_s=seen.delay_s if seen else 0.0, writer=writer, force_counts=devices.force.counts, judge=judge,
         )  # fmt: skip
         record.plan(plan, rig, facts)
         with ahead():
-            return _recorded(plan, rig, devices, record, clock, stop, cycle(plan, rig, devices, record, clock))
+            cycle = ControlCycle(plan, rig, devices, record, clock, guards)
+            return _recorded(plan, rig, devices, record, clock, stop, cycle)
 
 
 def _recorded(
@@ -96,7 +99,8 @@ def _press_all(cycle: ControlCycle, beat: Beat, record: RunRecord, stop: Callabl
     while True:
         if reason := stop():
             raise EndRun("stopped", reason, "asked to stop")
-        motion, now_s = cycle.go_on(beat)
+        now_s, late_s = beat.wait()
+        motion = cycle.turn(now_s, late_s)
         if motion.phase == "done":
             return
         if motion.since_s == now_s and motion.phase == "retract":

@@ -9,12 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from functools import lru_cache
+from operator import gt
 
 from emg2vsa.rig.devices import ForceSample, Rating
 from emg2vsa.rig.executor.motion import Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
-GAP_AT_REST_N, _GAP_SHARE = 2.5, 0.3
+_GAP_AT_REST_N, _GAP_SHARE = 2.5, 0.3
 """Of a gap between springs and sensor while the probe goes in; without a fault it is at most 1.9 N and that share."""
 _STEEPEST_RAD = math.radians(85)
 _LOADS = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
@@ -49,7 +51,7 @@ class Seen:
 
 @dataclass(slots=True, kw_only=True)
 class Moment:
-    """What the guards look at, once in each turn of the loop."""
+    """What the guards look at, one of each turn of the loop."""
 
     now_s: float
     late_s: float
@@ -85,33 +87,38 @@ def force_limit(moment: Moment, limits: GuardSettings) -> str | None:
     """Pushed, or pulled, too hard: along the push axis, or in any direction."""
     along = _above(abs(moment.force_n), limits.force_n, "N")
     whole_n = limits.force_n / math.cos(math.radians(moment.angle_deg))
-    return along or _above(size(moment.force.force_n), whole_n, "N in all three axes")
+    return along or _above(moment.force.size_n, whole_n, "N in all three axes")
 
 
 def lateral_force(moment: Moment, limits: GuardSettings) -> str | None:
     """Force across the push axis on the way in, beyond angle and friction: a wrong push_axis or angle, or a crash."""
-    across_n = math.sqrt(max(0.0, size(moment.force.force_n) ** 2 - moment.force_n**2))
     if moment.phase not in _INWARDS:  # skin that slides back pulls nearly across
         return None
-    tilt_rad = math.radians(moment.angle_deg) + math.atan(limits.skin_friction)
-    by_angle_n = abs(moment.force_n) * math.tan(min(tilt_rad, _STEEPEST_RAD))
+    across_n = math.sqrt(max(0.0, moment.force.size_n**2 - moment.force_n**2))
+    by_angle_n = abs(moment.force_n) * _sliding(moment.angle_deg, limits.skin_friction)
     return _above(across_n, limits.lateral_n + by_angle_n, "N across push_axis")
+
+
+@lru_cache
+def _sliding(angle_deg: float, friction: float) -> float:
+    """Force across the push axis over that along it, of a probe about to slide down the slope."""
+    return math.tan(min(math.radians(angle_deg) + math.atan(friction), _STEEPEST_RAD))
 
 
 def torque(moment: Moment, limits: GuardSettings) -> str | None:
     """The probe presses far from the middle of the sensor, or something else leans on it."""
-    return _above(size(moment.force.torque_nm), limits.torque_nm, "N m")
+    return _above(moment.force.torque_size_nm, limits.torque_nm, "N m")
 
 
 def overload(moment: Moment, limits: GuardSettings) -> str | None:
     """More than the force sensor is made for."""
     if moment.rating is None:
         return None
-    loads = moment.force.force_n.tolist() + moment.force.torque_nm.tolist()
-    for name, load, most in zip(_LOADS, loads, moment.rating.force_n + moment.rating.torque_nm, strict=True):
-        if abs(load) > most:
-            return _above(abs(load), most, f"{name}, the sensor's rating")
-    return None
+    loads, ratings = moment.force.loads, moment.rating.force_n + moment.rating.torque_nm
+    if True not in map(gt, map(abs, loads), ratings):
+        return None
+    each = zip(_LOADS, map(abs, loads), ratings, strict=True)
+    return next(_above(load, most, f"{name}, the sensor's rating") for name, load, most in each if load > most)
 
 
 def force_rate(moment: Moment, limits: GuardSettings) -> str | None:
@@ -122,7 +129,7 @@ def force_rate(moment: Moment, limits: GuardSettings) -> str | None:
 
 def untrusted_force(moment: Moment, limits: GuardSettings) -> str | None:
     """The sensor reports a fault or no number, or the springs bear what it does not feel, or the reverse."""
-    if not (math.isfinite(moment.force_n) and math.isfinite(size(moment.force.force_n))):
+    if not (math.isfinite(moment.force_n) and math.isfinite(moment.force.size_n)):
         return f"the force is {moment.force_n}"
     if moment.force.status.faults:
         return "; ".join(moment.force.status.faults)
@@ -131,7 +138,7 @@ def untrusted_force(moment: Moment, limits: GuardSettings) -> str | None:
     larger_n = max(abs(moment.seen.spring_n), abs(moment.seen.felt_n))
     limit_n = limits.spring_gap_n
     if moment.phase in _INWARDS:
-        limit_n = min(limit_n, GAP_AT_REST_N + _GAP_SHARE * larger_n)
+        limit_n = min(limit_n, _GAP_AT_REST_N + _GAP_SHARE * larger_n)
     # the skin's friction holds probe and shaft, and the sensor feels it
     limit_n += limits.skin_friction * larger_n * math.sin(math.radians(moment.angle_deg))
     gap_n = abs(moment.seen.spring_n - moment.seen.felt_n)
@@ -245,17 +252,11 @@ GUARDS: dict[str, Check] = {
     "lost camera": lost_camera,
 }
 """The first that speaks names the cause: a loop held up makes samples and frames look old, motors that have gone off
-stay behind their commands, and springs are known by the motors' encoders, so what explains them comes before them."""
+stay behind their commands, and springs are known by the motors' encoders, so what explains them comes before them.
 
-
-AFTER_READING = {
-    name: GUARDS[name]
-    for name in (
-        "lost device", "following", "untrusted force", "springs at rest", "spring limit", "no contact", "past contact",
-        "motor current",
-    )
-}  # fmt: skip
-"""Those that may speak anew when the actuator has been read in a turn in which none has spoken before."""
+All are asked twice in every turn of every run, also of those that are added here: before the command is sent, and with
+the same moment once the actuator has been read, when ``seen`` and ``active`` are newer.
+"""
 
 
 def tripped(moment: Moment, limits: GuardSettings, guards: Mapping[str, Check] = GUARDS) -> tuple[str, str] | None:
@@ -280,12 +281,6 @@ def laxer_guards(rig: RigSettings) -> list[str]:
             "the default"
         )
     return lines
-
-
-def size(vector: object) -> float:
-    """Length of the three parts."""
-    x, y, z = vector.tolist()  # type: ignore[attr-defined]
-    return math.sqrt(x * x + y * y + z * z)
 
 
 def _above(value: float, limit: float, unit: str) -> str | None:

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.devices import Actuator, ForceSample
-from emg2vsa.rig.executor.guards import size
 from emg2vsa.rig.executor.witnesses import mean_size
 from emg2vsa.rig.rig_settings import RigSettings
 
@@ -93,7 +92,7 @@ class _Escape:
         self._depth_mm, self._preset_ticks, self._lowest_n = 0.0, 0, math.inf
         self._held = self._tried = False
         self._failures, self._off_mm = 0, math.inf
-        self._vectors: deque[list[float]] = deque(maxlen=max(1, round(2 * _REST_S * rig.rate_hz)))
+        self._vectors: deque[tuple[float, ...]] = deque(maxlen=max(1, round(2 * _REST_S * rig.rate_hz)))
 
     def retract(self, start: Start) -> bool:
         """Whether encoders and force say that it is retracted."""
@@ -209,10 +208,10 @@ class _Escape:
 
     def _feel(self, ticks: int) -> None:
         sample = self._log(ticks, self._preset_ticks, self.notes)
-        felt_n = math.nan if sample is None else size(sample.force_n)
+        felt_n = math.nan if sample is None else sample.size_n
         self.felt_n = felt_n if math.isfinite(felt_n) else None
         if sample is not None and self.felt_n is not None:
-            self._vectors.append(sample.force_n.tolist())
+            self._vectors.append(sample.loads[:3])
         else:
             self._vectors.clear()
         self._lowest_n = min(self._lowest_n, math.inf if self.felt_n is None else felt_n)

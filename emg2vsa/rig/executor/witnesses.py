@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from functools import lru_cache
 
 import numpy as np
@@ -35,7 +35,7 @@ class Witnesses:
         self._motors, self._stillness, self._current = SlowMotors(at, springs, rig.guards), Stillness(), MeanCurrent()
         self._at, self._contact_mm, self._lowest_n = at, math.inf, math.inf
         self._sent_s: float | None = None
-        self._forces: deque[list[float]] = deque(maxlen=rig.filter_samples)
+        self._forces: deque[tuple[float, ...]] = deque(maxlen=rig.filter_samples)
         self._loads: list[tuple[float, float]] = []
         self.seen = Seen()
 
@@ -64,9 +64,10 @@ class Witnesses:
     def feel(self, sample: ForceSample, phase: Phase) -> None:
         """The sample of a turn, in the phase that the turn before has led to."""
         self._stillness.see(sample, self.depth_mm, phase)
-        self._forces.append(sample.force_n.tolist())
-        felt_n, rise_n = self.mean_n, None
+        self._forces.append(sample.loads[:3])
+        rise_n = None
         if phase == "home":
+            felt_n = self.mean_n
             self._lowest_n = min(self._lowest_n, felt_n)
             rise_n = felt_n - self._lowest_n
         seen = self.seen
@@ -82,7 +83,7 @@ class Witnesses:
         """Encoders and currents right after a command; ``felt_n`` : along the push axis in the same turn. ``motion`` :
         after the turn, whose phase ``begins`` with it or goes on."""
         self._at = at
-        spring_n = self.spring_of(at)
+        spring_n = None if self._springs is None else spring_force_n(at, self._springs, self._rig)
         if motion.phase == "load" and begins:
             self._loads.clear()
         if motion.phase == "load" and spring_n is not None and felt_n >= _LEAST_N:
@@ -98,42 +99,13 @@ class Witnesses:
         seen.approach_mm = shaft_mm if motion.phase == "approach" else None
         seen.past_contact_mm = shaft_mm - self._contact_mm if motion.phase in ("contact", "load") else None
 
-    def spring_of(self, at: Measurements) -> float | None:
-        """Force on the probe by the springs, N; None without springs."""
-        return None if self._springs is None else spring_force_n(at, self._springs, self._rig)
-
-    def astray_ticks(self, at: Measurements) -> float:
-        """How far the farther motor, read right after the command, is from where it may be."""
-        return self._motors.astray_ticks(at)
-
-    def surely_idles(self, currents_ma: tuple[int, int], most_ma: float) -> bool:
-        """Whether the mean current with that reading, and as many more of its size, stays below a limit."""
-        return self._current.most_ma <= most_ma and max(map(abs, currents_ma)) <= most_ma
-
-    def skim(
-        self,
-        samples: Sequence[ForceSample],
-        currents_ma: Sequence[tuple[int, int]],
-        at: Measurements | None,
-        phase: Phase,
-    ) -> None:
-        """Turns of one phase in which nothing was near, each with another reading of the force than the one before, the
-        last with the encoders ``at``; of the turn after them `feel` and `read` are told."""
-        if at is None:
-            return
-        self._stillness.skim(samples, phase)
-        self._forces.extend(sample.force_n.tolist() for sample in samples[-self._rig.filter_samples :])
-        for pair in currents_ma:
-            self._current.see(pair)
-        self._at = at
-
 
 def at_rest(motion: Motion, now_s: float) -> bool:
     """Whether the probe is retracted, and motors and shaft have come to rest there."""
     return motion.phase in ("home", "pause") and motion.depth_mm == 0 and now_s - motion.since_s >= _AT_REST_S
 
 
-def mean_size(vectors: Collection[list[float]]) -> float:
+def mean_size(vectors: Collection[tuple[float, ...]]) -> float:
     """Length of the mean of vectors of three parts."""
     # plain numbers: three at a time are too few for arrays to pay
     many = len(vectors)
@@ -224,14 +196,6 @@ class Stillness:
         restless = not self._calm and self._changes >= _RESTLESS_CHANGES
         self.still_s = sample.time_s - self._changed_s if restless else None
 
-    def skim(self, samples: Sequence[ForceSample], phase: Phase) -> None:
-        """Samples that differ, each from the one before; ``phase`` is not load."""
-        if phase in ("approach", "pause"):
-            self._calm = self._calm or (self._last is not None and samples[0].time_s - self._changed_s > _RESTLESS_S)
-            self._changes += len(samples)
-        last = samples[-1]
-        self._last, self._changed_s = (last.force_n.tobytes(), last.torque_nm.tobytes()), last.time_s
-
 
 class MeanCurrent:
     """Of the last turns, mA, of the motor that draws more."""
@@ -239,11 +203,6 @@ class MeanCurrent:
     def __init__(self) -> None:
         self._first: deque[int] = deque(maxlen=_CURRENT_TURNS)
         self._second: deque[int] = deque(maxlen=_CURRENT_TURNS)
-
-    @property
-    def most_ma(self) -> float:
-        """Largest of either motor."""
-        return max(max(self._first), max(self._second)) if self._first else 0
 
     def see(self, currents_ma: tuple[int, int]) -> float:
         """One more reading; the mean with it, 0 before there are enough."""
@@ -259,7 +218,7 @@ def spring_force_n(at: Measurements, springs: Springs, rig: RigSettings) -> floa
 
     It differs from that on the specimen by the friction of the shaft over the lever, and while the shaft moves.
     """
-    first, second = (RAD_PER_TICK * (at.shaft - motor) for motor in (at.motor_1, at.motor_2))
+    first, second = RAD_PER_TICK * (at.shaft - at.motor_1), RAD_PER_TICK * (at.shaft - at.motor_2)
     torque_nm = springs.k1_nm * _sinh(springs.a1_per_rad * first) + springs.k2_nm * _sinh(springs.a2_per_rad * second)
     return -rig.push_sign * torque_nm / rig.lever_m
 

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import multiprocessing
+import mmap
 import os
-import signal
+import pickle
 import sys
+import tempfile
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import replace
-from multiprocessing.connection import Connection
-from multiprocessing.shared_memory import SharedMemory
 from pathlib import Path
 from struct import Struct
 from typing import Any, TextIO
@@ -19,7 +17,7 @@ from typing import Any, TextIO
 import cv2
 import numpy as np
 
-from casr.one_thread import VARIABLES
+from casr.child_process import Child, Pipes
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.devices import Frame
 from emg2vsa.rig.kappa.judges import new_rows, stop_text, stop_word
@@ -32,6 +30,9 @@ READY_S = 60.0
 END_S = 3.0
 """In which it must have ended; then it is ended."""
 _NICE = -10
+"""Behind the control loop, and before ordinary programs where the system permits it."""
+_MEMORY = "/dev/shm"
+"""Files in it are memory, on Linux."""
 MOST_READINGS = 2000
 """That come with a frame; of more, the newest."""
 _FRAME = Struct("<qqdq")
@@ -63,26 +64,22 @@ class OwnProcess:
         self.tally = Tally()
         self._held, self._sent, self._closed = Held(), 0, False
         self._unsent: list[tuple[float, float, float]] = []
-        self._memory = _new_memory(shape)
+        self._path, self._memory = _new_memory(shape)
         self._words, self._readings, self._images = _views(self._memory, shape)
         self._words[:] = 0
-        context = multiprocessing.get_context("spawn")
-        there, to = context.Pipe(duplex=False)
-        if sys.platform != "win32":
-            os.set_blocking(to.fileno(), False)
-        self._to: Any = to  # a connection, of another type on Windows; None once the process has gone
-        self._answers, from_there = context.Pipe(duplex=False)
-        self._process = context.Process(
-            target=_work, args=(plan, file, shape, zero_s, self._memory.name, there, from_there), daemon=True
-        )
-        with _one_thread():
-            self._process.start()
-        there.close()
-        from_there.close()
+        self._child = Child("emg2vsa.rig.kappa.own_process", "work", quiet=False, nice=_NICE)
+        self._gone = False
+        ready: object = "no answer"
         try:
-            ready = self._answers.recv() if self._answers.poll(READY_S) else "no answer"
-        except EOFError:
+            self._child.pipes.send(pickle.dumps((plan, file, shape, zero_s, self._path)))
+            if self._child.pipes.readable(READY_S):
+                ready = pickle.loads(self._child.pipes.receive().data)
+        except (EOFError, OSError):
             ready = "it ended at once"
+        with suppress(OSError):  # Windows removes no file that is in use
+            self._path.unlink()
+        if sys.platform != "win32":
+            os.set_blocking(self._child.pipes.to_other.fileno(), False)
         if ready is not None:
             ready = ready[1] if isinstance(ready, tuple) else ready
             self.close()
@@ -90,9 +87,9 @@ class OwnProcess:
             raise DeviceError("the estimator", wanted="a process that starts", found=str(ready), do=do)
 
     @property
-    def pid(self) -> int | None:
+    def pid(self) -> int:
         """Number of the process."""
-        return self._process.pid
+        return self._child.pid
 
     def force(self, time_s: float, force_n: float, depth_mm: float) -> None:
         self._held.force(time_s, force_n, depth_mm)
@@ -117,25 +114,23 @@ class OwnProcess:
         self._closed = True
         self._send(_END)
         with suppress(EOFError, OSError):
-            if self._answers.poll(END_S):
-                self.tally.latencies_s, self.tally.trouble = self._answers.recv()
-        self._process.join(END_S if self._to is not None else 0.0)
-        if self._process.is_alive():
-            self._process.kill()
-            self._process.join(END_S)
+            if self._child.pipes.readable(END_S):
+                self.tally.latencies_s, self.tally.trouble = pickle.loads(self._child.pipes.receive().data)
+        status = self._child.close(0.0 if self._gone else END_S)
+        if status is None:
             self.tally.trouble = self.tally.trouble or "it did not end, and was ended"
-        elif self._process.exitcode:
-            self.tally.trouble = self.tally.trouble or f"its process ended with status {self._process.exitcode}"
+        elif status:
+            self.tally.trouble = self.tally.trouble or f"its process ended with status {status}"
         self.tally.answered = int(self._words[_ANSWERED])
         del self._words, self._readings, self._images
         self._memory.close()
-        with suppress(FileNotFoundError):
-            self._memory.unlink()
+        with suppress(OSError):
+            self._path.unlink()
 
     def _hand_over(self, *, over: bool) -> None:
         for repetition, frame, readings in self._held.ready(over=over):
             self._unsent = [*self._unsent, *readings][-MOST_READINGS:]
-            if self._to is None or self._sent - int(self._words[_TAKEN]) >= SLOTS:
+            if self._gone or self._sent - int(self._words[_TAKEN]) >= SLOTS:
                 self.tally.dropped += 1
                 continue
             slot, n_readings = self._sent % SLOTS, len(self._unsent)
@@ -149,103 +144,75 @@ class OwnProcess:
 
     def _send(self, message: bytes) -> bool:
         """Never waits. A message shorter than a page goes into the pipe whole, or not at all."""
-        if self._to is None:
+        if self._gone:
             return False
         try:
-            self._to.send_bytes(message)
+            self._child.pipes.send(message)
         except BlockingIOError:  # the end of a press is told by the next one too, and a process that hangs is ended
             return False
         except OSError:
             self.tally.trouble = "its process ended while presses went on"
-            self._to = None
+            self._gone = True
             return False
         return True
 
 
-def _new_memory(shape: tuple[int, int]) -> SharedMemory:
-    """Shared memory that is all there: writing where there is none would end this process. DeviceError."""
+def _new_memory(shape: tuple[int, int]) -> tuple[Path, mmap.mmap]:
+    """A file of memory that is all there, for writing where there is none would end this process. DeviceError."""
     size_bytes = 8 * _WORDS + SLOTS * (24 * MOST_READINGS + shape[0] * shape[1])
-    memory = None
+    path = None
     try:
-        memory = SharedMemory(create=True, size=size_bytes)
-        if sys.platform == "linux":
-            descriptor = os.open(f"/dev/shm/{memory.name}", os.O_RDWR)
-            try:
-                os.posix_fallocate(descriptor, 0, size_bytes)
-            finally:
-                os.close(descriptor)
+        handle, name = tempfile.mkstemp(dir=_MEMORY if os.path.isdir(_MEMORY) else None, prefix="emg2vsa.")
+        path = Path(name)
+        try:
+            if sys.platform == "linux":
+                os.posix_fallocate(handle, 0, size_bytes)
+            else:
+                os.ftruncate(handle, size_bytes)
+            return path, mmap.mmap(handle, size_bytes)
+        finally:
+            os.close(handle)
     except OSError as error:
-        if memory is not None:
-            memory.close()
-            memory.unlink()
+        if path is not None:
+            path.unlink()
         raise DeviceError(
             "the estimator", wanted=f"{size_bytes / 1e6:.0f} MB of shared memory for {SLOTS} frames",
             found=error.strerror or str(error), do="Make /dev/shm larger, or leave out --calibration.",
         ) from error  # fmt: skip
-    return memory
 
 
-def _views(memory: SharedMemory, shape: tuple[int, int]) -> tuple[Any, Any, Any]:
+def _views(memory: mmap.mmap, shape: tuple[int, int]) -> tuple[Any, Any, Any]:
     """Counters; readings (SLOTS, MOST_READINGS, 3) as ``Rows``; images (SLOTS, height, width)."""
     readings_at = 8 * _WORDS
     images_at = readings_at + 24 * SLOTS * MOST_READINGS
     return (
-        np.ndarray(_WORDS, np.int64, memory.buf),
-        np.ndarray((SLOTS, MOST_READINGS, 3), np.float64, memory.buf, offset=readings_at),
-        np.ndarray((SLOTS, *shape), np.uint8, memory.buf, offset=images_at),
+        np.ndarray(_WORDS, np.int64, memory),
+        np.ndarray((SLOTS, MOST_READINGS, 3), np.float64, memory, offset=readings_at),
+        np.ndarray((SLOTS, *shape), np.uint8, memory, offset=images_at),
     )
 
 
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """A process that is started within leaves the other cores to the control loop."""
-    before = {name: os.environ.get(name) for name in VARIABLES}
-    os.environ.update(dict.fromkeys(VARIABLES, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-
-
-def _work(
-    plan: KappaPlan, file: Path, shape: tuple[int, int], zero_s: float | None, memory_name: str,
-    messages: Connection, answers: Connection,
-) -> None:  # fmt: skip
-    """The process beside the run: it ends with it, also where that is killed, for its pipe ends then."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the run ends this process
-    _behind()
-    memory = SharedMemory(memory_name)
+def work(run: Pipes) -> None:
+    """The process beside the run, on one core."""
+    cv2.setNumThreads(1)
+    plan, file, shape, zero_s, path = pickle.loads(run.receive().data)
+    with path.open("r+b") as shared:
+        memory = mmap.mmap(shared.fileno(), 0)
     words, read, images = _views(memory, shape)
     latencies_s: list[float] = []
     trouble = ""
     try:
         kappa = LiveKappa(plan)
-        answers.send(None)
-        _answer_all(kappa, messages, words, read, images, file, zero_s, latencies_s)
+        run.send(pickle.dumps(None))
+        _answer_all(kappa, run, words, read, images, file, zero_s, latencies_s)
     except Exception as error:
         trouble = f"{type(error).__name__}: {error}"
-    with suppress(OSError):
-        answers.send((latencies_s, trouble))
-    del words, read, images
-    memory.close()
-
-
-def _behind() -> None:
-    """On one core, behind the control loop, and before ordinary programs where the system permits it."""
-    cv2.setNumThreads(1)
-    if sys.platform == "linux":
-        with suppress(OSError):
-            os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-            os.nice(_NICE)
+    run.send(pickle.dumps((latencies_s, trouble)))
 
 
 def _answer_all(
     kappa: LiveKappa,
-    messages: Connection,
+    messages: Pipes,
     words: Any,
     read: Any,
     images: Any,
@@ -271,14 +238,14 @@ def _answer_all(
         rows = rows or new_rows(file)
         rows.write(line_of(row))
         rows.flush()
-        if not messages.poll(0):
+        if not messages.readable():
             kappa.settle()
     if rows is not None:
         rows.close()
 
 
-def _next(messages: Connection) -> bytes:
+def _next(messages: Pipes) -> bytes:
     try:
-        return messages.recv_bytes()
+        return messages.receive().tobytes()
     except (EOFError, OSError):  # the run is no more
         return _END

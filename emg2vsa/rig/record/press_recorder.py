@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.rig.record.append_file import AppendFile
-from emg2vsa.rig.record.disk import AT_ONCE, Disk
+from emg2vsa.durable.append_file import AppendFile
+from emg2vsa.durable.writer import AT_ONCE, Writer
 from emg2vsa.rig.record.tiff_pages import TiffPages
 
 
@@ -28,11 +28,11 @@ class PressRecorder:
     DeviceError : there is a press already, or no place to write.
     """
 
-    def __init__(self, folder: Path, shape: tuple[int, int], disk: Disk = AT_ONCE) -> None:
-        self._force = AppendFile(folder / "force.csv", disk)
+    def __init__(self, folder: Path, shape: tuple[int, int], writer: Writer = AT_ONCE) -> None:
+        self._force = AppendFile(folder / "force.csv", writer)
         self._force.append(b"time_s,force_n,frame_index,frame_time_s\n")
         self._frame_time = ""
-        self._frames = TiffPages(folder / "frames.tif", shape, disk)
+        self._frames = TiffPages(folder / "frames.tif", shape, writer)
 
     @property
     def n_frames(self) -> int:

@@ -7,10 +7,10 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from emg2vsa.durable.append_file import AppendFile
+from emg2vsa.durable.writer import AT_ONCE, Writer
 from emg2vsa.errors import RecordingError
 from emg2vsa.rig.devices import ForceSample
-from emg2vsa.rig.record.append_file import AppendFile
-from emg2vsa.rig.record.disk import AT_ONCE, Disk
 
 GOING_IN = ("approach", "contact", "load")
 "Phases in which the travel of the probe counts: the contact begins before the loading does."
@@ -75,9 +75,9 @@ class RunLog:
     DeviceError, also from ``append``: the file is there already, or the disk is full.
     """
 
-    def __init__(self, path: Path, disk: Disk = AT_ONCE) -> None:
+    def __init__(self, path: Path, writer: Writer = AT_ONCE) -> None:
         self.path, self.rows = path, 0
-        self._file = AppendFile(path, disk)
+        self._file = AppendFile(path, writer)
         self._file.append(f"{HEADER}\n".encode())
 
     def append(self, *rows: Row) -> None:
@@ -97,7 +97,7 @@ def full_force(sample: ForceSample) -> dict[str, Any]:
 
 def loads_of(sample: ForceSample) -> tuple[Any, ...]:
     """The same, as the last fields of a row."""
-    return (*sample.force_n.tolist(), *sample.torque_nm.tolist(), sample.status.code, sample.sequence)
+    return (*sample.loads, sample.status.code, sample.sequence)
 
 
 def row_of(line: str, where: str, n_fields: int = len(FIELDS)) -> Row:
@@ -113,8 +113,8 @@ def row_of(line: str, where: str, n_fields: int = len(FIELDS)) -> Row:
 class ForceFile:
     """A new file of all samples of the sensor in a run, not only the newest of each turn; else as `RunLog`."""
 
-    def __init__(self, path: Path, disk: Disk = AT_ONCE) -> None:
-        self._file = AppendFile(path, disk)
+    def __init__(self, path: Path, writer: Writer = AT_ONCE) -> None:
+        self._file = AppendFile(path, writer)
         self._file.append(f"time_s,{','.join(_OF_FORCE)}\n".encode())
 
     def append(self, samples: Sequence[ForceSample]) -> None:

@@ -14,11 +14,11 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
+from emg2vsa.durable.append_file import AppendFile
+from emg2vsa.durable.writer import AT_ONCE, Writer
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.devices import ForceCounts, ForceSample, Frame, PressJudge
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.record.append_file import AppendFile
-from emg2vsa.rig.record.disk import AT_ONCE, Disk
 from emg2vsa.rig.record.ended import Ended, ended_bytes
 from emg2vsa.rig.record.new_folder import PLAN_FILE
 from emg2vsa.rig.record.press_counts import HEADER, PRESSES_FILE, PressTally, Verdict, line_of
@@ -37,8 +37,9 @@ class RunRecord:
     """Writes it. DeviceError, here and in every method: a run is there already, or the disk is full.
 
     ``started`` : date and time at 0 s of the log's clock. ``frame_shape`` : (height, width) px; None without a camera.
-    ``delay_s`` : of the camera; frames are on their way for so long. ``disk`` : who writes. ``force_counts`` : of the
-    force sensor, at any moment. ``judge`` : is shown what is kept of a press, and may say that it has seen enough.
+    ``delay_s`` : of the camera; frames are on their way for so long. ``writer`` : who waits for the disk.
+    ``force_counts`` : of the force sensor, at any moment. ``judge`` : is shown what is kept of a press, and may say
+    that it has seen enough.
     """
 
     def __init__(
@@ -48,18 +49,18 @@ class RunRecord:
         frame_shape: tuple[int, int] | None,
         *,
         delay_s: float = 0.0,
-        disk: Disk = AT_ONCE,
+        writer: Writer = AT_ONCE,
         force_counts: Callable[[], ForceCounts] = ForceCounts,
         judge: PressJudge | None = None,
     ) -> None:
         self._folder, self._started, self._frame_shape, self._delay_s = folder, started, frame_shape, delay_s
         self._judge = judge
-        self._disk, self._force_counts, self._rig = disk, force_counts, RigSettings()
+        self._writer, self._force_counts, self._rig = writer, force_counts, RigSettings()
         # says from the start that the run was killed: so a killed run says so itself, and a full disk hides no cause
-        self._ended = AppendFile(folder / "ended.json", disk)
+        self._ended = AppendFile(folder / "ended.json", writer)
         self._ended.append(ended_bytes(replace(_KILLED, at=started.isoformat())))
-        self.log = RunLog(folder / "log.csv", disk)
-        self._presses = AppendFile(folder / PRESSES_FILE, disk)
+        self.log = RunLog(folder / "log.csv", writer)
+        self._presses = AppendFile(folder / PRESSES_FILE, writer)
         self._presses.append(f"{HEADER}\n".encode())
         self._forces: ForceFile | None = None
         self._press: PressRecorder | None = None
@@ -82,12 +83,12 @@ class RunRecord:
             "clock": {"zero_utc": self._started.astimezone(UTC).isoformat(), "time_s": _CLOCK},
             "devices": dict(devices or {}),
         }
-        file = AppendFile(self._folder / PLAN_FILE, self._disk)
+        file = AppendFile(self._folder / PLAN_FILE, self._writer)
         file.append((json.dumps(document, indent=2) + "\n").encode())
         file.close()
         if rig.record_full_rate_force:
-            self._forces = ForceFile(self._folder / ALL_FORCES_FILE, self._disk)
-        self._disk.finish()
+            self._forces = ForceFile(self._folder / ALL_FORCES_FILE, self._writer)
+        self._writer.finish()
 
     def begin_press(self, repetition: int, time_s: float) -> None:
         """Frames taken from ``time_s`` on, and forces, are kept as one press to the end of loading."""
@@ -96,7 +97,7 @@ class RunRecord:
         self._begun_s, self._turned_s = time_s, math.inf
         self._tally = PressTally(repetition, time_s, self._rig, self._force_counts())
         if self._frame_shape is not None:
-            self._press = PressRecorder(self._folder / f"press-{repetition:03d}", self._frame_shape, self._disk)
+            self._press = PressRecorder(self._folder / f"press-{repetition:03d}", self._frame_shape, self._writer)
 
     def frame(self, frame: Frame) -> None:
         """Keep a frame that was taken during a loading; nobody looks at others."""
@@ -195,7 +196,7 @@ class RunRecord:
         """Write ended.json and close everything; ``ended`` with what only the record knows."""
         at = (self._started + timedelta(seconds=ended.time_s)).isoformat()
         refused: list[str] = []
-        steps = [self._close_press, lambda: self._close_tally(ended.time_s), self._disk.finish]
+        steps = [self._close_press, lambda: self._close_tally(ended.time_s), self._writer.finish]
         if self._tally is None and not ended.retracted:  # stuck after its last press
             steps.insert(0, self._reject_last)
         for last in steps:
@@ -207,7 +208,7 @@ class RunRecord:
         ended = replace(ended, at=at, rows=self.log.rows, repetitions_done=self.presses_done, notes=notes)
         try:
             self._ended.patch(0, ended_bytes(ended))
-            self._disk.finish()
+            self._writer.finish()
         except DeviceError as error:
             ended = replace(ended, notes=(*ended.notes, str(error)))
         for file in (self.log, self._presses, self._forces, self._ended):

@@ -16,10 +16,10 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.durable.append_file import AppendFile
+from emg2vsa.durable.writer import AT_ONCE, Writer
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.device_settings import LARGEST_PRESS_BYTES
-from emg2vsa.rig.record.append_file import AppendFile
-from emg2vsa.rig.record.disk import AT_ONCE, Disk
 
 _SHORT, _LONG = 3, 4
 _WIDTH, _HEIGHT, _BITS, _COMPRESSION, _PHOTOMETRIC = 256, 257, 258, 259, 262
@@ -46,10 +46,10 @@ class TiffPages:
     DeviceError : the file is there or cannot be made.
     """
 
-    def __init__(self, path: Path, shape: tuple[int, int], disk: Disk = AT_ONCE) -> None:
+    def __init__(self, path: Path, shape: tuple[int, int], writer: Writer = AT_ONCE) -> None:
         self.n_pages = 0
         self._shape = shape
-        self._file = AppendFile(path, disk)
+        self._file = AppendFile(path, writer)
         self._link_at = len(_HEADER)
         self._file.append(_HEADER + _OFFSET.pack(0))
 

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 from benchmarks.rig.logs import read_log
+from emg2vsa.durable.append_file import AppendFile
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.record.append_file import AppendFile
 
 PHASES = ("home", "approach", "contact", "load", "retract", "pause")
 FAULTS = {

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-import multiprocessing
 import os
 import shutil
 import signal
+import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -173,11 +174,20 @@ def test_readings_of_a_frame_that_was_dropped_come_with_the_next(beside: OwnProc
     assert [force_n for _, force_n, _ in sent] == pytest.approx([0.16, 0.17, 0.18, 1.0])
 
 
-def test_no_room_for_frames_is_said_before_the_first_press(plan: KappaPlan, tmp_path: Path) -> None:
-    room, before = shutil.disk_usage("/dev/shm").total, multiprocessing.active_children()
+def test_no_room_for_frames_is_said_before_the_first_press_and_leaves_nothing(
+    plan: KappaPlan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    room, made, mkstemp = shutil.disk_usage("/dev/shm").total, [], tempfile.mkstemp
+
+    def spied(**how: Any) -> tuple[int, str]:
+        made.append(mkstemp(**how))
+        return made[-1]
+
+    monkeypatch.setattr(tempfile, "mkstemp", spied)
     with pytest.raises(DeviceError, match=r"the estimator: expected .* MB of shared memory for 16 frames"):
         OwnProcess(plan, tmp_path / "kappa.csv", (1024, 2 * room // 1024 // SLOTS))
-    assert multiprocessing.active_children() == before
+    ((_, path),) = made
+    assert not Path(path).exists()
 
 
 def test_a_process_that_is_killed_ends_no_press(

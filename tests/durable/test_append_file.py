@@ -6,23 +6,25 @@ import errno
 import os
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
+from emg2vsa.durable import writer as writing
+from emg2vsa.durable.append_file import AppendFile
+from emg2vsa.durable.writer import Writer
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.record import disk as disks
-from emg2vsa.rig.record.append_file import AppendFile
-from emg2vsa.rig.record.disk import DiskThread, disk_for
 
 
 @pytest.fixture
-def disk():
-    with disk_for(True) as thread:
-        yield thread
+def disk() -> Iterator[Writer]:
+    with closing(Writer(background=True)) as writer:
+        yield writer
 
 
-def test_pieces_come_in_their_order(disk: DiskThread, tmp_path: Path) -> None:
+def test_pieces_come_in_their_order(disk: Writer, tmp_path: Path) -> None:
     file = AppendFile(tmp_path / "deep" / "log", disk)
     for number in range(1000):
         file.append(f"{number}\n".encode())
@@ -31,7 +33,7 @@ def test_pieces_come_in_their_order(disk: DiskThread, tmp_path: Path) -> None:
     assert (tmp_path / "deep" / "log").read_text().split() == ["9", *map(str, range(1, 1000))]
 
 
-def test_nobody_waits_for_a_disk_that_is_held_up(disk: DiskThread, tmp_path: Path, monkeypatch) -> None:
+def test_nobody_waits_for_a_disk_that_is_held_up(disk: Writer, tmp_path: Path, monkeypatch) -> None:
     file = AppendFile(tmp_path / "log", disk)
     disk.finish()
     held_up, pwrite = threading.Event(), os.pwrite
@@ -44,11 +46,11 @@ def test_nobody_waits_for_a_disk_that_is_held_up(disk: DiskThread, tmp_path: Pat
     assert len((tmp_path / "log").read_text().split()) == 100
 
 
-def test_a_disk_that_never_keeps_up_is_told(disk: DiskThread, monkeypatch) -> None:
-    monkeypatch.setattr(disks, "LARGEST_QUEUE", 10)
+def test_a_disk_that_never_keeps_up_is_told(disk: Writer, monkeypatch) -> None:
+    monkeypatch.setattr(writing, "LARGEST_QUEUE", 10)
     held_up = threading.Event()
-    disk.do(lambda: held_up.wait(10))
-    while disk._waiting.qsize():
+    disk.do(held_up.wait, 10)
+    while disk._asked.qsize():
         time.sleep(0.001)
     for _ in range(10):
         disk.do(lambda: None)
@@ -61,7 +63,7 @@ def test_a_refusal_is_told_once_and_nothing_follows_what_was_refused(disk, tmp_p
     full, other = AppendFile(tmp_path / "full", disk), AppendFile(tmp_path / "other", disk)
     full.append(b"whole\n")
     disk.finish()
-    pwrite, place = os.pwrite, full._file
+    pwrite, place = os.pwrite, full._handle
 
     def refuse(file: int, piece: bytes, offset: int) -> int:
         if file == place:
@@ -79,7 +81,7 @@ def test_a_refusal_is_told_once_and_nothing_follows_what_was_refused(disk, tmp_p
     assert (tmp_path / "other").read_bytes() == b"written\n"
 
 
-def test_a_file_that_is_there_is_told_before_anything_moves(disk: DiskThread, tmp_path: Path) -> None:
+def test_a_file_that_is_there_is_told_before_anything_moves(disk: Writer, tmp_path: Path) -> None:
     (tmp_path / "log").write_text("another run")
     AppendFile(tmp_path / "log", disk)
     with pytest.raises(DeviceError, match="expected a new file"):
@@ -87,7 +89,7 @@ def test_a_file_that_is_there_is_told_before_anything_moves(disk: DiskThread, tm
     assert (tmp_path / "log").read_text() == "another run"
 
 
-def test_what_was_asked_for_is_on_disk_within_a_turn_as_a_rule(disk: DiskThread, tmp_path: Path) -> None:
+def test_what_was_asked_for_is_on_disk_within_a_turn_as_a_rule(disk: Writer, tmp_path: Path) -> None:
     file = AppendFile(tmp_path / "log", disk)
     disk.finish()
     behind = 0
