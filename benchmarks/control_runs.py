@@ -36,7 +36,7 @@ def experiment(world: str, seed: int, folder: Path) -> dict[str, object]:
         data.mkdir()
         (data / "study.toml").write_text((STUDIES / "palpation" / "study.toml").read_text())
         (data / "rig.toml").write_text((STUDIES / "palpation" / "rig.toml").read_text())
-        assert emg2vsa(["simulate", str(data / "study.toml"), "--json"]) == 0
+        assert emg2vsa(["tools", "simulate", str(data / "study.toml"), "--json"]) == 0
     own = folder / f"{world}-{seed}"
     own.mkdir()
     for name in (f"{world}.toml", f"{world}-rig.toml"):

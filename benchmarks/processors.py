@@ -76,7 +76,7 @@ def results(baseline: Mapping[str, str]) -> dict[str, Any]:
         study.parent.mkdir(parents=True)
         study.write_text(small_study(tables=WITH_A_RIG))
         (study.parent / "rig.toml").write_text(small_rig())
-        for command in (["simulate", str(study)], ["run", str(study), "--jobs", "1"]):
+        for command in (["tools", "simulate", str(study)], ["run", str(study), "--jobs", "1"]):
             under(baseline, "-m", "emg2vsa.cli", *command, "--json")
         found: dict[str, Any] = json.loads((Path(folder) / "reports" / "small" / "results.json").read_text())
         return found

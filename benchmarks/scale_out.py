@@ -127,7 +127,7 @@ def _simulated(folder: Path, count: int) -> Path:
     names = ", ".join(f'"P{number:04d}"' for number in range(1, count + 1))
     study.write_text(re.sub(r"ids = \[.*?\]", f"ids = [{names}]", text, flags=re.S))
     with contextlib.redirect_stdout(io.StringIO()):
-        if emg2vsa(["simulate", str(study), "--json"]):
+        if emg2vsa(["tools", "simulate", str(study), "--json"]):
             raise SystemExit("the study was not simulated")
     return study
 

@@ -146,8 +146,8 @@ def finished(study_file: Path, participant: str, folder: Path) -> tuple[str, int
     """Verdict of check on the recordings of a session that went to its end, and its usable presses."""
     import dataclasses
 
-    from emg2vsa.cli.check import judge, of_participants
     from emg2vsa.cli.progress import progress
+    from emg2vsa.pipeline.judged_sessions import judge, of_participants
     from emg2vsa.session.dataset import write_dataset
     from emg2vsa.study_file import load_study
 

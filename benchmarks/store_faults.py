@@ -43,7 +43,7 @@ def main() -> None:
         folder.mkdir(parents=True)
         (folder / "study.toml").write_text(STUDY)
         (folder / "rig.toml").write_text(RIG)
-        _quietly("simulate", folder / "study.toml")
+        _quietly("tools simulate", folder / "study.toml")
         fresh = Path(name) / "fresh"
         shutil.copytree(Path(name) / "finished", fresh)
         if _quietly("run", folder / "study.toml"):
@@ -113,7 +113,7 @@ def _results_json(folder: Path) -> bytes:
 
 def _quietly(command: str, study: Path, *options: str) -> int:
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        return emg2vsa([command, str(study), *options])
+        return emg2vsa([*command.split(), str(study), *options])
 
 
 def _env() -> dict[str, str]:

@@ -21,6 +21,7 @@ from casr.one_thread import one_thread
 from casr.terminal import VOICE, coloured, note
 
 Group = argparse._ActionsContainer  # a parser or a group of its options
+Types = Mapping[str, Any] | None
 Commands = Any  # argparse gives its collection of sub-parsers no public type
 
 PAGE_COLUMNS = 100
@@ -68,7 +69,8 @@ class Program:
         """Run one sub-command; returns the exit status: 0 done, 1 something is not good, 2 unusable input."""
         one_thread()
         words = list(sys.argv[1:] if argv is None else argv)
-        VOICE.quiet, VOICE.json = not {"-q", "--quiet"}.isdisjoint(words), "--json" in words
+        VOICE.quiet = not {"-q", "--quiet"}.isdisjoint(words)
+        VOICE.json = any(word.partition("=")[0] == "--json" for word in words)
         try:
             arguments = self.parser().parse_args(self._of_today(words))
             VOICE.quiet, VOICE.verbose = arguments.quiet, arguments.verbose
@@ -226,46 +228,41 @@ def add_subcommands(parser: argparse.ArgumentParser, package: str, names: Sequen
     commands.modules = {name: f"{package}.{name.replace('-', '_')}" for name in names}
 
 
-def add_command(commands: Commands, name: str, run: Any, summary: str, epilog: str = "") -> argparse.ArgumentParser:
-    """A sub-command whose help opens with its one-line summary."""
-    parser: argparse.ArgumentParser = commands.add_parser(
-        name, help=summary, description=summary, epilog=epilog or None
-    )
+def add_command(
+    commands: Commands, name: str, run: Any, summary: str, epilog: str = "", options: str = "", /, types: Types = None,
+    **more: dict[str, Any],
+) -> argparse.ArgumentParser:  # fmt: skip
+    """A sub-command whose help opens with its one-line summary; its options are as for `add_options`."""
+    after = " ".join(epilog.split()) or None
+    parser: argparse.ArgumentParser = commands.add_parser(name, help=summary, description=summary, epilog=after)
     parser.set_defaults(run=run, parser=parser)
-    parser.add_argument("-q", "--quiet", action="store_true", help="leave out progress and notes")
-    parser.add_argument(
-        "-v", "--verbose", action="store_true", help="say more: reasons, and where in the program an error arose"
-    )
+    add_options(parser, VOICES + options, types, **more)
     return parser
 
 
+VOICES = """
+-q --quiet  leave out progress and notes
+-v --verbose  say more: reasons, and where in the program an error arose
+"""
 JSON = "--json  print the result as JSON\n"
 TYPES: Mapping[str, Any] = {
-    "DIR": Path,
-    "FOLDER": Path,
-    "FILE": Path,
-    "STUDY": Path,
-    "X": float,
-    "HZ": float,
-    "S": float,
-}
+    **dict.fromkeys(("DIR", "FOLDER", "FILE", "STUDY"), Path), **dict.fromkeys(("X", "HZ", "S"), float),
+}  # fmt: skip
 """What makes the value of an option from its text, by the word that stands for it in the help."""
 
 
-def add_options(parser: Group, table: str, types: Mapping[str, Any] | None = None, **more: dict[str, Any]) -> None:
+def add_options(parser: Group, table: str, /, types: Types = None, **more: dict[str, Any]) -> None:
     """Options and arguments from a table, such as ``--work DIR = .  folder of results``.
 
-    Parameters
-    ----------
     table : one a row: its names, its value, two blanks, its help; an indented row goes on with the help. Without a
-        value it is a switch. ``= X`` after the value is the default; ``VALUE...`` may be repeated; ``{a,b}`` lists all
-        values. An argument is written ``files FILE...``; ``[FILE]`` may be left out, and so may ``[FILE...]``.
+    value it is a switch. ``= X`` after the value is the default; ``VALUE...`` may be repeated; ``{a,b}`` lists all
+    values. An argument is written ``files FILE...``; ``[FILE]`` may be left out, and so may ``[FILE...]``.
     types : the word that stands for a value to its type, beside `TYPES`. more : keywords of ``add_argument`` by name.
     """
-    for row in re.split(r"\n(?! )", table.strip("\n")):
+    for row in filter(None, re.split(r"\n(?! )", table)):
         spec, _, text = row.partition("  ")
         spec, _, default = spec.partition(" = ")
-        *names, value = (*spec.split(), "") if spec.split()[-1].startswith("--") else spec.split()
+        *names, value = spec.split() if not spec.split()[-1].startswith("-") else [*spec.split(), ""]
         option, bare = names[0].startswith("-"), value.strip("[].")
         given: dict[str, Any] = {"help": " ".join(text.split())}
         if not value:
@@ -273,7 +270,7 @@ def add_options(parser: Group, table: str, types: Mapping[str, Any] | None = Non
         elif value.startswith("{"):
             given["choices"] = tuple(bare.strip("{}").split(","))
         else:
-            given |= {"metavar": bare, "type": ({**TYPES, **(types or {})}).get(bare)}
+            given |= {"metavar": bare, "type": {**TYPES, **(types or {})}.get(bare)}
         if value.endswith(("...", "...]")):
             given |= {"action": "append", "default": []} if option else {"nargs": "*" if value[0] == "[" else "+"}
         elif value.startswith("["):
@@ -285,6 +282,15 @@ def add_options(parser: Group, table: str, types: Mapping[str, Any] | None = Non
 def add_json(parser: Group) -> None:
     """Output for programs."""
     add_options(parser, JSON)
+
+
+def answer(as_json: bool, value: object, lines: Iterable[str]) -> None:
+    """The result of a command: its value for programs, or its lines for people."""
+    if as_json:
+        print_json(value)
+    else:
+        for line in lines:
+            print(line)
 
 
 def print_json(value: object) -> None:

@@ -7,29 +7,26 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
-from casr.command_line import Commands, Program, add_command, add_json, parsers_of, print_json
+from casr.command_line import JSON, Commands, Program, add_command, answer, parsers_of
 
 SHELLS = ("bash", "zsh", "tcsh")
 
 
-def command_of(name: str) -> Callable[[Commands], None]:
-    """Adds the command ``completion`` to the program ``name``, whose module ``<name>.cli`` holds it as ``PROGRAM``."""
+def command_of(name: str, above: str = "") -> Callable[[Commands], None]:
+    """Adds the command ``completion`` to the program ``name``, whose module ``<name>.cli`` holds it as ``PROGRAM``.
+
+    above : the words before it, where it is a command of a group.
+    """
+    summary = "Print the completion of commands, options and files for a shell."
+    epilog = f"""bash: {above or name} completion bash > ~/.local/share/bash-completion/completions/{name}. zsh: write
+        it as _{name} into a folder of $fpath. Open a new shell afterwards."""
 
     def add_to(commands: Commands) -> None:
-        parser = add_command(
-            commands,
-            "completion",
-            run,
-            "Print the completion of commands, options and files for a shell.",
-            f"bash: {name} completion bash > ~/.local/share/bash-completion/completions/{name}. zsh: write it as "
-            f"_{name} into a folder of $fpath. Open a new shell afterwards.",
-        )
-        parser.add_argument("shell", choices=SHELLS)
-        add_json(parser)
+        add_command(commands, "completion", run, summary, epilog, f"shell {{{','.join(SHELLS)}}}\n{JSON}")
 
     def run(arguments: argparse.Namespace) -> int:
         script = completion(import_module(f"{name}.cli").PROGRAM, arguments.shell)
-        print_json({"shell": arguments.shell, "script": script}) if arguments.json else print(script)
+        answer(arguments.json, {"shell": arguments.shell, "script": script}, [script])
         return 0
 
     return add_to

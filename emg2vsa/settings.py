@@ -287,7 +287,7 @@ class ScheduleSettings:
 
 @dataclass(frozen=True, kw_only=True)
 class SimulationSettings:
-    """The synthetic study: continuous recordings whose truth is known (``emg2vsa simulate``)."""
+    """The synthetic study: continuous recordings whose truth is known (``emg2vsa tools simulate``)."""
 
     seed: Annotated[int, Ge(0)] = 1
     "Same seed, same bytes."

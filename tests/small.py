@@ -17,5 +17,5 @@ def run_all(root: Path) -> None:
     study.parent.mkdir(parents=True)
     study.write_text(STUDY)
     study.with_name("rig.toml").write_text(RIG)
-    assert main(["simulate", str(study), "--json"]) == 0
+    assert main(["tools", "simulate", str(study), "--json"]) == 0
     assert main(["run", str(study), "--jobs", "1", "--json"]) == 0

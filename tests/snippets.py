@@ -3,7 +3,7 @@
 Blocks of ``console``, ``sh``, ``bash`` and ``python`` are run. Comments on the lines before a block say more::
 
     <!-- not run: it needs a rig -->        nobody runs the next block, for this reason
-    <!-- first: emg2vsa sample plate -->    a command that a reader has run before
+    <!-- first: emg2vsa tools sample plate -->    a command that a reader has run before
     <!-- change: study.toml: a -> b -->     what a reader has edited before
     <!-- file: study.toml -->               the next block, of any language, is this file
     <!-- status: 1 -->                      exit status of the commands of the next block, instead of 0

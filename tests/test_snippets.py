@@ -51,7 +51,7 @@ def palpation(folder: Path) -> None:
     """The same, with simulated recordings and their schedules."""
     clone(folder)
     study = str(folder / "studies" / "palpation" / "study.toml")
-    assert main(["simulate", study, "-q"]) == 0
+    assert main(["tools", "simulate", study, "-q"]) == 0
     assert main(["run", study, "-q", "--only", "schedules", "--jobs", "1"]) == 0
 
 

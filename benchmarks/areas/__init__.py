@@ -1,4 +1,4 @@
-"""The areas of ``emg2vsa bench``: one file each, which gives ``AREA``. To add one, write the file and add its name."""
+"""The areas of ``emg2vsa tools bench``: a file each, which gives ``AREA``. To add one, write it and add its name."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def _study(size: str) -> Path:
     else:
         for name in ("study.toml", "rig.toml"):
             shutil.copy(STUDY / name, folder)
-    python("-m", "emg2vsa.cli", "simulate", str(study))
+    python("-m", "emg2vsa.cli", "simulate", str(study))  # as other revisions spell it too
     _run(study)
     return study
 

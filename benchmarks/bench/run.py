@@ -1,4 +1,4 @@
-"""What ``emg2vsa bench`` does: choose areas, measure each in a child process, print and write."""
+"""What ``emg2vsa tools bench`` does: choose areas, measure each in a child process, print and write."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def bench(
     if not any(result.cases for result in results):
         raise SettingError(
             "--only", wanted="a word in the name of a case, of a library or of a way", found=repr(only),
-            do="emg2vsa bench --smoke prints all names.",
+            do="emg2vsa tools bench --smoke prints all names.",
         )  # fmt: skip
     if json_file:
         _write_json(json_file, [to_json(result) for result in results])
@@ -140,9 +140,9 @@ def _read(path: Path) -> AreaResult:
         return from_json(json.loads(path.read_text()))
     except (ValueError, KeyError, TypeError) as error:
         raise DataError(
-            path, wanted="what emg2vsa bench wrote", found=str(error), do="Delete the file, and run its area again."
+            path, wanted="what emg2vsa tools bench wrote", found=str(error), do="Delete it, and run its area again."
         ) from error
 
 
 if __name__ == "__main__":
-    print("Run: emg2vsa bench", file=sys.stderr)
+    print("Run: emg2vsa tools bench", file=sys.stderr)

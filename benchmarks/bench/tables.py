@@ -23,7 +23,7 @@ def page(area: AreaResult, plots: Mapping[str, Sequence[str]]) -> str:
     """The page of an area. plots : file names of the plots of a case, and of a family of cases."""
     lines = [
         f"# {area.name}", "", area.question, "",
-        f"Written by `emg2vsa bench {area.name}`; do not edit.", "",
+        f"Written by `emg2vsa tools bench {area.name}`; do not edit.", "",
         f"**How measured.** {HOW_MEASURED} {HOW if _has_memory(area) else ''}".rstrip(), "",
         f"**On what.** {provenance(area)}", "",
         f"**What it means.** {area.meaning}", "",
@@ -56,7 +56,7 @@ def index(areas: Iterable[AreaResult]) -> str:
     lines = [
         "# Benchmarks", "",
         "Time and error of this project beside other libraries, measured in one run.",
-        "`emg2vsa bench AREA` writes the page of an area again; `emg2vsa bench --list` names the areas.",
+        "`emg2vsa tools bench AREA` writes the page of an area again; `emg2vsa tools bench --list` names the areas.",
         "How it is timed, and why: [decision 29](../decisions/0029-how-we-time.md).", "",
         HOW_MEASURED, "",
     ]  # fmt: skip

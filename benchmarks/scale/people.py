@@ -45,7 +45,7 @@ def measured(folder: Path) -> tuple[Path, dict[str, Any]]:
     study = folder / "studies" / "palpation" / "study.toml"
     study.parent.mkdir(parents=True)
     study.write_text(re.sub(r"\[runs\]\n(.+\n)*", "", TEMPLATE.read_text()))
-    _run("simulate", study)
+    _run("tools simulate", study)
     _, _, out = _run("run", study, "--only", "trials", "--jobs", "1", "--profile")
     return study, next(own for own in out["profile"] if own["stage"] == "trials")
 
@@ -124,7 +124,7 @@ def _size_mb(folder: Path) -> float:
 def _run(command: str, study: Path, *more: str) -> tuple[float, float, dict[str, Any]]:
     """CPU seconds of the whole process and its children, its largest memory in MB, and what it printed."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    script = [sys.executable, "-c", MEMORY, command, str(study), "--json", *more]
+    script = [sys.executable, "-c", MEMORY, *command.split(), str(study), "--json", *more]
     environment = os.environ | dict.fromkeys(THREADS, "1")
     done = subprocess.run(script, capture_output=True, text=True, check=False, cwd=ROOT, env=environment)
     if done.returncode:

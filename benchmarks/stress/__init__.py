@@ -1,4 +1,4 @@
-"""``emg2vsa bench stress``: digits that every function loses where its input is hard."""
+"""``emg2vsa tools bench stress``: digits that every function loses where its input is hard."""
 
 from __future__ import annotations
 

@@ -12,8 +12,8 @@ from casr.atomic import write_text_atomic
 
 _HEAD = (
     "# Digits under stress\n\n"
-    "Made by `emg2vsa bench stress`. One row is a function in a world that is hard for it. Truth: the same formula in "
-    "50 digits\nof the same doubles.\n\n"
+    "Made by `emg2vsa tools bench stress`. One row is a function in a world that is hard for it. Truth: the same "
+    "formula in 50 digits\nof the same doubles.\n\n"
     "- Digits: correct decimal digits of the worst number of the row. 16 is every digit of a double.\n"
     "- Allowed: what one rounding of each input leaves (15.95 less log10 of the condition number). A function that\n"
     "  takes differences exactly can have more.\n"

@@ -1,7 +1,7 @@
 """Studies of ``casr bench``: whole presses against their truth, and the scene's part in the divergence.
 
-Time beside error, and other libraries, are areas of ``emg2vsa bench``: ``pins``, ``flow``, ``growth``, ``area`` and
-``scoring``.
+Time beside error, and other libraries, are areas of ``emg2vsa tools bench``: ``pins``, ``flow``, ``growth``, ``area``
+and ``scoring``.
 """
 
 from __future__ import annotations

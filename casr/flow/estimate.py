@@ -22,8 +22,8 @@ __all__ = ["ENGINES", "FlowSettings", "FlowStep", "FlowTracker", "dense_flow"]
 
 LOST_PERCENT = {"horn-schunck": (35, 12), "dis": (40, 18)}
 """Most that dense flow loses of the growth of a contact, below and from two pin pitches of radius: the worst of 80
-presses of ``emg2vsa bench growth`` at 1.25 and at 2 pitches, with dirt that stays where it is. On clean skin it is a
-third to a half of that, and 1 % from 3 pitches."""
+presses of ``emg2vsa tools bench growth`` at 1.25 and at 2 pitches, with dirt that stays where it is. On clean skin it
+is a third to a half of that, and 1 % from 3 pitches."""
 
 
 class FlowTracker:

@@ -7,18 +7,20 @@ from collections.abc import Sequence
 
 import emg2vsa
 from casr.command_line import Program
+from emg2vsa.cli.tools import SUBCOMMANDS as TOOLS
 
 PROGRAM = Program(
     name="emg2vsa",
     version=emg2vsa.__version__,
     description="From palpation EMG and force to stiffness schedules of a variable stiffness actuator.",
-    epilog="Try: emg2vsa simulate studies/palpation/study.toml, then emg2vsa run studies/palpation/study.toml.",
+    epilog="Try: emg2vsa tools simulate studies/palpation/study.toml, then emg2vsa run studies/palpation/study.toml.",
     commands=(
-        "new", "inspect", "convert", "sample", "simulate", "check", "run", "status", "clean", "fit", "schedule",
-        "report", "verify", "power", "design", "stats", "stiffness", "rig", "session", "bench", "completion",
+        "new", "inspect", "check", "run", "status", "report", "fit", "schedule", "stats", "session", "rig", "verify",
+        "tools",
     ),
     stopped="What was finished is kept; the same command goes on from there.",
     extras=dict.fromkeys(("scipy", "pandas", "matplotlib", "edfio", "ezc3d", "jinja2", "serial"), "study"),
+    moved={name: f"tools {name}" for name in TOOLS},
 )  # fmt: skip
 
 

@@ -6,79 +6,55 @@ import argparse
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from casr.command_line import whole_number
+from casr.command_line import JSON, Group, add_options, whole_number
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from emg2vsa.pipeline.plan import StepPlan
     from emg2vsa.settings import ReadingSettings
-    from emg2vsa.study import Study
+    from emg2vsa.study import RecordingEntry, Study
+
+STUDY = "study STUDY  study file, for example studies/palpation/study.toml\n"
+JOBS = "--jobs N  processes to use (default: all cores)\n"
+WORK = "--work DIR  write results, report and emulated runs into DIR and nothing anywhere else\n"
+WAIT = "--no-wait  end with a message, instead of waiting, when another run is using the study\n"
+ON_STUDY = WORK + WAIT + JOBS + JSON
+COUNT = {"N": whole_number}
+
+_CHANNELS = """
+--emg CH...  name of an EMG channel; give the option once for each muscle
+--force CH  name of the force channel
+--force-file FILE  second file that holds the force, recorded on the same clock
+--emg-unit {V,mV,uV}  unit of the EMG, if the file does not state it
+--gain X = 1  amplifier gain to divide the EMG by (default 1)
+--force-unit UNIT  unit of the force, if the file does not state it
+--newtons-per-unit X  newtons per stored unit (counts, %%MVC)
+--sign {1,-1} = 1  -1 if the sensor reports a press as a negative force
+--no-tare  do not subtract the force at rest: it is already zero, or the recording has no rest
+--fs HZ  sampling rate in Hz, if the file does not state it
+"""
+_READING = """
+--max-seconds S  longest time in seconds, plus 1 s per 10 MB of the file (default 10)
+--max-memory MB  most memory in MB, plus ten times the size of the file (default 600)
+"""
 
 
 def add_study(parser: argparse.ArgumentParser) -> None:
     """The study file."""
-    parser.add_argument(
-        "study", type=Path, metavar="STUDY", help="study file, for example studies/palpation/study.toml"
-    )
+    add_options(parser, STUDY)
 
 
 def add_jobs(parser: argparse.ArgumentParser) -> None:
     """Number of processes."""
-    parser.add_argument("--jobs", type=whole_number, metavar="N", help="processes to use (default: all cores)")
-
-
-def add_work(parser: argparse.ArgumentParser) -> None:
-    """Another place for what is written."""
-    parser.add_argument(
-        "--work",
-        type=Path,
-        metavar="DIR",
-        help="write results, report and emulated runs into DIR and nothing anywhere else",
-    )
-
-
-def add_wait(parser: argparse.ArgumentParser) -> None:
-    """What to do while another run holds the study."""
-    parser.add_argument(
-        "--no-wait",
-        action="store_true",
-        help="end with a message, instead of waiting, when another run is using the study",
-    )
+    add_options(parser, JOBS, COUNT)
 
 
 def add_channels(parser: argparse.ArgumentParser) -> None:
     """Which channels of a single recording play which role."""
-    channels = parser.add_argument_group("channels")
-    channels.add_argument(
-        "--emg",
-        action="append",
-        default=[],
-        metavar="CH",
-        help="name of an EMG channel; give the option once for each muscle",
-    )
-    channels.add_argument("--force", metavar="CH", help="name of the force channel")
-    channels.add_argument(
-        "--force-file", type=Path, metavar="FILE", help="second file that holds the force, recorded on the same clock"
-    )
-    channels.add_argument(
-        "--emg-unit", choices=("V", "mV", "uV"), help="unit of the EMG, if the file does not state it"
-    )
-    channels.add_argument(
-        "--gain", type=float, default=1.0, metavar="X", help="amplifier gain to divide the EMG by (default 1)"
-    )
-    channels.add_argument("--force-unit", metavar="UNIT", help="unit of the force, if the file does not state it")
-    channels.add_argument("--newtons-per-unit", type=float, metavar="X", help="newtons per stored unit (counts, %%MVC)")
-    channels.add_argument(
-        "--sign", type=int, choices=(1, -1), default=1, help="-1 if the sensor reports a press as a negative force"
-    )
-    channels.add_argument(
-        "--no-tare",
-        action="store_true",
-        help="do not subtract the force at rest: it is already zero, or the recording has no rest",
-    )
-    channels.add_argument("--fs", type=float, metavar="HZ", help="sampling rate in Hz, if the file does not state it")
+    add_options(parser.add_argument_group("channels"), _CHANNELS, sign={"type": int, "choices": (1, -1)})
 
 
 def channels_of(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -88,31 +64,32 @@ def channels_of(arguments: argparse.Namespace) -> dict[str, Any]:
         for name in arguments.emg
     }
     force = {
-        "name": arguments.force,
-        "unit": arguments.force_unit,
-        "newtons_per_unit": arguments.newtons_per_unit,
-        "sign": arguments.sign,
-        "tare": "none" if arguments.no_tare else "rest",
-        "fs_hz": arguments.fs,
-    }
+        "name": arguments.force, "unit": arguments.force_unit, "newtons_per_unit": arguments.newtons_per_unit,
+        "sign": arguments.sign, "tare": "none" if arguments.no_tare else "rest", "fs_hz": arguments.fs,
+    }  # fmt: skip
     return {"emg": emg, "force": force}
+
+
+def recording_of(arguments: argparse.Namespace, command: str) -> RecordingEntry:
+    """The one recording that the options describe, its source among them."""
+    from emg2vsa.errors import SettingError
+    from emg2vsa.settings import ChannelSettings, FilterSettings, WindowSettings
+    from emg2vsa.study import RecordingEntry
+
+    if absent := [f"--{option}" for option in ("emg", "force", "participant") if not getattr(arguments, option)]:
+        wanted = "a study file, or a recording with its channels and participant"
+        do = f"Add these options; emg2vsa inspect {arguments.source} tells what the channels are."
+        raise SettingError(arguments.source, wanted=wanted, found=f"no {', '.join(absent)}", do=do)
+    channels = checked_settings(command, {"channels": (ChannelSettings, channels_of(arguments))})["channels"]
+    return RecordingEntry(
+        arguments.participant, arguments.specimen or "", arguments.source, arguments.force_file, channels,
+        FilterSettings(), WindowSettings(),
+    )  # fmt: skip
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
     """Limits of the decoders of binary files."""
-    reading = parser.add_argument_group("limits of a binary file's decoder")
-    reading.add_argument(
-        "--max-seconds",
-        type=float,
-        metavar="S",
-        help="longest time in seconds, plus 1 s per 10 MB of the file (default 10)",
-    )
-    reading.add_argument(
-        "--max-memory",
-        type=float,
-        metavar="MB",
-        help="most memory in MB, plus ten times the size of the file (default 600)",
-    )
+    add_options(parser.add_argument_group("limits of a binary file's decoder"), _READING, {"MB": float})
 
 
 def reading_of(arguments: argparse.Namespace, command: str) -> ReadingSettings:
@@ -122,6 +99,14 @@ def reading_of(arguments: argparse.Namespace, command: str) -> ReadingSettings:
     limits = given({"max_seconds": arguments.max_seconds, "max_memory_mb": arguments.max_memory})
     reading: ReadingSettings = checked_settings(command, {"reading": (ReadingSettings, limits)})["reading"]
     return reading
+
+
+def check_rate(fs_hz: float | None) -> None:
+    """SettingError for a rate of --fs that cannot be."""
+    from emg2vsa.errors import SettingError
+
+    if fs_hz is not None and not 0 < fs_hz < float("inf"):
+        raise SettingError("--fs", wanted="a rate above 0 Hz", found=f"{fs_hz:g}", do="Give the rate in hertz.")
 
 
 def checked_settings(command: str, asked: dict[str, tuple[type, dict[str, Any]]]) -> dict[str, Any]:
@@ -169,11 +154,9 @@ def say_not_used(plan: StepPlan) -> None:
         print(f"not used: {item} ({stage}): {message}", file=sys.stderr)
 
 
-def add_port(group: argparse._ActionsContainer, default: int) -> None:
+def add_port(group: Group, default: int) -> None:
     """Port of a page."""
-    group.add_argument(
-        "--port", type=_port, default=default, metavar="N", help=f"port (default: {default}; 0: any free port)"
-    )
+    add_options(group, f"--port N = {default}  port (default: {default}; 0: any free port)", {"N": _port})
 
 
 def _port(text: str) -> int:

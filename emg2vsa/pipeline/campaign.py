@@ -90,7 +90,7 @@ def campaign(study: Study) -> Campaign:
     left = left_virtual_runs(study)
     notes = (
         f"{study.path.parent / 'runs'} holds {len(left)} run{'s' if len(left) != 1 else ''} that the emulated rig of "
-        f"version 0.1.0 made. Move them away from measured ones: emg2vsa clean {study.path} --move-virtual",
+        f"version 0.1.0 made. Move them away from measured ones: emg2vsa tools clean {study.path} --move-virtual",
     )
     runs: dict[tuple[str, float, str], list[Path]] = {}
     for run in sorted(rig.experiment.all_runs(), key=lambda run: run.mounting):

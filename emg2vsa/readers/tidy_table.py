@@ -52,6 +52,15 @@ class TidyTable:
             if any(map(self._number, texts)) and all(t.lower() in _ABSENT or self._number(t) is not None for t in texts)
         )
 
+    def described(self) -> list[dict[str, str | int]]:
+        """Of each column its name, whether it holds numbers, how many different cells, and the first."""
+        return [
+            {"name": name, "kind": "numbers" if name in self.numeric() else "text", "different": len(set(texts)),
+             "first": texts[0]}
+            for name in self.names
+            for texts in [self.texts(name)]
+        ]  # fmt: skip
+
     def _number(self, text: str) -> Decimal | None:
         plain = text.replace(",", ".", 1) if self.decimal == "," else text
         if not _NUMBER.fullmatch(plain):

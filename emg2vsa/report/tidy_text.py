@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from textwrap import wrap
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from emg2vsa.report.companion_rows import (
     pair_rows,
     variance_row,
 )
-from emg2vsa.report.outcome_text import Style, p_said, said
+from emg2vsa.report.outcome_text import STYLES, Style, p_said, said
 from emg2vsa.report.verdicts import decided, dunn_bounds, how_many
 from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number
 from emg2vsa.statistics.outcome import Outcome
@@ -252,3 +253,43 @@ def _grid(rows: Sequence[CompanionRow]) -> Iterator[str]:
 
 def _notes(outcome: Outcome) -> str:
     return f"  [{'; '.join(outcome.notes)}]" if outcome.notes else ""
+
+
+def lines(found: TidyTests, of: Mapping[str, str | None], style: Style, *, details: bool) -> Iterator[str]:
+    """What was compared, which rows were left out, and the answer. of : the table, and its columns value, group and
+    block."""
+    blocks = f" in {found.blocks.size} blocks ({of['block']})" if found.blocks.size else ""
+    yield (
+        f"{of['table']}: {of['value']} by {of['group']}, {found.n} rows of {found.groups.size} groups{blocks}, "
+        f"alpha = {found.alpha:g}"
+    )
+    for count, why in ((found.without_number, "without a number"), (found.without_name, "without a group or block")):
+        if count:
+            yield f"note: {count} row{'s' if count != 1 else ''} {why} left out"
+    for names in found.alike():
+        yield f"note: {names} differ in capitals or spaces only and are kept apart; write them alike if they are one"
+    yield ""
+    yield text(found, style, details=details)
+
+
+def as_json(found: TidyTests, style: Style) -> dict[str, Any]:
+    """All of it; the residuals of the mixed model are for a QQ plot and for residuals against fitted values."""
+    over = _over_blocks(found)
+    return {
+        "alpha": found.alpha,
+        "rows": found.n,
+        "alike": list(found.alike()),
+        "left_out": {"without_number": found.without_number, "without_name": found.without_name},
+        "groups": [
+            {"name": name, "n": int(n), "mean": float(mean), "sd": float(sd)}
+            for name, n, mean, sd in zip(found.groups.tolist(), found.count, found.mean, found.sd, strict=True)
+        ],
+        "hypotheses": [asdict(each) for each in hypotheses(found, style)],
+        "outcomes": [
+            {"of": of, **asdict(outcome), "text": {each: said(outcome, each) for each in STYLES}}
+            for of, outcome in outcomes(found)
+        ],
+        "residuals": {name: values.tolist() for name, values in asdict(over.residuals).items()}
+        if over and over.residuals
+        else None,
+    }

@@ -12,6 +12,7 @@ import pandas as pd
 
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DataError
+from emg2vsa.readers.tidy_table import read_tidy_table
 from emg2vsa.rig.record.new_folder import PLAN_FILE
 from emg2vsa.rig.record.press_counts import verdicts
 from emg2vsa.rig.rig_settings import axis_of
@@ -57,3 +58,24 @@ def read_plate(folder: Path) -> Iterator[PlateTrial]:
             depth_mm = np.array([axis.depth_at(ticks) for ticks in rows["shaft_ticks"]])
             force_n = rows["force_n"].to_numpy(dtype=np.float64)
             yield PlateTrial(specimen, f"{folder.name}/{number}", depth_mm, force_n)
+
+
+def read_trials(path: Path) -> Iterator[PlateTrial]:
+    """The trials of a run's folder, or of a table with the columns indentation_mm and force_n.
+
+    A table of several trials also has the columns specimen and trial; one without them is one trial of the specimen
+    that the file is named after. DataError, RecordingError : neither.
+    """
+    if path.is_dir():
+        yield from read_plate(path)
+        return
+    table = read_tidy_table(path)
+    x, y = (
+        np.array([np.nan if value is None else float(value) for value in table.numbers(name)])
+        for name in ("indentation_mm", "force_n")
+    )
+    specimens = table.texts("specimen") if "specimen" in table.names else [path.stem] * x.size
+    numbers = table.texts("trial") if "trial" in table.names else ["1"] * x.size
+    for key in dict.fromkeys(zip(specimens, numbers, strict=True)):
+        mine = np.array([pair == key for pair in zip(specimens, numbers, strict=True)])
+        yield PlateTrial(*key, x[mine], y[mine])

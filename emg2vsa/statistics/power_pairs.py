@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +12,7 @@ from scipy import special
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import SettingError
 from emg2vsa.statistics.effect_size import noncentral_t
+from emg2vsa.statistics.power import fewest_people
 
 _NODE, _WEIGHT = np.polynomial.legendre.leggauss(128)
 _WIDTH = 12.0  # standard deviations of the SD that are integrated over
@@ -119,3 +121,33 @@ def _check_paired(effect: Floats, n: Floats, alpha: Floats) -> None:
             raise SettingError(
                 f"paired power, {name}", wanted=wanted, found=str(value), do=f"Give such a value of {name}."
             )
+
+
+@dataclass(frozen=True)
+class PairPower:
+    """power : of the test with ``people`` (of each group for "equal-groups"). needed : people for the wanted power, 0
+    where it is more than a million. least : smallest effect, or smallest margin, that is found with the wanted power.
+    effect, margin : in SDs, as taken."""
+
+    power: float
+    needed: int
+    least: float
+    effect: float
+    margin: float
+
+
+def pair_power(
+    design: str, people: int, *, effect: float | None, margin: float | None, alpha: float, target: float
+) -> PairPower:
+    """Power of a ``design``: "paired" (effect 0.5 unless given), "equal-paired" or "equal-groups" (margin 0.5 and
+    effect 0 unless given). SettingError where a number makes no sense."""
+    if design == "paired":
+        size = 0.5 if effect is None else effect
+        power = power_paired(size, people, alpha)
+        needed = fewest_people(lambda n: power_paired(size, n, alpha), target)
+        return PairPower(float(power), needed, float(effect_for_power(target, people, alpha)), size, 0.0)
+    within, size, two = 0.5 if margin is None else margin, effect or 0.0, design == "equal-groups"
+    power = power_tost(within, people, people if two else None, size, alpha)
+    needed = fewest_people(lambda n: power_tost(within, n, n if two else None, size, alpha), target)
+    least = margin_for_power(target, people, people if two else None, size, alpha)
+    return PairPower(float(power), needed, float(least), size, within)

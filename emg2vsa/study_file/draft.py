@@ -207,7 +207,7 @@ def draft(
         if specimen in stiffness:
             lines.append(f"stiffness_n_per_mm = {stiffness[specimen]:g}")
         else:
-            lines.append(f"# stiffness_n_per_mm =   # {FILL} where it was measured (emg2vsa stiffness)")
+            lines.append(f"# stiffness_n_per_mm =   # {FILL} where it was measured (emg2vsa tools stiffness)")
     lines += ["", "[recordings]", *_recordings(naming, files, listed)]
     lines += ["", "# Channels, guessed from", *(f"#   {one}" for one in seen)]
     for role, channel in emg.items():

@@ -64,9 +64,9 @@ class SpecimenTable:
     stiffness_n_per_mm: Positive | None = None
     "Stiffness by plate indentation, N/mm; omitted: not measured."
     stiffness_se_n_per_mm: NonNegative = 0.0
-    "Its standard error, which the interval of a calibrated stiffness counts in (emg2vsa stiffness)."
+    "Its standard error, which the interval of a calibrated stiffness counts in (emg2vsa tools stiffness)."
     plate_adjusted_r2: Annotated[float, Le(1)] | None = None
-    "Worst adjusted R2 of its plate indentations, for the report (emg2vsa stiffness)."
+    "Worst adjusted R2 of its plate indentations, for the report (emg2vsa tools stiffness)."
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from typing import Literal
 
 import numpy as np
 
@@ -105,3 +106,9 @@ def _checked_settings(study: Study) -> SimulationSettings:
         where = f"{study.path}, simulation, specimen {entry.specimen}"
         check_coefficients(where, settings.a_v[entry.specimen], settings.b_v[entry.specimen], entry.window.force_n[0])
     return settings
+
+
+def format_of(study: Study) -> Literal["bids", "csv", "c3d"]:
+    """The format that the study's file names ask for."""
+    suffix = study.recordings[0].emg_file.suffix.lower()
+    return "c3d" if suffix == ".c3d" else "csv" if suffix == ".csv" else "bids"

@@ -1,4 +1,4 @@
-"""Every area of ``emg2vsa bench`` at smoke size: errors and digits, never time."""
+"""Every area of ``emg2vsa tools bench`` at smoke size: errors and digits, never time."""
 
 from __future__ import annotations
 

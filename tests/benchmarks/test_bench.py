@@ -1,4 +1,4 @@
-"""``emg2vsa bench``: the turns of the ways, ratios, growth, pages, other revisions, and input that it refuses."""
+"""``emg2vsa tools bench``: the turns of the ways, ratios, growth, pages, other revisions, and input that it refuses."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ def test_an_area_is_written_and_listed(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_a_run_in_a_child_writes_and_prints(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["bench", "calibration", "--smoke", "--repeats", "1", "--only", "intervals"]
+    words = ["tools", "bench", "calibration", "--smoke", "--repeats", "1", "--only", "intervals"]
     assert main([*words, "--out", str(tmp_path), "--json", str(tmp_path / "all.json")]) == 0
     assert "points of coverage off 95 %" in capsys.readouterr().out
     (area,) = json.loads((tmp_path / "all.json").read_text())
@@ -201,7 +201,7 @@ def test_a_run_in_a_child_writes_and_prints(tmp_path: Path, capsys: pytest.Captu
 )
 def test_bad_words_are_one_clear_error(words: list[str], complaint: str, capsys: pytest.CaptureFixture[str]) -> None:
     try:
-        status = main(["bench", *words])
+        status = main(["tools", "bench", *words])
     except SystemExit as end:
         status = int(end.code or 0)
     assert status == 2
@@ -216,7 +216,7 @@ def test_a_place_that_cannot_be_written_is_said_before_anything_runs(
 ) -> None:
     (tmp_path / "file").touch()
     place = tmp_path / "file" / "x"
-    assert main(["bench", "records", "--smoke", option, str(place)]) == 2
+    assert main(["tools", "bench", "records", "--smoke", option, str(place)]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1
     assert f"emg2vsa: {option} {place if option == '--out' else place.parent}: expected a folder to write to" in said
@@ -232,7 +232,7 @@ def test_without_a_checkout_it_says_where_the_benchmarks_are(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(source_checkout, "SOURCE", tmp_path)
-    assert main(["bench"]) == 2
+    assert main(["tools", "bench"]) == 2
     complaint = capsys.readouterr().err
     assert complaint.count("\n") == 1
     assert "benchmarks/ beside" in complaint
@@ -240,12 +240,12 @@ def test_without_a_checkout_it_says_where_the_benchmarks_are(
 
 
 def test_stress_takes_no_options_of_areas(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["bench", "stress", "--only", "filters"]) == 2
+    assert main(["tools", "bench", "stress", "--only", "filters"]) == 2
     assert "bench stress, --only: expected no such option" in capsys.readouterr().err
 
 
 def test_areas_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["bench", "--list"]) == 0
+    assert main(["tools", "bench", "--list"]) == 0
     assert "conditioning" in capsys.readouterr().out
 
 

@@ -114,10 +114,10 @@ def test_a_low_edge_says_its_digits() -> None:
 def test_the_command_hands_on_what_was_asked(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     asked = []
     monkeypatch.setattr(benchmarks.stress, "run", lambda out, smoke: asked.append((out, smoke)) or 1)
-    assert main(["bench", "stress", "--smoke", "--out", str(tmp_path)]) == 1
+    assert main(["tools", "bench", "stress", "--smoke", "--out", str(tmp_path)]) == 1
     assert asked == [(tmp_path, True)]
 
 
 def test_stress_goes_with_no_area(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["bench", "stress", "pins"]) == 2
+    assert main(["tools", "bench", "stress", "pins"]) == 2
     assert "bench stress: expected no other area, but found stress pins" in capsys.readouterr().err

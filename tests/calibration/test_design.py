@@ -68,15 +68,15 @@ def test_situations_that_cannot_be_are_named(change):
 
 
 def test_the_command_prints_a_table_and_the_smallest(capsys):
-    assert main(["design", "--experiments", "100", "--precision", "0.07"]) == 0
+    assert main(["tools", "design", "--experiments", "100", "--precision", "0.07"]) == 0
     said = capsys.readouterr().out
     assert said.startswith("specimens  presses each")
     assert "smallest design for 7%: 3 specimens, 10 presses" in said
-    assert main(["design", "--experiments", "50", "--precision", "0.0001", "--json"]) == 0
+    assert main(["tools", "design", "--experiments", "50", "--precision", "0.0001", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["smallest"] is None
-    assert main(["design", "--noise", "-1"]) == 2
+    assert main(["tools", "design", "--noise", "-1"]) == 2
     assert "noise above 0" in capsys.readouterr().err
-    assert main(["design", "--mounting", "0.7"]) == 2
+    assert main(["tools", "design", "--mounting", "0.7"]) == 2
     assert "a spread of mountings from 0 to below 0.5" in capsys.readouterr().err
-    assert main(["design", "--experiments", "50", "--mounting", "0.025"]) == 0
+    assert main(["tools", "design", "--experiments", "50", "--mounting", "0.025"]) == 0
     assert "every specimen is mounted once" in capsys.readouterr().out

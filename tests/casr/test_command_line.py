@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import shutil
 import subprocess
 import sys
@@ -13,7 +14,7 @@ import pytest
 
 import casr.cli
 import emg2vsa.cli
-from casr.command_line import Commands, Program, add_command, print_json
+from casr.command_line import Commands, Program, add_command, add_json, add_options, print_json
 from casr.completion import SHELLS, completion
 from casr.errors import SettingError
 from casr.terminal import VOICE, coloured, note
@@ -32,7 +33,7 @@ def program(monkeypatch: pytest.MonkeyPatch) -> Program:
         raise module.raised
 
     def add_to(commands: Commands) -> None:
-        add_command(commands, "go", run, "Go.")
+        add_json(add_command(commands, "go", run, "Go."))
 
     module = ModuleType("toy.cli.go")
     module.add_to = add_to  # type: ignore[attr-defined]
@@ -40,7 +41,7 @@ def program(monkeypatch: pytest.MonkeyPatch) -> Program:
         monkeypatch.setitem(sys.modules, name, module)
     return Program(
         name="toy", version="1", description="", epilog="", commands=("go", "never"), stopped="All is kept.",
-        extras={"parrots": "birds"},
+        extras={"parrots": "birds"}, moved={"walk": "go", "walk far": "go"},
     )  # fmt: skip
 
 
@@ -48,11 +49,12 @@ def program(monkeypatch: pytest.MonkeyPatch) -> Program:
 def _own_voice(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(VOICE, "quiet", False)
     monkeypatch.setattr(VOICE, "verbose", False)
+    monkeypatch.setattr(VOICE, "json", False)
     for name in ("NO_COLOR", "FORCE_COLOR"):
         monkeypatch.delenv(name, raising=False)
 
 
-@pytest.mark.parametrize(
+STOPS = pytest.mark.parametrize(
     ("raised", "status", "said"),
     [
         (REFUSED, 2, "toy: here: expected sense, but found none. Think.\n"),
@@ -66,12 +68,84 @@ def _own_voice(monkeypatch: pytest.MonkeyPatch) -> None:
         (KeyboardInterrupt(), 130, "\nStopped. All is kept.\n"),
     ],
 )
+
+
+@STOPS
 def test_what_stops_a_command_is_said(
     program: Program, raised: BaseException, status: int, said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     sys.modules["toy.cli.go"].raised = raised  # type: ignore[attr-defined]
     assert program.main(["go"]) == status
     assert capsys.readouterr().err == said
+
+
+@STOPS
+def test_what_stops_a_command_is_one_json_object_where_json_was_asked_for(
+    program: Program, raised: BaseException, status: int, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sys.modules["toy.cli.go"].raised = raised  # type: ignore[attr-defined]
+    assert program.main(["go", "--json"]) == status
+    out, err = capsys.readouterr()
+    assert err == said
+    told = json.loads(out)
+    assert told["status"] == status
+    assert told["error"]["message"] in said.replace("toy: ", "")
+
+
+def test_the_parts_of_an_error_are_told_apart(program: Program, capsys: pytest.CaptureFixture[str]) -> None:
+    for raised, parts in (
+        (REFUSED, {"what": "here", "wanted": "sense", "found": "none", "do": "Think."}),
+        (StudyError(("a: no", "b: no")), {"problems": ["a: no", "b: no"]}),
+    ):
+        sys.modules["toy.cli.go"].raised = raised  # type: ignore[attr-defined]
+        program.main(["go", "--json"])
+        assert json.loads(capsys.readouterr().out) == {"error": {"message": str(raised)} | parts, "status": 2}
+
+
+@pytest.mark.parametrize("words", [["go", "--nix", "--json"], ["--json"], ["nix", "--json"]])
+def test_a_usage_error_is_json_too(program: Program, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        program.main(words)
+    out, err = capsys.readouterr()
+    told = json.loads(out)
+    assert told["status"] == ended.value.code == 2
+    assert told["error"]["message"] in err
+
+
+@pytest.mark.parametrize(("old", "quiet"), [("walk", False), ("walk far", False), ("walk", True)])
+def test_an_older_spelling_runs_and_says_the_one_of_today(
+    program: Program, old: str, quiet: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sys.modules["toy.cli.go"].raised = REFUSED  # type: ignore[attr-defined]
+    assert program.main([*old.split(), *["-q"] * quiet]) == 2
+    note = "" if quiet else f'toy: "toy {old}" is now "toy go".\n'
+    assert capsys.readouterr().err == note + "toy: here: expected sense, but found none. Think.\n"
+
+
+def test_options_from_a_table() -> None:
+    parser = argparse.ArgumentParser()
+    table = """
+study STUDY  study file
+parts [PART...]  all but for these,
+  or none
+-o --out DIR = here  folder
+--gain X = 1  of 100 %%
+--only {a,b} = b  one of them
+--name NAME=K...  again and again
+--count N  how many
+--fast  at once
+"""
+    add_options(parser, table, {"N": int}, count={"default": 3})
+    found = vars(parser.parse_args(["s.toml", "p", "q", "--name", "x=1", "--name", "y=2"]))
+    assert found == {
+        "study": Path("s.toml"), "parts": ["p", "q"], "out": Path("here"), "gain": 1.0, "only": "b",
+        "name": ["x=1", "y=2"], "count": 3, "fast": False,
+    }  # fmt: skip
+    assert parser.parse_args(["s.toml", "--fast", "--count", "7"]).count == 7
+    assert "all but for these, or none" in parser.format_help()
+    assert "of 100 %" in parser.format_help()
+    with pytest.raises(SystemExit):
+        parser.parse_args(["s.toml", "--only", "c"])
 
 
 def test_a_module_of_no_extra_is_a_fault_of_the_program(program: Program) -> None:
@@ -150,6 +224,8 @@ def test_completion_knows_every_command(program: Program, shell: str) -> None:
     [
         ("emg2vsa ru", ["run"]),
         ("emg2vsa rig em", ["emulate"]),
+        ("emg2vsa tools sim", ["simulate"]),
+        ("emg2vsa sim", []),
         ("emg2vsa run s.toml --exp", ["--explain"]),
         ("emg2vsa run --only fi", ["fits"]),
         ("emg2vsa run stu", ["study.toml"]),
@@ -172,7 +248,10 @@ def test_only_the_command_that_runs_is_loaded(program: Program) -> None:
 
 
 def test_help_of_casr_loads_nothing_heavy() -> None:
-    code = f"import sys; from casr.cli import PROGRAM; PROGRAM.parser().format_help(); print([m for m in {HEAVY} if m in sys.modules])"
+    code = (
+        "import sys; from casr.cli import PROGRAM; PROGRAM.parser().format_help(); "
+        f"print([m for m in {HEAVY} if m in sys.modules])"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 

@@ -65,7 +65,7 @@ def converted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "study.toml").write_text(STUDY)
     (folder / "about.json").write_text('{"Manufacturer": "Delsys", "ManufacturersModelName": "Bagnoli-4"}')
     words = ["--mains", "50", "--electrode-distance", "10", "--about", str(folder / "about.json")]
-    assert main(["convert", str(folder / "study.toml"), "--out", str(folder / "bids"), *words, "--json"]) == 0
+    assert main(["tools", "convert", str(folder / "study.toml"), "--out", str(folder / "bids"), *words, "--json"]) == 0
     return folder
 
 
@@ -134,7 +134,7 @@ def test_activity_as_a_share_of_mvc_leaves_the_events_as_they_are(converted: Pat
         shutil.copy(converted / "ben_foam_7.csv", tmp_path / name)
     mvc = '[cocontraction]\nnormalise = "mvc"\n[[mvc]]\nparticipant = "ben"\nemg = "ben_mvc.csv"\n'
     (tmp_path / "study.toml").write_text(STUDY.replace('"anna_k", ', "") + mvc)
-    assert main(["convert", str(tmp_path / "study.toml"), "--out", str(tmp_path / "b")]) == 0
+    assert main(["tools", "convert", str(tmp_path / "study.toml"), "--out", str(tmp_path / "b")]) == 0
     name = "sub-ben/emg/sub-ben_task-palpation_acq-foam_events.tsv"
     assert (tmp_path / "b" / name).read_text() == (converted / "bids" / name).read_text()
 
@@ -146,7 +146,7 @@ def test_events_have_the_verdicts_that_count(converted: Path, tmp_path: Path) ->
     extra = "".join(f"{key} = {value}\n" for key, value in entry.items())
     study = STUDY.replace('pattern = "', f'pattern = "{converted.as_posix()}/')
     (tmp_path / "study.toml").write_text(f"{study}[fit]\nmax_b_error_ratio = 0.001\n[[exclude]]\n{extra}")
-    assert main(["convert", str(tmp_path / "study.toml"), "--out", str(tmp_path / "bids")]) == 0
+    assert main(["tools", "convert", str(tmp_path / "study.toml"), "--out", str(tmp_path / "bids")]) == 0
     found = []
     for run in (1, 2):
         rows = table(f"{tmp_path}/bids/sub-annak/emg/sub-annak_task-palpation_acq-foam_run-{run}_events.tsv")
@@ -159,7 +159,7 @@ def test_events_have_the_verdicts_that_count(converted: Path, tmp_path: Path) ->
 def test_one_file(converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = str(converted / "ben_foam_7.csv")
     words = ["--emg", "EMG 1", "--force", "Fz", "--force-unit", "kgf", "--sign", "-1", "--participant", "ben"]
-    assert main(["convert", file, "--out", str(tmp_path / "b"), *words]) == 0
+    assert main(["tools", "convert", file, "--out", str(tmp_path / "b"), *words]) == 0
     assert (tmp_path / "b/sub-ben/emg/sub-ben_task-palpation_emg.bdf").exists()
     assert "1 recording in" in capsys.readouterr().out
 
@@ -171,7 +171,7 @@ def test_a_channel_between_two_samples_is_moved_and_told(
     force = np.column_stack([time, 3 - 3 * np.cos(time)])
     np.savetxt(tmp_path / "f.csv", force, "%.9g", ",", header="time (s),F (N)", comments="")
     words = ["--emg", "EMG 1", "--force", "F", "--force-file", str(tmp_path / "f.csv"), "--participant", "ben"]
-    assert main(["convert", str(converted / "anna_k_foam_1.csv"), "--out", str(tmp_path / "b"), *words]) == 0
+    assert main(["tools", "convert", str(converted / "anna_k_foam_1.csv"), "--out", str(tmp_path / "b"), *words]) == 0
     moved = "moved by -2.3 ms, to its nearest sample"
     assert f"F: {moved}" in capsys.readouterr().out
     rows = table(f"{tmp_path}/b/sub-ben/emg/sub-ben_task-palpation_channels.tsv")
@@ -186,7 +186,7 @@ def test_rates_that_share_no_record_become_two_files(tmp_path: Path) -> None:
         table = np.column_stack([time, rng.normal(0, 1, time.size)])
         np.savetxt(tmp_path / f"{name}.csv", table, "%.9g", ",", header=f"time (s),{head}", comments="")
     words = ["--emg", "EMG", "--force", "Fz", "--force-file", str(tmp_path / "f.csv"), "--participant", "p"]
-    assert main(["convert", str(tmp_path / "e.csv"), "--out", str(tmp_path / "b"), *words]) == 0
+    assert main(["tools", "convert", str(tmp_path / "e.csv"), "--out", str(tmp_path / "b"), *words]) == 0
     names = sorted(path.name for path in (tmp_path / "b/sub-p/emg").glob("*.bdf"))
     assert names == [f"sub-p_task-palpation_recording-rate{n}_emg.bdf" for n in (1, 2)]
 
@@ -207,13 +207,13 @@ def test_bad_input(
     words: list[str], said: str,
 ) -> None:  # fmt: skip
     monkeypatch.chdir(converted)
-    assert main(["convert", *words, "--out", str(tmp_path / "b")]) == 2
+    assert main(["tools", "convert", *words, "--out", str(tmp_path / "b")]) == 2
     assert said in capsys.readouterr().err
     assert not (tmp_path / "b").exists()
 
 
 def test_nothing_is_overwritten(converted: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["convert", str(converted / "study.toml"), "--out", str(converted / "bids")]) == 2
+    assert main(["tools", "convert", str(converted / "study.toml"), "--out", str(converted / "bids")]) == 2
     assert "expected an empty or absent folder" in capsys.readouterr().err
 
 
@@ -222,7 +222,7 @@ def test_a_bad_recording_costs_itself_only(converted: Path, tmp_path: Path, caps
     for name in ("anna_k_foam_1.csv", "anna_k_foam_2.csv"):
         shutil.copy(converted / name, tmp_path / name)
     (tmp_path / "ben_foam_1.csv").write_text("")
-    assert main(["convert", str(tmp_path / "study.toml"), "--out", str(tmp_path / "b")]) == 1
+    assert main(["tools", "convert", str(tmp_path / "study.toml"), "--out", str(tmp_path / "b")]) == 1
     said = capsys.readouterr()
     assert "not converted: ben/foam: " in said.err
     assert "2 recordings in" in said.out
@@ -231,7 +231,7 @@ def test_a_bad_recording_costs_itself_only(converted: Path, tmp_path: Path, caps
 def test_a_full_disk_leaves_nothing_and_is_told_with_the_folder(
     converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    words = ["convert", str(converted / "study.toml"), "--out", str(tmp_path / "b")]
+    words = ["tools", "convert", str(converted / "study.toml"), "--out", str(tmp_path / "b")]
     (tmp_path / "b").mkdir()
     with monkeypatch.context() as patched:
         calls: list[Path] = []

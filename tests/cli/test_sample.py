@@ -1,4 +1,4 @@
-"""``emg2vsa sample``: every sample is used here by the command it was made for."""
+"""``emg2vsa tools sample``: every sample is used here by the command it was made for."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import emg2vsa
 from casr.specimens import SPECIMENS
 from emg2vsa import fit, read, stats
 from emg2vsa.cli import main
-from emg2vsa.cli.sample import NAMES
+from emg2vsa.cli.tools.sample import NAMES
 from emg2vsa.errors import SettingError
 from emg2vsa.sample_data import SAMPLES, write_sample
 from emg2vsa.study_file import load_study, missing_files
@@ -35,9 +35,9 @@ def test_recordings_hold_the_slopes_they_were_made_from(tmp_path: Path) -> None:
 
 
 def test_plate_logs_give_the_stiffness_of_the_specimens(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["sample", "plate", "--out", str(tmp_path), "--json"]) == 0
+    assert main(["tools", "sample", "plate", "--out", str(tmp_path), "--json"]) == 0
     files = json.loads(capsys.readouterr().out)["files"]
-    assert main(["stiffness", "--json", *files]) == 0
+    assert main(["tools", "stiffness", "--json", *files]) == 0
     rows = json.loads(capsys.readouterr().out)
     found = [row["stiffness_n_per_mm"] for row in rows]
     np.testing.assert_allclose(found, [SPECIMENS[row["specimen"]] for row in rows], rtol=0.01)
@@ -70,10 +70,10 @@ def test_the_same_name_gives_the_same_bytes(tmp_path: Path) -> None:
 def test_files_are_replaced_on_request_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (path,) = write_sample("slopes", tmp_path)
     path.write_text("mine")
-    assert main(["sample", "slopes", "--out", str(tmp_path)]) == 2
+    assert main(["tools", "sample", "slopes", "--out", str(tmp_path)]) == 2
     assert "expected an empty or absent folder, but found files in it. Choose another" in capsys.readouterr().err
     assert path.read_text() == "mine"
-    assert main(["sample", "slopes", "--out", str(tmp_path), "--overwrite"]) == 0
+    assert main(["tools", "sample", "slopes", "--out", str(tmp_path), "--overwrite"]) == 0
     assert path.read_text() != "mine"
 
 
@@ -84,7 +84,7 @@ def test_presses_are_replaced_on_request(tmp_path: Path) -> None:
 
 def test_an_unknown_name_is_told_with_the_nearest(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit, match="2"):
-        main(["sample", "pres", "--out", str(tmp_path / "new")])
+        main(["tools", "sample", "pres", "--out", str(tmp_path / "new")])
     assert "but found 'pres'. Did you mean presses?" in capsys.readouterr().err
     with pytest.raises(SettingError, match=r"expected one of .*, but found 'slope'. Did you mean slopes\?"):
         write_sample("slope", tmp_path / "new")
@@ -93,7 +93,7 @@ def test_an_unknown_name_is_told_with_the_nearest(tmp_path: Path, capsys: pytest
 
 def test_a_file_is_no_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "taken").write_text("")
-    assert main(["sample", "slopes", "--out", str(tmp_path / "taken")]) == 2
+    assert main(["tools", "sample", "slopes", "--out", str(tmp_path / "taken")]) == 2
     assert "expected a folder, but found a file" in capsys.readouterr().err
 
 

@@ -30,7 +30,7 @@ def _simulate(root: Path) -> None:
     study = root / "studies" / "small" / "study.toml"
     study.parent.mkdir(parents=True)
     study.write_text(STUDY)
-    assert main(["simulate", str(study), "--json"]) == 0
+    assert main(["tools", "simulate", str(study), "--json"]) == 0
 
 
 @pytest.fixture(scope="session")

@@ -26,14 +26,14 @@ def test_help_loads_nothing_heavy(command: str) -> None:
 
 
 def test_power_reproduces_the_sample_size(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["power", "--json"]) == 0
+    assert main(["tools", "power", "--json"]) == 0
     said = json.loads(capsys.readouterr().out)
     assert said["power"] == pytest.approx(0.819421399316, abs=1e-12)
     assert said["participants_needed"] == 14
 
 
 def test_power_outside_its_range_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["power", "--rho", "1"]) == 2
+    assert main(["tools", "power", "--rho", "1"]) == 2
     assert capsys.readouterr().err.count("\n") == 1
 
 
@@ -61,7 +61,7 @@ def test_check_names_an_unknown_participant(study: Path, capsys: pytest.CaptureF
 
 
 def test_simulate_never_overwrites(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["simulate", str(study)]) == 2
+    assert main(["tools", "simulate", str(study)]) == 2
     assert "--overwrite" in capsys.readouterr().err
 
 

@@ -33,7 +33,7 @@ def demo(root: Path, *more: str) -> Path:
     folder.mkdir(parents=True)
     for name in ("study.toml", "rig.toml"):
         shutil.copy(ROOT / "studies" / "palpation" / name, folder)
-    assert main(["simulate", str(folder / "study.toml"), "--json"]) == 0
+    assert main(["tools", "simulate", str(folder / "study.toml"), "--json"]) == 0
     assert main(["run", str(folder / "study.toml"), "--json", *more]) == 0
     return root / "reports" / "palpation"
 

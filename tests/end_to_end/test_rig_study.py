@@ -122,7 +122,7 @@ def test_people_only_and_rig_only_have_reports_of_their_own(copy, capsys):
     assert {reports / name / "results.json" for name in ("", *PARTS)} <= set(state)
     for part in ("--human-only", "--casr-only", "--only=report", "--human-only"):
         assert run(copy, capsys, part)["ran"] == []
-    assert main(["clean", str(copy)]) == 0
+    assert main(["tools", "clean", str(copy)]) == 0
     capsys.readouterr()
     assert run(copy, capsys, "--human-only")["ran"] == []
     assert {path: path.stat().st_mtime_ns for path in reports.rglob("*") if path.is_file()} == state

@@ -95,7 +95,7 @@ def small(tmp_path: Path) -> Path:
     path = tmp_path / "studies" / "small" / "study.toml"
     path.parent.mkdir(parents=True)
     path.write_text(small_study(specimens=("S1", "S3"), simulation="seed = 3\nrepetitions = 2\n"))
-    assert main(["simulate", str(path), "--json"]) == 0
+    assert main(["tools", "simulate", str(path), "--json"]) == 0
     return path
 
 

@@ -23,7 +23,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder.mkdir()
     (folder / "study.toml").write_text(small_study(tables=WITH_A_RIG))
     (folder / "rig.toml").write_text(small_rig("modular = [0]\n"))
-    assert main(["simulate", str(folder / "study.toml"), "--json"]) == 0
+    assert main(["tools", "simulate", str(folder / "study.toml"), "--json"]) == 0
     assert main(["run", str(folder / "study.toml"), "--only", "schedules", "--jobs", "1", "--json"]) == 0
     return folder
 

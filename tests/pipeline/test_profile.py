@@ -22,7 +22,7 @@ def people(tmp_path: Path) -> Path:
     """A study of two people whose recordings are there."""
     path = tmp_path / "study.toml"
     path.write_text(small_study(specimens=("S1", "S3")))
-    assert main(["simulate", str(path), "--json"]) == 0
+    assert main(["tools", "simulate", str(path), "--json"]) == 0
     return path
 
 
@@ -52,7 +52,7 @@ def test_the_first_run_and_the_one_after_it(people: Path, capsys: pytest.Capture
 def test_workers_bring_the_same_counts_home(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "study.toml"
     path.write_text(small_study(participants=("P01", "P02", "P03"), simulation="seed = 3\nrepetitions = 1\n"))
-    assert main(["simulate", str(path), "--json"]) == 0
+    assert main(["tools", "simulate", str(path), "--json"]) == 0
     one = profile(path, capsys, "--only", "trials", "--jobs", "1", "--work", str(tmp_path / "one"))
     two = profile(path, capsys, "--only", "trials", "--jobs", "2", "--work", str(tmp_path / "two"))
     assert one["trials"]["counts"]["files read"] == 9  # more than run in the calling process

@@ -7,8 +7,8 @@ import pytest
 
 from emg2vsa import artifacts
 from emg2vsa.cli import main
-from emg2vsa.cli.check import of_participants
 from emg2vsa.cli.progress import progress
+from emg2vsa.pipeline.judged_sessions import of_participants
 from emg2vsa.pipeline.run_study import run_study
 from emg2vsa.session.dataset import write_dataset
 from emg2vsa.session.journal import JOURNAL_FILE, Judged, read_journal

@@ -58,11 +58,11 @@ def test_numbers_that_make_no_sense_are_refused(arguments: dict[str, float]) -> 
     ],
 )  # fmt: skip
 def test_the_command(arguments: list[str], expected: dict[str, float], capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["power", *arguments, "--json"]) == 0
+    assert main(["tools", "power", *arguments, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     for key, value in expected.items():
         assert found[key] == pytest.approx(value, abs=6e-4)
-    assert main(["power", *arguments]) == 0
+    assert main(["tools", "power", *arguments]) == 0
     assert f"power {found['power']:.4f}" in capsys.readouterr().out
 
 
@@ -82,5 +82,5 @@ def test_the_command(arguments: list[str], expected: dict[str, float], capsys: p
 def test_options_that_make_no_sense_are_refused(
     arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["power", *arguments]) != 0
+    assert main(["tools", "power", *arguments]) != 0
     assert said in capsys.readouterr().err

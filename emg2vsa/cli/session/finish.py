@@ -31,8 +31,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def finish(study_file: Path, participant: str, *, as_json: bool = False) -> int:
     """Exit status as above."""
-    from emg2vsa.cli import check
     from emg2vsa.cli.progress import progress
+    from emg2vsa.pipeline import judged_sessions as check
     from emg2vsa.pipeline.run_study import run_study
     from emg2vsa.session.dataset import write_dataset
     from emg2vsa.session.open_session import folder_of, settings_of

@@ -75,7 +75,7 @@ class Person:
 
 
 def person_of(study: Study, participant: str) -> Person:
-    """The participant as ``emg2vsa simulate`` would record them: same seed, same a and b of every specimen.
+    """The participant as ``emg2vsa tools simulate`` would record them: same seed, same a and b of every specimen.
 
     SettingError where the study has no [simulation], no such participant, or coefficients that make no sense.
     """

@@ -1,0 +1,13 @@
+"""``emg2vsa tools``: what is needed now and then; one file per sub-command."""
+
+from __future__ import annotations
+
+from casr.command_line import Commands, add_group
+
+SUBCOMMANDS = ("convert", "sample", "simulate", "clean", "power", "design", "stiffness", "bench", "completion")
+
+
+def add_to(commands: Commands) -> None:
+    summary = "Sample and synthetic data, BIDS, plate stiffness, sample sizes, clearing up, benchmarks, completion."
+    epilog = "Try: emg2vsa tools simulate studies/palpation/study.toml"
+    add_group(commands, "tools", summary, "emg2vsa.cli.tools", SUBCOMMANDS, epilog)

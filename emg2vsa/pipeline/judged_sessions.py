@@ -1,0 +1,107 @@
+"""Participants' sessions judged from their recordings, whose presses and fits are brought up to date for it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import TextIO
+
+from casr.terminal import Look, coloured
+from emg2vsa import artifacts
+from emg2vsa.errors import SettingError
+from emg2vsa.fits import Fits, by_recording, concatenate
+from emg2vsa.pipeline.places import writable_or_temporary
+from emg2vsa.pipeline.plan import StepPlan, survey
+from emg2vsa.pipeline.pool import available_cores
+from emg2vsa.pipeline.run_study import Progress, run_study
+from emg2vsa.session_verdict import Doubts, SessionVerdict, doubts_between, judge_session
+from emg2vsa.study import Study
+
+STAGES = ("trials", "fits")
+LOOKS: dict[str, Look] = {"good": "good", "usable": "doubtful", "repeat": "bad", "unreadable": "bad"}
+"""Of the words of verdicts on a terminal."""
+
+
+def of_participants(study: Study, participants: Sequence[str]) -> Study:
+    """The study with the recordings of these participants; of all for none. SettingError for one it does not have."""
+    unknown = [name for name in participants if name not in study.participants]
+    if unknown:
+        wanted = f"participants of the study ({', '.join(study.participants)})"
+        raise SettingError(study.path, wanted=wanted, found=", ".join(unknown), do="Check the spelling.")
+    chosen = participants or study.participants
+    return replace(study, recordings=tuple(each for each in study.recordings if each.participant in chosen))
+
+
+def judge(study: Study, whole: Study, jobs: int, shown: Progress, below: Path | None) -> list[SessionVerdict]:
+    """The verdicts on the study's recordings, beside what is known of the ``whole`` study's others."""
+    plan = run_study(study, stages=STAGES, jobs=jobs, progress=shown, below=below)
+    doubts = _doubts(study, whole, plan, below)
+    failures = {item: message for item, _, message in plan.failures()}
+    return [_verdict(plan, participant, failures, doubts) for participant in plan.campaign.cells]
+
+
+def _doubts(study: Study, whole: Study, plan: StepPlan, below: Path | None) -> Doubts:
+    """What is doubtful beside all recordings of the whole study whose results are there."""
+    if len(whole.recordings) > len(study.recordings):
+        plan = survey(replace(study, recordings=whole.recordings), STAGES, lambda text: None, below=below)
+    known = [key for key in plan.campaign.recordings if plan.done("trials", (key,)) and plan.done("fits", (key,))]
+    fits = [artifacts.load(path) for path in plan.done("fits", known)]
+    return doubts_between(
+        [artifacts.load(path) for path in plan.done("trials", known)],
+        by_recording(concatenate(fits)) if fits else {},
+        whole.judgements,
+    )
+
+
+def _verdict(plan: StepPlan, participant: str, failures: dict[str, str], doubts: Doubts) -> SessionVerdict:
+    cells = plan.campaign.cells[participant]
+    entries = [plan.campaign.recordings[cell] for cell in cells]
+    return judge_session(
+        participant,
+        [artifacts.load(path) for path in plan.done("trials", cells)],
+        {e.specimen: artifacts.load(path) for e in entries for path in plan.done("fits", (e.key,))},
+        {entry.specimen: entry.window.expected_trials for entry in entries},
+        {entry.specimen: failures[entry.key] for entry in entries if entry.key in failures},
+        {specimen: said for (who, specimen), said in doubts.items() if who == participant},
+    )
+
+
+def fits_of(study: Study, shown: Progress) -> dict[str, Fits]:
+    """Key of each recording that could be fitted to its fits, brought up to date, with the judgements of people."""
+    with writable_or_temporary(study, None, now=True) as (placed, below):
+        plan = run_study(placed, stages=STAGES, jobs=available_cores(), progress=shown, below=below)
+        return {key: artifacts.load(path) for key in plan.campaign.recordings for path in plan.done("fits", (key,))}
+
+
+def as_json(verdict: SessionVerdict) -> dict[str, object]:
+    """A verdict for programs; of each advice its text and what to do."""
+    return asdict(verdict) | {"advice": [each._asdict() for each in verdict.advice]}
+
+
+def is_bad(word: str) -> bool:
+    """Whether a verdict asks somebody to do something before the session can be used."""
+    return word in ("repeat", "unreadable")
+
+
+def told(verdicts: Iterable[SessionVerdict], stream: TextIO) -> Iterator[str]:
+    """One line a session, its remarks with their remedies beneath, and at the end how many sessions are how good."""
+    counts: Counter[str] = Counter()
+    for verdict in verdicts:
+        counts[verdict.verdict] += 1
+        presses = ", ".join(f"{s.specimen} {s.usable}/{s.wanted or s.found}" for s in verdict.specimens)
+        word = coloured(f"{verdict.verdict.upper():<10}", LOOKS[verdict.verdict], stream)
+        yield f"{verdict.participant:<6} {word}  {presses}"
+        for advice in verdict.advice:
+            yield f"    {advice.text}"
+            if advice.do:
+                yield f"      -> {advice.do}"
+    if counts.total() > 1:
+        yield counted(counts)
+
+
+def counted(verdicts: Counter[str]) -> str:
+    """How many sessions are how good. verdicts : their words."""
+    unreadable = f", {verdicts['unreadable']} unreadable" if verdicts["unreadable"] else ""
+    return f"{verdicts['good']} good, {verdicts['usable']} usable, {verdicts['repeat']} to repeat{unreadable}"

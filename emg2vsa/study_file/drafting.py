@@ -1,0 +1,156 @@
+"""What the recordings of a folder tell a study file: names, channels and rates of those that tell most."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from emg2vsa.errors import RecordingError, SettingError
+from emg2vsa.readers.front_door import open_recording
+from emg2vsa.readers.survey import ChannelFacts, FileFacts, survey
+from emg2vsa.settings import ReadingSettings
+from emg2vsa.study_file.draft import DraftChannel, Naming, draft, naming_of_pairs
+
+_MUSCLES = {
+    "EDC": r"edc|ext\w*[ _-]?dig\w*", "FDS": r"fds|flex\w*[ _-]?dig\w*(?![ _-]?prof)", "FDP": r"fdp",
+    "FCR": r"fcr|flex\w*[ _-]?carp\w*[ _-]?rad\w*", "FCU": r"fcu|flex\w*[ _-]?carp\w*[ _-]?uln\w*",
+    "ECR": r"ecr\w*|ext\w*[ _-]?carp\w*[ _-]?rad\w*", "ECU": r"ecu|ext\w*[ _-]?carp\w*[ _-]?uln\w*",
+}  # fmt: skip
+"""Muscles of the forearm by what channels of theirs are called."""
+_MOST_EMG, _MOST_READ = 8, 10
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a folder holds.
+
+    files : recordings that can be read, relative to the study file. unread : what is wrong with each of the others.
+    named : how many fit the naming. emg, force : channels of the file that tells most, and of that of the force.
+    fs_hz : rate of channels whose file states none.
+    """
+
+    files: tuple[str, ...]
+    unread: tuple[str, ...]
+    naming: Naming | None
+    named: int
+    emg: FileFacts
+    force: FileFacts
+    looked_at: tuple[str, ...]
+    fs_hz: float | None
+
+    @property
+    def specimens(self) -> tuple[str, ...]:
+        """As the names of the files have them."""
+        return self.naming.specimens if self.naming else ()
+
+    @property
+    def guessed(self) -> list[ChannelFacts]:
+        """The channels that a person should look at."""
+        return [*self.emg.emg[:_MOST_EMG], *([self.force.force] if self.force.force else [])]
+
+    def text(self, name: str, stiffness: Mapping[str, float]) -> str:
+        """The study file. stiffness : of specimens, N/mm."""
+        emg = {role: self._drafted(channel) for role, channel in _by_muscle(self.emg).items()}
+        force = self._drafted(self.force.force) if self.force.force else None
+        seen = [*self.looked_at, *(f"could not be read: {one}" for one in self.unread)]
+        return draft(name, self.naming, self.files, emg, force, stiffness, seen)
+
+    def _drafted(self, channel: ChannelFacts) -> DraftChannel:
+        unknown = not channel.fs_hz > 0
+        return DraftChannel(channel.name, channel.unit, self.fs_hz, channel.sign, channel.guess, unknown)
+
+
+def look(folder: Path, paths: Sequence[Path], beside: Path, reading: ReadingSettings, fs_hz: float | None) -> Found:
+    """Open the recordings ``paths`` of ``folder``, for a study file in ``beside``. SettingError: none can be read."""
+    usable, unread = _usable(paths, reading)
+    if not usable:
+        do = f"Run emg2vsa inspect {folder} for the reasons."
+        raise SettingError(folder, wanted="recordings", found="none that can be read", do=do)
+    by_file = {_relative(path, beside): path for path in usable}
+    naming, force_files = naming_of_pairs(list(by_file))
+    aside = {*force_files, *(naming.left_out if naming else ())}
+    named = [path for file, path in by_file.items() if file not in aside]
+    emg = force = _telling(named, reading, fs_hz)
+    if force_files:
+        force = _telling([path for file, path in by_file.items() if file in force_files], reading, fs_hz)
+    looked_at = dict.fromkeys(_relative(one.path, beside) for one in (emg, force))
+    return Found(tuple(by_file), tuple(unread), naming, len(named), emg, force, tuple(looked_at), fs_hz)
+
+
+def study_name(folder: Path) -> str:
+    """The name of a study after that of its folder."""
+    return re.sub(r"[^A-Za-z0-9_.-]", "", folder.resolve().name).lstrip("_.-") or "study"
+
+
+def stiffness_of(given: Sequence[str]) -> dict[str, float]:
+    """Specimen to N/mm from texts such as S1=7.63. SettingError for another text."""
+    found: dict[str, float] = {}
+    for one in given:
+        name, _, text = one.partition("=")
+        found[name] = positive(text)
+        if math.isnan(found[name]):
+            wanted = "NAME=NUMBER in N/mm, such as S1=7.63"
+            raise SettingError("--stiffness", wanted=wanted, found=repr(one), do="Correct this option.")
+    return found
+
+
+def refuse_unknown(stiffness: Mapping[str, float], specimens: Sequence[str]) -> None:
+    """SettingError for a stiffness of a specimen that no file names."""
+    for name in stiffness:
+        if name not in specimens:
+            wanted = f"a specimen that the files name ({', '.join(specimens) or 'none was found'})"
+            do = "Correct it, or write it into the study file."
+            raise SettingError("--stiffness", wanted=wanted, found=repr(name), do=do)
+
+
+def positive(text: str) -> float:
+    """The number above 0 that the text is; NaN where it is none."""
+    try:
+        value = float(text)
+    except ValueError:
+        return math.nan
+    return value if 0 < value < math.inf else math.nan
+
+
+def _usable(paths: Sequence[Path], reading: ReadingSettings) -> tuple[list[Path], list[str]]:
+    """Those that open with channels, and what is wrong with each of the others."""
+    usable, unread = [], []
+    for path in paths:
+        try:
+            _, opened = open_recording(path, reading)
+            if opened.contents.names:
+                usable.append(path)
+        except RecordingError as error:
+            unread.append(f"{path.name}, {error.found}")
+    return usable, unread
+
+
+def _telling(paths: Sequence[Path], reading: ReadingSettings, fs_hz: float | None) -> FileFacts:
+    """The first file in which EMG and force are found; else the first with either; else the first."""
+    best: FileFacts | None = None
+    for path in paths[:_MOST_READ]:
+        facts = survey(path, reading, fs_hz)
+        if facts.emg and facts.force:
+            return facts
+        if best is None or (facts.emg and not best.emg):
+            best = facts
+    assert best is not None
+    return best
+
+
+def _by_muscle(facts: FileFacts) -> dict[str, ChannelFacts]:
+    """EMG channels by muscle where their names tell it, all of them by name where none does."""
+    found: dict[str, ChannelFacts] = {}
+    for channel in facts.emg:
+        for role, names in _MUSCLES.items():
+            if re.search(rf"(^|[^a-z])({names})([^a-z]|$)", channel.name, re.IGNORECASE):
+                found.setdefault(role, channel)
+    return found or {channel.name: channel for channel in facts.emg[:_MOST_EMG]}
+
+
+def _relative(path: Path, folder: Path) -> str:
+    return Path(os.path.relpath(path, folder)).as_posix()
