@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from casr.command_line import Commands, add_command, add_json, print_json, whole_number
+from casr.command_line import Commands, add_command, add_json, answer, whole_number
 from casr.terminal import note
 
 if TYPE_CHECKING:
@@ -65,10 +65,7 @@ def person_of(arguments: argparse.Namespace) -> Person:
 
 def finish(arguments: argparse.Namespace, result: Any, *lines: str, good: bool = True) -> int:
     """The result with --json, a dict or a dataclass; else these lines. Exit status."""
-    if arguments.json:
-        print_json(result if isinstance(result, dict) else asdict(result))
-    elif lines:
-        print("\n".join(lines))
+    answer(arguments.json, result if isinstance(result, dict) else asdict(result), lines)
     return int(not good)
 
 

@@ -55,8 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
         if not arguments.virtual and getattr(arguments, option) != arguments.parser.get_default(option):
             name, wanted = f"--{option.replace('_', '-')}", "--virtual beside this option"
             raise SettingError(name, wanted=wanted, found="real devices", do=f"Leave {name} out.")
-    mistakes = tuple(arguments.mistake)
-    virtual = session.Virtual(seed=arguments.seed, mistakes=mistakes, speed=arguments.speed, truth=arguments.truth)
+    virtual = session.Virtual(arguments.seed, tuple(arguments.mistake), arguments.speed, arguments.truth)
     say = partial(print, file=sys.stderr if arguments.json else sys.stdout, flush=True)
 
     def shown(pages: Addresses) -> None:
@@ -70,14 +69,12 @@ def run(arguments: argparse.Namespace) -> int:
         say(f"{newline}{': '.join(filter(None, (end.how, end.why)))}; recorded in {end.folder}")
         if end.how != "completed":
             words = f"{arguments.study} --participant {arguments.participant}"
-            say(f"Go on: emg2vsa session {words} --resume")
-            say(f"Or write the recordings so far: emg2vsa session finish {words}")
+            say(f"Go on: emg2vsa session {words} --resume\nOr write the recordings so far: emg2vsa session finish {words}")
 
     with web_pages("session"):
         end = (session.resume if arguments.resume else session.run)(
-            study, arguments.participant, virtual=virtual if arguments.virtual else None,
-            pages=None if alone else session.Pages(port=arguments.port, bind=arguments.bind),
-            shown=shown, ended=ended, progress=progress(quiet=True),
+            study, arguments.participant, virtual=virtual if arguments.virtual else None, shown=shown, ended=ended,
+            pages=None if alone else session.Pages(arguments.port, arguments.bind), progress=progress(quiet=True),
         )  # fmt: skip
     judged = finish.as_json(end.judged) if end.judged else None
     found = {"how": end.how, "why": end.why, "folder": str(end.folder), "judged": judged}
