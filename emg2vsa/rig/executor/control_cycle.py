@@ -109,9 +109,9 @@ class ControlCycle:
                     f"{now_s - wanted.since_s:.1f} s after the press" if wanted.repetition else "before the press"
                 )
             self._enter(wanted, force)
-            self._send(wanted)
-            self._turned_s, self._before = now_s, force
             with ending("lost device"):
+                self._send(wanted)
+                self._turned_s, self._before = now_s, force
                 at, currents_ma = self._devices.actuator.measurements(), self._devices.actuator.currents_ma()
             readings = (*at, *currents_ma)
             self._witnesses.read(at, currents_ma, force.raw_n, wanted, begins=wanted.phase != before.phase)
@@ -192,10 +192,10 @@ class ControlCycle:
             return
         with ending("lost camera"):
             frames = self._devices.camera.frames()
-        with ending("recording"):
-            for frame in frames:
+        for frame in frames:
+            with ending("recording"):
                 self._record.frame(frame)
-                self._frame_s = now_s
+            self._frame_s = now_s
 
     def _ask(self, now_s: float) -> None:
         # motors that have gone off do not follow, and that is then the cause
@@ -245,8 +245,7 @@ class ControlCycle:
 
     def _send(self, wanted: Motion) -> None:
         command = self._rig.ticks_at(wanted.depth_mm), self._preset_ticks(wanted)
-        with ending("lost device"):
-            self._devices.actuator.set_position_stiffness(*command)
+        self._devices.actuator.set_position_stiffness(*command)
         self._sent = command
         self._witnesses.send(*command, self._clock.now_s())  # a turn held up before commands later
 
