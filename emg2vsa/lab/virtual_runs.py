@@ -12,7 +12,7 @@ from emg2vsa.process_pool import ProcessPool, WorkerDied
 from emg2vsa.rig.emulated.controls import ArtificialEffect, effect_of
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
-from emg2vsa.rig.executor.guards import GUARDS, Check
+from emg2vsa.rig.executor.guards import added_guards, with_added
 from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.kappa.live_kappa import KappaPlan
 from emg2vsa.rig.plan import RunPlan
@@ -24,7 +24,7 @@ from emg2vsa.rig_file.plans import Run, read_schedules
 
 @dataclass(frozen=True)
 class VirtualJob:
-    """All that a process needs to carry out one run. guards : of the process that asks; functions of a module."""
+    """All that a process needs to carry out one run. guards : those that the asking program has added."""
 
     plan: RunPlan
     rig: RigSettings
@@ -32,7 +32,7 @@ class VirtualJob:
     folder: Path
     effect: ArtificialEffect | None = None
     kappa: KappaPlan | None = None
-    guards: Mapping[str, Check] = field(default_factory=lambda: dict(GUARDS))
+    guards: Mapping[str, str] = field(default_factory=added_guards)
 
     def __call__(self) -> Ended:
         """Raises as `run_virtual`."""
@@ -43,7 +43,8 @@ class VirtualJob:
             mounted = run_name(plan.specimen, plan.angle_deg, plan.condition, plan.mounting)
         return run_virtual(
             plan, self.rig, self.emulated, self.folder,
-            started=started, run=run, mounted=mounted, effect=self.effect, kappa=self.kappa, guards=self.guards,
+            started=started, run=run, mounted=mounted, effect=self.effect, kappa=self.kappa,
+            guards=with_added(self.guards),
         )  # fmt: skip
 
 

@@ -6,6 +6,7 @@ import ast
 import importlib
 import os
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -61,13 +62,26 @@ def test_a_sequence_goes_on_where_it_was_stopped(file: RigFile) -> None:
         rig.sequence(file, virtual=True, order="listed")
 
 
-def test_a_guard_that_was_added_reaches_every_process(file: RigFile, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(GUARDS, "our own", "it speaks".format)
+def test_a_guard_that_was_added_reaches_every_process(
+    file: RigFile, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "guards_of_ours.py").write_text("def speaks(moment, limits):\n    return 'it speaks'\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setitem(GUARDS, "our own", import_module("guards_of_ours").speaks)
     done = rig.sequence(file, virtual=True, jobs=2)
     assert [(one.ended.how, one.ended.cause, one.ended.why) for _, one in done.pressed] == [
         ("guard", "our own", "it speaks")
     ] * 2
     assert not done.good
+
+
+def test_a_guard_that_no_process_can_import_lets_nothing_run(file: RigFile, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(GUARDS, "our own", lambda moment, limits: "it speaks")
+    done = rig.sequence(file, virtual=True, jobs=2)
+    assert all("not run. guard 'our own'" in one for one in done.not_pressed.values())
+    assert done.pressed == ()
+    alone = rig.sequence(file, virtual=True, jobs=1)
+    assert [one.ended.cause for _, one in alone.pressed] == ["our own"] * 2
 
 
 def test_a_plate_is_pressed_once(file: RigFile) -> None:

@@ -59,18 +59,15 @@ def person_of(arguments: argparse.Namespace) -> Person:
     from emg2vsa.lab.person import NOBODY, Person
 
     say = NOBODY.say if arguments.json else partial(print, flush=True)
-    hint = NOBODY.hint if arguments.json else _complain
-    return Person(say, hint, _complain, note, None if getattr(arguments, "yes", False) else _asked)
+    complain = partial(print, file=sys.stderr, flush=True)
+    hint = NOBODY.hint if arguments.json else complain
+    return Person(say, hint, complain, note, None if getattr(arguments, "yes", False) else _asked)
 
 
 def finish(arguments: argparse.Namespace, result: Any, *lines: str, good: bool = True) -> int:
     """The result with --json, a dict or a dataclass; else these lines. Exit status."""
     answer(arguments.json, result if isinstance(result, dict) else asdict(result), lines)
     return int(not good)
-
-
-def _complain(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
 
 
 def _asked(question: str) -> str | None:

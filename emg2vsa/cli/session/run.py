@@ -69,7 +69,8 @@ def run(arguments: argparse.Namespace) -> int:
         say(f"{newline}{': '.join(filter(None, (end.how, end.why)))}; recorded in {end.folder}")
         if end.how != "completed":
             words = f"{arguments.study} --participant {arguments.participant}"
-            say(f"Go on: emg2vsa session {words} --resume\nOr write the recordings so far: emg2vsa session finish {words}")
+            again = f"Go on: emg2vsa session {words} --resume"
+            say(f"{again}\nOr write the recordings so far: emg2vsa session finish {words}")
 
     with web_pages("session"):
         end = (session.resume if arguments.resume else session.run)(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,9 +11,12 @@ from emg2vsa.pipeline.stage import Given, Input, Stage
 from emg2vsa.settings import RIGID
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from emg2vsa.pipeline.campaign import Campaign
     from emg2vsa.rig.emulated.controls import ArtificialEffect
     from emg2vsa.rig.emulated.settings import EmulatedSettings
+    from emg2vsa.rig.executor.guards import Check
     from emg2vsa.rig.plan import RunPlan
     from emg2vsa.rig.rig_settings import RigSettings
 
@@ -45,7 +49,14 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
         ),
         "rig": rig.rig,
         "emulated": emulated.of(run.specimen),
+        "guards": _added_guards(),
     }
+
+
+def _added_guards() -> dict[str, str]:
+    """For the process that carries the run out. Who has not loaded the guards has added none."""
+    guards = sys.modules.get("emg2vsa.rig.executor.guards")
+    return guards.added_guards() if guards else {}
 
 
 def folder(campaign: Campaign, item: str) -> Path:
@@ -63,6 +74,7 @@ def run(given: Given) -> list[Path]:
 
     from emg2vsa.errors import DataError
     from emg2vsa.rig.emulated.controls import effect_of
+    from emg2vsa.rig.executor.guards import with_added
     from emg2vsa.rig.experiment import plan_of
     from emg2vsa.rig.record.new_folder import EMULATED_FILE
 
@@ -77,7 +89,8 @@ def run(given: Given) -> list[Path]:
     for left in given.folder.glob(f".{given.item}.*unfinished"):  # by a process that was killed
         shutil.rmtree(left, ignore_errors=True)
     try:
-        _record(plan, used["rig"], used["emulated"], unfinished, effect_of(used["emulated"], plan.schedule, schedules))
+        effect = effect_of(used["emulated"], plan.schedule, schedules)
+        _record(plan, used["rig"], used["emulated"], unfinished, effect, with_added(used["guards"]))
         shutil.rmtree(made, ignore_errors=True)
         unfinished.rename(made)
     except BaseException:
@@ -87,7 +100,12 @@ def run(given: Given) -> list[Path]:
 
 
 def _record(
-    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, effect: ArtificialEffect | None
+    plan: RunPlan,
+    rig: RigSettings,
+    emulated: EmulatedSettings,
+    folder: Path,
+    effect: ArtificialEffect | None,
+    guards: Mapping[str, Check],
 ) -> None:
     """Carry the run out, whole: what a guard of the emulated rig ends is a result, what the computer ends is none.
 
@@ -101,7 +119,8 @@ def _record(
     from emg2vsa.rig.record.new_folder import how_ended
 
     try:
-        ended = run_virtual(plan, rig, emulated, folder, started=datetime.fromisoformat(STARTED), effect=effect)
+        started = datetime.fromisoformat(STARTED)
+        ended = run_virtual(plan, rig, emulated, folder, started=started, effect=effect, guards=guards)
     except DeviceError as error:
         raise OSError(errno.EIO, str(error)) from error
     if ended.how == "interrupted":

@@ -11,7 +11,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from operator import gt
+from pkgutil import resolve_name
 
+from emg2vsa.errors import SettingError
 from emg2vsa.rig.devices import ForceSample, Rating
 from emg2vsa.rig.executor.motion import Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
@@ -257,6 +259,32 @@ stay behind their commands, and springs are known by the motors' encoders, so wh
 All are asked twice in every turn of every run, also of those that are added here: before the command is sent, and with
 the same moment once the actuator has been read, when ``seen`` and ``active`` are newer.
 """
+
+_OWN = dict(GUARDS)
+
+
+def added_guards() -> dict[str, str]:
+    """Guards that this program has put into `GUARDS`, each as "module:function", for other processes."""
+    return {name: _place(check) for name, check in GUARDS.items() if _OWN.get(name) is not check}
+
+
+def with_added(places: Mapping[str, str]) -> dict[str, Check]:
+    """`GUARDS` and the ``added_guards`` of another process. SettingError : a function that cannot be imported here."""
+    guards = dict(GUARDS)
+    for name, place in places.items():
+        if name not in guards or _place(guards[name]) != place:
+            try:
+                guards[name] = resolve_name(place)
+            except (ImportError, AttributeError, ValueError) as error:
+                raise SettingError(
+                    f"guard {name!r}", wanted="a function of a module that every process can import", found=place,
+                    do="Write it into a module, or run with one process (jobs = 1).",
+                ) from error  # fmt: skip
+    return guards
+
+
+def _place(check: Check) -> str:
+    return f"{check.__module__}:{getattr(check, '__qualname__', repr(check))}"
 
 
 def tripped(moment: Moment, limits: GuardSettings, guards: Mapping[str, Check] = GUARDS) -> tuple[str, str] | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -47,13 +46,7 @@ class PressRecorder:
 
     def force(self, time_s: float, force_n: float) -> None:
         """Save the force of a time with index and time of the last frame saved, -1 and none before the first."""
-        self.forces([(time_s, force_n)])
-
-    def forces(self, forces: Sequence[tuple[float, float]]) -> None:
-        """As `force`, of several, in one piece: (time, s; force, N)."""
-        frame = f"{self.n_frames - 1},{self._frame_time}\n"
-        if text := "".join(f"{time_s:.6f},{force_n:.6f},{frame}" for time_s, force_n in forces):
-            self._force.append(text.encode())
+        self._force.append(f"{time_s:.6f},{force_n:.6f},{self.n_frames - 1},{self._frame_time}\n".encode())
 
     def remark(self, text: str) -> None:
         """A comment at the end of the forces, which goes with the press wherever it is taken."""

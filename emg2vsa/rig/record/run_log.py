@@ -80,10 +80,10 @@ class RunLog:
         self._file = AppendFile(path, writer)
         self._file.append(f"{HEADER}\n".encode())
 
-    def append(self, *rows: Row) -> None:
-        """Write them, in one piece."""
-        self._file.append("".join([_form(tuple(map(type, row))) % row for row in rows]).encode())
-        self.rows += len(rows)
+    def append(self, row: Row) -> None:
+        """Write it, in one piece."""
+        self._file.append((_form(tuple(map(type, row))) % row).encode())
+        self.rows += 1
 
     def close(self) -> None:
         """Give the file back."""

@@ -117,40 +117,18 @@ class RunRecord:
         """Last frame kept of the loading that is being recorded; -1 for none."""
         return -1 if self._press is None else self._press.n_frames - 1
 
-    @property
-    def pressing(self) -> bool:
-        """Whether frames and forces are being kept as a press."""
-        return self._press is not None
-
-    @property
-    def judged(self) -> bool:
-        """Whether a judge is shown each row, and may end the loading by it."""
-        return self._judge is not None
-
     def row(self, row: Row) -> None:
         """Log a row; its raw force belongs to the press as well."""
-        self.rows([row])
-
-    def rows(self, rows: Sequence[Row]) -> None:
-        """Log rows, in one piece."""
-        self.log.append(*rows)
+        self.log.append(row)
         if self._tally is not None:
-            for row in rows:
-                self._tally.row(row)
-        if self._press is not None:
-            self._press.forces(
-                [
-                    (row.force_time_s, row.force_n)
-                    for row in rows
-                    if row.force_n is not None and row.force_time_s is not None
-                ]
-            )
-        if self._press is not None and self._judge is not None:
-            for row in rows:
-                if row.force_n is not None and row.force_time_s is not None:
-                    shaft_ticks = row.shaft_ticks if row.phase in GOING_IN else None
-                    depth_mm = math.nan if shaft_ticks is None else self._rig.depth_at(shaft_ticks)
-                    self._judge.force(row.force_time_s, row.force_n, depth_mm)
+            self._tally.row(row)
+        if self._press is None or row.force_n is None or row.force_time_s is None:
+            return
+        self._press.force(row.force_time_s, row.force_n)
+        if self._judge is not None:
+            shaft_ticks = row.shaft_ticks if row.phase in GOING_IN else None
+            depth_mm = math.nan if shaft_ticks is None else self._rig.depth_at(shaft_ticks)
+            self._judge.force(row.force_time_s, row.force_n, depth_mm)
 
     def enough(self, force_n: float) -> bool:
         """Whether the judge has seen enough of the press that is being loaded; the press then counts as stopped at this
