@@ -59,9 +59,8 @@ def run(arguments: argparse.Namespace) -> int:
     say = partial(print, file=sys.stderr if arguments.json else sys.stdout, flush=True)
 
     def shown(pages: Addresses) -> None:
-        say(f"operator:    {pages.operator}\nparticipant: {pages.participant}")
-        if pages.on_network:
-            say("What these pages send over the network is not encrypted.")
+        network = "\nWhat these pages send over the network is not encrypted." if pages.on_network else ""
+        say(f"operator:    {pages.operator}\nparticipant: {pages.participant}{network}")
         say("Ctrl-C ends the session; --resume takes it up again.")
 
     def ended(end: SessionEnd) -> None:
@@ -69,14 +68,15 @@ def run(arguments: argparse.Namespace) -> int:
         say(f"{newline}{': '.join(filter(None, (end.how, end.why)))}; recorded in {end.folder}")
         if end.how != "completed":
             words = f"{arguments.study} --participant {arguments.participant}"
-            say(f"Go on: emg2vsa session {words} --resume\nOr write the recordings so far: emg2vsa session finish {words}")
+            say(
+                f"Go on: emg2vsa session {words} --resume\nOr write the recordings so far: emg2vsa session finish {words}"
+            )
 
     with web_pages("session"):
         end = (session.resume if arguments.resume else session.run)(
             study, arguments.participant, virtual=virtual if arguments.virtual else None, shown=shown, ended=ended,
             pages=None if alone else session.Pages(arguments.port, arguments.bind), progress=progress(quiet=True),
         )  # fmt: skip
-    judged = finish.as_json(end.judged) if end.judged else None
-    found = {"how": end.how, "why": end.why, "folder": str(end.folder), "judged": judged}
-    answer(arguments.json, found, finish.lines(end.judged) if end.judged else ())
+    judged, lines = (finish.as_json(end.judged), finish.lines(end.judged)) if end.judged else (None, ())
+    answer(arguments.json, {"how": end.how, "why": end.why, "folder": str(end.folder), "judged": judged}, lines)
     return int(not end.good)
