@@ -26,8 +26,8 @@ def add_to(commands: Commands) -> None:
         commands, "bench", run,
         "Score simulated presses every way there is, and try the divergence on hard scenes.",
         "presses: initial area and CASR of simulated presses, and the stiffness they give. numerics: single against "
-        "double precision, and inputs at the edge. Time and error beside other libraries: emg2vsa bench pins flow "
-        "growth area scoring. Needs the folder benchmarks/ of a source checkout.",
+        "double precision, and inputs at the edge. Time and error beside other libraries: emg2vsa tools bench pins "
+        "flow growth area scoring. Needs the folder benchmarks/ of a source checkout.",
     )  # fmt: skip
     types, kinds = {"N": whole_number, "NAMES": names}, {"choices": KINDS, "default": "presses", "metavar": None}
     add_options(parser, OPTIONS, types, what=kinds, world={"default": ()})

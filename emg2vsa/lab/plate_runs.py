@@ -1,4 +1,4 @@
-"""Indentation of specimens by a flat plate, on the real rig or the emulated one, for ``emg2vsa stiffness``."""
+"""Indentation of specimens by a flat plate, on the real rig or the emulated one, for ``emg2vsa tools stiffness``."""
 
 from __future__ import annotations
 

@@ -8,16 +8,7 @@ import casr
 import emg2vsa
 
 MOST_OF_A_VERB, MOST_OF_EMG2VSA, MOST_IN_ALL = 80, 3800, 5400
-SHARED = {
-    "arguments.py",
-    "machines.py",
-    "progress.py",
-    "choice.py",
-    "kappa_options.py",
-    "run_options.py",
-    "run_words.py",
-    "values.py",
-}
+SHARED = {"arguments.py", "values.py", "machines.py", "progress.py", "choice.py", "run_words.py"}
 "Options, words and progress bars that several verbs share; they are no verbs."
 KIT = ("command_line.py", "completion.py", "terminal.py")
 CASR, EMG2VSA = Path(casr.__file__).parent, Path(emg2vsa.__file__).parent

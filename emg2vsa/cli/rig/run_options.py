@@ -28,7 +28,7 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     seed = "with --all: seed of the random order (default: [experiment] seed)"
     add("--seed", type=int, metavar="N", help=seed)
     add("--yes", action="store_true", help="with --all: ask no questions (for scripts)")
-    plate = "indent this specimen with a flat plate, as [plate] says, for emg2vsa stiffness; may be repeated"
+    plate = "indent this specimen with a flat plate, as [plate] says, for emg2vsa tools stiffness; may be repeated"
     add("--plate", action="append", default=[], metavar="NAME", help=plate)
     add("--virtual", action="store_true", help="use an emulated rig, faster than real time; no device is opened")
 

@@ -26,7 +26,7 @@ def tell_left(file: RigFile, root: Path) -> None:
     if root == file.runs and not file.leads_to_emulated and (left := left_by_emulator(file.runs)):
         print(
             f"emg2vsa: {len(left)} folders in {file.runs} were made by the emulated rig of version 0.1.0 and do not "
-            f"count as done; emg2vsa clean STUDY --move-virtual moves them away.",
+            f"count as done; emg2vsa tools clean STUDY --move-virtual moves them away.",
             file=sys.stderr,
         )
 
@@ -53,7 +53,7 @@ def to_do(arguments: argparse.Namespace, file: RigFile, root: Path, runs: Sequen
 
 def plates(arguments: argparse.Namespace, pressed: Sequence[Pressed], root: Path) -> int:
     """Plate indentations, and the command that evaluates them."""
-    command = f"emg2vsa stiffness {root.with_name(f'{root.name}-plate')}/*"
+    command = f"emg2vsa tools stiffness {root.with_name(f'{root.name}-plate')}/*"
     good = all(each.completed and each.left_safe for each in pressed)
     return finish(arguments, {"runs": [each.document() for each in pressed]}, command, good=good)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 from typing import Any
 
@@ -32,3 +33,13 @@ def add_to(commands: Commands) -> None:
         return parse(["run", *words] if is_study else words, namespace)
 
     parser.parse_known_args = parse_known_args
+
+
+def check_virtual(arguments: argparse.Namespace) -> None:
+    """SettingError for an option of an emulated participant without --virtual."""
+    from emg2vsa.errors import SettingError
+
+    for option in ("no_page", "mistake", "speed", "seed", "truth"):
+        if not arguments.virtual and getattr(arguments, option) != arguments.parser.get_default(option):
+            name, wanted = f"--{option.replace('_', '-')}", "--virtual beside this option"
+            raise SettingError(name, wanted=wanted, found="real devices", do=f"Leave {name} out.")

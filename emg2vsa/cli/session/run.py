@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from casr.command_line import JSON, Commands, add_command, add_options, answer
 from emg2vsa.cli.arguments import STUDY, add_port, web_pages
-from emg2vsa.cli.session import PARTICIPANT, REQUIRED, finish
+from emg2vsa.cli.session import PARTICIPANT, REQUIRED, check_virtual, finish
 
 if TYPE_CHECKING:
     from emg2vsa.session import Addresses, SessionEnd
@@ -47,21 +47,17 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa import session
     from emg2vsa.cli.progress import progress
-    from emg2vsa.errors import SettingError
     from emg2vsa.study_file import load_study
 
     study, alone = load_study(arguments.study), arguments.no_page
-    for option in ("no_page", "mistake", "speed", "seed", "truth"):
-        if not arguments.virtual and getattr(arguments, option) != arguments.parser.get_default(option):
-            name, wanted = f"--{option.replace('_', '-')}", "--virtual beside this option"
-            raise SettingError(name, wanted=wanted, found="real devices", do=f"Leave {name} out.")
-    virtual = session.Virtual(arguments.seed, tuple(arguments.mistake), arguments.speed, arguments.truth)
+    check_virtual(arguments)
+    asked = {"seed": arguments.seed, "mistakes": tuple(arguments.mistake), "speed": arguments.speed}
+    virtual = session.Virtual(**asked, truth=arguments.truth)
     say = partial(print, file=sys.stderr if arguments.json else sys.stdout, flush=True)
 
     def shown(pages: Addresses) -> None:
-        say(f"operator:    {pages.operator}\nparticipant: {pages.participant}")
-        if pages.on_network:
-            say("What these pages send over the network is not encrypted.")
+        network = "\nWhat these pages send over the network is not encrypted." if pages.on_network else ""
+        say(f"operator:    {pages.operator}\nparticipant: {pages.participant}{network}")
         say("Ctrl-C ends the session; --resume takes it up again.")
 
     def ended(end: SessionEnd) -> None:
@@ -69,15 +65,15 @@ def run(arguments: argparse.Namespace) -> int:
         say(f"{newline}{': '.join(filter(None, (end.how, end.why)))}; recorded in {end.folder}")
         if end.how != "completed":
             words = f"{arguments.study} --participant {arguments.participant}"
-            again = f"Go on: emg2vsa session {words} --resume"
-            say(f"{again}\nOr write the recordings so far: emg2vsa session finish {words}")
+            say(f"Go on: emg2vsa session {words} --resume")
+            say(f"Or write the recordings so far: emg2vsa session finish {words}")
 
     with web_pages("session"):
         end = (session.resume if arguments.resume else session.run)(
             study, arguments.participant, virtual=virtual if arguments.virtual else None, shown=shown, ended=ended,
-            pages=None if alone else session.Pages(arguments.port, arguments.bind), progress=progress(quiet=True),
+            progress=progress(quiet=True),
+            pages=None if alone else session.Pages(port=arguments.port, bind=arguments.bind),
         )  # fmt: skip
-    judged = finish.as_json(end.judged) if end.judged else None
-    found = {"how": end.how, "why": end.why, "folder": str(end.folder), "judged": judged}
-    answer(arguments.json, found, finish.lines(end.judged) if end.judged else ())
+    judged, lines = (finish.as_json(end.judged), finish.lines(end.judged)) if end.judged else (None, ())
+    answer(arguments.json, {"how": end.how, "why": end.why, "folder": str(end.folder), "judged": judged}, lines)
     return int(not end.good)

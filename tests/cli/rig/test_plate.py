@@ -31,21 +31,21 @@ def plates(rig: Rig, rig_file: Callable[..., Path], tmp_path: Path) -> Path:
     status, out, err = rig("run", rig_file(FAST), "--virtual", "--plate", "S1", "--plate", "S3")
     assert status == 0, err
     folder = tmp_path / "runs-virtual-plate"
-    assert out == f"emg2vsa stiffness {folder}/*\n"
+    assert out == f"emg2vsa tools stiffness {folder}/*\n"
     return folder
 
 
 def test_plate_runs_give_the_stiffness_of_the_emulated_specimens(
     plates: Path, capsys: pytest.CaptureFixture[str], rig: Rig, tmp_path: Path
 ) -> None:
-    assert main(["stiffness", str(plates / "S1"), str(plates / "S3"), "--json"]) == 0
+    assert main(["tools", "stiffness", str(plates / "S1"), str(plates / "S3"), "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)
     assert len(rows) == 10
     assert min(row["adjusted_r2"] for row in rows) > 0.99
 
     study = tmp_path / "study.toml"
     study.write_text(STUDY)
-    assert main(["stiffness", str(plates / "S1"), str(plates / "S3"), "--write", str(study)]) == 0
+    assert main(["tools", "stiffness", str(plates / "S1"), str(plates / "S3"), "--write", str(study)]) == 0
     capsys.readouterr()
     assert study.read_text().startswith("[[specimens]]\n")
     assert 'name = "S1" # the hard one\n' in study.read_text()
@@ -66,10 +66,10 @@ def test_what_is_no_plate_run_is_refused(
     path = rig_file()
     run = ("run", path, "--virtual")
     assert rig(*run, "--specimen", "S3", "--angle", 0, "--condition", "modular", "--repetitions", 1)[0] == 0
-    assert main(["stiffness", str(tmp_path / "runs-virtual" / "S3_0_modular")]) == 2
+    assert main(["tools", "stiffness", str(tmp_path / "runs-virtual" / "S3_0_modular")]) == 2
     said = "S3_0_modular: expected the folder of a plate indentation, but found a run of modular with the tactile"
     assert said in capsys.readouterr().err
-    assert main(["stiffness", str(tmp_path)]) == 2
+    assert main(["tools", "stiffness", str(tmp_path)]) == 2
     assert "expected the folder of a plate indentation, but found " in capsys.readouterr().err
     for words, complaint in (
         (("--plate", "S9"), "--plate: expected S1, S3, but found S9."),
@@ -91,6 +91,6 @@ def test_a_specimen_that_the_study_has_not_is_refused(tmp_path: Path, capsys: py
     study, log = tmp_path / "study.toml", tmp_path / "S3.csv"
     log.write_text("indentation_mm,force_n\n" + "".join(f"{k / 10},{max(0.0, k / 3 - 3)}\n" for k in range(40)))
     study.write_text('[[specimens]]\nname = "S1"\n')
-    assert main(["stiffness", str(log), "--write", str(study)]) == 2
+    assert main(["tools", "stiffness", str(log), "--write", str(study)]) == 2
     assert "study.toml, specimens: expected a specimen S3, but found S1." in capsys.readouterr().err
     assert study.read_text() == '[[specimens]]\nname = "S1"\n'

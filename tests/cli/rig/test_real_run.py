@@ -135,7 +135,7 @@ def test_runs_of_the_emulated_rig_are_told_and_do_not_count(
     assert status == 0
     assert len(out.splitlines()) == 2
     assert f"2 folders in {runs} were made by the emulated rig of version 0.1.0 and do not count as done; " in err
-    assert "emg2vsa clean STUDY --move-virtual moves them away." in err
+    assert "emg2vsa tools clean STUDY --move-virtual moves them away." in err
 
     for name in ("S1_0_modular", "S3_0_modular"):
         (runs / name / "emulated.json").unlink()
