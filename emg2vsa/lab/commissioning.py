@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from emg2vsa.errors import SettingError
 from emg2vsa.lab.by_hand import hand_rig
-from emg2vsa.lab.person import NOBODY, Person
+from emg2vsa.lab.person import NOBODY, TRIES, Person
 from emg2vsa.rig.commissioning.checks import REACH_DEG, Check, check_rig
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.edit import write_values
@@ -59,12 +59,10 @@ class AtThePad:
 
     def towards(self, degrees: float) -> bool | None:
         """Which way the probe went."""
-        if self.person.ask is None:
+        if self.person.yes:
             return None
         question = f"The shaft has turned {degrees:g} degrees. Has the probe gone towards the pad? [y/n] "
-        while (said := self.person.answer(question).lower()) not in ("y", "yes", "n", "no"):
-            pass
-        return said.startswith("y")
+        return self.person.answer(question, ("y", "yes", "n", "no")).startswith("y")
 
     def zero_calliper(self) -> None:
         """The gear is measured from here on."""
@@ -78,7 +76,9 @@ class AtThePad:
             f"The probe has gone back from the pad, {degrees:.2f} degrees of the shaft. How far, in mm, by a calliper? "
             "(Enter: not measured) "
         )
-        while said := self.person.answer(question):
+        for _ in range(TRIES):
+            if not (said := self.person.answer(question)):
+                break
             try:
                 return float(said.replace(",", "."))
             except ValueError:

@@ -158,6 +158,4 @@ def _placed(pressing: Pressing, number: str, run: Run, presses: int) -> str:
         f"{number}: put {run.specimen} at {run.angle_deg:g} degrees under {under}{anew}, {presses} presses. "
         "Enter: press it; s: leave it out; q: stop. "
     )
-    while (said := pressing.person.answer(question).lower()) not in ("", "s", "q"):
-        pass
-    return said
+    return pressing.person.answer(question, ("", "s", "q"))

@@ -35,11 +35,27 @@ def test_a_direction_is_asked_for_until_it_is_yes_or_no(said: list[str], towards
     assert answering(said)[0].towards(5.0) is towards
 
 
-def test_nobody_is_asked_by_default_and_agrees() -> None:
-    nobody = AtThePad(NOBODY)
-    nobody.zero_calliper()
-    assert nobody.towards(5.0) is nobody.moved_mm(20.0) is None
-    assert NOBODY.agrees("Ready?")
+def test_who_says_yes_beforehand_is_not_asked() -> None:
+    somebody = Person(yes=True)
+    pad = AtThePad(somebody)
+    pad.zero_calliper()
+    assert pad.towards(5.0) is pad.moved_mm(20.0) is None
+    assert somebody.agrees("Ready?")
+
+
+def test_by_default_nobody_agrees() -> None:
+    for asked in (
+        lambda: NOBODY.agrees("Ready?"),
+        lambda: NOBODY.answer("Ready?"),
+        lambda: AtThePad(NOBODY).towards(5.0),
+    ):
+        with pytest.raises(SettingError, match=r"expected an answer to .* but found nobody who is asked"):
+            asked()
+
+
+def test_a_program_that_never_answers_rightly_is_not_asked_for_ever() -> None:
+    with pytest.raises(SettingError, match="expected one of '', 's', 'q', but found 'y'"):
+        Person(ask=lambda question: "y").answer("Place it.", ("", "s", "q"))
 
 
 @pytest.mark.parametrize(("said", "agrees"), [("y", True), ("YES", True), ("", False), ("no", False), ("yo", False)])

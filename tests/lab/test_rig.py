@@ -118,7 +118,8 @@ def test_a_dry_run_tells_what_would_be_sent_or_why_not(file: RigFile) -> None:
 USES = {
     "press": lambda file: rig.press(file, "S3", 0, "high-stiffness"),
     "jog": lambda file: rig.jog(file, mm=1.0),
-    **{name: getattr(rig, name) for name in ("home", "tare", "zero", "parameters", "info", "scan", "proven_watchdog")},
+    "proven_watchdog": lambda file: rig.proven_watchdog(file, person=rig.Person(yes=True)),
+    **{name: getattr(rig, name) for name in ("home", "tare", "zero", "parameters", "info", "scan")},
 }
 
 
@@ -144,6 +145,13 @@ def test_nothing_is_opened_where_the_answer_is_no(file: RigFile) -> None:
     done = rig.sequence(file, order="listed", person=person)
     assert (done.pressed, done.left, done.good) == ((), 2, False)
     assert asked[2].startswith("1/2: put S1 at 0 degrees under the rigid motor, 1 presses. ")
+
+
+def test_nothing_moves_where_nobody_answers(file: RigFile) -> None:
+    for asks in (rig.check_settings, rig.proven_watchdog, rig.sequence, lambda file: rig.plates(file, ["S3"])):
+        with pytest.raises(SettingError, match=r"person: expected an answer to '.*', but found nobody who is asked"):
+            asks(file)
+    assert not list(file.runs.glob("*/*"))
 
 
 def test_one_of_two_ways_is_wanted_of_a_jog(file: RigFile) -> None:

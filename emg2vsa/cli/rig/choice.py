@@ -61,7 +61,7 @@ def person_of(arguments: argparse.Namespace) -> Person:
     say = NOBODY.say if arguments.json else partial(print, flush=True)
     complain = partial(print, file=sys.stderr, flush=True)
     hint = NOBODY.hint if arguments.json else complain
-    return Person(say, hint, complain, note, None if getattr(arguments, "yes", False) else _asked)
+    return Person(say, hint, complain, note, _asked, getattr(arguments, "yes", False))
 
 
 def finish(arguments: argparse.Namespace, result: Any, *lines: str, good: bool = True) -> int:
