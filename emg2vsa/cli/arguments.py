@@ -42,11 +42,6 @@ _READING = """
 """
 
 
-def add_study(parser: argparse.ArgumentParser) -> None:
-    """The study file."""
-    add_options(parser, STUDY)
-
-
 def add_jobs(parser: argparse.ArgumentParser) -> None:
     """Number of processes."""
     add_options(parser, JOBS, COUNT)

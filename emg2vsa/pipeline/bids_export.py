@@ -14,7 +14,7 @@ import numpy as np
 from emg2vsa import __version__
 from emg2vsa.arrays import bridge_gaps, runs_of
 from emg2vsa.bids.dataset import DataSet, write_dataset
-from emg2vsa.bids.names import RecordingName, is_label, label_of
+from emg2vsa.bids.names import EVENTS, RecordingName, is_label, label_of
 from emg2vsa.bids.recording import Channel as StoredChannel
 from emg2vsa.bids.recording import Event, Recording, event_columns, of_source
 from emg2vsa.bids.recording_files import record_s, short_labels, write_recording
@@ -136,9 +136,10 @@ def export(
                 sources += [f"- `{path.name}`: {used}" for path in made]
         if files:
             listed = "\n".join(["Each file and what it was made from:", "", *sources])
+            told = {about.task: described(_EVENT_COLUMNS)} if any(unfinished.rglob(f"*{EVENTS}")) else {}
             whole = DataSet(
                 name, "Conversion of recordings to BIDS-EMG.", _README.format(version=__version__, sources=listed),
-                participants=sorted(written), events={about.task: described(_EVENT_COLUMNS)},
+                participants=sorted(written), events=told,
             )  # fmt: skip
             write_dataset(unfinished, whole)
     return Exported(tuple(files), tuple(failures), tuple(dict.fromkeys(notes)))

@@ -86,6 +86,15 @@ def table(path: str) -> list[dict[str, str]]:
         return list(csv.DictReader(file, delimiter="\t"))
 
 
+def test_recordings_without_events_have_no_table_of_them(tmp_path: Path) -> None:
+    time = np.arange(2000) / 1000
+    np.savetxt(tmp_path / "rest.csv", np.column_stack([time, np.sin(99 * time), 0 * time]), delimiter=",",
+               header="time (s),EMG 1 (mV),Fz (N)", comments="")  # fmt: skip
+    asked = ["tools", "convert", str(tmp_path / "rest.csv"), "--emg", "EMG 1", "--force", "Fz", "--out"]
+    assert main([*asked, str(tmp_path / "bids"), "--participant", "P1"]) == 0
+    assert not list((tmp_path / "bids").rglob("*_events.*"))
+
+
 def test_side_files_say_what_is_known(converted: Path) -> None:
     stem = converted / "bids" / "sub-annak" / "emg" / "sub-annak_task-palpation_acq-foam_run-2"
     emg = json.loads(Path(f"{stem}_emg.json").read_text())
