@@ -35,6 +35,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     assert campaign.rig.emulated is not None
     run, rig, emulated = campaign.mountings[item], campaign.rig, campaign.rig.emulated
     schedule_of = {one: other for one, other in rig.experiment.schedule_of.items() if one == run.specimen}
+    guards = _added_guards()
     return {
         "run": run,
         "order": 1 + list(campaign.mountings).index(item),
@@ -49,8 +50,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
         ),
         "rig": rig.rig,
         "emulated": emulated.of(run.specimen),
-        "guards": _added_guards(),
-    }
+    } | ({"guards": guards} if guards else {})
 
 
 def _added_guards() -> dict[str, str]:
@@ -90,7 +90,7 @@ def run(given: Given) -> list[Path]:
         shutil.rmtree(left, ignore_errors=True)
     try:
         effect = effect_of(used["emulated"], plan.schedule, schedules)
-        _record(plan, used["rig"], used["emulated"], unfinished, effect, with_added(used["guards"]))
+        _record(plan, used["rig"], used["emulated"], unfinished, effect, with_added(used.get("guards", {})))
         shutil.rmtree(made, ignore_errors=True)
         unfinished.rename(made)
     except BaseException:
