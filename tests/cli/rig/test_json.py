@@ -9,16 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from casr.command_line import parsers_of
-from emg2vsa.cli import PROGRAM
-from emg2vsa.cli.rig import SUBCOMMANDS
-
 Rig = Callable[..., tuple[int, str, str]]
-
-
-def test_every_command_has_it() -> None:
-    parsers = {parser.prog: parser for parser in parsers_of(PROGRAM.parser(["rig"]))}
-    assert [name for name in SUBCOMMANDS if "--json" not in parsers[f"emg2vsa rig {name}"].format_help()] == []
 
 
 def test_motors_that_are_not_known_to_be_off(rig: Rig, rig_file: Callable[..., Path]) -> None:
