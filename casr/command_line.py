@@ -9,7 +9,7 @@ import os
 import re
 import sys
 import traceback
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import partial
@@ -70,13 +70,15 @@ class Program:
         """Run one sub-command; returns the exit status: 0 done, 1 something is not good, 2 unusable input."""
         one_thread()
         words = list(sys.argv[1:] if argv is None else argv)
-        VOICE.quiet = not {"-q", "--quiet"}.isdisjoint(words)
-        VOICE.json = any(word.partition("=")[0] == "--json" for word in words)
+        # also as argparse takes them: shortened, and several letters together
+        VOICE.quiet = any(re.fullmatch("-v?q[vq]*|--q(u(i(et?)?)?)?", word) for word in words)
+        VOICE.json = any(re.fullmatch("--js(on?)?(=.*)?", word, re.DOTALL) for word in words)
         try:
             arguments = self.parser().parse_args(self._of_today(words))
             VOICE.quiet, VOICE.verbose = arguments.quiet, arguments.verbose
             status: int = arguments.run(arguments)
-            sys.stdout.flush()
+            if sys.stdout is not None:  # a shell may have closed it
+                sys.stdout.flush()
             return status
         except UserError as error:
             return self._failed(error.told_by(self.name), message=str(error), **_parts(error))
@@ -125,6 +127,7 @@ class Program:
             epilog=f"{self.epilog} Exit status: 0 done; 1 something is not good; 2 unusable input, nothing was done; "
             "130 stopped.",
         )
+        whole.former = self.moved
         whole.add_argument("--version", action="version", version=f"{self.name} {self.version}")
         add_subcommands(whole, f"{self.name}.cli", self.commands)
         return whole
@@ -147,7 +150,7 @@ def _parts(error: UserError) -> dict[str, object]:
 def _print_error(status: int, **parts: object) -> None:
     """The error as one line of JSON, where JSON was asked for."""
     if VOICE.json:
-        print(json.dumps({"error": parts, "status": status}), flush=True)
+        print(json.dumps(finite({"error": parts, "status": status}), sort_keys=True), flush=True)
 
 
 class SubCommands(argparse._SubParsersAction):  # type: ignore[type-arg]
@@ -171,7 +174,9 @@ class SubCommands(argparse._SubParsersAction):  # type: ignore[type-arg]
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser that names the nearest word to a mistyped command, option or choice."""
+    """A parser that names the nearest word to a mistyped command, option or choice. former : that still run."""
+
+    former: Collection[str] = ()
 
     def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
         found, left = self.parse_known_args(args, namespace)
@@ -186,7 +191,8 @@ class Parser(argparse.ArgumentParser):
         choices = action.modules if isinstance(action, SubCommands) else action.choices
         if choices is not None and value not in choices:
             known = [str(each) for each in choices]
-            listed = f"expected one of {', '.join(known)}, but found {str(value)!r}.{nearest(str(value), known)}"
+            near = nearest(str(value), [*known, *self.former])
+            listed = f"expected one of {', '.join(known)}, but found {str(value)!r}.{near}"
             raise argparse.ArgumentError(action, listed)
 
     def error(self, message: str) -> NoReturn:

@@ -56,8 +56,11 @@ def adaptive(
     >>> judging = rig.Judging((Path("modular_0.json"), Path("modular_30.json")), stop_at=0.1)
     >>> rig.adaptive(file, "S4", judging, virtual=True).belief
     """
-    pressing = pressing_of(file, folder, virtual, person)
+    pressing = pressing_of(file, folder, virtual, person, presses=presses)
     root = pressing.root
+    if not judging.calibrations:
+        do = "Give one for every angle and condition that may be pressed."
+        raise SettingError("judging", wanted="calibrations", found="none", do=do)
     opened = [open_calibration(path) for path in judging.calibrations]
     runs = tuple(chosen_runs(file, [specimen], [own.angle_deg], [own.condition], [1])[0] for own in opened)
     plans = pressing.plans(runs)

@@ -11,12 +11,14 @@ from emg2vsa.rig_file import load_rig
 from emg2vsa.run_folders.camera_delay import CameraDelay, measure_delay
 
 
-def camera_delay(paths: Sequence[Path]) -> CameraDelay:
+def camera_delay(paths: Sequence[str | Path]) -> CameraDelay:
     """The delay by the presses of ``paths``: folders of runs, or rig files for all their runs. It moves nothing.
 
     SettingError : a path is neither, or has no runs. RecordingError : as `measure_delay`.
     """
-    return measure_delay([folder for path in paths for folder in _folders(path)])
+    if not paths:
+        raise SettingError("paths", wanted="folders of runs, or rig files", found="none", do="Name one.")
+    return measure_delay([folder for path in paths for folder in _folders(Path(path))])
 
 
 def _folders(path: Path) -> list[Path]:

@@ -43,7 +43,10 @@ class NextPresses:
 
 
 def next_presses(
-    calibrations: Sequence[Path], done: Sequence[Path] = (), presses: Sequence[int] = (), stop_at: float = 0.0
+    calibrations: Sequence[str | Path],
+    done: Sequence[str | Path] = (),
+    presses: Sequence[int] = (),
+    stop_at: float = 0.0,
 ) -> NextPresses:
     """Calibrations (stiffness preset and angle), numbers of presses and new mountings, by what they promise to tell.
 
@@ -53,11 +56,12 @@ def next_presses(
 
     DataError : a file that cannot be used; a run that fits no calibration, was not judged, or would count twice.
     """
-    opened = [open_calibration(path) for path in calibrations]
-    before = _done(done, opened, calibrations)
+    paths = [Path(path) for path in calibrations]
+    opened = [open_calibration(path) for path in paths]
+    before = _done([Path(folder) for folder in done], opened, paths)
     listed = options(opened, before, tuple(sorted(set(presses))) or COUNTS)
     chosen = next_press(opened, before, stop_at)
-    return NextPresses(tuple(path.name for path in calibrations), believed(opened, before), listed, chosen)
+    return NextPresses(tuple(path.name for path in paths), believed(opened, before), listed, chosen)
 
 
 def believed(calibrations: Sequence[OnlineCalibration], done: Mapping[int, Done]) -> Believed:

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from emg2vsa.errors import SettingError
 from emg2vsa.lab.judging import WHOLE_PRESSES, Judging
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.pressed import Pressed
 from emg2vsa.lab.real_press import press_for_real
 from emg2vsa.lab.same_presses import check_same_presses
 from emg2vsa.lab.virtual_runs import emulated_of, virtual_job
-from emg2vsa.rig.executor.plan_limits import check_plan
+from emg2vsa.rig.executor.plan_limits import check_plan, is_count
 from emg2vsa.rig.kappa.live_kappa import KappaPlan
 from emg2vsa.rig.plan import Condition, RunPlan
 from emg2vsa.rig.record.new_folder import new_folder, presses_left
@@ -109,7 +110,7 @@ def press(
     >>> run = rig.press(rig.load("rig.toml"), "S3", 0, "modular", virtual=True)
     >>> run.log.plot("depth_mm", "force_n")
     """
-    pressing = pressing_of(file, folder, virtual, person)
+    pressing = pressing_of(file, folder, virtual, person, presses=presses)
     (run,) = chosen_runs(file, [specimen], [angle_deg], [condition], [mounting])
     plans = pressing.plans((run,), presses or pressing.missing(run.name) or file.experiment.repetitions)
     pressing.check_same(run.name, plans[run])
@@ -117,7 +118,12 @@ def press(
     return pressing.press(plans[run], pressing.folder(run.name), kappa)
 
 
-def pressing_of(file: RigFile, folder: str | Path | None, virtual: bool, person: Person) -> Pressing:
-    """As `press` has them."""
+def pressing_of(
+    file: RigFile, folder: str | Path | None, virtual: bool, person: Person, **counts: int | None
+) -> Pressing:
+    """As `press` has them. SettingError : one of ``counts`` is no whole number from 1, nor None."""
+    for name, count in counts.items():
+        if count is not None and not is_count(count):
+            raise SettingError(name, wanted="a whole number from 1", found=repr(count), do=f"Choose other {name}.")
     usual = file.virtual_runs if virtual else file.runs
     return Pressing(file, usual if folder is None else Path(folder), virtual, person)

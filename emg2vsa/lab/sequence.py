@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from emg2vsa.errors import SettingError
 from emg2vsa.lab.ending import summary
 from emg2vsa.lab.judging import WHOLE_PRESSES, Judging, say_kappa, say_reachable
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.pressed import Pressed
 from emg2vsa.lab.pressing import Pressing, pressing_of
 from emg2vsa.lab.virtual_runs import VirtualJob, carried_out, virtual_job
-from emg2vsa.process_pool import available_cores
 from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig_file import RigFile
@@ -47,14 +47,15 @@ class RunsDone:
 
 def sequence(
     file: RigFile, runs: Sequence[Run] = (), *, order: Order | None = None, seed: int | None = None, kept: bool = True,
-    presses: int | None = None, folder: str | Path | None = None, virtual: bool = False, jobs: int | None = None,
+    presses: int | None = None, folder: str | Path | None = None, virtual: bool = False, jobs: int = 1,
     judging: Judging = WHOLE_PRESSES, person: Person = NOBODY,
 ) -> RunsDone:  # fmt: skip
     """All presses that the experiment still lacks, or only ``runs`` of it; a sequence that was stopped goes on.
 
     On the devices ``person`` is asked to place each specimen. A run whose presses were rejected is repeated there; one
     that ends otherwise ends the sequence, and so does one that leaves the probe on the specimen, or the motors on.
-    A virtual sequence uses ``jobs`` processes, None: all cores, and tells what fails in one run in ``not_pressed``.
+    A virtual sequence uses ``jobs`` processes, and tells what fails in one run in ``not_pressed``. With more than one,
+    a script needs the line ``if __name__ == "__main__":``, as for `multiprocessing`.
 
     order, seed : None: those kept in the folder of the runs, else those of the rig file. kept : in order.json.
     presses : of each run of a virtual sequence, instead of the experiment's. Else as `press`.
@@ -62,11 +63,17 @@ def sequence(
     >>> done = rig.sequence(file, virtual=True)
     >>> [(run.name, one.ended.how) for run, one in done.pressed]
     """
-    pressing = pressing_of(file, folder, virtual, person)
+    pressing = pressing_of(file, folder, virtual, person, presses=presses, jobs=jobs)
+    if unknown := [run for run in runs if run not in file.experiment.all_runs()]:
+        do = "Choose among file.experiment.all_runs()."
+        raise SettingError("runs", wanted="runs of the rig file", found=str(unknown[0]), do=do)
+    if presses is not None and not virtual:
+        do = "Leave it out: the rig makes the presses that [experiment] repetitions asks for."
+        raise SettingError("presses", wanted="a virtual sequence beside it", found="the devices of the rig file", do=do)
     drawn = run_order(pressing.root, file.experiment, order, seed) if kept else ordered(file.experiment, order, seed)
     todo = tuple(run for run in drawn.runs if not runs or run in runs)
     if virtual:
-        return _side_by_side(pressing, todo, drawn, judging, presses, jobs or available_cores())
+        return _side_by_side(pressing, todo, drawn, judging, presses, jobs)
     return _in_order(pressing, todo, drawn, judging)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from emg2vsa.process_pool import ProcessPool, WorkerDied
 from emg2vsa.rig.emulated.controls import ArtificialEffect, effect_of
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
-from emg2vsa.rig.executor.guards import added_guards, with_added
+from emg2vsa.rig.executor.guards import changed_guards
 from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.kappa.live_kappa import KappaPlan
 from emg2vsa.rig.plan import RunPlan
@@ -24,7 +24,7 @@ from emg2vsa.rig_file.plans import Run, read_schedules
 
 @dataclass(frozen=True)
 class VirtualJob:
-    """All that a process needs to carry out one run. guards : those that the asking program has added."""
+    """All that a process needs to carry out one run."""
 
     plan: RunPlan
     rig: RigSettings
@@ -32,7 +32,6 @@ class VirtualJob:
     folder: Path
     effect: ArtificialEffect | None = None
     kappa: KappaPlan | None = None
-    guards: Mapping[str, str] = field(default_factory=added_guards)
 
     def __call__(self) -> Ended:
         """Raises as `run_virtual`."""
@@ -44,7 +43,6 @@ class VirtualJob:
         return run_virtual(
             plan, self.rig, self.emulated, self.folder,
             started=started, run=run, mounted=mounted, effect=self.effect, kappa=self.kappa,
-            guards=with_added(self.guards),
         )  # fmt: skip
 
 
@@ -67,9 +65,11 @@ def emulated_of(file: RigFile) -> EmulatedSettings:
 
 
 def carried_out(waiting: Mapping[Run, VirtualJob], jobs: int) -> Iterator[tuple[Run, Ended | str]]:
-    """Every run and how it ended, or why there is none, in the order of their ends. jobs : processes to use."""
+    """Every run and how it ended, or why there is none, in the order of their ends.
+
+    jobs : processes to use; only this one where the program has changed the guards, of which no other knows."""
     runs, calls = list(waiting), list(waiting.values())
-    with ProcessPool(min(jobs, len(calls))) as pool:
+    with ProcessPool(1 if changed_guards() else min(jobs, len(calls))) as pool:
         for i, result in pool.ended(calls, load=[__name__]):
             yield runs[i], _outcome(result)
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from casr.atomic import write_text_atomic
-from emg2vsa.errors import DataError
+from emg2vsa.errors import DataError, SettingError
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig_file.plans import Run
 
@@ -33,7 +33,13 @@ class RunOrder:
 
 
 def ordered(experiment: ExperimentSettings, order: Order | None = None, seed: int | None = None) -> RunOrder:
-    """The runs in the order that is asked for, else that of the experiment; likewise its seed."""
+    """The runs in the order that is asked for, else that of the experiment; likewise its seed. SettingError : there is
+    no such order, or the seed is no whole number."""
+    if order not in (None, *get_args(Order)):
+        listed = " or ".join(get_args(Order))
+        raise SettingError("order", wanted=listed, found=repr(order), do="Choose one of them.")
+    if not isinstance(seed, int | None):
+        raise SettingError("seed", wanted="a whole number", found=repr(seed), do="Choose a whole number.")
     settings = replace(experiment, order=order or experiment.order, seed=experiment.seed if seed is None else seed)
     return RunOrder(settings.order, settings.seed if settings.order == "random" else None, settings.ordered_runs())
 

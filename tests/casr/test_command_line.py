@@ -259,3 +259,20 @@ def test_help_of_casr_loads_nothing_heavy() -> None:
 def test_json_knows_no_nan(capsys: pytest.CaptureFixture[str]) -> None:
     print_json({"a": [float("nan"), 1.5], "b": float("inf")})
     assert capsys.readouterr().out.split() == ["{", '"a":', "[", "null,", "1.5", "],", '"b":', "null", "}"]
+
+
+@pytest.mark.parametrize("word", ["--json", "--js", "--jso"])
+def test_errors_are_json_however_json_was_asked_for(
+    program: Program, word: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        program.main(["go", word, "--nothing"])
+    told = json.loads(capsys.readouterr().out)
+    assert told["status"] == 2
+    assert "unrecognized arguments: --nothing" in told["error"]["message"]
+
+
+def test_a_mistyped_older_spelling_is_known(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        emg2vsa.cli.main(["simulat"])
+    assert "Did you mean simulate?" in capsys.readouterr().err

@@ -5,8 +5,9 @@ from __future__ import annotations
 import ast
 import importlib
 import os
+from collections.abc import Callable
 from dataclasses import replace
-from importlib import import_module
+from functools import wraps
 from pathlib import Path
 
 import pytest
@@ -17,7 +18,8 @@ from emg2vsa.calibration_file import write_calibration
 from emg2vsa.errors import DataError, DeviceError, SettingError
 from emg2vsa.lab.rig_lock import rig_lock
 from emg2vsa.lab.sequence import DONE_BEFORE
-from emg2vsa.rig.executor.guards import GUARDS
+from emg2vsa.rig.executor.guards import GUARDS, Moment
+from emg2vsa.rig.rig_settings import GuardSettings
 from emg2vsa.rig_file import RigFile
 
 
@@ -62,26 +64,20 @@ def test_a_sequence_goes_on_where_it_was_stopped(file: RigFile) -> None:
         rig.sequence(file, virtual=True, order="listed")
 
 
-def test_a_guard_that_was_added_reaches_every_process(
-    file: RigFile, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_guard_of_the_program_is_asked_however_many_processes_are_wanted(
+    file: RigFile, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "guards_of_ours.py").write_text("def speaks(moment, limits):\n    return 'it speaks'\n")
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setitem(GUARDS, "our own", import_module("guards_of_ours").speaks)
+    own = GUARDS["force limit"]
+    limit_n = 0.5
+
+    @wraps(own)
+    def stricter(moment: Moment, limits: GuardSettings) -> str | None:
+        return own(moment, limits) or ("our own" if moment.force_n > limit_n else None)
+
+    monkeypatch.setitem(GUARDS, "force limit", stricter)
     done = rig.sequence(file, virtual=True, jobs=2)
-    assert [(one.ended.how, one.ended.cause, one.ended.why) for _, one in done.pressed] == [
-        ("guard", "our own", "it speaks")
-    ] * 2
+    assert [(one.ended.cause, one.ended.why) for _, one in done.pressed] == [("force limit", "our own")] * 2
     assert not done.good
-
-
-def test_a_guard_that_no_process_can_import_lets_nothing_run(file: RigFile, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(GUARDS, "our own", lambda moment, limits: "it speaks")
-    done = rig.sequence(file, virtual=True, jobs=2)
-    assert all("not run. guard 'our own'" in one for one in done.not_pressed.values())
-    assert done.pressed == ()
-    alone = rig.sequence(file, virtual=True, jobs=1)
-    assert [one.ended.cause for _, one in alone.pressed] == ["our own"] * 2
 
 
 def test_a_plate_is_pressed_once(file: RigFile) -> None:
@@ -152,6 +148,28 @@ def test_nothing_moves_where_nobody_answers(file: RigFile) -> None:
         with pytest.raises(SettingError, match=r"person: expected an answer to '.*', but found nobody who is asked"):
             asks(file)
     assert not list(file.runs.glob("*/*"))
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda file: rig.press(file, "S3", 0, "high-stiffness", virtual=True, presses=1.5), "presses: .* found 1.5"),
+        (lambda file: rig.press(file, "S3", 0, "high-stiffness", virtual=True, presses=0), "presses: .* found 0"),
+        (lambda file: rig.sequence(file, virtual=True, jobs=-1), "jobs: expected a whole number from 1"),
+        (lambda file: rig.sequence(file, virtual=True, order="bogus"), "order: expected random or listed"),
+        (lambda file: rig.sequence(file, virtual=True, seed="x"), "seed: expected a whole number"),
+        (lambda file: rig.sequence(file, ["S1_0"], virtual=True), "runs: expected runs of the rig file"),
+        (lambda file: rig.sequence(file, presses=2), "presses: expected a virtual sequence"),
+        (lambda file: rig.adaptive(file, "S3", rig.Judging(), virtual=True), "judging: expected calibrations"),
+        (lambda file: rig.camera_delay([]), "paths: expected folders of runs"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_anything_moves(
+    call: Callable[[RigFile], object], said: str, file: RigFile
+) -> None:
+    with pytest.raises(SettingError, match=said):
+        call(file)
+    assert not list(file.path.parent.glob("runs*"))
 
 
 def test_one_of_two_ways_is_wanted_of_a_jog(file: RigFile) -> None:

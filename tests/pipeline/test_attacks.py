@@ -10,6 +10,7 @@ import pytest
 
 from emg2vsa import artifacts
 from emg2vsa.cli import main
+from emg2vsa.errors import SettingError
 from emg2vsa.pipeline import fingerprint, tasks
 from emg2vsa.pipeline.campaign import campaign
 from emg2vsa.pipeline.fingerprint import Fingerprints, Values
@@ -18,6 +19,7 @@ from emg2vsa.pipeline.stages import emulation, runs
 from emg2vsa.pipeline.store import WrittenFiles, remove_left_files
 from emg2vsa.rig.emulated import virtual_run
 from emg2vsa.rig.emulated.settings import EmulatedSettings
+from emg2vsa.rig.executor.guards import GUARDS
 from emg2vsa.rig.experiment import ExperimentSettings, Run
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.study_file import load_study
@@ -68,7 +70,7 @@ def test_an_emulated_run_that_the_computer_cut_short_is_no_result(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def cut_short(*given: object, started: object, effect: object, guards: object) -> Ended:
+    def cut_short(*given: object, started: object, effect: object) -> Ended:
         folder = given[3]
         folder.mkdir()
         (folder / "ended.json").write_text(json.dumps({"how": on_disk}))
@@ -199,3 +201,16 @@ def test_a_press_that_the_emulated_rig_did_not_make_is_noticed(tmp_path: Path) -
     (run / "press-002" / "frames.tif").touch()
     assert written.besides(tmp_path, run) == "S1_0_modular/press-002/frames.tif"
     assert emulation.STAGE.alone_in is not None
+
+
+def test_a_study_does_not_press_with_guards_that_its_store_cannot_know(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert emulation._changed_guards() == ()
+    monkeypatch.setitem(GUARDS, "our own", lambda moment, limits: None)
+    monkeypatch.delitem(GUARDS, "torque")
+    changed = emulation._changed_guards()
+    assert changed == ("our own", "torque")
+    given = Given("S1_0_high-stiffness", {"changed_guards": changed}, inputs={}, folder=tmp_path)
+    with pytest.raises(SettingError, match="found our own, torque changed by this program"):
+        emulation.run(given)

@@ -11,12 +11,9 @@ from emg2vsa.pipeline.stage import Given, Input, Stage
 from emg2vsa.settings import RIGID
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from emg2vsa.pipeline.campaign import Campaign
     from emg2vsa.rig.emulated.controls import ArtificialEffect
     from emg2vsa.rig.emulated.settings import EmulatedSettings
-    from emg2vsa.rig.executor.guards import Check
     from emg2vsa.rig.plan import RunPlan
     from emg2vsa.rig.rig_settings import RigSettings
 
@@ -35,7 +32,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     assert campaign.rig.emulated is not None
     run, rig, emulated = campaign.mountings[item], campaign.rig, campaign.rig.emulated
     schedule_of = {one: other for one, other in rig.experiment.schedule_of.items() if one == run.specimen}
-    guards = _added_guards()
+    changed = _changed_guards()
     return {
         "run": run,
         "order": 1 + list(campaign.mountings).index(item),
@@ -50,13 +47,13 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
         ),
         "rig": rig.rig,
         "emulated": emulated.of(run.specimen),
-    } | ({"guards": guards} if guards else {})
+    } | ({"changed_guards": changed} if changed else {})
 
 
-def _added_guards() -> dict[str, str]:
-    """For the process that carries the run out. Who has not loaded the guards has added none."""
+def _changed_guards() -> tuple[str, ...]:
+    """Of this program. Who has not loaded the guards has changed none."""
     guards = sys.modules.get("emg2vsa.rig.executor.guards")
-    return guards.added_guards() if guards else {}
+    return guards.changed_guards() if guards else ()
 
 
 def folder(campaign: Campaign, item: str) -> Path:
@@ -72,13 +69,17 @@ def run(given: Given) -> list[Path]:
     import os
     import shutil
 
-    from emg2vsa.errors import DataError
+    from emg2vsa.errors import DataError, SettingError
     from emg2vsa.rig.emulated.controls import effect_of
-    from emg2vsa.rig.executor.guards import with_added
     from emg2vsa.rig.experiment import plan_of
     from emg2vsa.rig.record.new_folder import EMULATED_FILE
 
     assert given.folder is not None
+    if changed := given.settings.get("changed_guards"):
+        raise SettingError(
+            "guards", wanted="those of emg2vsa: a study keeps its runs, and cannot know what others do",
+            found=f"{', '.join(changed)} changed by this program", do="Press with emg2vsa.rig.sequence, or undo it.",
+        )  # fmt: skip
     made, unfinished = given.folder / given.item, given.folder / f".{given.item}.{os.getpid()}.unfinished"
     if made.exists() and not (made / EMULATED_FILE).is_file():
         do = "Choose another root under [runs], or leave rig out of it to score measured runs."
@@ -90,7 +91,7 @@ def run(given: Given) -> list[Path]:
         shutil.rmtree(left, ignore_errors=True)
     try:
         effect = effect_of(used["emulated"], plan.schedule, schedules)
-        _record(plan, used["rig"], used["emulated"], unfinished, effect, with_added(used.get("guards", {})))
+        _record(plan, used["rig"], used["emulated"], unfinished, effect)
         shutil.rmtree(made, ignore_errors=True)
         unfinished.rename(made)
     except BaseException:
@@ -105,7 +106,6 @@ def _record(
     emulated: EmulatedSettings,
     folder: Path,
     effect: ArtificialEffect | None,
-    guards: Mapping[str, Check],
 ) -> None:
     """Carry the run out, whole: what a guard of the emulated rig ends is a result, what the computer ends is none.
 
@@ -120,7 +120,7 @@ def _record(
 
     try:
         started = datetime.fromisoformat(STARTED)
-        ended = run_virtual(plan, rig, emulated, folder, started=started, effect=effect, guards=guards)
+        ended = run_virtual(plan, rig, emulated, folder, started=started, effect=effect)
     except DeviceError as error:
         raise OSError(errno.EIO, str(error)) from error
     if ended.how == "interrupted":

@@ -11,9 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from operator import gt
-from pkgutil import resolve_name
 
-from emg2vsa.errors import SettingError
 from emg2vsa.rig.devices import ForceSample, Rating
 from emg2vsa.rig.executor.motion import Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
@@ -263,35 +261,17 @@ the same moment once the actuator has been read, when ``seen`` and ``active`` ar
 _OWN = dict(GUARDS)
 
 
-def added_guards() -> dict[str, str]:
-    """Guards that this program has put into `GUARDS`, each as "module:function", for other processes."""
-    return {name: _place(check) for name, check in GUARDS.items() if _OWN.get(name) is not check}
-
-
-def with_added(places: Mapping[str, str]) -> dict[str, Check]:
-    """`GUARDS` and the ``added_guards`` of another process. SettingError : a function that cannot be imported here."""
-    guards = dict(GUARDS)
-    for name, place in places.items():
-        if name not in guards or _place(guards[name]) != place:
-            try:
-                guards[name] = resolve_name(place)
-            except (ImportError, AttributeError, ValueError) as error:
-                raise SettingError(
-                    f"guard {name!r}", wanted="a function of a module that every process can import", found=place,
-                    do="Write it into a module, or run with one process (jobs = 1).",
-                ) from error  # fmt: skip
-    return guards
-
-
-def _place(check: Check) -> str:
-    return f"{check.__module__}:{getattr(check, '__qualname__', repr(check))}"
+def changed_guards() -> tuple[str, ...]:
+    """Names of `GUARDS` that this program has added, replaced or taken out. No other process knows of them, nor can
+    what they do be told by a key: such runs stay in this process, and are never taken from a store."""
+    return tuple(sorted(name for name in {*_OWN, *GUARDS} if GUARDS.get(name) is not _OWN.get(name)))
 
 
 def tripped(moment: Moment, limits: GuardSettings, guards: Mapping[str, Check] = GUARDS) -> tuple[str, str] | None:
-    """Name and words of the first of ``guards`` that speaks."""
-    for name, check in guards.items():
+    """Name and words of the first of ``guards`` that speaks. What is no text speaks, too, by its repr."""
+    for name, check in tuple(guards.items()):  # a guard may add another
         if found := check(moment, limits):
-            return name, found
+            return name, found if isinstance(found, str) else repr(found)
     return None
 
 

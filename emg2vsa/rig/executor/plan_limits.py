@@ -30,6 +30,11 @@ def check_plan(plan: RunPlan, rig: RigSettings) -> None:
                 raise ScheduleError(f"{where}, {name}", wanted=wanted, found=str(found), do=do)
 
 
+def is_count(value: object) -> bool:
+    """A whole number from 1."""
+    return isinstance(value, int) and not isinstance(value, bool) and value >= 1
+
+
 def check_rating(rig: RigSettings, rating: Rating | None) -> None:
     """SettingError where the force limit lies beyond what the force sensor is made for."""
     if rating is None:
@@ -53,7 +58,7 @@ def _plan_rules(plan: RunPlan, rig: RigSettings) -> Iterator[Rule]:
     rigid = plan.condition == RIGID
     given = "a schedule" if plan.schedule else "no schedule"
     yield "schedule", rigid == (plan.schedule is None), "no schedule" if rigid else "a schedule", given
-    yield "repetitions", plan.repetitions >= 1, "1 or more", plan.repetitions
+    yield "repetitions", is_count(plan.repetitions), "a whole number from 1", plan.repetitions
     for name, value in (
         ("ramp_mm_per_s", plan.ramp_mm_per_s), ("travel_mm", plan.travel_mm), ("f_contact_n", plan.f_contact_n)
     ):  # fmt: skip
