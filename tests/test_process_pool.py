@@ -66,9 +66,11 @@ def test_a_worker_that_dies_between_two_calls_is_replaced() -> None:
 def test_ctrl_c_at_a_terminal_reaches_calls_under_way_and_begins_no_other() -> None:
     """It goes to all processes of the terminal; a worker without a call says nothing of it."""
     code = (
-        "import sys\nfrom functools import partial\nfrom time import sleep\n"
+        "import signal\nfrom functools import partial\nfrom time import sleep\n"
         "from emg2vsa.process_pool import ProcessPool\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell's job in the background ignores it
         "with ProcessPool(2) as pool:\n"
+        f"    list(pool.ended([partial(sleep, {SLOW_S})] * 2))\n"  # the start of a process takes its time
         "    for i, _ in pool.ended([partial(print, 'first', flush=True), *[partial(sleep, 40)] * 9]):\n"
         "        print(i, flush=True)\n"
     )
