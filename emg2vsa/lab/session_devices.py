@@ -53,7 +53,9 @@ class Virtual:
         if self.truth is not None and not self.truth.absolute().parent.is_dir():
             do = "Make the folder."
             raise SettingError(f"--truth {self.truth}", wanted="a file in a folder", found="no such folder", do=do)
-        if self.seed is not None and self.seed < 0:
+        if self.truth is not None and self.truth.is_dir():
+            raise SettingError(f"--truth {self.truth}", wanted="a file", found="a folder", do="Name a file in it.")
+        if self.seed is not None and not (isinstance(self.seed, int) and self.seed >= 0):
             raise SettingError(
                 "--seed", wanted="a whole number from 0", found=str(self.seed), do="Choose a whole number."
             )

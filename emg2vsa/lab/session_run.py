@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
 import time
 from collections.abc import Callable
@@ -39,6 +40,11 @@ class Pages:
 
     port: int = 8421
     bind: str | None = None
+
+    def __post_init__(self) -> None:
+        if not (isinstance(self.port, int) and 0 <= self.port <= 65535):
+            do = "Choose a port, or 0 for any that is free."
+            raise SettingError("port", wanted="a whole number from 0 to 65535", found=repr(self.port), do=do)
 
 
 class Addresses(NamedTuple):
@@ -166,6 +172,9 @@ def _recorded(
     if pages is None and virtual is None:
         do = "Give pages, or virtual for an emulated participant and operator."
         raise SettingError("pages", wanted="pages for a session with devices", found="none", do=do)
+    if pages is not None and _loop_runs():
+        do = "Call it in a thread of its own: await asyncio.to_thread(session.run, ...)."
+        raise SettingError("pages", wanted="a thread without a running event loop", found="one that runs", do=do)
     clock = _clock(virtual, pages)
     person, makers = devices(study, settings, participant, clock, virtual)
     at_once = isinstance(clock, VirtualClock)
@@ -186,6 +195,14 @@ def _recorded(
         virtual.keep_truth(person)
     assert over is not None
     return SessionEnd(over.how, over.why, folder_of(study, participant))
+
+
+def _loop_runs() -> bool:
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return False
+    return True
 
 
 def _clock(virtual: Virtual | None, pages: Pages | None) -> Clock:

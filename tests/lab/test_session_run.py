@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import shutil
 import subprocess
@@ -130,6 +131,26 @@ def test_there_is_nothing_to_resume_before_a_session(study):
 def test_a_virtual_participant_that_cannot_be_is_refused(options, said):
     with pytest.raises(SettingError, match=said):
         session.Virtual(**options)
+
+
+@pytest.mark.parametrize("port", [99999, -1, "a"])
+def test_a_port_that_cannot_be_is_refused(port):
+    with pytest.raises(SettingError, match=r"port: expected a whole number from 0 to 65535"):
+        session.Pages(port=port)
+
+
+def test_pages_are_refused_where_an_event_loop_runs_and_nothing_is_begun(study):
+    async def cell():
+        session.run(study, "P01", virtual=SEED, pages=session.Pages(port=0))
+
+    with pytest.raises(SettingError, match="expected a thread without a running event loop"):
+        asyncio.run(cell())
+    assert not study.data.exists()
+
+
+def test_a_folder_is_no_file_for_the_truth(tmp_path):
+    with pytest.raises(SettingError, match="expected a file, but found a folder"):
+        session.Virtual(truth=tmp_path)
 
 
 def test_the_pages_answer_until_the_session_has_ended(study):
