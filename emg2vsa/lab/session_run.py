@@ -134,8 +134,8 @@ def resume(
 ) -> SessionEnd:
     """Go on with a session that ended before its last press, in the order of presses that was drawn for it.
 
-    Parameters and errors are those of `run`, but DataError says that there is no session to resume, or that it is
-    complete. A press that was under way is repeated.
+    Parameters and errors are those of `run`, but DataError says that there is no session to resume. A press that was
+    under way is repeated. A session that is complete presses nothing, and its recordings are written and judged again.
 
     Examples
     --------

@@ -90,8 +90,7 @@ def run(given: Given) -> list[Path]:
     for left in given.folder.glob(f".{given.item}.*unfinished"):  # by a process that was killed
         shutil.rmtree(left, ignore_errors=True)
     try:
-        effect = effect_of(used["emulated"], plan.schedule, schedules)
-        _record(plan, used["rig"], used["emulated"], unfinished, effect)
+        _record(plan, used["rig"], used["emulated"], unfinished, effect_of(used["emulated"], plan.schedule, schedules))
         shutil.rmtree(made, ignore_errors=True)
         unfinished.rename(made)
     except BaseException:
@@ -101,11 +100,7 @@ def run(given: Given) -> list[Path]:
 
 
 def _record(
-    plan: RunPlan,
-    rig: RigSettings,
-    emulated: EmulatedSettings,
-    folder: Path,
-    effect: ArtificialEffect | None,
+    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, effect: ArtificialEffect | None
 ) -> None:
     """Carry the run out, whole: what a guard of the emulated rig ends is a result, what the computer ends is none.
 
@@ -119,8 +114,7 @@ def _record(
     from emg2vsa.rig.record.new_folder import how_ended
 
     try:
-        started = datetime.fromisoformat(STARTED)
-        ended = run_virtual(plan, rig, emulated, folder, started=started, effect=effect)
+        ended = run_virtual(plan, rig, emulated, folder, started=datetime.fromisoformat(STARTED), effect=effect)
     except DeviceError as error:
         raise OSError(errno.EIO, str(error)) from error
     if ended.how == "interrupted":
