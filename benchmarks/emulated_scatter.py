@@ -28,7 +28,7 @@ from casr.specimens import SPECIMENS
 from casr.spread import spread_rate
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.runs_calibration import calibrate_runs
-from emg2vsa.rig.clock import VirtualClock
+from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.truth import TrueLoading, read_truth

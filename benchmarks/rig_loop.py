@@ -13,7 +13,7 @@ from dataclasses import asdict
 import numpy as np
 
 from benchmarks.rig.loop_run import LoopReport, run_loop
-from emg2vsa.rig.clock import LoopTiming
+from emg2vsa.devices.clock import LoopTiming
 
 MOST_P999, MOST_P99, MOST_P99_MS = 2.0, 3.0, 1.0
 """Period errors of the loop over those of one with nothing to do; or those of 99 % of turns in ms."""

@@ -35,9 +35,9 @@ from benchmarks.browser import Browser, Window, running
 from benchmarks.session_over_ports import PALPATION, free_port
 from emg2vsa import artifacts
 from emg2vsa.cli.progress import progress
+from emg2vsa.devices.clock import WallClock
 from emg2vsa.fits import usable
 from emg2vsa.pipeline.run_study import run_study
-from emg2vsa.rig.clock import WallClock
 from emg2vsa.rig_file import load_rig
 from emg2vsa.session.emulated.mistakes import parse_mistakes
 from emg2vsa.session.emulated.participant import EmulatedParticipant

@@ -37,7 +37,7 @@ RESULT = Path(__file__).parent / "results" / "session_kill.md"
 
 def child(study_file: Path, participant: str, resume: bool, measure: bool, out: int) -> None:
     """A sitting; one line to ``out`` for each state and each verdict that a page would show."""
-    from emg2vsa.rig.clock import FastClock
+    from emg2vsa.devices.clock import FastClock
     from emg2vsa.session.emulated.mistakes import parse_mistakes
     from emg2vsa.session.emulated.operator import EmulatedOperator
     from emg2vsa.session.emulated.simulated import simulate

@@ -81,7 +81,7 @@ b_v = {{ {b_v} }}
 
 def play(minutes: float, longest_s: float, at_once: bool) -> dict[str, str]:
     """A session until so many minutes have passed on its clock, or so many seconds on the wall."""
-    from emg2vsa.rig.clock import Clock, VirtualClock, WallClock
+    from emg2vsa.devices.clock import Clock, VirtualClock, WallClock
     from emg2vsa.session.emulated.operator import EmulatedOperator
     from emg2vsa.session.emulated.participant import EmulatedParticipant
     from emg2vsa.session.emulated.person import person_of
@@ -158,7 +158,7 @@ def _run(desk, clock, beside: Callable[[float], None]):  # type: ignore[no-untyp
     """As ``SessionDesk.run``, with the timing of its beat."""
     from contextlib import nullcontext
 
-    from emg2vsa.rig.clock import VirtualClock, undisturbed
+    from emg2vsa.devices.clock import VirtualClock, undisturbed
 
     with nullcontext() if isinstance(clock, VirtualClock) else undisturbed():
         return desk.run(clock, beside)

@@ -29,6 +29,7 @@ from unittest import mock
 
 import numpy as np
 
+from emg2vsa.devices.streams import Block, StreamInfo
 from emg2vsa.durable.system import OperatingSystem
 from emg2vsa.session.journal import (
     JOURNAL_FILE,
@@ -45,7 +46,6 @@ from emg2vsa.session.journal import line_bytes as journal_line
 from emg2vsa.session.plan import PLAN_FILE, Plan, draw_presses
 from emg2vsa.session.raw_files import SampleFile
 from emg2vsa.session.record import SessionRecord, new_session, resume_session
-from emg2vsa.session.streams import Block, StreamInfo
 from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
 
 SECTOR = 512

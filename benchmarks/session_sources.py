@@ -17,11 +17,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.rig.clock import WallClock, undisturbed
-from emg2vsa.rig.device_settings import ForceSettings
+from emg2vsa.devices.clock import WallClock, undisturbed
+from emg2vsa.devices.device_settings import ForceSettings
+from emg2vsa.devices.streams import Source
 from emg2vsa.session.open_sources import source_makers
 from emg2vsa.session.sample_clock import SampleClock
-from emg2vsa.session.streams import Source
 from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
 
 FRAME_HZ = 1 / 0.0135
@@ -120,11 +120,11 @@ def clocks(tries: int, duration_s: float = 70.0) -> None:
 
 def serve(pipe: Connection) -> None:
     """The emulated devices: 16 sensors and a box, until the pipe says so."""
-    from emg2vsa.rig.emulated.rdt_server import RdtServer
+    from emg2vsa.rig.emulated.netft.server import RdtServer
     from emg2vsa.session.emulated.participant import EmulatedParticipant
     from emg2vsa.session.emulated.person import Person, Response
     from emg2vsa.session.emulated.serve import force_box
-    from emg2vsa.session.emulated.trigno_server import TrignoServer
+    from emg2vsa.session.emulated.trigno.server import TrignoServer
 
     clock = WallClock()
     slots = {slot: f"M{slot}" for slot in range(1, 17)}

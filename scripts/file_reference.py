@@ -16,7 +16,8 @@ from types import ModuleType
 from typing import Any, Literal, Union
 
 from emg2vsa import session_settings, settings
-from emg2vsa.rig import device_settings, experiment, rig_settings
+from emg2vsa.devices import device_settings
+from emg2vsa.rig import experiment, rig_settings
 from emg2vsa.rig.emulated import settings as emulated
 from emg2vsa.rig_file import tables as rig_tables
 from emg2vsa.settings import PAPER, Limit

@@ -52,7 +52,7 @@ def beat(size: Size) -> Iterator[Case]:
         raise NotHere("beat of the loop: needs Linux")
     from benchmarks.rig.child import bare_loop
     from benchmarks.rig.loop_run import run_loop
-    from emg2vsa.rig.clock import undisturbed
+    from emg2vsa.devices.clock import undisturbed
 
     seconds = size.pick(2.0, 20.0)
 

@@ -10,7 +10,7 @@ import sys
 import threading
 from dataclasses import asdict
 
-from emg2vsa.rig.clock import Beat, WallClock, ahead
+from emg2vsa.devices.clock import Beat, WallClock, ahead
 
 
 def main() -> None:

@@ -11,8 +11,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import IO
 
-from emg2vsa.rig.clock import LEAST_PRIORITY, LoopTiming
-from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, DeviceSettings, ForceSettings
+from emg2vsa.devices.clock import LEAST_PRIORITY, LoopTiming
+from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, DeviceSettings, ForceSettings
 
 HOG = "while True: pass"
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from benchmarks.rig.logs import read_log
 from benchmarks.rig.plans import modular_plan, rigid_plan
-from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.devices import Devices, ForceSample, ForceSensor
+from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.protocols import Devices, ForceSample, ForceSensor
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.execute import execute

@@ -12,20 +12,20 @@ from datetime import UTC, datetime
 from pathlib import Path
 from unittest import mock
 
+from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.protocols import Actuator, Devices
+from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.qbmove.packets import Command, frame
+from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.devices import Actuator, Devices
 from emg2vsa.rig.emulated.bench import DEVICE_ID, EmulatedRig
-from emg2vsa.rig.emulated.box_faults import BoxFaults
-from emg2vsa.rig.emulated.camera import CameraFaults
+from emg2vsa.rig.emulated.camera.frames import CameraFaults
 from emg2vsa.rig.emulated.fault_words import put
 from emg2vsa.rig.emulated.faults import WireLine
+from emg2vsa.rig.emulated.netft.faults import BoxFaults
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.qbmove.driver import Qbmove
-from emg2vsa.rig.qbmove.packets import Command, frame
-from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
 

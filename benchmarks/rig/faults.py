@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 from benchmarks.rig.fault_bench import Built, FaultBench, Strike
+from emg2vsa.devices.netft import rdt
+from emg2vsa.devices.qbmove.packets import Command
 from emg2vsa.rig.emulated.fault_words import put
-from emg2vsa.rig.force import rdt
-from emg2vsa.rig.qbmove.packets import Command
 from emg2vsa.rig.rig_settings import RigSettings
 
 

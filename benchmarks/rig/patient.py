@@ -12,16 +12,16 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from benchmarks.rig.plans import modular_plan
-from emg2vsa.rig.camera.opencv_camera import OpenCvCamera
-from emg2vsa.rig.clock import WallClock
-from emg2vsa.rig.device_settings import DeviceSettings
-from emg2vsa.rig.devices import Devices
+from emg2vsa.devices.clock import WallClock
+from emg2vsa.devices.device_settings import DeviceSettings
+from emg2vsa.devices.netft.driver import open_net_ft
+from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
+from emg2vsa.devices.protocols import Devices
+from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.serial_line import SerialLine
+from emg2vsa.devices.serial_speed import BAUD
 from emg2vsa.rig.executor.execute import execute
-from emg2vsa.rig.force.net_ft import open_net_ft
-from emg2vsa.rig.qbmove.driver import Qbmove
-from emg2vsa.rig.qbmove.transport import SerialLine
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
-from emg2vsa.rig.serial_speed import BAUD
 from emg2vsa.study_file.problems import checked
 
 LONG_S = 2.0

@@ -10,7 +10,7 @@ import sys
 import time
 
 from benchmarks.rig.plans import SPECIMEN
-from emg2vsa.rig.clock import WallClock
+from emg2vsa.devices.clock import WallClock
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings

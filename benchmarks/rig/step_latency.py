@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from emg2vsa.actuator import Springs
-from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.devices import Actuator, Measurements
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.protocols import Actuator, Measurements
 from emg2vsa.rig.record.run_log import Row
 
 SETTLED = 0.9

@@ -12,12 +12,15 @@ from pathlib import Path
 from typing import Any
 
 from casr.atomic import write_text_atomic
+from emg2vsa.devices.clock import WallClock
+from emg2vsa.devices.protocols import Measurements
+from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.qbmove.info import Parameter, QbmoveInfo
 from emg2vsa.errors import SettingError
 from emg2vsa.lab.device_states import shown
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.real_press import SAID
 from emg2vsa.lab.rig_lock import rig_lock
-from emg2vsa.rig.clock import WallClock
 from emg2vsa.rig.commissioning.hand_motion import (
     FASTEST_DEG_PER_S,
     LIMIT_SHARE,
@@ -26,11 +29,8 @@ from emg2vsa.rig.commissioning.hand_motion import (
     HandMotion,
 )
 from emg2vsa.rig.commissioning.watchdog import WatchdogProof, prove_watchdog, write_proof
-from emg2vsa.rig.devices import Measurements
 from emg2vsa.rig.open_rig import OpenRig, board_info, board_settings, open_board, open_force, open_rig
 from emg2vsa.rig.plan import RIGID, Condition
-from emg2vsa.rig.qbmove.driver import Qbmove
-from emg2vsa.rig.qbmove.info import Parameter, QbmoveInfo
 from emg2vsa.rig_file import RigFile
 
 _SIGNALS = ("SIGTERM", "SIGHUP", "SIGQUIT")

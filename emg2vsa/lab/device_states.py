@@ -7,21 +7,21 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
 
+from emg2vsa.devices.clock import Clock, WallClock
+from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings, MotorSettings
+from emg2vsa.devices.netft.driver import NetFt
+from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.qbmove.info import Parameter, QbmoveInfo, check_kind
+from emg2vsa.devices.qbmove.limits import QbmoveLimits
+from emg2vsa.devices.qbmove.scan import qbmove_ports
+from emg2vsa.devices.qbmove.scan import scan as answering
+from emg2vsa.devices.serial_line import SerialLine
+from emg2vsa.devices.serial_speed import BAUD, Baud
 from emg2vsa.errors import DeviceError, InputError
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.rig_lock import rig_lock
-from emg2vsa.rig.clock import Clock, WallClock
-from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, ForceSettings, MotorSettings
-from emg2vsa.rig.force.net_ft import NetFt
 from emg2vsa.rig.open_rig import board_info, open_board, open_camera, open_force, within_device
-from emg2vsa.rig.qbmove.driver import Qbmove
-from emg2vsa.rig.qbmove.info import Parameter, QbmoveInfo, check_kind
-from emg2vsa.rig.qbmove.limits import QbmoveLimits
-from emg2vsa.rig.qbmove.scan import qbmove_ports
-from emg2vsa.rig.qbmove.scan import scan as answering
-from emg2vsa.rig.qbmove.transport import SerialLine
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
-from emg2vsa.rig.serial_speed import BAUD, Baud
 from emg2vsa.rig_file import RigFile
 
 _WATCH_S = 1.0

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from casr.atomic import write_text_atomic
+from emg2vsa.devices.clock import WallClock, undisturbed
 from emg2vsa.errors import SettingError
-from emg2vsa.rig.clock import WallClock, undisturbed
 from emg2vsa.rig.emulated.bench import DEVICE_ID, EmulatedRig
 from emg2vsa.rig.emulated.controls import ARTIFICIAL
 from emg2vsa.rig.emulated.fault_words import help_text, put

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from emg2vsa.rig.clock import LoopTiming
+from emg2vsa.devices.clock import LoopTiming
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
 

@@ -11,9 +11,9 @@ from casr.camera import Camera
 from casr.frame_files import read_camera
 from emg2vsa.calibration.online import OnlineCalibration, reachable_width
 from emg2vsa.calibration_file import open_calibration
+from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.errors import SettingError
 from emg2vsa.lab.person import Person
-from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, KappaPlan, last_rows
 from emg2vsa.rig.plan import RIGID, RunPlan

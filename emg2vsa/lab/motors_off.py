@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from emg2vsa.devices.clock import WallClock
+from emg2vsa.devices.device_settings import ActuatorSettings, MotorSettings
+from emg2vsa.devices.protocols import Measurements
 from emg2vsa.errors import DeviceError
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.rig_lock import end_user, stop_unnamed_run
-from emg2vsa.rig.clock import WallClock
-from emg2vsa.rig.device_settings import ActuatorSettings, MotorSettings
-from emg2vsa.rig.devices import Measurements
 from emg2vsa.rig.open_rig import open_board
 from emg2vsa.rig_file import load_rig
 

@@ -15,18 +15,18 @@ from typing import Self
 from casr.atomic import write_text_atomic
 from casr.frame_files import write_camera
 from casr.frame_files.folder import CAMERA_FILE
+from emg2vsa.devices.clock import Clock, WallClock, undisturbed
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.lab.ending import told
 from emg2vsa.lab.judging import say_kappa, say_reachable
 from emg2vsa.lab.person import Person, Say
 from emg2vsa.lab.rig_lock import rig_lock
-from emg2vsa.rig.clock import Clock, WallClock, undisturbed
 from emg2vsa.rig.commissioning.watchdog import WatchdogProof, read_proofs
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.guards import laxer_guards
+from emg2vsa.rig.executor.moving_average import MovingAverage
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.executor.stop_requests import StopRequests
-from emg2vsa.rig.force.moving_average import MovingAverage
 from emg2vsa.rig.kappa.judges import write_about
 from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, KappaPlan
 from emg2vsa.rig.kappa.own_process import OwnProcess

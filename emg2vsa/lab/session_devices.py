@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from emg2vsa.devices.clock import Clock, FastClock, WallClock
+from emg2vsa.devices.device_settings import ForceSettings
 from emg2vsa.errors import SettingError
-from emg2vsa.rig.clock import Clock, FastClock, WallClock
-from emg2vsa.rig.device_settings import ForceSettings
 from emg2vsa.rig_file import load_rig
 from emg2vsa.session.emulated.mistakes import Mistake, parse_mistakes
 from emg2vsa.session.emulated.participant import EmulatedParticipant

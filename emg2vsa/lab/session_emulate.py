@@ -6,15 +6,15 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 
+from emg2vsa.devices.clock import Clock
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.lab.session_devices import Virtual, rig_force
-from emg2vsa.rig.clock import Clock
 from emg2vsa.session.emulated.operator import EmulatedOperator
 from emg2vsa.session.emulated.page_follower import FollowedOperator, FollowedPage
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import person_of
 from emg2vsa.session.emulated.serve import Served, serve
-from emg2vsa.session.emulated.trigno_server import START_DELAY_S
+from emg2vsa.session.emulated.trigno.server import START_DELAY_S
 from emg2vsa.session.open_session import settings_of
 from emg2vsa.study import Study
 

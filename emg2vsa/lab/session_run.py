@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
+from emg2vsa.devices.clock import Clock, VirtualClock, WallClock, undisturbed
 from emg2vsa.errors import SettingError
 from emg2vsa.lab.session_devices import Virtual, devices
 from emg2vsa.lab.session_finish import SILENT, FinishedSession, finish
 from emg2vsa.pipeline.run_study import Progress
-from emg2vsa.rig.clock import Clock, VirtualClock, WallClock, undisturbed
 from emg2vsa.session.desk import SessionDesk
 from emg2vsa.session.emulated.operator import EmulatedOperator
 from emg2vsa.session.emulated.participant import EmulatedParticipant

@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from emg2vsa.devices.clock import LATE_PERIODS
 from emg2vsa.errors import RecordingError
 from emg2vsa.live.kappa_view import KappaTail
 from emg2vsa.live.log_tail import LogTail
 from emg2vsa.live.run_facts import RunFacts, read_ending, read_run
 from emg2vsa.live.snapshot import Curves, Snapshot, curves_of
-from emg2vsa.rig.clock import LATE_PERIODS
 from emg2vsa.rig.executor.stop_requests import stop_requested
 from emg2vsa.rig.record.new_folder import PLAN_FILE
 from emg2vsa.rig.record.press_counts import forces_of, largest_forces

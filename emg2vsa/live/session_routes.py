@@ -14,8 +14,8 @@ from starlette.requests import Request as WebRequest
 from starlette.responses import JSONResponse, PlainTextResponse, Response, StreamingResponse
 from starlette.routing import BaseRoute, Route
 
+from emg2vsa.devices.clock import Clock, FastClock
 from emg2vsa.live.server import Pages, file_routes
-from emg2vsa.rig.clock import Clock, FastClock
 from emg2vsa.session.views import REQUESTS, Desk, ForceMessage, Request, ScreenReport
 
 _FORCE_PERIOD_S = 0.004

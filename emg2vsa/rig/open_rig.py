@@ -10,10 +10,8 @@ from typing import Any
 import cv2
 
 from emg2vsa.ati.cal_file import read_calibration
-from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.rig.camera.opencv_camera import OpenCvCamera
-from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.device_settings import (
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.device_settings import (
     ActuatorSettings,
     CameraSettings,
     DeviceSettings,
@@ -21,16 +19,18 @@ from emg2vsa.rig.device_settings import (
     Generation,
     MotorSettings,
 )
-from emg2vsa.rig.devices import Devices, ForceSensor
-from emg2vsa.rig.force.daq_ft import DaqFt
-from emg2vsa.rig.force.net_ft import NetFt, open_net_ft
-from emg2vsa.rig.force.ni_volts import NiVolts
+from emg2vsa.devices.netft.driver import NetFt, open_net_ft
+from emg2vsa.devices.ni_daq.gauges import DaqFt
+from emg2vsa.devices.ni_daq.volts import NiVolts
+from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
+from emg2vsa.devices.protocols import Devices, ForceSensor
+from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.qbmove.info import QbmoveInfo, check_kind
+from emg2vsa.devices.qbmove.limits import roomy_positions
+from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
+from emg2vsa.devices.serial_line import SerialLine
+from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.plan import RIGID, Condition
-from emg2vsa.rig.qbmove.driver import Qbmove
-from emg2vsa.rig.qbmove.info import QbmoveInfo, check_kind
-from emg2vsa.rig.qbmove.limits import roomy_positions
-from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
-from emg2vsa.rig.qbmove.transport import SerialLine
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
 

@@ -8,14 +8,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from emg2vsa.rig.device_settings import LOST_S
+from emg2vsa.devices.device_settings import LOST_S
 from emg2vsa.settings import TICKS_PER_TURN, Ge, Gt, Le, NonNegative, Positive
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from emg2vsa.rig.devices import ForceSample
+    from emg2vsa.devices.protocols import ForceSample
 
 
 @dataclass(frozen=True)

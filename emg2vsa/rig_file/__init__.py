@@ -6,7 +6,7 @@ import os
 from dataclasses import fields, replace
 from pathlib import Path
 
-from emg2vsa.rig.device_settings import DeviceSettings
+from emg2vsa.devices.device_settings import DeviceSettings
 from emg2vsa.rig.emulated.controls import controlled, counterparts
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig_file.checks import problems_across

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from emg2vsa.rig.device_settings import LARGEST_PRESS_BYTES, CameraSettings
+from emg2vsa.devices.device_settings import LARGEST_PRESS_BYTES, CameraSettings
 from emg2vsa.rig.emulated.controls import ARTIFICIAL, contradictions
 from emg2vsa.rig.emulated.settings import INTERNAL_RATE_HZ, VISCOELASTIC_KEYS, EmulatedSettings
 from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings

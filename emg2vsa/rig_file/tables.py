@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from emg2vsa.rig.device_settings import (
+from emg2vsa.devices.device_settings import (
     ActuatorSettings,
     CameraSettings,
     DeviceSettings,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from emg2vsa.rig.clock import Beat, Clock, LoopTiming
+from emg2vsa.devices.clock import Beat, Clock, LoopTiming
 from emg2vsa.session.operator_requests import ask
 from emg2vsa.session.page_states import operator_state, participant_state
 from emg2vsa.session.session import TURN_S, Session

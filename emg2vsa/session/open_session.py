@@ -8,8 +8,8 @@ from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
 
+from emg2vsa.devices.clock import Clock
 from emg2vsa.errors import SettingError
-from emg2vsa.rig.clock import Clock
 from emg2vsa.session.dataset import refuse_foreign
 from emg2vsa.session.desk import SessionDesk
 from emg2vsa.session.open_sources import Maker

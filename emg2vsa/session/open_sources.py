@@ -6,17 +6,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from emg2vsa.ati.cal_file import read_calibration
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.device_settings import ForceSettings
+from emg2vsa.devices.lsl.driver import LslSource, load_pylsl
+from emg2vsa.devices.netft.driver import open_net_ft
+from emg2vsa.devices.ni_daq.emg import NiEmg, NiInputs, emg_inputs
+from emg2vsa.devices.ni_daq.gauges import DaqFt
+from emg2vsa.devices.ni_daq.volts import load_nidaqmx
+from emg2vsa.devices.rig_force import RigForce, unit_axis
+from emg2vsa.devices.streams import Source
+from emg2vsa.devices.trigno.driver import TrignoSource, places_of
 from emg2vsa.errors import SettingError
-from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.device_settings import ForceSettings
-from emg2vsa.rig.force.daq_ft import DaqFt
-from emg2vsa.rig.force.net_ft import open_net_ft
-from emg2vsa.rig.force.ni_volts import load_nidaqmx
-from emg2vsa.session.sources.lsl import LslSource, load_pylsl
-from emg2vsa.session.sources.ni_daq import NiEmg, NiInputs, emg_inputs
-from emg2vsa.session.sources.rig_force import RigForce, unit_axis
-from emg2vsa.session.sources.trigno import TrignoSource, places_of
-from emg2vsa.session.streams import Source
 from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
 
 STALE_S = 1.0

@@ -22,10 +22,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.devices.streams import Block, StreamInfo
 from emg2vsa.durable.sealed_file import SealedFile
 from emg2vsa.durable.writer import Writer
 from emg2vsa.errors import DataError
-from emg2vsa.session.streams import Block, StreamInfo
 
 _MAGIC, _BLOCK = b"E2VSAMP1", b"BLK1"
 _HEAD = struct.Struct("<IIQdI")

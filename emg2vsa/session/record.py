@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 
 from casr.atomic import write_bytes_atomic
+from emg2vsa.devices.streams import StreamInfo
 from emg2vsa.durable.sealed_file import SealedFile
 from emg2vsa.durable.system import SYSTEM, OperatingSystem
 from emg2vsa.durable.writer import Writer
@@ -40,7 +41,6 @@ from emg2vsa.session.journal import (
 )
 from emg2vsa.session.plan import PLAN_FILE, Plan, PlannedPress, plan_bytes, read_plan
 from emg2vsa.session.raw_files import SampleWriter
-from emg2vsa.session.streams import StreamInfo
 from emg2vsa.session_settings import PARTICIPANT_CODE
 
 LOCK_FILE = ".lock"

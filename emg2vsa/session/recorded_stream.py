@@ -9,12 +9,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from emg2vsa.arrays import Floats
+from emg2vsa.devices.streams import Source, StreamCounts, StreamInfo
 from emg2vsa.errors import DeviceError, Emg2vsaError
 from emg2vsa.session.journal import ClockFitted, SamplesLost
 from emg2vsa.session.raw_files import SampleWriter
 from emg2vsa.session.record import SessionRecord
 from emg2vsa.session.sample_clock import SampleClock
-from emg2vsa.session.streams import Source, StreamCounts, StreamInfo
 from emg2vsa.session.views import DeviceView
 
 SILENT_S, LOST_S = 0.3, 1.5

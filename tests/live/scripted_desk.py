@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from emg2vsa.rig.clock import Clock
+from emg2vsa.devices.clock import Clock
 from emg2vsa.session.views import (
     DeviceView,
     Direction,

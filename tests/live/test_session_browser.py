@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from benchmarks.browser import CHROMIUM, running
-from emg2vsa.rig.clock import WallClock
+from emg2vsa.devices.clock import WallClock
 from emg2vsa.session.views import Request
 from tests.live.scripted_desk import PLAN, TOO_FAST, ScriptedDesk
 from tests.live.test_session_routes import Served

@@ -6,7 +6,7 @@ from dataclasses import asdict, replace
 
 import pytest
 
-from emg2vsa.rig.clock import VirtualClock
+from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.session.views import Request
 from tests.live.scripted_desk import TOO_FAST, ScriptedDesk
 

@@ -16,10 +16,10 @@ from dataclasses import fields
 import pytest
 from starlette.testclient import TestClient
 
+from emg2vsa.devices.clock import VirtualClock, WallClock, undisturbed
 from emg2vsa.errors import SettingError
 from emg2vsa.live.server import HOST, TOKEN_HEADER, application, listening, own_address, serve
 from emg2vsa.live.session_routes import MOST_VIEWERS, participant_events, session_pages
-from emg2vsa.rig.clock import VirtualClock, WallClock, undisturbed
 from emg2vsa.session.views import OperatorState, ParticipantState, Request
 from tests.live.scripted_desk import PLAN, ScriptedDesk
 

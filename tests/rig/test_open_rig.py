@@ -9,16 +9,22 @@ from typing import Any
 
 import pytest
 
+from emg2vsa.devices.clock import WallClock
+from emg2vsa.devices.device_settings import (
+    ActuatorSettings,
+    CameraSettings,
+    DeviceSettings,
+    ForceSettings,
+    MotorSettings,
+)
+from emg2vsa.devices.qbmove.info import QbmoveInfo
+from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig import open_rig as module
-from emg2vsa.rig.clock import WallClock
-from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, DeviceSettings, ForceSettings, MotorSettings
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.open_rig import open_force, open_rig, within_device
-from emg2vsa.rig.qbmove.info import QbmoveInfo
-from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
 PATIENT = RigSettings(guards=GuardSettings(stale_s=2.0, camera_s=5.0))

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from emg2vsa.rig.clock import LEAST_PRIORITY, undisturbed
+from emg2vsa.devices.clock import LEAST_PRIORITY, undisturbed
 
 
 def test_everything_is_as_before_after_an_error() -> None:

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from emg2vsa.devices.device_settings import ForceSettings
 from emg2vsa.errors import SettingError
-from emg2vsa.rig.device_settings import ForceSettings
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.rig_file import RigFile, load_rig
@@ -105,7 +105,7 @@ def test_it_shows_every_guard() -> None:
 def test_reading_a_rig_file_loads_no_heavy_library() -> None:
     code = (
         "import sys; from emg2vsa.rig_file import load_rig; load_rig(sys.argv[1]);"
-        "heavy = {'numpy', 'scipy', 'cv2', 'pandas', 'serial', 'casr.synthetic', 'emg2vsa.rig.qbmove.driver'};"
+        "heavy = {'numpy', 'scipy', 'cv2', 'pandas', 'serial', 'casr.synthetic', 'emg2vsa.devices.qbmove.driver'};"
         "print(*heavy & {*sys.modules})"
     )
     command = [sys.executable, "-c", code, str(ROOT / "studies" / "palpation" / "rig.toml")]

@@ -9,9 +9,9 @@ import pytest
 
 from benchmarks.rig.plans import SPECIMEN, modular_plan
 from emg2vsa.cli import main
+from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.protocols import Devices, Frame
 from emg2vsa.errors import RecordingError
-from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.devices import Devices, Frame
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.execute import execute

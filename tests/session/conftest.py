@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.small_study import SIMULATED_SESSION, small_study
-from emg2vsa.rig.clock import VirtualClock
+from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.session.emulated.mistakes import parse_mistakes
 from emg2vsa.session.emulated.operator import EmulatedOperator
 from emg2vsa.session.emulated.participant import EmulatedParticipant

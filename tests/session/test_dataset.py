@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from benchmarks.small_study import SIMULATED_SESSION, small_study
+from emg2vsa.devices.streams import Block, StreamInfo
 from emg2vsa.errors import DataError, RecordingError, SettingError
 from emg2vsa.pipeline.stages.trials import trials_of
 from emg2vsa.readers.bids_sidecars import session_events
@@ -36,7 +37,6 @@ from emg2vsa.session.journal import (
 from emg2vsa.session.plan import Plan, draw_presses
 from emg2vsa.session.record import SessionRecord, new_session, resume_session, session_folder
 from emg2vsa.session.stays import data_record
-from emg2vsa.session.streams import Block, StreamInfo
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
 

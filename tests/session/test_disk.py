@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from emg2vsa.devices.streams import Block, StreamInfo
 from emg2vsa.durable import writer as writing
 from emg2vsa.durable.sealed_file import SealedFile
 from emg2vsa.durable.system import OperatingSystem
@@ -23,7 +24,6 @@ from emg2vsa.session.journal import Noted, read_journal
 from emg2vsa.session.plan import Plan, draw_presses
 from emg2vsa.session.raw_files import SampleFile
 from emg2vsa.session.record import SessionRecord, new_session, resume_session
-from emg2vsa.session.streams import Block, StreamInfo
 from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
 
 LINE_END = b"\n"
@@ -180,7 +180,7 @@ import numpy as np
 from emg2vsa.session.journal import Noted
 from emg2vsa.session.plan import Plan, draw_presses
 from emg2vsa.session.record import new_session
-from emg2vsa.session.streams import Block, StreamInfo
+from emg2vsa.devices.streams import Block, StreamInfo
 record = new_session(Path(sys.argv[1]), Plan("disk", "P01", 1, "", ()), time.monotonic)
 stream = record.open_stream("emg", StreamInfo("emg", ("EDC",), "V", 1000.0))
 for i in range(100_000):

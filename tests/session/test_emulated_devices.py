@@ -10,12 +10,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from emg2vsa.devices.clock import FastClock, VirtualClock, WallClock
+from emg2vsa.devices.device_settings import ForceSettings
+from emg2vsa.devices.netft.driver import open_net_ft
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.rig.clock import FastClock, VirtualClock, WallClock
-from emg2vsa.rig.device_settings import ForceSettings
-from emg2vsa.rig.emulated.rdt_server import RdtServer
-from emg2vsa.rig.force.net_ft import open_net_ft
-from emg2vsa.session.emulated.ni_task import EmulatedNi
+from emg2vsa.rig.emulated.netft.server import RdtServer
+from emg2vsa.session.emulated.ni_daq.task import EmulatedNi
 from emg2vsa.session.emulated.page_follower import FollowedOperator, FollowedPage
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import Person, Response
@@ -148,7 +148,7 @@ def test_lsl_streams_say_what_they_are(
     )
     monkeypatch.setenv("LSLAPICFG", str(config))
     pylsl = pytest.importorskip("pylsl")
-    from emg2vsa.session.emulated.lsl_outlets import LslOutlets
+    from emg2vsa.session.emulated.lsl.outlets import LslOutlets
 
     clock = WallClock()
     with LslOutlets(EmulatedParticipant(PERSON), {"EDC": "ch7", "FDS": "ch9"}, clock) as outlets:

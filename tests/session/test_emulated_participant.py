@@ -14,8 +14,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy import signal
 
+from emg2vsa.devices.clock import FastClock, VirtualClock
 from emg2vsa.errors import SettingError
-from emg2vsa.rig.clock import FastClock, VirtualClock
 from emg2vsa.session.emulated.mistakes import parse_mistakes
 from emg2vsa.session.emulated.participant import EmulatedParticipant, TruePress
 from emg2vsa.session.emulated.person import Person, Response, person_of

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from emg2vsa.devices.streams import Block, StreamInfo
 from emg2vsa.errors import DataError, DeviceError, SettingError
 from emg2vsa.session.journal import (
     Begun,
@@ -28,7 +29,6 @@ from emg2vsa.session.journal import (
 from emg2vsa.session.plan import Plan, draw_presses
 from emg2vsa.session.raw_files import SampleFile
 from emg2vsa.session.record import SessionRecord, new_session, resume_session
-from emg2vsa.session.streams import Block, StreamInfo
 from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
 
 SETTINGS = SessionSettings(

@@ -97,7 +97,7 @@ def test_a_session_that_was_killed_goes_on_with_the_same_order_and_repeats_its_p
 
 
 def test_two_processes_cannot_record_one_session_nor_begin_it_twice(play, study_file):
-    from emg2vsa.rig.clock import VirtualClock
+    from emg2vsa.devices.clock import VirtualClock
 
     played = play(operator=False, beside=lambda desk, now_s: desk.ask(Request("end")))
     with (
@@ -108,7 +108,7 @@ def test_two_processes_cannot_record_one_session_nor_begin_it_twice(play, study_
 
 
 def _sources(study):
-    from emg2vsa.rig.clock import VirtualClock
+    from emg2vsa.devices.clock import VirtualClock
     from emg2vsa.session.emulated.simulated import simulate
 
     _, emg, force = simulate(study, study.session, "P03", VirtualClock())
@@ -252,14 +252,14 @@ def test_the_page_of_the_participant_cannot_flood_the_journal(play):
 
 @pytest.mark.realtime
 def test_a_server_that_drops_at_press_7_pauses_the_session_and_the_press_is_repeated(study_file):
-    from emg2vsa.rig.clock import FastClock
+    from emg2vsa.devices.clock import FastClock
+    from emg2vsa.devices.trigno.driver import TrignoSource
     from emg2vsa.session.emulated.operator import EmulatedOperator
     from emg2vsa.session.emulated.simulated import simulate
-    from emg2vsa.session.emulated.trigno_server import TrignoServer
+    from emg2vsa.session.emulated.trigno.server import TrignoServer
     from emg2vsa.session.journal import Judged, PressEnded
     from emg2vsa.session.open_session import folder_of
     from emg2vsa.session.raw_files import SampleFile
-    from emg2vsa.session.sources.trigno import TrignoSource
     from emg2vsa.session_settings import EmgSourceSettings
     from emg2vsa.study_file import load_study
 

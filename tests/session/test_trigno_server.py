@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from emg2vsa.devices.clock import FastClock
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.clock import FastClock
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import Person, Response
-from emg2vsa.session.emulated.trigno_server import Ports, TrignoServer
+from emg2vsa.session.emulated.trigno.server import Ports, TrignoServer
 
 SPEED = 10.0
 SAMPLE, AUX, LEGACY_AUX = 64, 576, 192

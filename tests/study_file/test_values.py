@@ -15,7 +15,7 @@ import annotated_types
 import pytest
 from pydantic import Field, TypeAdapter, ValidationError, create_model
 
-from emg2vsa.rig.device_settings import CameraSettings, ForceSettings
+from emg2vsa.devices.device_settings import CameraSettings, ForceSettings
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.settings import ForceChannelSettings, Limit, StageSettings

@@ -28,9 +28,9 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.devices.device_settings import ActuatorSettings
     from emg2vsa.errors import SettingError
     from emg2vsa.lab.motors_off import board_off, off
-    from emg2vsa.rig.device_settings import ActuatorSettings
 
     if bool(arguments.rig) == bool(arguments.port):
         do = "Name one of them."

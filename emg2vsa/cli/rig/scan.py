@@ -10,7 +10,7 @@ from typing import get_args
 
 from casr.command_line import Commands, add_command, add_json, whole_number
 from emg2vsa.cli.rig.choice import finish, person_of
-from emg2vsa.rig.serial_speed import BAUD, Baud
+from emg2vsa.devices.serial_speed import BAUD, Baud
 
 
 def add_to(commands: Commands) -> None:

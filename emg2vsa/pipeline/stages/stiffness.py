@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     """Of the bench only what moves and creeps: neither its scatter nor its devices."""
-    from emg2vsa.rig.device_settings import RATE_HZ
+    from emg2vsa.devices.device_settings import RATE_HZ
 
     assert campaign.rig is not None
     assert campaign.rig.emulated is not None

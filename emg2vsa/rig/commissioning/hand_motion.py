@@ -16,9 +16,9 @@ import numpy as np
 
 from emg2vsa.actuator import RAD_PER_TICK, ticks_of_percent
 from emg2vsa.arrays import Floats
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.protocols import Devices, ForceSample
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.devices import Devices, ForceSample
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.settings import TICKS_PER_TURN
 

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Literal
 
 from casr.atomic import write_text_atomic
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.qbmove.info import QbmoveInfo
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.qbmove.driver import Qbmove
-from emg2vsa.rig.qbmove.info import QbmoveInfo
 
 Verdict = Literal["motors off", "flag only", "no effect"]
 _SILENCE_S = 0.5

@@ -11,28 +11,28 @@ import numpy as np
 from casr.synthetic import ContactState
 from emg2vsa.actuator import SPRINGS
 from emg2vsa.arrays import Floats
-from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.device_settings import Model
-from emg2vsa.rig.devices import Devices
-from emg2vsa.rig.emulated.box_faults import BoxFaults
-from emg2vsa.rig.emulated.camera import EmulatedCamera
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.device_settings import Model
+from emg2vsa.devices.netft.config import parse_config
+from emg2vsa.devices.netft.datagrams import LoopbackDatagrams
+from emg2vsa.devices.netft.driver import NetFt
+from emg2vsa.devices.protocols import Devices
+from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
+from emg2vsa.rig.emulated.camera.frames import EmulatedCamera
 from emg2vsa.rig.emulated.controls import ArtificialEffect
 from emg2vsa.rig.emulated.direct_drivers import DirectNetFt, DirectQbmove
 from emg2vsa.rig.emulated.fault_plan import FaultPlan
 from emg2vsa.rig.emulated.faults import FaultyWire, WireLine
+from emg2vsa.rig.emulated.netft.box import BoxSettings, RdtBox, configuration_page
+from emg2vsa.rig.emulated.netft.faults import BoxFaults
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.probe import Touch
-from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
-from emg2vsa.rig.emulated.qbmove_switches import ADVANCED, MAKER_PRO
-from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox, configuration_page
+from emg2vsa.rig.emulated.qbmove.firmware import QbmoveFirmware
+from emg2vsa.rig.emulated.qbmove.switches import ADVANCED, MAKER_PRO
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.truth import TrueLoading
 from emg2vsa.rig.emulated.world import World
-from emg2vsa.rig.force.datagrams import LoopbackDatagrams
-from emg2vsa.rig.force.net_ft import NetFt
-from emg2vsa.rig.force.netft_config import parse_config
-from emg2vsa.rig.qbmove.driver import Qbmove
-from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
 from emg2vsa.rig.rig_settings import RigSettings
 
 MOTOR_SPEED_RAD_PER_S = 3.0

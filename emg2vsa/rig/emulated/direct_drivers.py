@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
-from emg2vsa.rig.emulated.rdt_box import RdtBox
-from emg2vsa.rig.force.net_ft import NetFt
-from emg2vsa.rig.force.rdt import Record
-from emg2vsa.rig.qbmove.driver import ON, Qbmove
-from emg2vsa.rig.qbmove.packets import Command
+from emg2vsa.devices.netft.driver import NetFt
+from emg2vsa.devices.netft.rdt import Record
+from emg2vsa.devices.qbmove.driver import ON, Qbmove
+from emg2vsa.devices.qbmove.packets import Command
+from emg2vsa.rig.emulated.netft.box import RdtBox
+from emg2vsa.rig.emulated.qbmove.firmware import QbmoveFirmware
 
 _RESTLESS_COUNTS = 100
 "Noise of this standard deviation never leaves all six counts of a record as those of the one before."

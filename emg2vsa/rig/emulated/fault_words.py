@@ -8,10 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
+from emg2vsa.devices.qbmove.packets import Command
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.faults import POSITION_COMMANDS
-from emg2vsa.rig.qbmove.packets import Command
 
 Strike = Callable[[EmulatedRig, float], None]
 

@@ -10,9 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.qbmove.packets import HEADER, Command
-from emg2vsa.rig.qbmove.transport import LoopbackLine
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.qbmove.packets import HEADER, Command
+from emg2vsa.devices.serial_line import LoopbackLine
 
 Way = Literal["to device", "to host"]
 Spoil = Callable[[bytes], bytes]

@@ -16,7 +16,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.contact_mechanics import Relaxation, adhesive_force_of_one_n, area_share_of_one, in_series
 from emg2vsa.contact_mechanics.relaxation import specimen_share
 from emg2vsa.errors import SettingError
-from emg2vsa.rig.emulated.camera import FrameTiming
+from emg2vsa.rig.emulated.camera.frames import FrameTiming
 from emg2vsa.rig.emulated.controls import ArtificialEffect
 from emg2vsa.rig.emulated.probe import Touch
 from emg2vsa.rig.emulated.settings import EmulatedSettings

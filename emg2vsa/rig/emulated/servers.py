@@ -14,8 +14,8 @@ from typing import Self
 
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.emulated.bench import EmulatedRig
-from emg2vsa.rig.emulated.camera_server import CameraServer
-from emg2vsa.rig.emulated.rdt_server import RdtServer
+from emg2vsa.rig.emulated.camera.server import CameraServer
+from emg2vsa.rig.emulated.netft.server import RdtServer
 
 if sys.platform != "win32":
     import pty

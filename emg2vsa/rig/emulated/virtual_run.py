@@ -11,8 +11,8 @@ from pathlib import Path
 from casr.atomic import write_text_atomic
 from casr.frame_files import write_camera
 from casr.frame_files.folder import CAMERA_FILE
+from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.controls import ArtificialEffect
 from emg2vsa.rig.emulated.settings import EmulatedSettings

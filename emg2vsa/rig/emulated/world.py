@@ -14,8 +14,8 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.devices.clock import Clock
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.emulated.actuator_joint import Joint, Motors, RigidJoint, SpringJoint
 from emg2vsa.rig.emulated.probe import APART, Force, Probe, Touch
 from emg2vsa.rig.emulated.world_settings import WorldSettings

@@ -10,15 +10,15 @@ from types import TracebackType
 from typing import NamedTuple
 
 from emg2vsa.actuator import ticks_of_percent
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.protocols import Devices, ForceSample
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.devices import Devices, ForceSample
 from emg2vsa.rig.executor.expected import most_past_contact_mm
 from emg2vsa.rig.executor.guards import GUARDS, Check, Moment, tripped
 from emg2vsa.rig.executor.motion import Motion, advance
+from emg2vsa.rig.executor.moving_average import MovingAverage
 from emg2vsa.rig.executor.safe_end import Start
 from emg2vsa.rig.executor.witnesses import Witnesses, at_rest
-from emg2vsa.rig.force.moving_average import MovingAverage
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import EndRun
 from emg2vsa.rig.record.run_log import Row, full_force, loads_of

@@ -8,9 +8,9 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from emg2vsa.devices.clock import Beat, Clock, ahead
+from emg2vsa.devices.protocols import Devices, PressJudge
 from emg2vsa.durable.writer import Writer
-from emg2vsa.rig.clock import Beat, Clock, ahead
-from emg2vsa.rig.devices import Devices, PressJudge
 from emg2vsa.rig.executor.control_cycle import ControlCycle
 from emg2vsa.rig.executor.guards import GUARDS, Check
 from emg2vsa.rig.executor.plan_limits import check_plan, check_rating

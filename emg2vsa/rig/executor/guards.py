@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields
 from functools import lru_cache
 from operator import gt
 
-from emg2vsa.rig.devices import ForceSample, Rating
+from emg2vsa.devices.protocols import ForceSample, Rating
 from emg2vsa.rig.executor.motion import Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 
 from emg2vsa.actuator import ticks_of_percent
+from emg2vsa.devices.protocols import Rating
 from emg2vsa.errors import ScheduleError, SettingError
-from emg2vsa.rig.devices import Rating
 from emg2vsa.rig.executor.expected import largest_force_n
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.rig_settings import RigSettings

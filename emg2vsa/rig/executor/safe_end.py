@@ -7,9 +7,9 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.protocols import Actuator, ForceSample
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.devices import Actuator, ForceSample
 from emg2vsa.rig.executor.witnesses import mean_size
 from emg2vsa.rig.rig_settings import RigSettings
 

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from emg2vsa.actuator import RAD_PER_TICK, Springs, equilibrium_and_preset, motor_positions
-from emg2vsa.rig.devices import ForceSample, Measurements
+from emg2vsa.devices.protocols import ForceSample, Measurements
 from emg2vsa.rig.executor.guards import Seen
 from emg2vsa.rig.executor.motion import Motion, Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings

@@ -11,7 +11,7 @@ import numpy as np
 from casr.atomic import write_text_atomic
 from emg2vsa.calibration.online import NO_GAIN, WIDTH_REACHED
 from emg2vsa.calibration_file import sha256_of
-from emg2vsa.rig.devices import Frame, PressJudge
+from emg2vsa.devices.protocols import Frame, PressJudge
 from emg2vsa.rig.kappa.live_kappa import (
     KAPPA_HEADER,
     Held,

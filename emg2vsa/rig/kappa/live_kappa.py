@@ -22,8 +22,8 @@ from casr.scored import ScoreSettings
 from casr.stream import StreamScorer
 from emg2vsa.calibration.forms import HERTZ
 from emg2vsa.calibration.online import AREA, BOTH, OnlineCalibration, OnlineEstimator, OnlineState
-from emg2vsa.rig.device_settings import RATE_HZ
-from emg2vsa.rig.devices import Frame
+from emg2vsa.devices.device_settings import RATE_HZ
+from emg2vsa.devices.protocols import Frame
 from emg2vsa.settings import RECIPES
 
 KAPPA_FILE = "kappa.csv"

@@ -18,8 +18,8 @@ import cv2
 import numpy as np
 
 from casr.child_process import Child, Pipes
+from emg2vsa.devices.protocols import Frame
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.devices import Frame
 from emg2vsa.rig.kappa.judges import new_rows, stop_text, stop_word
 from emg2vsa.rig.kappa.live_kappa import Held, KappaPlan, LiveKappa, Rows, Tally, line_of
 

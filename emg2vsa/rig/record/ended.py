@@ -6,7 +6,7 @@ import json
 from dataclasses import asdict, dataclass, field
 from typing import Literal
 
-from emg2vsa.rig.clock import LoopTiming
+from emg2vsa.devices.clock import LoopTiming
 
 How = Literal["completed", "rejected", "stopped", "interrupted", "guard", "failed", "killed"]
 _ROOM_BYTES = 8192

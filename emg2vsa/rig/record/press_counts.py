@@ -11,8 +11,8 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Literal
 
-from emg2vsa.rig.clock import LATE_PERIODS
-from emg2vsa.rig.devices import ForceCounts, Frame
+from emg2vsa.devices.clock import LATE_PERIODS
+from emg2vsa.devices.protocols import ForceCounts, Frame
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import LossSettings, RigSettings
 

@@ -7,10 +7,10 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from emg2vsa.devices.protocols import ForceSample
 from emg2vsa.durable.append_file import AppendFile
 from emg2vsa.durable.writer import AT_ONCE, Writer
 from emg2vsa.errors import RecordingError
-from emg2vsa.rig.devices import ForceSample
 
 GOING_IN = ("approach", "contact", "load")
 "Phases in which the travel of the probe counts: the contact begins before the loading does."

@@ -14,10 +14,10 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
+from emg2vsa.devices.protocols import ForceCounts, ForceSample, Frame, PressJudge
 from emg2vsa.durable.append_file import AppendFile
 from emg2vsa.durable.writer import AT_ONCE, Writer
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.devices import ForceCounts, ForceSample, Frame, PressJudge
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended, ended_bytes
 from emg2vsa.rig.record.new_folder import PLAN_FILE

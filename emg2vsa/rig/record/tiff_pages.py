@@ -16,10 +16,10 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.devices.device_settings import LARGEST_PRESS_BYTES
 from emg2vsa.durable.append_file import AppendFile
 from emg2vsa.durable.writer import AT_ONCE, Writer
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.device_settings import LARGEST_PRESS_BYTES
 
 _SHORT, _LONG = 3, 4
 _WIDTH, _HEIGHT, _BITS, _COMPRESSION, _PHOTOMETRIC = 256, 257, 258, 259, 262

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from emg2vsa.devices.clock import FastClock, WallClock
+from emg2vsa.devices.device_settings import ForceSettings
+from emg2vsa.devices.trigno.driver import places_of
 from emg2vsa.errors import SettingError
-from emg2vsa.rig.clock import FastClock, WallClock
-from emg2vsa.rig.device_settings import ForceSettings
-from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox
-from emg2vsa.rig.emulated.rdt_server import RdtServer
-from emg2vsa.session.emulated.lsl_outlets import LslOutlets
+from emg2vsa.rig.emulated.netft.box import BoxSettings, RdtBox
+from emg2vsa.rig.emulated.netft.server import RdtServer
+from emg2vsa.session.emulated.lsl.outlets import LslOutlets
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.sensors import felt_n
-from emg2vsa.session.emulated.trigno_server import Ports, TrignoServer
-from emg2vsa.session.sources.trigno import places_of
+from emg2vsa.session.emulated.trigno.server import Ports, TrignoServer
 from emg2vsa.session_settings import TRIGNO_COMMAND_PORT, EmgSourceSettings, SessionSettings
 
 TORQUE_NOISE_NM = 1e-4

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from emg2vsa.rig.clock import Clock
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.streams import Block, StreamCounts, StreamInfo
 from emg2vsa.session.emulated.mistakes import Mistake
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import person_of
 from emg2vsa.session.emulated.sensors import EmgSampler, ForceSampler
-from emg2vsa.session.streams import Block, StreamCounts, StreamInfo
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.study import Study
 
@@ -19,7 +19,7 @@ _FACTS = {"model": "emulated participant"}
 
 
 class SimulatedSource:
-    """A `emg2vsa.session.streams.Source` on a sampler. ``delay_s`` : from the body to arrival."""
+    """A `emg2vsa.devices.streams.Source` on a sampler. ``delay_s`` : from the body to arrival."""
 
     def __init__(self, sampler: EmgSampler | ForceSampler, info: StreamInfo, clock: Clock) -> None:
         self._sampler, self._info, self._clock = sampler, info, clock

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from emg2vsa.cli import main
+from emg2vsa.devices.clock import WallClock
 from emg2vsa.profiles import Profile, Profiles
-from emg2vsa.rig.clock import WallClock
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings

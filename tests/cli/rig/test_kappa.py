@@ -18,7 +18,7 @@ import pytest
 from benchmarks.rig.known_calibration import known_calibration
 from emg2vsa.calibration.online import NO_GAIN, WIDTH_REACHED
 from emg2vsa.calibration_file import write_calibration
-from emg2vsa.rig.clock import FastClock
+from emg2vsa.devices.clock import FastClock
 from emg2vsa.rig.record.new_folder import good_presses
 from emg2vsa.rig.record.press_counts import stopped_presses, verdicts
 from emg2vsa.run_folders.presses import read_presses

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.protocols import Devices
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.commissioning.hand_motion import LIMIT_SHARE, TICKS_PER_DEGREE, HandMotion
-from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.fault_words import put
 from emg2vsa.rig.emulated.settings import EmulatedSettings

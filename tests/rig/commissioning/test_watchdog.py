@@ -7,9 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.qbmove.packets import Command
+from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
 from emg2vsa.lab.real_press import remark
-from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.commissioning.watchdog import (
     WatchdogProof,
     proof_file,
@@ -17,11 +20,8 @@ from emg2vsa.rig.commissioning.watchdog import (
     read_proofs,
     write_proof,
 )
-from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
-from emg2vsa.rig.emulated.qbmove_switches import MAKER_PRO
-from emg2vsa.rig.qbmove.driver import Qbmove
-from emg2vsa.rig.qbmove.packets import Command
-from emg2vsa.rig.qbmove.transport import LoopbackLine
+from emg2vsa.rig.emulated.qbmove.firmware import QbmoveFirmware
+from emg2vsa.rig.emulated.qbmove.switches import MAKER_PRO
 
 
 class Free:

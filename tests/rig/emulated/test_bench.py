@@ -9,24 +9,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from emg2vsa.devices.clock import VirtualClock, WallClock
+from emg2vsa.devices.netft.driver import open_net_ft
+from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
+from emg2vsa.devices.protocols import Devices
+from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
+from emg2vsa.devices.serial_line import LoopbackLine, SerialLine
+from emg2vsa.devices.serial_speed import BAUD
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.rig.camera.opencv_camera import OpenCvCamera
-from emg2vsa.rig.clock import VirtualClock, WallClock
-from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.fault_words import FAULTS, help_text, put
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.execute import execute
-from emg2vsa.rig.force.net_ft import open_net_ft
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.qbmove.driver import Qbmove
-from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
-from emg2vsa.rig.qbmove.transport import LoopbackLine, SerialLine
 from emg2vsa.rig.record.press_counts import BUSY
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
-from emg2vsa.rig.serial_speed import BAUD
 
 ELASTIC = EmulatedSettings(world="elastic")
 

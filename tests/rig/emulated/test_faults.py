@@ -6,10 +6,10 @@ import math
 
 import pytest
 
+from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.device_settings import RATE_HZ
+from emg2vsa.devices.protocols import Devices
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.device_settings import RATE_HZ
-from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.bench import MOTOR_CURRENT_MA, MOTOR_TORQUE_NM, EmulatedRig
 from emg2vsa.rig.emulated.fault_words import FAULTS, put
 from emg2vsa.rig.emulated.settings import EmulatedSettings

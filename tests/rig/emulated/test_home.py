@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from benchmarks.rig.logs import read_log
-from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.devices import Devices
+from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.protocols import Devices
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.fault_words import put
 from emg2vsa.rig.emulated.settings import EmulatedSettings

@@ -15,9 +15,9 @@ from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames, read_force_log
 from casr.scoring import score
 from emg2vsa.arrays import Floats
+from emg2vsa.devices.protocols import Frame
 from emg2vsa.errors import DeviceError, ScheduleError, SettingError
-from emg2vsa.rig.devices import Frame
-from emg2vsa.rig.emulated.camera import EmulatedCamera
+from emg2vsa.rig.emulated.camera.frames import EmulatedCamera
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.plan import RunPlan

@@ -18,9 +18,9 @@ from casr.synthetic import ContactWorld, Scene
 from emg2vsa.actuator import SPRINGS, Springs
 from emg2vsa.arrays import Floats
 from emg2vsa.contact_mechanics import Relaxation
+from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.errors import DataError
-from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.emulated.camera import EmulatedCamera
+from emg2vsa.rig.emulated.camera.frames import EmulatedCamera
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.probe import APART, Touch
 from emg2vsa.rig.emulated.settings import EmulatedSettings, relaxation_at

@@ -10,14 +10,14 @@ import pytest
 
 from casr.specimens import SPECIMENS
 from emg2vsa.actuator import RAD_PER_TICK, SPRINGS
+from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
-from emg2vsa.rig.emulated.qbmove_switches import MAKER_PRO
+from emg2vsa.rig.emulated.qbmove.firmware import QbmoveFirmware
+from emg2vsa.rig.emulated.qbmove.switches import MAKER_PRO
 from emg2vsa.rig.emulated.world import World
 from emg2vsa.rig.emulated.world_settings import WorldSettings
-from emg2vsa.rig.qbmove.driver import Qbmove
-from emg2vsa.rig.qbmove.transport import LoopbackLine
 
 SPEED_RAD_PER_S = 0.5
 "About 5 mm/s through the gear."

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from emg2vsa.actuator import SPRINGS, Springs
+from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.protocols import Devices, ForceCounts, ForceSample, Frame, Measurements, Rating, SensorStatus
 from emg2vsa.errors import DeviceError
 from emg2vsa.profiles import Profile, Profiles
-from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.devices import Devices, ForceCounts, ForceSample, Frame, Measurements, Rating, SensorStatus
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.witnesses import spring_force_n
 from emg2vsa.rig.plan import RunPlan

@@ -15,9 +15,9 @@ import pytest
 
 from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames, read_force_log
+from emg2vsa.devices.clock import LoopTiming
+from emg2vsa.devices.protocols import ForceCounts, Rating
 from emg2vsa.errors import DeviceError, ScheduleError, SettingError
-from emg2vsa.rig.clock import LoopTiming
-from emg2vsa.rig.devices import ForceCounts, Rating
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.new_folder import good_presses
 from emg2vsa.rig.record.press_counts import verdicts
@@ -209,7 +209,7 @@ def test_a_busy_computer_is_named_beside_what_seems_lost(
     new_bench: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     busy = LoopTiming(1000, 0.0, 0.0, 0.0, 0.0, 3, late=11, latest_s=0.0123)
-    monkeypatch.setattr("emg2vsa.rig.clock.Beat.timing", lambda beat: busy)
+    monkeypatch.setattr("emg2vsa.devices.clock.Beat.timing", lambda beat: busy)
     said = "The control loop was late in 11 of 1000 turns, by up to 12 ms: the computer was busy."
     bench = new_bench(fault="dead actuator", fault_s=2.0)
     ended = bench.run(tmp_path / "lost")

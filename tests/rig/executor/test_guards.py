@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from emg2vsa.rig.clock import Beat, VirtualClock
-from emg2vsa.rig.devices import ForceSample, Rating, SensorStatus
+from emg2vsa.devices.clock import Beat, VirtualClock
+from emg2vsa.devices.protocols import ForceSample, Rating, SensorStatus
 from emg2vsa.rig.executor.guards import GUARDS, Moment, Seen, laxer_guards, tripped
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 

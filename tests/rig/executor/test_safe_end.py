@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.devices import ForceSample
+from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.protocols import ForceSample
 from emg2vsa.rig.executor.safe_end import SafeEnd, Start, make_safe
 from emg2vsa.rig.rig_settings import RigSettings
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from benchmarks.rig.plans import modular_plan, rigid_plan
-from emg2vsa.rig.clock import VirtualClock
+from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.fault_words import put
 from emg2vsa.rig.emulated.settings import EmulatedSettings

@@ -16,8 +16,8 @@ from benchmarks.rig.logs import read_log
 from benchmarks.rig.patient import as_json
 from benchmarks.rig.plans import SPECIMEN
 from casr.frame_files import open_frames
-from emg2vsa.rig.clock import WallClock
-from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, DeviceSettings, ForceSettings
+from emg2vsa.devices.clock import WallClock
+from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, DeviceSettings, ForceSettings
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from emg2vsa.rig.devices import ForceCounts, Frame
+from emg2vsa.devices.protocols import ForceCounts, Frame
 from emg2vsa.rig.record.press_counts import HEADER, PRESSES_FILE, PressTally, largest_forces, line_of, verdicts
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import LossSettings, RigSettings

@@ -1,0 +1,1 @@
+"""ATI's Net F/T box and Ethernet Axia: records over UDP, configuration by its web page."""

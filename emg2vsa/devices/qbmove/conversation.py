@@ -1,0 +1,74 @@
+"""Question and answer over a line that may lose bytes: timeouts, retries, resynchronisation, and a count of losses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.qbmove.packets import Reply, Wanted, find_reply, flushing
+from emg2vsa.devices.serial_line import ByteLine
+
+_QUIET_S = 0.05
+_TEXT_BYTES = 4096
+
+
+@dataclass
+class LineCounts:
+    """What has passed over the line so far."""
+
+    requests: int = 0
+    lost: int = 0
+    "Requests that no good reply followed in time."
+    corrupt: int = 0
+    "Replies with a wrong checksum."
+
+
+class Conversation:
+    """Frames to a device and back."""
+
+    def __init__(self, line: ByteLine, clock: Clock) -> None:
+        self.line, self.clock, self.counts = line, clock, LineCounts()
+
+    def tell(self, request: bytes) -> None:
+        """Send what is not answered."""
+        self.line.write(request)
+        self.counts.requests += 1
+
+    def ask(self, request: bytes, expected: Wanted, *, timeout_s: float, attempts: int) -> Reply | None:
+        """The reply, or None after so many attempts."""
+        for attempt in range(attempts):
+            if attempt:
+                self.line.write(flushing(request))
+            self.line.drop_input()
+            self.tell(request)
+            reply = self._hear(expected, timeout_s)
+            if reply:
+                return reply
+            self.counts.lost += 1
+        return None
+
+    def ask_text(self, request: bytes, *, timeout_s: float, again: bool) -> str:
+        """The bare text that follows ``request``, until the line falls silent. ``again``: the last may be cut short."""
+        if again:
+            self.line.write(flushing(request))
+        self.line.drop_input()
+        self.tell(request)
+        heard = part = self.line.read(1, timeout_s)
+        while part:
+            part = self.line.read(_TEXT_BYTES, _QUIET_S)
+            heard += part
+        return heard.decode("ascii", "replace")
+
+    def _hear(self, expected: Wanted, timeout_s: float) -> Reply | None:
+        deadline_s = self.clock.now_s() + timeout_s
+        rest, missing = b"", expected.shortest
+        while (left_s := deadline_s - self.clock.now_s()) > 0:
+            part = self.line.read(missing, left_s)
+            if not part:
+                break
+            search = find_reply(rest + part, expected)
+            self.counts.corrupt += search.corrupt
+            if search.reply:
+                return search.reply
+            rest, missing = search.rest, search.missing
+        return None

@@ -1,0 +1,325 @@
+"""Driver of a qbmove: variable stiffness actuator on a serial line, generations 6 and 7, Maker Pro and Advanced.
+
+Ticks are wire ticks, 32768 to a turn of the shaft at the default resolution (``emg2vsa.settings.TICKS_PER_TURN``).
+Silence is read back: a command that the firmware does not answer is followed by a question, where one exists.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable
+from types import TracebackType
+from typing import Self
+
+from emg2vsa.actuator import SPRINGS, Springs, equilibrium_and_preset
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.device_settings import REPLY_S, Generation, Model
+from emg2vsa.devices.protocols import Measurements
+from emg2vsa.devices.qbmove.conversation import Conversation
+from emg2vsa.devices.qbmove.info import Parameter, QbmoveInfo, decode_parameters, parse_info
+from emg2vsa.devices.qbmove.limits import START_LIMIT_TICKS, QbmoveLimits, stiffness_on_wire, watchdog_on_wire
+from emg2vsa.devices.qbmove.packets import (
+    Command,
+    Wanted,
+    acknowledgement,
+    frame,
+    info_frame,
+    parameter_list,
+    ping_reply,
+    wanted,
+)
+from emg2vsa.devices.serial_line import ByteLine
+from emg2vsa.errors import DeviceError
+from emg2vsa.settings import TICKS_PER_TURN
+
+ON, OFF = 3, 0
+_LONG_REPLY_S = 0.2
+_SETTLE_S = 0.005
+"""From ACTIVATE until GET_ACTIVATE tells: the 1 kHz loop hands the new state on once per turn."""
+_ATTEMPTS = 3
+_READINGS = 5
+_OFF_ATTEMPTS = 10
+_OFFSETS = 8
+"""Parameter that holds what is added to the encoders."""
+_ZERO_TICKS = 16
+"""Two steps of the encoders."""
+
+
+class Qbmove:
+    """One device. As a context manager it switches the motors off at the end, however that comes."""
+
+    def __init__(
+        self,
+        line: ByteLine,
+        device_id: int,
+        *,
+        generation: Generation = "v6",
+        model: Model = "maker-pro",
+        clock: Clock,
+        stiffness_percent: tuple[float, float] = (20.0, 80.0),
+        watchdog_s: float = 0.5,
+        reply_s: float = REPLY_S,
+    ) -> None:
+        """``stiffness_percent``: the study's range, of the maximum preset.
+
+        ``watchdog_s``: how long the device waits for a word before it lets go. ``reply_s``: how long each of three
+        attempts waits for a short reply.
+        """
+        self.device_id, self.generation, self.model = device_id, generation, model
+        self.springs: Springs | None = SPRINGS[f"qbmove-{model}"]
+        self.where = f"{line.name}, qbmove {device_id}"
+        self._talk = Conversation(line, clock)
+        self.counts = self._talk.counts
+        self._clock, self._stiffness_percent, self._reply_s = clock, stiffness_percent, reply_s
+        self._watchdog = watchdog_on_wire(watchdog_s)
+        self._limits: QbmoveLimits | None = None
+        self._watching = False
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            self.deactivate()
+        except DeviceError as failure:
+            if error is None:
+                raise
+            error.add_note(str(failure))
+
+    def ping(self) -> bool:
+        """True when the device answers."""
+        return self._hear(Command.PING, ping_reply(self.device_id)) is not None
+
+    def serial_number(self) -> str:
+        """Ten digits, from firmware 7.1 on; else empty."""
+        reply = self._hear(Command.PING, ping_reply(self.device_id))
+        return f"{int.from_bytes(reply):010d}" if reply else ""
+
+    def info(self) -> QbmoveInfo:
+        """What the device says about itself. Generation 6 has no checksum here: two equal readings count."""
+        if self.generation == "v7":
+            payload = self._ask(Command.GET_INFO, info_frame(self.device_id), b"\0\0", _LONG_REPLY_S)
+            return parse_info(payload.rstrip(b"\0").decode("ascii", "replace"), self.where)
+        request = frame(self.device_id, Command.GET_INFO, b"\0\0")
+        seen: list[QbmoveInfo] = []
+        for reading in range(_READINGS):
+            text = self._talk.ask_text(request, timeout_s=_LONG_REPLY_S, again=reading > 0)
+            try:
+                info = parse_info(text, self.where)
+            except DeviceError:
+                if reading == _READINGS - 1 and not seen:
+                    raise
+                continue
+            if info in seen:
+                return info
+            seen.append(info)
+        raise self._trouble("info that reads the same twice", "different readings", "Check cable and baud rate.")
+
+    def activate(self) -> None:
+        """Watchdog on, motors on, read back. DeviceError with the reason when the device refuses.
+
+        The motors start at their references, which the firmware sets to where they are.
+        """
+        info = self.info()
+        self._limits = QbmoveLimits(self.where, info, self._stiffness_percent)
+        self._limits.check_ready()
+        self._watching = True
+        for _ in range(_ATTEMPTS):
+            self._set_watchdog()
+            if self._switch(ON) == ON:
+                self._set_watchdog()  # one lost frame must not leave even the first questions without it
+                return
+        raise self._refusal()
+
+    def deactivate(self) -> None:
+        """Motors off, read back. DeviceError only when the device does not confirm after many attempts."""
+        self._watching = False
+        for _ in range(_OFF_ATTEMPTS):
+            if self._switch(OFF) == OFF:
+                return
+        raise self._trouble("motors off", "no confirmation", "Switch the power off.")
+
+    def is_active(self) -> bool:
+        """Both motors on? The question also feeds the watchdog. A device whose watchdog has run out says no.
+
+        Once the motors have been switched on here, the watchdog's time is sent again with every question: SET_WATCHDOG
+        is not answered, and one lost frame would leave the device without a watchdog."""
+        if self._watching:
+            self._set_watchdog()
+        return self.ask_active()
+
+    def ask_active(self) -> bool:
+        """Both motors on, by what the device says? Nothing else is sent; the question still feeds a watchdog."""
+        return self._ask(Command.GET_ACTIVATE, self._wanted(Command.GET_ACTIVATE, 1))[0] == ON
+
+    def set_inputs(self, motor_1_ticks: int, motor_2_ticks: int) -> None:
+        """References of the two motors. DeviceError outside the device's limits."""
+        limits = self._ready_limits()
+        limits.check_motor(1, motor_1_ticks)
+        limits.check_motor(2, motor_2_ticks)
+        self._tell_ticks(Command.SET_INPUTS, motor_1_ticks, motor_2_ticks)
+
+    def set_position_stiffness(self, position_ticks: int, preset_ticks: int) -> None:
+        """Equilibrium (q1 + q2)/2 and preset (q1 - q2)/2. DeviceError outside the device's or the study's limits."""
+        limits = self._ready_limits()
+        limits.check_position(position_ticks)
+        limits.check_preset(preset_ticks)
+        stiffness = stiffness_on_wire(preset_ticks, limits.info.max_stiffness_ticks)
+        if stiffness > 0x7FFF:
+            raise self._trouble(
+                "a preset below the device's maximum", f"{preset_ticks} ticks", "Ask for one tick less."
+            )
+        self._tell_ticks(Command.SET_POS_STIFF, position_ticks, stiffness)
+
+    def position_ticks(self) -> float:
+        """Equilibrium (q1 + q2)/2 of the motors where they stand, ticks."""
+        at = self.measurements()
+        return equilibrium_and_preset(at.motor_1, at.motor_2)[0]
+
+    def measurements(self) -> Measurements:
+        """Motors and shaft."""
+        return Measurements(*self._ask_words(Command.GET_MEASUREMENTS, 3))
+
+    def currents_ma(self) -> tuple[int, int]:
+        """Motor currents, mA, with the sign of the PWM. (134, currents and positions at once, loses the shaft.)"""
+        first, second = self._ask_words(Command.GET_CURRENTS, 2)
+        return first, second
+
+    def current_limit_ma(self) -> float:
+        """Largest current of a motor, mA, as the device told at its activation; its firmware keeps it only in the
+        current modes, which no run uses."""
+        return self._ready_limits().info.current_limit_ma
+
+    def parameters(self) -> dict[int, Parameter]:
+        """All parameters by number. Generation 6 shows what is stored, not what has been set since."""
+        reply = parameter_list(self.generation, self.device_id)
+        return decode_parameters(self._ask(Command.GET_PARAM_LIST, reply, b"\0\0", _LONG_REPLY_S), self.where)
+
+    def set_parameter(self, number: int, values: tuple[float, ...]) -> Parameter:
+        """Set a parameter by its number, store all, and read the list back; the parameter as it is then.
+
+        DeviceError : motors on, no such parameter, values that do not fit its type or count, or other values read back.
+        """
+        self._check_off("a parameter")
+        before = self.parameters().get(number)
+        if before is None:
+            raise self._trouble("a parameter that the device lists", str(number), "See emg2vsa rig parameters RIG.")
+        try:
+            whole = before.form not in "fd"
+            if whole and any(value != int(value) for value in values):
+                raise struct.error("whole numbers wanted")
+            payload = struct.pack(f">{len(before.values)}{before.form}", *(int(v) if whole else v for v in values))
+        except (struct.error, OverflowError, ValueError) as error:
+            wanted_text = f"{len(before.values)} values of type {before.form!r} for parameter {number}, {before.name}"
+            raise self._trouble(wanted_text, f"{_shown(values)} ({error})", "Correct the values.") from error
+        request = frame(self.device_id, Command.GET_PARAM_LIST, struct.pack(">h", number) + payload)
+        if self.generation == "v7":
+            self._acknowledged(Command.GET_PARAM_LIST, request)
+        else:
+            self._talk.tell(request)  # generation 6 does not answer, and shows the new value only when it is stored
+        self.store()
+        after = self.parameters()[number]
+        if struct.pack(f">{len(after.values)}{after.form}", *after.values) != payload:
+            found, do = _shown(after.values), "Read the parameters again; the device may limit this one."
+            raise self._trouble(f"{_shown(values)} in parameter {number}, {before.name}", found, do)
+        return after
+
+    def store(self) -> None:
+        """Keep all parameters over a loss of power. DeviceError when the device does not acknowledge."""
+        self._acknowledged(Command.STORE_PARAMS, frame(self.device_id, Command.STORE_PARAMS))
+
+    def set_zeros(self) -> Measurements:
+        """Make the present place of motors and shaft their zero, store it, and return what is read then.
+
+        DeviceError : motors on, or no zeros are read back; the offsets of before are then set again.
+        """
+        self._check_off("zeros")
+        before = tuple(int(offset) for offset in self.parameters()[_OFFSETS].values)
+        offsets = tuple(_wrapped(offset - at) for offset, at in zip(before, self.measurements(), strict=True))
+        # an Advanced shows its motors' offsets with the other sign; whether SET_ZEROS takes them so is not published
+        for payload in dict.fromkeys((offsets, (-offsets[0], -offsets[1], offsets[2]))):
+            self._send_zeros(payload)
+            if max(map(abs, self.measurements())) <= _ZERO_TICKS:
+                self.store()
+                return self.measurements()
+            if self.generation == "v7":
+                break
+        if self.generation == "v6":
+            self._send_zeros(before)
+        raise self._trouble("zeros within 16 ticks", _shown(self.measurements()), "Set parameter 8 with qbadmin.")
+
+    def _send_zeros(self, offsets: tuple[int, ...]) -> None:
+        """Generation 7 takes no offsets: it makes zero of where it is."""
+        payload = b"" if self.generation == "v7" else struct.pack(">3h", *offsets)
+        self._acknowledged(Command.SET_ZEROS, frame(self.device_id, Command.SET_ZEROS, payload))
+        self._clock.sleep_until(self._clock.now_s() + _SETTLE_S)
+
+    def _acknowledged(self, command: Command, request: bytes) -> None:
+        expected = acknowledgement(self.generation, self.device_id, command)
+        reply = self._talk.ask(request, expected, timeout_s=max(_LONG_REPLY_S, self._reply_s), attempts=1)
+        done = reply is not None and (reply.payload[0] if self.generation == "v7" else reply.command) == 1
+        if not done:
+            found = "no answer" if reply is None else "a refusal"
+            raise self._trouble(f"{command.name} done", found, "Read the device again: emg2vsa rig info.")
+
+    def _check_off(self, what: str) -> None:
+        if self._ask(Command.GET_ACTIVATE, self._wanted(Command.GET_ACTIVATE, 1))[0] != OFF:
+            raise self._trouble(f"motors off while {what} are set", "motors on", "Run emg2vsa rig off first.")
+
+    def _set_watchdog(self) -> None:
+        self._talk.tell(frame(self.device_id, Command.SET_WATCHDOG, bytes((self._watchdog,))))
+
+    def _switch(self, state: int) -> int | None:
+        self._talk.tell(frame(self.device_id, Command.ACTIVATE, bytes((state,))))
+        self._clock.sleep_until(self._clock.now_s() + _SETTLE_S)
+        reply = self._hear(Command.GET_ACTIVATE, self._wanted(Command.GET_ACTIVATE, 1))
+        return reply[0] if reply else None
+
+    def _refusal(self) -> DeviceError:
+        at = self.measurements()
+        beyond = [f"{name} at {ticks}" for name, ticks in at._asdict().items() if abs(ticks) > START_LIMIT_TICKS]
+        wanted_text = f"motors on, which needs every encoder within {START_LIMIT_TICKS} ticks of zero"
+        if beyond:
+            return self._trouble(wanted_text, ", ".join(beyond), "Turn it back by hand, or set the zeros anew.")
+        return self._trouble("motors on", "a silent refusal, all encoders in range", "Check the motors' supply.")
+
+    def _ready_limits(self) -> QbmoveLimits:
+        if self._limits is None:
+            raise self._trouble("known limits", "motors not activated yet", "Call activate first.")
+        return self._limits
+
+    def _tell_ticks(self, command: Command, first: int, second: int) -> None:
+        self._talk.tell(frame(self.device_id, command, struct.pack(">hh", first, second)))
+
+    def _ask_words(self, command: Command, count: int) -> tuple[int, ...]:
+        return struct.unpack(f">{count}h", self._ask(command, self._wanted(command, 2 * count)))
+
+    def _wanted(self, command: Command, payload_bytes: int) -> Wanted:
+        return wanted(self.device_id, command, payload_bytes)
+
+    def _ask(self, command: Command, expected: Wanted, payload: bytes = b"", least_s: float = 0.0) -> bytes:
+        reply = self._hear(command, expected, payload, least_s)
+        if reply is None:
+            found = f"none in {_ATTEMPTS} attempts of {max(least_s, self._reply_s):g} s"
+            raise self._trouble(f"a reply to {command.name}", found, "Check power, cable, id and baud rate.")
+        return reply
+
+    def _hear(self, command: Command, expected: Wanted, payload: bytes = b"", least_s: float = 0.0) -> bytes | None:
+        request = frame(self.device_id, command, payload)
+        reply = self._talk.ask(request, expected, timeout_s=max(least_s, self._reply_s), attempts=_ATTEMPTS)
+        return None if reply is None else reply.payload
+
+    def _trouble(self, wanted_text: str, found: str, do: str) -> DeviceError:
+        return DeviceError(self.where, wanted=wanted_text, found=found, do=do)
+
+
+def _wrapped(ticks: int) -> int:
+    """An encoder knows its place only within a turn."""
+    half = TICKS_PER_TURN // 2
+    return (ticks + half) % TICKS_PER_TURN - half
+
+
+def _shown(values: Iterable[float]) -> str:
+    return ", ".join(f"{value:g}" for value in values)

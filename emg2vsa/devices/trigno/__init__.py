@@ -1,0 +1,1 @@
+"""Delsys Trigno by its SDK server."""

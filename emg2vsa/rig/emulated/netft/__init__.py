@@ -1,0 +1,1 @@
+"""The far end of a Net F/T box: datagrams, page, faults."""

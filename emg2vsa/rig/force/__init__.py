@@ -1,1 +1,0 @@
-"""Force sensors: ATI Net F/T over RDT, and gauge voltages with a calibration file."""

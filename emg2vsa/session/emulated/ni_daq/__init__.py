@@ -1,0 +1,1 @@
+"""The far end of an NI card: a task of nidaqmx."""

@@ -1,0 +1,1 @@
+"""The far end of a Trigno system: base and SDK server."""

@@ -1,0 +1,114 @@
+"""The driver against a script: each byte pair must be sent and answered, in order, and none may be left over."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.device_settings import Generation
+from emg2vsa.devices.protocols import Measurements
+from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.serial_line import LoopbackLine
+from emg2vsa.errors import DeviceError
+
+IS_ACTIVE, ACTIVE, INACTIVE = "3a3a 01 02 81 81", "3a3a 01 03 81 03 82", "3a3a 01 03 81 00 81"
+ACTIVATE, DEACTIVATE = "3a3a 01 03 80 03 83", "3a3a 01 03 80 00 80"
+
+
+@contextmanager
+def scripted(*pairs: tuple[str, str], generation: Generation = "v6", model: str = "maker-pro") -> Iterator[Qbmove]:
+    left = [(bytes.fromhex(sent), bytes.fromhex(answer)) for sent, answer in pairs]
+
+    def device(data: bytes) -> bytes:
+        assert left, f"nothing more was to be sent, but {data.hex(' ')}"
+        sent, answer = left.pop(0)
+        assert data.hex(" ") == sent.hex(" ")
+        return answer
+
+    yield Qbmove(LoopbackLine("script", device), 1, generation=generation, model=model, clock=VirtualClock())
+    assert not left, f"left over: {left}"
+
+
+def test_the_script_catches_what_is_left_over() -> None:
+    with pytest.raises(AssertionError, match="left over"), scripted((IS_ACTIVE, ACTIVE)):
+        pass
+
+
+def test_ping() -> None:
+    with scripted(("3a3a 01 02 00 00", "3a3a 01 02 00 00")) as device:
+        assert device.ping()
+
+
+def test_ping_of_generation_7_brings_a_serial_number() -> None:
+    with scripted(("3a3a 01 02 00 00", "3a3a 01 06 00 00980001 99"), generation="v7") as device:
+        assert device.ping()
+
+
+def test_measurements() -> None:
+    with scripted(("3a3a 01 02 84 84", "3a3a 01 08 84 09c4 fe0c 03e8 50")) as device:
+        assert device.measurements() == Measurements(2500, -500, 1000)
+
+
+def test_the_position_is_halfway_between_the_motors() -> None:
+    with scripted(("3a3a 01 02 84 84", "3a3a 01 08 84 09c4 fe0c 03e8 50")) as device:
+        assert device.position_ticks() == 1000
+
+
+def test_currents_come_from_133() -> None:
+    with scripted(("3a3a 01 02 85 85", "3a3a 01 06 85 0064 ff9c 82")) as device:
+        assert device.currents_ma() == (100, -100)
+
+
+def test_deactivate_reads_back() -> None:
+    with scripted((DEACTIVATE, ""), (IS_ACTIVE, INACTIVE)) as device:
+        device.deactivate()
+
+
+def test_deactivate_insists() -> None:
+    with scripted((DEACTIVATE, ""), (IS_ACTIVE, ACTIVE), (DEACTIVATE, ""), (IS_ACTIVE, INACTIVE)) as device:
+        device.deactivate()
+
+
+def test_the_context_ends_with_motors_off_whatever_happens() -> None:
+    script = scripted((DEACTIVATE, ""), (IS_ACTIVE, INACTIVE))
+    with pytest.raises(KeyboardInterrupt), script as device, device:
+        raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("answer", [IS_ACTIVE, "", "3a3a 01 03 81 03 83", "ff 3a", ACTIVE[:-3]])
+def test_a_lost_or_corrupt_reply_is_asked_for_again_after_a_flush(answer: str) -> None:
+    with scripted((IS_ACTIVE, answer), ("01" + "00" * 127, ""), (IS_ACTIVE, ACTIVE)) as device:
+        assert device.is_active()
+        assert device.counts.lost == 1
+        assert device.counts.corrupt == int(answer == "3a3a 01 03 81 03 83")
+        assert device.counts.requests == 2
+
+
+def test_garbage_before_a_reply_costs_nothing() -> None:
+    with scripted((IS_ACTIVE, "3a ff 3a3a 01 08 84 3a" + ACTIVE)) as device:
+        assert device.is_active()
+        assert device.counts.lost == 0
+
+
+def test_silence_is_told_after_three_attempts() -> None:
+    flush = ("01" + "00" * 127, "")
+    silent = [(IS_ACTIVE, ""), flush, (IS_ACTIVE, ""), flush, (IS_ACTIVE, "")]
+    with (
+        scripted(*silent) as device,
+        pytest.raises(
+            DeviceError,
+            match=r"script, qbmove 1: expected a reply to GET_ACTIVATE, but found none in 3 "
+            r"attempts",
+        ),
+    ):
+        device.is_active()
+
+
+def test_nothing_is_commanded_before_the_limits_are_known() -> None:
+    with scripted() as device, pytest.raises(DeviceError, match="Call activate first"):
+        device.set_position_stiffness(0, 1500)
+    with scripted() as device, pytest.raises(DeviceError, match="Call activate first"):
+        device.set_inputs(0, 0)
