@@ -10,9 +10,9 @@ from functools import partial
 from emg2vsa.devices.clock import Clock, WallClock
 from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings, MotorSettings
 from emg2vsa.devices.netft.driver import NetFt
-from emg2vsa.devices.qbmove.driver import Qbmove
-from emg2vsa.devices.qbmove.info import Parameter, QbmoveInfo, check_kind
-from emg2vsa.devices.qbmove.limits import QbmoveLimits
+from emg2vsa.devices.protocols import Measurements, Parameter
+from emg2vsa.devices.qbmove.about import about
+from emg2vsa.devices.qbmove.opening import open_board
 from emg2vsa.devices.qbmove.scan import qbmove_ports
 from emg2vsa.devices.qbmove.scan import scan as answering
 from emg2vsa.devices.serial_line import SerialLine
@@ -20,7 +20,7 @@ from emg2vsa.devices.serial_speed import BAUD, Baud
 from emg2vsa.errors import DeviceError, InputError
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.rig_lock import rig_lock
-from emg2vsa.rig.open_rig import board_info, open_board, open_camera, open_force, within_device
+from emg2vsa.rig.open_rig import open_camera, open_force, within_device
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.rig_file import RigFile
 
@@ -116,21 +116,21 @@ def _answers(port: str, baud: int, ids: Sequence[int], wait_s: float, clock: Clo
 
 def _board(settings: ActuatorSettings | MotorSettings, rig: RigSettings, clock: Clock) -> Lines:
     """Info text, state, what a run may use, and parameters. DeviceError when the board is absent."""
-    rigid = isinstance(settings, MotorSettings)
     with open_board(settings, rig.stiffness_percent, clock) as board:
-        info = board_info(board)
-        yield from _facts(info)
-        if isinstance(settings, ActuatorSettings):
-            check_kind(info, settings.model, board.where)
-        yield from _state(board, rigid)
-        yield _ready(info, board.where, rig)
-        usable = within_device(rig, info, rigid)
-        yield "a run may use: positions {} to {} ticks".format(*usable.position_ticks) + (
-            "" if rigid else ", {:.3g} to {:.3g} % of full stiffness".format(*usable.stiffness_percent)
+        yield from about(board, rig.stiffness_percent)
+        usable = within_device(rig, board.usable(board.identify()))
+        yield "a run may use: positions {:.6g} to {:.6g} degrees".format(*usable.position_deg) + (
+            "" if board.rigid else ", {:.3g} to {:.3g} % of full stiffness".format(*usable.stiffness_percent)
         )
         yield "parameters:"
         for parameter in board.parameters().values():
             yield f"  {parameter_line(parameter)}"
+
+
+def angles(at: Measurements) -> str:
+    """``motors at 1.00 and 2.00 degrees, shaft at 1.50``."""
+    motors = " and ".join(f"{angle_deg:.2f}" for angle_deg in at.motors_deg)
+    return f"motor{'s' if len(at.motors_deg) > 1 else ''} at {motors} degrees, shaft at {at.shaft_deg:.2f}"
 
 
 def parameter_line(parameter: Parameter) -> str:
@@ -173,31 +173,3 @@ def _camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Li
         yield f"mean grey level {frames[-1].image.mean():.0f} of 255"
     finally:
         camera.close()
-
-
-def _facts(info: QbmoveInfo) -> Lines:
-    yield f"firmware {info.firmware}, id {info.device_id}"
-    yield f"control mode {info.control_mode}, input mode {info.input_mode}, resolutions {info.resolutions}"
-    for motor, (low, high) in enumerate(info.position_limits_ticks, start=1):
-        yield f"position limits of motor {motor}: {low} to {high} ticks"
-    yield f"full stiffness {info.max_stiffness_ticks} ticks, current limit {info.current_limit_ma} mA"
-    yield f"supply {info.voltage_mv / 1000:.1f} V"
-
-
-def _state(board: Qbmove, rigid: bool) -> Lines:
-    yield f"motors {'on' if board.is_active() else 'off'}"
-    at = board.measurements()
-    if rigid:  # motor 2 is not connected
-        yield f"motor at {at.motor_1} ticks"
-        yield f"current {board.currents_ma()[0]} mA"
-        return
-    yield "motors at {} and {} ticks, shaft at {}".format(*at)
-    yield "currents {} and {} mA".format(*board.currents_ma())
-
-
-def _ready(info: QbmoveInfo, where: str, rig: RigSettings) -> str:
-    try:
-        QbmoveLimits(where, info, rig.stiffness_percent).check_ready()
-    except DeviceError as error:
-        return f"not ready for a run: {error}"
-    return "set up for runs"

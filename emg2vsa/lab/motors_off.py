@@ -8,21 +8,22 @@ from pathlib import Path
 from emg2vsa.devices.clock import WallClock
 from emg2vsa.devices.device_settings import ActuatorSettings, MotorSettings
 from emg2vsa.devices.protocols import Measurements
+from emg2vsa.devices.qbmove.opening import open_board
 from emg2vsa.errors import DeviceError
+from emg2vsa.lab.device_states import angles
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.rig_lock import end_user, stop_unnamed_run
-from emg2vsa.rig.open_rig import open_board
 from emg2vsa.rig_file import load_rig
 
 
 @dataclass(frozen=True)
 class Off:
     """device : table of the rig file. problem : why its motors are not known to be off; "" where they are.
-    ticks : of motor 1, motor 2 and shaft."""
+    at : angles of motors and shaft."""
 
     device: str
     problem: str
-    ticks: Measurements | None
+    at: Measurements | None
 
 
 def off(rig_file: str | Path, person: Person = NOBODY) -> tuple[Off, ...]:
@@ -47,5 +48,5 @@ def board_off(name: str, settings: ActuatorSettings | MotorSettings, person: Per
     except DeviceError as error:
         person.say(f"[{name}] NOT confirmed off: {error}")
         return Off(name, str(error), None)
-    person.say(f"[{name}] motors off; motors at {at.motor_1} and {at.motor_2} ticks, shaft at {at.shaft}")
+    person.say(f"[{name}] motors off; {angles(at)}")
     return Off(name, "", at)

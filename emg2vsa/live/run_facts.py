@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from emg2vsa.devices.qbmove.ticks import in_degrees
 from emg2vsa.errors import RecordingError
 from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
 from emg2vsa.rig.rig_settings import RigSettings, axis_of
@@ -27,7 +28,8 @@ class RunFacts:
     force_limit_n: float
     "Of the guard."
     travel_mm: float
-    max_preset_ticks: int
+    full_preset: float
+    "In the unit of the log's rows: springs degrees, a gain N m/rad."
     stiffness_percent: tuple[float, float]
     "The study's range, percent of the maximum preset."
     emulated: bool
@@ -47,7 +49,7 @@ def read_run(folder: Path) -> tuple[RunFacts, RigSettings]:
             **{name: plan[name] for name in ("specimen", "angle_deg", "condition", "repetitions")},
             **{name: plan[name] for name in ("f_contact_n", "f_max_n", "travel_mm")},
             force_limit_n=rig["guards"]["force_n"],
-            max_preset_ticks=rig["max_preset_ticks"],
+            full_preset=in_degrees(rig)["full_preset"],
             stiffness_percent=(low, high),
             emulated=(folder / EMULATED_FILE).is_file(),
         )

@@ -10,26 +10,22 @@ from typing import Any
 import cv2
 
 from emg2vsa.ati.cal_file import read_calibration
+from emg2vsa.devices.addresses import no_address
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.device_settings import (
     ActuatorSettings,
     CameraSettings,
     DeviceSettings,
     ForceSettings,
-    Generation,
     MotorSettings,
 )
 from emg2vsa.devices.netft.driver import NetFt, open_net_ft
 from emg2vsa.devices.ni_daq.gauges import DaqFt
 from emg2vsa.devices.ni_daq.volts import NiVolts
 from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
-from emg2vsa.devices.protocols import Devices, ForceSensor
-from emg2vsa.devices.qbmove.driver import Qbmove
-from emg2vsa.devices.qbmove.info import QbmoveInfo, check_kind
-from emg2vsa.devices.qbmove.limits import roomy_positions
-from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
-from emg2vsa.devices.serial_line import SerialLine
-from emg2vsa.errors import DeviceError, SettingError
+from emg2vsa.devices.protocols import Devices, ForceSensor, Identity, Usable
+from emg2vsa.devices.qbmove.opening import open_board
+from emg2vsa.errors import SettingError
 from emg2vsa.rig.plan import RIGID, Condition
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
@@ -40,7 +36,7 @@ class OpenRig:
 
     devices: Devices
     rig: RigSettings
-    info: QbmoveInfo
+    info: Identity
     facts: dict[str, Any]
     "What the devices say of themselves, for the record of the run."
 
@@ -60,9 +56,7 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
     with ExitStack() as stack:
         board = stack.enter_context(open_board(board_settings(settings, condition), rig.stiffness_percent, clock))
         stack.enter_context(board)
-        info = board_info(board)
-        if condition != RIGID:
-            check_kind(info, settings.actuator.model, board.where)
+        info = board.identify()
         force = open_force(settings.force, rig.guards, clock)
         stack.callback(force.close)
         force.start()
@@ -75,9 +69,8 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
             stack.callback(camera.close)
             camera.start()
             facts["camera"] = asdict(settings.camera) | {"name": camera.name, "set": camera.locked}
-        rigid = condition == RIGID
-        devices = Devices(RigidMotor(board) if rigid else board, force, camera)
-        yield OpenRig(devices, within_device(rig, info, rigid), info, facts)
+        devices = Devices(board.pressing(), force, camera)
+        yield OpenRig(devices, within_device(rig, board.usable(info)), info, facts)
 
 
 def _force_facts(force: ForceSensor, *, biased: bool) -> dict[str, Any]:
@@ -102,76 +95,17 @@ def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSe
     return settings.motor
 
 
-@contextmanager
-def open_board(
-    settings: ActuatorSettings | MotorSettings, stiffness_percent: tuple[float, float], clock: Clock
-) -> Iterator[Qbmove]:
-    """The board behind its serial port; nothing is switched.
-
-    DeviceError : no such port or id. SettingError : the rig file names no port: none is guessed.
-    """
-    if settings.port is None:
-        table = "actuator" if isinstance(settings, ActuatorSettings) else "motor"
-        raise _no_address(f"{table}.port", "the serial port of the device", "emg2vsa rig scan lists the ports.")
-    line = SerialLine(settings.port, settings.baud)
-    try:
-        board = Qbmove(
-            line,
-            settings.id,
-            generation=settings.generation,
-            model=settings.model if isinstance(settings, ActuatorSettings) else "maker-pro",
-            clock=clock,
-            stiffness_percent=stiffness_percent,
-            watchdog_s=settings.watchdog_s,
-            reply_s=settings.reply_s,
-        )
-        if not board.ping():
-            do = "Check power, cable, id and generation; emg2vsa rig scan lists who answers."
-            raise DeviceError(board.where, wanted="a device that answers", found="no answer", do=do)
-        yield board
-    finally:
-        line.close()
-
-
-def board_info(board: Qbmove) -> QbmoveInfo:
-    """What the board says of itself. DeviceError where it is silent, or not of the generation of the rig file.
-
-    The generations frame this text in different ways, so that a board asked in the wrong one seems to be silent; it is
-    then asked in the other.
-    """
-    said, troubles = board.generation, []
-    generations: tuple[Generation, ...] = ("v7", "v6") if said == "v7" else ("v6", "v7")
-    for board.generation in generations:
-        try:
-            info = board.info()
-        except DeviceError as error:
-            troubles.append(error)
-            continue
-        finally:
-            board.generation = said
-        if info.generation != said:
-            do = f'Set generation = "{info.generation}" in the rig file.'
-            raise DeviceError(f"{board.where}, generation", wanted=f"firmware {said}", found=info.firmware, do=do)
-        return info
-    raise troubles[0]
-
-
 def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> ForceSensor:
     """The force sensor, not yet started. DeviceError when it is absent; SettingError when the rig file has no host."""
     # the sensor gives up later than the guard, which tells a late sample from a late loop
     stale_s = 2 * guards.stale_s
     if settings.kind == "net-ft":
         if settings.host is None:
-            raise _no_address("force.host", "the address of the box", "It leaves the factory with 192.168.1.1.")
+            raise no_address("force.host", "the address of the box", "It leaves the factory with 192.168.1.1.")
         ports = {"rdt_port": settings.rdt_port, "http_port": settings.http_port}
         return open_net_ft(settings.host, clock, buffered=settings.buffered, stale_s=stale_s, **ports)
     calibration = read_calibration(settings.cal_file or "")
     return DaqFt(NiVolts(settings.channels or "", calibration.range_v), calibration, clock, stale_s=stale_s)
-
-
-def _no_address(key: str, wanted: str, do: str) -> SettingError:
-    do = f"Write it into the rig file, or use the emulated rig (--virtual). {do}"
-    return SettingError(key, wanted=wanted, found="none", do=do)
 
 
 def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> OpenCvCamera:
@@ -186,16 +120,15 @@ def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -
     )  # fmt: skip
 
 
-def within_device(rig: RigSettings, info: QbmoveInfo, rigid: bool) -> RigSettings:
+def within_device(rig: RigSettings, usable: Usable) -> RigSettings:
     """``rig`` with the limits of the device, and of those no wider than its own."""
-    low, high = info.position_limits_ticks[0] if rigid else roomy_positions(info)
-    first, last = rig.position_ticks
-    # presets are ticks in the end: of both ranges, what they have in common, as percent of the device's maximum
-    share = rig.max_preset_ticks / info.max_stiffness_ticks
+    (low, high), (first, last) = usable.position_deg, rig.position_deg
+    # of both ranges of stiffness, what they have in common, as percent of the device's maximum
+    share = rig.full_preset / usable.full_preset
     least, most = rig.stiffness_percent
     return replace(
         rig,
-        position_ticks=(max(first, low), min(last, high)),
-        max_preset_ticks=info.max_stiffness_ticks,
+        position_deg=(max(first, low), min(last, high)),
+        full_preset=usable.full_preset,
         stiffness_percent=(least * max(1.0, share), most * min(1.0, share)),
     )

@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 
 from casr.synthetic import ContactState
-from emg2vsa.actuator import SPRINGS
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.device_settings import Model
@@ -19,6 +18,8 @@ from emg2vsa.devices.netft.driver import NetFt
 from emg2vsa.devices.protocols import Devices
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
+from emg2vsa.devices.qbmove.springs import SPRINGS
+from emg2vsa.devices.qbmove.ticks import to_ticks
 from emg2vsa.rig.emulated.camera.frames import EmulatedCamera
 from emg2vsa.rig.emulated.controls import ArtificialEffect
 from emg2vsa.rig.emulated.direct_drivers import DirectNetFt, DirectQbmove
@@ -72,7 +73,7 @@ class EmulatedRig:
     Parameters
     ----------
     emulated : the bench. specimen, angle_deg : what is on it. rigid : under the rigid motor, else under the qbmove.
-    rig : as the drivers are told, and as the bench is built; both actuators begin retracted, at its ``home_ticks``.
+    rig : as the drivers are told, and as the bench is built; both actuators begin retracted, at its ``home_deg``.
     run : name of the run; other names, other draws. plate : a flat plate presses, in place of the dome.
     mounting : from 1; each has draws of its own. effect : artificial, of a control world.
 
@@ -114,7 +115,7 @@ class EmulatedRig:
             clock, replace(self._draws.world(0), gap_mm=_AWAY_MM, springs=SPRINGS[emulated.springs] if rigid else None)
         )
         on_springs, on_motor = (away, self.world) if rigid else (self.world, away)
-        switches, home_ticks = _ADVANCED if self.model == "advanced" else MAKER_PRO, self.rig.home_ticks
+        switches, home_ticks = _ADVANCED if self.model == "advanced" else MAKER_PRO, to_ticks(self.rig.home_deg)
         memory = switches.factory((home_ticks,) * 3)
         latency_s = self._draws.preset_latency_s
         qbmove = QbmoveFirmware(

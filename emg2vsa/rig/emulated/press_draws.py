@@ -11,10 +11,10 @@ import numpy as np
 
 from casr.errors import SettingError as NoScene
 from casr.synthetic import Appearance, ContactState, ContactWorld, Drawn, PressSettings, Scene, TabulatedWorld
-from emg2vsa.actuator import SPRINGS
 from emg2vsa.arrays import Floats
 from emg2vsa.contact_mechanics import Relaxation, adhesive_force_of_one_n, area_share_of_one, in_series
 from emg2vsa.contact_mechanics.relaxation import specimen_share
+from emg2vsa.devices.qbmove.springs import SPRINGS
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.emulated.camera.frames import FrameTiming
 from emg2vsa.rig.emulated.controls import ArtificialEffect
