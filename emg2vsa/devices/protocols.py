@@ -184,6 +184,10 @@ class Joint(Protocol):
         """Springs: degrees of each motor from their middle. A gain: its stiffness, N m/rad."""
 
     @property
+    def measured_key(self) -> str | None:
+        """Key of [actuator] that a measurement of the stiffness gives; None where a model tells it."""
+
+    @property
     def preset_per_s(self) -> float:
         """How fast the preset may change while nothing is pressed."""
 

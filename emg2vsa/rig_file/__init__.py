@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 from emg2vsa.devices.device_settings import DeviceSettings
-from emg2vsa.devices.qbmove.ticks import RIG_KEYS, in_degrees
+from emg2vsa.devices.qbmove.ticks import RIG_KEYS, in_degrees, in_ticks
 from emg2vsa.rig.emulated.controls import controlled, counterparts
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig_file.checks import problems_across
@@ -16,7 +17,7 @@ from emg2vsa.rig_file.tables import RigFile, RigTables
 from emg2vsa.study_file.problems import KeyPath, checked_tables
 from emg2vsa.study_file.toml_file import beside, placed, read_toml, reports_beside
 
-__all__ = ["RigFile", "load_rig"]
+__all__ = ["RigFile", "load_rig", "spelled"]
 
 
 def load_rig(path: str | Path) -> RigFile:
@@ -37,6 +38,17 @@ def load_rig(path: str | Path) -> RigFile:
     if problems:
         raise placed(path, text, [replace(problem, path=older.get(problem.path, problem.path)) for problem in problems])
     return _rig_file(Path(os.path.abspath(path)), RigTables(**tables))
+
+
+def spelled(path: Path, values: Mapping[KeyPath, object]) -> dict[KeyPath, object]:
+    """Values for keys of today under the older key, in its unit, where the file has that."""
+    _, written = read_toml(path, "a rig file")
+    _, older = _today(written)
+    there = {}
+    for at, value in values.items():
+        name = older.get(at, at)
+        there[name] = in_ticks({str(at[-1]): value})[str(name[-1])] if name != at else value
+    return there
 
 
 def _today(written: dict[str, Any]) -> tuple[dict[str, Any], dict[KeyPath, KeyPath]]:
