@@ -3,8 +3,8 @@
 The SDK's own port opens pyserial and reads the computer's clock. The port here has its methods over a `ByteLine`, so
 that one driver speaks to a serial port and to a motor emulated in virtual time.
 
-dynamixel_sdk 4.1.0 sends FF FF FD among the parameters without the byte that must be stuffed in: addStuffing makes a new
-list, which txPacket never sees. The driver writes no such value, as all its values lie between -2048 and 16383.
+dynamixel_sdk 4.1.0 sends FF FF FD among the parameters without the byte that must be stuffed in: addStuffing makes a
+new list, which txPacket never sees. The driver writes no such value, as all its values lie between -2048 and 16383.
 """
 
 from __future__ import annotations

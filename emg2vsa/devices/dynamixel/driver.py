@@ -107,9 +107,9 @@ class Dynamixel:
         """Facts, state, whether a run may use it and why not, and parameters: lines for people."""
         info = self.info()
         yield from info.facts()
-        at = self.measurements()
+        current, at = self._decoded(self._good(self._read(registers.PRESENT), registers.PRESENT))
         yield f"torque {'on' if self._get(registers.TORQUE) else 'off'}, shaft at {at.shaft_deg:.2f} degrees"
-        yield f"current {self.currents_a()[0]:.3f} A"
+        yield f"current {current * self._unit_a:.3f} A"
         if info.hardware_error:
             yield f"hardware error: {fault_words(info.hardware_error)[0]}"
         try:
@@ -135,7 +135,7 @@ class Dynamixel:
             do = "Turn it there by hand with the power off: it counts its turns from power-on."
             raise self._trouble(f"a shaft at {low:.2f} to {high:.2f} degrees", f"{_deg(at):.2f}", do)
         watchdog = round(self.settings.watchdog_s / registers.WATCHDOG_STEP_S)
-        goal_current = int(self.settings.goal_current_a / self._unit_a)
+        goal_current = int(self.settings.goal_current_a / self._unit_a + 1e-9)
         for item, value in (
             (registers.TORQUE, OFF),
             (registers.WATCHDOG, 0),  # also clears one that has run out: goals are refused before
@@ -244,7 +244,7 @@ class Dynamixel:
         if item.range is None:
             raise self._trouble(f"another parameter than {number}, {item.name}", item.fixed, "Leave it as it is.")
         low, high = item.range
-        if len(values) != 1 or values[0] != int(values[0]) or not low <= values[0] <= high:
+        if len(values) != 1 or not float(values[0]).is_integer() or not low <= values[0] <= high:
             found = ", ".join(f"{value:g}" for value in values)
             wanted = f"one whole number of {low} to {high} for parameter {number}, {item.name}"
             raise self._trouble(wanted, found, "Correct the value.")
@@ -271,7 +271,10 @@ class Dynamixel:
         return after
 
     def _reading(self) -> tuple[int, Measurements]:
-        current, _, position = struct.unpack("<hii", self._well(self._read(registers.PRESENT), registers.PRESENT).data)
+        return self._decoded(self._well(self._read(registers.PRESENT), registers.PRESENT))
+
+    def _decoded(self, present: Status) -> tuple[int, Measurements]:
+        current, _, position = struct.unpack("<hii", present.data)
         return current, Measurements((_deg(position),), _deg(position))
 
     def _goal(self, position_deg: float) -> int:
