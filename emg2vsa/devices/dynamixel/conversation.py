@@ -75,10 +75,9 @@ class SdkPort:
         return self.silent
 
     def readPort(self, length: int) -> bytes:
-        """Up to ``length`` bytes, which is below 0 for a packet that tells too small a length."""
-        wanted = max(length, 0)
-        heard = self._line.read(wanted, max(self._until_s - self._clock.now_s(), 0.0)) if wanted else b""
-        self.silent = len(heard) < wanted
+        """Up to ``length`` bytes."""
+        heard = self._line.read(length, max(self._until_s - self._clock.now_s(), 0.0))
+        self.silent = len(heard) < length
         return heard
 
 

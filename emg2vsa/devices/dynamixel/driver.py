@@ -135,7 +135,7 @@ class Dynamixel:
             do = "Turn it there by hand with the power off: it counts its turns from power-on."
             raise self._trouble(f"a shaft at {low:.2f} to {high:.2f} degrees", f"{_deg(at):.2f}", do)
         watchdog = round(self.settings.watchdog_s / registers.WATCHDOG_STEP_S)
-        goal_current = int(self.settings.goal_current_a / self._unit_a + 1e-9)
+        goal_current = int(self.settings.goal_current_a / self._unit_a)
         for item, value in (
             (registers.TORQUE, OFF),
             (registers.WATCHDOG, 0),  # also clears one that has run out: goals are refused before
@@ -163,7 +163,7 @@ class Dynamixel:
             for item in (registers.TORQUE, registers.WATCHDOG):
                 self._talk.write(self.device_id, item.address, item.data(0), attempts=1)
             read = [self._read(item, attempts=1) for item in (registers.TORQUE, registers.WATCHDOG)]
-            if all(status and not status.error and status.data == b"\0" for status in read):
+            if all(status and status.data == b"\0" for status in read):
                 return
         raise self._trouble("torque off", "no confirmation", "Switch the power off.")
 

@@ -67,12 +67,12 @@ def info(changed: Mapping[tuple[int, int], int] | None = None) -> list[Pair]:
     return [read(*place, value) for place, value in (INFO | dict(changed or {})).items()]
 
 
-def activation(at: int = 2048) -> list[Pair]:
+def activation(at: int = 2048, pwm_limit: int = 885) -> list[Pair]:
     """All that an activation sends to a motor with its shaft ``at`` these pulses."""
     return [
-        *info(), read(132, 4, at),
+        *info({(36, 2): pwm_limit}), read(132, 4, at),
         *written(64, 1, 0), *written(98, 1, 0), *written(84, 2, 800), *written(82, 2, 0), *written(80, 2, 0),
-        *written(90, 2, 0), *written(88, 2, 0), *written(100, 2, 885), *written(102, 2, 185), *written(108, 4, 0),
+        *written(90, 2, 0), *written(88, 2, 0), *written(100, 2, pwm_limit), *written(102, 2, 185), *written(108, 4, 0),
         *written(112, 4, 0), *written(116, 4, at), *written(98, 1, 25), *written(64, 1, 1),
     ]  # fmt: skip
 

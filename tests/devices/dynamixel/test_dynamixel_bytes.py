@@ -102,7 +102,7 @@ def test_what_is_stuffed_in_a_reply_is_taken_out() -> None:
 
 
 def test_activation_and_end() -> None:
-    with scripted(*activation(2000), *OFF) as motor, motor:
+    with scripted(*activation(2000, pwm_limit=700), *OFF) as motor, motor:
         motor.activate()
         assert motor.current_limit_a() == pytest.approx(185 * 0.00269)
 
@@ -116,13 +116,12 @@ def test_a_gain_is_written_only_when_it_changes() -> None:
 
 
 def test_a_gain_that_was_not_confirmed_is_written_again() -> None:
-    gain = write(84, 2, 400)
-    silent = (gain[0], b"")
-    with scripted(*activation(), silent, silent, silent, gain, write(116, 4, 2048)) as motor:
+    silent = (write(84, 2, 400)[0], b"")
+    with scripted(*activation(), silent, silent, silent, write(84, 2, 800), write(116, 4, 2048)) as motor:
         motor.activate()
         with pytest.raises(DeviceError, match=r"a reply to Position P Gain \(84\), but found none in 3 attempts"):
             motor.command(0, 0.5)
-        motor.command(0, 0.5)
+        motor.command(0, 1)  # the gain of before, and perhaps no longer the motor's
 
 
 @pytest.mark.parametrize("position_deg", [-20.01, 30.01, math.nan, math.inf])
@@ -217,6 +216,20 @@ def test_what_is_not_read_back_is_told_before_the_torque_is_on() -> None:
         motor.activate()
 
 
+@pytest.mark.parametrize("pulses", [-12, -11, 11, 12])
+def test_a_goal_may_follow_a_shaft_that_creeps_by_a_degree(pulses: int) -> None:
+    pairs = activation()
+    at = len(pairs) - pairs[::-1].index(read(116, 4, 2048)) - 1
+    pairs[at] = read(116, 4, 2048 + pulses)
+    if abs(pulses) <= 11:
+        with scripted(*pairs) as motor:
+            motor.activate()
+        return
+    script = scripted(*pairs[: at + 1], read(70, 1, 0))
+    with script as motor, pytest.raises(DeviceError, match=r"expected 2048 in Goal Position \(116\), but found"):
+        motor.activate()
+
+
 def test_a_torque_that_a_hardware_error_keeps_off_is_told() -> None:
     pairs = activation()[:-1]
     script = scripted(*pairs, read(64, 1, 0, error=0x80), read(70, 1, 0x10, error=0x80))
@@ -290,6 +303,8 @@ def test_the_context_ends_with_torque_off_and_keeps_the_first_error() -> None:
     with pytest.raises(ZeroDivisionError) as told, scripted(*still_on * 10) as motor, motor:
         raise ZeroDivisionError
     assert "Switch the power off" in told.value.__notes__[0]
+    with pytest.raises(DeviceError, match="Switch the power off"), scripted(*still_on * 10) as motor, motor:
+        pass
 
 
 def test_a_mute_motor_takes_three_attempts_of_the_clock_s_time() -> None:
@@ -357,6 +372,13 @@ def test_a_line_that_was_gone_for_a_moment_is_used_again() -> None:
     with pytest.raises(DeviceError, match="expected a line"):
         motor.measurements()
     assert motor.measurements().shaft_deg == 0
+    assert motor.counts.lost == 0
+
+
+def test_what_an_earlier_answer_left_behind_is_not_the_next_answer() -> None:
+    with scripted((PRESENT, GOOD + reading(8, 0, 2048)[1]), reading(9, 0, 2048)) as motor:
+        assert motor.currents_a() == pytest.approx((7 * 0.00269,))
+        assert motor.currents_a() == pytest.approx((9 * 0.00269,))
 
 
 def test_a_parameter_is_set_with_the_torque_off_and_read_back() -> None:
