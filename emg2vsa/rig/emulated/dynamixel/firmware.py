@@ -106,7 +106,11 @@ class DynamixelFirmware:
 
     def obey(self, instruction: int, parameters: bytes, broadcast: bool) -> bytes:
         if instruction == Instruction.PING:
-            return self._error(Error.NONE) + self.table.read(t.MODEL_NUMBER, 2)[1] + self.table.read(t.FIRMWARE, 1)[1]
+            return (
+                bytes((self._error(Error.NONE),))
+                + self.table.read(t.MODEL_NUMBER, 2)[1]
+                + self.table.read(t.FIRMWARE, 1)[1]
+            )
         if instruction == Instruction.READ:
             if broadcast or len(parameters) != 4:
                 return self._told(Error.LENGTH)
@@ -124,7 +128,7 @@ class DynamixelFirmware:
         # what is written may change the level at once
         level = self.table.values[t.STATUS_LEVEL]
         error = handler() if handler else Error.INSTRUCTION
-        return self._error(error) if level == 2 else b""
+        return bytes((self._error(error),)) if level == 2 else b""
 
     def spoilt(self) -> bytes:
         return self._told(Error.CRC)
@@ -133,17 +137,17 @@ class DynamixelFirmware:
         self._loop.protect()
         self.table.values.update(self._loop.measured())
         error, data = self.table.read(address, size)
-        return self._error(error)[0], data
+        return self._error(error), data
 
     def write(self, address: int, data: bytes) -> Error:
         error, changes = self.table.check(address, data)
         return error or self._take(changes)
 
     def _told(self, error: Error) -> bytes:
-        return self._error(error) if self.table.values[t.STATUS_LEVEL] == 2 else b""
+        return bytes((self._error(error),)) if self.table.values[t.STATUS_LEVEL] == 2 else b""
 
-    def _error(self, number: Error) -> bytes:
-        return bytes((number | (ALERT if self.table.values[t.HARDWARE_ERROR] else 0),))
+    def _error(self, number: Error) -> int:
+        return number | (ALERT if self.table.values[t.HARDWARE_ERROR] else 0)
 
     def _take(self, changes: dict[int, int]) -> Error:
         """Values that may be written."""

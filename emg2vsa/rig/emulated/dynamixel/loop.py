@@ -99,7 +99,8 @@ class Loop:
             rests = self._turn()
             self._now_ms += 1
             if rests:
-                self._now_ms = max(self._now_ms, min(until_ms, self._next_ms()))
+                next_ms = min(self._expires_ms, self._coming[0][0] if self._coming else _NEVER_MS)
+                self._now_ms = max(self._now_ms, min(until_ms, next_ms))
             self._meet_world()
 
     @property
@@ -163,9 +164,6 @@ class Loop:
         watched = values[t.TORQUE_ENABLE] and 0 < values[t.BUS_WATCHDOG] < t.WATCHDOG_ERROR
         return self._heard_ms + values[t.BUS_WATCHDOG] * t.WATCHDOG_UNIT_MS if watched else _NEVER_MS
 
-    def _next_ms(self) -> int:
-        return min(self._expires_ms, self._coming[0][0] if self._coming else _NEVER_MS)
-
     def _take_over(self) -> None:
         while self._coming and self._coming[0][0] <= self._now_ms:
             changes = self._coming.popleft()[1]
@@ -184,12 +182,10 @@ class Loop:
             wanted_a = None if current is None else self._sign * current * CURRENT_UNIT_A
             duty = self._sign * pwm / t.PWM_MOST
         stands = motor.step(on, wanted_a, duty, acting[t.PWM_LIMIT] / t.PWM_MOST)
-        self._full_ms = self._full_ms + 1 if stands and self._is_full() else 0
+        full = abs(motor.current_a) >= _FULL * motor.model.stall_current_a
+        self._full_ms = self._full_ms + 1 if stands and full else 0
         steady = not on or (control.arrived and not self._full_ms and not acting[t.POSITION_I])
         return stands and steady and (not on or not motor.load_nm) and acting[t.OPERATING_MODE] != t.VELOCITY
-
-    def _is_full(self) -> bool:
-        return abs(self.motor.current_a) >= _FULL * self.motor.model.stall_current_a
 
     def _meet_world(self) -> None:
         angles_rad = self.motor.angle_rad, 0.0

@@ -61,7 +61,8 @@ class Desk:
     def ask(self, instruction: int, parameters: bytes = b"", device_id: int = 1) -> tuple[int, bytes]:
         """Error byte and parameters of the one answer."""
         answer = self.send(packet(device_id, instruction, parameters))
-        assert answer[:4] == HEADER and answer[INSTRUCTION] == Instruction.STATUS
+        assert answer[:4] == HEADER
+        assert answer[INSTRUCTION] == Instruction.STATUS
         body = unstuffed(answer[INSTRUCTION:-2])
         return body[1], body[2:]
 

@@ -43,7 +43,8 @@ def test_the_shaft_gives_way_by_torque_over_stiffness(desk: Callable[..., Any], 
 def test_stiffness_is_proportional_to_the_gain_and_spans_the_useful_range() -> None:
     low, high = XM430_W350.stiffness_nm_per_rad(12), XM430_W350.stiffness_nm_per_rad(330)
     assert high / low == pytest.approx(330 / 12)
-    assert low == pytest.approx(0.3, abs=0.02) and high == pytest.approx(8, abs=0.1)
+    assert low == pytest.approx(0.3, abs=0.02)
+    assert high == pytest.approx(8, abs=0.1)
     # robotis_op3 of google-deepmind/mujoco_menagerie: 21.1 N m/rad, in position mode at the default gain
     assert XM430_W350.stiffness_nm_per_rad(800) == pytest.approx(21.1, rel=0.1)
 
@@ -111,7 +112,8 @@ def test_the_angle_does_not_depend_on_how_often_it_is_asked(desk: Callable[..., 
         one.load_nm = lambda angle_rad: max(0.0, 6.5 * (angle_rad - 0.1))
         one.write(t.GOAL_POSITION, 2548, 4)
         ends.append(one.wait(1.0, period_s=period_s)[-1])
-    assert ends[1] == pytest.approx(ends[0], abs=1e-4) and ends[2] == pytest.approx(ends[0], abs=1e-4)
+    assert ends[1] == pytest.approx(ends[0], abs=1e-4)
+    assert ends[2] == pytest.approx(ends[0], abs=1e-4)
 
 
 def test_it_presses_a_specimen_of_the_emulated_world_through_its_own_compliance() -> None:
@@ -144,7 +146,8 @@ def test_without_torque_the_shaft_gives_way(desk: Callable[..., Any]) -> None:
     one.load_nm = lambda angle_rad: LOAD_NM
     assert abs(one.wait(1.0)[-1]) < 0.02
     one.write(t.TORQUE_ENABLE, 0, 1)
-    assert one.wait(1.0)[-1] < -0.3 and one.read(t.PRESENT_CURRENT, 2) == 0
+    assert one.wait(1.0)[-1] < -0.3
+    assert one.read(t.PRESENT_CURRENT, 2) == 0
     stopped = desk()
     stopped.load_nm = lambda angle_rad: 0.9 * XM430_W350.friction_nm
     assert stopped.wait(1.0)[-1] == 0, "friction of the gear holds it"
@@ -157,7 +160,7 @@ def test_torque_on_goes_to_the_goal_that_was_written_before(desk: Callable[..., 
     one.wait(0.2)
     assert one.read(t.PRESENT_POSITION, 4) == 2048
     one.write(t.TORQUE_ENABLE, 1, 1)
-    one.wait(1.0)
+    one.wait(3.0)
     assert one.read(t.PRESENT_POSITION, 4) == pytest.approx(2248, abs=4)
 
 
@@ -173,14 +176,16 @@ def test_a_profile_takes_its_time(desk: Callable[..., Any], acceleration: int) -
     velocity, growth = 50 * units_per_s, acceleration * 214.577 * 4096 / 3600
     needed_s = 1000 / velocity + (velocity / growth if growth else 0.0)
     one.wait(needed_s / 2)
-    assert one.read(t.MOVING, 1) == 1 and one.read(t.MOVING_STATUS, 1) & 2
+    assert one.read(t.MOVING, 1) == 1
+    assert one.read(t.MOVING_STATUS, 1) & 2
     assert one.read(t.MOVING_STATUS, 1) >> 4 == (3 if acceleration else 1)
     assert one.read(t.PRESENT_VELOCITY, 4) == pytest.approx(50, abs=8)
     assert one.read(t.POSITION_TRAJECTORY, 4) == pytest.approx(2548, abs=10)
     one.wait(needed_s / 2 - 0.05)
     assert one.read(t.MOVING_STATUS, 1) & 2
     one.wait(0.6)
-    assert one.read(t.MOVING, 1) == 0 and one.read(t.MOVING_STATUS, 1) & 3 == 1
+    assert one.read(t.MOVING, 1) == 0
+    assert one.read(t.MOVING_STATUS, 1) & 3 == 1
 
 
 def test_a_time_based_profile_ends_in_time(desk: Callable[..., Any]) -> None:
@@ -217,7 +222,8 @@ def test_the_other_modes_turn_the_shaft(desk: Callable[..., Any], mode: int, goa
         # half the supply, less what friction takes
         assert 60 < velocity < 46 / 0.229 / 2
     else:
-        assert velocity > 50 and one.read(t.PRESENT_CURRENT, 2) == 100
+        assert velocity > 50
+        assert one.read(t.PRESENT_CURRENT, 2) == 100
     one.write(goal, -value, size)
     one.wait(3.0)
     assert one.read(t.PRESENT_VELOCITY, 4, signed=True) == pytest.approx(-velocity, abs=2)

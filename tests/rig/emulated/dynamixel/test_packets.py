@@ -66,9 +66,11 @@ def test_an_example_is_answered_as_the_manual_says(desk: Callable[..., Any], ask
 def test_action_does_what_was_registered(desk: Callable[..., Any]) -> None:
     one = desk(OLD, at(166))
     pair(one, "FF FF FD 00 01 09 00 04 68 00 C8 00 00 00 AE 8E")
-    assert one.read(t.REGISTERED, 1) == 1 and one.read(t.GOAL_VELOCITY, 4) == 0
+    assert one.read(t.REGISTERED, 1) == 1
+    assert one.read(t.GOAL_VELOCITY, 4) == 0
     assert pair(one, "FF FF FD 00 01 03 00 05 02 CE") == STATUS_OF_A_WRITE
-    assert one.read(t.REGISTERED, 1) == 0 and one.read(t.GOAL_VELOCITY, 4) == 200
+    assert one.read(t.REGISTERED, 1) == 0
+    assert one.read(t.GOAL_VELOCITY, 4) == 200
 
 
 def test_sync_write_and_bulk_write_are_done_and_not_answered(desk: Callable[..., Any]) -> None:
@@ -108,7 +110,8 @@ def test_fast_bulk_read_is_one_packet_of_parts(desk: Callable[..., Any]) -> None
     assert answer[:16] == first
     second = first + bytes.fromhex("00 07 00 00")
     assert answer[16:22] == second[16:] + crc16(second)
-    assert answer[22:25] == bytes.fromhex("00 04 1F") and crc16(answer[:-2]) == answer[-2:]
+    assert answer[22:25] == bytes.fromhex("00 04 1F")
+    assert crc16(answer[:-2]) == answer[-2:]
 
 
 def test_a_chain_ends_at_the_motor_that_is_missing(desk: Callable[..., Any]) -> None:
@@ -123,11 +126,14 @@ def test_what_looks_like_a_header_is_stuffed_both_ways(desk: Callable[..., Any])
     one = desk()
     data = bytes.fromhex("FF FF FD FD FF FF FD")
     sent = packet(1, 3, t.REALTIME_TICK.to_bytes(2, "little") + data)
-    assert data.replace(b"\xff\xff\xfd", b"\xff\xff\xfd\xfd") in sent and unstuffed(sent[7:-2])[3:] == data
+    assert data.replace(b"\xff\xff\xfd", b"\xff\xff\xfd\xfd") in sent
+    assert unstuffed(sent[7:-2])[3:] == data
     # -131073 is FF FF FD FF
-    assert one.write(t.OPERATING_MODE, 5, 1) == 0 and one.write(t.GOAL_POSITION, -131073, 4) == 0
+    assert one.write(t.OPERATING_MODE, 5, 1) == 0
+    assert one.write(t.GOAL_POSITION, -131073, 4) == 0
     answer = one.send(packet(1, 2, bytes((116, 0, 4, 0))))
-    assert answer[5:7] == b"\x09\x00" and answer[9:14] == bytes.fromhex("FF FF FD FD FF")
+    assert answer[5:7] == b"\x09\x00"
+    assert answer[9:14] == bytes.fromhex("FF FF FD FD FF")
     assert one.read(t.GOAL_POSITION, 4, signed=True) == -131073
 
 
@@ -140,6 +146,7 @@ def test_answers_come_after_the_return_delay_of_their_motor(desk: Callable[..., 
     assert len(two.bus(b"")) == 14
     assert two.bus.due_s == pytest.approx(0.0007)
     two.clock.sleep_until(1.0)
-    assert len(two.bus(b"")) == 14 and two.bus.due_s == float("inf")
+    assert len(two.bus(b"")) == 14
+    assert two.bus.due_s == float("inf")
     two.motors[0].table.values[t.RETURN_DELAY] = 0
     assert len(two.bus(packet(1, 1))) == 14

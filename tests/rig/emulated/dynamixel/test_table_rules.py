@@ -116,7 +116,8 @@ def test_a_factory_reset_keeps_what_its_option_says(
     one.write(t.DEVICE_ID, 9, 1)
     assert one.ask(Instruction.FACTORY_RESET, bytes((option,)), 9)[0] == 0
     values = one.motor.table.values
-    assert (values[t.DEVICE_ID], values[t.BAUD_RATE]) == kept and values[t.OPERATING_MODE] == 3
+    assert (values[t.DEVICE_ID], values[t.BAUD_RATE]) == kept
+    assert values[t.OPERATING_MODE] == 3
 
 
 def test_a_factory_reset_of_all_is_not_for_everybody(desk: Callable[..., Any]) -> None:
@@ -134,8 +135,10 @@ def test_a_new_mode_brings_the_gains_and_goals_of_a_start(desk: Callable[..., An
     ):  # fmt: skip
         one.write(address, value, size)
     one.write(t.OPERATING_MODE, 5, 1)
-    assert one.read(t.POSITION_P, 2) == 800 and one.read(t.PROFILE_VELOCITY, 4) == 0
-    assert one.read(t.GOAL_CURRENT, 2) == 500 and one.read(t.GOAL_POSITION, 4) == 2048
+    assert one.read(t.POSITION_P, 2) == 800
+    assert one.read(t.PROFILE_VELOCITY, 4) == 0
+    assert one.read(t.GOAL_CURRENT, 2) == 500
+    assert one.read(t.GOAL_POSITION, 4) == 2048
 
 
 def test_reads_beyond_the_table_are_refused_and_gaps_are_zeros(desk: Callable[..., Any]) -> None:
@@ -156,9 +159,11 @@ def test_indirect_data_is_what_its_address_says(desk: Callable[..., Any]) -> Non
     assert one.read(t.GOAL_POSITION, 4) == one.read(225, 4) == 1024
     assert one.write(225, 1024, 2) == Error.LENGTH
     one.write(578, t.PRESENT_TEMPERATURE, 2)
-    assert one.read(634, 1) == 35 and one.write(634, 1, 1) == Error.ACCESS
+    assert one.read(634, 1) == 35
+    assert one.write(634, 1, 1) == Error.ACCESS
     assert one.write(168, 63, 2) == Error.RANGE
-    assert one.write(251, 77, 1) == 0 and one.read(251, 1) == 77
+    assert one.write(251, 77, 1) == 0
+    assert one.read(251, 1) == 77
 
 
 @pytest.mark.parametrize(("level", "answered"), [(0, (True, False, False)), (1, (True, True, False))])
@@ -221,7 +226,8 @@ def test_reverse_and_homing_offset(desk: Callable[..., Any]) -> None:
 def test_torque_can_be_switched_on_by_a_goal_and_at_a_start(desk: Callable[..., Any]) -> None:
     one = desk()
     one.write(t.DRIVE_MODE, t.TORQUE_ON_BY_GOAL, 1)
-    assert one.write(t.GOAL_POSITION, 2048, 4) == 0 and one.read(t.TORQUE_ENABLE, 1) == 1
+    assert one.write(t.GOAL_POSITION, 2048, 4) == 0
+    assert one.read(t.TORQUE_ENABLE, 1) == 1
     one.write(t.TORQUE_ENABLE, 0, 1)
     one.write(t.STARTUP, 1, 1)
     one.motor.reset()
@@ -231,5 +237,6 @@ def test_torque_can_be_switched_on_by_a_goal_and_at_a_start(desk: Callable[..., 
 
 def test_an_external_port_keeps_what_is_written(desk: Callable[..., Any]) -> None:
     one = desk(XM540_W270)
-    assert one.write(154, 0xABCD, 2) == 0 and one.read(154, 2) == 0xABCD
+    assert one.write(154, 0xABCD, 2) == 0
+    assert one.read(154, 2) == 0xABCD
     assert one.ask(Instruction.PING)[0] & ALERT == 0
