@@ -35,7 +35,7 @@ class Export(NamedTuple):
 _EXPORTS = {
     "qbmove-advanced": "emg2vsa.devices.qbmove.export",
     "qbmove-maker-pro": "emg2vsa.devices.qbmove.export",
-    "dynamixel": "emg2vsa.devices.dynamixel.export",
+    "dynamixel": "emg2vsa.devices.dynamixel.joint",
 }
 
 

@@ -16,18 +16,25 @@ of the watchdog must see that the shaft stays where it is.
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from types import TracebackType
 from typing import Self
 
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.dynamixel import registers
-from emg2vsa.devices.dynamixel._interface import Measurements, Parameter
 from emg2vsa.devices.dynamixel.conversation import Conversation, Status
-from emg2vsa.devices.dynamixel.info import DynamixelInfo, check_ready, model_named
+from emg2vsa.devices.dynamixel.info import DynamixelInfo, check_model, check_ready, model_named
 from emg2vsa.devices.dynamixel.joint import GainJoint
-from emg2vsa.devices.dynamixel.registers import DEG_PER_PULSE, MOTORS, ZERO_PULSE, Item, fault_words
+from emg2vsa.devices.dynamixel.registers import (
+    DEG_PER_PULSE,
+    MOTORS,
+    ZERO_PULSE,
+    Item,
+    fault_words,
+    supposed_nm_per_rad,
+)
 from emg2vsa.devices.dynamixel.settings import DynamixelSettings
+from emg2vsa.devices.protocols import LogColumns, Measurements, Parameter, Usable
 from emg2vsa.devices.serial_line import ByteLine
 from emg2vsa.errors import DeviceError
 
@@ -36,27 +43,23 @@ _OFF_ATTEMPTS = 10
 _ZERO_TOLERANCE_PULSES = 2
 _DRIFT_PULSES = 11
 """1 degree: a goal may follow a shaft that creeps while the torque is off."""
-_ANYWHERE_DEG = (-180.0, 180.0)
 
 
 class Dynamixel:
     """One motor. As a context manager it switches the torque off at the end, however that comes."""
 
-    def __init__(
-        self,
-        line: ByteLine,
-        settings: DynamixelSettings,
-        *,
-        clock: Clock,
-        positions_deg: tuple[float, float] = _ANYWHERE_DEG,
-    ) -> None:
-        """``positions_deg``: lowest and highest position of the rig; the motor's own limits hold as well."""
+    columns = LogColumns()
+    rigid = False
+
+    def __init__(self, line: ByteLine, settings: DynamixelSettings, *, clock: Clock) -> None:
         self.device_id, self.settings = settings.id, settings
         self.where = f"{line.name}, dynamixel {settings.id}"
-        self.joint = GainJoint(settings.full_gain, settings.full_stiffness_nm_per_rad)
+        supposed = supposed_nm_per_rad(settings.model, settings.full_gain)
+        self.joint = GainJoint(settings.full_stiffness_nm_per_rad or supposed, settings.full_gain)
+        self._line = line
         self._talk = Conversation(line, clock, settings.reply_s)
         self.counts = self._talk.counts
-        self._positions_deg, self._unit_a = positions_deg, MOTORS[settings.model].current_unit_a
+        self._unit_a = MOTORS[settings.model].current_unit_a
         self._usable_deg: tuple[float, float] | None = None
         self._limit_a = 0.0
         self._gain: int | None = None
@@ -103,9 +106,31 @@ class Dynamixel:
             temperature_c=get(registers.TEMPERATURE),
         )
 
+    def close(self) -> None:
+        """Give the line back."""
+        self._line.close()
+
+    def identify(self) -> DynamixelInfo:
+        """As `info`. DeviceError: it is silent, or of another model than the rig file names."""
+        info = self.info()
+        check_model(info, self.settings, self.where)
+        return info
+
+    def usable(self, info: DynamixelInfo) -> Usable:
+        """What a run may ask of it."""
+        return Usable(info.limits_deg(), self.joint.full_preset)
+
+    def pressing(self) -> Dynamixel:
+        """What a run commands."""
+        return self
+
+    def serial_number(self) -> str:
+        """It tells none."""
+        return ""
+
     def about(self) -> Iterator[str]:
         """Facts, state, whether a run may use it and why not, and parameters: lines for people."""
-        info = self.info()
+        info = self.identify()
         yield from info.facts()
         current, at = self._decoded(self._good(self._read(registers.PRESENT), registers.PRESENT))
         yield f"torque {'on' if self._get(registers.TORQUE) else 'off'}, shaft at {at.shaft_deg:.2f} degrees"
@@ -117,19 +142,15 @@ class Dynamixel:
             yield "set up for runs"
         except DeviceError as error:
             yield f"not ready for a run: {error}"
-        yield "a run may use: positions {:.2f} to {:.2f} degrees".format(*self._usable(info))
         stiffness = self.settings.full_stiffness_nm_per_rad
         yield f"full stiffness {stiffness:g} N m/rad" if stiffness else "full stiffness not commissioned: no schedules"
-        yield "parameters:"
-        for parameter in self.parameters().values():
-            yield f"  {parameter.number:>2} {parameter.name:<28} {parameter.values[0]:g}"
 
     def activate(self) -> None:
         """Values checked, watchdog set, torque on where the shaft is, all read back. DeviceError with the reason when
         the motor, or one of its values, refuses; then the torque is not on."""
         info = self.info()
         check_ready(info, self.settings, self.where)
-        low, high = usable = self._usable(info)
+        low, high = usable = info.limits_deg()
         at = self._get(registers.PRESENT_POSITION)
         if not low <= _deg(at) <= high:
             do = "Turn it there by hand with the power off: it counts its turns from power-on."
@@ -178,14 +199,7 @@ class Dynamixel:
         return torque.data[0] == ON and not torque.alert and watchdog != registers.WATCHDOG_EXPIRED
 
     def command(self, position_deg: float, preset: float) -> None:
-        """Equilibrium and stiffness. DeviceError outside the limits, or before the stiffness has been measured."""
-        if self.settings.full_stiffness_nm_per_rad is None:
-            do = "Measure it with emg2vsa rig commission, and write it into [actuator]."
-            raise self._trouble("full_stiffness_nm_per_rad", "none", do)
-        self.move(position_deg, preset)
-
-    def move(self, position_deg: float, preset: float = 1.0) -> None:
-        """As `command`, also before the stiffness has been measured: what measures it needs a motor that moves."""
+        """Equilibrium and stiffness. DeviceError outside the limits."""
         goal = self._goal(position_deg)
         if not 0 <= preset <= 1:
             raise self._trouble("a preset of 0 to 1", f"{preset:g}", "Correct the schedule.")
@@ -196,13 +210,11 @@ class Dynamixel:
             self._gain = gain
         self._set(registers.GOAL_POSITION, goal)
 
-    def accepts_goal(self, position_deg: float) -> bool:
-        """Send a goal that the motor may refuse, as it does once its watchdog has run out; whether it took it."""
+    def move_motors(self, motors_deg: Sequence[float]) -> None:
+        """Send a goal that the motor may refuse, as it does once its watchdog has run out."""
         item = registers.GOAL_POSITION
-        status = self._talk.write(self.device_id, item.address, item.data(self._goal(position_deg)))
-        if status is None:
+        if self._talk.write(self.device_id, item.address, item.data(self._goal(motors_deg[0]))) is None:
             raise self._silence(item)
-        return not status.error
 
     def watchdog_ran_out(self) -> bool:
         """Does the motor say that its watchdog has run out? Only 0 written to it clears that."""
@@ -231,7 +243,7 @@ class Dynamixel:
 
     def parameters(self) -> dict[int, Parameter]:
         """What is kept without power, by address."""
-        return {item.address: Parameter(item.address, item.name, (self._get(item),)) for item in registers.EEPROM}
+        return {item.address: Parameter(item.address, item.name, (self._get(item),), "i") for item in registers.EEPROM}
 
     def set_parameter(self, number: int, values: tuple[float, ...]) -> Parameter:
         """Set what is kept without power and read it back; the parameter as it is then.
@@ -250,7 +262,7 @@ class Dynamixel:
             raise self._trouble(wanted, found, "Correct the value.")
         self._check_off(item.name)
         self._set_and_read(item, int(values[0]))
-        return Parameter(number, item.name, (self._get(item),))
+        return Parameter(number, item.name, (self._get(item),), "i")
 
     def set_zeros(self) -> Measurements:
         """Make the present place of the shaft the zero by the Homing Offset, and return what is read then.
@@ -283,10 +295,6 @@ class Dynamixel:
             do = "Correct the schedule, or the limits."
             raise self._trouble(f"a position of {low:.2f} to {high:.2f} degrees", f"{position_deg:g}", do)
         return round(position_deg / DEG_PER_PULSE) + ZERO_PULSE
-
-    def _usable(self, info: DynamixelInfo) -> tuple[float, float]:
-        low, high = info.limits_deg()
-        return max(low, self._positions_deg[0]), min(high, self._positions_deg[1])
 
     def _ready(self) -> tuple[float, float]:
         if self._usable_deg is None:

@@ -67,14 +67,22 @@ def model_named(number: int) -> str | None:
     return next((name for name, motor in MOTORS.items() if motor.number == number), None)
 
 
+def check_model(info: DynamixelInfo, settings: DynamixelSettings, where: str) -> None:
+    """DeviceError for another model than the rig file names: the same gain is another stiffness on it."""
+    number = MOTORS[settings.model].number
+    if info.model_number != number:
+        do = "Correct [actuator] model, and measure the stiffness of this motor."
+        wanted = f"{number}, the {settings.model}"
+        raise DeviceError(f"{where}, model number", wanted=wanted, found=str(info.model_number), do=do)
+
+
 def check_ready(info: DynamixelInfo, settings: DynamixelSettings, where: str) -> None:
     """DeviceError at the first value with which a run would not do what it is told."""
     low, high = info.limits_pulses
-    number, goal_a = MOTORS[settings.model].number, settings.goal_current_a
+    check_model(info, settings, where)
+    goal_a = settings.goal_current_a
     set_it = "Set it: emg2vsa rig parameters RIG"
     rules = (
-        ("model number", f"{number}, the {settings.model}", info.model_number, info.model_number == number,
-         "Correct [actuator] model, and measure the stiffness of this motor."),
         ("firmware", f"{LEAST_FIRMWARE} or newer", info.firmware, info.firmware >= LEAST_FIRMWARE,
          "Update it with DYNAMIXEL Wizard: older ones lack what protects a run."),
         ("id", settings.id, info.device_id, info.device_id == settings.id,

@@ -13,54 +13,65 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats
-from emg2vsa.devices.dynamixel._interface import Measurements
+from emg2vsa.devices.joints import Export
+from emg2vsa.devices.protocols import Measurements
 from emg2vsa.errors import ScheduleError
 
 
 @dataclass(frozen=True)
 class GainJoint:
-    """The stiffness is proportional to the gain.
+    """The stiffness is proportional to the gain; a preset is a share of it.
 
-    full_gain : whole gain at preset 1. full_stiffness_nm_per_rad : stiffness there; None until it has been measured.
+    full_preset : stiffness at preset 1, N m/rad. full_gain : whole gain there; None where no device is at hand.
     """
 
-    full_gain: int
-    full_stiffness_nm_per_rad: float | None
+    full_preset: float
+    full_gain: int | None = None
+    name: str = "dynamixel"
+    measured_key: str = "full_stiffness_nm_per_rad"
+    preset_per_s: float = 2.5
 
-    def targets_deg(self, position_deg: float, preset: float) -> tuple[float, ...] | None:
-        """None: the motor gives way itself, and does not stand at its command under load."""
-        return None
+    def targets_deg(self, position_deg: float, preset: float) -> tuple[float, ...]:
+        """None of any: the motor gives way itself, and does not stand at its command under load."""
+        return ()
 
     def torque_nm(self, at: Measurements, position_deg: float, preset: float) -> float:
         """External torque that the joint bears, N m; positive when the shaft is at a larger angle than commanded."""
-        return self._full_nm_per_rad() * preset * math.radians(at.shaft_deg - position_deg)
+        return self.full_preset * preset * math.radians(at.shaft_deg - position_deg)
+
+    def position_deg(self, at: Measurements) -> float:
+        """The motor's."""
+        return at.motors_deg[0]
+
+    def preset_at(self, at: Measurements) -> float:
+        """0: where a motor stands says nothing of its gain."""
+        return 0.0
 
     def stiffness_nm_per_rad(self, preset: ArrayLike) -> Floats:
         """Of presets 0 to 1 (any shape)."""
-        return np.asarray(preset, dtype=np.float64) * self._full_nm_per_rad()
+        return np.asarray(preset, dtype=np.float64) * self.full_preset
 
-    def preset_for(self, stiffness_nm_per_rad: ArrayLike) -> Floats:
-        """Presets of stiffnesses in N m/rad (any shape), not rounded. ScheduleError outside what the joint can do."""
-        wanted, most = np.asarray(stiffness_nm_per_rad, dtype=np.float64), self._full_nm_per_rad()
-        if not np.all((wanted >= 0) & (wanted <= most)):
+    def percent_for(self, stiffness_nm_per_rad: ArrayLike) -> Floats:
+        """Percent of the full gain for stiffnesses in N m/rad (any shape). ScheduleError beyond what can be."""
+        wanted = np.asarray(stiffness_nm_per_rad, dtype=np.float64)
+        if not np.all((wanted >= 0) & (wanted <= self.full_preset * (1 + 1e-12))):
             raise ScheduleError(
-                f"stiffness of the joint with gain {self.full_gain}",
-                wanted=f"0 to {most:.4g} N m/rad",
+                f"stiffness of {self.name}",
+                wanted=f"0 to {self.full_preset:.4g} N m/rad",
                 found=f"{np.min(wanted):.4g} to {np.max(wanted):.4g}",
                 do="Ask for a stiffness that the joint can reach, or commission a larger full_gain.",
             )
-        return wanted / most
+        return wanted * 100 / self.full_preset
 
     def rounded(self, preset: ArrayLike) -> Floats:
-        """The nearest preset that is a whole gain."""
-        return np.asarray(np.rint(np.asarray(preset, dtype=np.float64) * self.full_gain) / self.full_gain)
+        """The nearest presets that are whole gains, where the full gain is known."""
+        given = np.asarray(preset, dtype=np.float64)
+        return given if self.full_gain is None else np.asarray(np.rint(given * self.full_gain) / self.full_gain)
 
-    def _full_nm_per_rad(self) -> float:
-        if self.full_stiffness_nm_per_rad is None:
-            raise ScheduleError(
-                "[actuator] full_stiffness_nm_per_rad",
-                wanted="the stiffness at full_gain",
-                found="none",
-                do="Measure it: emg2vsa rig commission.",
-            )
-        return self.full_stiffness_nm_per_rad
+
+EXPORT = Export(
+    lambda name, full_preset: GainJoint(full_preset, name=name),
+    column="preset_nm_per_rad", limit="full_stiffness_nm_per_rad", unit="N m/rad", per_preset=1.0, whole=False,
+    most=1000.0,
+)  # fmt: skip
+"""Schedules state presets as the stiffness that they are."""

@@ -7,6 +7,7 @@ ROBOTIS-GIT/dynamixel_hardware_interface.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from emg2vsa.devices.dynamixel.settings import Model
@@ -28,17 +29,27 @@ class Motor(NamedTuple):
     "Model Number (0)."
     most_current: int
     "Largest Current Limit (38), in units of ``current_unit_a``."
+    nm_per_a: float
+    "Stall torque over stall current at 12 V, by the e-Manual's specifications."
     current_unit_a: float = 2.69e-3
 
 
 MOTORS: dict[Model, Motor] = {
-    "xm430-w350": Motor(1020, 1193),
-    "xm430-w210": Motor(1030, 1193),
-    "xh430-w350": Motor(1000, 648),
-    "xh430-w210": Motor(1010, 648),
-    "xm540-w150": Motor(1130, 2047),
-    "xm540-w270": Motor(1120, 2047),
+    "xm430-w350": Motor(1020, 1193, 4.1 / 2.3),
+    "xm430-w210": Motor(1030, 1193, 3.0 / 2.3),
+    "xh430-w350": Motor(1000, 648, 3.4 / 1.3),
+    "xh430-w210": Motor(1010, 648, 2.5 / 1.3),
+    "xm540-w150": Motor(1130, 2047, 7.3 / 4.4),
+    "xm540-w270": Motor(1120, 2047, 10.6 / 4.4),
 }
+
+
+def supposed_nm_per_rad(model: Model, gain: int) -> float:
+    """Stiffness at a gain that nobody has measured, for the guards of what measures it, and for nothing else.
+
+    That an error of one pulse times gain / 128 is a current in its unit is a guess."""
+    motor = MOTORS[model]
+    return motor.nm_per_a * motor.current_unit_a * gain / 128 * 4096 / (2 * math.pi)
 
 
 class Item(NamedTuple):

@@ -42,6 +42,10 @@ class Device(Protocol):
 
     def reset(self) -> None: ...
 
+    @property
+    def due_s(self) -> float:
+        """When the next answer comes that is on its way; inf for none."""
+
 
 @dataclass(frozen=True)
 class _Fault:
@@ -105,7 +109,8 @@ class FaultyWire:
     @property
     def due_s(self) -> float:
         """When the next late answer comes; inf when none is on its way."""
-        return self._coming[0][0] if self._coming else math.inf
+        own_s = self._coming[0][0] if self._coming else math.inf
+        return min(own_s, self._device.due_s)
 
     def lose(self, way: Way, at: int, count: int = 1) -> None:
         """Drop ``count`` bytes from the index ``at`` on, which may be negative."""

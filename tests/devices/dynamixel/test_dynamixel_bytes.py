@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.dynamixel._interface import Measurements
+from emg2vsa.devices.protocols import Measurements
 from emg2vsa.devices.dynamixel.conversation import Conversation
 from emg2vsa.devices.dynamixel.driver import Dynamixel
 from emg2vsa.devices.dynamixel.scan import FoundDynamixel, scan

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from emg2vsa.devices.dynamixel._interface import Measurements
+from emg2vsa.devices.protocols import Measurements
 from emg2vsa.devices.dynamixel.joint import GainJoint
 from emg2vsa.errors import ScheduleError
 

@@ -1,17 +1,16 @@
-"""Faults of the emulated Dynamixel by name. Those of its wire are in ``emg2vsa.rig.emulated.fault_words``."""
+"""Faults of the emulated Dynamixel by name. Those of its wire are in ``emg2vsa.rig.emulated.wire_faults``."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from emg2vsa.rig.emulated.dynamixel.motor import RATED_V, MotorFaults
-from emg2vsa.rig.emulated.fault_words import Fault
+from emg2vsa.rig.emulated.fault import Fault, of_part
 
-
-def _of_motor(name: str, kind: Callable[[float], object] = bool) -> Callable[[Any, float], None]:
-    return lambda bench, value: setattr(bench.firmware.motor.faults, name, kind(value))
+_of_motor = partial(of_part, "firmware.motor.faults")
 
 
 def _freeze(bench: Any, on: float) -> None:
@@ -27,7 +26,7 @@ def _hardware(bit: int) -> Callable[[Any, float], None]:
 
 
 _COOL_C = MotorFaults().temperature_c
-FAULTS = {
+MOTOR_FAULTS = {
     "jam": Fault("the motor does not move, whatever it pulls", _of_motor("jammed"), "switch"),
     "brown-out": Fault("the supply breaks down, the electronics live on", _of_motor("unsupplied"), "switch"),
     "weak": Fault(

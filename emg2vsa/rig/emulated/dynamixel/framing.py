@@ -96,16 +96,20 @@ def unstuffed(body: bytes) -> bytes:
     return body.replace(_STUFFED, _PLAIN)
 
 
-def without(data: bytes, addresses: Collection[int]) -> bytes:
-    """``data`` but for the packets that write any of ``addresses``; what is no whole packet stays as it is.
+class DynamixelFrames:
+    """As `emg2vsa.rig.emulated.faults.Frames`; commands are addresses."""
 
-    A packet goes as a whole, with all else that it writes. A write by way of Indirect Data is not seen."""
-    return b"".join(part for part, whole in _parts(data) if not (whole and _writes(part, addresses)))
+    position_commands, watchdog_commands = POSITION_COMMANDS, WATCHDOG_COMMANDS
 
+    def without(self, data: bytes, commands: frozenset[int]) -> bytes:
+        """``data`` but for the packets that write any of these addresses; what is no whole packet stays as it is.
 
-def renamed(data: bytes, shift: int) -> bytes:
-    """``data`` with ``shift`` added to the id of every whole packet, and a checksum that fits."""
-    return b"".join(_renamed(part, shift) if whole else part for part, whole in _parts(data))
+        A packet goes as a whole, with all else that it writes. A write by way of Indirect Data is not seen."""
+        return b"".join(part for part, whole in _parts(data) if not (whole and _writes(part, commands)))
+
+    def renamed(self, data: bytes, shift: int) -> bytes:
+        """``data`` with ``shift`` added to the id of every whole packet, and a checksum that fits."""
+        return b"".join(_renamed(part, shift) if whole else part for part, whole in _parts(data))
 
 
 def _renamed(part: bytes, shift: int) -> bytes:
