@@ -26,6 +26,13 @@ class Limit(NamedTuple):
 Gt, Ge, Lt, Le = partial(Limit, ">"), partial(Limit, ">="), partial(Limit, "<"), partial(Limit, "<=")
 MinLen = partial(Limit, "length >=")
 
+
+class Tagged(NamedTuple):
+    """Marks a table whose keys are those of the kind of device that its key ``kind`` names."""
+
+    role: str
+
+
 TICKS_PER_TURN = 32768
 """Wire ticks of a qbmove in a turn of its output shaft, at the default resolution 1 of the firmware."""
 

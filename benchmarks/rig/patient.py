@@ -13,11 +13,11 @@ from pathlib import Path
 
 from benchmarks.rig.plans import modular_plan
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.devices.device_settings import DeviceSettings
 from emg2vsa.devices.netft.driver import open_net_ft
 from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
 from emg2vsa.devices.protocols import Devices
 from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.devices.serial_speed import BAUD
 from emg2vsa.rig.executor.execute import execute

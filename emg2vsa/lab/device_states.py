@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from functools import partial
 
 from emg2vsa.devices.clock import Clock, WallClock
-from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings, MotorSettings
-from emg2vsa.devices.netft.driver import NetFt
+from emg2vsa.devices.device_settings import CameraSettings, ForceSettings
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.info import Parameter, QbmoveInfo, check_kind
 from emg2vsa.devices.qbmove.limits import QbmoveLimits
 from emg2vsa.devices.qbmove.scan import qbmove_ports
 from emg2vsa.devices.qbmove.scan import scan as answering
+from emg2vsa.devices.qbmove.settings import ActuatorSettings, MotorSettings
+from emg2vsa.devices.registry import lines as lines_on
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.devices.serial_speed import BAUD, Baud
 from emg2vsa.errors import DeviceError, InputError
@@ -78,7 +79,7 @@ def _sensors(file: RigFile, clock: Clock) -> dict[str, Callable[[], Lines]]:
     guards, camera = file.rig.guards, file.devices.camera
     titled: dict[str, Callable[[], Lines]] = {"[force]": partial(_force, file.devices.force, guards, clock)}
     if camera:
-        titled[f"[camera] {camera.source}"] = partial(_camera, camera, guards, clock)
+        titled[f"[camera] {getattr(camera, 'source', camera.kind)}"] = partial(_camera, camera, guards, clock)
     return titled
 
 
@@ -148,10 +149,7 @@ def _force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> Line
     sensor = open_force(settings, guards, clock)
     try:
         yield sensor.name
-        if isinstance(sensor, NetFt):
-            config = sensor.config
-            yield f"{1 / config.n_per_count:g} counts/N, {1 / config.nm_per_count:g} counts/(N m)"
-            yield f"{config.rate_hz:g} records a second, calibration {config.calibration_serial or 'not told'}"
+        yield from lines_on("force", sensor, settings)
         sensor.start()
         sample = sensor.read()
         yield "force {:.3f}, {:.3f}, {:.3f} N".format(*sample.force_n)
@@ -165,6 +163,7 @@ def _camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Li
     """Size and true rate of its frames. DeviceError when it is absent or gives none."""
     camera = open_camera(settings, guards, clock)
     try:
+        yield from lines_on("camera", camera, settings)
         camera.start()
         clock.sleep_until(clock.now_s() + _WATCH_S)
         frames = camera.frames()

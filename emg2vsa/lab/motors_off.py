@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.devices.device_settings import ActuatorSettings, MotorSettings
 from emg2vsa.devices.protocols import Measurements
+from emg2vsa.devices.qbmove.settings import ActuatorSettings, MotorSettings
 from emg2vsa.errors import DeviceError
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.rig_lock import end_user, stop_unnamed_run

@@ -7,27 +7,16 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-import cv2
-
-from emg2vsa.ati.cal_file import read_calibration
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.device_settings import (
-    ActuatorSettings,
-    CameraSettings,
-    DeviceSettings,
-    ForceSettings,
-    Generation,
-    MotorSettings,
-)
-from emg2vsa.devices.netft.driver import NetFt, open_net_ft
-from emg2vsa.devices.ni_daq.gauges import DaqFt
-from emg2vsa.devices.ni_daq.volts import NiVolts
-from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
-from emg2vsa.devices.protocols import Devices, ForceSensor
+from emg2vsa.devices.device_settings import CameraSettings, ForceSettings
+from emg2vsa.devices.protocols import Camera, Devices, ForceSensor
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.info import QbmoveInfo, check_kind
 from emg2vsa.devices.qbmove.limits import roomy_positions
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
+from emg2vsa.devices.qbmove.settings import ActuatorSettings, Generation, MotorSettings
+from emg2vsa.devices.registry import Around, open_device, recorded
+from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.plan import RIGID, Condition
@@ -66,7 +55,7 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
         force = open_force(settings.force, rig.guards, clock)
         stack.callback(force.close)
         force.start()
-        facts = {"board": asdict(info), "force": _force_facts(force, biased=settings.force.bias)}
+        facts = {"board": asdict(info), "force": _force_facts(force, settings.force)}
         if settings.force.bias:
             force.bias()
         camera = None
@@ -74,22 +63,18 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
             camera = open_camera(settings.camera, rig.guards, clock)
             stack.callback(camera.close)
             camera.start()
-            facts["camera"] = asdict(settings.camera) | {"name": camera.name, "set": camera.locked}
+            facts["camera"] = recorded("camera", camera, settings.camera) | {"name": camera.name}
         rigid = condition == RIGID
         devices = Devices(RigidMotor(board) if rigid else board, force, camera)
         yield OpenRig(devices, within_device(rig, info, rigid), info, facts)
 
 
-def _force_facts(force: ForceSensor, *, biased: bool) -> dict[str, Any]:
+def _force_facts(force: ForceSensor, settings: ForceSettings) -> dict[str, Any]:
     """Of a started sensor, before it is biased."""
     sample = force.read()
     load = {"force_n": sample.force_n.tolist(), "torque_nm": sample.torque_nm.tolist()}
-    facts = {"name": force.name, "status": sample.status.code, "biased_by": load if biased else None}
-    if isinstance(force, NetFt):
-        return facts | asdict(force.config)
-    if isinstance(force, DaqFt):
-        return facts | {"calibration_serial": force.calibration.serial}
-    return facts
+    facts = {"name": force.name, "status": sample.status.code, "biased_by": load if settings.bias else None}
+    return facts | recorded("force", force, settings)
 
 
 def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSettings | MotorSettings:
@@ -159,14 +144,8 @@ def board_info(board: Qbmove) -> QbmoveInfo:
 def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> ForceSensor:
     """The force sensor, not yet started. DeviceError when it is absent; SettingError when the rig file has no host."""
     # the sensor gives up later than the guard, which tells a late sample from a late loop
-    stale_s = 2 * guards.stale_s
-    if settings.kind == "net-ft":
-        if settings.host is None:
-            raise _no_address("force.host", "the address of the box", "It leaves the factory with 192.168.1.1.")
-        ports = {"rdt_port": settings.rdt_port, "http_port": settings.http_port}
-        return open_net_ft(settings.host, clock, buffered=settings.buffered, stale_s=stale_s, **ports)
-    calibration = read_calibration(settings.cal_file or "")
-    return DaqFt(NiVolts(settings.channels or "", calibration.range_v), calibration, clock, stale_s=stale_s)
+    sensor: ForceSensor = open_device("force", settings, Around(clock, lost_s=2 * guards.stale_s))
+    return sensor
 
 
 def _no_address(key: str, wanted: str, do: str) -> SettingError:
@@ -174,16 +153,10 @@ def _no_address(key: str, wanted: str, do: str) -> SettingError:
     return SettingError(key, wanted=wanted, found="none", do=do)
 
 
-def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> OpenCvCamera:
+def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Camera:
     """The camera, not yet started."""
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # the driver says it in words
-    shape = settings.height, settings.width
-    values = {"exposure": settings.exposure, "gain": settings.gain, "white_balance_k": settings.white_balance_k}
-    lock = values if settings.lock or any(value is not None for value in values.values()) else None
-    return OpenCvCamera(
-        settings.source, clock,
-        shape=shape, rate_hz=settings.rate_hz, delay_s=settings.delay_s, lost_s=guards.camera_s, lock=lock,
-    )  # fmt: skip
+    camera: Camera = open_device("camera", settings, Around(clock, lost_s=guards.camera_s))
+    return camera
 
 
 def within_device(rig: RigSettings, info: QbmoveInfo, rigid: bool) -> RigSettings:

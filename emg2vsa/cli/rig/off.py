@@ -28,7 +28,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.devices.device_settings import ActuatorSettings
+    from emg2vsa.devices.qbmove.settings import ActuatorSettings
     from emg2vsa.errors import SettingError
     from emg2vsa.lab.motors_off import board_off, off
 

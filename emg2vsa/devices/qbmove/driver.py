@@ -13,7 +13,6 @@ from typing import Self
 
 from emg2vsa.actuator import SPRINGS, Springs, equilibrium_and_preset
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.device_settings import REPLY_S, Generation, Model
 from emg2vsa.devices.protocols import Measurements
 from emg2vsa.devices.qbmove.conversation import Conversation
 from emg2vsa.devices.qbmove.info import Parameter, QbmoveInfo, decode_parameters, parse_info
@@ -28,6 +27,7 @@ from emg2vsa.devices.qbmove.packets import (
     ping_reply,
     wanted,
 )
+from emg2vsa.devices.qbmove.settings import REPLY_S, Generation, Model
 from emg2vsa.devices.serial_line import ByteLine
 from emg2vsa.errors import DeviceError
 from emg2vsa.settings import TICKS_PER_TURN

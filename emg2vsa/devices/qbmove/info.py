@@ -7,7 +7,7 @@ import re
 import struct
 from dataclasses import dataclass, field
 
-from emg2vsa.devices.device_settings import Model
+from emg2vsa.devices.qbmove.settings import Model
 from emg2vsa.errors import DeviceError
 
 
