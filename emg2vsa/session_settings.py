@@ -22,7 +22,7 @@ class EmgSettings:
     """Where the EMG of a session comes from. The channels of the study ([channels.emg]) are the ones that are kept."""
 
     kind: str
-    "Which kind it is."
+    "Of the device; each kind has keys of its own."
     delay_s: Annotated[float, Ge(0), Le(1)] = 0.0
     "Fixed delay from skin to arrival (Trigno about 0.048 s), taken off every time stamp."
 
@@ -32,7 +32,7 @@ class SessionForceSettings:
     """Where the pressing force of a session comes from."""
 
     kind: str
-    "Which kind it is."
+    "Of the device; each kind has keys of its own."
     delay_s: Annotated[float, Ge(0), Le(1)] = 0.0
     "Fixed delay from finger to arrival, taken off every time stamp."
 

@@ -31,7 +31,7 @@ class WatchedSettings:
     """An actuator of any kind."""
 
     kind: str
-    "Which kind it is."
+    "Of the device; each kind has keys of its own."
     watchdog_s: WatchdogS = 0.5
     """The device is told to switch its motors off when the program has been silent for so long. Whether it does is
     unknown until emg2vsa rig prove-watchdog has shown it on this very device."""
@@ -42,7 +42,7 @@ class ForceSettings:
     """The force sensor under the specimen, of any kind."""
 
     kind: str
-    "Which kind it is."
+    "Of the device; each kind has keys of its own."
     bias: bool = False
     "true: the load on the sensor when a run begins becomes its zero; needed where the sensor has no zero of its own."
 
@@ -52,7 +52,7 @@ class CameraSettings:
     """The tactile camera, of any kind."""
 
     kind: str
-    "Which kind it is."
+    "Of the device; each kind has keys of its own."
     height: Annotated[int, Gt(0)] = SHAPE[0]
     "Rows of the frames that are kept, pixels."
     width: Annotated[int, Gt(0)] = SHAPE[1]

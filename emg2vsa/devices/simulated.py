@@ -15,7 +15,6 @@ class SimulatedEmgSettings(EmgSettings):
     """No device: the EMG of an emulated participant."""
 
     kind: Literal["simulated"] = "simulated"
-    "simulated: no person."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +22,6 @@ class SimulatedForceSettings(SessionForceSettings):
     """No device: the force of an emulated participant."""
 
     kind: Literal["simulated"] = "simulated"
-    "simulated: no person."
 
 
 def _nobody(settings: SimulatedEmgSettings | SimulatedForceSettings, around: Around) -> NoReturn:

@@ -239,14 +239,15 @@ class _Reading(NamedTuple):
         return self.no_choice(tuple(known), name, place, f"Of other packages: {added}." if added else "")
 
     def of_kind(self, kind: registry.Kind, given: Mapping[str, Any], name: str, at: KeyPath) -> Any:
-        before, own = len(self.problems), kinds_of(kind.settings)
+        own = kinds_of(kind.settings)
         of_others = {} if own.keys() >= given.keys() else _keys_of_kinds(kind.role)
         strange = [key for key in given if key not in own and key in of_others]
         for key in strange:
             wanted = f"keys of this kind only ({key!r} is of {of_others[key]!r})"
             self.fault(Problem((*at, key), wanted, f"{key!r} with kind = {name!r}"))
+        sound = len(self.problems)
         made = self.table(kind.settings, {key: given[key] for key in given if key not in strange}, at)
-        if len(self.problems) == before:
+        if len(self.problems) == sound:
             self.problems.extend(Problem((*at, *wrong.path), *wrong[1:]) for wrong in kind.wrong(made))
         return made
 

@@ -28,7 +28,7 @@ class Bench:
         self.box = RdtBox(loads, BoxSettings(rate_hz=rate_hz, noise=(1e-6, 1e-6)))
         line = LoopbackDatagrams("box", self.box, self.clock)
         sensor = NetFt(line, parse_config(configuration_page(self.box)), self.clock, stale_s=0.5, **settings)
-        self.source = RigForce(sensor, RigForceSettings(delay_s=0.001), self.clock, rate_hz=rate_hz, bias=bias)
+        self.source = RigForce(sensor, RigForceSettings(rig="rig.toml", delay_s=0.001), self.clock, bias=bias)
         self.source.start()
 
     def read_for(self, seconds: float) -> list[Block]:

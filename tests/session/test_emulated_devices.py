@@ -16,6 +16,7 @@ from emg2vsa.devices.lsl.settings import LslEmgSettings
 from emg2vsa.devices.netft.driver import open_net_ft
 from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.ni_daq.settings import NiGaugeSettings
+from emg2vsa.devices.registry import Around
 from emg2vsa.devices.rig_force.settings import RigForceSettings
 from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
 from emg2vsa.devices.trigno.settings import TrignoSettings
@@ -130,7 +131,8 @@ def test_the_force_reaches_the_rigs_driver_through_the_box() -> None:
     clock, person = FastClock(5.0), EmulatedParticipant(PERSON)
     with RdtServer(force_box(person, (0.0, 0.0, -1.0)), clock) as server:
         sensor = open_net_ft(
-            server.host, WallClock(), rdt_port=server.rdt_port, http_port=server.http_port, stale_s=2.0
+            NetFtSettings(host=server.host, rdt_port=server.rdt_port, http_port=server.http_port),
+            Around(WallClock(), 2.0),
         )
         sensor.start()
         try:

@@ -16,7 +16,6 @@ class LslEmgSettings(EmgSettings):
     """EMG from a stream of the Lab Streaming Layer."""
 
     kind: Literal["lsl"] = "lsl"
-    "lsl: stream of the Lab Streaming Layer."
     channels: Channels
     "Muscle role (EDC, FDS) to the label of its channel in the stream."
     stream: Text | None = None
@@ -28,7 +27,6 @@ class LslForceSettings(SessionForceSettings):
     """Force from a stream of the Lab Streaming Layer."""
 
     kind: Literal["lsl"] = "lsl"
-    "lsl: stream of the Lab Streaming Layer."
     stream: Text | None = None
     "Name of the stream; omitted: the only one of type Force."
     channel: Text | None = None

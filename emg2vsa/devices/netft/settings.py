@@ -17,7 +17,6 @@ class NetFtSettings(ForceSettings):
     """A Net F/T box or Ethernet Axia of ATI, on the network."""
 
     kind: Literal["net-ft"] = "net-ft"
-    "net-ft: Net F/T box or Ethernet Axia."
     host: Text | None = None
     "Address of the box; 192.168.1.1 when it leaves the factory. Omitted: only the emulated rig can run."
     rdt_port: NetPort = RDT_PORT

@@ -21,7 +21,6 @@ class NiGaugeSettings(ForceSettings):
     """An ATI transducer whose gauges are wired to a card of National Instruments."""
 
     kind: Literal["ni-daq"] = "ni-daq"
-    "ni-daq: gauge voltages and the transducer's calibration."
     channels: Text
     "Six differential channels in the order of the gauges: Dev1/ai0:5."
     cal_file: Text
@@ -33,7 +32,6 @@ class NiEmgSettings(EmgSettings):
     """An amplifier behind analogue inputs of a card of National Instruments."""
 
     kind: Literal["ni-daq"] = "ni-daq"
-    "ni-daq: analogue inputs of a card of National Instruments."
     channels: Channels
     "Muscle role (EDC, FDS) to its input: Dev1/ai0."
     gain: Annotated[float, Ge(0.1), Le(1_000_000)] = 1.0

@@ -15,7 +15,6 @@ class OpenCvSettings(CameraSettings):
     """A camera that OpenCV opens."""
 
     kind: Literal["opencv"] = "opencv"
-    "opencv: a webcam, or a camera on the network."
     source: Annotated[int, Ge(0)] | Text
     "Number of the camera (0 is the first), or the address of a network camera."
     lock: bool = True

@@ -23,7 +23,6 @@ class ActuatorSettings(WatchedSettings):
     """The qbmove."""
 
     kind: Literal["qbmove"] = "qbmove"
-    "qbmove: of qbrobotics, with two motors and springs between them and the shaft."
     port: Text | None = None
     "Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3. Omitted: only the emulated rig can run."
     id: DeviceId = 1

@@ -15,7 +15,6 @@ class RigForceSettings(SessionForceSettings):
     """The force sensor of a rig, pressed by a finger."""
 
     kind: Literal["rig"] = "rig"
-    "rig: the force sensor of a rig file."
     rig: Text
     "The rig file, relative to the folder of the study file; its [force] table is used and no other."
     axis: tuple[float, float, float] = (0.0, 0.0, -1.0)

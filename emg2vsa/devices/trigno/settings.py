@@ -23,7 +23,6 @@ class TrignoSettings(EmgSettings):
     """Sensors of a Trigno system, which the Trigno Control Utility serves."""
 
     kind: Literal["trigno"] = "trigno"
-    "trigno: Trigno SDK server."
     channels: Channels
     "Muscle role (EDC, FDS) to the number of its sensor, 1 to 16, or 3.2 for channel 2 of a Quattro sensor."
     host: Text = "127.0.0.1"

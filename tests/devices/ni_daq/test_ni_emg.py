@@ -63,7 +63,7 @@ def emg(inputs: NiInputs, clock: VirtualClock) -> NiEmg:
 def gauges(inputs: NiInputs, clock: VirtualClock) -> RigForce:
     group = inputs.add(GAUGES, 6, (-10.0, 10.0), differential=True)
     sensor = DaqFt(group, GaugeCalibration("FT1", np.eye(6), (-10.0, 10.0)), clock, stale_s=0.5)
-    return RigForce(sensor, RigForceSettings(), clock, rate_hz=1000.0, bias=True)
+    return RigForce(sensor, RigForceSettings(rig="rig.toml"), clock, bias=True)
 
 
 def read_for(clock: VirtualClock, seconds: float, *sources: Source) -> list[list[Block]]:
