@@ -82,11 +82,12 @@ class Rating(NamedTuple):
 class ForceSensor(Protocol):
     """A sensor that measures by itself once started. It is never biased unless `bias` is called.
 
-    rating : None where the sensor does not tell.
+    rating : None where the sensor does not tell. rate_hz : readings a second.
     """
 
     name: str
     rating: Rating | None
+    rate_hz: float
 
     def start(self) -> None:
         """Begin, and return once a first sample has come. DeviceError when none comes."""
@@ -300,6 +301,9 @@ class Board(Protocol):
 
     where: str
     rigid: bool
+
+    def close(self) -> None:
+        """Give the line back."""
 
     def __enter__(self) -> Self: ...
     def __exit__(

@@ -13,7 +13,7 @@ from emg2vsa.errors import SettingError
 from emg2vsa.session.dataset import refuse_foreign
 from emg2vsa.session.desk import SessionDesk
 from emg2vsa.session.open_sources import Maker
-from emg2vsa.session.plan import Plan, changes, draw_presses
+from emg2vsa.session.plan import Plan, changes, draw_presses, planned
 from emg2vsa.session.record import new_session, resume_session, session_folder
 from emg2vsa.session.recorded_stream import RecordedStream
 from emg2vsa.session.session import Session, check_muscles
@@ -55,7 +55,7 @@ def open_session(
     """
     settings = settings_of(study, participant)
     folder = folder_of(study, participant)
-    now = {"session": asdict(settings), "specimens": [each.name for each in study.specimens],
+    now = {"session": planned(settings), "specimens": [each.name for each in study.specimens],
            "window": asdict(study.window)}  # fmt: skip
     refuse_foreign(folder, study, participant)
     with ExitStack() as stack:
@@ -63,6 +63,7 @@ def open_session(
         for make in makers:
             sources.append(source := make())
             stack.callback(source.close)
+        for source in sources:
             source.start()
         check_muscles(study, sources[0].info.channels)
         if resume:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from emg2vsa.devices.device_settings import ForceSettings
+from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
@@ -26,7 +26,7 @@ def test_what_is_left_out_has_its_default(small: str, load: Load) -> None:
     assert file.rig == RigSettings()
     assert file.experiment == ExperimentSettings(specimens=("S1", "S3"))
     assert type(file.experiment) is ExperimentSettings
-    assert file.devices.force == ForceSettings(kind="net-ft", host="192.168.1.1")
+    assert file.devices.force == NetFtSettings(host="192.168.1.1")
     assert file.devices.camera is None
     assert load(small.replace("[emulated]", "")).emulated is None
 

@@ -7,11 +7,12 @@ import dataclasses
 import numpy as np
 import pytest
 
+from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
 from emg2vsa.recordings import Channel
 from emg2vsa.session.live_fit import specimen_fit
 from emg2vsa.session.live_press import Circumstances, FoundPress, HowJudged, StayJudged, judge_attempt, judge_stay
 from emg2vsa.session.press_cycle import Attempt
-from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
+from emg2vsa.session_settings import SessionSettings
 from emg2vsa.settings import (
     FilterSettings,
     FitSettings,
@@ -21,7 +22,7 @@ from emg2vsa.settings import (
 )
 from emg2vsa.synthetic.recording import make_recording
 
-SETTINGS = SessionSettings(emg=EmgSourceSettings(kind="simulated"), force=ForceSourceSettings(kind="simulated"))
+SETTINGS = SessionSettings(emg=SimulatedEmgSettings(), force=SimulatedForceSettings())
 HOW = HowJudged(FilterSettings(), WindowSettings(), ForceChannelSettings(name="force"), FitSettings())
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
 from emg2vsa.session.bar_force import BarForce
 from emg2vsa.session.press_cycle import PressCycle
-from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
+from emg2vsa.session_settings import SessionSettings
 
-SETTINGS = SessionSettings(emg=EmgSourceSettings(kind="simulated"), force=ForceSourceSettings(kind="simulated"))
+SETTINGS = SessionSettings(emg=SimulatedEmgSettings(), force=SimulatedForceSettings())
 TURN_S = 0.005
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
 from emg2vsa.devices.streams import Block, StreamInfo
 from emg2vsa.errors import DataError, DeviceError, SettingError
 from emg2vsa.session.journal import (
@@ -29,11 +30,11 @@ from emg2vsa.session.journal import (
 from emg2vsa.session.plan import Plan, draw_presses
 from emg2vsa.session.raw_files import SampleFile
 from emg2vsa.session.record import SessionRecord, new_session, resume_session
-from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
+from emg2vsa.session_settings import SessionSettings
 
 SETTINGS = SessionSettings(
-    emg=EmgSourceSettings(kind="simulated"),
-    force=ForceSourceSettings(kind="simulated"),
+    emg=SimulatedEmgSettings(),
+    force=SimulatedForceSettings(),
     training_specimens=("T1",),
     training_repetitions=1,
     repetitions=2,

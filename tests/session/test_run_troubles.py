@@ -7,6 +7,7 @@ import errno
 import numpy as np
 import pytest
 
+from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.errors import DataError, DeviceError
 from emg2vsa.session.journal import (
     JOURNAL_FILE,
@@ -260,7 +261,6 @@ def test_a_server_that_drops_at_press_7_pauses_the_session_and_the_press_is_repe
     from emg2vsa.session.journal import Judged, PressEnded
     from emg2vsa.session.open_session import folder_of
     from emg2vsa.session.raw_files import SampleFile
-    from emg2vsa.session_settings import EmgSourceSettings
     from emg2vsa.study_file import load_study
 
     study = load_study(study_file("repetitions = 4"))
@@ -269,7 +269,7 @@ def test_a_server_that_drops_at_press_7_pauses_the_session_and_the_press_is_repe
     seen = {"dropped": 0, "told": 0}
     with TrignoServer(person, {1: "EDC", 5: "FDS"}, clock, start_delay_s=0.3) as server:
         ports = {"command_port": server.ports.command, "emg_port": server.ports.emg}
-        settings = EmgSourceSettings(kind="trigno", channels={"EDC": "1", "FDS": "5"}, **ports)
+        settings = TrignoSettings(channels={"EDC": "1", "FDS": "5"}, **ports)
         sources = (lambda: TrignoSource(settings, clock), lambda: force)
         with open_session(study, "P03", clock, sources) as desk:
             person.watch(desk)

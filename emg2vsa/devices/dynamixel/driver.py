@@ -110,6 +110,15 @@ class Dynamixel:
         """Give the line back."""
         self._line.close()
 
+    def answering(self, do: str) -> None:
+        """DeviceError, and the line given back, where nobody answers; ``do`` : what may help."""
+        try:
+            if self._talk.ping(self.device_id, 3) is None:
+                raise self._trouble("a motor that answers", "no answer", do)
+        except BaseException:
+            self.close()
+            raise
+
     def identify(self) -> DynamixelInfo:
         """As `info`. DeviceError: it is silent, or of another model than the rig file names."""
         info = self.info()

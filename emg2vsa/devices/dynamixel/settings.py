@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from emg2vsa.settings import Ge, Le, MinLen, Positive
+from emg2vsa.devices.device_settings import ActuatorSettings
+from emg2vsa.devices.registry import Kind
+from emg2vsa.settings import Ge, Le, Positive
 
 Model = Literal["xm430-w350", "xm430-w210", "xh430-w350", "xh430-w210", "xm540-w150", "xm540-w270"]
 Baud = Literal[9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000]
@@ -14,13 +16,11 @@ REPLY_S = 0.016
 
 
 @dataclass(frozen=True, kw_only=True)
-class DynamixelSettings:
+class DynamixelSettings(ActuatorSettings):
     """A Dynamixel X-series motor with current sensing; its position gain is the joint's stiffness."""
 
     kind: Literal["dynamixel"]
     "dynamixel: needs the extra of this name."
-    port: Annotated[str, MinLen(1)] | None = None
-    "Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3. Omitted: only the emulated rig can run."
     id: Annotated[int, Ge(0), Le(252)] = 1
     "Device id; 1 when it leaves the factory."
     baud: Baud = 1_000_000
@@ -43,3 +43,19 @@ class DynamixelSettings:
     emg2vsa rig prove-watchdog has shown it on this very motor."""
     reply_s: Positive = REPLY_S
     "How long each of three attempts waits for a reply."
+
+    @property
+    def full_preset(self) -> float | None:
+        """The stiffness at the full gain."""
+        return self.full_stiffness_nm_per_rad
+
+    @property
+    def unmeasured(self) -> str:
+        """The stiffness, until it has been measured."""
+        return "" if self.full_stiffness_nm_per_rad else "full_stiffness_nm_per_rad"
+
+
+DYNAMIXEL = Kind(
+    "actuator", DynamixelSettings, open="emg2vsa.devices.dynamixel.opening:open_dynamixel",
+    about="emg2vsa.devices.dynamixel.driver:Dynamixel.about", scan="emg2vsa.devices.dynamixel.scan:answers",
+)  # fmt: skip

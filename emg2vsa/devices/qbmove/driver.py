@@ -14,7 +14,6 @@ from types import TracebackType
 from typing import NamedTuple, Self
 
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.device_settings import REPLY_S, Generation, Model
 from emg2vsa.devices.protocols import LogColumns, Measurements, Parameter, Usable
 from emg2vsa.devices.qbmove.conversation import Conversation
 from emg2vsa.devices.qbmove.info import QbmoveInfo, check_kind, decode_parameters, parse_info
@@ -36,6 +35,7 @@ from emg2vsa.devices.qbmove.packets import (
     wanted,
 )
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
+from emg2vsa.devices.qbmove.settings import REPLY_S, Generation, Model
 from emg2vsa.devices.qbmove.springs import SpringJoint
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, LOG_COLUMNS, TICKS_PER_TURN, to_ticks
 from emg2vsa.devices.serial_line import ByteLine
@@ -95,9 +95,9 @@ class Qbmove:
         self.joint: SpringJoint | None = None
         "Of the device, once its motors have been switched on."
         self.where = f"{line.name}, qbmove {device_id}"
-        self._talk = Conversation(line, clock)
+        self._line, self._talk = line, Conversation(line, clock)
         self.counts = self._talk.counts
-        self._clock, self._stiffness_percent, self._reply_s = clock, stiffness_percent, reply_s
+        self._clock, self.stiffness_percent, self._reply_s = clock, stiffness_percent, reply_s
         self._watchdog = watchdog_on_wire(watchdog_s)
         self._limits: QbmoveLimits | None = None
         self._watching = False
@@ -114,6 +114,19 @@ class Qbmove:
             if error is None:
                 raise
             error.add_note(str(failure))
+
+    def close(self) -> None:
+        """Give the line back."""
+        self._line.close()
+
+    def answering(self, do: str) -> None:
+        """DeviceError, and the line given back, where nobody answers; ``do`` : what may help."""
+        try:
+            if not self.ping():
+                raise self._trouble("a device that answers", "no answer", do)
+        except BaseException:
+            self.close()
+            raise
 
     def ping(self) -> bool:
         """True when the device answers."""
@@ -183,7 +196,7 @@ class Qbmove:
         The motors start at their references, which the firmware sets to where they are.
         """
         info = self.info()
-        self._limits = QbmoveLimits(self.where, info, self._stiffness_percent)
+        self._limits = QbmoveLimits(self.where, info, self.stiffness_percent)
         self._limits.check_ready()
         self.joint = SpringJoint(f"qbmove-{self.model}", info.max_stiffness_ticks * DEG_PER_TICK)
         self._watching = True

@@ -8,11 +8,11 @@ import sys
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.protocols import Measurements
 from emg2vsa.devices.dynamixel.conversation import Conversation
 from emg2vsa.devices.dynamixel.driver import Dynamixel
 from emg2vsa.devices.dynamixel.scan import FoundDynamixel, scan
 from emg2vsa.devices.dynamixel.settings import REPLY_S, DynamixelSettings
+from emg2vsa.devices.protocols import Measurements
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
 from tests.devices.dynamixel.script import (

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from emg2vsa.devices.protocols import Measurements
 from emg2vsa.devices.dynamixel.joint import GainJoint
+from emg2vsa.devices.protocols import Measurements
 from emg2vsa.errors import ScheduleError
 
 JOINT = GainJoint(full_gain=800, full_stiffness_nm_per_rad=4.0)

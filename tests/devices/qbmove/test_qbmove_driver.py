@@ -9,10 +9,10 @@ from typing import Literal
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.device_settings import REPLY_S
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.packets import Command
 from emg2vsa.devices.qbmove.scan import scan
+from emg2vsa.devices.qbmove.settings import REPLY_S
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.emulated.faults import FaultyWire

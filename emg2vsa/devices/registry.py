@@ -1,0 +1,233 @@
+"""Kinds of devices, one line each: of this project, and of other packages as entry points of ``emg2vsa.devices``.
+
+A role is what the rig or a session wants of a device; a kind is one device that plays it. A kind is loaded when it is
+asked for, and its driver when it is opened. A kind of another package never takes the place of one of ours.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args, get_type_hints
+
+from casr.errors import PluginError, UserError, said_by
+from casr.plugins import Plugin, plugins
+
+if TYPE_CHECKING:
+    from emg2vsa.devices.clock import Clock
+
+GROUP = "emg2vsa.devices"
+_HERE = "emg2vsa.devices."
+
+
+class _Role(NamedTuple):
+    """base : of the settings. device : the protocol of what is opened. kinds : of this project, by name. default : the
+    kind of a table that names none, as every table did before there was a choice."""
+
+    base: str
+    device: str
+    kinds: dict[str, str]
+    default: str | None = None
+
+
+ROLES = {
+    "actuator": _Role("emg2vsa.devices.device_settings:ActuatorSettings", "emg2vsa.devices.protocols:Board", {
+        "qbmove": "qbmove.settings:QBMOVE",
+        "dynamixel": "dynamixel.settings:DYNAMIXEL",
+    }, default="qbmove"),
+    "force": _Role("emg2vsa.devices.device_settings:ForceSettings", "emg2vsa.devices.protocols:ForceSensor", {
+        "net-ft": "netft.settings:NET_FT",
+        "ni-daq": "ni_daq.settings:GAUGES",
+    }),
+    "camera": _Role("emg2vsa.devices.device_settings:CameraSettings", "emg2vsa.devices.protocols:Camera", {
+        "opencv": "opencv_camera.settings:OPENCV",
+    }, default="opencv"),
+    "emg": _Role("emg2vsa.session_settings:EmgSettings", "emg2vsa.devices.streams:Source", {
+        "ni-daq": "ni_daq.settings:EMG",
+        "trigno": "trigno.settings:TRIGNO",
+        "lsl": "lsl.settings:EMG",
+        "simulated": "simulated:EMG",
+    }),
+    "session-force": _Role("emg2vsa.session_settings:SessionForceSettings", "emg2vsa.devices.streams:Source", {
+        "rig": "rig_force.settings:RIG",
+        "lsl": "lsl.settings:FORCE",
+        "simulated": "simulated:FORCE",
+    }),
+}  # fmt: skip
+"""A kind is one line: its name, and where its `Kind` stands below ``emg2vsa.devices``."""
+
+
+class Wrong(NamedTuple):
+    """What is wrong with settings: keys from their table on, what was wanted, what was found, what to do."""
+
+    path: tuple[str | int, ...]
+    wanted: str
+    found: str
+    do: str = ""
+
+
+@dataclass(frozen=True)
+class Around:
+    """What is around a device when it is opened.
+
+    Parameters
+    ----------
+    clock : on which it measures.
+    lost_s : a device that has given nothing for so long is lost.
+    stiffness_percent : what a rig may ask of an actuator, of its full preset.
+    others : settings of the devices beside it, by role; of a session "emg", "session-force" and, with a rig, "force".
+    kept : lasts as long as the session, in which a device that was lost is opened anew; for what two devices share.
+    """
+
+    clock: Clock
+    lost_s: float = 1.0
+    stiffness_percent: tuple[float, float] = (0.0, 100.0)
+    others: Mapping[str, Any] = field(default_factory=dict)
+    kept: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of device. A function may be given as "module:name", which is loaded when it is called.
+
+    Parameters
+    ----------
+    role : one of `ROLES`.
+    settings : its table, a frozen dataclass that inherits from the role's, with kind: Literal["its name"].
+    open : of settings and `Around`, the device, not started: an Actuator, ForceSensor or Camera of
+        `emg2vsa.devices.protocols`, or a Source of `emg2vsa.devices.streams`. It raises DeviceError or SettingError.
+    check : of settings, what is `Wrong` with them that their types and limits do not say.
+    about : of an opened device, lines on it for ``emg2vsa rig info``.
+    facts : of a started device and its settings, plain values for the record of a run.
+    scan : of a line, a clock, ids (none: all) and the time for each answer, s, a line of text for each who answers.
+    plugin : whose it is; None for one of this project.
+    """
+
+    role: str
+    settings: type
+    open: str | Callable[[Any, Around], Any]
+    check: Callable[[Any], Iterator[Wrong]] | None = None
+    about: str | Callable[[Any], Iterator[str]] | None = None
+    facts: str | Callable[[Any, Any], dict[str, Any]] | None = None
+    scan: str | Callable[[Any, Clock, Sequence[int], float], Iterator[str]] | None = None
+    plugin: Plugin | None = None
+
+    def opened(self, settings: Any, around: Around) -> Any:
+        """The device. PluginError where that of another package fails, or lacks what its role wants."""
+        with self._faults("open to give the device"):
+            device = _loaded(self.open)(settings, around)
+        wanted = _members(_loaded(ROLES[self.role].device))
+        if self.plugin and (absent := [name for name in wanted if name not in dir(device)]):
+            raise self.plugin.fault(f"a device with {', '.join(wanted)}", f"no {', '.join(absent)}")
+        return device
+
+    def wrong(self, settings: Any) -> tuple[Wrong, ...]:
+        """What is wrong with settings. PluginError where the check of another package fails."""
+        with self._faults("check to give what is Wrong"):
+            return tuple(Wrong(*each) for each in self.check(settings)) if self.check else ()
+
+    def lines(self, device: Any) -> Iterator[str]:
+        """What an opened device says of itself."""
+        with self._faults("about to give lines"):
+            yield from _loaded(self.about)(device) if self.about else ()
+
+    def scanned(self, line: Any, clock: Clock, ids: Sequence[int], wait_s: float) -> list[str]:
+        """Who answers on a line."""
+        with self._faults("scan to give lines"):
+            return list(_loaded(self.scan)(line, clock, ids, wait_s)) if self.scan else []
+
+    def recorded(self, device: Any, settings: Any) -> dict[str, Any]:
+        """What the record of a run says of a started device."""
+        with self._faults("facts to give a table"):
+            return dict(_loaded(self.facts)(device, settings)) if self.facts else {}
+
+    @contextmanager
+    def _faults(self, wanted: str) -> Iterator[None]:
+        try:
+            yield
+        except UserError:
+            raise
+        except Exception as error:
+            if self.plugin is None:
+                raise
+            raise self.plugin.fault(wanted, said_by(error)) from error
+
+
+def kind_of(role: str, name: str) -> Kind | None:
+    """The kind of a role; None where there is none. PluginError where another package's cannot be used."""
+    if name in ROLES[role].kinds:
+        ours: Kind = _loaded(_HERE + ROLES[role].kinds[name])
+        return ours
+    kind = next((_of_plugin(each) for each in plugins(GROUP) if each.name == name), None)
+    return kind if kind and kind.role == role else None
+
+
+def open_device(role: str, settings: Any, around: Around) -> Any:
+    """The device that settings describe, not started. DeviceError, SettingError; PluginError as `Kind.opened`."""
+    return _known(role, settings).opened(settings, around)
+
+
+def recorded(role: str, device: Any, settings: Any) -> dict[str, Any]:
+    """What the record of a run says of a started device."""
+    return _known(role, settings).recorded(device, settings)
+
+
+def lines(role: str, device: Any, settings: Any) -> Iterator[str]:
+    """What an opened device says of itself."""
+    return _known(role, settings).lines(device)
+
+
+def _known(role: str, settings: Any) -> Kind:
+    kind = kind_of(role, settings.kind)
+    assert kind is not None, settings  # they come of a file whose reader has looked
+    return kind
+
+
+def kinds(role: str) -> dict[str, Kind]:
+    """Every kind of a role by its name, ours first; those of other packages that cannot be used are left out."""
+    found = {name: kind_of(role, name) for name in ROLES[role].kinds}
+    for plugin in plugins(GROUP):
+        if plugin.name not in found:
+            try:
+                found[plugin.name] = kind_of(role, plugin.name)
+            except PluginError:
+                continue
+    return {name: kind for name, kind in found.items() if kind}
+
+
+@cache
+def _of_plugin(plugin: Plugin) -> Kind:
+    """What an entry point names. PluginError where it breaks the contract."""
+    kind = plugin.load()
+    if not isinstance(kind, Kind):
+        raise plugin.fault("a Kind of emg2vsa.devices.registry", said_by(TypeError(type(kind).__name__)))
+    if kind.role not in ROLES:
+        raise plugin.fault(f"one of the roles {', '.join(ROLES)}", repr(kind.role))
+    base = _loaded(ROLES[kind.role].base)
+    if not (isinstance(kind.settings, type) and issubclass(kind.settings, base)) or not dataclasses.is_dataclass(base):
+        raise plugin.fault(f"settings that inherit from {base.__module__}.{base.__name__}", repr(kind.settings))
+    if get_args(get_type_hints(kind.settings)["kind"]) != (plugin.name,):
+        found = str(kind.settings.__annotations__.get("kind", "another kind"))
+        raise plugin.fault(f'settings with kind: Literal["{plugin.name}"], as the entry point is called', found)
+    return replace(kind, plugin=plugin)
+
+
+def _members(protocol: type) -> list[str]:
+    """What a protocol asks for."""
+    named = (*getattr(protocol, "__annotations__", ()), *vars(protocol))
+    return [name for name in dict.fromkeys(named) if not name.startswith("_")]
+
+
+def _loaded(place: Any) -> Any:
+    """The object at "module:name"; any other object as it is."""
+    if not isinstance(place, str):
+        return place
+    module, _, names = place.partition(":")
+    found: Any = import_module(module)
+    for name in names.split("."):
+        found = getattr(found, name)
+    return found
