@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext
 from dataclasses import dataclass, fields
 from functools import partial
+from typing import Any
 
 from emg2vsa.devices.clock import Clock, WallClock
 from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings
@@ -110,8 +111,8 @@ def scanned_kind(name: str) -> Kind:
 
 
 def _usual_baud(kind: str) -> int:
-    baud: int = {each.name: each.default for each in fields(scanned_kind(kind).settings)}["baud"]
-    return baud
+    usual: dict[str, Any] = {each.name: each.default for each in fields(scanned_kind(kind).settings)}
+    return int(usual["baud"])
 
 
 def _answers(port: str, kind: str, baud: int, ids: Sequence[int], wait_s: float, clock: Clock) -> Lines:

@@ -60,8 +60,10 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
             stack.callback(camera.close)
             camera.start()
             facts["camera"] = recorded("camera", camera, settings.camera) | {"name": camera.name}
-        devices = Devices(board.pressing(), force, camera)
-        yield OpenRig(devices, within_device(rig, board.usable(info)), info, facts)
+        devices, usable = Devices(board.pressing(), force, camera), board.usable(info)
+        if condition != RIGID and settings.actuator.unmeasured:  # nothing else says how much a full preset is
+            rig = replace(rig, full_preset=usable.full_preset)
+        yield OpenRig(devices, within_device(rig, usable), info, facts)
 
 
 def _force_facts(force: ForceSensor, settings: ForceSettings) -> dict[str, Any]:

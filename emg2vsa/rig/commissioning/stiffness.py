@@ -1,7 +1,9 @@
 """Stiffness of a joint that nothing but a measurement tells: felt force over deflection, against the force sensor.
 
 The probe presses a pad in small steps. The torque of the felt force over the angle by which the shaft stays behind its
-command is the stiffness. A constant friction shifts that line and does not turn it, so its slope is taken.
+command is the stiffness. A constant friction shifts that line and does not turn it, so its slope is taken. Friction
+that varies, and the steps of the encoder, are errors of the angle and not of the force: the line is that of the angle
+over the torque, as the other way round it would be too flat.
 """
 
 from __future__ import annotations
@@ -19,7 +21,8 @@ from emg2vsa.rig.rig_settings import RigSettings
 
 _STEP_N = 0.25
 """Force that a step of the command adds, at most: of the stiffest joint on a pad that does not give way."""
-_MOST_N = 3.0
+_MOST_N = 5.0
+"""And no more than half of the force limit."""
 _LEAST_POINTS = 6
 _MOST_STEPS = 200
 
@@ -41,24 +44,25 @@ class MeasuredStiffness(NamedTuple):
 def measure_stiffness(
     hand: HandMotion, rig: RigSettings, preset: float, from_deg: float, reach_deg: float, say: Callable[[str], None]
 ) -> MeasuredStiffness:
-    """Press from ``from_deg``, where the probe is free, until 3 N are felt, and go back there.
+    """Press from ``from_deg``, where the probe is free, until 5 N are felt, and go back there.
 
-    DeviceError : as `HandMotion`; no 3 N within ``reach_deg``, or a shaft that does not stay behind.
+    DeviceError : as `HandMotion`; no 5 N within ``reach_deg``, or a shaft that does not stay behind.
     """
     hand.soften(preset)
+    most_n = min(_MOST_N, rig.guards.force_n / 2)
     touch = hand.go(from_deg + rig.push_sign * reach_deg, until_n=TOUCH_N)
     bent_deg, torque_nm = [], []
     step_deg = _step_deg(hand, rig, preset)
     for _ in range(_MOST_STEPS if touch.touched else 0):
-        place = hand.go(hand.at_deg + rig.push_sign * step_deg, until_n=rig.guards.force_n / 2)
+        place = hand.go(hand.at_deg + rig.push_sign * step_deg, until_n=most_n)
         bent_deg.append(rig.push_sign * (hand.at_deg - place.shaft_deg))
         torque_nm.append(place.size_n * rig.lever_m)
-        if place.size_n >= min(_MOST_N, rig.guards.force_n / 3):
+        if place.size_n >= most_n:
             break
     else:
         hand.go(from_deg, from_zero=False)
         do = "Use a stiffer pad, or put it nearer."
-        raise DeviceError("probe", wanted=f"{_MOST_N:g} N within the reach", found="less", do=do)
+        raise DeviceError("probe", wanted=f"{most_n:g} N within the reach", found="less", do=do)
     hand.go(from_deg, from_zero=False)
     found = _slope(np.radians(bent_deg), np.array(torque_nm), preset)
     said = f"{found.nm_per_rad:.3g} +- {found.se_nm_per_rad:.1g} N m/rad at {100 * preset:.3g} % of the full gain"
@@ -79,6 +83,6 @@ def _slope(bent_rad: Floats, torque_nm: Floats, preset: float) -> MeasuredStiffn
         raise DeviceError(
             "probe", wanted="a shaft that stays behind its command", found=f"{bent_rad.size} points", do=do
         )
-    # the angle is measured far more finely than the force, so that errors are those of the force
-    (slope, _), covariance = np.polyfit(bent_rad, torque_nm, 1, cov=True)
-    return MeasuredStiffness(preset, float(slope), math.sqrt(float(covariance[0, 0])), bent_rad.size)
+    (compliance, _), covariance = np.polyfit(torque_nm, bent_rad, 1, cov=True)
+    se = math.sqrt(float(covariance[0, 0])) / float(compliance) ** 2
+    return MeasuredStiffness(preset, 1 / float(compliance), se, bent_rad.size)
