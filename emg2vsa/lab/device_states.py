@@ -7,6 +7,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
 
+from casr.errors import PluginError
 from emg2vsa.devices.clock import Clock, WallClock
 from emg2vsa.devices.device_settings import CameraSettings, ForceSettings
 from emg2vsa.devices.qbmove.driver import Qbmove
@@ -15,7 +16,7 @@ from emg2vsa.devices.qbmove.limits import QbmoveLimits
 from emg2vsa.devices.qbmove.scan import qbmove_ports
 from emg2vsa.devices.qbmove.scan import scan as answering
 from emg2vsa.devices.qbmove.settings import ActuatorSettings, MotorSettings
-from emg2vsa.devices.registry import lines as lines_on
+from emg2vsa.devices.registry import known
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.devices.serial_speed import BAUD, Baud
 from emg2vsa.errors import DeviceError, InputError
@@ -92,7 +93,7 @@ def _told(titled: Mapping[str, Callable[[], Lines]], person: Person) -> Iterator
             for line in said():
                 lines.append(line.strip())
                 person.say(f"  {line}")
-        except InputError as error:
+        except (InputError, PluginError) as error:
             problem = str(error)
             person.say(f"  not usable: {error}")
         yield DeviceState(title, problem is None, problem, tuple(lines))
@@ -149,7 +150,7 @@ def _force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> Line
     sensor = open_force(settings, guards, clock)
     try:
         yield sensor.name
-        yield from lines_on("force", sensor, settings)
+        yield from known("force", settings).call("about", sensor)
         sensor.start()
         sample = sensor.read()
         yield "force {:.3f}, {:.3f}, {:.3f} N".format(*sample.force_n)
@@ -163,7 +164,7 @@ def _camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Li
     """Size and true rate of its frames. DeviceError when it is absent or gives none."""
     camera = open_camera(settings, guards, clock)
     try:
-        yield from lines_on("camera", camera, settings)
+        yield from known("camera", settings).call("about", camera)
         camera.start()
         clock.sleep_until(clock.now_s() + _WATCH_S)
         frames = camera.frames()

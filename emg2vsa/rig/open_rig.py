@@ -15,7 +15,7 @@ from emg2vsa.devices.qbmove.info import QbmoveInfo, check_kind
 from emg2vsa.devices.qbmove.limits import roomy_positions
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
 from emg2vsa.devices.qbmove.settings import ActuatorSettings, Generation, MotorSettings
-from emg2vsa.devices.registry import Around, open_device, recorded
+from emg2vsa.devices.registry import Around, known
 from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.errors import DeviceError, SettingError
@@ -63,7 +63,8 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
             camera = open_camera(settings.camera, rig.guards, clock)
             stack.callback(camera.close)
             camera.start()
-            facts["camera"] = recorded("camera", camera, settings.camera) | {"name": camera.name}
+            said = known("camera", settings.camera).call("facts", camera, settings.camera)
+            facts["camera"] = said | {"name": camera.name}
         rigid = condition == RIGID
         devices = Devices(RigidMotor(board) if rigid else board, force, camera)
         yield OpenRig(devices, within_device(rig, info, rigid), info, facts)
@@ -73,8 +74,8 @@ def _force_facts(force: ForceSensor, settings: ForceSettings) -> dict[str, Any]:
     """Of a started sensor, before it is biased."""
     sample = force.read()
     load = {"force_n": sample.force_n.tolist(), "torque_nm": sample.torque_nm.tolist()}
-    facts = {"name": force.name, "status": sample.status.code, "biased_by": load if settings.bias else None}
-    return facts | recorded("force", force, settings)
+    said: dict[str, Any] = known("force", settings).call("facts", force, settings)
+    return {"name": force.name, "status": sample.status.code, "biased_by": load if settings.bias else None} | said
 
 
 def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSettings | MotorSettings:
@@ -144,7 +145,7 @@ def board_info(board: Qbmove) -> QbmoveInfo:
 def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> ForceSensor:
     """The force sensor, not yet started. DeviceError when it is absent; SettingError when the rig file has no host."""
     # the sensor gives up later than the guard, which tells a late sample from a late loop
-    sensor: ForceSensor = open_device("force", settings, Around(clock, lost_s=2 * guards.stale_s))
+    sensor: ForceSensor = known("force", settings).opened(settings, Around(clock, lost_s=2 * guards.stale_s))
     return sensor
 
 
@@ -155,7 +156,7 @@ def _no_address(key: str, wanted: str, do: str) -> SettingError:
 
 def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Camera:
     """The camera, not yet started."""
-    camera: Camera = open_device("camera", settings, Around(clock, lost_s=guards.camera_s))
+    camera: Camera = known("camera", settings).opened(settings, Around(clock, lost_s=guards.camera_s))
     return camera
 
 

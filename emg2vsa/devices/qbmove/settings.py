@@ -19,40 +19,37 @@ REPLY_S = 0.016
 
 
 @dataclass(frozen=True, kw_only=True)
-class ActuatorSettings(WatchedSettings):
-    """The qbmove."""
+class _Board:
+    """A board that speaks as a qbmove does."""
 
-    kind: Literal["qbmove"] = "qbmove"
     port: Text | None = None
-    "Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3. Omitted: only the emulated rig can run."
+    """Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3; actuator and motor may share one where their ids
+    differ. Omitted: only the emulated rig can run."""
     id: DeviceId = 1
     "Device id, as emg2vsa rig scan lists it."
     baud: Baud = BAUD
     "Bits a second on the serial line; devices of generation 5 have 460800."
     generation: Generation = "v6"
     "Of the firmware: the first digit of its version."
-    model: Model = "maker-pro"
-    "The Advanced counts its encoders the other way round."
     reply_s: Positive = REPLY_S
     "How long each of three attempts waits for a reply."
 
 
 @dataclass(frozen=True, kw_only=True)
-class MotorSettings:
+class ActuatorSettings(_Board, WatchedSettings):
+    """The qbmove."""
+
+    kind: Literal["qbmove"] = "qbmove"
+    model: Model = "maker-pro"
+    "The Advanced counts its encoders the other way round."
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotorSettings(_Board):
     """The rigid motor of the condition high-stiffness: motor 1 of a board that speaks as a qbmove does."""
 
-    port: Text | None = None
-    "Serial port; may be the actuator's when the ids differ."
-    id: DeviceId = 1
-    "Device id."
-    baud: Baud = BAUD
-    "Bits a second on the serial line."
-    generation: Generation = "v6"
-    "Of the firmware: the first digit of its version."
     watchdog_s: WatchdogS = 0.5
     "The board is told to switch its motor off when the program has been silent for so long; as for [actuator]."
-    reply_s: Positive = REPLY_S
-    "How long each of three attempts waits for a reply."
 
 
 QBMOVE = Kind("actuator", ActuatorSettings, open="emg2vsa.rig.open_rig:open_board")
