@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import import_module
 from typing import NamedTuple
 
 from emg2vsa.devices.protocols import Joint
+from emg2vsa.devices.registry import kinds
 from emg2vsa.errors import ScheduleError
 
 
@@ -32,25 +32,19 @@ class Export(NamedTuple):
         return round(value) if self.whole else value
 
 
-_EXPORTS = {
-    "qbmove-advanced": "emg2vsa.devices.qbmove.export",
-    "qbmove-maker-pro": "emg2vsa.devices.qbmove.export",
-    "dynamixel": "emg2vsa.devices.dynamixel.joint",
-}
-
-
 def joint_names() -> tuple[str, ...]:
-    """Of every joint that schedules can be made for."""
-    return tuple(_EXPORTS)
+    """Of every joint that schedules can be made for, those of other packages last."""
+    return tuple(name for kind in kinds("actuator").values() for name in kind.joints)
 
 
 def export_of(name: str, where: str = "schedule.actuator") -> Export:
     """How schedules for the joint are written. ScheduleError where none has this name."""
-    if name not in _EXPORTS:
-        do = "Correct the name of the actuator."
-        raise ScheduleError(where, wanted=f"one of {', '.join(_EXPORTS)}", found=repr(name), do=do)
-    found: Export = import_module(_EXPORTS[name]).EXPORT
-    return found
+    for kind in kinds("actuator").values():
+        if name in kind.joints:
+            found: Export = kind.exports
+            return found
+    do = "Correct the name of the actuator."
+    raise ScheduleError(where, wanted=f"one of {', '.join(joint_names())}", found=repr(name), do=do)
 
 
 def joint_of(name: str, full_preset: float) -> Joint:

@@ -6,9 +6,8 @@ asked for, and its driver when it is opened. A kind of another package never tak
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import import_module
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
     from emg2vsa.devices.clock import Clock
 
 GROUP = "emg2vsa.devices"
-_HERE = "emg2vsa.devices."
 
 
 class _Role(NamedTuple):
@@ -104,6 +102,8 @@ class Kind:
     about : of an opened device, lines on it for ``emg2vsa rig info``.
     facts : of a started device and its settings, plain values for the record of a run.
     scan : of a line, a clock, ids (none: all) and the time for each answer, s, a line of text for each who answers.
+    joints : of an actuator, names of the joints for which schedules are made. export : how these schedules are written,
+        an `emg2vsa.devices.joints.Export`.
     plugin : whose it is; None for one of this project.
     """
 
@@ -114,88 +114,67 @@ class Kind:
     about: str | Callable[[Any], Iterator[str]] | None = None
     facts: str | Callable[[Any, Any], dict[str, Any]] | None = None
     scan: str | Callable[[Any, Clock, Sequence[int], float], Iterator[str]] | None = None
+    joints: tuple[str, ...] = ()
+    export: Any = None
     plugin: Plugin | None = None
+
+    @property
+    def exports(self) -> Any:
+        """How schedules for its joints are written."""
+        return _loaded(self.export)
 
     def opened(self, settings: Any, around: Around) -> Any:
         """The device. PluginError where that of another package fails, or lacks what its role wants."""
-        with self._faults("open to give the device"):
-            device = _loaded(self.open)(settings, around)
-        wanted = _members(_loaded(ROLES[self.role].device))
-        if self.plugin and (absent := [name for name in wanted if name not in dir(device)]):
-            raise self.plugin.fault(f"a device with {', '.join(wanted)}", f"no {', '.join(absent)}")
+        device = self.call("open", settings, around)
+        if self.plugin:
+            wanted = _members(_loaded(ROLES[self.role].device))
+            if absent := [name for name in wanted if name not in dir(device)]:
+                raise self.plugin.fault(f"a device with {', '.join(wanted)}", f"no {', '.join(absent)}")
         return device
 
-    def wrong(self, settings: Any) -> tuple[Wrong, ...]:
-        """What is wrong with settings. PluginError where the check of another package fails."""
-        with self._faults("check to give what is Wrong"):
-            return tuple(Wrong(*each) for each in self.check(settings)) if self.check else ()
-
-    def lines(self, device: Any) -> Iterator[str]:
-        """What an opened device says of itself."""
-        with self._faults("about to give lines"):
-            yield from _loaded(self.about)(device) if self.about else ()
-
-    def scanned(self, line: Any, clock: Clock, ids: Sequence[int], wait_s: float) -> list[str]:
-        """Who answers on a line."""
-        with self._faults("scan to give lines"):
-            return list(_loaded(self.scan)(line, clock, ids, wait_s)) if self.scan else []
-
-    def recorded(self, device: Any, settings: Any) -> dict[str, Any]:
-        """What the record of a run says of a started device."""
-        with self._faults("facts to give a table"):
-            return dict(_loaded(self.facts)(device, settings)) if self.facts else {}
-
-    @contextmanager
-    def _faults(self, wanted: str) -> Iterator[None]:
+    def call(self, function: str, *given: Any) -> Any:
+        """What one of its functions gives; nothing where there is none. PluginError where it fails."""
         try:
-            yield
+            return _GIVES[function](_loaded(getattr(self, function))(*given) if getattr(self, function) else ())
         except UserError:
             raise
         except Exception as error:
             if self.plugin is None:
                 raise
-            raise self.plugin.fault(wanted, said_by(error)) from error
+            raise self.plugin.fault(f"{function} of its Kind to do its work", said_by(error)) from error
+
+
+_GIVES: dict[str, Callable[[Any], Any]] = {
+    "open": lambda device: device,
+    "check": lambda found: tuple(Wrong(*each) for each in found),
+    "about": lambda lines: tuple(map(str, lines)),
+    "facts": dict,
+    "scan": tuple,
+}
 
 
 def kind_of(role: str, name: str) -> Kind | None:
     """The kind of a role; None where there is none. PluginError where another package's cannot be used."""
     if name in ROLES[role].kinds:
-        ours: Kind = _loaded(_HERE + ROLES[role].kinds[name])
+        ours: Kind = _loaded(f"emg2vsa.devices.{ROLES[role].kinds[name]}")
         return ours
     kind = next((_of_plugin(each) for each in plugins(GROUP) if each.name == name), None)
     return kind if kind and kind.role == role else None
 
 
-def open_device(role: str, settings: Any, around: Around) -> Any:
-    """The device that settings describe, not started. DeviceError, SettingError; PluginError as `Kind.opened`."""
-    return _known(role, settings).opened(settings, around)
-
-
-def recorded(role: str, device: Any, settings: Any) -> dict[str, Any]:
-    """What the record of a run says of a started device."""
-    return _known(role, settings).recorded(device, settings)
-
-
-def lines(role: str, device: Any, settings: Any) -> Iterator[str]:
-    """What an opened device says of itself."""
-    return _known(role, settings).lines(device)
-
-
-def _known(role: str, settings: Any) -> Kind:
+def known(role: str, settings: Any) -> Kind:
+    """The kind of settings that come of a file: its reader has looked whether there is one."""
     kind = kind_of(role, settings.kind)
-    assert kind is not None, settings  # they come of a file whose reader has looked
+    assert kind is not None, settings
     return kind
 
 
 def kinds(role: str) -> dict[str, Kind]:
     """Every kind of a role by its name, ours first; those of other packages that cannot be used are left out."""
-    found = {name: kind_of(role, name) for name in ROLES[role].kinds}
-    for plugin in plugins(GROUP):
-        if plugin.name not in found:
-            try:
-                found[plugin.name] = kind_of(role, plugin.name)
-            except PluginError:
-                continue
+    found = {}
+    for name in (*ROLES[role].kinds, *(plugin.name for plugin in plugins(GROUP))):
+        with suppress(PluginError):
+            found[name] = kind_of(role, name)
     return {name: kind for name, kind in found.items() if kind}
 
 
@@ -204,15 +183,15 @@ def _of_plugin(plugin: Plugin) -> Kind:
     """What an entry point names. PluginError where it breaks the contract."""
     kind = plugin.load()
     if not isinstance(kind, Kind):
-        raise plugin.fault("a Kind of emg2vsa.devices.registry", said_by(TypeError(type(kind).__name__)))
+        raise plugin.fault("a Kind of emg2vsa.devices.registry", f"an object of type {type(kind).__name__}")
     if kind.role not in ROLES:
         raise plugin.fault(f"one of the roles {', '.join(ROLES)}", repr(kind.role))
     base = _loaded(ROLES[kind.role].base)
-    if not (isinstance(kind.settings, type) and issubclass(kind.settings, base)) or not dataclasses.is_dataclass(base):
+    if not (isinstance(kind.settings, type) and issubclass(kind.settings, base)):
         raise plugin.fault(f"settings that inherit from {base.__module__}.{base.__name__}", repr(kind.settings))
-    if get_args(get_type_hints(kind.settings)["kind"]) != (plugin.name,):
-        found = str(kind.settings.__annotations__.get("kind", "another kind"))
-        raise plugin.fault(f'settings with kind: Literal["{plugin.name}"], as the entry point is called', found)
+    if (named := get_args(get_type_hints(kind.settings)["kind"])) != (plugin.name,):
+        wanted = f'settings with kind: Literal["{plugin.name}"], as the entry point is called'
+        raise plugin.fault(wanted, f"kind: {', '.join(map(repr, named)) or 'any text'}")
     return replace(kind, plugin=plugin)
 
 

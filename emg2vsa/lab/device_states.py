@@ -8,13 +8,13 @@ from dataclasses import dataclass, fields
 from functools import partial
 from typing import Any
 
+from casr.errors import PluginError
 from emg2vsa.devices.clock import Clock, WallClock
 from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings
 from emg2vsa.devices.protocols import Measurements, Parameter
 from emg2vsa.devices.qbmove.scan import qbmove_ports
 from emg2vsa.devices.qbmove.settings import MotorSettings
-from emg2vsa.devices.registry import Kind, kinds
-from emg2vsa.devices.registry import lines as lines_on
+from emg2vsa.devices.registry import Kind, kinds, known
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.errors import DeviceError, InputError, SettingError
 from emg2vsa.lab.person import NOBODY, Person
@@ -91,7 +91,7 @@ def _told(titled: Mapping[str, Callable[[], Lines]], person: Person) -> Iterator
             for line in said():
                 lines.append(line.strip())
                 person.say(f"  {line}")
-        except InputError as error:
+        except (InputError, PluginError) as error:
             problem = str(error)
             person.say(f"  not usable: {error}")
         yield DeviceState(title, problem is None, problem, tuple(lines))
@@ -117,7 +117,7 @@ def _usual_baud(kind: str) -> int:
 
 def _answers(port: str, kind: str, baud: int, ids: Sequence[int], wait_s: float, clock: Clock) -> Lines:
     with closing(SerialLine(port, baud)) as line:
-        found = scanned_kind(kind).scanned(line, clock, ids, wait_s)
+        found = scanned_kind(kind).call("scan", line, clock, ids, wait_s)
     if not found:
         do = "Check power, cable and --baud; a slow line may need --wait-ms 20."
         raise DeviceError(port, wanted=f"a {kind} that answers", found="none", do=do)
@@ -158,7 +158,7 @@ def _force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> Line
     sensor = open_force(settings, guards, clock)
     try:
         yield sensor.name
-        yield from lines_on("force", sensor, settings)
+        yield from known("force", settings).call("about", sensor)
         sensor.start()
         sample = sensor.read()
         yield "force {:.3f}, {:.3f}, {:.3f} N".format(*sample.force_n)
@@ -172,7 +172,7 @@ def _camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Li
     """Size and true rate of its frames. DeviceError when it is absent or gives none."""
     camera = open_camera(settings, guards, clock)
     try:
-        yield from lines_on("camera", camera, settings)
+        yield from known("camera", settings).call("about", camera)
         camera.start()
         clock.sleep_until(clock.now_s() + _WATCH_S)
         frames = camera.frames()

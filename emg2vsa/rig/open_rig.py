@@ -14,7 +14,7 @@ from emg2vsa.devices.qbmove.about import about
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.opening import open_qbmove
 from emg2vsa.devices.qbmove.settings import MotorSettings
-from emg2vsa.devices.registry import Around, lines, open_device, recorded
+from emg2vsa.devices.registry import Around, known
 from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.plan import RIGID, Condition
@@ -59,7 +59,8 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
             camera = open_camera(settings.camera, rig.guards, clock)
             stack.callback(camera.close)
             camera.start()
-            facts["camera"] = recorded("camera", camera, settings.camera) | {"name": camera.name}
+            said = known("camera", settings.camera).call("facts", camera, settings.camera)
+            facts["camera"] = said | {"name": camera.name}
         devices, usable = Devices(board.pressing(), force, camera), board.usable(info)
         if condition != RIGID and settings.actuator.unmeasured:  # nothing else says how much a full preset is
             rig = replace(rig, full_preset=usable.full_preset)
@@ -70,8 +71,8 @@ def _force_facts(force: ForceSensor, settings: ForceSettings) -> dict[str, Any]:
     """Of a started sensor, before it is biased."""
     sample = force.read()
     load = {"force_n": sample.force_n.tolist(), "torque_nm": sample.torque_nm.tolist()}
-    facts = {"name": force.name, "status": sample.status.code, "biased_by": load if settings.bias else None}
-    return facts | recorded("force", force, settings)
+    said: dict[str, Any] = known("force", settings).call("facts", force, settings)
+    return {"name": force.name, "status": sample.status.code, "biased_by": load if settings.bias else None} | said
 
 
 def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSettings | MotorSettings:
@@ -89,25 +90,28 @@ def open_board(settings: ActuatorSettings | MotorSettings, rig: RigSettings, clo
     around = Around(clock, stiffness_percent=rig.stiffness_percent)
     if isinstance(settings, MotorSettings):
         return open_qbmove(settings, around)
-    board: Board = open_device("actuator", settings, around)
+    board: Board = known("actuator", settings).opened(settings, around)
     return board
 
 
 def about_board(board: Board, settings: ActuatorSettings | MotorSettings) -> Iterator[str]:
     """What an actuator says of itself, in lines. DeviceError: it is silent, or not as the rig file describes it."""
-    return about(cast(Qbmove, board)) if isinstance(settings, MotorSettings) else lines("actuator", board, settings)
+    if isinstance(settings, MotorSettings):
+        yield from about(cast(Qbmove, board))
+    else:
+        yield from known("actuator", settings).call("about", board)
 
 
 def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> ForceSensor:
     """The force sensor, not yet started. DeviceError when it is absent; SettingError when the rig file has no host."""
     # the sensor gives up later than the guard, which tells a late sample from a late loop
-    sensor: ForceSensor = open_device("force", settings, Around(clock, lost_s=2 * guards.stale_s))
+    sensor: ForceSensor = known("force", settings).opened(settings, Around(clock, lost_s=2 * guards.stale_s))
     return sensor
 
 
 def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Camera:
     """The camera, not yet started."""
-    camera: Camera = open_device("camera", settings, Around(clock, lost_s=guards.camera_s))
+    camera: Camera = known("camera", settings).opened(settings, Around(clock, lost_s=guards.camera_s))
     return camera
 
 

@@ -8,7 +8,7 @@ from functools import partial
 
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.device_settings import ForceSettings
-from emg2vsa.devices.registry import Around, open_device
+from emg2vsa.devices.registry import Around, known
 from emg2vsa.devices.streams import Source
 from emg2vsa.session_settings import SessionSettings
 
@@ -34,4 +34,5 @@ def source_makers(
         emg = replace(emg, channels={role: channels[role] for role in muscles if role in channels})  # type: ignore[call-arg]
     others = {"emg": emg, "session-force": settings.force} | ({"force": rig_force} if rig_force else {})
     around = Around(clock, LOST_S, others=others)
-    return partial(open_device, "emg", emg, around), partial(open_device, "session-force", settings.force, around)
+    force = settings.force
+    return partial(known("emg", emg).opened, emg, around), partial(known("session-force", force).opened, force, around)

@@ -248,7 +248,7 @@ class _Reading(NamedTuple):
         sound = len(self.problems)
         made = self.table(kind.settings, {key: given[key] for key in given if key not in strange}, at)
         if len(self.problems) == sound:
-            self.problems.extend(Problem((*at, *wrong.path), *wrong[1:]) for wrong in kind.wrong(made))
+            self.problems.extend(Problem((*at, *wrong.path), *wrong[1:]) for wrong in kind.call("check", made))
         return made
 
     def table(self, table: type, given: Any, at: KeyPath) -> Any:

@@ -83,6 +83,10 @@ def test_the_devices_of_the_file_are_open_and_closed_again(
         assert (board["firmware"], force["calibration_serial"]) == (opened.info.firmware, "FT00000")
         assert force["biased_by"] is None
         assert camera["set"] == {"exposure": None, "gain": None, "white_balance_k": None}  # a network camera
+        assert list(camera) == [
+            "source", "height", "width", "rate_hz", "delay_s", "lock", "exposure", "gain", "white_balance_k", "name",
+            "set",
+        ]  # fmt: skip
         json.dumps(opened.facts)
         opened.devices.actuator.activate()
         opened.devices.actuator.set_position_stiffness(0, 1500)

@@ -17,9 +17,8 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator, Sequence
-from types import TracebackType
-from typing import Self
 
+from emg2vsa.devices.board import BoardBase
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.dynamixel import registers
 from emg2vsa.devices.dynamixel.conversation import Conversation, Status
@@ -34,7 +33,7 @@ from emg2vsa.devices.dynamixel.registers import (
     supposed_nm_per_rad,
 )
 from emg2vsa.devices.dynamixel.settings import DynamixelSettings
-from emg2vsa.devices.protocols import LogColumns, Measurements, Parameter, Usable
+from emg2vsa.devices.protocols import Measurements, Parameter, Usable
 from emg2vsa.devices.serial_line import ByteLine
 from emg2vsa.errors import DeviceError
 
@@ -45,11 +44,8 @@ _DRIFT_PULSES = 11
 """1 degree: a goal may follow a shaft that creeps while the torque is off."""
 
 
-class Dynamixel:
+class Dynamixel(BoardBase):
     """One motor. As a context manager it switches the torque off at the end, however that comes."""
-
-    columns = LogColumns()
-    rigid = False
 
     def __init__(self, line: ByteLine, settings: DynamixelSettings, *, clock: Clock) -> None:
         self.device_id, self.settings = settings.id, settings
@@ -64,19 +60,6 @@ class Dynamixel:
         self._limit_a = 0.0
         self._gain: int | None = None
         self._unused: tuple[int, Measurements] | None = None
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        try:
-            self.deactivate()
-        except DeviceError as failure:
-            if error is None:
-                raise
-            error.add_note(str(failure))
 
     def info(self) -> DynamixelInfo:
         """What the motor says about itself. DeviceError for a model that the driver does not know."""
@@ -110,14 +93,9 @@ class Dynamixel:
         """Give the line back."""
         self._line.close()
 
-    def answering(self, do: str) -> None:
-        """DeviceError, and the line given back, where nobody answers; ``do`` : what may help."""
-        try:
-            if self._talk.ping(self.device_id, 3) is None:
-                raise self._trouble("a motor that answers", "no answer", do)
-        except BaseException:
-            self.close()
-            raise
+    def answers(self) -> bool:
+        """To a ping."""
+        return self._talk.ping(self.device_id, 3) is not None
 
     def identify(self) -> DynamixelInfo:
         """As `info`. DeviceError: it is silent, or of another model than the rig file names."""
@@ -128,14 +106,6 @@ class Dynamixel:
     def usable(self, info: DynamixelInfo) -> Usable:
         """What a run may ask of it."""
         return Usable(info.limits_deg(), self.joint.full_preset)
-
-    def pressing(self) -> Dynamixel:
-        """What a run commands."""
-        return self
-
-    def serial_number(self) -> str:
-        """It tells none."""
-        return ""
 
     def about(self) -> Iterator[str]:
         """Facts, state, whether a run may use it and why not, and parameters: lines for people."""

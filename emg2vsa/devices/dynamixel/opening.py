@@ -18,5 +18,4 @@ def open_dynamixel(settings: DynamixelSettings, around: Around) -> Dynamixel:
         do = "emg2vsa rig scan --port PORT --kind dynamixel asks a port."
         raise no_address("actuator.port", "the serial port of the motor", do)
     board = Dynamixel(SerialLine(settings.port, settings.baud), settings, clock=around.clock)
-    board.answering("Check power, cable, id and baud rate; emg2vsa rig scan lists who answers.")
-    return board
+    return board.answering("Check power, cable, id and baud rate; emg2vsa rig scan lists who answers.")

@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Iterable, Sequence
-from types import TracebackType
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
+from emg2vsa.devices.board import BoardBase
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.protocols import LogColumns, Measurements, Parameter, Usable
+from emg2vsa.devices.protocols import Measurements, Parameter, Usable
 from emg2vsa.devices.qbmove.conversation import Conversation
 from emg2vsa.devices.qbmove.info import QbmoveInfo, check_kind, decode_parameters, parse_info
 from emg2vsa.devices.qbmove.limits import (
@@ -67,10 +67,10 @@ class Ticks(NamedTuple):
         return Measurements((motor_1, motor_2), shaft)
 
 
-class Qbmove:
+class Qbmove(BoardBase):
     """One device. As a context manager it switches the motors off at the end, however that comes."""
 
-    columns: LogColumns = LOG_COLUMNS
+    columns = LOG_COLUMNS
 
     def __init__(
         self,
@@ -102,33 +102,11 @@ class Qbmove:
         self._limits: QbmoveLimits | None = None
         self._watching = False
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        try:
-            self.deactivate()
-        except DeviceError as failure:
-            if error is None:
-                raise
-            error.add_note(str(failure))
-
     def close(self) -> None:
         """Give the line back."""
         self._line.close()
 
-    def answering(self, do: str) -> None:
-        """DeviceError, and the line given back, where nobody answers; ``do`` : what may help."""
-        try:
-            if not self.ping():
-                raise self._trouble("a device that answers", "no answer", do)
-        except BaseException:
-            self.close()
-            raise
-
-    def ping(self) -> bool:
+    def answers(self) -> bool:
         """True when the device answers."""
         return self._hear(Command.PING, ping_reply(self.device_id)) is not None
 

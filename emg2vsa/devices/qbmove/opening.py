@@ -29,5 +29,4 @@ def open_qbmove(settings: QbmoveSettings | MotorSettings, around: Around) -> Qbm
         watchdog_s=settings.watchdog_s,
         reply_s=settings.reply_s,
     )
-    board.answering("Check power, cable, id and generation; emg2vsa rig scan lists who answers.")
-    return board
+    return board.answering("Check power, cable, id and generation; emg2vsa rig scan lists who answers.")

@@ -21,20 +21,29 @@ REPLY_S = 0.016
 
 
 @dataclass(frozen=True, kw_only=True)
-class QbmoveSettings(ActuatorSettings):
-    """The qbmove."""
+class _Board:
+    """A board that speaks as a qbmove does."""
 
-    kind: Literal["qbmove"] = "qbmove"
+    port: Text | None = None
+    """Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3; actuator and motor may share one where their ids
+    differ. Omitted: only the emulated rig can run."""
     id: DeviceId = 1
     "Device id, as emg2vsa rig scan lists it."
     baud: Baud = BAUD
     "Bits a second on the serial line; devices of generation 5 have 460800."
     generation: Generation = "v6"
     "Of the firmware: the first digit of its version."
-    model: Model = "maker-pro"
-    "The Advanced counts its encoders the other way round."
     reply_s: Positive = REPLY_S
     "How long each of three attempts waits for a reply."
+
+
+@dataclass(frozen=True, kw_only=True)
+class QbmoveSettings(_Board, ActuatorSettings):
+    """The qbmove."""
+
+    kind: Literal["qbmove"] = "qbmove"
+    model: Model = "maker-pro"
+    "The Advanced counts its encoders the other way round."
 
     @property
     def joint(self) -> str:
@@ -43,24 +52,15 @@ class QbmoveSettings(ActuatorSettings):
 
 
 @dataclass(frozen=True, kw_only=True)
-class MotorSettings:
+class MotorSettings(_Board):
     """The rigid motor of the condition high-stiffness: motor 1 of a board that speaks as a qbmove does."""
 
-    port: Text | None = None
-    "Serial port; may be the actuator's when the ids differ."
-    id: DeviceId = 1
-    "Device id."
-    baud: Baud = BAUD
-    "Bits a second on the serial line."
-    generation: Generation = "v6"
-    "Of the firmware: the first digit of its version."
     watchdog_s: WatchdogS = 0.5
     "The board is told to switch its motor off when the program has been silent for so long; as for [actuator]."
-    reply_s: Positive = REPLY_S
-    "How long each of three attempts waits for a reply."
 
 
 QBMOVE = Kind(
     "actuator", QbmoveSettings, open="emg2vsa.devices.qbmove.opening:open_qbmove",
     about="emg2vsa.devices.qbmove.about:about", scan="emg2vsa.devices.qbmove.scan:answers",
+    joints=("qbmove-advanced", "qbmove-maker-pro"), export="emg2vsa.devices.qbmove.export:EXPORT",
 )  # fmt: skip

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.protocols import ForceSample, ForceSensor
-from emg2vsa.devices.registry import Around, open_device
+from emg2vsa.devices.registry import Around, known
 from emg2vsa.devices.rig_force.settings import RigForceSettings
 from emg2vsa.devices.streams import Block, StreamCounts, StreamInfo
 from emg2vsa.errors import DeviceError, SettingError
@@ -26,7 +26,7 @@ def open_rig_force(settings: RigForceSettings, around: Around) -> RigForce:
     if (own := around.others.get("force")) is None:
         do = "Name the rig file whose [force] table describes the sensor."
         raise SettingError("session.force.rig", wanted="a rig file", found="none", do=do)
-    return RigForce(open_device("force", own, around), settings, around.clock, bias=own.bias)
+    return RigForce(known("force", own).opened(own, around), settings, around.clock, bias=own.bias)
 
 
 class RigForce:

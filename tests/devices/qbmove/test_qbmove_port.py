@@ -78,9 +78,9 @@ def test_scan_finds_the_device_and_clients_may_come_and_go(port: str) -> None:
 def test_a_port_that_goes_away_is_told_in_words() -> None:
     with VirtualSerialPort(QbmoveFirmware(MAKER_PRO, Free(), VirtualClock())) as virtual:
         line = SerialLine(virtual.name, BAUD)
-        assert Qbmove(line, 1, clock=WallClock(), reply_s=2.0).ping()
+        assert Qbmove(line, 1, clock=WallClock(), reply_s=2.0).answers()
     with pytest.raises(DeviceError, match="expected a line that answers"):
-        Qbmove(line, 1, clock=WallClock(), reply_s=2.0).ping()
+        Qbmove(line, 1, clock=WallClock(), reply_s=2.0).answers()
     line.close()
 
 
