@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
-
 from emg2vsa.actuator import Springs
+
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.protocols import Actuator, Measurements
 from emg2vsa.rig.record.run_log import Row

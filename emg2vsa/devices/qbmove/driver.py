@@ -37,7 +37,7 @@ from emg2vsa.devices.qbmove.packets import (
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
 from emg2vsa.devices.qbmove.settings import REPLY_S, Generation, Model
 from emg2vsa.devices.qbmove.springs import SpringJoint
-from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, LOG_COLUMNS, TICKS_PER_TURN, to_ticks
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, LOG_COLUMNS, TICKS_PER_TURN
 from emg2vsa.devices.serial_line import ByteLine
 from emg2vsa.errors import DeviceError
 
@@ -207,12 +207,12 @@ class Qbmove(BoardBase):
         return self._ask(Command.GET_ACTIVATE, self._wanted(Command.GET_ACTIVATE, 1))[0] == ON
 
     def move_motors(self, motors_deg: Sequence[float]) -> None:
-        """References of the two motors, whatever springs and study allow. DeviceError outside the device's limits."""
-        self.set_inputs(*(to_ticks(angle_deg) for angle_deg in motors_deg))
-
-    def set_inputs(self, motor_1_ticks: int, motor_2_ticks: int) -> None:
-        """References of the two motors. DeviceError outside the device's limits."""
+        """References of the two motors, to the nearest tick, whatever springs and study allow. DeviceError outside the
+        device's limits."""
         limits = self._ready_limits()
+        motor_1_ticks, motor_2_ticks = self._whole(
+            "positions that are numbers", *(angle_deg / DEG_PER_TICK for angle_deg in motors_deg)
+        )
         limits.check_motor(1, motor_1_ticks)
         limits.check_motor(2, motor_2_ticks)
         self._tell_ticks(Command.SET_INPUTS, motor_1_ticks, motor_2_ticks)
@@ -221,8 +221,9 @@ class Qbmove(BoardBase):
         """Equilibrium (q1 + q2)/2, degrees, and preset (q1 - q2)/2, share of the device's own maximum; both to the
         nearest tick. DeviceError outside the device's or the study's limits."""
         limits = self._ready_limits()
+        wanted_text = "a position and a preset that are numbers"
         position_ticks, preset_ticks = self._whole(
-            position_deg / DEG_PER_TICK, preset * limits.info.max_stiffness_ticks
+            wanted_text, position_deg / DEG_PER_TICK, preset * limits.info.max_stiffness_ticks
         )
         limits.check_position(position_ticks)
         limits.check_preset(preset_ticks)
@@ -349,9 +350,9 @@ class Qbmove(BoardBase):
             return self._trouble(wanted_text, ", ".join(beyond), "Turn it back by hand, or set the zeros anew.")
         return self._trouble("motors on", "a silent refusal, all encoders in range", "Check the motors' supply.")
 
-    def _whole(self, *ticks: float) -> list[int]:
+    def _whole(self, wanted_text: str, *ticks: float) -> list[int]:
         if not all(map(math.isfinite, ticks)):
-            raise self._trouble("a position and a preset that are numbers", _shown(ticks), "Correct the schedule.")
+            raise self._trouble(wanted_text, _shown(ticks), "Correct the schedule.")
         return [round(each) for each in ticks]
 
     def _ready_limits(self) -> QbmoveLimits:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 from emg2vsa.devices.protocols import LogColumns, Measurements
-from emg2vsa.devices.qbmove.ticks import LOG_COLUMNS, to_ticks
+from emg2vsa.devices.qbmove.ticks import LOG_COLUMNS
 from emg2vsa.errors import DeviceError
 
 
@@ -17,7 +18,7 @@ class MotorBoard(Protocol):
     def activate(self) -> None: ...
     def deactivate(self) -> None: ...
     def is_active(self) -> bool: ...
-    def set_inputs(self, motor_1_ticks: int, motor_2_ticks: int) -> None: ...
+    def move_motors(self, motors_deg: Sequence[float]) -> None: ...
     def measurements(self) -> Measurements: ...
     def currents_a(self) -> tuple[float, float]: ...
     def current_limit_a(self) -> float: ...
@@ -55,7 +56,7 @@ class RigidMotor:
         if preset != 0:
             do = "Use the qbmove for a schedule of stiffness."
             raise DeviceError(self.where, wanted="preset 0: it has no springs", found=f"{preset:g}", do=do)
-        self._board.set_inputs(to_ticks(position_deg), 0)
+        self._board.move_motors((position_deg, 0.0))
 
     def position_deg(self) -> float:
         """Where motor 1 stands; motor 2, not connected, has no say."""

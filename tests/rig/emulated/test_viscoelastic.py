@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from emg2vsa.actuator import SPRINGS, Springs
 
 from benchmarks.emulated_scatter import scatter_percent, true_rates
 from casr.frame_files import open_frames, read_force_log
 from casr.synthetic import ContactWorld, Scene
-from emg2vsa.actuator import SPRINGS, Springs
 from emg2vsa.arrays import Floats
 from emg2vsa.contact_mechanics import Relaxation
 from emg2vsa.devices.clock import VirtualClock

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from emg2vsa.actuator import RAD_PER_TICK, SPRINGS
 
 from casr.specimens import SPECIMENS
-from emg2vsa.actuator import RAD_PER_TICK, SPRINGS
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.serial_line import LoopbackLine

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-
 from emg2vsa.actuator import RAD_PER_TICK, SPRINGS, stiffness_nm_per_rad, unloaded_deflection_rad
+
 from emg2vsa.rig.emulated.actuator_joint import RigidJoint, SpringJoint
 from emg2vsa.rig.emulated.probe import Probe
 from emg2vsa.rig.emulated.world_settings import WorldSettings

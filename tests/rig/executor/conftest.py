@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from emg2vsa.actuator import SPRINGS, Springs
+
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.protocols import Devices, ForceCounts, ForceSample, Frame, Measurements, Rating, SensorStatus
 from emg2vsa.errors import DeviceError

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import pytest
-
 from emg2vsa.actuator import SPRINGS
+
 from emg2vsa.devices.protocols import Measurements
 from emg2vsa.rig.executor.witnesses import DEAD_S, SlowMotors
 from emg2vsa.rig.rig_settings import GuardSettings
