@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import pytest
 import serial
+from emg2vsa.devices.serial_speed import BAUD
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.scan import scan
 from emg2vsa.devices.qbmove.settings import Generation
 from emg2vsa.devices.serial_line import SerialLine
-from emg2vsa.devices.serial_speed import BAUD
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.emulated.qbmove.firmware import QbmoveFirmware
 from emg2vsa.rig.emulated.qbmove.switches import MAKER_PRO
