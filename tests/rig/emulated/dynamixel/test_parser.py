@@ -9,14 +9,14 @@ from emg2vsa.rig.emulated.dynamixel.framing import (
     HEADER,
     POSITION_COMMANDS,
     WATCHDOG_COMMANDS,
+    DynamixelFrames,
     Instruction,
     packet,
-    renamed,
     unstuffed,
-    without,
 )
 from emg2vsa.rig.emulated.dynamixel.parser import BYTE_GAP_S, Packet, PacketParser
 
+FRAMES = DynamixelFrames()
 NASTY = st.lists(st.sampled_from((0xFF, 0xFD, 0x00, 0x01, 0x55)) | st.integers(0, 255), max_size=40).map(bytes)
 PACKETS = st.tuples(st.integers(0, 254), st.integers(1, 0x9F), NASTY)
 
@@ -91,17 +91,17 @@ def test_a_wire_drops_what_writes_the_goal_or_the_watchdog_and_nothing_else() ->
     goal, registered, gain = written(116), written(116, instruction=Instruction.REG_WRITE), written(84, 2)
     read = packet(1, Instruction.READ, bytes((116, 0, 4, 0)))
     whole = b"??" + goal + gain + SYNC + registered + read + BULK + goal[:9]
-    assert without(whole, POSITION_COMMANDS) == b"??" + gain + read + BULK + goal[:9]
-    assert without(whole, WATCHDOG_COMMANDS) == whole.replace(BULK, b"")
-    assert without(whole, frozenset()) == whole
+    assert FRAMES.without(whole, POSITION_COMMANDS) == b"??" + gain + read + BULK + goal[:9]
+    assert FRAMES.without(whole, WATCHDOG_COMMANDS) == whole.replace(BULK, b"")
+    assert FRAMES.without(whole, frozenset()) == whole
 
 
 @given(st.lists(NASTY | PACKETS.map(lambda one: packet(*one)), max_size=5).map(b"".join))
 def test_a_wire_that_drops_nothing_changes_nothing(data: bytes) -> None:
-    assert without(data, ()) == data
+    assert FRAMES.without(data, frozenset()) == data
 
 
 def test_an_answer_under_another_id_has_a_checksum_that_fits() -> None:
     answers = packet(1, 0x55, b"\0\xff\xff\xfd") + packet(252, 0x55, b"\0")
-    assert renamed(answers, 1) == packet(2, 0x55, b"\0\xff\xff\xfd") + packet(0, 0x55, b"\0")
-    assert renamed(answers[:-1], 1) == packet(2, 0x55, b"\0\xff\xff\xfd") + packet(252, 0x55, b"\0")[:-1]
+    assert FRAMES.renamed(answers, 1) == packet(2, 0x55, b"\0\xff\xff\xfd") + packet(0, 0x55, b"\0")
+    assert FRAMES.renamed(answers[:-1], 1) == packet(2, 0x55, b"\0\xff\xff\xfd") + packet(252, 0x55, b"\0")[:-1]
