@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from emg2vsa.devices.registry import kinds
 from emg2vsa.settings import (
     MOST_BINS,
     RECIPES,
@@ -136,8 +137,24 @@ def _bracket(profile: ProfileSettings, specimens: tuple[SpecimenTable, ...], of_
         yield Problem(("profile", "new_stiffness_n_per_mm"), wanted, f"{stiffness:g}", do)
 
 
-def _schedule(schedule: ScheduleSettings) -> Iterator[Problem]:
+def _schedule(schedule: ScheduleSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:
     yield from _rising(schedule.stiffness_percent, ("schedule", "stiffness_percent"))
+    given, of_joint = (
+        raw.get("schedule", {}),
+        {joint: k.full_key for k in kinds("actuator").values() for joint in k.joints},
+    )
+    key = of_joint.get(schedule.actuator)
+    if key is None:
+        wanted, do = f"one of {', '.join(of_joint)}", nearest(schedule.actuator, of_joint)
+        yield Problem(("schedule", "actuator"), wanted, shown(schedule.actuator), do)
+        return
+    if getattr(schedule, key, None) is None:
+        wanted = f"a key {key!r} with actuator = {schedule.actuator!r}: its full preset"
+        yield Problem(("schedule", key), wanted, "nothing")
+    for other in dict.fromkeys(of_joint.values()):
+        if other in given and other != key:
+            wanted = f"no key of another actuator with actuator = {schedule.actuator!r}"
+            yield Problem(("schedule", other), wanted, repr(other), f"Give {key!r}, or correct actuator.")
 
 
 def _step(schedule: ScheduleSettings, window: WindowSettings) -> Iterator[Problem]:
