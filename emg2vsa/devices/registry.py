@@ -103,7 +103,8 @@ class Kind:
     facts : of a started device and its settings, plain values for the record of a run.
     scan : of a line, a clock, ids (none: all) and the time for each answer, s, a line of text for each who answers.
     joints : of an actuator, names of the joints for which schedules are made. full_key : of the full preset, in the
-        table [schedule] of a study and in schedules. export : how these schedules are written, an `emg2vsa.devices.joints.Export`.
+        table [schedule] of a study and in schedules. export : how these schedules are written, an `Export` of
+        `emg2vsa.devices.joints`.
     plugin : whose it is; None for one of this project.
     """
 
