@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.rig.emulated.dynamixel.bus import Bus
+from emg2vsa.rig.emulated.dynamixel.firmware import DynamixelFirmware
 from emg2vsa.rig.emulated.dynamixel.framing import (
     HEADER,
     POSITION_COMMANDS,
@@ -15,6 +18,7 @@ from emg2vsa.rig.emulated.dynamixel.framing import (
     unstuffed,
     without,
 )
+from emg2vsa.rig.emulated.dynamixel.models import XM430_W350
 from emg2vsa.rig.emulated.dynamixel.parser import BYTE_GAP_S, Packet, PacketParser
 
 NASTY = st.lists(st.sampled_from((0xFF, 0xFD, 0x00, 0x01, 0x55)) | st.integers(0, 255), max_size=40).map(bytes)
@@ -74,6 +78,22 @@ def test_a_wrong_bit_never_passes_as_the_packet(one: tuple[int, int, bytes], dat
     assert not [found for found in parsed(PacketParser(), bytes(whole)) if found.intact]
 
 
+def test_a_packet_with_a_pause_in_it_is_none() -> None:
+    whole = packet(1, 1)
+    for cut_at in range(1, len(whole)):
+        parser = PacketParser()
+        parsed(parser, whole[:cut_at])
+        assert not parsed(parser, whole[cut_at:], now_s=2 * BYTE_GAP_S)
+        assert parsed(parser, whole, now_s=4 * BYTE_GAP_S) == [Packet(1, 1, b"", True)]
+
+
+def test_a_checksum_that_ends_like_a_header_ends_its_packet() -> None:
+    whole = packet(1, 3, bytes.fromhex("11 B7 FF FF"))
+    assert whole.endswith(HEADER)
+    for places in ([], [len(whole) - 1], [len(whole) - 2]):
+        assert parsed(PacketParser(), *cut(whole, places)) == [Packet(1, 3, whole[8:-2], True)]
+
+
 def test_a_length_that_cannot_be_is_skipped() -> None:
     for length in (b"\x02\x00", b"\x01\x04"):
         assert parsed(PacketParser(), HEADER + b"\x01" + length + packet(1, 1)) == [Packet(1, 1, b"", True)]
@@ -105,3 +125,28 @@ def test_an_answer_under_another_id_has_a_checksum_that_fits() -> None:
     answers = packet(1, 0x55, b"\0\xff\xff\xfd") + packet(252, 0x55, b"\0")
     assert renamed(answers, 1) == packet(2, 0x55, b"\0\xff\xff\xfd") + packet(0, 0x55, b"\0")
     assert renamed(answers[:-1], 1) == packet(2, 0x55, b"\0\xff\xff\xfd") + packet(252, 0x55, b"\0")[:-1]
+
+
+ADDRESSES = st.sampled_from((0, 7, 10, 11, 64, 68, 98, 116, 132, 168, 224, 600, 661)) | st.integers(0, 0xFFFF)
+WORDS = st.lists(ADDRESSES.map(lambda word: word.to_bytes(2, "little")), max_size=4).map(b"".join)
+
+
+@settings(max_examples=300)
+@given(st.lists(st.tuples(st.sampled_from((1, 2, 0xFE)), st.sampled_from(Instruction), WORDS, NASTY), max_size=6))
+def test_no_packet_breaks_the_motors_and_answers_are_packets(asked: list[tuple[int, int, bytes, bytes]]) -> None:
+    clock = VirtualClock()
+
+    class Shaft:
+        def shaft_rad(self, time_s: float, motors_rad: tuple[float, float]) -> float:
+            return motors_rad[0]
+
+    motors = [DynamixelFirmware(XM430_W350, Shaft(), clock, motor_id=k) for k in (1, 2)]
+    bus = Bus(clock, motors)
+    for device_id, instruction, words, rest in asked:
+        answer = bus(packet(device_id, instruction, words + rest))
+        clock.sleep_until(clock.now_s() + 0.05)
+        answer += bus(b"")
+        if instruction not in (Instruction.FAST_SYNC_READ, Instruction.FAST_BULK_READ):
+            found = parsed(PacketParser(), answer)
+            assert all(one.intact and one.instruction == Instruction.STATUS for one in found)
+            assert b"".join(packet(*one[:3]) for one in found) == answer
