@@ -9,16 +9,19 @@ from typing import Any
 
 import pytest
 
-from emg2vsa.devices.clock import WallClock
+from emg2vsa.devices.clock import VirtualClock, WallClock
 from emg2vsa.devices.netft.driver import NetFt
 from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.ni_daq.settings import NiGaugeSettings
 from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
 from emg2vsa.devices.opencv_camera.settings import OpenCvSettings
+from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.info import QbmoveInfo
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
 from emg2vsa.devices.qbmove.settings import MotorSettings, QbmoveSettings
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.rig_devices import DeviceSettings
+from emg2vsa.devices.serial_line import LoopbackLine, SerialLine
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig import open_rig as module
 from emg2vsa.rig.emulated.bench import EmulatedRig
@@ -56,7 +59,7 @@ class Watched:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.closed: list[str] = []
-        for kind in (module.SerialLine, OpenCvCamera, NetFt):
+        for kind in (SerialLine, OpenCvCamera, NetFt):
             self.watch(monkeypatch, kind, kind.__name__)
 
     def watch(self, monkeypatch: pytest.MonkeyPatch, kind: Any, name: str) -> None:
@@ -89,7 +92,7 @@ def test_the_devices_of_the_file_are_open_and_closed_again(
         ]  # fmt: skip
         json.dumps(opened.facts)
         opened.devices.actuator.activate()
-        opened.devices.actuator.set_position_stiffness(0, 1500)
+        opened.devices.actuator.command(0.0, 0.5)
         assert watched.closed == []
     assert watched.closed == ["OpenCvCamera", "NetFt", "SerialLine"]
     assert servers.bench.answer(bytes.fromhex("3a3a 01 02 81 81")) == bytes.fromhex("3a3a 01 03 81 00 81")  # motors off
@@ -193,18 +196,31 @@ def test_a_card_without_its_calibration_is_told(tmp_path: Any) -> None:
     ("device", "rig", "rigid", "positions", "percent"),
     [
         ({}, {}, False, (-12000, 12000), (20.0, 80.0)),
-        ({}, {"position_ticks": (-20000, 20000)}, False, (-12000, 12000), (20.0, 80.0)),
-        ({}, {"position_ticks": (-20000, 20000)}, True, (-15000, 15000), (20.0, 80.0)),
-        ({}, {"position_ticks": (-100, 9000)}, False, (-100, 9000), (20.0, 80.0)),
-        ({"max_stiffness_ticks": 2400}, {"position_ticks": (-20000, 20000)}, False, (-12600, 12600), (25.0, 80.0)),
-        ({"max_stiffness_ticks": 4000}, {"position_ticks": (-20000, 20000)}, False, (-11000, 11000), (20.0, 60.0)),
+        ({}, {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)}, False, (-12000, 12000), (20.0, 80.0)),
+        ({}, {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)}, True, (-15000, 15000), (20.0, 80.0)),
+        ({}, {"position_deg": (-100 * DEG_PER_TICK, 9000 * DEG_PER_TICK)}, False, (-100, 9000), (20.0, 80.0)),
+        (
+            {"max_stiffness_ticks": 2400},
+            {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)},
+            False,
+            (-12600, 12600),
+            (25.0, 80.0),
+        ),
+        (
+            {"max_stiffness_ticks": 4000},
+            {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)},
+            False,
+            (-11000, 11000),
+            (20.0, 60.0),
+        ),
     ],
 )
 def test_limits_are_the_device_s_and_no_wider_than_the_file_s(
     device: dict[str, Any], rig: dict[str, Any], rigid: bool, positions: tuple[int, int], percent: tuple[float, float]
 ) -> None:
     info = replace(INFO, **device)
-    narrowed = within_device(RigSettings(**rig), info, rigid)
-    assert narrowed.position_ticks == positions
+    board = Qbmove(LoopbackLine("bench", bytes), 1, rigid=rigid, clock=VirtualClock())
+    narrowed = within_device(RigSettings(**rig), board.usable(info))
+    assert narrowed.position_deg == tuple(ticks * DEG_PER_TICK for ticks in positions)
     assert narrowed.stiffness_percent == pytest.approx(percent)
-    assert narrowed.max_preset_ticks == info.max_stiffness_ticks
+    assert narrowed.full_preset == info.max_stiffness_ticks * DEG_PER_TICK

@@ -105,7 +105,7 @@ class RunLog:
 
     def _of_actuator(self, row: Row) -> Iterator[float | int | None]:
         _, per_degree, per_preset, per_ampere, whole = self._columns
-        motors_deg = (None, None) if row.at is None else (*row.at.motors_deg, None)[:2]
+        motors_deg = (*(row.at.motors_deg if row.at else ()), None, None)[:2]
         shaft_deg = None if row.at is None else row.at.shaft_deg
         currents_a = (*row.currents_a, None, None)[:2]
         scales = per_degree, per_preset, per_degree, per_degree, per_degree, per_ampere, per_ampere

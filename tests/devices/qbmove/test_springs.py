@@ -135,9 +135,8 @@ def test_ticks_survive_percent(ticks: int, top: int) -> None:
 def test_equation_8_both_ways(model: str, position: int, ticks: int, shaft: int) -> None:
     joint = joint_of(model)
     targets_deg = joint.targets_deg(position * DEG_PER_TICK, ticks / FULL_TICKS)
-    assert [angle_deg / DEG_PER_TICK for angle_deg in targets_deg] == pytest.approx(
-        [position + ticks, position - ticks]
-    )
+    expected_ticks = position + ticks, position - ticks
+    assert tuple(angle_deg / DEG_PER_TICK for angle_deg in targets_deg) == pytest.approx(expected_ticks)
     at = Measurements(targets_deg, shaft * DEG_PER_TICK)
     assert joint.position_deg(at) / DEG_PER_TICK == pytest.approx(position, abs=1e-9)
     assert joint.preset_at(at) * FULL_TICKS == pytest.approx(ticks, abs=1e-9)
