@@ -6,8 +6,6 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import Literal, NamedTuple
 
-import numpy as np
-
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.streams import Source, StreamCounts, StreamInfo
 from emg2vsa.errors import DeviceError, Emg2vsaError
@@ -105,14 +103,8 @@ class RecordedStream:
         """A line of the journal with the clock as it is fitted now."""
         if self._expected == 0 or self.lost_why:
             return
-        start_s, fs_hz = self.timing(0)
+        start_s, fs_hz = self._clock.timing(0, self._expected)
         self._record.append(ClockFitted(self.name, start_s, fs_hz, self._clock.report().se_s or 0.0, self._expected))
-
-    def timing(self, first: int) -> tuple[float, float]:
-        """Time of a sample on the session's clock, and the rate from there on by that clock."""
-        last = max(self._expected - 1, first + 1)
-        start_s, stop_s = (float(time) for time in self._clock.time_s(np.array([first, last], dtype=np.int64)))
-        return start_s, (last - first) / (stop_s - start_s)
 
     def view(self, now_s: float) -> DeviceView:
         """As the operator's page shows it."""
