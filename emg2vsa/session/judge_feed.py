@@ -57,7 +57,7 @@ def judged_from_s(presses: Presses, stay: int, begun_s: float, now_s: float, lon
     return max(from_s, next((end_s for end_s in before if now_s - end_s <= longest_s), max(before, default=0.0)))
 
 
-def first_after(first: int, start_s: float, fs_hz: float, from_s: float) -> int:
+def sample_at(first: int, start_s: float, fs_hz: float, from_s: float) -> int:
     """Number of the sample at ``from_s``, where sample ``first`` was at ``start_s``; not before that one."""
     return first + (max(0, round((from_s - start_s) * fs_hz)) if from_s else 0)
 
@@ -142,7 +142,7 @@ class JudgeFeed:
         longest_s = JUDGED_VALUES / (len(self._columns) * emg.info.fs_hz)
         from_s = judged_from_s(presses, stay, starts_s[emg.name][0], now_s, longest_s)
         self.samples = {
-            name: (first_after(self._first[name], *starts_s[name], from_s), stop) for name, stop in stops.items()
+            name: (sample_at(self._first[name], *starts_s[name], from_s), stop) for name, stop in stops.items()
         }
         self._asked_of, self.asked = to_judge(presses, stay), "stay"
         clocks = {own.name: own.clock for own in self._streams}

@@ -29,6 +29,23 @@ class Arrived(NamedTuple):
     newest_s: float
 
 
+def device_view(stream: str, clock: SampleClock, samples: int, lost: int, silent_s: float, lost_why: str) -> DeviceView:
+    """A stream as the operator's page shows it; arguments as what `RecordedStream` knows of its own."""
+    report, problems = clock.report(), list(clock.problems())
+    if lost and not report.missing:
+        problems.append(f"{lost} samples were lost.")
+    name = {"emg": "EMG", "force": "Force"}[stream]
+    state: Literal["good", "doubtful", "lost"] = "good"
+    text = f"{name}: {clock.fs_hz:.6g} samples a second."
+    if lost_why:
+        state, text = "lost", f"{name}: {lost_why}"
+    elif silent_s > SILENT_S:
+        state, text = "doubtful", f"{name}: nothing for {silent_s:.1f} s."
+    elif problems:
+        state, text = "doubtful", f"{name}: {' '.join(problems)}"
+    return DeviceView(name, state, text, clock.fs_hz, report.rate_hz, report.se_s, samples, lost)
+
+
 class RecordedStream:
     """``read`` never waits. A lost device is opened again by itself, until it answers."""
 
@@ -108,22 +125,8 @@ class RecordedStream:
 
     def view(self, now_s: float) -> DeviceView:
         """As the operator's page shows it."""
-        report, info = self._clock.report(), self._info
-        problems = list(self._clock.problems())
-        lost = self.lost_samples
-        if lost and not report.missing:
-            problems.append(f"{lost} samples were lost.")
-        name = {"emg": "EMG", "force": "Force"}[self.name]
-        state: Literal["good", "doubtful", "lost"] = "good"
-        text = f"{name}: {info.fs_hz:.6g} samples a second."
-        if self.lost_why:
-            state, text = "lost", f"{name}: {self.lost_why}"
-        elif now_s - self._heard_s > SILENT_S:
-            state, text = "doubtful", f"{name}: nothing for {now_s - self._heard_s:.1f} s."
-        elif problems:
-            state, text = "doubtful", f"{name}: {' '.join(problems)}"
-        counts = 0 if self._source is None else self._source.counts().samples
-        return DeviceView(name, state, text, info.fs_hz, report.rate_hz, report.se_s, counts, lost)
+        samples = 0 if self._source is None else self._source.counts().samples
+        return device_view(self.name, self._clock, samples, self.lost_samples, now_s - self._heard_s, self.lost_why)
 
     def close(self) -> None:
         """Give the device back."""
