@@ -23,7 +23,6 @@ from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.devices.serial_line import LoopbackLine, SerialLine
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.rig import open_rig as module
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from emg2vsa.devices.serial_speed import BAUD
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
 from emg2vsa.devices.netft.driver import open_net_ft
@@ -18,7 +19,6 @@ from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
 from emg2vsa.devices.registry import Around
 from emg2vsa.devices.serial_line import LoopbackLine, SerialLine
-from emg2vsa.devices.serial_speed import BAUD
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.fault_words import FAULTS, help_text, put
