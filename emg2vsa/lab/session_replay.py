@@ -33,8 +33,8 @@ from emg2vsa.study import Study
 _DIGIT_S = 1e-6
 """Of a time in the journal."""
 _OLDER = (
-    "The journal is of an earlier version, which did not write the force before START, the lost samples and the page of "
-    "each press. A verdict that rests on them cannot be made again."
+    "The journal is of an earlier version, which did not write the force before START, the lost samples and the page "
+    "of each press. A verdict that rests on them cannot be made again."
 )
 
 
