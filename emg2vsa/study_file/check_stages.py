@@ -216,6 +216,6 @@ def _silent(simulation: SimulationSettings, window: WindowSettings) -> Iterator[
 
 
 CHECKS = (
-    _filters, _window, _own_filters, _own_window, _muscles, _bins, _new_specimen, _bracket, _schedule, _full_preset, _step,
-    _runs, _durations, _shares, _silent,
+    _filters, _window, _own_filters, _own_window, _muscles, _bins, _new_specimen, _bracket, _schedule, _full_preset,
+    _step, _runs, _durations, _shares, _silent,
 )  # fmt: skip
