@@ -13,18 +13,18 @@ from emg2vsa.errors import ScheduleError
 class Export(NamedTuple):
     """How schedules for a joint are written: by the folder of its device.
 
-    joint : its name and full preset to the joint. column, limit : names of the preset of a step and of the full preset
-    in a schedule. unit : of both, in words. per_preset : of that unit in the joint's own. whole : they are whole
-    numbers. most : largest full preset in that unit.
+    joint : its name and full preset to the joint. column : name of the preset of a step in a schedule. unit : of it and
+    of the full preset, in words. per_preset : of that unit in the joint's own. whole : they are whole numbers. most :
+    largest full preset in that unit. limit : name of the full preset; of its kind of device, not given here.
     """
 
     joint: Callable[[str, float], Joint]
     column: str
-    limit: str
     unit: str
     per_preset: float
     whole: bool
     most: float
+    limit: str = ""
 
     def exported(self, preset: float) -> int | float:
         """A preset, or full preset, in the joint's own unit, as a schedule has it."""
@@ -42,7 +42,7 @@ def export_of(name: str, where: str = "schedule.actuator") -> Export:
     for kind in kinds("actuator").values():
         if name in kind.joints:
             found: Export = kind.exports
-            return found
+            return found._replace(limit=kind.full_key)
     do = "Correct the name of the actuator."
     raise ScheduleError(where, wanted=f"one of {', '.join(joint_names())}", found=repr(name), do=do)
 

@@ -102,8 +102,9 @@ class Kind:
     about : of an opened device, lines on it for ``emg2vsa rig info``.
     facts : of a started device and its settings, plain values for the record of a run.
     scan : of a line, a clock, ids (none: all) and the time for each answer, s, a line of text for each who answers.
-    joints : of an actuator, names of the joints for which schedules are made. export : how these schedules are written,
-        an `emg2vsa.devices.joints.Export`.
+    joints : of an actuator, names of the joints for which schedules are made. full_key : of the full preset, in the
+        table [schedule] of a study and in schedules. export : how these schedules are written, an `Export` of
+        `emg2vsa.devices.joints`.
     plugin : whose it is; None for one of this project.
     """
 
@@ -115,6 +116,7 @@ class Kind:
     facts: str | Callable[[Any, Any], dict[str, Any]] | None = None
     scan: str | Callable[[Any, Clock, Sequence[int], float], Iterator[str]] | None = None
     joints: tuple[str, ...] = ()
+    full_key: str = ""
     export: Any = None
     plugin: Plugin | None = None
 

@@ -71,7 +71,7 @@ class GainJoint:
 
 EXPORT = Export(
     lambda name, full_preset: GainJoint(full_preset, name=name),
-    column="preset_nm_per_rad", limit="full_stiffness_nm_per_rad", unit="N m/rad", per_preset=1.0, whole=False,
+    column="preset_nm_per_rad", unit="N m/rad", per_preset=1.0, whole=False,
     most=1000.0,
 )  # fmt: skip
 """Schedules state presets as the stiffness that they are."""

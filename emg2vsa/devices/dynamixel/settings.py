@@ -58,5 +58,5 @@ class DynamixelSettings(ActuatorSettings):
 DYNAMIXEL = Kind(
     "actuator", DynamixelSettings, open="emg2vsa.devices.dynamixel.opening:open_dynamixel",
     about="emg2vsa.devices.dynamixel.driver:Dynamixel.about", scan="emg2vsa.devices.dynamixel.scan:answers",
-    joints=("dynamixel",), export="emg2vsa.devices.dynamixel.joint:EXPORT",
+    joints=("dynamixel",), full_key="full_stiffness_nm_per_rad", export="emg2vsa.devices.dynamixel.joint:EXPORT",
 )  # fmt: skip

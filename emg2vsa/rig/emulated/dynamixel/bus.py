@@ -1,8 +1,8 @@
 """The half-duplex bus: who answers to a packet, in which order, and when.
 
 Answers wait for the Return Delay Time of their motor on the clock. Bytes take no time on the bus, and the baud rate is
-not emulated. In a chain of answers (Sync Read, Bulk Read) each motor waits for the one before it; that the chain ends
-at the first one that is missing is a guess.
+not emulated. In a chain of answers (Sync Read, Bulk Read) each motor waits for the one before it. Guesses: the chain
+ends at the first one that is missing, and a fast read of more than a packet holds is not answered.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from emg2vsa.devices.clock import Clock
 from emg2vsa.rig.emulated.dynamixel.framing import (
     BROADCAST_ID,
     HEADER,
+    MOST_LENGTH,
     Error,
     Instruction,
     bulk_writes,
@@ -125,9 +126,10 @@ class Bus:
                 yield delay_s, packet(device_id, Instruction.STATUS, answer)
 
     def _chain(self, instruction: int, asked: list[tuple[int, int, int]]) -> Iterator[_Answer]:
-        whole = HEADER + bytes((BROADCAST_ID,)) + (1 + sum(4 + size for *_, size in asked)).to_bytes(2, "little")
-        whole += bytes((Instruction.STATUS,))
-        sent = 0
+        length = 1 + sum(4 + size for *_, size in asked)
+        if instruction in _FAST and length > MOST_LENGTH:
+            return
+        whole, sent = HEADER + bytes((BROADCAST_ID, length & 0xFF, length >> 8 & 0xFF, Instruction.STATUS)), 0
         for device_id, address, size in asked:
             motor = self._motor(device_id)
             if motor is None or not motor.answers_reads:

@@ -25,7 +25,6 @@ _RETURN_DELAY_S = 2e-6
 _CLEAR_TURNS = b"\x01\x44\x58\x4c\x22"
 _KEPT = {0xFF: (), 0x01: (t.DEVICE_ID,), 0x02: (t.DEVICE_ID, t.BAUD_RATE)}
 """Option of Factory Reset, and what is not reset."""
-_ALL = 0xFF
 
 
 class DynamixelFirmware:
@@ -54,7 +53,6 @@ class DynamixelFirmware:
         self._bus = Bus(clock, (self,))
         self._registered: tuple[int, bytes] | None = None
         self._listens_from_s = clock.now_s()
-        self._loop.restart()
 
     def __call__(self, data: bytes) -> bytes:
         """Hear ``data`` at the clock's time, and answer as far as answers are due."""
@@ -106,11 +104,8 @@ class DynamixelFirmware:
 
     def obey(self, instruction: int, parameters: bytes, broadcast: bool) -> bytes:
         if instruction == Instruction.PING:
-            return (
-                bytes((self._error(Error.NONE),))
-                + self.table.read(t.MODEL_NUMBER, 2)[1]
-                + self.table.read(t.FIRMWARE, 1)[1]
-            )
+            known = self.table.read(t.MODEL_NUMBER, t.FIRMWARE + 1)[1]
+            return bytes((self._error(Error.NONE), *known[:2], known[t.FIRMWARE]))
         if instruction == Instruction.READ:
             if broadcast or len(parameters) != 4:
                 return self._told(Error.LENGTH)
@@ -204,7 +199,7 @@ class DynamixelFirmware:
     def _reset_table(self, parameters: bytes, broadcast: bool) -> Error:
         """Not all of all motors at once (firmware 42 on); a reboot follows."""
         option = parameters[0] if len(parameters) == 1 else None
-        if option not in _KEPT or (broadcast and option == _ALL):
+        if option not in _KEPT or (broadcast and option == 0xFF):
             return Error.RANGE
         self.table.reset(lambda address: address not in _KEPT[option])
         return self._reboot()
@@ -226,8 +221,7 @@ class DynamixelFirmware:
         if self._loop.measured()[t.MOVING]:
             return Error.RESULT_FAIL
         self._loop.forget_turns()
-        position = self._loop.position()
-        self.table.values[t.GOAL_POSITION] = position
+        position = self.table.values[t.GOAL_POSITION] = self._loop.position()
         self._loop.change({t.GOAL_POSITION: position})
         self._loop.control.restart(position)
         return Error.NONE

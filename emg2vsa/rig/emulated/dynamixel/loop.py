@@ -37,8 +37,8 @@ class Loop:
         self._coming: deque[tuple[int, dict[int, int]]] = deque()
         self._acting = dict(table.values)
         self._heard_ms = self._full_ms = self._whole = 0
-        self._shut_down = False
         self._meet_world()
+        self.restart()
 
     def restart(self) -> None:
         """Power comes back: RAM is at its defaults, the encoder knows its place within a turn."""
@@ -82,7 +82,6 @@ class Loop:
         self._coming.clear()
         self._acting.update(values)
         self.control.restart(self.position())
-        self.heard()
         return True
 
     def change(self, changes: dict[int, int]) -> None:
@@ -107,7 +106,7 @@ class Loop:
     def _sign(self) -> int:
         return -1 if self._table.values[t.DRIVE_MODE] & t.REVERSE else 1
 
-    def rate(self) -> float:
+    def _rate(self) -> float:
         """Speed of the shaft, pulses in a millisecond, as the table has it."""
         return self._sign * self.motor.seen_rad_per_s() * PULSES_PER_RAD * STEP_S
 
@@ -178,12 +177,14 @@ class Loop:
         on = bool(self._table.values[t.TORQUE_ENABLE])
         wanted_a, duty = None, 0.0
         if on:
-            current, pwm = control.output(acting, self.position(), self.rate())
+            current, pwm = control.output(acting, self.position(), self._rate())
             wanted_a = None if current is None else self._sign * current * CURRENT_UNIT_A
             duty = self._sign * pwm / t.PWM_MOST
+        else:
+            control.restart(self.position())
         stands = motor.step(on, wanted_a, duty, acting[t.PWM_LIMIT] / t.PWM_MOST)
         full = abs(motor.current_a) >= _FULL * motor.model.stall_current_a
-        self._full_ms = self._full_ms + 1 if stands and full else 0
+        self._full_ms = self._full_ms + 1 if full else 0
         steady = not on or (control.arrived and not self._full_ms and not acting[t.POSITION_I])
         return stands and steady and (not on or not motor.load_nm) and acting[t.OPERATING_MODE] != t.VELOCITY
 

@@ -15,8 +15,6 @@ from dataclasses import dataclass
 PULSES_PER_TURN = 4096
 PULSES_PER_RAD = PULSES_PER_TURN / (2 * math.pi)
 CURRENT_UNIT_A = 2.69e-3
-FIRMWARE_VERSION = 45
-"""The first of the 430 and 540 that knows the fast reads."""
 _RAD_PER_S_PER_RPM = 2 * math.pi / 60
 
 
@@ -38,7 +36,8 @@ class DynamixelModel:
     "External ports, of the 540."
     friction_nm: float = 0.03
     viscous_nm_s: float = 0.2
-    firmware_version: int = FIRMWARE_VERSION
+    firmware_version: int = 45
+    "The first of the 430 and 540 that knows the fast reads."
 
     @property
     def torque_constant_nm_per_a(self) -> float:

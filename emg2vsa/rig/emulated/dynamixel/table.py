@@ -4,7 +4,8 @@ Source: ROBOTIS e-Manual, Control Table of the XM430-W350, XM430-W210, XH430-W21
 ROBOTIS-GIT/emanual), with Startup Configuration and Backup Ready of firmware 45.
 
 Guesses, as the e-Manual is silent: bytes between two items read as 0; a packet that writes several items writes all of
-them or none; a write that begins within an item is an Access Error.
+them or none; a write that begins within an item is an Access Error. Protocol 1.0 cannot be
+chosen.
 """
 
 from __future__ import annotations
@@ -129,7 +130,7 @@ class ControlTable:
                 return error, {}
             changes[item.address] = value
             at = end
-        return (Error.NONE if data else Error.LENGTH), changes
+        return Error.NONE, changes
 
     def _real(self, address: int) -> int:
         """Where Indirect Data is in truth."""

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from emg2vsa.contact_mechanics import Relaxation
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.rig.emulated.dynamixel import table as t
 from emg2vsa.rig.emulated.dynamixel.firmware import DynamixelFirmware
@@ -25,6 +26,7 @@ from emg2vsa.rig.emulated.world_settings import WorldSettings
 LEVER_M = 0.5 * math.degrees(1) / 1000
 """Of a probe at 0.5 mm per degree."""
 LOAD_NM = 7 * LEVER_M
+SOFT = Relaxation.of_share(0.5)
 
 
 @pytest.mark.parametrize("gain", [12, 25, 50, 100, 200, 330, 800])
@@ -116,6 +118,43 @@ def test_the_angle_does_not_depend_on_how_often_it_is_asked(desk: Callable[..., 
     assert ends[2] == pytest.approx(ends[0], abs=1e-4)
 
 
+def test_a_motor_that_friction_holds_goes_on_summing(desk: Callable[..., Any]) -> None:
+    ends = []
+    for period_s in (0.001, 0.5):
+        one = desk()
+        one.write(t.OPERATING_MODE, t.VELOCITY, 1)
+        one.write(t.GOAL_VELOCITY, 5, 4)
+        one.write(t.TORQUE_ENABLE, 1, 1)
+        ends.append(one.wait(2.0, period_s=period_s)[-1])
+    assert ends[0] > 0.05
+    assert ends[1] == pytest.approx(ends[0], abs=1e-3)
+
+
+def test_a_specimen_that_relaxes_lets_a_held_motor_on() -> None:
+    ends = []
+    for period_s in (0.005, 2.0):
+        clock = VirtualClock()
+        settings = WorldSettings(
+            springs=None,
+            mm_per_degree=0.5,
+            gap_mm=2.0,
+            stiffness_n_per_mm=8.0,
+            plate=True,
+            relaxation=Relaxation.of_share(0.5),
+        )
+        world = World(clock, settings)
+        motor = DynamixelFirmware(XM430_W350, world, clock, home_deg=180.0, loads=world.loads_nm)
+        motor.write(t.OPERATING_MODE, b"\x05")
+        motor.write(t.POSITION_P, (60).to_bytes(2, "little"))
+        motor.write(t.TORQUE_ENABLE, b"\x01")
+        motor.write(t.GOAL_POSITION, (2300).to_bytes(4, "little"))
+        while clock.now_s() < 6:
+            clock.sleep_until(clock.now_s() + period_s)
+            motor.advance()
+        ends.append(motor.angles_rad()[0])
+    assert ends[1] == pytest.approx(ends[0], abs=1e-4)
+
+
 def test_it_presses_a_specimen_of_the_emulated_world_through_its_own_compliance() -> None:
     """At rest the spring of the gain, the specimen and the friction are in balance."""
     clock = VirtualClock()
@@ -188,6 +227,19 @@ def test_a_profile_takes_its_time(desk: Callable[..., Any], acceleration: int) -
     assert one.read(t.MOVING_STATUS, 1) & 3 == 1
 
 
+def test_torque_off_ends_a_profile(desk: Callable[..., Any]) -> None:
+    one = desk()
+    one.hold(800)
+    one.write(t.PROFILE_VELOCITY, 20, 4)
+    one.write(t.GOAL_POSITION, 4048, 4)
+    one.wait(0.5)
+    assert one.read(t.MOVING, 1) == 1
+    one.write(t.TORQUE_ENABLE, 0, 1)
+    one.wait(1.0)
+    assert one.read(t.MOVING, 1) == 0
+    assert one.read(t.POSITION_TRAJECTORY, 4) == one.read(t.PRESENT_POSITION, 4)
+
+
 def test_a_time_based_profile_ends_in_time(desk: Callable[..., Any]) -> None:
     one = desk()
     one.write(t.DRIVE_MODE, t.TIME_BASED, 1)
@@ -248,3 +300,44 @@ def test_a_command_is_known_after_the_latency_and_torque_on_waits_for_none(desk:
     assert one.read(t.GOAL_POSITION, 4) == 2148
     assert one.wait(0.045)[-1] == 0
     assert one.wait(0.1)[-1] > 0.05
+    at_once = desk(latency_s=0.05)
+    at_once.hold(800, goal=2148)
+    assert at_once.wait(0.045)[-1] > 0.01
+
+
+def test_a_derivative_gain_does_not_hold_a_profile_back(desk: Callable[..., Any]) -> None:
+    one = desk()
+    one.hold(500)
+    one.write(t.POSITION_D, 4000, 2)
+    one.write(t.PROFILE_VELOCITY, 50, 4)
+    one.write(t.GOAL_POSITION, 3048, 4)
+    one.wait(0.8)
+    assert one.read(t.POSITION_TRAJECTORY, 4) - one.read(t.PRESENT_POSITION, 4) < 20
+
+
+def test_an_integral_gain_ends_the_error_and_does_not_wind_up(desk: Callable[..., Any]) -> None:
+    one = desk()
+    one.hold(300)
+    one.write(t.POSITION_D, 2000, 2)
+    one.write(t.POSITION_I, 200, 2)
+    one.write(t.GOAL_CURRENT, 300, 2)
+    one.load_nm = lambda angle_rad: LOAD_NM
+    one.wait(4.0)
+    assert one.read(t.PRESENT_POSITION, 4) == pytest.approx(2048, abs=1)
+    one.motor.motor.faults.jammed = True
+    one.write(t.GOAL_POSITION, 2348, 4)
+    one.wait(4.0)
+    one.motor.motor.faults.jammed = False
+    assert max(one.wait(3.0)) * PULSES_PER_RAD < 400
+
+
+def test_a_lower_current_limit_binds_at_once(desk: Callable[..., Any]) -> None:
+    one = desk()
+    one.write(t.OPERATING_MODE, 5, 1)
+    one.write(t.CURRENT_LIMIT, 50, 2)
+    one.write(t.GOAL_POSITION, 3000, 4)
+    one.write(t.TORQUE_ENABLE, 1, 1)
+    one.load_nm = lambda angle_rad: 10.0
+    one.motor.motor.faults.jammed = True
+    one.wait(0.1)
+    assert one.read(t.PRESENT_CURRENT, 2) == 50

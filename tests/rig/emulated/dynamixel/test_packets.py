@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 
 from emg2vsa.rig.emulated.dynamixel import table as t
-from emg2vsa.rig.emulated.dynamixel.bus import Bus
 from emg2vsa.rig.emulated.dynamixel.framing import crc16, packet, unstuffed
 from emg2vsa.rig.emulated.dynamixel.models import XM430_W210
 
@@ -114,10 +113,21 @@ def test_fast_bulk_read_is_one_packet_of_parts(desk: Callable[..., Any]) -> None
     assert crc16(answer[:-2]) == answer[-2:]
 
 
+def test_all_answer_a_ping_in_the_order_of_their_ids(desk: Callable[..., Any]) -> None:
+    answer = fast(desk).send(packet(0xFE, 1))
+    assert [answer[start + 4] for start in (0, 14, 28)] == [3, 4, 7]
+
+
+def test_an_error_within_a_fast_read_keeps_its_place(desk: Callable[..., Any]) -> None:
+    answer = desk(OLD, at(166, 2079)).send(packet(0xFE, 0x8A, bytes((0xBC, 2, 4, 0, 1, 2))))
+    assert answer[5:7] == b"\x11\x00"
+    assert len(answer) == 7 + 0x11
+    assert answer[8:14] == bytes((7, 1, 0, 0, 0, 0))
+    assert answer[16:22] == bytes((7, 2, 0, 0, 0, 0))
+
+
 def test_a_chain_ends_at_the_motor_that_is_missing(desk: Callable[..., Any]) -> None:
     two = desk(OLD, at(166, 2079))
-    alone = Bus(two.clock, two.motors[:1])
-    two.device = alone
     answer = two.send(packet(0xFE, 0x82, bytes((132, 0, 4, 0, 1, 9, 2))))
     assert answer.hex(" ").upper() == "FF FF FD 00 01 08 00 55 00 A6 00 00 00 8C C0"
 

@@ -58,6 +58,17 @@ def test_the_watchdog_stops_the_motor_and_refuses_goals_until_it_is_cleared(desk
     assert one.read(t.PRESENT_POSITION, 4) == pytest.approx(held + 50, abs=4)
 
 
+def test_the_watchdog_expires_after_its_time(desk: Callable[..., Any]) -> None:
+    one = desk()
+    one.hold(800)
+    one.write(t.BUS_WATCHDOG, 10, 1)
+    written_s = one.clock.now_s()
+    for until_s, expected in ((0.198, 10), (0.202, 255)):
+        one.clock.sleep_until(written_s + until_s)
+        one.motor.advance()
+        assert one.motor.table.values[t.BUS_WATCHDOG] == expected
+
+
 def test_the_watchdog_is_of_the_motor_that_is_addressed_and_sleeps_without_torque(desk: Callable[..., Any]) -> None:
     two = desk(homes_deg=(180.0, 180.0))
     two.write(t.BUS_WATCHDOG, 2, 1)
@@ -161,6 +172,16 @@ def moved(one: Any, goal: int = 2248) -> float:
     return angles_rad[-1]
 
 
+def test_a_lower_supply_pulls_less(desk: Callable[..., Any]) -> None:
+    one = desk()
+    one.hold(16383)
+    put(one, "supply", 10)
+    put(one, "jam")
+    one.write(t.GOAL_POSITION, 3000, 4)
+    one.wait(0.5)
+    assert one.read(t.PRESENT_CURRENT, 2) == pytest.approx(2.3 * 10 / 12 / 2.69e-3, abs=1)
+
+
 def test_a_jam_ends(desk: Callable[..., Any]) -> None:
     one = desk()
     one.hold(100)
@@ -228,7 +249,8 @@ def test_it_stands_behind_a_wire_that_fails(desk: Callable[..., Any]) -> None:
 
         @property
         def due_s(self) -> float:
-            return min(wire.due_s, one.motor.due_s)
+            due_s: float = min(wire.due_s, one.motor.due_s)
+            return due_s
 
     one.device = OnWire()
     wire.late_s = 0.01

@@ -126,6 +126,16 @@ def test_a_factory_reset_of_all_is_not_for_everybody(desk: Callable[..., Any]) -
     assert one.send(packet(0xFE, Instruction.FACTORY_RESET, b"\xff")) == b""
     assert one.read(t.OPERATING_MODE, 1) == 5
     assert one.ask(Instruction.FACTORY_RESET, b"\x03")[0] == Error.RANGE
+    assert one.send(packet(0xFE, Instruction.FACTORY_RESET, b"\x02")) == b""
+    assert one.motor.table.values[t.OPERATING_MODE] == 3
+
+
+def test_a_reboot_forgets_what_was_registered(desk: Callable[..., Any]) -> None:
+    one = desk()
+    assert one.ask(Instruction.REG_WRITE, bytes((65, 0, 1)))[0] == 0
+    one.ask(Instruction.REBOOT)
+    one.clock.sleep_until(one.clock.now_s() + BOOT_S)
+    assert one.ask(Instruction.ACTION)[0] == Error.INSTRUCTION
 
 
 def test_a_new_mode_brings_the_gains_and_goals_of_a_start(desk: Callable[..., Any]) -> None:
@@ -218,9 +228,10 @@ def test_reverse_and_homing_offset(desk: Callable[..., Any]) -> None:
     assert one.read(t.PRESENT_POSITION, 4) == pytest.approx(4996, abs=4)
     one.write(t.TORQUE_ENABLE, 0, 1)
     one.write(t.HOMING_OFFSET, 2000, 4)
-    before = one.read(t.PRESENT_POSITION, 4)
+    assert one.read(t.PRESENT_POSITION, 4) == pytest.approx(4996 + 1500, abs=4)
     one.write(t.OPERATING_MODE, 3, 1)
-    assert one.read(t.PRESENT_POSITION, 4) != before, "an offset beyond 1024 does nothing in the position mode"
+    said = "an offset beyond 1024 does nothing in the position mode"
+    assert one.read(t.PRESENT_POSITION, 4) == pytest.approx(4996 - 500 - 4096, abs=4), said
 
 
 def test_torque_can_be_switched_on_by_a_goal_and_at_a_start(desk: Callable[..., Any]) -> None:
