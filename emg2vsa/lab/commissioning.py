@@ -11,7 +11,9 @@ from emg2vsa.lab.person import NOBODY, TRIES, Person
 from emg2vsa.rig.commissioning.checks import REACH_DEG, Check, check_rig
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.edit import write_values
+from emg2vsa.rig_file.older_keys import as_written
 from emg2vsa.study_file.problems import KeyPath
+from emg2vsa.study_file.toml_file import read_toml
 
 _BEGIN = """\
 Put a soft pad flat on the force sensor, where the specimen lies.
@@ -39,11 +41,14 @@ def check_settings(
 
 
 def mend_settings(file: RigFile, checks: Sequence[Check], person: Person = NOBODY) -> bool:
-    """Write what is wrong in ``checks`` into the rig file; comments stay. Whether all is right now."""
+    """Write what is wrong in ``checks`` into the rig file, in the units that it has; comments stay. Whether all is
+    right now."""
     wrong: dict[KeyPath, object] = {("rig", check.key): check.found for check in checks if not check.good}
     if not wrong:
         person.say(f"{file.path}: these settings are right")
         return True
+    wrong = as_written(read_toml(file.path, "a rig file")[1], wrong)
+    wrong = as_written(read_toml(file.path, "a rig file")[1], wrong)
     if not person.agrees(f"Write {', '.join(str(key[-1]) for key in wrong)} into {file.path}?"):
         return False
     write_values(file.path, wrong)
