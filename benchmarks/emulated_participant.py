@@ -19,10 +19,10 @@ from emg2vsa.devices.clock import FastClock, VirtualClock, WallClock
 from emg2vsa.devices.netft.datagrams import UdpLine
 from emg2vsa.devices.netft.rdt import Command, parse_records, request_bytes
 from emg2vsa.rig.emulated.netft.server import RdtServer
+from emg2vsa.session.emulated.force_box import force_box
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import Person, Response
 from emg2vsa.session.emulated.sensors import EmgSampler, ForceSampler
-from emg2vsa.session.emulated.serve import force_box
 from emg2vsa.session.emulated.trigno.base import FRAME_S
 from emg2vsa.session.emulated.trigno.server import TrignoServer
 from emg2vsa.session.views import Command as Told

@@ -39,6 +39,7 @@ from emg2vsa.devices.clock import WallClock
 from emg2vsa.fits import usable
 from emg2vsa.pipeline.run_study import run_study
 from emg2vsa.rig_file import load_rig
+from emg2vsa.session.emulated.far_end import Table
 from emg2vsa.session.emulated.mistakes import parse_mistakes
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import person_of
@@ -214,7 +215,7 @@ def play(folder: Path, study_file: Path) -> None:
     command = [sys.executable, "-m", "emg2vsa.cli", "session", "study.toml", "--participant", PARTICIPANT]
     environment = os.environ | {"PYTHONUNBUFFERED": "1"}
     with (
-        serve(person, study.session, force, clock, 1.8),
+        serve(Table(person, study.session, force, clock, 1.8)),
         subprocess.Popen(
             [*command, "--port", "0"], cwd=folder, env=environment, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT,

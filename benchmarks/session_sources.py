@@ -18,11 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.devices.clock import WallClock, undisturbed
-from emg2vsa.devices.device_settings import ForceSettings
+from emg2vsa.devices.netft.settings import NetFtSettings
+from emg2vsa.devices.rig_force.settings import RigForceSettings
 from emg2vsa.devices.streams import Source
+from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.session.open_sources import source_makers
 from emg2vsa.session.sample_clock import SampleClock
-from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
+from emg2vsa.session_settings import SessionSettings
 
 FRAME_HZ = 1 / 0.0135
 POLL_S = 0.005
@@ -121,9 +123,9 @@ def clocks(tries: int, duration_s: float = 70.0) -> None:
 def serve(pipe: Connection) -> None:
     """The emulated devices: 16 sensors and a box, until the pipe says so."""
     from emg2vsa.rig.emulated.netft.server import RdtServer
+    from emg2vsa.session.emulated.force_box import force_box
     from emg2vsa.session.emulated.participant import EmulatedParticipant
     from emg2vsa.session.emulated.person import Person, Response
-    from emg2vsa.session.emulated.serve import force_box
     from emg2vsa.session.emulated.trigno.server import TrignoServer
 
     clock = WallClock()
@@ -148,10 +150,10 @@ def streams(minutes: float) -> None:
     command_port, emg_port, host, rdt_port, http_port = here.recv()
     channels = {f"M{slot}": str(slot) for slot in range(1, 17)}
     settings = SessionSettings(
-        emg=EmgSourceSettings(kind="trigno", channels=channels, command_port=command_port, emg_port=emg_port),
-        force=ForceSourceSettings(kind="rig", rig="-"),
+        emg=TrignoSettings(channels=channels, command_port=command_port, emg_port=emg_port),
+        force=RigForceSettings(rig="-"),
     )
-    box = ForceSettings(kind="net-ft", host=host, rdt_port=rdt_port, http_port=http_port)
+    box = NetFtSettings(host=host, rdt_port=rdt_port, http_port=http_port)
     clock = WallClock()
     sources = [make() for make in source_makers(settings, tuple(channels), clock, rig_force=box)]
     with undisturbed() as real_time:

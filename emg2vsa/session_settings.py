@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-from emg2vsa.settings import Fraction, Ge, Gt, Le, MinLen, NonNegative, Positive
+from emg2vsa.settings import Fraction, Ge, Gt, Le, MinLen, NonNegative, Positive, Tagged
 
 Text = Annotated[str, MinLen(1)]
 Port = Annotated[int, Ge(1), Le(65535)]
@@ -13,60 +13,26 @@ Port = Annotated[int, Ge(1), Le(65535)]
 PARTICIPANT_CODE = r"[A-Za-z]{0,4}[0-9]{1,6}"
 """At most four letters and a number, which no name is."""
 
-TRIGNO_COMMAND_PORT, TRIGNO_EMG_PORT, TRIGNO_AUX_PORT = 50040, 50043, 50044
-"""Of the Trigno Control Utility (SDK guide MAN-025); the legacy ports 50041 and 50042 are not read."""
-
-TRIGNO_OTHER_PORTS = (50041, 50042, TRIGNO_AUX_PORT)
-"""On which no EMG of every sensor comes."""
-
 MOST_FORCE_N = 50.0
 """No session presses harder."""
 
-TRIGNO_SENSOR = r"(1[0-6]|[1-9])(?:\.([1-9]))?"
-"""How a channel of a Trigno system is written: number of the sensor, and which of its EMG channels (Quattro)."""
-
 
 @dataclass(frozen=True, kw_only=True)
-class EmgSourceSettings:
+class EmgSettings:
     """Where the EMG of a session comes from. The channels of the study ([channels.emg]) are the ones that are kept."""
 
-    kind: Literal["ni-daq", "trigno", "lsl", "simulated"]
-    "ni-daq: analogue inputs; trigno: Trigno SDK server; lsl: stream of the Lab Streaming Layer; simulated: no person."
-    channels: dict[str, Text] = field(default_factory=dict)
-    """Muscle role (EDC, FDS) to the source's name of it: ni-daq Dev1/ai0, trigno the number of the sensor (1 to 16, or
-    3.2 for channel 2 of a Quattro sensor), lsl the label of the channel."""
-    gain: Annotated[float, Ge(0.1), Le(1_000_000)] = 1.0
-    "ni-daq: of the amplifier, by which volts are divided (Bagnoli: 100, 1000 or 10000)."
-    fs_hz: Annotated[float, Ge(200), Le(100_000)] = 1000.0
-    "ni-daq: sampling rate; the other sources tell theirs."
-    range_v: Annotated[float, Ge(0.01), Le(100)] = 5.0
-    "ni-daq: largest voltage of the inputs, before the gain."
-    host: Text = "127.0.0.1"
-    "trigno: computer on which the Trigno Control Utility runs."
-    command_port: Port = TRIGNO_COMMAND_PORT
-    "trigno: command port."
-    emg_port: Port = TRIGNO_EMG_PORT
-    "trigno: port of the EMG of every sensor."
-    stream: Text | None = None
-    "lsl: name of the stream; omitted: the only one of type EMG."
+    kind: str
+    "Of the device; each kind has keys of its own."
     delay_s: Annotated[float, Ge(0), Le(1)] = 0.0
     "Fixed delay from skin to arrival (Trigno about 0.048 s), taken off every time stamp."
 
 
 @dataclass(frozen=True, kw_only=True)
-class ForceSourceSettings:
+class SessionForceSettings:
     """Where the pressing force of a session comes from."""
 
-    kind: Literal["rig", "lsl", "simulated"]
-    "rig: the force sensor of a rig file; lsl: stream of the Lab Streaming Layer; simulated: no person."
-    rig: Text | None = None
-    "rig: the rig file, relative to the folder of the study file; its [force] table is used and no other."
-    axis: tuple[float, float, float] = (0.0, 0.0, -1.0)
-    "rig: direction, in the sensor's axes, in which a pressing finger pushes."
-    stream: Text | None = None
-    "lsl: name of the stream; omitted: the only one of type Force."
-    channel: Text | None = None
-    "lsl: label of the channel; omitted: the only one."
+    kind: str
+    "Of the device; each kind has keys of its own."
     delay_s: Annotated[float, Ge(0), Le(1)] = 0.0
     "Fixed delay from finger to arrival, taken off every time stamp."
 
@@ -158,9 +124,9 @@ class SessionSettings:
     each, up to 7 N, start and stop told by the screen. It gives no speed and no pauses: these defaults are a choice.
     """
 
-    emg: EmgSourceSettings
+    emg: Annotated[EmgSettings, Tagged("emg")]
     "Source of the EMG."
-    force: ForceSourceSettings
+    force: Annotated[SessionForceSettings, Tagged("session-force")]
     "Source of the force."
     repetitions: Annotated[int, Ge(1), Le(1000)] = 10
     "Presses of each specimen."

@@ -26,6 +26,13 @@ class Limit(NamedTuple):
 Gt, Ge, Lt, Le = partial(Limit, ">"), partial(Limit, ">="), partial(Limit, "<"), partial(Limit, "<=")
 MinLen = partial(Limit, "length >=")
 
+
+class Tagged(NamedTuple):
+    """Marks a table whose keys are those of the kind of device that its key ``kind`` names."""
+
+    role: str
+
+
 LABEL_CHARACTERS = 16
 """Longest name of a channel that EDF and BDF hold."""
 

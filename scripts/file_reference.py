@@ -15,41 +15,36 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal, Union
 
-from emg2vsa import session_settings, settings
-from emg2vsa.devices import device_settings
-from emg2vsa.rig import experiment, rig_settings
-from emg2vsa.rig.emulated import settings as emulated
-from emg2vsa.rig_file import tables as rig_tables
-from emg2vsa.settings import PAPER, Limit
-from emg2vsa.study_file import tables as study_tables
+from emg2vsa.devices.registry import ROLES, kind_of
+from emg2vsa.rig_file.tables import RigTables
+from emg2vsa.settings import PAPER, Limit, Tagged
 from emg2vsa.study_file.problems import Kind, Pattern, kinds_of, required_keys
+from emg2vsa.study_file.tables import StudyFile
 
 
 def study_schema() -> dict[str, Any]:
     """The schema of a study file."""
-    return schema_of(study_tables.StudyFile, (study_tables, settings, session_settings))
+    return schema_of(StudyFile)
 
 
 def rig_schema() -> dict[str, Any]:
     """The schema of a rig file."""
-    modules = (rig_tables, rig_settings, device_settings, experiment, emulated)
-    return schema_of(rig_tables.RigTables, modules)
+    return schema_of(RigTables)
 
 
-def schema_of(file: type, modules: Sequence[ModuleType]) -> dict[str, Any]:
-    """The schema of a file, in Draft 4, the draft that TOML editors read. ``modules``: where its tables are defined."""
-    docs = {place: text for module in modules for place, text in field_docs(module).items()}
+def schema_of(file: type) -> dict[str, Any]:
+    """The schema of a file, in Draft 4, the draft that TOML editors read."""
     definitions: dict[str, Any] = {}
-    root = _table_schema(file, docs, definitions)
+    root = _table_schema(file, definitions)
     head = {"$schema": "http://json-schema.org/draft-04/schema#"}
     return head | root | {"definitions": dict(sorted(definitions.items()))}
 
 
 @cache
-def field_docs(module: ModuleType) -> dict[tuple[str, str], str]:
+def field_docs(module: ModuleType | None) -> dict[tuple[str, str], str]:
     """(class, field) to the text literal under the field."""
-    docs = {}
-    for node in ast.parse(inspect.getsource(module)).body:
+    docs: dict[tuple[str, str], str] = {}
+    for node in ast.parse(inspect.getsource(module)).body if module and module.__name__ != "builtins" else ():
         if isinstance(node, ast.ClassDef):
             for line, after in zip(node.body, node.body[1:], strict=False):
                 if (
@@ -61,11 +56,12 @@ def field_docs(module: ModuleType) -> dict[tuple[str, str], str]:
     return docs
 
 
-def _table_schema(table: type, docs: dict[tuple[str, str], str], definitions: dict[str, Any]) -> dict[str, Any]:
+def _table_schema(table: type, definitions: dict[str, Any]) -> dict[str, Any]:
     """The schema of one table; those of the tables within it are added to ``definitions``."""
     properties: dict[str, Any] = {}
+    docs = {place: text for of in table.__mro__ for place, text in field_docs(inspect.getmodule(of)).items()}
     for each in fields(table):
-        inner = _value_schema(kinds_of(table)[each.name], docs, definitions)
+        inner = _value_schema(kinds_of(table)[each.name], definitions)
         described = {"allOf": [inner]} if "$ref" in inner else inner
         if each.default not in (MISSING, None):
             described["default"] = list(each.default) if isinstance(each.default, tuple) else each.default
@@ -77,33 +73,49 @@ def _table_schema(table: type, docs: dict[tuple[str, str], str], definitions: di
     return schema | required | {"additionalProperties": False}
 
 
+def _kinds_schema(role: str, definitions: dict[str, Any]) -> dict[str, Any]:
+    """The schema of a table that is one of our kinds of devices, each with its own keys."""
+    of_role = []
+    for name in ROLES[role].kinds:
+        kind = kind_of(role, name)
+        assert kind is not None
+        table = definitions[kind.settings.__name__] = _table_schema(kind.settings, definitions)
+        if ROLES[role].default is None:
+            del table["properties"]["kind"]["default"]
+            table["required"] = ["kind", *table.get("required", ())]
+        of_role.append({"$ref": f"#/definitions/{kind.settings.__name__}"})
+    return {"anyOf": of_role} if len(of_role) > 1 else of_role[0]
+
+
 _TYPES = {float: "number", int: "integer", str: "string", bool: "boolean"}
 
 
-def _value_schema(kind: Kind, docs: dict[tuple[str, str], str], definitions: dict[str, Any]) -> dict[str, Any]:
+def _value_schema(kind: Kind, definitions: dict[str, Any]) -> dict[str, Any]:
+    if kind.of is Tagged:
+        return _kinds_schema(kind.parts[0], definitions)
     if kind.is_table:
         name = kind.of.__name__
         if name not in definitions:
-            definitions[name] = _table_schema(kind.of, docs, definitions)
+            definitions[name] = _table_schema(kind.of, definitions)
         return {"$ref": f"#/definitions/{name}"}
     if kind.of is Union:
-        return {"anyOf": [_value_schema(part, docs, definitions) for part in kind.parts]}
+        return {"anyOf": [_value_schema(part, definitions) for part in kind.parts]}
     if kind.of is Literal:
         return {"type": _TYPES[type(kind.parts[0])], "enum": list(kind.parts)}
     if kind.of in _TYPES:
         return {"type": _TYPES[kind.of]} | _limits_of(kind.limits)
     least = [limit.bound for limit in kind.limits]
     if kind.of is dict:
-        return _free_keys(kind.parts, docs, definitions) | ({"minProperties": least[0]} if least else {})
+        return _free_keys(kind.parts, definitions) | ({"minProperties": least[0]} if least else {})
     if kind.parts[-1] is Ellipsis:
-        items = {"type": "array", "items": _value_schema(kind.parts[0], docs, definitions)}
+        items = {"type": "array", "items": _value_schema(kind.parts[0], definitions)}
         return items | ({"minItems": least[0]} if least else {})
-    each = [_value_schema(part, docs, definitions) for part in kind.parts]
+    each = [_value_schema(part, definitions) for part in kind.parts]
     return {"type": "array", "items": each, "additionalItems": False, "minItems": len(each), "maxItems": len(each)}
 
 
-def _free_keys(parts: tuple[Any, ...], docs: dict[tuple[str, str], str], definitions: dict[str, Any]) -> dict[str, Any]:
-    names, value = parts[0], _value_schema(parts[1], docs, definitions)
+def _free_keys(parts: tuple[Any, ...], definitions: dict[str, Any]) -> dict[str, Any]:
+    names, value = parts[0], _value_schema(parts[1], definitions)
     if names.of is Literal:
         return {"type": "object", "properties": dict.fromkeys(names.parts, value), "additionalProperties": False}
     return {"type": "object", "additionalProperties": value}
@@ -141,8 +153,7 @@ def markdown(schema: dict[str, Any], head: str, paper: dict[str, dict[str, Any]]
         optional = "" if name in schema["required"] else " (may be left out)"
         many = described.get("type") == "array"
         lines += ["", f"## `{_heading(name, many)}`{optional}", "", described["description"], ""]
-        lines += _table(definitions, _target(described), paper.get(name, {}))
-        lines += _inner(definitions, _target(described), name)
+        lines += _tables(definitions, _targets(described), name, "###", paper.get(name, {}))
     return "\n".join(lines) + "\n"
 
 
@@ -173,13 +184,25 @@ def _heading(name: str, many: bool) -> str:
     return f"[[{name}]]" if many else f"[{name}]"
 
 
-def _target(described: dict[str, Any]) -> str:
-    """Name of the class behind a property; "" where it is a plain value."""
+def _targets(described: dict[str, Any]) -> list[str]:
+    """Names of the classes behind a property: several for a choice of kinds, none for a plain value."""
     inner = described
     for key in ("items", "additionalProperties"):
         inner = inner[key] if isinstance(inner.get(key), dict) else inner
-    ref = inner.get("$ref") or inner.get("allOf", [{}])[0].get("$ref", "")
-    return str(ref).rpartition("/")[2]
+    refs = [inner.get("$ref"), *(each.get("$ref") for key in ("allOf", "anyOf") for each in inner.get(key, ()))]
+    return [str(ref).rpartition("/")[2] for ref in refs if ref]
+
+
+def _tables(definitions: dict[str, Any], names: list[str], at: str, level: str, paper: dict[str, Any]) -> list[str]:
+    """The keys of a table, or of each kind that it may be, and the tables within it."""
+    if len(names) == 1:
+        return _table(definitions, names[0], paper) + _inner(definitions, names[0], at)
+    lines: list[str] = []
+    for name in names:
+        (kind,) = definitions[name]["properties"]["kind"]["enum"]
+        lines += ["", f'{level} `{_heading(at, many=False)}` with `kind = "{kind}"`', ""]
+        lines += [definitions[name]["description"], "", *_table(definitions, name, paper)]
+    return lines[1:]
 
 
 def _table(definitions: dict[str, Any], name: str, paper: dict[str, Any]) -> list[str]:
@@ -187,7 +210,7 @@ def _table(definitions: dict[str, Any], name: str, paper: dict[str, Any]) -> lis
     rows = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
     definition = definitions[name]
     for key, described in definition["properties"].items():
-        if _target(described):
+        if _targets(described):
             continue
         default = "required" if key in definition.get("required", ()) else _value(described.get("default"))
         paper_cell = [_value(paper.get(key))] if paper else []
@@ -201,16 +224,15 @@ def _inner(definitions: dict[str, Any], name: str, at: str) -> list[str]:
     """The tables within a table; a stage's own table is described once only, where it stands at the top."""
     lines: list[str] = []
     for key, described in definitions[name]["properties"].items():
-        target = _target(described)
-        if not target:
+        targets = _targets(described)
+        if not targets:
             continue
         free = ".<muscle>" if isinstance(described.get("additionalProperties"), dict) else ""
         path = f"{at}.{key}{free}"
         lines += ["", f"### `{_heading(path, described.get('type') == 'array')}`", "", described["description"]]
         if at.startswith("recordings.files"):
             continue
-        lines += ["", *_table(definitions, target, {})]
-        lines += _inner(definitions, target, path)
+        lines += ["", *_tables(definitions, targets, path, "####", {})]
     return lines
 
 

@@ -16,6 +16,8 @@ import glob
 import io
 import re
 import shlex
+import sys
+import types
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -64,7 +66,12 @@ def blocks_of(page: Path) -> list[Block]:
 class Reader:
     """Who follows a page in the present folder, block by block; Python keeps its names from block to block."""
 
-    names: dict[str, Any] = field(default_factory=lambda: {"__name__": "snippet"})
+    names: dict[str, Any] = field(init=False)
+
+    def __post_init__(self) -> None:
+        # a dataclass looks up the module that it stands in
+        sys.modules["snippet"] = module = types.ModuleType("snippet")
+        self.names = vars(module)
 
     def follow(self, block: Block) -> None:
         for what, value in block.first:

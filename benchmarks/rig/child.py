@@ -12,7 +12,10 @@ from dataclasses import dataclass
 from typing import IO
 
 from emg2vsa.devices.clock import LEAST_PRIORITY, LoopTiming
-from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, DeviceSettings, ForceSettings
+from emg2vsa.devices.netft.settings import NetFtSettings
+from emg2vsa.devices.opencv_camera.settings import OpenCvSettings
+from emg2vsa.devices.qbmove.settings import QbmoveSettings
+from emg2vsa.devices.rig_devices import DeviceSettings
 
 HOG = "while True: pass"
 
@@ -41,9 +44,9 @@ def served_rig(real_time: bool) -> Iterator[Served]:
             _make_real_time(process.pid)
         served = Served(
             DeviceSettings(
-                actuator=ActuatorSettings(port=at["port"]),
-                force=ForceSettings(kind="net-ft", host=at["host"], rdt_port=at["rdt_port"], http_port=at["http_port"]),
-                camera=CameraSettings(source=at["camera"]),
+                actuator=QbmoveSettings(port=at["port"]),
+                force=NetFtSettings(host=at["host"], rdt_port=at["rdt_port"], http_port=at["http_port"]),
+                camera=OpenCvSettings(source=at["camera"]),
             )
         )
         yield served

@@ -17,8 +17,8 @@ from benchmarks.rig.logs import read_log
 from benchmarks.rig.plans import modular_plan
 from benchmarks.rig.step_latency import StepLatency, TimedActuator, step_latency
 from emg2vsa.devices.clock import LoopTiming, WallClock, undisturbed
-from emg2vsa.devices.device_settings import DeviceSettings
 from emg2vsa.devices.protocols import Devices
+from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.open_rig import open_rig
 from emg2vsa.rig.record.run_log import Row

@@ -11,15 +11,16 @@ from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 
+from emg2vsa.devices.serial_speed import BAUD
+
 from benchmarks.rig.plans import modular_plan
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.devices.device_settings import DeviceSettings
-from emg2vsa.devices.netft.driver import open_net_ft
 from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
 from emg2vsa.devices.protocols import Devices
 from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.registry import Around, known
+from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.devices.serial_line import SerialLine
-from emg2vsa.devices.serial_speed import BAUD
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.study_file.problems import checked
@@ -34,10 +35,7 @@ def patient_run(settings: DeviceSettings, folder: Path) -> None:
     """One light press, recorded in ``folder``."""
     clock = WallClock()
     line = SerialLine(settings.actuator.port or "", BAUD)
-    force = open_net_ft(
-        settings.force.host or "", clock, rdt_port=settings.force.rdt_port, http_port=settings.force.http_port,
-        stale_s=LONG_S,
-    )  # fmt: skip
+    force = known("force", settings.force).opened(settings.force, Around(clock, LONG_S))  # fmt: skip
     assert settings.camera is not None
     camera = OpenCvCamera(settings.camera.source, clock)
     # a turn that comes late goes the further, and so finds a larger force

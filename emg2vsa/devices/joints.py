@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import import_module
 from typing import NamedTuple
 
 from emg2vsa.devices.protocols import Joint
+from emg2vsa.devices.registry import kinds
 from emg2vsa.errors import ScheduleError
 
 
 class Export(NamedTuple):
     """How schedules for a joint are written: by the folder of its device.
 
-    joint : its name and full preset to the joint. column, limit : names of the preset of a step and of the full preset
-    in a schedule. unit : of both, in words. per_preset : of that unit in the joint's own. whole : they are whole
-    numbers. most : largest full preset in that unit.
+    joint : its name and full preset to the joint. column : name of the preset of a step in a schedule. unit : of it and
+    of the full preset, in words. per_preset : of that unit in the joint's own. whole : they are whole numbers. most :
+    largest full preset in that unit. limit : name of the full preset; of its kind of device, not given here.
     """
 
     joint: Callable[[str, float], Joint]
     column: str
-    limit: str
     unit: str
     per_preset: float
     whole: bool
     most: float
+    limit: str = ""
 
     def exported(self, preset: float) -> int | float:
         """A preset, or full preset, in the joint's own unit, as a schedule has it."""
@@ -32,25 +32,19 @@ class Export(NamedTuple):
         return round(value) if self.whole else value
 
 
-_EXPORTS = {
-    "qbmove-advanced": "emg2vsa.devices.qbmove.export",
-    "qbmove-maker-pro": "emg2vsa.devices.qbmove.export",
-    "dynamixel": "emg2vsa.devices.dynamixel.export",
-}
-
-
 def joint_names() -> tuple[str, ...]:
-    """Of every joint that schedules can be made for."""
-    return tuple(_EXPORTS)
+    """Of every joint that schedules can be made for, those of other packages last."""
+    return tuple(name for kind in kinds("actuator").values() for name in kind.joints)
 
 
 def export_of(name: str, where: str = "schedule.actuator") -> Export:
     """How schedules for the joint are written. ScheduleError where none has this name."""
-    if name not in _EXPORTS:
-        do = "Correct the name of the actuator."
-        raise ScheduleError(where, wanted=f"one of {', '.join(_EXPORTS)}", found=repr(name), do=do)
-    found: Export = import_module(_EXPORTS[name]).EXPORT
-    return found
+    for kind in kinds("actuator").values():
+        if name in kind.joints:
+            found: Export = kind.exports
+            return found._replace(limit=kind.full_key)
+    do = "Correct the name of the actuator."
+    raise ScheduleError(where, wanted=f"one of {', '.join(joint_names())}", found=repr(name), do=do)
 
 
 def joint_of(name: str, full_preset: float) -> Joint:

@@ -82,11 +82,12 @@ class Rating(NamedTuple):
 class ForceSensor(Protocol):
     """A sensor that measures by itself once started. It is never biased unless `bias` is called.
 
-    rating : None where the sensor does not tell.
+    rating : None where the sensor does not tell. rate_hz : readings a second.
     """
 
     name: str
     rating: Rating | None
+    rate_hz: float
 
     def start(self) -> None:
         """Begin, and return once a first sample has come. DeviceError when none comes."""
@@ -182,6 +183,10 @@ class Joint(Protocol):
     @property
     def full_preset(self) -> float:
         """Springs: degrees of each motor from their middle. A gain: its stiffness, N m/rad."""
+
+    @property
+    def measured_key(self) -> str | None:
+        """Key of [actuator] that a measurement of the stiffness gives; None where a model tells it."""
 
     @property
     def preset_per_s(self) -> float:
@@ -296,6 +301,9 @@ class Board(Protocol):
 
     where: str
     rigid: bool
+
+    def close(self) -> None:
+        """Give the line back."""
 
     def __enter__(self) -> Self: ...
     def __exit__(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,7 +14,6 @@ from typing import Any
 from casr.atomic import write_text_atomic
 from emg2vsa.devices.clock import WallClock
 from emg2vsa.devices.protocols import Board, Identity, Measurements, Parameter
-from emg2vsa.devices.qbmove.opening import open_board
 from emg2vsa.errors import SettingError
 from emg2vsa.lab.device_states import angles, shown
 from emg2vsa.lab.person import NOBODY, Person
@@ -27,7 +26,7 @@ from emg2vsa.rig.commissioning.hand_motion import (
     HandMotion,
 )
 from emg2vsa.rig.commissioning.watchdog import WatchdogProof, prove_watchdog, write_proof
-from emg2vsa.rig.open_rig import OpenRig, board_settings, open_force, open_rig
+from emg2vsa.rig.open_rig import OpenRig, board_settings, open_board, open_force, open_rig
 from emg2vsa.rig.plan import RIGID, Condition
 from emg2vsa.rig_file import RigFile
 
@@ -131,7 +130,7 @@ def signals_interrupt(*names: str) -> Iterator[None]:
 def _held_board(file: RigFile, motor: bool, clock: WallClock | None = None) -> Iterator[Board]:
     """The actuator that is asked for, the rig held."""
     settings = board_settings(file.devices, _condition(motor))
-    with rig_lock(file.path), open_board(settings, file.rig.stiffness_percent, clock or WallClock()) as board:
+    with rig_lock(file.path), closing(open_board(settings, file.rig, clock or WallClock())) as board:
         yield board
 
 

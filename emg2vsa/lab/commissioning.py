@@ -11,9 +11,8 @@ from emg2vsa.lab.person import NOBODY, TRIES, Person
 from emg2vsa.rig.commissioning.checks import REACH_DEG, Check, check_rig
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.edit import write_values
-from emg2vsa.rig_file.older_keys import as_written
+from emg2vsa.rig_file.older_keys import spelled
 from emg2vsa.study_file.problems import KeyPath
-from emg2vsa.study_file.toml_file import read_toml
 
 _BEGIN = """\
 Put a soft pad flat on the force sensor, where the specimen lies.
@@ -37,18 +36,18 @@ def check_settings(
     if not person.agrees("Ready?"):
         return None
     with hand_rig(file, motor=motor) as (opened, hand):
-        return check_rig(hand, opened.rig, AtThePad(person), person.say, reach_deg)
+        said = getattr(file.devices.actuator, joint.measured_key or "", None) if (joint := hand.joint) else None
+        return check_rig(hand, opened.rig, AtThePad(person), person.say, reach_deg, said)
 
 
 def mend_settings(file: RigFile, checks: Sequence[Check], person: Person = NOBODY) -> bool:
     """Write what is wrong in ``checks`` into the rig file, in the units that it has; comments stay. Whether all is
     right now."""
-    wrong: dict[KeyPath, object] = {("rig", check.key): check.found for check in checks if not check.good}
+    wrong: dict[KeyPath, object] = {(check.table, check.key): check.found for check in checks if not check.good}
     if not wrong:
         person.say(f"{file.path}: these settings are right")
         return True
-    wrong = as_written(read_toml(file.path, "a rig file")[1], wrong)
-    wrong = as_written(read_toml(file.path, "a rig file")[1], wrong)
+    wrong = spelled(file.path, wrong)
     if not person.agrees(f"Write {', '.join(str(key[-1]) for key in wrong)} into {file.path}?"):
         return False
     write_values(file.path, wrong)

@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import nullcontext
-from dataclasses import dataclass
+from contextlib import closing, nullcontext
+from dataclasses import dataclass, fields
 from functools import partial
+from typing import Any
 
+from casr.errors import PluginError
 from emg2vsa.devices.clock import Clock, WallClock
-from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings, MotorSettings
-from emg2vsa.devices.netft.driver import NetFt
+from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings
 from emg2vsa.devices.protocols import Measurements, Parameter
-from emg2vsa.devices.qbmove.about import about
-from emg2vsa.devices.qbmove.opening import open_board
 from emg2vsa.devices.qbmove.scan import qbmove_ports
-from emg2vsa.devices.qbmove.scan import scan as answering
+from emg2vsa.devices.qbmove.settings import MotorSettings
+from emg2vsa.devices.registry import Kind, kinds, known
 from emg2vsa.devices.serial_line import SerialLine
-from emg2vsa.devices.serial_speed import BAUD, Baud
-from emg2vsa.errors import DeviceError, InputError
+from emg2vsa.errors import DeviceError, InputError, SettingError
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.rig_lock import rig_lock
-from emg2vsa.rig.open_rig import open_camera, open_force, within_device
+from emg2vsa.rig.open_rig import about_board, open_board, open_camera, open_force, within_device
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.rig_file import RigFile
 
@@ -53,22 +52,23 @@ def info(file: RigFile, person: Person = NOBODY) -> tuple[DeviceState, ...]:
 
 
 def scan(
-    file: RigFile | None = None, *, ports: Sequence[str] = (), baud: Baud = BAUD, ids: Sequence[int] = (),
-    wait_s: float = 0.005, person: Person = NOBODY,
+    file: RigFile | None = None, *, ports: Sequence[str] = (), kind: str = "qbmove", baud: int | None = None,
+    ids: Sequence[int] = (), wait_s: float = 0.005, person: Person = NOBODY,
 ) -> tuple[DeviceState, ...]:  # fmt: skip
     """Serial adapters as qbmoves have; who answers on ``ports`` and those of the rig file; its sensor and camera.
 
-    baud : of ``ports``. ids : the only ones to ask; none: 1 to 255. wait_s : for each answer.
+    kind : of actuator that is asked for on ``ports``. baud : of ``ports``; None: as the kind has it. ids : the only
+    ones to ask; none: all that there are. wait_s : for each answer. SettingError : no such kind.
     Nothing is sent to a port or address that is not named. DeviceError where the rig of the file is in use.
     """
     clock = WallClock()
     boards = [board for board in (file.devices.actuator, file.devices.motor) if board] if file else []
-    asked = {board.port: board.baud for board in boards if board.port}
-    asked |= dict.fromkeys(ports, baud)
+    asked = {board.port: (getattr(board, "kind", "qbmove"), board.baud) for board in boards if board.port}
+    asked |= dict.fromkeys(ports, (kind, baud or _usual_baud(kind)))
     adapters = [port for port in qbmove_ports() if port not in asked]
     found = list(_told(dict.fromkeys(adapters, _adapter), person))
     titled: dict[str, Callable[[], Lines]] = {
-        port: partial(_answers, port, baud, ids or range(1, 256), wait_s, clock) for port, baud in asked.items()
+        port: partial(_answers, port, *how, ids, wait_s, clock) for port, how in asked.items()
     }
     with rig_lock(file.path) if file else nullcontext():
         return (*found, *_told(titled | (_sensors(file, clock) if file else {}), person))
@@ -78,7 +78,7 @@ def _sensors(file: RigFile, clock: Clock) -> dict[str, Callable[[], Lines]]:
     guards, camera = file.rig.guards, file.devices.camera
     titled: dict[str, Callable[[], Lines]] = {"[force]": partial(_force, file.devices.force, guards, clock)}
     if camera:
-        titled[f"[camera] {camera.source}"] = partial(_camera, camera, guards, clock)
+        titled[f"[camera] {getattr(camera, 'source', camera.kind)}"] = partial(_camera, camera, guards, clock)
     return titled
 
 
@@ -91,7 +91,7 @@ def _told(titled: Mapping[str, Callable[[], Lines]], person: Person) -> Iterator
             for line in said():
                 lines.append(line.strip())
                 person.say(f"  {line}")
-        except InputError as error:
+        except (InputError, PluginError) as error:
             problem = str(error)
             person.say(f"  not usable: {error}")
         yield DeviceState(title, problem is None, problem, tuple(lines))
@@ -101,23 +101,33 @@ def _adapter() -> Lines:
     yield "an adapter as qbmoves have; ask it with --port"
 
 
-def _answers(port: str, baud: int, ids: Sequence[int], wait_s: float, clock: Clock) -> Lines:
-    line = SerialLine(port, baud)
-    try:
-        found = answering(line, clock, ids, reply_s=wait_s)
-    finally:
-        line.close()
+def scanned_kind(name: str) -> Kind:
+    """A kind of actuator that can be looked for. SettingError where there is none of this name."""
+    known = {each: kind for each, kind in kinds("actuator").items() if kind.scan}
+    if name not in known:
+        do = "Choose one of these."
+        raise SettingError("--kind", wanted=f"one of {', '.join(known)}", found=name, do=do)
+    return known[name]
+
+
+def _usual_baud(kind: str) -> int:
+    usual: dict[str, Any] = {each.name: each.default for each in fields(scanned_kind(kind).settings)}
+    return int(usual["baud"])
+
+
+def _answers(port: str, kind: str, baud: int, ids: Sequence[int], wait_s: float, clock: Clock) -> Lines:
+    with closing(SerialLine(port, baud)) as line:
+        found = scanned_kind(kind).call("scan", line, clock, ids, wait_s)
     if not found:
         do = "Check power, cable and --baud; a slow line may need --wait-ms 20."
-        raise DeviceError(port, wanted="a qbmove that answers", found="none", do=do)
-    for one in found:
-        yield f"id {one.device_id}" + (f", serial number {one.serial_number}" if one.serial_number else "")
+        raise DeviceError(port, wanted=f"a {kind} that answers", found="none", do=do)
+    yield from found
 
 
 def _board(settings: ActuatorSettings | MotorSettings, rig: RigSettings, clock: Clock) -> Lines:
     """Info text, state, what a run may use, and parameters. DeviceError when the board is absent."""
-    with open_board(settings, rig.stiffness_percent, clock) as board:
-        yield from about(board, rig.stiffness_percent)
+    with closing(open_board(settings, rig, clock)) as board:
+        yield from about_board(board, settings)
         usable = within_device(rig, board.usable(board.identify()))
         yield "a run may use: positions {:.6g} to {:.6g} degrees".format(*usable.position_deg) + (
             "" if board.rigid else ", {:.3g} to {:.3g} % of full stiffness".format(*usable.stiffness_percent)
@@ -148,10 +158,7 @@ def _force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> Line
     sensor = open_force(settings, guards, clock)
     try:
         yield sensor.name
-        if isinstance(sensor, NetFt):
-            config = sensor.config
-            yield f"{1 / config.n_per_count:g} counts/N, {1 / config.nm_per_count:g} counts/(N m)"
-            yield f"{config.rate_hz:g} records a second, calibration {config.calibration_serial or 'not told'}"
+        yield from known("force", settings).call("about", sensor)
         sensor.start()
         sample = sensor.read()
         yield "force {:.3f}, {:.3f}, {:.3f} N".format(*sample.force_n)
@@ -165,6 +172,7 @@ def _camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Li
     """Size and true rate of its frames. DeviceError when it is absent or gives none."""
     camera = open_camera(settings, guards, clock)
     try:
+        yield from known("camera", settings).call("about", camera)
         camera.start()
         clock.sleep_until(clock.now_s() + _WATCH_S)
         frames = camera.frames()

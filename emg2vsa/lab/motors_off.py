@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.devices.device_settings import ActuatorSettings, MotorSettings
+from emg2vsa.devices.device_settings import ActuatorSettings
 from emg2vsa.devices.protocols import Measurements
-from emg2vsa.devices.qbmove.opening import open_board
+from emg2vsa.devices.qbmove.settings import MotorSettings
 from emg2vsa.errors import DeviceError
 from emg2vsa.lab.device_states import angles
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.rig_lock import end_user, stop_unnamed_run
+from emg2vsa.rig.open_rig import open_board
+from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig_file import load_rig
 
 
@@ -42,7 +45,7 @@ def off(rig_file: str | Path, person: Person = NOBODY) -> tuple[Off, ...]:
 def board_off(name: str, settings: ActuatorSettings | MotorSettings, person: Person = NOBODY) -> Off:
     """Switch the motors of one device off, and ask it. SettingError where ``settings`` name no port."""
     try:
-        with open_board(settings, (0.0, 100.0), WallClock()) as board:
+        with closing(open_board(settings, RigSettings(), WallClock())) as board:
             board.deactivate()
             at = board.measurements()
     except DeviceError as error:

@@ -37,9 +37,10 @@ from emg2vsa.rig.record.new_folder import EMULATED_FILE
 from emg2vsa.rig_file import RigFile
 
 SAID = {
-    "motors off": "the motors go off by themselves",
+    "motors off": "the motors go off by themselves, or stop",
     "flag only": "the device says that its motors are off, and they still follow commands",
     "no effect": "the motors stay on: there is no watchdog",
+    "ran away": "the motors moved by themselves when the watchdog ran out: do not use this device",
 }
 "Verdict on a watchdog in words."
 _LOOK_S = 0.2

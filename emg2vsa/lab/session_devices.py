@@ -7,6 +7,7 @@ from pathlib import Path
 
 from emg2vsa.devices.clock import Clock, FastClock, WallClock
 from emg2vsa.devices.device_settings import ForceSettings
+from emg2vsa.devices.rig_force.settings import RigForceSettings
 from emg2vsa.errors import SettingError
 from emg2vsa.rig_file import load_rig
 from emg2vsa.session.emulated.mistakes import Mistake, parse_mistakes
@@ -82,7 +83,7 @@ class Virtual:
 
 def rig_force(study: Study, settings: SessionSettings) -> ForceSettings | None:
     """The [force] of the rig file, where the force comes from a rig."""
-    if settings.force.kind != "rig" or settings.force.rig is None:
+    if not isinstance(settings.force, RigForceSettings):
         return None
     return load_rig(study.path.parent / settings.force.rig).devices.force
 

@@ -9,11 +9,12 @@ from contextlib import ExitStack, contextmanager
 from emg2vsa.devices.clock import Clock
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.lab.session_devices import Virtual, rig_force
+from emg2vsa.session.emulated.far_end import Served, Table
 from emg2vsa.session.emulated.operator import EmulatedOperator
 from emg2vsa.session.emulated.page_follower import FollowedOperator, FollowedPage
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import person_of
-from emg2vsa.session.emulated.serve import Served, serve
+from emg2vsa.session.emulated.serve import serve
 from emg2vsa.session.emulated.trigno.server import START_DELAY_S
 from emg2vsa.session.open_session import settings_of
 from emg2vsa.study import Study
@@ -130,6 +131,7 @@ def emulate(
         person_of(virtual.seeded(study), participant), mistakes=mistakes, range_n=settings.force_n
     )
     clock = virtual.clock()
-    with serve(person, settings, rig_force(study, settings), clock, start_delay_s) as served, ExitStack() as stack:
+    table = Table(person, settings, rig_force(study, settings), clock, start_delay_s)
+    with serve(table) as served, ExitStack() as stack:
         yield Emulation(person, served, clock, operate, stack)
     virtual.keep_truth(person)

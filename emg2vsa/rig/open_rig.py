@@ -3,28 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, cast
 
-import cv2
-
-from emg2vsa.ati.cal_file import read_calibration
-from emg2vsa.devices.addresses import no_address
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.device_settings import (
-    ActuatorSettings,
-    CameraSettings,
-    DeviceSettings,
-    ForceSettings,
-    MotorSettings,
-)
-from emg2vsa.devices.netft.driver import NetFt, open_net_ft
-from emg2vsa.devices.ni_daq.gauges import DaqFt
-from emg2vsa.devices.ni_daq.volts import NiVolts
-from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
-from emg2vsa.devices.protocols import Devices, ForceSensor, Identity, Usable
-from emg2vsa.devices.qbmove.opening import open_board
+from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings
+from emg2vsa.devices.protocols import Board, Camera, Devices, ForceSensor, Identity, Usable
+from emg2vsa.devices.qbmove.about import about
+from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.qbmove.opening import open_qbmove
+from emg2vsa.devices.qbmove.settings import MotorSettings
+from emg2vsa.devices.registry import Around, known
+from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.plan import RIGID, Condition
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
@@ -54,13 +45,13 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
     SettingError : the rig has no rigid motor and needs one.
     """
     with ExitStack() as stack:
-        board = stack.enter_context(open_board(board_settings(settings, condition), rig.stiffness_percent, clock))
+        board = stack.enter_context(closing(open_board(board_settings(settings, condition), rig, clock)))
         stack.enter_context(board)
         info = board.identify()
         force = open_force(settings.force, rig.guards, clock)
         stack.callback(force.close)
         force.start()
-        facts = {"board": asdict(info), "force": _force_facts(force, biased=settings.force.bias)}
+        facts = {"board": asdict(info), "force": _force_facts(force, settings.force)}
         if settings.force.bias:
             force.bias()
         camera = None
@@ -68,21 +59,20 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
             camera = open_camera(settings.camera, rig.guards, clock)
             stack.callback(camera.close)
             camera.start()
-            facts["camera"] = asdict(settings.camera) | {"name": camera.name, "set": camera.locked}
-        devices = Devices(board.pressing(), force, camera)
-        yield OpenRig(devices, within_device(rig, board.usable(info)), info, facts)
+            said = known("camera", settings.camera).call("facts", camera, settings.camera)
+            facts["camera"] = said | {"name": camera.name}
+        devices, usable = Devices(board.pressing(), force, camera), board.usable(info)
+        if condition != RIGID and settings.actuator.unmeasured:  # nothing else says how much a full preset is
+            rig = replace(rig, full_preset=usable.full_preset)
+        yield OpenRig(devices, within_device(rig, usable), info, facts)
 
 
-def _force_facts(force: ForceSensor, *, biased: bool) -> dict[str, Any]:
+def _force_facts(force: ForceSensor, settings: ForceSettings) -> dict[str, Any]:
     """Of a started sensor, before it is biased."""
     sample = force.read()
     load = {"force_n": sample.force_n.tolist(), "torque_nm": sample.torque_nm.tolist()}
-    facts = {"name": force.name, "status": sample.status.code, "biased_by": load if biased else None}
-    if isinstance(force, NetFt):
-        return facts | asdict(force.config)
-    if isinstance(force, DaqFt):
-        return facts | {"calibration_serial": force.calibration.serial}
-    return facts
+    said: dict[str, Any] = known("force", settings).call("facts", force, settings)
+    return {"name": force.name, "status": sample.status.code, "biased_by": load if settings.bias else None} | said
 
 
 def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSettings | MotorSettings:
@@ -95,29 +85,34 @@ def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSe
     return settings.motor
 
 
+def open_board(settings: ActuatorSettings | MotorSettings, rig: RigSettings, clock: Clock) -> Board:
+    """An actuator that answers; nothing is switched, and its user closes it. DeviceError, SettingError as its kind."""
+    around = Around(clock, stiffness_percent=rig.stiffness_percent)
+    if isinstance(settings, MotorSettings):
+        return open_qbmove(settings, around)
+    board: Board = known("actuator", settings).opened(settings, around)
+    return board
+
+
+def about_board(board: Board, settings: ActuatorSettings | MotorSettings) -> Iterator[str]:
+    """What an actuator says of itself, in lines. DeviceError: it is silent, or not as the rig file describes it."""
+    if isinstance(settings, MotorSettings):
+        yield from about(cast(Qbmove, board))
+    else:
+        yield from known("actuator", settings).call("about", board)
+
+
 def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> ForceSensor:
     """The force sensor, not yet started. DeviceError when it is absent; SettingError when the rig file has no host."""
     # the sensor gives up later than the guard, which tells a late sample from a late loop
-    stale_s = 2 * guards.stale_s
-    if settings.kind == "net-ft":
-        if settings.host is None:
-            raise no_address("force.host", "the address of the box", "It leaves the factory with 192.168.1.1.")
-        ports = {"rdt_port": settings.rdt_port, "http_port": settings.http_port}
-        return open_net_ft(settings.host, clock, buffered=settings.buffered, stale_s=stale_s, **ports)
-    calibration = read_calibration(settings.cal_file or "")
-    return DaqFt(NiVolts(settings.channels or "", calibration.range_v), calibration, clock, stale_s=stale_s)
+    sensor: ForceSensor = known("force", settings).opened(settings, Around(clock, lost_s=2 * guards.stale_s))
+    return sensor
 
 
-def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> OpenCvCamera:
+def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Camera:
     """The camera, not yet started."""
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # the driver says it in words
-    shape = settings.height, settings.width
-    values = {"exposure": settings.exposure, "gain": settings.gain, "white_balance_k": settings.white_balance_k}
-    lock = values if settings.lock or any(value is not None for value in values.values()) else None
-    return OpenCvCamera(
-        settings.source, clock,
-        shape=shape, rate_hz=settings.rate_hz, delay_s=settings.delay_s, lost_s=guards.camera_s, lock=lock,
-    )  # fmt: skip
+    camera: Camera = known("camera", settings).opened(settings, Around(clock, lost_s=guards.camera_s))
+    return camera
 
 
 def within_device(rig: RigSettings, usable: Usable) -> RigSettings:

@@ -6,7 +6,7 @@ import os
 from dataclasses import fields, replace
 from pathlib import Path
 
-from emg2vsa.devices.device_settings import DeviceSettings
+from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.rig.emulated.controls import controlled, counterparts
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig_file.checks import problems_across
@@ -45,9 +45,11 @@ def _within(path: tuple[str | int, ...], faulty: set[tuple[str | int, ...]]) -> 
 
 def _rig_file(path: Path, tables: RigTables) -> RigFile:
     folder, force = path.parent, tables.force
-    if force.cal_file:
-        force = replace(force, cal_file=str(beside(folder, force.cal_file)))
-    schedules = tables.experiment.schedules
+    if cal_file := getattr(force, "cal_file", None):  # of whatever kind
+        force = replace(force, cal_file=str(beside(folder, cal_file)))  # type: ignore[call-arg]
+    schedules, rig = tables.experiment.schedules, tables.rig
+    if (full_preset := tables.actuator.full_preset) is not None:
+        rig = replace(rig, full_preset=full_preset)
     experiment = {each.name: getattr(tables.experiment, each.name) for each in fields(ExperimentSettings)}
     settings, emulated = ExperimentSettings(**experiment), tables.emulated and controlled(tables.emulated)
     if emulated and emulated.control == "N3":
@@ -55,7 +57,7 @@ def _rig_file(path: Path, tables: RigTables) -> RigFile:
         settings = replace(settings, schedule_of=swapped)
     return RigFile(
         path=path,
-        rig=tables.rig,
+        rig=rig,
         devices=DeviceSettings(actuator=tables.actuator, motor=tables.motor, force=force, camera=tables.camera),
         experiment=settings,
         schedules=beside(folder, schedules) if schedules else reports_beside(folder, folder.name) / "schedules",

@@ -13,13 +13,8 @@ from emg2vsa.rig.emulated.settings import INTERNAL_RATE_HZ, VISCOELASTIC_KEYS, E
 from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings
 from emg2vsa.rig.plan import RIGID
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.study_file.problems import KeyPath, Problem, keys_of_choice, nearest, shown
+from emg2vsa.study_file.problems import KeyPath, Problem, nearest, shown
 
-_KEYS_OF_KIND = {
-    "net-ft": ("host", "rdt_port", "http_port", "buffered"),
-    "ni-daq": ("channels", "cal_file"),
-}
-_REQUIRED: dict[str, tuple[str, ...]] = {"net-ft": (), "ni-daq": ("channels", "cal_file")}
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 
@@ -27,8 +22,6 @@ def problems_across(tables: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterat
     """``tables``: those of `RigTables` that could be made out. ``raw``: the file, which tells what was set in it."""
     if rig := tables.get("rig"):
         yield from _rig(rig)
-    if force := tables.get("force"):
-        yield from keys_of_choice("force", raw["force"], "kind", _KEYS_OF_KIND, _REQUIRED[force.kind])
     if experiment := tables.get("experiment"):
         yield from _names(experiment)
         yield from _angles(experiment)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
+from pathlib import Path
 from typing import Any
 
 from emg2vsa.devices.qbmove.ticks import RIG_KEYS, in_degrees, in_ticks
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.study_file.problems import KeyPath, Problem, checked, shown
+from emg2vsa.study_file.toml_file import read_toml
 
 _RIG: KeyPath = ("rig",)
 _GUARDS: KeyPath = ("rig", "guards")
@@ -53,13 +55,13 @@ def with_todays_keys(tables: Mapping[str, Any]) -> Today:
     return found
 
 
-def as_written(tables: Mapping[str, Any], values: Mapping[KeyPath, object]) -> dict[KeyPath, object]:
+def spelled(path: Path, values: Mapping[KeyPath, object]) -> dict[KeyPath, object]:
     """``values`` of today's keys, with the key and unit of the file for those that it has in ticks or mA."""
-    written = with_todays_keys(tables).written
+    written = with_todays_keys(read_toml(path, "a rig file")[1]).written
     found: dict[KeyPath, object] = {}
-    for path, value in values.items():
-        old = written[path][0] if path in written else path
-        found[old] = value if old == path else in_ticks({str(path[-1]): value})[str(old[-1])]
+    for new, value in values.items():
+        old = written[new][0] if new in written else new
+        found[old] = value if old == new else in_ticks({str(new[-1]): value})[str(old[-1])]
     return found
 
 

@@ -7,18 +7,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
-from emg2vsa.devices.device_settings import (
-    ActuatorSettings,
-    CameraSettings,
-    DeviceSettings,
-    ForceSettings,
-    MotorSettings,
-    Text,
-)
+from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings, Text
+from emg2vsa.devices.qbmove.settings import MotorSettings
+from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings
 from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.settings import Tagged
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,13 +34,13 @@ class RigTables:
 
     rig: RigSettings = field(default_factory=RigSettings)
     "Mechanics, limits and control loop."
-    actuator: ActuatorSettings
-    "The qbmove."
+    actuator: Annotated[ActuatorSettings, Tagged("actuator")]
+    "The actuator."
     motor: MotorSettings | None = None
     "The rigid motor that the condition high-stiffness needs."
-    force: ForceSettings
+    force: Annotated[ForceSettings, Tagged("force")]
     "The force sensor."
-    camera: CameraSettings | None = None
+    camera: Annotated[CameraSettings, Tagged("camera")] | None = None
     "The tactile camera; without it no frames are kept."
     experiment: ExperimentTable
     "What is pressed, and how."

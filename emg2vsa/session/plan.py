@@ -75,6 +75,22 @@ def draw_presses(
     return tuple(presses)
 
 
+_OF_EMG = {
+    "kind": "", "channels": {}, "gain": 1.0, "fs_hz": 1000.0, "range_v": 5.0, "host": "127.0.0.1",
+    "command_port": 50040, "emg_port": 50043, "stream": None, "delay_s": 0.0,
+}  # fmt: skip
+_OF_FORCE = {
+    "kind": "", "rig": None, "axis": (0.0, 0.0, -1.0), "stream": None, "channel": None, "delay_s": 0.0,
+}  # fmt: skip
+"""Keys that plan.json has whatever the kind, as 0.1.0 and 0.2.0 wrote it: a session begun with these is resumed."""
+
+
+def planned(settings: SessionSettings) -> dict[str, Any]:
+    """The settings as plan.json has them."""
+    said = asdict(settings)
+    return said | {"emg": _OF_EMG | said["emg"], "force": _OF_FORCE | said["force"]}
+
+
 def plan_bytes(plan: Plan) -> bytes:
     """The content of plan.json."""
     return (json.dumps(asdict(plan), indent=2, ensure_ascii=False) + "\n").encode()

@@ -23,7 +23,7 @@ from emg2vsa.settings import (
     SimulationSettings,
 )
 from emg2vsa.study_file.patterns import PLACEHOLDERS, REPETITION
-from emg2vsa.study_file.problems import KeyPath, Problem, keys_of_choice, nearest, shown
+from emg2vsa.study_file.problems import KeyPath, Problem, nearest, shown
 from emg2vsa.study_file.tables import JudgementTable, MvcTable, ParticipantsTable, RecordingsTable, SpecimenTable
 
 Specimens = tuple[SpecimenTable, ...]
@@ -141,7 +141,15 @@ _REQUIRED = {"bids": ("root", "task"), "pattern": ("pattern",), "files": ("files
 
 
 def _layout(recordings: RecordingsTable, raw: Mapping[str, Any]) -> Iterator[Problem]:
-    yield from keys_of_choice("recordings", raw["recordings"], "layout", _KEYS_OF_LAYOUT, _REQUIRED[recordings.layout])
+    given, chosen = raw["recordings"], f"layout = {recordings.layout!r}"
+    for name in _REQUIRED[recordings.layout]:
+        if not given.get(name):
+            yield Problem(("recordings", name), f"a key {name!r} with {chosen}", "nothing")
+    for other, names in _KEYS_OF_LAYOUT.items():
+        for name in names:
+            if name in given and other != recordings.layout:
+                wanted = f"keys of this layout only ({name!r} is of {other!r})"
+                yield Problem(("recordings", name), wanted, f"{name!r} with {chosen}")
 
 
 def _patterns(recordings: RecordingsTable, specimens: Specimens, ids: tuple[str, ...]) -> Iterator[Problem]:

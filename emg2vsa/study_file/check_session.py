@@ -10,27 +10,11 @@ from emg2vsa.bids.names import is_label
 from emg2vsa.session_settings import (
     MOST_FORCE_N,
     PARTICIPANT_CODE,
-    TRIGNO_EMG_PORT,
-    TRIGNO_OTHER_PORTS,
-    TRIGNO_SENSOR,
-    EmgSourceSettings,
     SessionSettings,
 )
 from emg2vsa.settings import LABEL_CHARACTERS, ChannelSettings, WindowSettings
-from emg2vsa.study_file.problems import KeyPath, Problem, keys_of_choice, nearest, shown
+from emg2vsa.study_file.problems import KeyPath, Problem, nearest, shown
 from emg2vsa.study_file.tables import RecordingsTable, SpecimenTable
-
-_EMG_KEYS = {
-    "ni-daq": ("channels", "gain", "fs_hz", "range_v"),
-    "trigno": ("channels", "host", "command_port", "emg_port"),
-    "lsl": ("channels", "stream"),
-    "simulated": (),
-}
-_FORCE_KEYS = {"rig": ("rig", "axis"), "lsl": ("stream", "channel"), "simulated": ()}
-_REQUIRED = {
-    "emg": {"ni-daq": ("channels",), "trigno": ("channels",), "lsl": ("channels",)},
-    "force": {"rig": ("rig",)},
-}
 
 
 def _codes(session: SessionSettings, ids: tuple[str, ...]) -> Iterator[Problem]:
@@ -91,13 +75,7 @@ def _times(session: SessionSettings, window: WindowSettings) -> Iterator[Problem
 
 def _plausible(session: SessionSettings) -> Iterator[Problem]:
     """Values that no session has, which a slip of the pen or of the unit makes."""
-    emg, limits = session.emg, session.limits
-    if emg.kind == "trigno":
-        if emg.command_port == emg.emg_port:
-            yield Problem(("session", "emg", "emg_port"), "another port than command_port", str(emg.emg_port))
-        elif emg.emg_port in TRIGNO_OTHER_PORTS:
-            do = f"The EMG of every sensor is on port {TRIGNO_EMG_PORT}."
-            yield Problem(("session", "emg", "emg_port"), "no legacy or auxiliary port", str(emg.emg_port), do)
+    limits = session.limits
     if session.force_n[1] > MOST_FORCE_N:
         yield Problem(("session", "force_n", 1), f"at most {MOST_FORCE_N:g} N", f"{session.force_n[1]:g}")
     if limits.early_s >= limits.reaction_s[0]:
@@ -128,49 +106,19 @@ def _of_width(session: SessionSettings, given: Mapping[str, Any]) -> Iterator[Pr
             yield Problem(("session", key), "stop = 'width' with this key", "stop = 'count'", do)
 
 
-def _sources(session: SessionSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:
-    """Keys of the chosen kind, all that it needs and none of another."""
-    for name, keys in (("emg", _EMG_KEYS), ("force", _FORCE_KEYS)):
-        given = raw["session"][name]
-        others = {kind: tuple(key for key in own if key not in keys[given["kind"]]) for kind, own in keys.items()}
-        yield from keys_of_choice(f"session.{name}", given, "kind", others, _REQUIRED[name].get(given["kind"], ()))
-    if session.force.kind == "rig" and not any(session.force.axis):
-        yield Problem(("session", "force", "axis"), "a direction", shown(list(session.force.axis)))
-
-
 def _muscles(session: SessionSettings, channels: ChannelSettings) -> Iterator[Problem]:
-    """Each muscle of the study comes from a channel of its own."""
-    emg = session.emg
-    if not emg.channels:
+    """Each muscle of the study has a channel of the source, where those are named, and no other muscle has."""
+    named = getattr(session.emg, "channels", None)
+    if named is None:
         return
     at: KeyPath = ("session", "emg", "channels")
-    for role in emg.channels:
+    for role in named:
         if role not in channels.emg:
             do = nearest(role, channels.emg, f"The muscles are {', '.join(channels.emg)}.")
             yield Problem((*at, role), "a muscle of [channels.emg]", repr(role), do)
     for role in channels.emg:
-        if role not in emg.channels:
+        if role not in named:
             yield Problem((*at, role), f"the source's channel of the muscle {role!r}", "nothing")
-    seen: dict[str, str] = {}
-    for role, name in emg.channels.items():
-        if (same := _same_name(emg, name)) in seen:
-            yield Problem((*at, role), "a channel of its own for each muscle", f"{name!r}, as for {seen[same]}")
-        seen.setdefault(same, role)
-        yield from _source_name(emg, (*at, role), name)
-
-
-def _same_name(emg: EmgSourceSettings, name: str) -> str:
-    """One way of writing a channel: Trigno's "1" is "1.1", a card's Dev1/ai00 is dev1/ai0."""
-    if emg.kind == "trigno":
-        return name.removesuffix(".1")
-    return re.sub(r"/ai0+(?=[0-9])", "/ai", name).casefold() if emg.kind == "ni-daq" else name
-
-
-def _source_name(emg: EmgSourceSettings, at: KeyPath, name: str) -> Iterator[Problem]:
-    if emg.kind == "ni-daq" and not re.fullmatch(r"[A-Za-z][\w-]*/ai\d+", name):
-        yield Problem(at, "an analogue input, such as 'Dev1/ai0'", repr(name))
-    if emg.kind == "trigno" and not re.fullmatch(TRIGNO_SENSOR, name):
-        yield Problem(at, "the number of a sensor, '1' to '16' (or '3.2' for channel 2 of sensor 3)", repr(name))
 
 
 def _layout(
@@ -229,5 +177,5 @@ def _label(name: str, at: KeyPath) -> Iterator[Problem]:
 
 
 CHECKS = (
-    _codes, _training, _forces, _times, _plausible, _counts, _sources, _muscles, _layout, _written_as_read,
+    _codes, _training, _forces, _times, _plausible, _counts, _muscles, _layout, _written_as_read,
 )  # fmt: skip

@@ -1,8 +1,8 @@
 """Values of a TOML file as dataclass fields declare them, and what is wrong with those that are none.
 
-A kind of value is a number, text, truth value, choice, array, table with free keys or dataclass, with limits. TOML has
-no null: a key that may be None is one that may be left out. A problem tells the place, what was wanted, what was found
-and what to do.
+A kind of value is a number, text, truth value, choice, array, table with free keys or dataclass, with limits; or a
+table whose dataclass depends on its key ``kind`` (`Tagged`). TOML has no null: a key that may be None is one that may
+be left out. A problem tells the place, what was wanted, what was found and what to do.
 """
 
 from __future__ import annotations
@@ -12,13 +12,15 @@ import json
 import math
 import operator
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
 
-from emg2vsa.settings import Limit
+from casr.errors import PluginError
+from emg2vsa.devices import registry
+from emg2vsa.settings import Limit, Tagged
 
 KeyPath = tuple[str | int, ...]
 
@@ -63,21 +65,6 @@ def nearest(name: str, known: Iterable[str], else_say: str = "") -> str:
     return f"Did you mean {near[0]!r}?" if near else else_say
 
 
-def keys_of_choice(
-    table: str, given: Mapping[str, Any], key: str, keys: Mapping[str, Iterable[str]], required: Iterable[str]
-) -> Iterator[Problem]:
-    """What a ``table`` lacks or has too much for its choice of ``key``: ``required``, and ``keys`` of other choices."""
-    chosen = f"{key} = {given[key]!r}"
-    for name in required:
-        if not given.get(name):
-            yield Problem((table, name), f"a key {name!r} with {chosen}", "nothing")
-    for other, names in keys.items():
-        for name in names:
-            if name in given and other != given[key]:
-                wanted = f"keys of this {key} only ({name!r} is of {other!r})"
-                yield Problem((table, name), wanted, f"{name!r} with {chosen}")
-
-
 @dataclass(frozen=True)
 class Pattern:
     """Limit of a text: the whole of it fits the regular expression ``text``."""
@@ -87,7 +74,8 @@ class Pattern:
 
 
 class Kind(NamedTuple):
-    """``of``: float, int, str, bool, Literal, tuple, dict, Union or a dataclass. ``parts``: choices, or inner kinds."""
+    """``of``: float, int, str, bool, Literal, tuple, dict, Union, Tagged or a dataclass. ``parts``: choices, inner
+    kinds, or the role of a device."""
 
     of: Any
     parts: tuple[Any, ...]
@@ -101,6 +89,8 @@ def kind_of(hint: Any) -> Kind:
     if get_origin(hint) is Annotated:
         hint, *rest = get_args(hint)
         limits = tuple(rest)
+        if rest and isinstance(rest[0], Tagged):
+            return Kind(Tagged, (rest[0].role,), (), True)
     of, parts = get_origin(hint) or hint, get_args(hint)
     if of in (Union, UnionType):
         of, parts = Union, tuple(part for part in parts if part is not NoneType)
@@ -165,6 +155,8 @@ class _Reading(NamedTuple):
 
     def value(self, kind: Kind, given: Any, at: KeyPath) -> Any:
         """``given`` as ``kind``, or ``_FAULTY``."""
+        if kind.of is Tagged:
+            return self.tagged(kind.parts[0], given, at)
         if kind.is_table:
             return self.table(kind.of, given, at)
         if kind.of is Union:
@@ -191,11 +183,11 @@ class _Reading(NamedTuple):
         self.problems.append(problem)
         return _FAULTY
 
-    def no_choice(self, choices: tuple[Any, ...], value: Any, at: KeyPath) -> Any:
+    def no_choice(self, choices: tuple[Any, ...], value: Any, at: KeyPath, more: str = "") -> Any:
         *most, last = map(repr, choices)
         wanted = f"{', '.join(most)} or {last}" if most else last
         do = nearest(value, [each for each in choices if isinstance(each, str)]) if isinstance(value, str) else ""
-        return self.fault(Problem(at, wanted, shown(value), do))
+        return self.fault(Problem(at, wanted, shown(value), f"{do} {more}".strip()))
 
     def one_of(self, kinds: tuple[Kind, ...], value: Any, at: KeyPath) -> Any:
         """The first kind that ``value`` is; else one problem that names them all."""
@@ -230,6 +222,35 @@ class _Reading(NamedTuple):
                 made[key] = self.value(parts[1], value, (*at, key))
         return _FAULTY if _FAULTY in made.values() else made
 
+    def tagged(self, role: str, given: Any, at: KeyPath) -> Any:
+        """Settings of the kind of device that ``given`` names."""
+        if not isinstance(given, dict):
+            return self.fault(Problem(at, "a table", shown(given)))
+        name, place = given.get("kind", registry.ROLES[role].default), (*at, "kind")
+        try:
+            if isinstance(name, str) and (kind := registry.kind_of(role, name)) is not None:
+                return self.of_kind(kind, given, name, at)
+        except PluginError as error:
+            return self.fault(Problem(place, f"{error.wanted} from the {error.where}", error.found, error.do))
+        if name is None:
+            return self.fault(Problem(place, "a key 'kind'", "nothing"))
+        known = registry.kinds(role)
+        added = ", ".join(str(each.plugin) for each in known.values() if each.plugin)
+        return self.no_choice(tuple(known), name, place, f"Of other packages: {added}." if added else "")
+
+    def of_kind(self, kind: registry.Kind, given: Mapping[str, Any], name: str, at: KeyPath) -> Any:
+        own = kinds_of(kind.settings)
+        of_others = {} if own.keys() >= given.keys() else _keys_of_kinds(kind.role)
+        strange = [key for key in given if key not in own and key in of_others]
+        for key in strange:
+            wanted = f"keys of this kind only ({key!r} is of {of_others[key]!r})"
+            self.fault(Problem((*at, key), wanted, f"{key!r} with kind = {name!r}"))
+        sound = len(self.problems)
+        made = self.table(kind.settings, {key: given[key] for key in given if key not in strange}, at)
+        if len(self.problems) == sound:
+            self.problems.extend(Problem((*at, *wrong.path), *wrong[1:]) for wrong in kind.call("check", made))
+        return made
+
     def table(self, table: type, given: Any, at: KeyPath) -> Any:
         if not isinstance(given, dict):
             return self.fault(Problem(at, "a table", shown(given)))
@@ -248,7 +269,8 @@ class _Reading(NamedTuple):
                 self.fault(self.unknown(table, key, at))
         for key in required_keys(table):
             if key not in given:
-                wanted = f"a key {key!r}" if at else f"a table {_heading(key, kinds[key])}"
+                of_kind = f" with kind = {given['kind']!r}" if "kind" in kinds and "kind" in given else ""
+                wanted = f"a key {key!r}{of_kind}" if at else f"a table {_heading(key, kinds[key])}"
                 self.fault(Problem((*at, key), wanted, "nothing"))
         return {key: value for key, value in made.items() if value is not _FAULTY}
 
@@ -257,9 +279,19 @@ class _Reading(NamedTuple):
         path, known = (*at, key), tuple(kinds_of(table))
         do = nearest(key, known, f"The keys are {', '.join(known)}.")
         for name, kind in kinds_of(self.file).items() if self.file else ():
-            if kind.is_table and name not in path and key in kinds_of(kind.of):
+            if kind.is_table and name not in path and key in _keys_of(kind):
                 return Problem(path, "a known key", repr(key), f"{do} [{name}] has a key of that name.")
         return Problem(path, "a known key", repr(key), do)
+
+
+def _keys_of(table: Kind) -> Iterable[str]:
+    return _keys_of_kinds(table.parts[0]) if table.of is Tagged else kinds_of(table.of)
+
+
+def _keys_of_kinds(role: str) -> dict[str, str]:
+    """Key to the first kind of the role that has it."""
+    kinds = reversed(registry.kinds(role).items())
+    return {key: name for name, kind in kinds for key in kinds_of(kind.settings)}
 
 
 def _heading(name: str, kind: Kind) -> str:

@@ -9,12 +9,12 @@ from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.netft.config import parse_config
 from emg2vsa.devices.netft.datagrams import LoopbackDatagrams
 from emg2vsa.devices.netft.driver import NetFt
-from emg2vsa.devices.rig_force import RigForce, unit_axis
+from emg2vsa.devices.rig_force.driver import RigForce, unit_axis
+from emg2vsa.devices.rig_force.settings import RigForceSettings
 from emg2vsa.devices.streams import Block
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.emulated.netft.box import BoxSettings, RdtBox, configuration_page
 from emg2vsa.session.sample_clock import SampleClock
-from emg2vsa.session_settings import ForceSourceSettings
 
 RATE_HZ = 1000.0
 
@@ -28,9 +28,7 @@ class Bench:
         self.box = RdtBox(loads, BoxSettings(rate_hz=rate_hz, noise=(1e-6, 1e-6)))
         line = LoopbackDatagrams("box", self.box, self.clock)
         sensor = NetFt(line, parse_config(configuration_page(self.box)), self.clock, stale_s=0.5, **settings)
-        self.source = RigForce(
-            sensor, ForceSourceSettings(kind="rig", delay_s=0.001), self.clock, rate_hz=rate_hz, bias=bias
-        )
+        self.source = RigForce(sensor, RigForceSettings(rig="rig.toml", delay_s=0.001), self.clock, bias=bias)
         self.source.start()
 
     def read_for(self, seconds: float) -> list[Block]:

@@ -11,8 +11,8 @@ import pytest
 
 from benchmarks.small_study import SIMULATED_SESSION, small_study
 from emg2vsa import session
+from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.session_settings import EmgSourceSettings
 from emg2vsa.study_file import load_study
 
 
@@ -34,7 +34,7 @@ def study(simulated):
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             ports.append(probe.getsockname()[1])
-    emg = EmgSourceSettings(kind="trigno", channels={"EDC": "1", "FDS": "5"}, command_port=ports[0], emg_port=ports[1])
+    emg = TrignoSettings(channels={"EDC": "1", "FDS": "5"}, command_port=ports[0], emg_port=ports[1])
     return replace(simulated, session=replace(simulated.session, emg=emg))
 
 

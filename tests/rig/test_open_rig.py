@@ -10,21 +10,19 @@ from typing import Any
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
-from emg2vsa.devices.device_settings import (
-    ActuatorSettings,
-    CameraSettings,
-    DeviceSettings,
-    ForceSettings,
-    MotorSettings,
-)
+from emg2vsa.devices.netft.driver import NetFt
+from emg2vsa.devices.netft.settings import NetFtSettings
+from emg2vsa.devices.ni_daq.settings import NiGaugeSettings
 from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
+from emg2vsa.devices.opencv_camera.settings import OpenCvSettings
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.info import QbmoveInfo
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
+from emg2vsa.devices.qbmove.settings import MotorSettings, QbmoveSettings
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
+from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.devices.serial_line import LoopbackLine, SerialLine
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.rig import open_rig as module
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings
@@ -49,12 +47,10 @@ def servers() -> Iterator[EmulatedServers]:
 @pytest.fixture
 def settings(servers: EmulatedServers) -> DeviceSettings:
     return DeviceSettings(
-        actuator=ActuatorSettings(port=servers.port, reply_s=2.0),
+        actuator=QbmoveSettings(port=servers.port, reply_s=2.0),
         motor=MotorSettings(port=servers.port, reply_s=2.0),
-        force=ForceSettings(
-            kind="net-ft", host="127.0.0.1", rdt_port=servers.force.rdt_port, http_port=servers.force.http_port
-        ),
-        camera=CameraSettings(source=servers.camera_url, delay_s=0.03),
+        force=NetFtSettings(host="127.0.0.1", rdt_port=servers.force.rdt_port, http_port=servers.force.http_port),
+        camera=OpenCvSettings(source=servers.camera_url, delay_s=0.03),
     )
 
 
@@ -63,16 +59,8 @@ class Watched:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.closed: list[str] = []
-        for kind in (SerialLine, OpenCvCamera):
+        for kind in (SerialLine, OpenCvCamera, NetFt):
             self.watch(monkeypatch, kind, kind.__name__)
-        opened = module.open_net_ft
-
-        def open_net_ft(*args: Any, **options: Any) -> Any:
-            sensor = opened(*args, **options)
-            self.watch(monkeypatch, type(sensor), "NetFt")
-            return sensor
-
-        monkeypatch.setattr(module, "open_net_ft", open_net_ft)
 
     def watch(self, monkeypatch: pytest.MonkeyPatch, kind: Any, name: str) -> None:
         close = kind.close
@@ -98,6 +86,10 @@ def test_the_devices_of_the_file_are_open_and_closed_again(
         assert (board["firmware"], force["calibration_serial"]) == (opened.info.firmware, "FT00000")
         assert force["biased_by"] is None
         assert camera["set"] == {"exposure": None, "gain": None, "white_balance_k": None}  # a network camera
+        assert list(camera) == [
+            "source", "height", "width", "rate_hz", "delay_s", "lock", "exposure", "gain", "white_balance_k", "name",
+            "set",
+        ]  # fmt: skip
         json.dumps(opened.facts)
         opened.devices.actuator.activate()
         opened.devices.actuator.command(0.0, 0.5)
@@ -123,9 +115,9 @@ def test_what_was_open_is_closed_when_something_is_absent(
 ) -> None:
     watched = Watched(monkeypatch)
     wrong = {
-        "camera": replace(settings, camera=CameraSettings(source="/no/such/camera")),
+        "camera": replace(settings, camera=OpenCvSettings(source="/no/such/camera")),
         "force": replace(settings, force=replace(settings.force, http_port=1)),
-        "actuator": replace(settings, actuator=ActuatorSettings(port="/dev/no-such-port")),
+        "actuator": replace(settings, actuator=QbmoveSettings(port="/dev/no-such-port")),
         "id": replace(settings, actuator=replace(settings.actuator, id=7, reply_s=0.01)),
     }[absent]
     wanted = {"camera": "frames a second", "force": "the box's configuration", "actuator": "a serial port"}
@@ -195,7 +187,7 @@ def test_bias_makes_the_load_of_the_start_the_zero(settings: DeviceSettings, ser
 
 
 def test_a_card_without_its_calibration_is_told(tmp_path: Any) -> None:
-    daq = ForceSettings(kind="ni-daq", channels="Dev1/ai0:5", cal_file=str(tmp_path / "none.cal"))
+    daq = NiGaugeSettings(channels="Dev1/ai0:5", cal_file=str(tmp_path / "none.cal"))
     with pytest.raises(DeviceError, match=r"none\.cal"):
         open_force(daq, GuardSettings(), WallClock())
 

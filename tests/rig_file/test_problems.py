@@ -64,7 +64,7 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             FORCE, FORCE + "rate_hz = 1000\n",
             [
                 "10: force.rate_hz: expected a known key, but found 'rate_hz'. "
-                "The keys are kind, host, rdt_port, http_port, buffered, channels, cal_file, bias. "
+                "The keys are kind, bias, host, rdt_port, http_port, buffered. "
                 "[rig] has a key of that name.",
             ],
         ),

@@ -16,7 +16,8 @@ def test_the_reference_has_every_table_and_where_it_may_be_left_out() -> None:
     heads = [line for line in rig_reference().splitlines() if line.startswith("##")]
     assert heads == [
         "## `[rig]` (may be left out)", "### `[rig.losses]`", "### `[rig.guards]`", "## `[actuator]`",
-        "## `[motor]` (may be left out)", "## `[force]`", "## `[camera]` (may be left out)", "## `[experiment]`",
+        "## `[motor]` (may be left out)", "## `[force]`", '### `[force]` with `kind = "net-ft"`',
+        '### `[force]` with `kind = "ni-daq"`', "## `[camera]` (may be left out)", "## `[experiment]`",
         "## `[plate]` (may be left out)", "## `[emulated]` (may be left out)",
     ]  # fmt: skip
     assert "| `f_max_n` | number > 0 | `7` | The press turns back here. |" in rig_reference()

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from emg2vsa.devices.device_settings import ForceSettings
+from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.rig_file import RigFile, load_rig
-from emg2vsa.rig_file.older_keys import as_written
+from emg2vsa.rig_file.older_keys import spelled
 from emg2vsa.rig_file.plans import chosen_runs
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -28,7 +28,7 @@ def test_what_is_left_out_has_its_default(small: str, load: Load) -> None:
     assert file.rig == RigSettings()
     assert file.experiment == ExperimentSettings(specimens=("S1", "S3"))
     assert type(file.experiment) is ExperimentSettings
-    assert file.devices.force == ForceSettings(kind="net-ft", host="192.168.1.1")
+    assert file.devices.force == NetFtSettings(host="192.168.1.1")
     assert file.devices.camera is None
     assert load(small.replace("[emulated]", "")).emulated is None
 
@@ -89,14 +89,16 @@ current_ma = 1500
     assert load(small + before) == load(small)
 
 
-def test_a_value_goes_back_into_the_file_in_its_own_unit() -> None:
+def test_a_value_goes_back_into_the_file_in_its_own_unit(tmp_path: Path) -> None:
+    path = tmp_path / "rig.toml"
     values = {
         ("rig", "home_deg"): -3.3, ("rig", "push_sign"): -1, ("rig", "position_deg"): (-131.8359375, 11.0),
         ("rig", "guards", "current_a"): 1.2,
     }  # fmt: skip
-    assert as_written({"rig": {"home_deg": 1.0}}, values) == values
-    older = {"rig": {"home_ticks": 3, "position_ticks": [-1, 1], "guards": {"current_ma": 1500}}}
-    assert as_written(older, values) == {
+    path.write_text("[rig]\nhome_deg = 1.0\n")
+    assert spelled(path, values) == values
+    path.write_text("[rig]\nhome_ticks = 3\nposition_ticks = [-1, 1]\nguards = { current_ma = 1500 }\n")
+    assert spelled(path, values) == {
         ("rig", "home_ticks"): -300, ("rig", "push_sign"): -1, ("rig", "position_ticks"): (-12000, 1001),
         ("rig", "guards", "current_ma"): 1200.0,
     }  # fmt: skip

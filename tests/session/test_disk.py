@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
 from emg2vsa.devices.streams import Block, StreamInfo
 from emg2vsa.durable import writer as writing
 from emg2vsa.durable.sealed_file import SealedFile
@@ -24,10 +25,10 @@ from emg2vsa.session.journal import Noted, read_journal
 from emg2vsa.session.plan import Plan, draw_presses
 from emg2vsa.session.raw_files import SampleFile
 from emg2vsa.session.record import SessionRecord, new_session, resume_session
-from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
+from emg2vsa.session_settings import SessionSettings
 
 LINE_END = b"\n"
-SETTINGS = SessionSettings(emg=EmgSourceSettings(kind="simulated"), force=ForceSourceSettings(kind="simulated"))
+SETTINGS = SessionSettings(emg=SimulatedEmgSettings(), force=SimulatedForceSettings())
 EMG = StreamInfo("emg", ("EDC",), "V", 1000.0)
 
 

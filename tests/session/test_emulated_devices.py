@@ -12,16 +12,25 @@ import pytest
 
 from emg2vsa.devices.clock import FastClock, VirtualClock, WallClock
 from emg2vsa.devices.device_settings import ForceSettings
+from emg2vsa.devices.lsl.settings import LslEmgSettings
 from emg2vsa.devices.netft.driver import open_net_ft
+from emg2vsa.devices.netft.settings import NetFtSettings
+from emg2vsa.devices.ni_daq.settings import NiGaugeSettings
+from emg2vsa.devices.registry import Around
+from emg2vsa.devices.rig_force.settings import RigForceSettings
+from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
+from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.emulated.netft.server import RdtServer
+from emg2vsa.session.emulated.far_end import Table
+from emg2vsa.session.emulated.force_box import force_box
 from emg2vsa.session.emulated.ni_daq.task import EmulatedNi
 from emg2vsa.session.emulated.page_follower import FollowedOperator, FollowedPage
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import Person, Response
-from emg2vsa.session.emulated.serve import force_box, serve
+from emg2vsa.session.emulated.serve import serve
 from emg2vsa.session.views import ForceMessage, OperatorState, ParticipantState, PressView, Request, TraceMessage
-from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
+from emg2vsa.session_settings import SessionSettings
 
 PERSON = Person(
     name="P03", responses={"S1": Response(42e-6, 20e-6, 7.63)}, muscle_share={"EDC": 0.4, "FDS": 0.6}, seed=(3,)
@@ -122,7 +131,8 @@ def test_the_force_reaches_the_rigs_driver_through_the_box() -> None:
     clock, person = FastClock(5.0), EmulatedParticipant(PERSON)
     with RdtServer(force_box(person, (0.0, 0.0, -1.0)), clock) as server:
         sensor = open_net_ft(
-            server.host, WallClock(), rdt_port=server.rdt_port, http_port=server.http_port, stale_s=2.0
+            NetFtSettings(host=server.host, rdt_port=server.rdt_port, http_port=server.http_port),
+            Around(WallClock(), 2.0),
         )
         sensor.start()
         try:
@@ -259,14 +269,14 @@ def test_an_address_without_a_page_is_named(address: str) -> None:
 
 
 SETTINGS = SessionSettings(
-    emg=EmgSourceSettings(kind="trigno", command_port=51940, emg_port=51943, channels={"EDC": "1", "FDS": "5"}),
-    force=ForceSourceSettings(kind="rig", rig="rig.toml"),
+    emg=TrignoSettings(command_port=51940, emg_port=51943, channels={"EDC": "1", "FDS": "5"}),
+    force=RigForceSettings(rig="rig.toml"),
 )
-BOX = ForceSettings(kind="net-ft", host="127.0.0.1", rdt_port=51950, http_port=51951)
+BOX = NetFtSettings(host="127.0.0.1", rdt_port=51950, http_port=51951)
 
 
 def test_devices_stand_where_the_study_says() -> None:
-    with serve(EmulatedParticipant(PERSON), SETTINGS, BOX, FastClock(2.0), 0.1) as served:
+    with serve(Table(EmulatedParticipant(PERSON), SETTINGS, BOX, FastClock(2.0), 0.1)) as served:
         assert served.trigno is not None
         assert (served.trigno.ports.command, served.trigno.ports.emg) == (51940, 51943)
         assert "RDT 51950, HTTP 51951" in served.lines[1]
@@ -277,19 +287,20 @@ def test_devices_stand_where_the_study_says() -> None:
     [
         (replace(SETTINGS, emg=replace(SETTINGS.emg, host="10.0.0.7")), BOX, r"session\.emg\.host.*10\.0\.0\.7"),
         (SETTINGS, replace(BOX, host=None), "force.host.*127.0.0.1"),
-        (SETTINGS, replace(BOX, kind="ni-daq"), "ni-daq"),
+        (SETTINGS, NiGaugeSettings(channels="Dev1/ai0:5", cal_file="a.cal"), "found ni-daq"),
         (
-            SessionSettings(emg=EmgSourceSettings(kind="simulated"), force=ForceSourceSettings(kind="simulated")),
+            SessionSettings(emg=SimulatedEmgSettings(), force=SimulatedForceSettings()),
             None,
             "simulated and simulated",
         ),
         (
-            SessionSettings(emg=EmgSourceSettings(kind="lsl"), force=ForceSourceSettings(kind="simulated")),
+            SessionSettings(emg=LslEmgSettings(channels={"EDC": "EDC"}), force=SimulatedForceSettings()),
             None,
             "--speed.*LSL",
         ),
     ],
 )
 def test_devices_that_cannot_be_emulated(settings: SessionSettings, force: ForceSettings | None, said: str) -> None:
-    with pytest.raises(SettingError, match=said), serve(EmulatedParticipant(PERSON), settings, force, FastClock(2), 0):
+    table = Table(EmulatedParticipant(PERSON), settings, force, FastClock(2), 0)
+    with pytest.raises(SettingError, match=said), serve(table):
         pass

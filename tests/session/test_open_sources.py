@@ -5,26 +5,30 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
-from emg2vsa.devices.device_settings import ForceSettings
 from emg2vsa.devices.lsl.driver import LslSource
+from emg2vsa.devices.lsl.settings import LslEmgSettings, LslForceSettings
+from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.ni_daq.emg import NiEmg
+from emg2vsa.devices.ni_daq.settings import NiEmgSettings, NiGaugeSettings
+from emg2vsa.devices.rig_force.settings import RigForceSettings
+from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
 from emg2vsa.devices.trigno.driver import TrignoSource
+from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.errors import DeviceError, InputError, SettingError
 from emg2vsa.session.open_sources import source_makers
-from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
+from emg2vsa.session_settings import EmgSettings, SessionForceSettings, SessionSettings
 
 MUSCLES = ("EDC", "FDS")
-NI = EmgSourceSettings(kind="ni-daq", channels={"FDS": "Dev1/ai7", "EDC": "Dev1/ai6"}, gain=1000.0)
-TRIGNO = EmgSourceSettings(kind="trigno", channels={"EDC": "1", "FDS": "2"})
-LSL = EmgSourceSettings(kind="lsl", channels={"EDC": "a", "FDS": "b"})
-NOBODY = EmgSourceSettings(kind="simulated")
-RIG, NO_FORCE = ForceSourceSettings(kind="rig", rig="rig.toml"), ForceSourceSettings(kind="simulated")
-BOX = ForceSettings(kind="net-ft", host="127.0.0.1")
+NI = NiEmgSettings(channels={"FDS": "Dev1/ai7", "EDC": "Dev1/ai6"}, gain=1000.0)
+TRIGNO = TrignoSettings(channels={"EDC": "1", "FDS": "2"})
+LSL = LslEmgSettings(channels={"EDC": "a", "FDS": "b"})
+NOBODY = SimulatedEmgSettings()
+RIG, NO_FORCE = RigForceSettings(rig="rig.toml"), SimulatedForceSettings()
+BOX = NetFtSettings(host="127.0.0.1")
 CAL = """<?xml version="1.0" encoding="utf-8"?>
 <FTSensor Serial="FT1" BodyStyle="Mini45" Family="DAQ" NumGages="6" CalFileVersion="1.1">
 <Calibration PartNumber="SI-290-10" CalDate="1/1/2020" ForceUnits="N" TorqueUnits="N-m" DistUnits="m"
@@ -34,15 +38,7 @@ CAL = """<?xml version="1.0" encoding="utf-8"?>
 """
 
 
-class Stub:
-    """Stands for a source of the emulated participant; nothing of it is called."""
-
-
-def simulated() -> Any:
-    return Stub()
-
-
-def settings(emg: EmgSourceSettings, force: ForceSourceSettings = NO_FORCE) -> SessionSettings:
+def settings(emg: EmgSettings, force: SessionForceSettings = NO_FORCE) -> SessionSettings:
     return SessionSettings(emg=emg, force=force)
 
 
@@ -60,54 +56,32 @@ def cal_file(tmp_path: Path) -> str:
 
 
 @pytest.mark.parametrize(("emg", "kind"), [(NI, NiEmg), (TRIGNO, TrignoSource), (LSL, LslSource)])
-def test_every_kind_of_emg_opens_again_and_again(emg: EmgSourceSettings, kind: type) -> None:
+def test_every_kind_of_emg_opens_again_and_again(emg: EmgSettings, kind: type) -> None:
     pytest.importorskip({NiEmg: "nidaqmx", LslSource: "pylsl"}.get(kind, "numpy"))
-    make_emg, make_force = source_makers(settings(emg), MUSCLES, WallClock(), simulated=(simulated, simulated))
+    make_emg, _ = source_makers(settings(emg), MUSCLES, WallClock())
     first, second = make_emg(), make_emg()
     assert type(first) is type(second) is kind
     assert first is not second
-    assert isinstance(make_force(), Stub)
-
-
-def test_nobody_in_place_of_a_device() -> None:
-    make_emg, make_force = source_makers(settings(NOBODY), MUSCLES, VirtualClock(), simulated=(simulated, simulated))
-    assert isinstance(make_emg(), Stub)
-    assert isinstance(make_force(), Stub)
 
 
 @pytest.mark.parametrize(
-    ("chosen", "error", "words"),
+    ("chosen", "which", "words"),
     [
-        (settings(NOBODY), SettingError, 'session.emg.kind: expected a device, but found "simulated". Run the '
-                                         'session with'),
-        (settings(TRIGNO), SettingError, 'session.force.kind: expected a device, but found "simulated"'),
-        (settings(replace(TRIGNO, channels={"EDC": "1"})), SettingError, "session.emg.channels.FDS: expected a "
-                    "channel"),
-        (
-            settings(replace(TRIGNO, channels={"EDC": "1", "FDS": "2", "FCR": "3"})),
-            SettingError,
-            "session.emg.channels.FCR: expected a muscle of [channels.emg]: EDC, FDS, but found the muscle 'FCR'",
-        ),
-        (
-            settings(replace(TRIGNO, channels={"EDC": "4", "FDS": "4"})),
-            SettingError,
-            "session.emg.channels.FDS: expected a channel of its own for each muscle, but found '4', as for EDC",
-        ),
-        (settings(replace(TRIGNO, channels={"EDC": "x", "FDS": "2"})), SettingError, "the number of a Trigno sensor"),
-        (settings(TRIGNO, RIG), SettingError, "session.force.rig: expected a rig file, but found none"),
-        (settings(TRIGNO, replace(RIG, axis=(0.0, 0.0, 0.0))), SettingError, "session.force.axis: expected a "
-                    "direction"),
+        (settings(NOBODY), 0, 'session.emg.kind: expected a device, but found "simulated". Run the session with'),
+        (settings(TRIGNO), 1, 'session.force.kind: expected a device, but found "simulated"'),
+        (settings(replace(TRIGNO, channels={"EDC": "x", "FDS": "2"})), 0, "the number of a Trigno sensor"),
+        (settings(TRIGNO, RIG), 1, "session.force.rig: expected a rig file, but found none"),
     ],
-)  # fmt: skip
-def test_one_clear_error(chosen: SessionSettings, error: type[InputError], words: str) -> None:
-    with pytest.raises(error) as caught:
-        source_makers(chosen, MUSCLES, VirtualClock())
+)
+def test_one_clear_error(chosen: SessionSettings, which: int, words: str) -> None:
+    with pytest.raises(SettingError) as caught:
+        source_makers(chosen, MUSCLES, VirtualClock())[which]()
     assert words in str(caught.value)
 
 
 def test_a_box_without_an_address() -> None:
     with pytest.raises(SettingError, match=r"force\.host: expected the address of the box"):
-        source_makers(settings(TRIGNO, RIG), MUSCLES, VirtualClock(), rig_force=replace(BOX, host=None))
+        source_makers(settings(TRIGNO, RIG), MUSCLES, VirtualClock(), rig_force=replace(BOX, host=None))[1]()
 
 
 def test_a_box_that_does_not_answer() -> None:
@@ -122,23 +96,22 @@ def test_a_box_that_does_not_answer() -> None:
 
 
 def test_a_calibration_that_is_not_there(tmp_path: Path) -> None:
-    pytest.importorskip("nidaqmx", reason="nidaqmx is not installed")
-    gauges = ForceSettings(kind="ni-daq", channels="Dev1/ai0:5", cal_file=str(tmp_path / "none.cal"))
+    gauges = NiGaugeSettings(channels="Dev1/ai0:5", cal_file=str(tmp_path / "none.cal"))
     with pytest.raises(InputError, match=r"none\.cal"):
-        source_makers(settings(TRIGNO, RIG), MUSCLES, VirtualClock(), rig_force=gauges)
+        source_makers(settings(TRIGNO, RIG), MUSCLES, VirtualClock(), rig_force=gauges)[1]()
 
 
 @pytest.mark.parametrize(
-    ("package", "chosen", "extra"),
-    [("nidaqmx", settings(NI), "daq"), ("pylsl", settings(LSL), "lsl"),
-     ("pylsl", settings(TRIGNO, ForceSourceSettings(kind="lsl")), "lsl")],
+    ("package", "chosen", "which", "extra"),
+    [("nidaqmx", settings(NI), 0, "daq"), ("pylsl", settings(LSL), 0, "lsl"),
+     ("pylsl", settings(TRIGNO, LslForceSettings()), 1, "lsl")],
 )  # fmt: skip
 def test_an_extra_that_is_not_installed(
-    package: str, chosen: SessionSettings, extra: str, monkeypatch: pytest.MonkeyPatch
+    package: str, chosen: SessionSettings, which: int, extra: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(DeviceError, match=rf"pip install \"emg2vsa\[{extra}\]\""):
-        source_makers(chosen, MUSCLES, VirtualClock(), simulated=(simulated, simulated))
+        source_makers(chosen, MUSCLES, VirtualClock())[which]()
 
 
 @pytest.mark.parametrize(("channels", "tasks"), [("Dev1/ai0:5", 1), ("Dev2/ai0:5", 2)])
@@ -156,7 +129,7 @@ def test_emg_and_gauges_on_one_card_are_one_task(
     monkeypatch.setattr(card, "Task", lambda: made.append(real()) or made[-1])
     monkeypatch.setitem(sys.modules, "nidaqmx", card)
     monkeypatch.setitem(sys.modules, "nidaqmx.constants", card.constants)
-    gauges = ForceSettings(kind="ni-daq", channels=channels, cal_file=cal_file)
+    gauges = NiGaugeSettings(channels=channels, cal_file=cal_file)
     emg, force = (make() for make in source_makers(settings(NI, RIG), MUSCLES, clock, rig_force=gauges))
     for source in (force, emg):
         source.start()

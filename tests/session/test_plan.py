@@ -8,12 +8,13 @@ from dataclasses import replace
 
 import pytest
 
+from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
 from emg2vsa.session.plan import Plan, changes, draw_presses, plan_bytes, read_plan
-from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
+from emg2vsa.session_settings import SessionSettings
 
 FIVE = ("S1", "S2", "S3", "S4", "S5")
 SETTINGS = SessionSettings(
-    emg=EmgSourceSettings(kind="simulated"), force=ForceSourceSettings(kind="simulated"),
+    emg=SimulatedEmgSettings(), force=SimulatedForceSettings(),
     training_specimens=("T2", "T1"), training_repetitions=2, repetitions=3,
 )  # fmt: skip
 

@@ -15,7 +15,11 @@ import annotated_types
 import pytest
 from pydantic import Field, TypeAdapter, ValidationError, create_model
 
-from emg2vsa.devices.device_settings import CameraSettings, ForceSettings
+from emg2vsa.devices.netft.settings import NetFtSettings
+from emg2vsa.devices.ni_daq.settings import NiEmgSettings
+from emg2vsa.devices.opencv_camera.settings import OpenCvSettings
+from emg2vsa.devices.rig_force.settings import RigForceSettings
+from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.settings import ForceChannelSettings, Limit, StageSettings
@@ -69,14 +73,14 @@ def model_of(table: Any) -> Any:
 STAGES = [kind for hint in typing.get_type_hints(StageSettings).values() for kind in (hint, *get_args(hint))]
 TABLES = [
     *(kind for kind in STAGES if dataclasses.is_dataclass(kind)), ForceChannelSettings, StudyTable, ParticipantsTable,
-    SpecimenTable, FileTable, RecordingsTable, RunsTable, RigSettings, CameraSettings, ForceSettings,
-    ExperimentSettings,
+    SpecimenTable, FileTable, RecordingsTable, RunsTable, RigSettings, OpenCvSettings, NetFtSettings,
+    NiEmgSettings, TrignoSettings, RigForceSettings, ExperimentSettings,
 ]  # fmt: skip
 ADAPTERS = {table: TypeAdapter(model_of(table)) for table in TABLES}
 
 BASE = {
-    "name": "S1", "participant": "P1", "specimen": "S1", "specimens": ["S1"], "layout": "files", "kind": "net-ft",
-    "source": 0, "emg": {"EDC": {"name": "E"}}, "force": {"name": "Fz"},
+    "name": "S1", "participant": "P1", "specimen": "S1", "specimens": ["S1"], "layout": "files",
+    "source": 0, "channels": {"EDC": "1"}, "rig": "rig.toml", "emg": {"EDC": {"name": "E"}}, "force": {"name": "Fz"},
 }  # fmt: skip
 SCALARS = [
     0, 1, -1, 2, 2**70, 1.0, -1.0, 2.0, 0.5, 1e-320, math.inf, math.nan, True, False,

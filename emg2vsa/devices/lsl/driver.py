@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.lsl.settings import LslEmgSettings, LslForceSettings
+from emg2vsa.devices.registry import Around
 from emg2vsa.devices.streams import Block, StreamCounts, StreamInfo
 from emg2vsa.errors import DeviceError, SettingError
 
@@ -44,6 +46,22 @@ class Offset(NamedTuple):
 
     offset_s: float
     uncertainty_s: float
+
+
+def open_emg(settings: LslEmgSettings, around: Around) -> LslSource:
+    """The source of [session.emg]. DeviceError where LSL is not installed."""
+    return LslSource(
+        "emg", settings.channels, around.clock,
+        table="session.emg", stream=settings.stream, delay_s=settings.delay_s,
+    )  # fmt: skip
+
+
+def open_force(settings: LslForceSettings, around: Around) -> LslSource:
+    """The source of [session.force]. DeviceError where LSL is not installed."""
+    return LslSource(
+        "force", {"force": settings.channel}, around.clock,
+        table="session.force", stream=settings.stream, delay_s=settings.delay_s,
+    )  # fmt: skip
 
 
 class LslSource:

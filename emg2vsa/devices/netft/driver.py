@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.device_settings import RDT_PORT
 from emg2vsa.devices.netft.config import NetFtConfig, fetch_config
 from emg2vsa.devices.netft.datagrams import DatagramLine, UdpLine
 from emg2vsa.devices.netft.rdt import Command, Record, axia_status, netbox_status, parse_records, request_bytes, steps
+from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.protocols import ForceCounts, ForceSample
-from emg2vsa.errors import DeviceError
+from emg2vsa.devices.registry import Around
+from emg2vsa.errors import DeviceError, SettingError
 
 FIRST_S = 1.0
 "Time in which a started stream must bring its first record."
@@ -29,18 +33,27 @@ _TIMES = 4
 _POLL_S = 1e-3
 
 
-def open_net_ft(
-    host: str,
-    clock: Clock,
-    *,
-    rdt_port: int = RDT_PORT,
-    http_port: int = 80,
-    buffered: bool = False,
-    stale_s: float = STALE_S,
-) -> NetFt:
-    """The sensor at ``host``, with the scales and units its own web page gives; see `NetFt`. Raises DeviceError."""
-    config = fetch_config(host, http_port)
-    return NetFt(UdpLine(host, rdt_port), config, clock, buffered=buffered, stale_s=stale_s)
+def open_net_ft(settings: NetFtSettings, around: Around) -> NetFt:
+    """The sensor of [force], with the scales and units that its own web page gives. DeviceError where none answers;
+    SettingError where the file names no host: none is guessed."""
+    if settings.host is None:
+        do = "Write it into the rig file, or use the emulated rig (--virtual). It leaves the factory with 192.168.1.1."
+        raise SettingError("force.host", wanted="the address of the box", found="none", do=do)
+    config = fetch_config(settings.host, settings.http_port)
+    line = UdpLine(settings.host, settings.rdt_port)
+    return NetFt(line, config, around.clock, buffered=settings.buffered, stale_s=around.lost_s)
+
+
+def about(sensor: NetFt) -> Iterator[str]:
+    """What the box says of its scales and rate."""
+    config = sensor.config
+    yield f"{1 / config.n_per_count:g} counts/N, {1 / config.nm_per_count:g} counts/(N m)"
+    yield f"{config.rate_hz:g} records a second, calibration {config.calibration_serial or 'not told'}"
+
+
+def facts(sensor: NetFt, settings: NetFtSettings) -> dict[str, Any]:
+    """All that the box says, for the record of a run."""
+    return asdict(sensor.config)
 
 
 class NetFt:
@@ -65,7 +78,7 @@ class NetFt:
         frozen_s: float = FROZEN_S,
     ) -> None:
         self.name = f"{config.product or 'Net F/T'} at {line.name}"
-        self.config, self.rating = config, config.rating
+        self.config, self.rating, self.rate_hz = config, config.rating, config.rate_hz
         self._line, self._clock = line, clock
         self._command = Command.BUFFERED if buffered else Command.STREAM
         self._stale_s, self._frozen_s = stale_s, frozen_s

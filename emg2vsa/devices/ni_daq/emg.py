@@ -1,201 +1,29 @@
-"""EMG from analogue inputs of a National Instruments card, behind an amplifier; alone, or with the gauges of a force
-sensor on the same card, which has one sample clock for all its inputs."""
+"""EMG from analogue inputs of a National Instruments card, behind an amplifier."""
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Sequence
-from importlib import import_module
-from typing import Any, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
-
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.ni_daq.volts import load_nidaqmx
+from emg2vsa.devices.ni_daq.inputs import NiGroup, Volts, group_of, load_nidaqmx
+from emg2vsa.devices.ni_daq.settings import NiEmgSettings
+from emg2vsa.devices.registry import Around
 from emg2vsa.devices.streams import Block, StreamCounts, StreamInfo
 from emg2vsa.errors import DeviceError
-from emg2vsa.session_settings import EmgSourceSettings
 
-BUFFER_S = 30.0
-"Samples kept by the driver while nobody reads."
-OVERFLOWS = (-200279, -200361)
-"Codes of NI's driver for samples that were overwritten before they were read: in its buffer, and in the card's."
 FIRST_S = 2.0
 "Time in which first samples must come."
-SILENT_S = 1.0
-"A card that has given nothing for so long has stopped."
 _POLL_S = 2e-3
 
 
-class Volts(NamedTuple):
-    """Consecutive samples of a group: (n, channels) V; running number of the first; when they were read."""
-
-    volts: NDArray[np.float64]
-    first: int
-    arrived_s: float
-
-
-class NiInputs:
-    """One continuous task of a card. Every group of channels is read by its own user.
-
-    When samples were overwritten because nobody read in time, the task begins anew, and the samples between are counted
-    as lost, by the clock.
-
-    fs_hz : wanted rate; once started, that of the card.
-    """
-
-    def __init__(self, fs_hz: float, clock: Clock) -> None:
-        self.fs_hz, self._clock = fs_hz, clock
-        self._wanted_hz = fs_hz
-        self._groups: list[NiGroup] = []
-        self._users: set[NiGroup] = set()
-        self._ni: Any = None
-        self._task: Any = None
-        self._next = 0
-        self._read_s = 0.0
-        "When the last sample was read, or the task was started."
-
-    def add(self, channels: Sequence[str], count: int, range_v: tuple[float, float], *, differential: bool) -> NiGroup:
-        """Channels of the task, such as Dev1/ai0 or Dev1/ai0:5, ``count`` in all, before it starts."""
-        group = NiGroup(self, tuple(channels), count, range_v, differential)
-        self._groups.append(group)
-        return group
-
-    def start(self, user: NiGroup) -> None:
-        """Begin for a group; what it has not read is forgotten."""
-        self._users.add(user)
-        user.waiting.clear()
-        if self._task is None:
-            self._next = 0
-            self._begin()
-
-    def read(self) -> None:
-        """Give every group what has come. DeviceError when the card is gone."""
-        if self._task is None:
-            do = "Start the source first."
-            raise DeviceError(self._name, wanted="a started task", found="none", do=do)
-        try:
-            # -1: all that is there, and no waiting
-            lists = self._task.read(number_of_samples_per_channel=-1)
-        except self._ni.errors.Error as error:
-            if getattr(error, "error_code", None) not in OVERFLOWS:
-                self._end()
-                raise self._trouble(error) from error
-            last_s = self._read_s
-            self._end()
-            self._begin()
-            self._next += max(1, round((self._read_s - last_s) * self.fs_hz))
-            return
-        rows = np.array(lists, dtype=np.float64).reshape(self._columns, -1).T
-        now_s = self._clock.now_s()
-        if len(rows):
-            for group in self._groups:
-                group.waiting.append(Volts(rows[:, group.columns], self._next, now_s))
-            self._next += len(rows)
-            self._read_s = now_s
-        elif now_s - self._read_s > SILENT_S:
-            do = "Check the card's cable, its power and its sample clock."
-            found = f"none for {now_s - self._read_s:.1f} s"
-            raise DeviceError(self._name, wanted=f"{self.fs_hz:g} samples a second", found=found, do=do)
-
-    def close(self, user: NiGroup) -> None:
-        """The task ends with its last user."""
-        self._users.discard(user)
-        if not self._users:
-            self._end()
-
-    def _begin(self) -> None:
-        ni = self._ni = load_nidaqmx(self._name)
-        constants = import_module("nidaqmx.constants")
-        kinds = constants.TerminalConfiguration
-        try:
-            self._task = ni.Task()
-            self._columns = 0
-            for group in self._groups:
-                low_v, high_v = group.range_v
-                terminals = kinds.DIFF if group.differential else kinds.DEFAULT
-                for channel in group.channels:
-                    self._task.ai_channels.add_ai_voltage_chan(
-                        channel, terminal_config=terminals, min_val=low_v, max_val=high_v
-                    )
-                group.columns = slice(self._columns, self._task.number_of_channels)
-                self._columns = self._task.number_of_channels
-                group.check_count()
-                group.waiting.clear()
-            self._task.timing.cfg_samp_clk_timing(
-                self._wanted_hz,
-                sample_mode=constants.AcquisitionType.CONTINUOUS,
-                samps_per_chan=int(BUFFER_S * self._wanted_hz),
-            )
-            self.fs_hz = float(self._task.timing.samp_clk_rate)
-            for group in self._groups:
-                group.rate_hz = self.fs_hz
-            self._task.start()
-        except ni.errors.Error as error:
-            self._end()
-            raise self._trouble(error) from error
-        except DeviceError:
-            self._end()
-            raise
-        self._read_s = self._clock.now_s()
-
-    def _end(self) -> None:
-        if self._task is not None:
-            self._task.close()
-            self._task = None
-
-    @property
-    def _name(self) -> str:
-        return ", ".join(channel for group in self._groups for channel in group.channels)
-
-    def _trouble(self, error: Exception) -> DeviceError:
-        found = " ".join(str(error).split())
-        do = "Check the card, the names of its channels and NI's driver (NI MAX shows them)."
-        return DeviceError(self._name, wanted="voltages of these inputs", found=found, do=do)
-
-
-class NiGroup:
-    """Channels of a task; a `emg2vsa.devices.ni_daq.gauges.VoltageSource` too."""
-
-    def __init__(
-        self, inputs: NiInputs, channels: tuple[str, ...], count: int, range_v: tuple[float, float], differential: bool
-    ) -> None:
-        self.inputs, self.channels, self.range_v, self.differential = inputs, channels, range_v, differential
-        self._count = count
-        self.name = ", ".join(channels)
-        self.rate_hz = inputs.fs_hz
-        self.columns = slice(0, 0)
-        self.waiting: deque[Volts] = deque()
-
-    def start(self) -> None:
-        self.inputs.start(self)
-
-    def read(self) -> list[Volts]:
-        """What came since the last call."""
-        self.inputs.read()
-        taken = list(self.waiting)
-        self.waiting.clear()
-        return taken
-
-    def check_count(self) -> None:
-        """DeviceError where the card makes more or fewer channels of the names."""
-        if (found := self.columns.stop - self.columns.start) != self._count:
-            do = "Name each input once, such as Dev1/ai0, or Dev1/ai0:5 for six."
-            raise DeviceError(self.name, wanted=f"{self._count} channels", found=f"{found}", do=do)
-
-    def read_volts(self) -> NDArray[np.float64]:
-        taken = [each.volts for each in self.read()]
-        return np.concatenate(taken) if taken else np.empty((0, self.columns.stop - self.columns.start))
-
-    def close(self) -> None:
-        self.inputs.close(self)
+def open_emg(settings: NiEmgSettings, around: Around) -> NiEmg:
+    """The source of [session.emg]. DeviceError where nidaqmx is not installed."""
+    load_nidaqmx('session.emg.kind = "ni-daq"')
+    return NiEmg(settings, group_of(settings, around), around.clock)
 
 
 class NiEmg:
-    """A `Source` of EMG, V at the skin: voltages divided by the gain of the amplifier. ``group`` : see `emg_inputs`."""
+    """A `Source` of EMG, V at the skin: voltages divided by the gain of the amplifier. ``group`` : see `group_of`."""
 
-    def __init__(self, settings: EmgSourceSettings, group: NiGroup, clock: Clock) -> None:
+    def __init__(self, settings: NiEmgSettings, group: NiGroup, clock: Clock) -> None:
         self._settings, self._group, self._clock = settings, group, clock
         self._info: StreamInfo | None = None
         self._unread: list[Volts] = []
@@ -240,9 +68,3 @@ class NiEmg:
 
     def close(self) -> None:
         self._group.close()
-
-
-def emg_inputs(settings: EmgSourceSettings, inputs: NiInputs) -> NiGroup:
-    """The inputs of the muscles; the card's own way of wiring, which is differential where it can."""
-    names = tuple(settings.channels.values())
-    return inputs.add(names, len(names), (-settings.range_v, settings.range_v), differential=False)

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.ati.cal_file import GaugeCalibration
+from emg2vsa.ati.cal_file import GaugeCalibration, read_calibration
 from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.ni_daq.inputs import NiGroup, group_of, load_nidaqmx
+from emg2vsa.devices.ni_daq.settings import NiGaugeSettings
 from emg2vsa.devices.protocols import ForceCounts, ForceSample, Rating, SensorStatus
+from emg2vsa.devices.registry import Around
 from emg2vsa.errors import DeviceError
 
 FIRST_S = 1.0
@@ -22,21 +25,16 @@ NEAR_RAIL = 0.005
 _POLL_S = 1e-3
 
 
-class VoltageSource(Protocol):
-    """Six differential voltages, sampled by themselves once started."""
+def open_gauges(settings: NiGaugeSettings, around: Around) -> DaqFt:
+    """The sensor of [force]. DeviceError where nidaqmx is not installed, or the calibration cannot be read."""
+    calibration = read_calibration(settings.cal_file)
+    load_nidaqmx('force.kind = "ni-daq"')
+    return DaqFt(group_of(settings, around), calibration, around.clock, stale_s=around.lost_s)
 
-    name: str
-    rate_hz: float
 
-    def start(self) -> None:
-        """Begin sampling. DeviceError when it cannot."""
-
-    def read_volts(self) -> NDArray[np.float64]:
-        """(n, 6) everything sampled since the last call, oldest first, V; never waits. DeviceError when samples were
-        lost or the device is gone."""
-
-    def close(self) -> None:
-        """Stop and give the device back."""
+def facts(sensor: DaqFt, settings: NiGaugeSettings) -> dict[str, Any]:
+    """Whose calibration it is, for the record of a run."""
+    return {"calibration_serial": sensor.calibration.serial}
 
 
 class DaqFt:
@@ -46,12 +44,10 @@ class DaqFt:
     wrong however harmless it looks.
     """
 
-    def __init__(
-        self, source: VoltageSource, calibration: GaugeCalibration, clock: Clock, *, stale_s: float = 0.05
-    ) -> None:
+    def __init__(self, source: NiGroup, calibration: GaugeCalibration, clock: Clock, *, stale_s: float = 0.05) -> None:
         self.name = f"{calibration.serial} on {source.name}"
         self.calibration = calibration
-        self.rating = None
+        self.rating, self.rate_hz = None, source.rate_hz
         if calibration.largest is not None:
             fx, fy, fz, tx, ty, tz = calibration.largest
             self.rating = Rating((fx, fy, fz), (tx, ty, tz))

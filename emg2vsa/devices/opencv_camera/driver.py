@@ -6,6 +6,7 @@ import math
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from typing import Any
 
 import cv2
@@ -15,7 +16,9 @@ from numpy.typing import NDArray
 from casr.images import as_grey
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.device_settings import LOST_S, RATE_HZ, SHAPE
+from emg2vsa.devices.opencv_camera.settings import OpenCvSettings
 from emg2vsa.devices.protocols import Frame
+from emg2vsa.devices.registry import Around
 from emg2vsa.errors import DeviceError
 
 EARLY = 0.1
@@ -207,6 +210,24 @@ class OpenCvCamera:
             found=found,
             do="Check its cable and number, and that no other program uses it.",
         )
+
+
+def open_camera(settings: OpenCvSettings, around: Around) -> OpenCvCamera:
+    """The camera of [camera]."""
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # the driver says it in words
+    values = {"exposure": settings.exposure, "gain": settings.gain, "white_balance_k": settings.white_balance_k}
+    lock = values if settings.lock or any(value is not None for value in values.values()) else None
+    return OpenCvCamera(
+        settings.source, around.clock, shape=(settings.height, settings.width), rate_hz=settings.rate_hz,
+        delay_s=settings.delay_s, lost_s=around.lost_s, lock=lock,
+    )  # fmt: skip
+
+
+def facts(camera: OpenCvCamera, settings: OpenCvSettings) -> dict[str, Any]:
+    """Its settings, in the order of the runs before there were kinds, and what stays as it is."""
+    known = asdict(settings)
+    del known["kind"]
+    return {"source": known.pop("source"), **known, "name": camera.name, "set": camera.locked}
 
 
 def fitted(image: NDArray[Any], shape: tuple[int, int]) -> NDArray[np.uint8]:

@@ -10,7 +10,7 @@ from emg2vsa.devices.qbmove.limits import QbmoveLimits
 from emg2vsa.errors import DeviceError
 
 
-def about(board: Qbmove, stiffness_percent: tuple[float, float]) -> Iterator[str]:
+def about(board: Qbmove) -> Iterator[str]:
     """Firmware, limits, state, and whether it is set up for runs. DeviceError when it is absent or of another kind."""
     info = board.identify()
     yield f"firmware {info.firmware}, id {info.device_id}"
@@ -20,7 +20,7 @@ def about(board: Qbmove, stiffness_percent: tuple[float, float]) -> Iterator[str
     yield f"full stiffness {info.max_stiffness_ticks} ticks, current limit {info.current_limit_ma} mA"
     yield f"supply {info.voltage_mv / 1000:.1f} V"
     yield from _state(board)
-    yield _ready(info, board.where, stiffness_percent)
+    yield _ready(info, board.where, board.stiffness_percent)
 
 
 def _state(board: Qbmove) -> Iterator[str]:

@@ -10,12 +10,11 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Iterable, Sequence
-from types import TracebackType
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
+from emg2vsa.devices.board import BoardBase
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.device_settings import REPLY_S, Generation, Model
-from emg2vsa.devices.protocols import LogColumns, Measurements, Parameter, Usable
+from emg2vsa.devices.protocols import Measurements, Parameter, Usable
 from emg2vsa.devices.qbmove.conversation import Conversation
 from emg2vsa.devices.qbmove.info import QbmoveInfo, check_kind, decode_parameters, parse_info
 from emg2vsa.devices.qbmove.limits import (
@@ -36,6 +35,7 @@ from emg2vsa.devices.qbmove.packets import (
     wanted,
 )
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
+from emg2vsa.devices.qbmove.settings import REPLY_S, Generation, Model
 from emg2vsa.devices.qbmove.springs import SpringJoint
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, LOG_COLUMNS, TICKS_PER_TURN
 from emg2vsa.devices.serial_line import ByteLine
@@ -67,10 +67,10 @@ class Ticks(NamedTuple):
         return Measurements((motor_1, motor_2), shaft)
 
 
-class Qbmove:
+class Qbmove(BoardBase):
     """One device. As a context manager it switches the motors off at the end, however that comes."""
 
-    columns: LogColumns = LOG_COLUMNS
+    columns = LOG_COLUMNS
 
     def __init__(
         self,
@@ -95,27 +95,18 @@ class Qbmove:
         self.joint: SpringJoint | None = None
         "Of the device, once its motors have been switched on."
         self.where = f"{line.name}, qbmove {device_id}"
-        self._talk = Conversation(line, clock)
+        self._line, self._talk = line, Conversation(line, clock)
         self.counts = self._talk.counts
-        self._clock, self._stiffness_percent, self._reply_s = clock, stiffness_percent, reply_s
+        self._clock, self.stiffness_percent, self._reply_s = clock, stiffness_percent, reply_s
         self._watchdog = watchdog_on_wire(watchdog_s)
         self._limits: QbmoveLimits | None = None
         self._watching = False
 
-    def __enter__(self) -> Self:
-        return self
+    def close(self) -> None:
+        """Give the line back."""
+        self._line.close()
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        try:
-            self.deactivate()
-        except DeviceError as failure:
-            if error is None:
-                raise
-            error.add_note(str(failure))
-
-    def ping(self) -> bool:
+    def answers(self) -> bool:
         """True when the device answers."""
         return self._hear(Command.PING, ping_reply(self.device_id)) is not None
 
@@ -183,7 +174,7 @@ class Qbmove:
         The motors start at their references, which the firmware sets to where they are.
         """
         info = self.info()
-        self._limits = QbmoveLimits(self.where, info, self._stiffness_percent)
+        self._limits = QbmoveLimits(self.where, info, self.stiffness_percent)
         self._limits.check_ready()
         self.joint = SpringJoint(f"qbmove-{self.model}", info.max_stiffness_ticks * DEG_PER_TICK)
         self._watching = True

@@ -7,8 +7,8 @@ import re
 import struct
 from dataclasses import dataclass, field
 
-from emg2vsa.devices.device_settings import Model
 from emg2vsa.devices.protocols import Parameter
+from emg2vsa.devices.qbmove.settings import Model
 from emg2vsa.errors import DeviceError
 
 

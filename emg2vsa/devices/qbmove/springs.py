@@ -58,6 +58,8 @@ class SpringJoint:
     name : "qbmove-maker-pro" or "qbmove-advanced". full_preset : degrees, whole ticks.
     """
 
+    measured_key = None
+
     def __init__(self, name: str, full_preset: float) -> None:
         self.name, self.full_preset, self.springs = name, full_preset, SPRINGS[name]
         self.full_ticks = to_ticks(full_preset)

@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.registry import Around
 from emg2vsa.devices.streams import Block, StreamCounts, StreamInfo
+from emg2vsa.devices.trigno.settings import SENSOR, TrignoSettings
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.session_settings import TRIGNO_SENSOR, EmgSourceSettings
 
 GREETING = "Delsys Trigno System Digital Protocol"
 END = b"\r\n\r\n"
@@ -52,7 +53,7 @@ def places_of(channels: Mapping[str, str]) -> dict[str, Place]:
     """Muscle to place, from ``session.emg.channels``: "3" is sensor 3, "3.2" channel 2 of it. SettingError else."""
     places = {}
     for role, text in channels.items():
-        if not (said := re.fullmatch(TRIGNO_SENSOR, text)):
+        if not (said := re.fullmatch(SENSOR, text)):
             raise SettingError(
                 f"session.emg.channels.{role}",
                 wanted='the number of a Trigno sensor: "1" to "16", or "3.2" for channel 2 of sensor 3',
@@ -128,13 +129,18 @@ class TrignoCommands:
         return DeviceError(self.where, wanted=f"a reply to {command}", found=found, do=do)
 
 
+def open_trigno(settings: TrignoSettings, around: Around) -> TrignoSource:
+    """The source of [session.emg]."""
+    return TrignoSource(settings, around.clock)
+
+
 class TrignoSource:
     """A `Source` of EMG, V. ``clock``: the session's, on which blocks arrive.
 
     The port runs at the highest native rate of all paired sensors: nothing is resampled to 2000 Hz by the server.
     """
 
-    def __init__(self, settings: EmgSourceSettings, clock: Clock) -> None:
+    def __init__(self, settings: TrignoSettings, clock: Clock) -> None:
         self._settings, self._clock = settings, clock
         self._places = places_of(settings.channels)
         self._info: StreamInfo | None = None

@@ -12,12 +12,14 @@ import numpy as np
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.commissioning.hand_motion import TOUCH_N, HandMotion, Place
+from emg2vsa.rig.commissioning.stiffness import measure_stiffness
 from emg2vsa.rig.rig_settings import RigSettings
 
 _TRY_DEG = 5.0
 """First move, to see which way it goes: 1 mm with the paper's gear."""
 REACH_DEG = 45.0
 _SAME_AXIS_DEG = 10.0
+_SAME_STIFFNESS = 0.05
 _SAME_GEAR = 0.03
 """A calliper read to 0.1 mm over 3 mm."""
 _LEAST_WAY_DEG = 5.0
@@ -42,21 +44,26 @@ class Person(Protocol):
 
 @dataclass(frozen=True)
 class Check:
-    """One setting: key under [rig], what the file says, what was found; ``good``: they agree. found None: not found."""
+    """One setting: key under [rig], what the file says, what was found; ``good``: they agree. found None: not found.
+    ``table`` : that has the key, where it is not [rig]."""
 
     key: str
     said: Any
     found: Any
     good: bool
     remark: str
+    table: str = "rig"
 
 
 def check_rig(
-    hand: HandMotion, rig: RigSettings, person: Person, say: Callable[[str], None], reach_deg: float = REACH_DEG
-) -> tuple[Check, ...]:
+    hand: HandMotion, rig: RigSettings, person: Person, say: Callable[[str], None], reach_deg: float = REACH_DEG,
+    stiffness_said: float | None = None,
+) -> tuple[Check, ...]:  # fmt: skip
     """The settings of ``rig`` against what the rig does, ending with the probe at the home that was found.
 
     The probe begins free, some millimetres above a soft pad that lies flat. ``say`` is told of each step.
+
+    stiffness_said : by the file, of a joint whose stiffness is measured.
 
     DeviceError : as `HandMotion`; no touch within ``reach_deg``; the probe is not free at the home that was found.
     """
@@ -80,7 +87,27 @@ def check_rig(
     found = replace(found, home_deg=home.found)
     say(f"home: to {found.home_deg:.2f} degrees")
     _check_free(hand.go(found.home_deg), "at home")
-    return axis, sign, gear, home, _depth(found, depth_mm)
+    checks = axis, sign, gear, home, _depth(found, depth_mm)
+    if hand.joint is None or hand.joint.measured_key is None:
+        return checks
+    return (*checks, _stiffness(hand, found, abs(touch.shaft_deg - found.home_deg) + _TRY_DEG, stiffness_said, say))
+
+
+def _stiffness(
+    hand: HandMotion, rig: RigSettings, reach_deg: float, said: float | None, say: Callable[[str], None]
+) -> Check:
+    """At the two ends of the study's range; they tell the same full stiffness where it is proportional to the gain."""
+    joint = hand.joint
+    assert joint is not None
+    presets = joint.rounded([percent / 100 for percent in reversed(rig.stiffness_percent)]).tolist()
+    measured = [measure_stiffness(hand, rig, preset, rig.home_deg, reach_deg, say) for preset in presets if preset > 0]
+    weights = [(each.preset / each.se_nm_per_rad) ** 2 for each in measured]
+    mean = sum(w * each.full_nm_per_rad for w, each in zip(weights, measured, strict=True)) / sum(weights)
+    full = [f"{each.full_nm_per_rad:.3g} by {100 * each.preset:.3g} %" for each in measured]
+    remark = f"at the full gain {' and '.join(full)} N m/rad"
+    good = said is not None and math.isclose(mean, said, rel_tol=_SAME_STIFFNESS)
+    found = said if good else float(f"{mean:.4g}")
+    return Check(str(joint.measured_key), said, found, good, remark, table="actuator")
 
 
 def _approach(

@@ -16,7 +16,7 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.protocols import Devices, ForceSample
+from emg2vsa.devices.protocols import Devices, ForceSample, Joint
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.rig_settings import RigSettings
 
@@ -92,9 +92,18 @@ class HandMotion:
         self.zero()
         return self.place()
 
+    @property
+    def joint(self) -> Joint | None:
+        """Of the actuator, once its motors have been switched on."""
+        return self._actuator.joint
+
+    def soften(self, preset: float) -> None:
+        """Another preset from the next command on."""
+        self.preset = preset
+
     def _begin(self) -> None:
         self._actuator.activate()
-        if (joint := self._actuator.joint) is not None:
+        if (joint := self._actuator.joint) is not None and self.preset == 0:
             self.preset = float(joint.rounded(self._rig.stiffness_percent[0] / 100))
         self._at_deg = self._actuator.position_deg()
         self._command(self._at_deg)
@@ -243,7 +252,9 @@ class HandMotion:
 
     def _judge(self, felt_n: float, *, relaxing: bool) -> None:
         """``relaxing`` : springs may bear less than at the zero, and the motors draw what a pressed probe needs."""
-        behind_deg = abs(self._actuator.position_deg() - self._at_deg)
+        joint = self._actuator.joint
+        gives_way = joint is not None and not joint.targets_deg(self._at_deg, self.preset)  # its torque tells of it
+        behind_deg = 0.0 if gives_way else abs(self._actuator.position_deg() - self._at_deg)
         if behind_deg > _FOLLOWING_DEG:
             do = "Look for what holds the gear or the probe, and check the supply."
             found = f"{behind_deg:.1f} degrees behind"

@@ -19,7 +19,7 @@ from emg2vsa.devices.protocols import Board, Identity, LogColumns
 from emg2vsa.devices.qbmove.ticks import LOG_COLUMNS, PROOF_KEYS, in_degrees, in_ticks
 from emg2vsa.errors import DeviceError
 
-Verdict = Literal["motors off", "flag only", "no effect"]
+Verdict = Literal["motors off", "flag only", "no effect", "ran away"]
 _SILENCE_S = 0.5
 """Beyond the watchdog's own time, whose steps are 41 ms."""
 _MOVE_DEG = 2.5048828125
@@ -32,7 +32,8 @@ _WAIT_S = 0.3
 class WatchdogProof:
     """What was seen, and of which device.
 
-    verdict : motors off, as wanted; flag only: the device says off and its motors still follow; no effect: it says on.
+    verdict : motors off, as wanted: they follow no more; flag only: the device says off and its motors still follow; no
+    effect: it says on; ran away: they moved by themselves.
     """
 
     verdict: Verdict
@@ -81,12 +82,15 @@ def prove_watchdog(
             )
         _moved(board, clock, here, feed=True)
         silence_s = watchdog_s + _SILENCE_S
+        left_deg = board.measurements().motors_deg[0]
         clock.sleep_until(clock.now_s() + silence_s)
-        on = board.ask_active()
+        on, drifted = board.ask_active(), abs(board.measurements().motors_deg[0] - left_deg)
         after = _moved(board, clock, there, feed=False)
     finally:
         board.deactivate()
-    verdict: Verdict = "no effect" if on else "flag only" if after >= _MOVED_DEG else "motors off"
+    verdict: Verdict = "motors off"
+    if on or after >= _MOVED_DEG or drifted >= _MOVED_DEG:
+        verdict = "no effect" if on else "ran away" if drifted >= _MOVED_DEG else "flag only"
     return WatchdogProof(
         verdict, date, info.device_id, board.serial_number(), info.firmware, usable.full_preset, watchdog_s,
         silence_s, before, after,

@@ -203,7 +203,7 @@ class _Escape:
         if not depths_mm:
             return False
         before_mm, self._off_mm = self._off_mm, abs(depths_mm[0] - self._depth_mm)
-        return self._off_mm <= _THERE_MM or self._off_mm < min(before_mm, _LAG_MM)
+        return self._off_mm <= self._there_mm() or self._off_mm < min(before_mm, _LAG_MM)
 
     def _feel(self, position_deg: float) -> None:
         sample = self._log(position_deg, self._preset, self.notes)
@@ -228,11 +228,20 @@ class _Escape:
     def _there(self) -> bool:
         depths_mm: list[float] = []
         self.tried(lambda: depths_mm.append(self._rig.depth_at(self._actuator.position_deg())))
-        return bool(depths_mm) and abs(depths_mm[0]) <= _THERE_MM
+        return bool(depths_mm) and abs(depths_mm[0]) <= self._there_mm()
+
+    def _there_mm(self) -> float:
+        """So close to the retracted position is there; friction holds a motor that gives way itself further off."""
+        joint = self._actuator.joint
+        if joint is None or joint.targets_deg(0.0, self._preset) or self._preset == 0:
+            return _THERE_MM
+        held_nm = self._rig.guards.spring_rest_n * self._rig.lever_m
+        held_rad = held_nm / float(joint.stiffness_nm_per_rad(self._preset))
+        return _THERE_MM + math.degrees(held_rad) * self._rig.gear_mm_per_degree
 
     def _check(self, contact_n: float) -> None:
         depth_mm = self._rig.depth_at(self._actuator.position_deg())
-        if abs(depth_mm) > _THERE_MM:
+        if abs(depth_mm) > self._there_mm():
             raise DeviceError(
                 "probe",
                 wanted="motors at the retracted position",

@@ -13,7 +13,7 @@ from emg2vsa.session.emulated.sensors import EmgSampler, ForceSampler
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.study import Study
 
-EMG_RANGE_V = 11e-3
+EMG_RANGE_V, EMG_HZ = 11e-3, 1000.0
 FORCE_HZ, FORCE_RANGE_N = 1000.0, 290.0
 _FACTS = {"model": "emulated participant"}
 
@@ -72,5 +72,6 @@ def simulate(
 ) -> tuple[EmulatedParticipant, SimulatedSource, SimulatedSource]:
     """The participant, the source of the EMG and that of the force. SettingError as `person_of`."""
     person = EmulatedParticipant(person_of(study, participant), mistakes=mistakes, range_n=settings.force_n)
-    emg = simulated_emg(person, tuple(person.person.muscle_share), settings.emg.fs_hz, clock, settings.emg.delay_s)
+    fs_hz = getattr(settings.emg, "fs_hz", EMG_HZ)  # of whatever kind; others tell their rate when they are there
+    emg = simulated_emg(person, tuple(person.person.muscle_share), fs_hz, clock, settings.emg.delay_s)
     return person, emg, simulated_force(person, clock, delay_s=settings.force.delay_s)

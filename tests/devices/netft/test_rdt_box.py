@@ -17,6 +17,8 @@ from emg2vsa.devices.clock import WallClock
 from emg2vsa.devices.netft.datagrams import UdpLine
 from emg2vsa.devices.netft.driver import open_net_ft
 from emg2vsa.devices.netft.rdt import Command, parse_records, request_bytes
+from emg2vsa.devices.netft.settings import NetFtSettings
+from emg2vsa.devices.registry import Around
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.emulated.netft.box import BoxSettings, RdtBox, configuration_page
 from emg2vsa.rig.emulated.netft.server import RdtServer
@@ -106,7 +108,9 @@ def server():
 
 
 def opened(server, clock, stale_s=5.0):
-    return open_net_ft(server.host, clock, rdt_port=server.rdt_port, http_port=server.http_port, stale_s=stale_s)
+    return open_net_ft(
+        NetFtSettings(host=server.host, rdt_port=server.rdt_port, http_port=server.http_port), Around(clock, stale_s)
+    )
 
 
 def test_our_client_over_udp_and_http(server):

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import sys
-import types
 
 import numpy as np
 import pytest
 
 from emg2vsa.ati.cal_file import GaugeCalibration
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.ni_daq.gauges import DaqFt
-from emg2vsa.devices.ni_daq.volts import NiVolts
+from emg2vsa.devices.ni_daq.gauges import DaqFt, open_gauges
+from emg2vsa.devices.ni_daq.inputs import BUFFER_S, NiInputs
+from emg2vsa.devices.ni_daq.settings import NiGaugeSettings
+from emg2vsa.devices.registry import Around
 from emg2vsa.errors import DeviceError
+from emg2vsa.session.emulated.ni_daq.task import EmulatedNi
+from emg2vsa.session.emulated.participant import EmulatedParticipant
+from emg2vsa.session.emulated.person import Person, Response
 
 CALIBRATION = GaugeCalibration("FT1", np.diag([1.0, 2, 3, 4, 5, 6]), (-10.0, 10.0))
 
@@ -104,84 +108,45 @@ def test_reading_before_start(clock, volts):
         DaqFt(volts, CALIBRATION, clock).read()
 
 
-def test_without_nidaqmx(monkeypatch):
+def test_without_nidaqmx(monkeypatch, clock):
     monkeypatch.setitem(sys.modules, "nidaqmx", None)
     with pytest.raises(DeviceError, match="Install nidaqmx"):
-        NiVolts("Dev1/ai0:5", (-10, 10))
+        NiInputs(1000.0, clock).add(["Dev1/ai0:5"], 6, (-10, 10), differential=True).start()
 
 
-class FakeNi:
-    """As much of nidaqmx as the driver calls, after its reference; notes every call."""
-
-    def __init__(self, rows):
-        self.calls = []
-        self.rows = rows
-
-    def module(self):
-        class Error(Exception):
-            pass
-
-        def add(name, **options):
-            self.calls.append((name, options))
-
-        def read(number_of_samples_per_channel):
-            if self.rows is None:
-                raise Error("-200279: samples overwritten")
-            return self.rows
-
-        def task():
-            return types.SimpleNamespace(
-                ai_channels=types.SimpleNamespace(add_ai_voltage_chan=add),
-                timing=types.SimpleNamespace(cfg_samp_clk_timing=add),
-                start=lambda: self.calls.append("start"),
-                read=read,
-                close=lambda: self.calls.append("close"),
-                number_of_channels=len(self.rows),
-            )
-
-        return types.SimpleNamespace(Task=task, errors=types.SimpleNamespace(Error=Error))
+@pytest.fixture
+def card(clock, monkeypatch):
+    person = Person(name="P1", responses={"S1": Response(42e-6, 20e-6, 7.6)}, muscle_share={"EDC": 1.0})
+    card = EmulatedNi(EmulatedParticipant(person), {"Dev1/ai7": "EDC"}, clock)
+    monkeypatch.setitem(sys.modules, "nidaqmx", card)
+    monkeypatch.setitem(sys.modules, "nidaqmx.constants", card.constants)
+    return card
 
 
-def constants():
-    return types.SimpleNamespace(
-        TerminalConfiguration=types.SimpleNamespace(DIFF="diff"),
-        AcquisitionType=types.SimpleNamespace(CONTINUOUS="continuous"),
-    )
+def gauges_of(path, clock, channels="Dev1/ai0:5", **around):
+    return open_gauges(NiGaugeSettings(channels=channels, cal_file=str(path)), Around(clock, 0.1, **around))
 
 
-def test_an_ni_card(monkeypatch):
-    fake = FakeNi([[1.0, 2.0], [3.0, 4.0], [0, 0], [0, 0], [0, 0], [5.0, 6.0]])
-    monkeypatch.setitem(sys.modules, "nidaqmx", fake.module())
-    monkeypatch.setitem(sys.modules, "nidaqmx.constants", constants())
-    volts = NiVolts("Dev1/ai0:5", (-10, 10), rate_hz=2000)
-    with pytest.raises(DeviceError, match="Start the sensor"):
-        volts.read_volts()
-    volts.start()
-    np.testing.assert_array_equal(volts.read_volts(), [[1, 3, 0, 0, 0, 5], [2, 4, 0, 0, 0, 6]])
-    fake.rows = [[], [], [], [], [], []]
-    assert volts.read_volts().shape == (0, 6)
-    fake.rows = None
-    with pytest.raises(DeviceError, match="-200279"):
-        volts.read_volts()
-    volts.close()
-    assert fake.calls == [
-        ("Dev1/ai0:5", {"terminal_config": "diff", "min_val": -10, "max_val": 10}),
-        (2000, {"sample_mode": "continuous", "samps_per_chan": 8000}),
-        "start",
-        "close",
-    ]
+def test_gauges_of_a_rig_have_a_card_of_their_own(card, clock, cal_file):
+    sensor = gauges_of(cal_file, clock)
+    sensor.start()
+    assert (sensor.rate_hz, sensor.name) == (1000.0, "FT1 on Dev1/ai0:5")
+    clock.sleep_until(clock.now_s() + 0.05)
+    sensor.read()
+    assert sensor.counts().records == len(sensor.read_all()) >= 50
+    sensor.close()
 
 
-def test_an_ni_card_gives_a_thousand_samples_a_second_unless_told_otherwise(monkeypatch):
-    fake = FakeNi([[0.0]] * 6)
-    monkeypatch.setitem(sys.modules, "nidaqmx", fake.module())
-    monkeypatch.setitem(sys.modules, "nidaqmx.constants", constants())
-    NiVolts("Dev1/ai0:5", (-10, 10)).start()
-    assert [call[0] for call in fake.calls[:2]] == ["Dev1/ai0:5", 1000.0]
+def test_five_channels_are_not_six(card, clock, cal_file):
+    with pytest.raises(DeviceError, match="expected 6 channels, but found 5"):
+        gauges_of(cal_file, clock, "Dev1/ai0:4").start()
 
 
-def test_five_channels_are_not_six(monkeypatch):
-    monkeypatch.setitem(sys.modules, "nidaqmx", FakeNi([[]] * 5).module())
-    monkeypatch.setitem(sys.modules, "nidaqmx.constants", constants())
-    with pytest.raises(DeviceError, match="six channels"):
-        NiVolts("Dev1/ai0:4", (-10, 10)).start()
+def test_a_run_of_the_rig_ends_where_samples_are_lost_and_a_session_goes_on(card, clock, cal_file):
+    for others, lost in (({}, True), ({"session-force": None}, False)):
+        sensor = gauges_of(cal_file, clock, others=others)
+        sensor.start()
+        clock.sleep_until(clock.now_s() + BUFFER_S + 10.0)
+        with pytest.raises(DeviceError, match="-200279" if lost else "none for"):
+            sensor.read()
+        sensor.close()

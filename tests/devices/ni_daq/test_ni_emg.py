@@ -11,19 +11,21 @@ import pytest
 
 from emg2vsa.ati.cal_file import GaugeCalibration
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.ni_daq.emg import BUFFER_S, NiEmg, NiInputs, emg_inputs
+from emg2vsa.devices.ni_daq.emg import NiEmg, open_emg
 from emg2vsa.devices.ni_daq.gauges import DaqFt
-from emg2vsa.devices.rig_force import RigForce
+from emg2vsa.devices.ni_daq.inputs import BUFFER_S, NiInputs
+from emg2vsa.devices.ni_daq.settings import NiEmgSettings
+from emg2vsa.devices.registry import Around
+from emg2vsa.devices.rig_force.driver import RigForce
+from emg2vsa.devices.rig_force.settings import RigForceSettings
 from emg2vsa.devices.streams import Block, Source
 from emg2vsa.errors import DeviceError
 from emg2vsa.session.emulated.ni_daq.task import EmulatedNi
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import Person, Response
 from emg2vsa.session.sample_clock import SampleClock
-from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings
 
-SETTINGS = EmgSourceSettings(
-    kind="ni-daq",
+SETTINGS = NiEmgSettings(
     channels={"EDC": "Dev1/ai6", "FDS": "Dev1/ai7"},
     gain=1000.0,
     fs_hz=1000.0,
@@ -54,13 +56,14 @@ def inputs(card: EmulatedNi, clock: VirtualClock) -> NiInputs:
 
 @pytest.fixture
 def emg(inputs: NiInputs, clock: VirtualClock) -> NiEmg:
-    return NiEmg(SETTINGS, emg_inputs(SETTINGS, inputs), clock)
+    group = inputs.add(tuple(SETTINGS.channels.values()), 2, (-5.0, 5.0), differential=False)
+    return NiEmg(SETTINGS, group, clock)
 
 
 def gauges(inputs: NiInputs, clock: VirtualClock) -> RigForce:
     group = inputs.add(GAUGES, 6, (-10.0, 10.0), differential=True)
     sensor = DaqFt(group, GaugeCalibration("FT1", np.eye(6), (-10.0, 10.0)), clock, stale_s=0.5)
-    return RigForce(sensor, ForceSourceSettings(kind="rig"), clock, rate_hz=1000.0, bias=True)
+    return RigForce(sensor, RigForceSettings(rig="rig.toml"), clock, bias=True)
 
 
 def read_for(clock: VirtualClock, seconds: float, *sources: Source) -> list[list[Block]]:
@@ -180,9 +183,9 @@ def test_a_card_whose_clock_stands_still(clock: VirtualClock, card: EmulatedNi, 
         ({"EDC": "Dev1/ai0:3"}, "expected 1 channels, but found 4"),
     ],
 )
-def test_inputs_that_are_not_there(clock: VirtualClock, inputs: NiInputs, channels: dict[str, str], words: str) -> None:
-    settings = EmgSourceSettings(kind="ni-daq", channels=channels)
-    source = NiEmg(settings, emg_inputs(settings, inputs), clock)
+def test_inputs_that_are_not_there(clock: VirtualClock, card: EmulatedNi, channels: dict[str, str], words: str) -> None:
+    settings = NiEmgSettings(channels=channels)
+    source = open_emg(settings, Around(clock))
     with pytest.raises(DeviceError) as caught:
         source.start()
     assert words in str(caught.value)
@@ -197,9 +200,8 @@ def test_before_the_start(emg: NiEmg) -> None:
 
 def test_without_nidaqmx(clock: VirtualClock, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "nidaqmx", None)
-    source = NiEmg(SETTINGS, emg_inputs(SETTINGS, NiInputs(1000.0, clock)), clock)
     with pytest.raises(DeviceError, match=r'pip install "emg2vsa\[daq\]"'):
-        source.start()
+        open_emg(SETTINGS, Around(clock))
 
 
 def test_the_real_package_has_what_is_called() -> None:

@@ -40,12 +40,12 @@ def test_the_script_catches_what_is_left_over() -> None:
 
 def test_ping() -> None:
     with scripted(("3a3a 01 02 00 00", "3a3a 01 02 00 00")) as device:
-        assert device.ping()
+        assert device.answers()
 
 
 def test_ping_of_generation_7_brings_a_serial_number() -> None:
     with scripted(("3a3a 01 02 00 00", "3a3a 01 06 00 00980001 99"), generation="v7") as device:
-        assert device.ping()
+        assert device.answers()
 
 
 def test_measurements() -> None:

@@ -183,9 +183,9 @@ def test_a_mute_device_is_told_and_takes_its_time_on_the_clock(bench: Bench) -> 
     with pytest.raises(DeviceError, match="a reply to GET_MEASUREMENTS, but found none in 3 attempts"):
         bench.qbmove.measurements()
     assert bench.clock.now_s() - start_s == pytest.approx(3 * REPLY_S)
-    assert not bench.qbmove.ping()
+    assert not bench.qbmove.answers()
     bench.wire.mute = False
-    assert bench.qbmove.ping()
+    assert bench.qbmove.answers()
 
 
 def test_the_end_of_a_run_with_a_mute_device_keeps_the_first_error(bench: Bench) -> None:

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import pytest
 import serial
+from emg2vsa.devices.serial_speed import BAUD
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
-from emg2vsa.devices.device_settings import Generation
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.scan import scan
+from emg2vsa.devices.qbmove.settings import Generation
 from emg2vsa.devices.serial_line import SerialLine
-from emg2vsa.devices.serial_speed import BAUD
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.emulated.qbmove.firmware import QbmoveFirmware
 from emg2vsa.rig.emulated.qbmove.switches import MAKER_PRO
@@ -78,9 +78,9 @@ def test_scan_finds_the_device_and_clients_may_come_and_go(port: str) -> None:
 def test_a_port_that_goes_away_is_told_in_words() -> None:
     with VirtualSerialPort(QbmoveFirmware(MAKER_PRO, Free(), VirtualClock())) as virtual:
         line = SerialLine(virtual.name, BAUD)
-        assert Qbmove(line, 1, clock=WallClock(), reply_s=2.0).ping()
+        assert Qbmove(line, 1, clock=WallClock(), reply_s=2.0).answers()
     with pytest.raises(DeviceError, match="expected a line that answers"):
-        Qbmove(line, 1, clock=WallClock(), reply_s=2.0).ping()
+        Qbmove(line, 1, clock=WallClock(), reply_s=2.0).answers()
     line.close()
 
 

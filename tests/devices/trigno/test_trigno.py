@@ -18,12 +18,12 @@ from emg2vsa.devices.clock import FastClock, WallClock
 from emg2vsa.devices.streams import Block
 from emg2vsa.devices.trigno import driver as trigno
 from emg2vsa.devices.trigno.driver import Place, TrignoSource, places_of
+from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import Person, Response
 from emg2vsa.session.emulated.trigno.server import TrignoServer
 from emg2vsa.session.sample_clock import SampleClock
-from emg2vsa.session_settings import EmgSourceSettings
 
 GREETING = b"Delsys Trigno System Digital Protocol Version 3.6.0 \r\n\r\n"
 END = b"\r\n\r\n"
@@ -55,9 +55,9 @@ class WrittenServer:
         self._threads = [threading.Thread(target=self._talk, daemon=True)]
 
     @property
-    def settings(self) -> EmgSourceSettings:
+    def settings(self) -> TrignoSettings:
         ports = {"command_port": self._commands.getsockname()[1], "emg_port": self._emg.getsockname()[1]}
-        return EmgSourceSettings(kind="trigno", channels={"EDC": "4", "FDS": "1"}, **ports)
+        return TrignoSettings(channels={"EDC": "4", "FDS": "1"}, **ports)
 
     def __enter__(self) -> Self:
         self._threads[0].start()
@@ -254,7 +254,7 @@ def test_errors_name_every_bad_sensor_and_the_key() -> None:
 def test_no_server() -> None:
     with socket.create_server(("127.0.0.1", 0)) as nobody:
         port = nobody.getsockname()[1]
-    settings = EmgSourceSettings(kind="trigno", channels={"EDC": "1"}, command_port=port)
+    settings = TrignoSettings(channels={"EDC": "1"}, command_port=port)
     with pytest.raises(DeviceError, match=r"expected a connection, but found .*refused.*session\.emg\.host"):
         TrignoSource(settings, WallClock()).start()
 
@@ -296,7 +296,7 @@ def test_a_sensor_that_cannot_be(text: str) -> None:
 
 
 def test_before_the_start() -> None:
-    source = TrignoSource(EmgSourceSettings(kind="trigno", channels={"EDC": "1"}), WallClock())
+    source = TrignoSource(TrignoSettings(channels={"EDC": "1"}), WallClock())
     for use in (source.read, lambda: source.info):
         with pytest.raises(DeviceError, match="Start the source first"):
             use()
@@ -312,7 +312,7 @@ def emulated() -> Iterator[tuple[TrignoServer, TrignoSource, FastClock]]:
     person = Person(name="P1", responses={"S1": Response(42e-6, 20e-6, 7.6)}, muscle_share={"EDC": 0.4, "FDS": 0.6})
     with TrignoServer(EmulatedParticipant(person), {3: "EDC", 7: "FDS"}, clock, start_delay_s=0.3) as server:
         ports = {"command_port": server.ports.command, "emg_port": server.ports.emg}
-        settings = EmgSourceSettings(kind="trigno", channels={"EDC": "3", "FDS": "7"}, **ports)
+        settings = TrignoSettings(channels={"EDC": "3", "FDS": "7"}, **ports)
         source = TrignoSource(settings, clock)
         source.start()
         yield server, source, clock

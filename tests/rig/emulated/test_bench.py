@@ -8,15 +8,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from emg2vsa.devices.serial_speed import BAUD
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
 from emg2vsa.devices.netft.driver import open_net_ft
+from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
 from emg2vsa.devices.protocols import Devices
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
+from emg2vsa.devices.registry import Around
 from emg2vsa.devices.serial_line import LoopbackLine, SerialLine
-from emg2vsa.devices.serial_speed import BAUD
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.fault_words import FAULTS, help_text, put
@@ -167,7 +169,8 @@ def test_a_press_in_real_time(plan: Callable[..., RunPlan], tmp_path: Path) -> N
     clock = WallClock()
     with EmulatedServers(EmulatedRig(EmulatedSettings(gap_mm=2.0), "S1", 0.0, True, clock, rig=rig)) as servers:
         force = open_net_ft(
-            "127.0.0.1", clock, rdt_port=servers.force.rdt_port, http_port=servers.force.http_port, stale_s=4
+            NetFtSettings(host="127.0.0.1", rdt_port=servers.force.rdt_port, http_port=servers.force.http_port),
+            Around(clock, 4),
         )
         camera = OpenCvCamera(servers.camera_url, clock, lost_s=10)
         line = SerialLine(servers.port, BAUD)

@@ -86,6 +86,12 @@ function showPresses(repetitions, done, pressing) {
   parts.forEach((kind, i) => { bar.children[i].className = kind; });
 }
 
+function stiffnessAt(run, percent) {
+  const table = run.stiffness_nm_per_rad, at = Math.max(0, Math.min(table.length - 1, percent)), before = Math.floor(at);
+  const after = Math.min(before + 1, table.length - 1);
+  return table[before] + (at - before) * (table[after] - table[before]);
+}
+
 function showCurves(run) {
   const top = run.full_preset;
   const percent = (preset) => (preset === null ? null : (100 * preset) / top);
@@ -101,7 +107,7 @@ function showCurves(run) {
   if (!rigid) {
     const preset = curves.preset.map(percent), measured = curves.measured_preset.map(percent);
     plot("#stiffness", { low: 0, high: 100, band: run.stiffness_percent }, [[measured, "--blue", 3], [preset, "--ink", 2, [6, 4]]]);
-    read("#stiffness", last(measured), last(preset), (v) => `${fixed(v, 1)} %`);
+    read("#stiffness", last(measured) ?? last(preset), last(preset), (v) => `${fixed(v, 1)} % (${fixed(stiffnessAt(run, v), 2)} N·m/rad)`);
   }
   const depthsMm = [...curves.depth_mm, ...curves.shaft_mm].filter((v) => v !== null);
   plot("#depth", { low: Math.min(0, ...depthsMm), high: 1.08 * Math.max(run.travel_mm / 2, ...depthsMm) },

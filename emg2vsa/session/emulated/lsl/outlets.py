@@ -3,18 +3,36 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any, Self
 
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.errors import DeviceError
+from emg2vsa.devices.lsl.settings import LslEmgSettings, LslForceSettings
+from emg2vsa.errors import DeviceError, SettingError
+from emg2vsa.session.emulated.far_end import Served, Table
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.sensors import EmgSampler, ForceSampler
 
 PERIOD_S = 0.01
 "From chunk to chunk."
 EMG_STREAM, FORCE_STREAM = "emulated EMG", "emulated force"
+
+
+@contextmanager
+def served_streams(at: Table) -> Iterator[Served]:
+    """Both streams, whichever of them the session takes. SettingError on a clock that is not LSL's."""
+    if not isinstance(at.clock, WallClock):
+        do = "Leave --speed out; LSL stamps samples with the computer's own clock."
+        raise SettingError("--speed", wanted="1 with streams of LSL", found="another speed", do=do)
+    emg = at.settings.emg if isinstance(at.settings.emg, LslEmgSettings) else None
+    force = at.settings.force if isinstance(at.settings.force, LslForceSettings) else LslForceSettings()
+    labels = emg.channels if emg else {muscle: muscle for muscle in at.participant.person.muscle_share}
+    names = emg.stream if emg else None, force.stream
+    outlets = LslOutlets(at.participant, labels, at.clock, force_label=force.channel or "force", names=names)
+    with outlets:
+        yield Served((f"LSL streams: {' and '.join(outlets.names)}",), {"lsl": {"streams": list(outlets.names)}})
 
 
 class LslOutlets:

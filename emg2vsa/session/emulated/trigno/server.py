@@ -8,7 +8,7 @@ import selectors
 import socket
 import sys
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple, Self
 
@@ -16,7 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.trigno.driver import places_of
+from emg2vsa.devices.trigno.settings import COMMAND_PORT, TrignoSettings
 from emg2vsa.errors import DeviceError
+from emg2vsa.session.emulated.far_end import Served, Table, check_here
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.sensors import EmgSampler
 from emg2vsa.session.emulated.trigno.base import END, FRAME_S, GREETING, SLOTS, TrignoBase
@@ -54,6 +57,23 @@ class _Client:
     waiting: bytearray = field(default_factory=bytearray)
     frame_bytes: int = 0
     lost_frames: int = 0
+
+
+@contextlib.contextmanager
+def served_trigno(at: Table) -> Iterator[Served]:
+    """The system where the study says. SettingError where that is another computer; DeviceError for a port in use."""
+    emg = at.settings.emg
+    assert isinstance(emg, TrignoSettings)
+    check_here("session.emg.host", emg.host, emg.host)
+    slots = {place.sensor: muscle for muscle, place in places_of(emg.channels).items()}
+    usual = Ports() if emg.command_port == COMMAND_PORT else ANY_PORTS
+    ports = usual._replace(command=emg.command_port, emg=emg.emg_port)
+    with TrignoServer(
+        at.participant, slots, at.clock, ports=ports, start_delay_s=at.start_delay_s, delay_s=emg.delay_s
+    ) as server:
+        said = ", ".join(f"{name} {port}" for name, port in server.ports._asdict().items()).replace("_", " ")
+        address: dict[str, object] = {"kind": "trigno", "hosts": ["127.0.0.1", "::1"], "ports": server.ports._asdict()}
+        yield Served((f"EMG: Trigno server at 127.0.0.1 and ::1, ports {said}",), {"emg": address}, server)
 
 
 class TrignoServer:

@@ -10,13 +10,23 @@ from numpy.typing import NDArray
 
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.protocols import ForceSample, ForceSensor
+from emg2vsa.devices.registry import Around, known
+from emg2vsa.devices.rig_force.settings import RigForceSettings
 from emg2vsa.devices.streams import Block, StreamCounts, StreamInfo
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.session_settings import ForceSourceSettings
 
 BIAS_S = 0.1
 FAULT_S = 1.0
 "A sensor that calls its force wrong for so long is lost."
+
+
+def open_rig_force(settings: RigForceSettings, around: Around) -> RigForce:
+    """The source of [session.force]. SettingError where there is no rig file, or it names no sensor that can be
+    reached; DeviceError where the sensor does not answer."""
+    if (own := around.others.get("force")) is None:
+        do = "Name the rig file whose [force] table describes the sensor."
+        raise SettingError("session.force.rig", wanted="a rig file", found="none", do=do)
+    return RigForce(known("force", own).opened(own, around), settings, around.clock, bias=own.bias)
 
 
 class RigForce:
@@ -24,15 +34,13 @@ class RigForce:
 
     Parameters
     ----------
-    sensor : not started. rate_hz : its stated rate. bias : whether the load at the start becomes its zero.
+    sensor : not started. bias : whether the load at the start becomes its zero.
     """
 
-    def __init__(
-        self, sensor: ForceSensor, settings: ForceSourceSettings, clock: Clock, *, rate_hz: float, bias: bool
-    ) -> None:
+    def __init__(self, sensor: ForceSensor, settings: RigForceSettings, clock: Clock, *, bias: bool) -> None:
         self._sensor, self._clock, self._bias = sensor, clock, bias
         self._axis = unit_axis(settings.axis)
-        self._delay_s, self._rate_hz = settings.delay_s, rate_hz
+        self._delay_s, self._rate_hz = settings.delay_s, sensor.rate_hz
         self._info: StreamInfo | None = None
         self._last_s: float | None = None
         self._faulty_s: float | None = None

@@ -1,0 +1,214 @@
+"""Kinds of devices, one line each: of this project, and of other packages as entry points of ``emg2vsa.devices``.
+
+A role is what the rig or a session wants of a device; a kind is one device that plays it. A kind is loaded when it is
+asked for, and its driver when it is opened. A kind of another package never takes the place of one of ours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args, get_type_hints
+
+from casr.errors import PluginError, UserError, said_by
+from casr.plugins import Plugin, plugins
+
+if TYPE_CHECKING:
+    from emg2vsa.devices.clock import Clock
+
+GROUP = "emg2vsa.devices"
+
+
+class _Role(NamedTuple):
+    """base : of the settings. device : the protocol of what is opened. kinds : of this project, by name. default : the
+    kind of a table that names none, as every table did before there was a choice."""
+
+    base: str
+    device: str
+    kinds: dict[str, str]
+    default: str | None = None
+
+
+ROLES = {
+    "actuator": _Role("emg2vsa.devices.device_settings:ActuatorSettings", "emg2vsa.devices.protocols:Board", {
+        "qbmove": "qbmove.settings:QBMOVE",
+        "dynamixel": "dynamixel.settings:DYNAMIXEL",
+    }, default="qbmove"),
+    "force": _Role("emg2vsa.devices.device_settings:ForceSettings", "emg2vsa.devices.protocols:ForceSensor", {
+        "net-ft": "netft.settings:NET_FT",
+        "ni-daq": "ni_daq.settings:GAUGES",
+    }),
+    "camera": _Role("emg2vsa.devices.device_settings:CameraSettings", "emg2vsa.devices.protocols:Camera", {
+        "opencv": "opencv_camera.settings:OPENCV",
+    }, default="opencv"),
+    "emg": _Role("emg2vsa.session_settings:EmgSettings", "emg2vsa.devices.streams:Source", {
+        "ni-daq": "ni_daq.settings:EMG",
+        "trigno": "trigno.settings:TRIGNO",
+        "lsl": "lsl.settings:EMG",
+        "simulated": "simulated:EMG",
+    }),
+    "session-force": _Role("emg2vsa.session_settings:SessionForceSettings", "emg2vsa.devices.streams:Source", {
+        "rig": "rig_force.settings:RIG",
+        "lsl": "lsl.settings:FORCE",
+        "simulated": "simulated:FORCE",
+    }),
+}  # fmt: skip
+"""A kind is one line: its name, and where its `Kind` stands below ``emg2vsa.devices``."""
+
+
+class Wrong(NamedTuple):
+    """What is wrong with settings: keys from their table on, what was wanted, what was found, what to do."""
+
+    path: tuple[str | int, ...]
+    wanted: str
+    found: str
+    do: str = ""
+
+
+@dataclass(frozen=True)
+class Around:
+    """What is around a device when it is opened.
+
+    Parameters
+    ----------
+    clock : on which it measures.
+    lost_s : a device that has given nothing for so long is lost.
+    stiffness_percent : what a rig may ask of an actuator, of its full preset.
+    others : settings of the devices beside it, by role; of a session "emg", "session-force" and, with a rig, "force".
+    kept : lasts as long as the session, in which a device that was lost is opened anew; for what two devices share.
+    """
+
+    clock: Clock
+    lost_s: float = 1.0
+    stiffness_percent: tuple[float, float] = (0.0, 100.0)
+    others: Mapping[str, Any] = field(default_factory=dict)
+    kept: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of device. A function may be given as "module:name", which is loaded when it is called.
+
+    Parameters
+    ----------
+    role : one of `ROLES`.
+    settings : its table, a frozen dataclass that inherits from the role's, with kind: Literal["its name"].
+    open : of settings and `Around`, the device, not started: an Actuator, ForceSensor or Camera of
+        `emg2vsa.devices.protocols`, or a Source of `emg2vsa.devices.streams`. It raises DeviceError or SettingError.
+    check : of settings, what is `Wrong` with them that their types and limits do not say.
+    about : of an opened device, lines on it for ``emg2vsa rig info``.
+    facts : of a started device and its settings, plain values for the record of a run.
+    scan : of a line, a clock, ids (none: all) and the time for each answer, s, a line of text for each who answers.
+    joints : of an actuator, names of the joints for which schedules are made. full_key : of the full preset, in the
+        table [schedule] of a study and in schedules. export : how these schedules are written, an `Export` of
+        `emg2vsa.devices.joints`.
+    plugin : whose it is; None for one of this project.
+    """
+
+    role: str
+    settings: type
+    open: str | Callable[[Any, Around], Any]
+    check: Callable[[Any], Iterator[Wrong]] | None = None
+    about: str | Callable[[Any], Iterator[str]] | None = None
+    facts: str | Callable[[Any, Any], dict[str, Any]] | None = None
+    scan: str | Callable[[Any, Clock, Sequence[int], float], Iterator[str]] | None = None
+    joints: tuple[str, ...] = ()
+    full_key: str = ""
+    export: Any = None
+    plugin: Plugin | None = None
+
+    @property
+    def exports(self) -> Any:
+        """How schedules for its joints are written."""
+        return _loaded(self.export)
+
+    def opened(self, settings: Any, around: Around) -> Any:
+        """The device. PluginError where that of another package fails, or lacks what its role wants."""
+        device = self.call("open", settings, around)
+        if self.plugin:
+            wanted = _members(_loaded(ROLES[self.role].device))
+            if absent := [name for name in wanted if name not in dir(device)]:
+                raise self.plugin.fault(f"a device with {', '.join(wanted)}", f"no {', '.join(absent)}")
+        return device
+
+    def call(self, function: str, *given: Any) -> Any:
+        """What one of its functions gives; nothing where there is none. PluginError where it fails."""
+        try:
+            return _GIVES[function](_loaded(getattr(self, function))(*given) if getattr(self, function) else ())
+        except UserError:
+            raise
+        except Exception as error:
+            if self.plugin is None:
+                raise
+            raise self.plugin.fault(f"{function} of its Kind to do its work", said_by(error)) from error
+
+
+_GIVES: dict[str, Callable[[Any], Any]] = {
+    "open": lambda device: device,
+    "check": lambda found: tuple(Wrong(*each) for each in found),
+    "about": lambda lines: tuple(map(str, lines)),
+    "facts": dict,
+    "scan": tuple,
+}
+
+
+def kind_of(role: str, name: str) -> Kind | None:
+    """The kind of a role; None where there is none. PluginError where another package's cannot be used."""
+    if name in ROLES[role].kinds:
+        ours: Kind = _loaded(f"emg2vsa.devices.{ROLES[role].kinds[name]}")
+        return ours
+    kind = next((_of_plugin(each) for each in plugins(GROUP) if each.name == name), None)
+    return kind if kind and kind.role == role else None
+
+
+def known(role: str, settings: Any) -> Kind:
+    """The kind of settings that come of a file: its reader has looked whether there is one."""
+    kind = kind_of(role, settings.kind)
+    assert kind is not None, settings
+    return kind
+
+
+def kinds(role: str) -> dict[str, Kind]:
+    """Every kind of a role by its name, ours first; those of other packages that cannot be used are left out."""
+    found = {}
+    for name in (*ROLES[role].kinds, *(plugin.name for plugin in plugins(GROUP))):
+        with suppress(PluginError):
+            found[name] = kind_of(role, name)
+    return {name: kind for name, kind in found.items() if kind}
+
+
+@cache
+def _of_plugin(plugin: Plugin) -> Kind:
+    """What an entry point names. PluginError where it breaks the contract."""
+    kind = plugin.load()
+    if not isinstance(kind, Kind):
+        raise plugin.fault("a Kind of emg2vsa.devices.registry", f"an object of type {type(kind).__name__}")
+    if kind.role not in ROLES:
+        raise plugin.fault(f"one of the roles {', '.join(ROLES)}", repr(kind.role))
+    base = _loaded(ROLES[kind.role].base)
+    if not (isinstance(kind.settings, type) and issubclass(kind.settings, base)):
+        raise plugin.fault(f"settings that inherit from {base.__module__}.{base.__name__}", repr(kind.settings))
+    if (named := get_args(get_type_hints(kind.settings)["kind"])) != (plugin.name,):
+        wanted = f'settings with kind: Literal["{plugin.name}"], as the entry point is called'
+        raise plugin.fault(wanted, f"kind: {', '.join(map(repr, named)) or 'any text'}")
+    return replace(kind, plugin=plugin)
+
+
+def _members(protocol: type) -> list[str]:
+    """What a protocol asks for."""
+    named = (*getattr(protocol, "__annotations__", ()), *vars(protocol))
+    return [name for name in dict.fromkeys(named) if not name.startswith("_")]
+
+
+def _loaded(place: Any) -> Any:
+    """The object at "module:name"; any other object as it is."""
+    if not isinstance(place, str):
+        return place
+    module, _, names = place.partition(":")
+    found: Any = import_module(module)
+    for name in names.split("."):
+        found = getattr(found, name)
+    return found
