@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import DataError, DeviceError
+from emg2vsa.session import replay
 from emg2vsa.session.journal import (
     JOURNAL_FILE,
     Commanded,
@@ -301,3 +302,6 @@ def test_a_server_that_drops_at_press_7_pauses_the_session_and_the_press_is_repe
     files = [SampleFile(path) for path in sorted(folder.glob("*_emg*.samples"))]
     assert len(files) == 2
     assert all(file.passed_over == 0 and np.isfinite(file.read(0, file.stop)).all() for file in files)
+    replayed = replay(study, folder)
+    assert replayed.same, [press.differences for press in replayed.presses]
+    assert len(replayed.presses) == 8
