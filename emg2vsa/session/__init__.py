@@ -11,9 +11,9 @@ In Python::
 
 Data flow: ``sources`` hand over blocks of samples on one clock; ``session`` (its turn, 200 a second) appends them to
 ``raw_files``, moves on from command to command, and judges each press. Everything that happens is a line of the
-``journal``; ``state`` is a fold over these lines, ``legal`` the table of what it allows, ``page_states`` what pages show
-of it. ``dataset`` turns a folder of raw files and its journal into BIDS-EMG. ``emulated`` holds the far ends of the
-wires and the simulated participant.
+``journal``; ``state`` is a fold over these lines, ``legal`` the table of what it allows, ``page_states`` what pages
+show of it. ``dataset`` turns a folder of raw files and its journal into BIDS-EMG. ``emulated`` holds the far ends of
+the wires and the simulated participant.
 """
 
 from __future__ import annotations

@@ -15,7 +15,6 @@ from emg2vsa.session.journal import (
     Interrupted,
     Paused,
     PressBegun,
-    ScreenTold,
     Told,
     read_journal,
 )
@@ -248,7 +247,7 @@ def test_the_page_of_the_participant_cannot_flood_the_journal(play):
 
     played = play(session=FEW, operator=False, beside=toggle)
     lines, _ = read_journal(played.folder / JOURNAL_FILE)
-    assert 4 <= sum(isinstance(line.event, ScreenTold) for line in lines) <= 6
+    assert 4 <= sum(isinstance(line.event, ScreenReport) for line in lines) <= 6
 
 
 @pytest.mark.realtime
