@@ -14,11 +14,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+from emg2vsa.actuator import SPRINGS, stiffness_nm_per_rad, ticks_of_percent
 from scipy import stats
 
 from casr.specimens import SPECIMENS
 from casr.synthetic import ContactWorld
-from emg2vsa.actuator import SPRINGS, stiffness_nm_per_rad, ticks_of_percent
 from emg2vsa.contact_mechanics import Drive, PowerLaw, Relaxation, StiffnessSteps
 from emg2vsa.contact_mechanics.camera_frames import FrameErrors, frames_of, power_rates
 from emg2vsa.contact_mechanics.press_path import simulate_presses

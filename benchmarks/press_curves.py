@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
+from emg2vsa.actuator import SPRINGS
 
 from casr.specimens import SPECIMENS
 from casr.synthetic import ContactWorld
 from casr.synthetic.tabulated import TabulatedWorld
-from emg2vsa.actuator import SPRINGS
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.cut_presses import cut_all, cut_forces, cut_rates, cut_travel
 from emg2vsa.calibration.online import OnlineCalibration

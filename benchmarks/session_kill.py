@@ -71,20 +71,21 @@ def child(study_file: Path, participant: str, resume: bool, measure: bool, out: 
                     os.write(out, f"verdict {press.number} {press.attempt}\n".encode())
 
         desk.run(clock, beside)
-        os.write(out, f"ended {desk.session.ended.how if desk.session.ended else ''}\n".encode())
+        os.write(out, f"ended {desk.session.state.ended.how if desk.session.state.ended else ''}\n".encode())
 
 
 def state_of(session: Any) -> str:
     """One of those in which it is killed."""
-    if session.measuring is not None:
+    now, state = session.now(), session.state
+    if now.measuring:
         return "measuring"
-    if session.judging:
-        return "writing" if session.writing else "judging"
-    if session.presses.undecided is not None:
+    if now.judging:
+        return "writing" if now.moment.writing else "judging"
+    if state.presses.undecided is not None:
         return "deciding"
-    if session.command in ("start", "press", "stop", "pause"):
-        return str(session.command)
-    return "rest" if session.placed else "placing"
+    if state.command in ("start", "press", "stop", "pause"):
+        return str(state.command)
+    return "rest" if state.placed else "placing"
 
 
 def sitting(

@@ -45,6 +45,7 @@ from emg2vsa.session.journal import (
 )
 from emg2vsa.session.journal import line_bytes as journal_line
 from emg2vsa.session.plan import PLAN_FILE, Plan, draw_presses
+from emg2vsa.session.presses import folded
 from emg2vsa.session.raw_files import SampleFile
 from emg2vsa.session.record import SessionRecord, new_session, resume_session
 from emg2vsa.session_settings import SessionSettings
@@ -248,8 +249,7 @@ def resumed(folder: Path, done: int, told: Sequence[Promised], written: Sequence
             return Outcome(f"line {line.number} is another one", 0, 0)
     judged = sum(isinstance(line.event, Judged) for line in kept)
     begun = sum(isinstance(line.event, PressBegun) for line in kept)
-    attempts = record.progress.attempts
-    complete = sum(attempt.state == "complete" and attempt.verdict == "ok" for attempt in attempts)
+    complete = sum(tried.counts for tried in folded(lines, record.plan.presses).tried)
     interrupted = sum(isinstance(line.event, Interrupted) for line in lines)
     if complete != judged or interrupted != begun - judged:
         return Outcome(f"{complete} presses done and {interrupted} interrupted", 0, 0)

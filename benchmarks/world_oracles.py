@@ -14,9 +14,9 @@ from collections.abc import Iterator
 
 import mpmath as mp
 import numpy as np
+from emg2vsa.actuator import SPRINGS, ticks_of_percent
 
 from casr.specimens import SPECIMENS
-from emg2vsa.actuator import SPRINGS, ticks_of_percent
 from emg2vsa.arrays import Floats
 from emg2vsa.contact_mechanics import (
     ELASTIC,

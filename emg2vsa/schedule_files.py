@@ -18,7 +18,7 @@ from casr.atomic import write_text_atomic
 from emg2vsa.errors import ScheduleError
 from emg2vsa.schedules import Schedule, check
 from emg2vsa.schedules.checks import EXPORT_AGAIN
-from emg2vsa.schedules.document import COLUMNS, Document, document_of, schedule_of
+from emg2vsa.schedules.document import Columns, Document, columns_of, document_of, export_in, schedule_of
 
 
 def write_schedule(folder: Path, schedule: Schedule) -> tuple[Path, Path]:
@@ -42,8 +42,9 @@ def write_csv(path: Path, schedule: Schedule) -> None:
     document = _sealed(schedule)
     steps = document.pop("steps")
     lines = [f"# {key}: {json.dumps(value)}" for key, value in document.items()]
-    lines.append(",".join(COLUMNS))
-    lines.extend(",".join(repr(row[column]) for column in COLUMNS) for row in steps)
+    columns = columns_of(schedule.limits.export)
+    lines.append(",".join(columns))
+    lines.extend(",".join(repr(row[column]) for column in columns) for row in steps)
     write_text_atomic(path, "\n".join(lines) + "\n")
 
 
@@ -114,10 +115,13 @@ def _parse_csv(text: str, path: Path) -> Document:
     head = [line for line in lines if line.startswith("#")]
     rows = list(csv.reader(line for line in lines if line and not line.startswith("#")))
     document = dict(_comment(line, path) for line in head)
-    if not rows or rows[0] != list(COLUMNS):
+    columns = columns_of(export_in(document, str(path)))
+    if not rows or rows[0] != list(columns):
         found = ",".join(rows[0]) if rows else "no header row"
-        raise ScheduleError(f"{path}, header row", wanted=",".join(COLUMNS), found=found, do=EXPORT_AGAIN)
-    document["steps"] = [_cells(cells, f"{path}, row {number}") for number, cells in enumerate(rows[1:], start=1)]
+        raise ScheduleError(f"{path}, header row", wanted=",".join(columns), found=found, do=EXPORT_AGAIN)
+    document["steps"] = [
+        _cells(cells, columns, f"{path}, row {number}") for number, cells in enumerate(rows[1:], start=1)
+    ]
     return document
 
 
@@ -131,11 +135,11 @@ def _comment(line: str, path: Path) -> tuple[str, Any]:
         ) from error
 
 
-def _cells(cells: list[str], where: str) -> dict[str, int | float]:
-    if len(cells) != len(COLUMNS):
-        raise ScheduleError(where, wanted=f"{len(COLUMNS)} values", found=f"{len(cells)}", do=EXPORT_AGAIN)
+def _cells(cells: list[str], columns: Columns, where: str) -> dict[str, int | float]:
+    if len(cells) != len(columns):
+        raise ScheduleError(where, wanted=f"{len(columns)} values", found=f"{len(cells)}", do=EXPORT_AGAIN)
     row: dict[str, int | float] = {}
-    for (column, kind), cell in zip(COLUMNS.items(), cells, strict=True):
+    for (column, kind), cell in zip(columns.items(), cells, strict=True):
         try:
             row[column] = kind(cell)
         except ValueError as error:

@@ -33,9 +33,6 @@ class Tagged(NamedTuple):
     role: str
 
 
-TICKS_PER_TURN = 32768
-"""Wire ticks of a qbmove in a turn of its output shaft, at the default resolution 1 of the firmware."""
-
 LABEL_CHARACTERS = 16
 """Longest name of a channel that EDF and BDF hold."""
 
@@ -273,10 +270,12 @@ class ScheduleSettings:
     "preset (paper): linear in the preset that is commanded; stiffness: linear in N m/rad at zero load."
     step_n: Positive = 0.3
     "Force step, newtons; a shorter last step is kept and marked."
-    actuator: Literal["qbmove-advanced", "qbmove-maker-pro"] = "qbmove-advanced"
-    "Spring model used to state the stiffness in N m/rad at zero load."
+    actuator: str = "qbmove-advanced"
+    "Model that states the stiffness in N m/rad at zero load: qbmove-advanced, qbmove-maker-pro, dynamixel."
     max_preset_ticks: Annotated[int, Gt(0)] = 3000
-    "Largest stiffness preset of the device, in its ticks (32768 a turn); read from the device before a run."
+    "qbmove: largest stiffness preset of the device, in its ticks (32768 a turn); read from the device before a run."
+    full_stiffness_nm_per_rad: Positive | None = None
+    "dynamixel: stiffness at the full gain, N m/rad, as emg2vsa rig commission measures it."
     probe_speed_mm_per_s: Positive = 5.0
     "Speed of the probe along the specimen's vertical axis."
     gear_mm_per_degree: Positive = 0.2

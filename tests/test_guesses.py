@@ -6,7 +6,6 @@ import importlib
 
 import numpy as np
 import pytest
-
 from emg2vsa.actuator import equilibrium_and_preset, motor_positions, stiffness_percent
 
 PLACES = {

@@ -14,7 +14,7 @@ from typing import IO
 from emg2vsa.devices.clock import LEAST_PRIORITY, LoopTiming
 from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.opencv_camera.settings import OpenCvSettings
-from emg2vsa.devices.qbmove.settings import ActuatorSettings
+from emg2vsa.devices.qbmove.settings import QbmoveSettings
 from emg2vsa.devices.rig_devices import DeviceSettings
 
 HOG = "while True: pass"
@@ -44,7 +44,7 @@ def served_rig(real_time: bool) -> Iterator[Served]:
             _make_real_time(process.pid)
         served = Served(
             DeviceSettings(
-                actuator=ActuatorSettings(port=at["port"]),
+                actuator=QbmoveSettings(port=at["port"]),
                 force=NetFtSettings(host=at["host"], rdt_port=at["rdt_port"], http_port=at["http_port"]),
                 camera=OpenCvSettings(source=at["camera"]),
             )

@@ -33,7 +33,7 @@ STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
 SPECIMEN = "S1"
 """The stiffest of the paper."""
 WATCH_S = 0.005
-GAP_MM, START_MM, START_PRESET, START_S = 2.0, 1.0, 600, 0.8
+GAP_MM, START_MM, START_PRESET, START_S = 2.0, 1.0, 0.2, 0.8
 _COMMAND = 4
 OFF = frame(DEVICE_ID, Command.ACTIVATE, b"\0")
 
@@ -155,7 +155,7 @@ class FaultBench:
 
     def probe_mm(self) -> float:
         """Depth of the probe by the encoders of the motors."""
-        return self.built.true.depth_at(self._actuator().position_ticks())
+        return self.built.true.depth_at(self._actuator().position_deg())
 
     def true_force_n(self) -> float:
         """On the specimen, along the normal of its surface."""
@@ -174,9 +174,9 @@ class FaultBench:
         return Devices(self._actuator(), started.force, started.camera)
 
     def _leave_probe_down(self) -> None:
-        actuator, position_ticks = self._actuator(), self.built.true.ticks_at(START_MM)
+        actuator, position_deg = self._actuator(), self.built.true.position_at(START_MM)
         actuator.activate()
-        actuator.set_position_stiffness(position_ticks, 0 if self.built.rigid else START_PRESET)
+        actuator.command(position_deg, 0.0 if self.built.rigid else START_PRESET)
         for _ in range(round(START_S / 0.1)):
             actuator.is_active()
             self.clock.sleep_until(self.clock.now_s() + 0.1)

@@ -249,8 +249,8 @@ WRONG_RIGS: dict[str, tuple[Built, tuple[End, ...]]] = {
     "push_axis along x": (Built(told=replace(_TRUE, push_axis=(1.0, 0.0, 0.0))), BLIND),
     "push_axis upside down": (Built(told=replace(_TRUE, push_axis=(0.0, 0.0, -1.0))), BLIND),
     "push_sign upside down": (Built(told=replace(_TRUE, push_sign=-1)), (TRAVEL, NO_CONTACT, *MOTION, SPRINGS)),
-    "home 9 mm too deep": (Built(told=replace(_TRUE, home_ticks=4096)), (WAY_HOME, PRELOAD, SPRINGS)),
-    "home 4 mm too deep": (Built(told=replace(_TRUE, home_ticks=1820)), (WAY_HOME, PRELOAD, SPRINGS)),
+    "home 9 mm too deep": (Built(told=replace(_TRUE, home_deg=45.0)), (WAY_HOME, PRELOAD, SPRINGS)),
+    "home 4 mm too deep": (Built(told=replace(_TRUE, home_deg=20.0)), (WAY_HOME, PRELOAD, SPRINGS)),
     "gear of 0.1 for 0.2": (Built(told=replace(_TRUE, gear_mm_per_degree=0.1)), (REFUSED_FILE, REFUSED_SCHEDULE)),
     "gear of 0.1 for 0.2 (rigid)": (
         Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.1)), (SURVIVED, LIMIT, RATE, REFUSED_FILE),
@@ -260,7 +260,7 @@ WRONG_RIGS: dict[str, tuple[Built, tuple[End, ...]]] = {
     ),
     "push_axis along x (rigid)": (Built(rigid=True, told=replace(_TRUE, push_axis=(1.0, 0.0, 0.0))), BLIND),
     "home 9 mm too deep (rigid)": (
-        Built(rigid=True, told=replace(_TRUE, home_ticks=4096)), (WAY_HOME, PRELOAD, SPRINGS),
+        Built(rigid=True, told=replace(_TRUE, home_deg=45.0)), (WAY_HOME, PRELOAD, SPRINGS),
     ),
     "filter of 2000 samples": (Built(told=replace(_TRUE, filter_samples=2000)), (REFUSED_FILE, LIMIT, SPRINGS)),
     "loop at 1000 Hz": (Built(told=replace(_TRUE, rate_hz=1000.0)), (SURVIVED, REFUSED_FILE)),

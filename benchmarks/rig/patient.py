@@ -11,6 +11,8 @@ from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 
+from emg2vsa.devices.serial_speed import BAUD
+
 from benchmarks.rig.plans import modular_plan
 from emg2vsa.devices.clock import WallClock
 from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
@@ -19,7 +21,6 @@ from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.registry import Around, known
 from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.devices.serial_line import SerialLine
-from emg2vsa.devices.serial_speed import BAUD
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.study_file.problems import checked

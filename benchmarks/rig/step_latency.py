@@ -7,9 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from emg2vsa.actuator import Springs
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.protocols import Actuator, Measurements
+from emg2vsa.devices.protocols import Actuator, Joint, LogColumns, Measurements
 from emg2vsa.rig.record.run_log import Row
 
 SETTLED = 0.9
@@ -23,10 +22,10 @@ class TimedActuator:
 
     actuator: Actuator
     clock: Clock
-    commands: list[tuple[float, int]] = field(default_factory=list)
-    "Time when sent, preset in ticks."
+    commands: list[tuple[float, float]] = field(default_factory=list)
+    "Time when sent, preset."
     presets: list[tuple[float, float]] = field(default_factory=list)
-    "Time when measured, preset that the motors have, ticks."
+    "Time when measured, preset that the motors have, degrees."
 
     def activate(self) -> None:
         self.actuator.activate()
@@ -37,28 +36,33 @@ class TimedActuator:
     def is_active(self) -> bool:
         return self.actuator.is_active()
 
-    def set_position_stiffness(self, position_ticks: int, preset_ticks: int) -> None:
-        self.actuator.set_position_stiffness(position_ticks, preset_ticks)
-        self.commands.append((self.clock.now_s(), preset_ticks))
+    def command(self, position_deg: float, preset: float) -> None:
+        self.actuator.command(position_deg, preset)
+        self.commands.append((self.clock.now_s(), preset))
 
-    def position_ticks(self) -> float:
-        return self.actuator.position_ticks()
+    def position_deg(self) -> float:
+        return self.actuator.position_deg()
 
     def measurements(self) -> Measurements:
         at = self.actuator.measurements()
-        self.presets.append((self.clock.now_s(), (at.motor_1 - at.motor_2) / 2))
+        self.presets.append((self.clock.now_s(), (at.motors_deg[0] - at.motors_deg[1]) / 2))
         return at
 
-    def currents_ma(self) -> tuple[int, int]:
-        return self.actuator.currents_ma()
+    def currents_a(self) -> tuple[float, ...]:
+        return self.actuator.currents_a()
 
-    def current_limit_ma(self) -> float:
-        return self.actuator.current_limit_ma()
+    def current_limit_a(self) -> float:
+        return self.actuator.current_limit_a()
 
     @property
-    def springs(self) -> Springs | None:
+    def joint(self) -> Joint | None:
         """Of the actuator."""
-        return self.actuator.springs
+        return self.actuator.joint
+
+    @property
+    def columns(self) -> LogColumns:
+        """Of the actuator."""
+        return self.actuator.columns
 
 
 @dataclass(frozen=True)
@@ -80,7 +84,7 @@ def step_latency(rows: list[Row], timed: TimedActuator) -> StepLatency:
     seen_s, presets = np.array(timed.presets).T
     over_s = {row.repetition: row.time_s for row in rows if row.phase == "retract"}
     for before, row in pairwise(rows):
-        low, high = before.preset_ticks, row.preset_ticks
+        low, high = before.preset, row.preset
         if row.phase != "load" or low is None or high is None or high <= low:
             continue
         start_s = row.time_s

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from emg2vsa.actuator import MOTOR_LIMIT_TICKS, SPRINGS, TICKS_PER_TURN, preset_for_stiffness, stiffness_nm_per_rad
 from mpmath import mp, mpf
 
 from benchmarks.stress.case import Case, Found
 from benchmarks.stress.exact_curves import mpfs
-from emg2vsa.actuator import MOTOR_LIMIT_TICKS, SPRINGS, TICKS_PER_TURN, preset_for_stiffness, stiffness_nm_per_rad
 from emg2vsa.contact_mechanics.geometry import PowerLaw, adhesive_force_n
 from emg2vsa.contact_mechanics.relaxation import ConvolvedForce, Relaxation
 

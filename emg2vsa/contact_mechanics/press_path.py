@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa.actuator import RAD_PER_TICK, Springs
 from emg2vsa.arrays import Floats
 from emg2vsa.contact_mechanics.geometry import PowerLaw, adhesive_force_n
 from emg2vsa.contact_mechanics.relaxation import ConvolvedForce, Relaxation
 from emg2vsa.contact_mechanics.tilt import Shear, area_share, forces_n
+from emg2vsa.devices.qbmove.springs import Springs
 from emg2vsa.errors import DataError
 
 _NEWTON = 40
@@ -49,27 +49,27 @@ class Drive:
 
 @dataclass(frozen=True, eq=False)
 class StiffnessSteps:
-    """Presets by force: ``preset_ticks`` (K,) between ``edges_n`` (K + 1,). Loading never goes back a step."""
+    """Presets by force: ``presets_rad`` (K,) between ``edges_n`` (K + 1,). Loading never goes back a step."""
 
     edges_n: Floats
-    preset_ticks: Floats
+    presets_rad: Floats
 
     @classmethod
-    def constant(cls, preset_ticks: float) -> StiffnessSteps:
+    def constant(cls, preset_rad: float) -> StiffnessSteps:
         """The same at every force."""
-        return cls(np.array([0.0, math.inf]), np.array([preset_ticks]))
+        return cls(np.array([0.0, math.inf]), np.array([preset_rad]))
 
     def preset_rad(self, force_n: float) -> float:
         """Preset at a force; below the first edge that of the first step, above the last that of the last."""
-        return float(self.preset_ticks[self._step(force_n)]) * RAD_PER_TICK
+        return float(self.presets_rad[self._step(force_n)])
 
     def next_n(self, force_n: float) -> float:
         """Force at which the next step begins; infinite in the last one."""
         step = self._step(force_n) + 1
-        return float(self.edges_n[step]) if step < self.preset_ticks.size else math.inf
+        return float(self.edges_n[step]) if step < self.presets_rad.size else math.inf
 
     def _step(self, force_n: float) -> int:
-        return min(max(int(self.edges_n.searchsorted(force_n, side="right")) - 1, 0), self.preset_ticks.size - 1)
+        return min(max(int(self.edges_n.searchsorted(force_n, side="right")) - 1, 0), self.presets_rad.size - 1)
 
 
 @dataclass(frozen=True, kw_only=True)

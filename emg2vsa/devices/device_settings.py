@@ -27,14 +27,35 @@ NetPort = Annotated[int, Ge(1), Le(65535)]
 
 
 @dataclass(frozen=True, kw_only=True)
-class WatchedSettings:
+class ActuatorSettings:
     """An actuator of any kind."""
 
     kind: str
     "Of the device; each kind has keys of its own."
+    port: Text | None = None
+    "Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3. Omitted: only the emulated rig can run."
+    id: Annotated[int, Ge(0), Le(255)] = 1
+    "Device id, as emg2vsa rig scan lists it."
+    baud: Annotated[int, Gt(0)] = 2_000_000
+    "Bits a second on the serial line."
     watchdog_s: WatchdogS = 0.5
     """The device is told to switch its motors off when the program has been silent for so long. Whether it does is
     unknown until emg2vsa rig prove-watchdog has shown it on this very device."""
+
+    @property
+    def joint(self) -> str:
+        """Name of the joint, for which schedules are made: of the kind, where its models do not differ."""
+        return self.kind
+
+    @property
+    def full_preset(self) -> float | None:
+        """In the joint's own unit; None where [rig] or the device says it."""
+        return None
+
+    @property
+    def unmeasured(self) -> str:
+        """Key that a measurement must give before a schedule can run; empty where there is none."""
+        return ""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
 
 if TYPE_CHECKING:  # a run with nothing to do knows folders of runs without loading NumPy
     import numpy as np
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
-    from emg2vsa.actuator import Springs
+    from emg2vsa.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -159,25 +161,87 @@ class PressJudge(Protocol):
 
 
 class Measurements(NamedTuple):
-    """Encoder readings, ticks."""
+    """Encoder readings, degrees of the joint."""
 
-    motor_1: int
-    motor_2: int
-    shaft: int
+    motors_deg: tuple[float, ...]
+    "Of each motor, connected or not."
+    shaft_deg: float
+    "Motor 1's where the shaft has no encoder of its own."
+
+
+class Joint(Protocol):
+    """What gives way between a command and the shaft: springs between two motors, or the position gain of one.
+
+    A preset is a share of the full preset, 0 to 1; ``full_preset`` says how much that is in the joint's own unit.
+    Joints of one model differ in it alone.
+    """
+
+    @property
+    def name(self) -> str:
+        """Of the model, as a study and its schedules name it."""
+
+    @property
+    def full_preset(self) -> float:
+        """Springs: degrees of each motor from their middle. A gain: its stiffness, N m/rad."""
+
+    @property
+    def measured_key(self) -> str | None:
+        """Key of [actuator] that a measurement of the stiffness gives; None where a model tells it."""
+
+    @property
+    def preset_per_s(self) -> float:
+        """How fast the preset may change while nothing is pressed."""
+
+    def targets_deg(self, position_deg: float, preset: float) -> tuple[float, ...]:
+        """Where each motor goes. Empty where a motor itself gives way, and no command tells where it will stand."""
+
+    def torque_nm(self, at: Measurements, position_deg: float, preset: float) -> float:
+        """External torque that the joint bears with this command in force; above 0: to larger angles."""
+
+    def position_deg(self, at: Measurements) -> float:
+        """Position for which the motors stand there."""
+
+    def preset_at(self, at: Measurements) -> float:
+        """Preset for which the motors stand there; 0 where they do not tell."""
+
+    def stiffness_nm_per_rad(self, preset: ArrayLike) -> Floats:
+        """At zero load, of presets of any shape."""
+
+    def percent_for(self, stiffness_nm_per_rad: ArrayLike) -> Floats:
+        """Preset, percent of the full one, of a stiffness at zero load; any shape. ScheduleError beyond what can be."""
+
+    def rounded(self, preset: ArrayLike) -> Floats:
+        """The nearest presets that the device can be sent; any shape."""
+
+
+class LogColumns(NamedTuple):
+    """The columns of an actuator in log.csv: position and preset as commanded, motors 1 and 2, shaft, two currents.
+
+    per_degree, per_preset, per_ampere : of their units in a degree, in the joint's unit of a preset, and in an ampere.
+    whole : they hold whole numbers.
+    """
+
+    names: tuple[str, ...] = (
+        "position_deg", "preset", "motor_1_deg", "motor_2_deg", "shaft_deg", "current_1_a", "current_2_a"
+    )  # fmt: skip
+    per_degree: float = 1.0
+    per_preset: float = 1.0
+    per_ampere: float = 1.0
+    whole: bool = False
 
 
 class Actuator(Protocol):
     """A position with a stiffness. Every method raises DeviceError when the device is lost or refuses.
 
-    Where it has springs, motor 1 is sent to position + preset and motor 2 to position - preset; without, motor 1 to the
-    position and motor 2 nowhere.
-
-    springs : between motors and shaft; None is a rigid motor, whose shaft is motor 1's.
+    joint : what gives way; None is a rigid motor, whose shaft is motor 1's.
+    columns : of its runs in log.csv.
     """
 
+    columns: LogColumns
+
     @property
-    def springs(self) -> Springs | None:
-        """Of the device, or of the model it stands for."""
+    def joint(self) -> Joint | None:
+        """Of the device, once it is known, or of the model it stands for."""
 
     def activate(self) -> None:
         """Motors on, where they are."""
@@ -188,20 +252,98 @@ class Actuator(Protocol):
     def is_active(self) -> bool:
         """Are the motors on? They go off by themselves after a reset or when the watchdog has run out."""
 
-    def set_position_stiffness(self, position_ticks: int, preset_ticks: int) -> None:
-        """Equilibrium and stiffness preset; a rigid motor has only the preset 0."""
+    def command(self, position_deg: float, preset: float) -> None:
+        """Equilibrium, degrees, and stiffness preset, 0 to 1; a rigid motor has only the preset 0."""
 
-    def position_ticks(self) -> float:
-        """Where the motors stand, as the position that ``set_position_stiffness`` would command to keep them there."""
+    def position_deg(self) -> float:
+        """Where the motors stand, as the position of a command."""
 
     def measurements(self) -> Measurements:
-        """Encoders of both motors and of the shaft; what each motor means for the position is the device's to say."""
+        """Encoders of motors and shaft; what each motor means for the position is the joint's to say."""
 
-    def currents_ma(self) -> tuple[int, int]:
-        """Currents of both motors, mA."""
+    def currents_a(self) -> tuple[float, ...]:
+        """Current of each motor, A."""
 
-    def current_limit_ma(self) -> float:
-        """What the device says a motor may draw, mA; asked once the motors are on, and answered from memory."""
+    def current_limit_a(self) -> float:
+        """What the device says a motor may draw, A; asked once the motors are on, and answered from memory."""
+
+
+class Usable(NamedTuple):
+    """What a run may ask of an actuator. position_deg : first and last. full_preset : in its joint's own unit."""
+
+    position_deg: tuple[float, float]
+    full_preset: float
+
+
+class Parameter(NamedTuple):
+    """One parameter as a device lists it. form : of each value, as ``struct`` names it."""
+
+    number: int
+    name: str
+    values: tuple[float, ...]
+    form: str
+
+
+class Identity(Protocol):
+    """What a device says of itself: a dataclass of its kind, which the record of a run keeps."""
+
+    @property
+    def firmware(self) -> str: ...
+    @property
+    def device_id(self) -> int: ...
+
+
+class Board(Protocol):
+    """An actuator as it is opened, for runs and for what people do with it by hand. DeviceError as `Actuator`.
+
+    Within a with statement: its motors go off at the end. where : port and id. rigid : it has no joint.
+    """
+
+    where: str
+    rigid: bool
+
+    def close(self) -> None:
+        """Give the line back."""
+
+    def __enter__(self) -> Self: ...
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+    def identify(self) -> Any:
+        """Its `Identity`. DeviceError: it is silent, or not as the rig file describes it."""
+
+    def usable(self, info: Any) -> Usable:
+        """What a run may ask of the device of this identity."""
+
+    def pressing(self) -> Actuator:
+        """What a run commands."""
+
+    def serial_number(self) -> str:
+        """Empty where the device tells none."""
+
+    def activate(self) -> None:
+        """As `Actuator`, and so the next four."""
+
+    def deactivate(self) -> None: ...
+    def is_active(self) -> bool: ...
+    def measurements(self) -> Measurements: ...
+    def currents_a(self) -> tuple[float, ...]: ...
+
+    def ask_active(self) -> bool:
+        """Motors on, by what the device says? Nothing else is sent."""
+
+    def move_motors(self, motors_deg: Sequence[float]) -> None:
+        """Send each motor there, without feeding the watchdog otherwise."""
+
+    def parameters(self) -> Mapping[int, Parameter]:
+        """All by number."""
+
+    def set_parameter(self, number: int, values: tuple[float, ...]) -> Parameter:
+        """Set and store one, and read it back."""
+
+    def set_zeros(self) -> Measurements:
+        """Make the present place of motors and shaft their zero, stored; what is read then."""
 
 
 @dataclass(frozen=True)

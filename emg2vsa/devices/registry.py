@@ -6,7 +6,7 @@ asked for, and its driver when it is opened. A kind of another package never tak
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -33,8 +33,9 @@ class _Role(NamedTuple):
 
 
 ROLES = {
-    "actuator": _Role("emg2vsa.devices.device_settings:WatchedSettings", "emg2vsa.devices.protocols:Actuator", {
+    "actuator": _Role("emg2vsa.devices.device_settings:ActuatorSettings", "emg2vsa.devices.protocols:Board", {
         "qbmove": "qbmove.settings:QBMOVE",
+        "dynamixel": "dynamixel.settings:DYNAMIXEL",
     }, default="qbmove"),
     "force": _Role("emg2vsa.devices.device_settings:ForceSettings", "emg2vsa.devices.protocols:ForceSensor", {
         "net-ft": "netft.settings:NET_FT",
@@ -75,12 +76,14 @@ class Around:
     ----------
     clock : on which it measures.
     lost_s : a device that has given nothing for so long is lost.
+    stiffness_percent : what a rig may ask of an actuator, of its full preset.
     others : settings of the devices beside it, by role; of a session "emg", "session-force" and, with a rig, "force".
     kept : lasts as long as the session, in which a device that was lost is opened anew; for what two devices share.
     """
 
     clock: Clock
     lost_s: float = 1.0
+    stiffness_percent: tuple[float, float] = (0.0, 100.0)
     others: Mapping[str, Any] = field(default_factory=dict)
     kept: dict[str, Any] = field(default_factory=dict)
 
@@ -98,6 +101,10 @@ class Kind:
     check : of settings, what is `Wrong` with them that their types and limits do not say.
     about : of an opened device, lines on it for ``emg2vsa rig info``.
     facts : of a started device and its settings, plain values for the record of a run.
+    scan : of a line, a clock, ids (none: all) and the time for each answer, s, a line of text for each who answers.
+    joints : of an actuator, names of the joints for which schedules are made. full_key : of the full preset, in the
+        table [schedule] of a study and in schedules. export : how these schedules are written, an `Export` of
+        `emg2vsa.devices.joints`.
     plugin : whose it is; None for one of this project.
     """
 
@@ -107,7 +114,16 @@ class Kind:
     check: Callable[[Any], Iterator[Wrong]] | None = None
     about: str | Callable[[Any], Iterator[str]] | None = None
     facts: str | Callable[[Any, Any], dict[str, Any]] | None = None
+    scan: str | Callable[[Any, Clock, Sequence[int], float], Iterator[str]] | None = None
+    joints: tuple[str, ...] = ()
+    full_key: str = ""
+    export: Any = None
     plugin: Plugin | None = None
+
+    @property
+    def exports(self) -> Any:
+        """How schedules for its joints are written."""
+        return _loaded(self.export)
 
     def opened(self, settings: Any, around: Around) -> Any:
         """The device. PluginError where that of another package fails, or lacks what its role wants."""
@@ -119,7 +135,7 @@ class Kind:
         return device
 
     def call(self, function: str, *given: Any) -> Any:
-        """What "open", "check", "about" or "facts" gives; nothing where there is none. PluginError where it fails."""
+        """What one of its functions gives; nothing where there is none. PluginError where it fails."""
         try:
             return _GIVES[function](_loaded(getattr(self, function))(*given) if getattr(self, function) else ())
         except UserError:
@@ -135,6 +151,7 @@ _GIVES: dict[str, Callable[[Any], Any]] = {
     "check": lambda found: tuple(Wrong(*each) for each in found),
     "about": lambda lines: tuple(map(str, lines)),
     "facts": dict,
+    "scan": tuple,
 }
 
 
@@ -190,5 +207,8 @@ def _loaded(place: Any) -> Any:
     """The object at "module:name"; any other object as it is."""
     if not isinstance(place, str):
         return place
-    module, _, name = place.partition(":")
-    return getattr(import_module(module), name)
+    module, _, names = place.partition(":")
+    found: Any = import_module(module)
+    for name in names.split("."):
+        found = getattr(found, name)
+    return found

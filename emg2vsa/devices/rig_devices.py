@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from emg2vsa.devices.device_settings import CameraSettings, ForceSettings
-from emg2vsa.devices.qbmove.settings import ActuatorSettings, MotorSettings
+from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings
+from emg2vsa.devices.qbmove.settings import MotorSettings
 
 
 @dataclass(frozen=True, kw_only=True)

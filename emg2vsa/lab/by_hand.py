@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,23 +13,20 @@ from typing import Any
 
 from casr.atomic import write_text_atomic
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.devices.protocols import Measurements
-from emg2vsa.devices.qbmove.driver import Qbmove
-from emg2vsa.devices.qbmove.info import Parameter, QbmoveInfo
+from emg2vsa.devices.protocols import Board, Identity, Measurements, Parameter
 from emg2vsa.errors import SettingError
-from emg2vsa.lab.device_states import shown
+from emg2vsa.lab.device_states import angles, shown
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.real_press import SAID
 from emg2vsa.lab.rig_lock import rig_lock
 from emg2vsa.rig.commissioning.hand_motion import (
     FASTEST_DEG_PER_S,
     LIMIT_SHARE,
-    TICKS_PER_DEGREE,
     TOUCH_N,
     HandMotion,
 )
 from emg2vsa.rig.commissioning.watchdog import WatchdogProof, prove_watchdog, write_proof
-from emg2vsa.rig.open_rig import OpenRig, board_info, board_settings, open_board, open_force, open_rig
+from emg2vsa.rig.open_rig import OpenRig, board_settings, open_board, open_force, open_rig
 from emg2vsa.rig.plan import RIGID, Condition
 from emg2vsa.rig_file import RigFile
 
@@ -42,10 +39,10 @@ Force = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class AtHome:
-    """shaft_ticks, from_home_mm : where the probe is. force_n : (x, y, z) N, as measured. touched : a force ended the
+    """shaft_deg, from_home_mm : where the probe is. force_n : (x, y, z) N, as measured. touched : a force ended the
     move. force_remains : more than 0.5 N in one axis."""
 
-    shaft_ticks: int
+    shaft_deg: float
     from_home_mm: float
     force_n: Force
     touched: bool
@@ -54,11 +51,11 @@ class AtHome:
 
 @dataclass(frozen=True)
 class Jogged:
-    """Where the shaft began and is, ticks; how far it turned, degrees; how far the probe went towards the specimen, mm
+    """Where the shaft began and is, degrees; how far it turned; how far the probe went towards the specimen, mm
     by the gear of the rig file. force_n : (x, y, z) N above that at the start. touched : a force ended the move."""
 
-    from_ticks: int
-    shaft_ticks: int
+    from_deg: float
+    shaft_deg: float
     moved_deg: float
     moved_mm: float
     force_n: Force
@@ -80,10 +77,10 @@ class Tared:
 
 @dataclass(frozen=True)
 class Zeroed:
-    """Ticks of motor 1, motor 2 and shaft, before and after."""
+    """Angles of motors and shaft, before and after."""
 
-    before_ticks: Measurements
-    ticks: Measurements
+    before: Measurements
+    after: Measurements
 
 
 @dataclass(frozen=True)
@@ -91,7 +88,7 @@ class BoardParameters:
     """where : port and id of the device. parameters : in the order of their numbers."""
 
     where: str
-    info: QbmoveInfo
+    info: Identity
     parameters: tuple[Parameter, ...]
 
     def document(self) -> dict[str, Any]:
@@ -130,10 +127,10 @@ def signals_interrupt(*names: str) -> Iterator[None]:
 
 
 @contextmanager
-def _held_board(file: RigFile, motor: bool, clock: WallClock | None = None) -> Iterator[Qbmove]:
+def _held_board(file: RigFile, motor: bool, clock: WallClock | None = None) -> Iterator[Board]:
     """The actuator that is asked for, the rig held."""
     settings = board_settings(file.devices, _condition(motor))
-    with rig_lock(file.path), open_board(settings, file.rig.stiffness_percent, clock or WallClock()) as board:
+    with rig_lock(file.path), closing(open_board(settings, file.rig, clock or WallClock())) as board:
         yield board
 
 
@@ -142,18 +139,18 @@ def _condition(motor: bool) -> Condition:
 
 
 def home(file: RigFile, *, motor: bool = False) -> AtHome:
-    """Move the probe slowly to its retracted position, home_ticks; also one that stands pressed.
+    """Move the probe slowly to its retracted position, home_deg; also one that stands pressed.
 
     A force 0.5 N above that at the start ends the move. motor : the rigid motor instead of the qbmove. DeviceError :
     as `hand_rig`, or a device is lost.
     """
     with hand_rig(file, motor=motor) as (opened, hand):
         hand.start()
-        place = hand.go(file.rig.home_ticks, until_n=_RISE_N, from_zero=False)
+        place = hand.go(file.rig.home_deg, until_n=_RISE_N, from_zero=False)
         force_n = opened.devices.force.read().force_n
     remains = float(abs(force_n).max()) > TOUCH_N
-    depth_mm = file.rig.depth_at(place.shaft_ticks)
-    return AtHome(place.shaft_ticks, depth_mm, _force(force_n), place.touched, remains)
+    depth_mm = file.rig.depth_at(place.shaft_deg)
+    return AtHome(place.shaft_deg, depth_mm, _force(force_n), place.touched, remains)
 
 
 def jog(
@@ -173,16 +170,16 @@ def jog(
     mm_per_degree = file.rig.gear_mm_per_degree * file.rig.push_sign
     degrees = mm / mm_per_degree if mm is not None else deg or 0.0
     with hand_rig(file, motor=motor) as (_, hand):
-        start, begin = hand.start(), hand.at_ticks
-        place = hand.go(begin + degrees * TICKS_PER_DEGREE, until_n=limit_n, deg_per_s=deg_per_s)
+        start, begin = hand.start(), hand.at_deg
+        place = hand.go(begin + degrees, until_n=limit_n, deg_per_s=deg_per_s)
         if touched := place.touched:
             person.say(
-                f"{place.size_n:.2f} N at {place.shaft_ticks} ticks ended the move; back until the probe is free"
+                f"{place.size_n:.2f} N at {place.shaft_deg:.2f} degrees ended the move; back until the probe is free"
             )
             place = hand.away(begin)
-    moved_deg = (place.shaft_ticks - start.shaft_ticks) / TICKS_PER_DEGREE
+    moved_deg = place.shaft_deg - start.shaft_deg
     force_n = _force(place.force_n)
-    return Jogged(start.shaft_ticks, place.shaft_ticks, moved_deg, moved_deg * mm_per_degree, force_n, touched)
+    return Jogged(start.shaft_deg, place.shaft_deg, moved_deg, moved_deg * mm_per_degree, force_n, touched)
 
 
 def _check(name: str, value: float, most: float) -> None:
@@ -225,9 +222,9 @@ def zero(file: RigFile, *, motor: bool = False, person: Person = NOBODY) -> Zero
     another process uses the rig.
     """
     with _held_board(file, motor) as board:
-        board_info(board)
+        board.identify()
         before = board.measurements()
-        person.say("motors at {} and {} ticks, shaft at {}".format(*before))
+        person.say(angles(before))
         if not person.agrees(f"Make this the zero of {board.where}?"):
             return None
         return Zeroed(before, board.set_zeros())
@@ -243,7 +240,7 @@ def parameters(
     DeviceError : the device is absent or its motors are on, or another process uses the rig.
     """
     with _held_board(file, motor) as board:
-        found = BoardParameters(board.where, board_info(board), tuple(board.parameters().values()))
+        found = BoardParameters(board.where, board.identify(), tuple(board.parameters().values()))
         if backup:
             if backup.exists():
                 do = "Choose another name for --backup."
@@ -270,12 +267,12 @@ def proven_watchdog(file: RigFile, *, motor: bool = False, person: Person = NOBO
     if not person.agrees("Is the probe free, with 1 mm of way on both sides?"):
         return None
     with signals_interrupt(), _held_board(file, motor, clock) as board, board:
-        info = board_info(board)
+        info = board.identify()
         date, away_sign = datetime.now(UTC).isoformat(timespec="seconds"), -file.rig.push_sign
         proof = prove_watchdog(board, info, clock, watchdog_s=settings.watchdog_s, away_sign=away_sign, date=date)
     path = write_proof(file.path, "motor" if motor else "actuator", proof)
     silent = f"silent for {proof.silence_s:g} s with watchdog_s = {proof.watchdog_s:g}"
     person.say(f"{board.where}, {proof.firmware}: {silent}")
-    person.say(f"moved by one command: {proof.moved_before_ticks} ticks before, {proof.moved_after_ticks} ticks after")
+    person.say(f"moved by one command: {proof.moved_before_deg:.2f} degrees before, {proof.moved_after_deg:.2f} after")
     person.say(f"{proof.verdict}: {SAID[proof.verdict]}\nwritten: {path}")
     return proof

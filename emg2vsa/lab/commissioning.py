@@ -9,7 +9,7 @@ from emg2vsa.errors import SettingError
 from emg2vsa.lab.by_hand import hand_rig
 from emg2vsa.lab.person import NOBODY, TRIES, Person
 from emg2vsa.rig.commissioning.checks import REACH_DEG, Check, check_rig
-from emg2vsa.rig_file import RigFile
+from emg2vsa.rig_file import RigFile, spelled
 from emg2vsa.rig_file.edit import write_values
 from emg2vsa.study_file.problems import KeyPath
 
@@ -35,18 +35,19 @@ def check_settings(
     if not person.agrees("Ready?"):
         return None
     with hand_rig(file, motor=motor) as (opened, hand):
-        return check_rig(hand, opened.rig, AtThePad(person), person.say, reach_deg)
+        said = getattr(file.devices.actuator, joint.measured_key or "", None) if (joint := hand.joint) else None
+        return check_rig(hand, opened.rig, AtThePad(person), person.say, reach_deg, said)
 
 
 def mend_settings(file: RigFile, checks: Sequence[Check], person: Person = NOBODY) -> bool:
     """Write what is wrong in ``checks`` into the rig file; comments stay. Whether all is right now."""
-    wrong: dict[KeyPath, object] = {("rig", check.key): check.found for check in checks if not check.good}
+    wrong: dict[KeyPath, object] = {(check.table, check.key): check.found for check in checks if not check.good}
     if not wrong:
         person.say(f"{file.path}: these settings are right")
         return True
     if not person.agrees(f"Write {', '.join(str(key[-1]) for key in wrong)} into {file.path}?"):
         return False
-    write_values(file.path, wrong)
+    write_values(file.path, spelled(file.path, wrong))
     person.say(f"written: {file.path}; run emg2vsa rig commission once more to confirm it")
     return True
 

@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import nullcontext
-from dataclasses import dataclass
+from contextlib import closing, nullcontext
+from dataclasses import dataclass, fields
 from functools import partial
+from typing import Any
 
 from casr.errors import PluginError
 from emg2vsa.devices.clock import Clock, WallClock
-from emg2vsa.devices.device_settings import CameraSettings, ForceSettings
-from emg2vsa.devices.qbmove.driver import Qbmove
-from emg2vsa.devices.qbmove.info import Parameter, QbmoveInfo, check_kind
-from emg2vsa.devices.qbmove.limits import QbmoveLimits
+from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings
+from emg2vsa.devices.protocols import Measurements, Parameter
 from emg2vsa.devices.qbmove.scan import qbmove_ports
-from emg2vsa.devices.qbmove.scan import scan as answering
-from emg2vsa.devices.qbmove.settings import ActuatorSettings, MotorSettings
-from emg2vsa.devices.registry import known
+from emg2vsa.devices.qbmove.settings import MotorSettings
+from emg2vsa.devices.registry import Kind, kinds, known
 from emg2vsa.devices.serial_line import SerialLine
-from emg2vsa.devices.serial_speed import BAUD, Baud
-from emg2vsa.errors import DeviceError, InputError
+from emg2vsa.errors import DeviceError, InputError, SettingError
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.rig_lock import rig_lock
-from emg2vsa.rig.open_rig import board_info, open_board, open_camera, open_force, within_device
+from emg2vsa.rig.open_rig import about_board, open_board, open_camera, open_force, within_device
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.rig_file import RigFile
 
@@ -55,22 +52,23 @@ def info(file: RigFile, person: Person = NOBODY) -> tuple[DeviceState, ...]:
 
 
 def scan(
-    file: RigFile | None = None, *, ports: Sequence[str] = (), baud: Baud = BAUD, ids: Sequence[int] = (),
-    wait_s: float = 0.005, person: Person = NOBODY,
+    file: RigFile | None = None, *, ports: Sequence[str] = (), kind: str = "qbmove", baud: int | None = None,
+    ids: Sequence[int] = (), wait_s: float = 0.005, person: Person = NOBODY,
 ) -> tuple[DeviceState, ...]:  # fmt: skip
     """Serial adapters as qbmoves have; who answers on ``ports`` and those of the rig file; its sensor and camera.
 
-    baud : of ``ports``. ids : the only ones to ask; none: 1 to 255. wait_s : for each answer.
+    kind : of actuator that is asked for on ``ports``. baud : of ``ports``; None: as the kind has it. ids : the only
+    ones to ask; none: all that there are. wait_s : for each answer. SettingError : no such kind.
     Nothing is sent to a port or address that is not named. DeviceError where the rig of the file is in use.
     """
     clock = WallClock()
     boards = [board for board in (file.devices.actuator, file.devices.motor) if board] if file else []
-    asked = {board.port: board.baud for board in boards if board.port}
-    asked |= dict.fromkeys(ports, baud)
+    asked = {board.port: (getattr(board, "kind", "qbmove"), board.baud) for board in boards if board.port}
+    asked |= dict.fromkeys(ports, (kind, baud or _usual_baud(kind)))
     adapters = [port for port in qbmove_ports() if port not in asked]
     found = list(_told(dict.fromkeys(adapters, _adapter), person))
     titled: dict[str, Callable[[], Lines]] = {
-        port: partial(_answers, port, baud, ids or range(1, 256), wait_s, clock) for port, baud in asked.items()
+        port: partial(_answers, port, *how, ids, wait_s, clock) for port, how in asked.items()
     }
     with rig_lock(file.path) if file else nullcontext():
         return (*found, *_told(titled | (_sensors(file, clock) if file else {}), person))
@@ -103,36 +101,46 @@ def _adapter() -> Lines:
     yield "an adapter as qbmoves have; ask it with --port"
 
 
-def _answers(port: str, baud: int, ids: Sequence[int], wait_s: float, clock: Clock) -> Lines:
-    line = SerialLine(port, baud)
-    try:
-        found = answering(line, clock, ids, reply_s=wait_s)
-    finally:
-        line.close()
+def scanned_kind(name: str) -> Kind:
+    """A kind of actuator that can be looked for. SettingError where there is none of this name."""
+    known = {each: kind for each, kind in kinds("actuator").items() if kind.scan}
+    if name not in known:
+        do = "Choose one of these."
+        raise SettingError("--kind", wanted=f"one of {', '.join(known)}", found=name, do=do)
+    return known[name]
+
+
+def _usual_baud(kind: str) -> int:
+    usual: dict[str, Any] = {each.name: each.default for each in fields(scanned_kind(kind).settings)}
+    return int(usual["baud"])
+
+
+def _answers(port: str, kind: str, baud: int, ids: Sequence[int], wait_s: float, clock: Clock) -> Lines:
+    with closing(SerialLine(port, baud)) as line:
+        found = scanned_kind(kind).call("scan", line, clock, ids, wait_s)
     if not found:
         do = "Check power, cable and --baud; a slow line may need --wait-ms 20."
-        raise DeviceError(port, wanted="a qbmove that answers", found="none", do=do)
-    for one in found:
-        yield f"id {one.device_id}" + (f", serial number {one.serial_number}" if one.serial_number else "")
+        raise DeviceError(port, wanted=f"a {kind} that answers", found="none", do=do)
+    yield from found
 
 
 def _board(settings: ActuatorSettings | MotorSettings, rig: RigSettings, clock: Clock) -> Lines:
     """Info text, state, what a run may use, and parameters. DeviceError when the board is absent."""
-    rigid = isinstance(settings, MotorSettings)
-    with open_board(settings, rig.stiffness_percent, clock) as board:
-        info = board_info(board)
-        yield from _facts(info)
-        if isinstance(settings, ActuatorSettings):
-            check_kind(info, settings.model, board.where)
-        yield from _state(board, rigid)
-        yield _ready(info, board.where, rig)
-        usable = within_device(rig, info, rigid)
-        yield "a run may use: positions {} to {} ticks".format(*usable.position_ticks) + (
-            "" if rigid else ", {:.3g} to {:.3g} % of full stiffness".format(*usable.stiffness_percent)
+    with closing(open_board(settings, rig, clock)) as board:
+        yield from about_board(board, settings)
+        usable = within_device(rig, board.usable(board.identify()))
+        yield "a run may use: positions {:.6g} to {:.6g} degrees".format(*usable.position_deg) + (
+            "" if board.rigid else ", {:.3g} to {:.3g} % of full stiffness".format(*usable.stiffness_percent)
         )
         yield "parameters:"
         for parameter in board.parameters().values():
             yield f"  {parameter_line(parameter)}"
+
+
+def angles(at: Measurements) -> str:
+    """``motors at 1.00 and 2.00 degrees, shaft at 1.50``."""
+    motors = " and ".join(f"{angle_deg:.2f}" for angle_deg in at.motors_deg)
+    return f"motor{'s' if len(at.motors_deg) > 1 else ''} at {motors} degrees, shaft at {at.shaft_deg:.2f}"
 
 
 def parameter_line(parameter: Parameter) -> str:
@@ -173,31 +181,3 @@ def _camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Li
         yield f"mean grey level {frames[-1].image.mean():.0f} of 255"
     finally:
         camera.close()
-
-
-def _facts(info: QbmoveInfo) -> Lines:
-    yield f"firmware {info.firmware}, id {info.device_id}"
-    yield f"control mode {info.control_mode}, input mode {info.input_mode}, resolutions {info.resolutions}"
-    for motor, (low, high) in enumerate(info.position_limits_ticks, start=1):
-        yield f"position limits of motor {motor}: {low} to {high} ticks"
-    yield f"full stiffness {info.max_stiffness_ticks} ticks, current limit {info.current_limit_ma} mA"
-    yield f"supply {info.voltage_mv / 1000:.1f} V"
-
-
-def _state(board: Qbmove, rigid: bool) -> Lines:
-    yield f"motors {'on' if board.is_active() else 'off'}"
-    at = board.measurements()
-    if rigid:  # motor 2 is not connected
-        yield f"motor at {at.motor_1} ticks"
-        yield f"current {board.currents_ma()[0]} mA"
-        return
-    yield "motors at {} and {} ticks, shaft at {}".format(*at)
-    yield "currents {} and {} mA".format(*board.currents_ma())
-
-
-def _ready(info: QbmoveInfo, where: str, rig: RigSettings) -> str:
-    try:
-        QbmoveLimits(where, info, rig.stiffness_percent).check_ready()
-    except DeviceError as error:
-        return f"not ready for a run: {error}"
-    return "set up for runs"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from emg2vsa.actuator import ticks_of_percent
 from emg2vsa.errors import InputError
 from emg2vsa.rig.executor.dry_run import DryRun
 from emg2vsa.rig.executor.dry_run import dry_run as tried
@@ -33,11 +32,10 @@ def dry_run(file: RigFile, runs: Sequence[Run] = ()) -> dict[Run, DryRun | str]:
 def limits(file: RigFile) -> dict[str, str]:
     """Of the rig file, in words."""
     rig = file.rig
-    low, high = ticks_of_percent(rig.stiffness_percent, rig.max_preset_ticks)
-    percent = "{:g} to {:g} %".format(*rig.stiffness_percent)
+    way_deg = rig.position_at(rig.travel_mm) - rig.home_deg
     return {
-        "positions": "{} to {} ticks".format(*rig.position_ticks),
-        "presets": f"{low} to {high} ticks, {percent} of {rig.max_preset_ticks}",
-        "travel": f"{rig.travel_mm:g} mm, {rig.ticks_at(rig.travel_mm) - rig.home_ticks:+d} ticks from home",
+        "positions": "{:.6g} to {:.6g} degrees".format(*rig.position_deg),
+        "presets": "{:g} to {:g} % of the full one".format(*rig.stiffness_percent),
+        "travel": f"{rig.travel_mm:g} mm, {way_deg:+.6g} degrees from home",
         "force": f"{rig.guards.force_n:g} N, {rig.guards.force_rate_n_per_s:g} N/s",
     }

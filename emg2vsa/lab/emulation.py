@@ -14,7 +14,7 @@ from typing import Any
 from casr.atomic import write_text_atomic
 from emg2vsa.devices.clock import WallClock, undisturbed
 from emg2vsa.errors import SettingError
-from emg2vsa.rig.emulated.bench import DEVICE_ID, EmulatedRig
+from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.controls import ARTIFICIAL
 from emg2vsa.rig.emulated.fault_words import help_text, put
 from emg2vsa.rig.emulated.servers import EmulatedServers
@@ -34,12 +34,20 @@ class Emulation:
     "The tables [actuator], [motor], [force] and [camera] that lead to it."
     faults: tuple[str, ...]
 
+    @property
+    def actuator(self) -> str:
+        """What presses, in words."""
+        table = self.devices["actuator"]
+        return "rigid motor" if self.servers.bench.rigid else f"{table.get('kind', 'qbmove')} ({table['model']})"
+
     def obey(self, line: str) -> str:
         """Put a fault on or off; what is to be said of it. Also ``help`` and ``where``."""
         bench = self.servers.bench
         match line.strip():
             case "help":
-                return f"{help_text()}\n  {'where':<18}the probe and its force: a calliper for emg2vsa rig commission"
+                return (
+                    f"{help_text(bench)}\n  {'where':<18}the probe and its force: a calliper for emg2vsa rig commission"
+                )
             case "where":
                 return "probe {:.2f} mm down, {:.2f} N".format(*bench.probe())
             case words:
@@ -71,7 +79,9 @@ def emulation(
         do = "Choose an angle in this range."
         raise SettingError("--angle", wanted="0 to below 90 degrees", found=f"{angle_deg:g}", do=do)
     specimen = specimen or file.experiment.specimens[0]
-    bench = EmulatedRig(file.emulated, specimen, angle_deg, rigid, WallClock(), rig=file.rig)
+    bench = EmulatedRig(
+        file.emulated, specimen, angle_deg, rigid, WallClock(), rig=file.rig, actuator=file.devices.actuator
+    )
     # a busy computer keeps no real device waiting
     with undisturbed(), EmulatedServers(bench) as servers:
         put_on = tuple(put(bench, line) for line in faults)
@@ -85,10 +95,12 @@ def served_tables(servers: EmulatedServers) -> dict[str, dict[str, Any]]:
     """The tables [actuator], [motor], [force] and [camera] of the rig that ``servers`` put up."""
     bench, force = servers.bench, servers.force
     ports = servers.port, servers.idle_port
-    motor_port, qbmove_port = ports if bench.rigid else reversed(ports)
+    ends = (bench.end, bench.place), (bench.idle_end, bench.idle_place)
+    tables = [{"port": port} | end.table(place) for port, (end, place) in zip(ports, ends, strict=True)]
+    motor, actuator = tables if bench.rigid else reversed(tables)
     return {
-        "actuator": {"port": qbmove_port, "id": DEVICE_ID, "generation": "v6", "model": bench.model},
-        "motor": {"port": motor_port, "id": DEVICE_ID, "generation": "v6"},
+        "actuator": actuator,
+        "motor": motor,
         "force": {"kind": "net-ft", "host": force.host, "rdt_port": force.rdt_port, "http_port": force.http_port},
         "camera": {"source": servers.camera_url} | ({"delay_s": delay_s} if (delay_s := bench.camera.delay_s) else {}),
     }

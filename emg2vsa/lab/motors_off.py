@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
 from emg2vsa.devices.clock import WallClock
+from emg2vsa.devices.device_settings import ActuatorSettings
 from emg2vsa.devices.protocols import Measurements
-from emg2vsa.devices.qbmove.settings import ActuatorSettings, MotorSettings
+from emg2vsa.devices.qbmove.settings import MotorSettings
 from emg2vsa.errors import DeviceError
+from emg2vsa.lab.device_states import angles
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.rig_lock import end_user, stop_unnamed_run
 from emg2vsa.rig.open_rig import open_board
+from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig_file import load_rig
 
 
 @dataclass(frozen=True)
 class Off:
     """device : table of the rig file. problem : why its motors are not known to be off; "" where they are.
-    ticks : of motor 1, motor 2 and shaft."""
+    at : angles of motors and shaft."""
 
     device: str
     problem: str
-    ticks: Measurements | None
+    at: Measurements | None
 
 
 def off(rig_file: str | Path, person: Person = NOBODY) -> tuple[Off, ...]:
@@ -41,11 +45,11 @@ def off(rig_file: str | Path, person: Person = NOBODY) -> tuple[Off, ...]:
 def board_off(name: str, settings: ActuatorSettings | MotorSettings, person: Person = NOBODY) -> Off:
     """Switch the motors of one device off, and ask it. SettingError where ``settings`` name no port."""
     try:
-        with open_board(settings, (0.0, 100.0), WallClock()) as board:
+        with closing(open_board(settings, RigSettings(), WallClock())) as board:
             board.deactivate()
             at = board.measurements()
     except DeviceError as error:
         person.say(f"[{name}] NOT confirmed off: {error}")
         return Off(name, str(error), None)
-    person.say(f"[{name}] motors off; motors at {at.motor_1} and {at.motor_2} ticks, shaft at {at.shaft}")
+    person.say(f"[{name}] motors off; {angles(at)}")
     return Off(name, "", at)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from emg2vsa.errors import RecordingError
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.new_folder import PLAN_FILE
+from emg2vsa.rig.record.run_log import read_log
 from emg2vsa.rig.rig_settings import axis_of
 
 if TYPE_CHECKING:
@@ -39,17 +40,16 @@ class Pressed:
 
     @property
     def log(self) -> pd.DataFrame:
-        """One row a turn of the control loop (5 ms): columns of log.csv, and ``depth_mm`` of the probe from home, mm.
+        """One row a turn of the control loop (5 ms): columns of log.csv, ``shaft_deg``, and ``depth_mm`` of the probe
+        from home, mm.
 
         ``repetition`` counts presses from 1; ``phase`` is home, approach, contact, load, retract, pause or done;
         ``force_n`` is along the push axis, N. RecordingError where log.csv or plan.json cannot be read.
         """
-        import pandas as pd  # noqa: PLC0415  (who only presses does without)
-
         try:
-            log = pd.read_csv(self.folder / "log.csv")
+            log = read_log(self.folder / "log.csv")
             axis = axis_of(json.loads((self.folder / PLAN_FILE).read_text(encoding="utf-8"))["rig"])
-            return log.assign(depth_mm=log["shaft_ticks"].map(axis.depth_at))
+            return log.assign(depth_mm=log["shaft_deg"].map(axis.depth_at))
         except (OSError, ValueError, KeyError) as error:
             do = "Choose the folder of a run that the rig has recorded."
             raise RecordingError(self.folder, wanted="log.csv and plan.json", found=str(error), do=do) from error

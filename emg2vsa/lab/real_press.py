@@ -21,7 +21,7 @@ from emg2vsa.lab.ending import told
 from emg2vsa.lab.judging import say_kappa, say_reachable
 from emg2vsa.lab.person import Person, Say
 from emg2vsa.lab.rig_lock import rig_lock
-from emg2vsa.rig.commissioning.watchdog import WatchdogProof, read_proofs
+from emg2vsa.rig.commissioning.watchdog import WatchdogProof, proof_document, read_proofs
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.executor.moving_average import MovingAverage
@@ -37,9 +37,10 @@ from emg2vsa.rig.record.new_folder import EMULATED_FILE
 from emg2vsa.rig_file import RigFile
 
 SAID = {
-    "motors off": "the motors go off by themselves",
+    "motors off": "the motors go off by themselves, or stop",
     "flag only": "the device says that its motors are off, and they still follow commands",
     "no effect": "the motors stay on: there is no watchdog",
+    "ran away": "the motors moved by themselves when the watchdog ran out: do not use this device",
 }
 "Verdict on a watchdog in words."
 _LOOK_S = 0.2
@@ -61,13 +62,13 @@ def press_for_real(file: RigFile, plan: RunPlan, folder: Path, person: Person, k
         ):
             check_plan(plan, opened.rig)
             _mark_emulated(file, folder)
-            proof = _proof(file, plan.condition, opened)
+            proof, columns = _proof(file, plan.condition, opened), opened.devices.actuator.columns
             _introduce(file, folder, plan, opened, proof, person.say)
             with PressLines(folder, plan.repetitions, person.note):
                 ended = execute(
                     plan, opened.rig, opened.devices, folder, clock,
-                    started=started, stop=stop, facts=opened.facts | {"watchdog": proof and asdict(proof)},
-                    background=True, judge=judge,
+                    started=started, stop=stop, background=True, judge=judge,
+                    facts=opened.facts | {"watchdog": proof and proof_document(proof, columns)},
                 )  # fmt: skip
             person.say(told(ended, plan.repetitions, folder, opened.rig))
         if kappa is not None:
@@ -111,7 +112,7 @@ def _proof(file: RigFile, condition: Condition, opened: OpenRig) -> WatchdogProo
     """That of the watchdog of this very device."""
     name, board = "motor" if condition == RIGID else "actuator", board_settings(file.devices, condition)
     proof = read_proofs(file.path).get(name)
-    return proof if proof and proof.is_of(opened.info, board.watchdog_s) else None
+    return proof if proof and proof.is_of(opened.info, opened.rig.full_preset, board.watchdog_s) else None
 
 
 def remark(proof: WatchdogProof | None, firmware: str) -> str:
@@ -134,8 +135,10 @@ def _introduce(
     rig = opened.rig
     say(f"folder: {folder}")
     say(f"run: {plan.specimen}, {plan.angle_deg:g} degrees, {plan.condition}, {plan.repetitions} presses")
-    stiffness = "rigid" if plan.condition == RIGID else f"full stiffness {rig.max_preset_ticks} ticks"
-    say(f"device: {opened.info.firmware}, positions {{}} to {{}} ticks, {stiffness}".format(*rig.position_ticks))
+    joint = opened.devices.actuator.joint
+    stiffness = "rigid" if joint is None else f"full stiffness {float(joint.stiffness_nm_per_rad(1.0)):.3g} N m/rad"
+    low_deg, high_deg = rig.position_deg
+    say(f"device: {opened.info.firmware}, positions {low_deg:.4g} to {high_deg:.4g} degrees, {stiffness}")
     say(f"force: {MovingAverage(rig.filter_samples, rig.rate_hz).description}")
     # an emulated watchdog needs no proof
     if not file.leads_to_emulated and (watchdog := remark(proof, opened.info.firmware)):

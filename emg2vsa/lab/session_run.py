@@ -190,7 +190,7 @@ def _recorded(
                 _turn(desk, clock, beside)
         else:
             _with_pages(desk, clock, beside, at, shown)
-        over = desk.session.ended
+        over = desk.session.state.ended
     if person is not None and virtual is not None:
         virtual.keep_truth(person)
     assert over is not None

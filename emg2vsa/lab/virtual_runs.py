@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 from emg2vsa.errors import Emg2vsaError, SettingError
 from emg2vsa.process_pool import ProcessPool, WorkerDied
@@ -32,6 +33,7 @@ class VirtualJob:
     folder: Path
     effect: ArtificialEffect | None = None
     kappa: KappaPlan | None = None
+    actuator: Any = None
 
     def __call__(self) -> Ended:
         """Raises as `run_virtual`."""
@@ -43,6 +45,7 @@ class VirtualJob:
         return run_virtual(
             plan, self.rig, self.emulated, self.folder,
             started=started, run=run, mounted=mounted, effect=self.effect, kappa=self.kappa,
+            actuator=self.actuator,
         )  # fmt: skip
 
 
@@ -53,7 +56,7 @@ def virtual_job(file: RigFile, plan: RunPlan, folder: Path, kappa: KappaPlan | N
     # what the noise of control P4 is matched to
     right = read_schedules(file.schedules, [Run(named, 0.0, "modular")], {}) if named else ()
     effect = None if plan.plate else effect_of(emulated, plan.schedule, right)
-    return VirtualJob(plan, file.rig, emulated, folder, effect, kappa)
+    return VirtualJob(plan, file.rig, emulated, folder, effect, kappa, file.devices.actuator)
 
 
 def emulated_of(file: RigFile) -> EmulatedSettings:

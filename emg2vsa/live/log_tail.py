@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import BinaryIO
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.rig.record.run_log import HEADERS, Row, row_of
+from emg2vsa.rig.record.run_log import FORMS, Row, row_of
 
-_HEADS = {f"{header}\n".encode(): n_fields for header, n_fields in HEADERS.items()}
+_HEADS = {f"{header}\n".encode(): form for header, form in FORMS.items()}
 _LONGEST_HEAD = max(map(len, _HEADS))
 _NEWEST_BYTES = 700_000
 """A log that is long already is read from so far before its end: 15 s at 200 Hz and no more than 230 bytes a row."""
@@ -22,7 +22,8 @@ class LogTail:
 
     def __init__(self, path: Path, newest_bytes: int = _NEWEST_BYTES) -> None:
         self._path, self._newest_bytes = path, newest_bytes
-        self._read_bytes = self._n_fields = 0
+        self._read_bytes = 0
+        self._form = next(iter(FORMS.values()))
 
     def new_rows(self) -> list[Row]:
         """Whole rows since the last call, oldest first; half a last line waits for its other half.
@@ -44,7 +45,7 @@ class LogTail:
         whole = piece[: piece.rfind(b"\n") + 1]
         self._read_bytes += len(whole)
         lines = whole.decode("ascii", "replace").splitlines()
-        return [row_of(line, str(self._path), self._n_fields) for line in lines]
+        return [row_of(line, str(self._path), *self._form) for line in lines]
 
     def modified_s(self) -> float | None:
         """When the log last grew, seconds since 1970; None before there is one."""
@@ -61,7 +62,7 @@ class LogTail:
             return 0
         if whole not in _HEADS:
             raise self._unreadable(repr(head[:40].decode("ascii", "replace")))
-        self._n_fields = _HEADS[whole]
+        self._form = _HEADS[whole]
         size_bytes = file.seek(0, 2)
         if size_bytes <= len(whole) + self._newest_bytes:
             return len(whole)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from emg2vsa.errors import RecordingError
+from emg2vsa.devices.joints import joint_of
+from emg2vsa.devices.qbmove.ticks import in_degrees
+from emg2vsa.errors import RecordingError, ScheduleError
 from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
 from emg2vsa.rig.rig_settings import RigSettings, axis_of
 
@@ -27,7 +30,10 @@ class RunFacts:
     force_limit_n: float
     "Of the guard."
     travel_mm: float
-    max_preset_ticks: int
+    full_preset: float
+    "In the unit of the log's rows: springs degrees, a gain N m/rad."
+    stiffness_nm_per_rad: tuple[float, ...]
+    "At zero load, of presets of 0, 1, ... 100 % of the full one; none under the rigid motor."
     stiffness_percent: tuple[float, float]
     "The study's range, percent of the maximum preset."
     emulated: bool
@@ -47,14 +53,22 @@ def read_run(folder: Path) -> tuple[RunFacts, RigSettings]:
             **{name: plan[name] for name in ("specimen", "angle_deg", "condition", "repetitions")},
             **{name: plan[name] for name in ("f_contact_n", "f_max_n", "travel_mm")},
             force_limit_n=rig["guards"]["force_n"],
-            max_preset_ticks=rig["max_preset_ticks"],
+            full_preset=in_degrees(rig)["full_preset"],
+            stiffness_nm_per_rad=_stiffness(plan["schedule"], in_degrees(rig)["full_preset"]),
             stiffness_percent=(low, high),
             emulated=(folder / EMULATED_FILE).is_file(),
         )
-    except (OSError, ValueError, TypeError, KeyError) as error:
+    except (OSError, ValueError, TypeError, KeyError, ScheduleError) as error:
         found, do = f"{type(error).__name__}: {error}", "Choose the folder of a run, or of runs."
         raise RecordingError(path, wanted="the plan of a run", found=found, do=do) from error
     return facts, axis
+
+
+def _stiffness(schedule: Mapping[str, Any] | None, full_preset: float) -> tuple[float, ...]:
+    if schedule is None:
+        return ()
+    joint = joint_of(schedule["limits"]["actuator"], full_preset)
+    return tuple(joint.stiffness_nm_per_rad([percent / 100 for percent in range(101)]).round(5).tolist())
 
 
 _HOW = {

@@ -24,10 +24,10 @@ class Curves:
     time_s: Column = field(default_factory=list)
     raw_n: Column = field(default_factory=list)
     filtered_n: Column = field(default_factory=list)
-    preset_ticks: Column = field(default_factory=list)
-    "Commanded."
-    measured_ticks: Column = field(default_factory=list)
-    "Half the difference of the two motors, equation (8)."
+    preset: Column = field(default_factory=list)
+    "Commanded, in the unit of the run's full preset."
+    measured_preset: Column = field(default_factory=list)
+    "Half the difference of the two motors, equation (8); None of one motor."
     depth_mm: Column = field(default_factory=list)
     "Commanded."
     shaft_mm: Column = field(default_factory=list)
@@ -78,10 +78,10 @@ def curves_of(rows: Sequence[Row], rig: RigSettings) -> Curves:
         [round(row.time_s, 4) for row in recent],
         [_rounded(row.force_n) for row in recent],
         [_rounded(row.filtered_n) for row in recent],
-        [row.preset_ticks for row in recent],
+        [_rounded(row.preset) for row in recent],
         [_half_difference(row) for row in recent],
-        [_depth(row.position_ticks, rig) for row in recent],
-        [_depth(row.shaft_ticks, rig) for row in recent],
+        [_depth(row.position_deg, rig) for row in recent],
+        [_depth(row.at and row.at.shaft_deg, rig) for row in recent],
     )
 
 
@@ -94,14 +94,14 @@ def joined(before: Curves, after: Curves) -> Curves:
 
 
 def _half_difference(row: Row) -> float | None:
-    if row.motor_1_ticks is None or row.motor_2_ticks is None:
+    if row.at is None or len(row.at.motors_deg) < 2:
         return None
-    return (row.motor_1_ticks - row.motor_2_ticks) / 2
+    return _rounded((row.at.motors_deg[0] - row.at.motors_deg[1]) / 2)
 
 
-def _depth(ticks: int | None, rig: RigSettings) -> float | None:
-    return None if ticks is None else round(rig.depth_at(ticks), 3)
+def _depth(position_deg: float | None, rig: RigSettings) -> float | None:
+    return None if position_deg is None else round(rig.depth_at(position_deg), 3)
 
 
-def _rounded(force_n: float | None) -> float | None:
-    return None if force_n is None or not math.isfinite(force_n) else round(force_n, 3)
+def _rounded(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else round(value, 3)

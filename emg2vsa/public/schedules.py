@@ -36,8 +36,10 @@ def schedule(
         fits, or of ``profile.specimens`` where that names some.
     settings : tables ``profile``, ``schedule``, ``window``, ``hypotheses`` (which verdicts enter).
 
-    Columns: specimen, condition, step, force_from_n, force_to_n, stiffness_percent, preset_ticks,
-    stiffness_nm_per_rad, activity_v. DataError, ScheduleError : no schedule can be made.
+    Columns: specimen, condition, step, force_from_n, force_to_n, stiffness_percent, the preset as the actuator's files
+    have it (qbmove: preset_ticks), stiffness_nm_per_rad, activity_v.
+
+    DataError, ScheduleError : no schedule can be made.
     """
     settings = settings_or_default(settings)
     product = _fits_of(fits)
@@ -99,7 +101,7 @@ def schedules_frame(found: Sequence[Schedule]) -> pd.DataFrame:
                 "specimen": one.specimen, "condition": one.condition,
                 "step": np.arange(1, one.stiffness_percent.size + 1),
                 "force_from_n": one.step_force_n[:-1], "force_to_n": one.step_force_n[1:],
-                "stiffness_percent": one.stiffness_percent, "preset_ticks": one.preset_ticks,
+                "stiffness_percent": one.stiffness_percent, one.limits.export.column: one.exported,
                 "stiffness_nm_per_rad": one.stiffness_nm_per_rad, "activity_v": one.activity_v,
             }
         )

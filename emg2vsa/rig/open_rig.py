@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.device_settings import CameraSettings, ForceSettings
-from emg2vsa.devices.protocols import Camera, Devices, ForceSensor
+from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings
+from emg2vsa.devices.protocols import Board, Camera, Devices, ForceSensor, Identity, Usable
+from emg2vsa.devices.qbmove.about import about
 from emg2vsa.devices.qbmove.driver import Qbmove
-from emg2vsa.devices.qbmove.info import QbmoveInfo, check_kind
-from emg2vsa.devices.qbmove.limits import roomy_positions
-from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
-from emg2vsa.devices.qbmove.settings import ActuatorSettings, Generation, MotorSettings
+from emg2vsa.devices.qbmove.opening import open_qbmove
+from emg2vsa.devices.qbmove.settings import MotorSettings
 from emg2vsa.devices.registry import Around, known
 from emg2vsa.devices.rig_devices import DeviceSettings
-from emg2vsa.devices.serial_line import SerialLine
-from emg2vsa.errors import DeviceError, SettingError
+from emg2vsa.errors import SettingError
 from emg2vsa.rig.plan import RIGID, Condition
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
@@ -29,7 +27,7 @@ class OpenRig:
 
     devices: Devices
     rig: RigSettings
-    info: QbmoveInfo
+    info: Identity
     facts: dict[str, Any]
     "What the devices say of themselves, for the record of the run."
 
@@ -47,11 +45,9 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
     SettingError : the rig has no rigid motor and needs one.
     """
     with ExitStack() as stack:
-        board = stack.enter_context(open_board(board_settings(settings, condition), rig.stiffness_percent, clock))
+        board = stack.enter_context(closing(open_board(board_settings(settings, condition), rig, clock)))
         stack.enter_context(board)
-        info = board_info(board)
-        if condition != RIGID:
-            check_kind(info, settings.actuator.model, board.where)
+        info = board.identify()
         force = open_force(settings.force, rig.guards, clock)
         stack.callback(force.close)
         force.start()
@@ -65,9 +61,10 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
             camera.start()
             said = known("camera", settings.camera).call("facts", camera, settings.camera)
             facts["camera"] = said | {"name": camera.name}
-        rigid = condition == RIGID
-        devices = Devices(RigidMotor(board) if rigid else board, force, camera)
-        yield OpenRig(devices, within_device(rig, info, rigid), info, facts)
+        devices, usable = Devices(board.pressing(), force, camera), board.usable(info)
+        if condition != RIGID and settings.actuator.unmeasured:  # nothing else says how much a full preset is
+            rig = replace(rig, full_preset=usable.full_preset)
+        yield OpenRig(devices, within_device(rig, usable), info, facts)
 
 
 def _force_facts(force: ForceSensor, settings: ForceSettings) -> dict[str, Any]:
@@ -88,58 +85,21 @@ def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSe
     return settings.motor
 
 
-@contextmanager
-def open_board(
-    settings: ActuatorSettings | MotorSettings, stiffness_percent: tuple[float, float], clock: Clock
-) -> Iterator[Qbmove]:
-    """The board behind its serial port; nothing is switched.
-
-    DeviceError : no such port or id. SettingError : the rig file names no port: none is guessed.
-    """
-    if settings.port is None:
-        table = "actuator" if isinstance(settings, ActuatorSettings) else "motor"
-        raise _no_address(f"{table}.port", "the serial port of the device", "emg2vsa rig scan lists the ports.")
-    line = SerialLine(settings.port, settings.baud)
-    try:
-        board = Qbmove(
-            line,
-            settings.id,
-            generation=settings.generation,
-            model=settings.model if isinstance(settings, ActuatorSettings) else "maker-pro",
-            clock=clock,
-            stiffness_percent=stiffness_percent,
-            watchdog_s=settings.watchdog_s,
-            reply_s=settings.reply_s,
-        )
-        if not board.ping():
-            do = "Check power, cable, id and generation; emg2vsa rig scan lists who answers."
-            raise DeviceError(board.where, wanted="a device that answers", found="no answer", do=do)
-        yield board
-    finally:
-        line.close()
+def open_board(settings: ActuatorSettings | MotorSettings, rig: RigSettings, clock: Clock) -> Board:
+    """An actuator that answers; nothing is switched, and its user closes it. DeviceError, SettingError as its kind."""
+    around = Around(clock, stiffness_percent=rig.stiffness_percent)
+    if isinstance(settings, MotorSettings):
+        return open_qbmove(settings, around)
+    board: Board = known("actuator", settings).opened(settings, around)
+    return board
 
 
-def board_info(board: Qbmove) -> QbmoveInfo:
-    """What the board says of itself. DeviceError where it is silent, or not of the generation of the rig file.
-
-    The generations frame this text in different ways, so that a board asked in the wrong one seems to be silent; it is
-    then asked in the other.
-    """
-    said, troubles = board.generation, []
-    generations: tuple[Generation, ...] = ("v7", "v6") if said == "v7" else ("v6", "v7")
-    for board.generation in generations:
-        try:
-            info = board.info()
-        except DeviceError as error:
-            troubles.append(error)
-            continue
-        finally:
-            board.generation = said
-        if info.generation != said:
-            do = f'Set generation = "{info.generation}" in the rig file.'
-            raise DeviceError(f"{board.where}, generation", wanted=f"firmware {said}", found=info.firmware, do=do)
-        return info
-    raise troubles[0]
+def about_board(board: Board, settings: ActuatorSettings | MotorSettings) -> Iterator[str]:
+    """What an actuator says of itself, in lines. DeviceError: it is silent, or not as the rig file describes it."""
+    if isinstance(settings, MotorSettings):
+        yield from about(cast(Qbmove, board))
+    else:
+        yield from known("actuator", settings).call("about", board)
 
 
 def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> ForceSensor:
@@ -149,27 +109,21 @@ def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> 
     return sensor
 
 
-def _no_address(key: str, wanted: str, do: str) -> SettingError:
-    do = f"Write it into the rig file, or use the emulated rig (--virtual). {do}"
-    return SettingError(key, wanted=wanted, found="none", do=do)
-
-
 def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Camera:
     """The camera, not yet started."""
     camera: Camera = known("camera", settings).opened(settings, Around(clock, lost_s=guards.camera_s))
     return camera
 
 
-def within_device(rig: RigSettings, info: QbmoveInfo, rigid: bool) -> RigSettings:
+def within_device(rig: RigSettings, usable: Usable) -> RigSettings:
     """``rig`` with the limits of the device, and of those no wider than its own."""
-    low, high = info.position_limits_ticks[0] if rigid else roomy_positions(info)
-    first, last = rig.position_ticks
-    # presets are ticks in the end: of both ranges, what they have in common, as percent of the device's maximum
-    share = rig.max_preset_ticks / info.max_stiffness_ticks
+    (low, high), (first, last) = usable.position_deg, rig.position_deg
+    # of both ranges of stiffness, what they have in common, as percent of the device's maximum
+    share = rig.full_preset / usable.full_preset
     least, most = rig.stiffness_percent
     return replace(
         rig,
-        position_ticks=(max(first, low), min(last, high)),
-        max_preset_ticks=info.max_stiffness_ticks,
+        position_deg=(max(first, low), min(last, high)),
+        full_preset=usable.full_preset,
         stiffness_percent=(least * max(1.0, share), most * min(1.0, share)),
     )

@@ -55,9 +55,15 @@ class RunPlan:
         edges = self._edges_n
         return min(max(bisect_right(edges, force_n) - 1, 0), len(edges) - 2)
 
-    def preset_ticks(self, step: int) -> int:
-        """Stiffness preset of a force step; 0 for a rigid motor."""
-        return 0 if self.schedule is None else self._presets_ticks[step]
+    def preset(self, step: int, full_preset: float) -> float:
+        """Stiffness preset of a force step, share of ``full_preset``; 0 for a rigid motor.
+
+        A schedule that was made for another full preset asks for the same stiffness, and so for another share."""
+        return 0.0 if self.schedule is None else self._presets[step] / full_preset
+
+    def presets(self, full_preset: float) -> list[float]:
+        """Of all force steps; only 0 for a rigid motor."""
+        return [0.0] if self.schedule is None else [preset / full_preset for preset in self._presets]
 
     @cached_property
     def _edges_n(self) -> list[float]:
@@ -66,6 +72,8 @@ class RunPlan:
         return edges
 
     @cached_property
-    def _presets_ticks(self) -> list[int]:
+    def _presets(self) -> list[float]:
+        """In the joint's own unit."""
         assert self.schedule is not None
-        return [int(ticks) for ticks in self.schedule.preset_ticks]
+        presets: list[float] = (self.schedule.preset * self.schedule.limits.full_preset).tolist()
+        return presets

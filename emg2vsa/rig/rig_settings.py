@@ -9,7 +9,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from emg2vsa.devices.device_settings import LOST_S
-from emg2vsa.settings import TICKS_PER_TURN, Ge, Gt, Le, NonNegative, Positive
+from emg2vsa.devices.qbmove.ticks import in_degrees
+from emg2vsa.settings import Ge, Gt, Le, NonNegative, Positive
 
 if TYPE_CHECKING:
     import numpy as np
@@ -47,13 +48,13 @@ class GuardSettings:
     that is less; friction and motion of the shaft make 2.8 N of it."""
     spring_rest_n: Annotated[float, Gt(0), Le(10)] = 1.5
     "Largest force by the springs with the stiffest springs, the probe free and at rest; friction makes 1 N of it."
-    following_ticks: Annotated[float, Gt(0), Le(600)] = 100.0
+    following_deg: Annotated[float, Gt(0), Le(6.6)] = 1.0986328125
     "How far a motor may be beyond its command, or behind a slow motor's way there: 0.22 mm at 0.2 mm per degree."
     following_s: Annotated[float, Gt(0), Le(0.2)] = 0.05
     "Time constant of that slow motor; the emulated Maker Pro, made after its firmware, has 0.033 s."
-    following_ticks_per_s: Annotated[float, Ge(3000), Le(60000)] = 12000.0
-    "Largest speed of that slow motor; a Maker Pro's is 19600."
-    current_ma: Annotated[float, Gt(0), Le(6000)] = 1500.0
+    following_deg_per_s: Annotated[float, Ge(32.9), Le(660)] = 131.8359375
+    "Largest speed of that slow motor; a Maker Pro's is 215."
+    current_a: Annotated[float, Gt(0), Le(6)] = 1.5
     "Largest mean current of a motor over ten turns; the limit that the device tells holds too."
     contact_mm: Annotated[float, Gt(0), Le(100)] = 6.0
     "Deepest place of the shaft at which contact may come."
@@ -93,14 +94,15 @@ class RigSettings:
     "Probe travel per degree of the output shaft."
     travel_mm: Positive = 15.0
     "As deep as the probe can go."
-    home_ticks: int = 0
-    "Position of the retracted probe."
+    home_deg: float = 0.0
+    "Position of the retracted probe, an angle of the shaft."
     push_sign: Literal[1, -1] = 1
-    "Whether more ticks push, or fewer."
-    position_ticks: tuple[int, int] = (-12000, 12000)
+    "Whether larger angles push, or smaller ones."
+    position_deg: tuple[float, float] = (-131.8359375, 131.8359375)
     "Positions the actuator may take; before a run narrowed to those the device takes at every stiffness."
-    max_preset_ticks: Annotated[int, Gt(0)] = 3000
-    "Preset at full stiffness; the device's own is read before a run, and what both allow is kept."
+    full_preset: Positive = 32.958984375
+    """Preset at full stiffness. qbmove: degrees of each motor from their middle; the device's own is read before a run,
+    and what both allow is kept. dynamixel: N m/rad; omitted: that of [actuator]."""
     stiffness_percent: tuple[NonNegative, Annotated[float, Gt(0), Le(100)]] = (20.0, 80.0)
     "The study's range, percent of the maximum preset."
     push_axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
@@ -127,13 +129,13 @@ class RigSettings:
         """Of the control loop."""
         return 1 / self.rate_hz
 
-    def ticks_at(self, depth_mm: float) -> int:
-        """Position for a depth, the nearest tick."""
-        return self.home_ticks + round(self.push_sign * depth_mm / self._mm_per_tick)
+    def position_at(self, depth_mm: float) -> float:
+        """Position for a depth, degrees."""
+        return self.home_deg + self.push_sign * depth_mm / self.gear_mm_per_degree
 
-    def depth_at(self, position_ticks: float) -> float:
+    def depth_at(self, position_deg: float) -> float:
         """Depth of a position, mm; below 0 behind the retracted position."""
-        return (position_ticks - self.home_ticks) * self.push_sign * self._mm_per_tick
+        return (position_deg - self.home_deg) * self.push_sign * self._mm_per_turn / 360
 
     def pushing_n(self, sample: ForceSample) -> float:
         """Force along ``push_axis``, N."""
@@ -145,16 +147,18 @@ class RigSettings:
         return math.degrees(self.gear_mm_per_degree) / 1000
 
     @cached_property
+    def _mm_per_turn(self) -> float:
+        # of 0.2 mm per degree exactly 72, so that depths of whole ticks are not rounded
+        return self.gear_mm_per_degree * 360
+
+    @cached_property
     def _push_axis(self) -> NDArray[np.float64]:
         import numpy as np  # noqa: PLC0415  (who only reads a rig file does without)
 
         return np.array(self.push_axis, dtype=np.float64)
 
-    @cached_property
-    def _mm_per_tick(self) -> float:
-        return self.gear_mm_per_degree * 360 / TICKS_PER_TURN
-
 
 def axis_of(rig: Mapping[str, Any]) -> RigSettings:
     """The rig of a plan.json as far as depth needs it. KeyError where it does not say."""
-    return RigSettings(**{name: rig[name] for name in ("gear_mm_per_degree", "home_ticks", "push_sign")})
+    found = in_degrees(rig)
+    return RigSettings(**{name: found[name] for name in ("gear_mm_per_degree", "home_deg", "push_sign")})

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
+from emg2vsa.devices.qbmove.ticks import RIG_KEYS, in_degrees, in_ticks
 from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.rig.emulated.controls import controlled, counterparts
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig_file.checks import problems_across
 from emg2vsa.rig_file.tables import RigFile, RigTables
-from emg2vsa.study_file.problems import checked_tables
+from emg2vsa.study_file.problems import KeyPath, checked_tables
 from emg2vsa.study_file.toml_file import beside, placed, read_toml, reports_beside
 
-__all__ = ["RigFile", "load_rig"]
+__all__ = ["RigFile", "load_rig", "spelled"]
 
 
 def load_rig(path: str | Path) -> RigFile:
@@ -27,13 +30,39 @@ def load_rig(path: str | Path) -> RigFile:
         values out of range, missing keys, and keys that contradict each other.
     """
     path = Path(path)
-    text, raw = read_toml(path, "a rig file")
+    text, written = read_toml(path, "a rig file")
+    raw, older = _today(written)
     tables, problems = checked_tables(RigTables, raw)
     faulty = {problem.path for problem in problems}
     problems += [problem for problem in problems_across(tables, raw) if not _within(problem.path, faulty)]
     if problems:
-        raise placed(path, text, problems)
+        raise placed(path, text, [replace(problem, path=older.get(problem.path, problem.path)) for problem in problems])
     return _rig_file(Path(os.path.abspath(path)), RigTables(**tables))
+
+
+def spelled(path: Path, values: Mapping[KeyPath, object]) -> dict[KeyPath, object]:
+    """Values for keys of today under the older key, in its unit, where the file has that."""
+    _, written = read_toml(path, "a rig file")
+    _, older = _today(written)
+    there = {}
+    for at, value in values.items():
+        name = older.get(at, at)
+        there[name] = in_ticks({str(at[-1]): value})[str(name[-1])] if name != at else value
+    return there
+
+
+def _today(written: dict[str, Any]) -> tuple[dict[str, Any], dict[KeyPath, KeyPath]]:
+    """The file with angles in degrees and currents in A where it has the ticks and mA of versions up to 0.2.0, and the
+    place of each such value in the file."""
+    rig = written.get("rig")
+    if not isinstance(rig, dict):
+        return written, {}
+    older: dict[KeyPath, KeyPath] = {}
+    for old, (new, _, _) in RIG_KEYS.items():
+        for at, table in ((("rig",), rig), (("rig", "guards"), rig.get("guards"))):
+            if isinstance(table, dict) and old in table:
+                older[(*at, new)] = (*at, old)
+    return written | {"rig": in_degrees(rig)}, older
 
 
 def _within(path: tuple[str | int, ...], faulty: set[tuple[str | int, ...]]) -> bool:
@@ -44,7 +73,9 @@ def _rig_file(path: Path, tables: RigTables) -> RigFile:
     folder, force = path.parent, tables.force
     if cal_file := getattr(force, "cal_file", None):  # of whatever kind
         force = replace(force, cal_file=str(beside(folder, cal_file)))  # type: ignore[call-arg]
-    schedules = tables.experiment.schedules
+    schedules, rig = tables.experiment.schedules, tables.rig
+    if (full_preset := tables.actuator.full_preset) is not None:
+        rig = replace(rig, full_preset=full_preset)
     experiment = {each.name: getattr(tables.experiment, each.name) for each in fields(ExperimentSettings)}
     settings, emulated = ExperimentSettings(**experiment), tables.emulated and controlled(tables.emulated)
     if emulated and emulated.control == "N3":
@@ -52,7 +83,7 @@ def _rig_file(path: Path, tables: RigTables) -> RigFile:
         settings = replace(settings, schedule_of=swapped)
     return RigFile(
         path=path,
-        rig=tables.rig,
+        rig=rig,
         devices=DeviceSettings(actuator=tables.actuator, motor=tables.motor, force=force, camera=tables.camera),
         experiment=settings,
         schedules=beside(folder, schedules) if schedules else reports_beside(folder, folder.name) / "schedules",

@@ -41,7 +41,7 @@ def problems_across(tables: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterat
 
 
 def _rig(rig: RigSettings) -> Iterator[Problem]:
-    for key in ("position_ticks", "stiffness_percent"):
+    for key in ("position_deg", "stiffness_percent"):
         first, last = getattr(rig, key)
         if first >= last:
             yield Problem(("rig", key), "the smaller of two different numbers first", shown([first, last]))
@@ -49,12 +49,12 @@ def _rig(rig: RigSettings) -> Iterator[Problem]:
     if not math.isclose(length, 1, rel_tol=1e-3):
         do = "Along z it is [0, 0, 1]."
         yield Problem(("rig", "push_axis"), "a direction of length 1", f"one of length {length:.4g}", do)
-    first, last = rig.position_ticks
-    for key, depth_mm in (("home_ticks", 0.0), ("travel_mm", rig.travel_mm)):
-        ticks = rig.ticks_at(depth_mm)
-        if not first <= ticks <= last:
-            wanted = f"every depth within position_ticks, {first} to {last}"
-            yield Problem(("rig", key), wanted, f"{depth_mm:g} mm at {ticks} ticks")
+    low, high = rig.position_deg
+    for key, depth_mm in (("home_deg", 0.0), ("travel_mm", rig.travel_mm)):
+        position_deg = rig.position_at(depth_mm)
+        if not low <= position_deg <= high:
+            wanted = f"every depth within position_deg, {low:.6g} to {high:.6g}"
+            yield Problem(("rig", key), wanted, f"{depth_mm:g} mm at {position_deg:.6g} degrees")
     if rig.escape_mm_per_s > rig.max_mm_per_s:
         yield Problem(("rig", "escape_mm_per_s"), _most_mm_per_s(rig), f"{rig.escape_mm_per_s:g}")
     if rig.guards.stale_s <= rig.period_s:

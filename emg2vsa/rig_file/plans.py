@@ -68,22 +68,25 @@ def plans_of(file: RigFile, runs: Sequence[Run], repetitions: int | None = None)
     ScheduleError : a schedule is absent, not as it was exported, or for another model of actuator.
     """
     schedules = read_schedules(file.schedules, runs, file.experiment.schedule_of)
-    _check_springs(file, schedules)
+    _check_joint(file, schedules)
     experiment = replace(file.experiment, repetitions=repetitions or file.experiment.repetitions)
     emulated_n_per_mm = file.emulated.stiffness_n_per_mm if file.emulated else None
     return tuple(plan_of(experiment, run, schedules, emulated_n_per_mm) for run in runs)
 
 
-def _check_springs(file: RigFile, schedules: Sequence[Schedule]) -> None:
-    """The same ticks are another stiffness on springs of another model (decision 13)."""
-    own = f"qbmove-{file.devices.actuator.model}"
+def _check_joint(file: RigFile, schedules: Sequence[Schedule]) -> None:
+    """The same presets are another stiffness on another joint (decision 13). SettingError: its own is not known."""
+    own = file.devices.actuator.joint
+    if schedules and (key := file.devices.actuator.unmeasured):
+        do = "Measure it: emg2vsa rig commission writes it into the rig file."
+        raise SettingError(f"{file.path}, actuator.{key}", wanted="a measured stiffness", found="none", do=do)
     for schedule in schedules:
         if schedule.limits.actuator != own:
             raise ScheduleError(
                 f"schedule of {schedule.specimen}, {schedule.condition}, limits.actuator",
-                wanted=f"{own}, the model under [actuator] of {file.path}",
+                wanted=f"{own}, the actuator of {file.path}",
                 found=schedule.limits.actuator,
-                do="Set [schedule] actuator of the study to the device's model and export again, or correct model.",
+                do="Set [schedule] actuator of the study to this one and export again, or correct [actuator].",
             )
 
 

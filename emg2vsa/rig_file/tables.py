@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
-from emg2vsa.devices.device_settings import CameraSettings, ForceSettings, Text
-from emg2vsa.devices.qbmove.settings import ActuatorSettings, MotorSettings
+from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings, Text
+from emg2vsa.devices.qbmove.settings import MotorSettings
 from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings

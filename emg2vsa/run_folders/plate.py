@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DataError
 from emg2vsa.readers.tidy_table import read_tidy_table
 from emg2vsa.rig.record.new_folder import PLAN_FILE
 from emg2vsa.rig.record.press_counts import verdicts
+from emg2vsa.rig.record.run_log import read_log
 from emg2vsa.rig.rig_settings import axis_of
 
 _LOADING = ("approach", "contact", "load")
@@ -40,9 +40,7 @@ def read_plate(folder: Path) -> Iterator[PlateTrial]:
     try:
         document = json.loads((folder / PLAN_FILE).read_text(encoding="utf-8"))
         plan, axis = document["plan"], axis_of(document["rig"])
-        log = pd.read_csv(
-            folder / "log.csv", usecols=["repetition", "phase", "force_n", "shaft_ticks"], on_bad_lines="skip"
-        )
+        log = read_log(folder / "log.csv", ["repetition", "phase", "force_n"])
         is_plate, specimen = plan.get("plate") is True, str(plan["specimen"])
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise DataError(folder, wanted="the folder of a plate indentation", found=str(error), do=do) from error
@@ -55,7 +53,7 @@ def read_plate(folder: Path) -> Iterator[PlateTrial]:
     for number in loading["repetition"].unique().tolist():
         rows = loading[loading["repetition"] == number]
         if number in turned and said.get(number, ("ok", ""))[0] != "rejected":
-            depth_mm = np.array([axis.depth_at(ticks) for ticks in rows["shaft_ticks"]])
+            depth_mm = np.array([axis.depth_at(angle_deg) for angle_deg in rows["shaft_deg"]])
             force_n = rows["force_n"].to_numpy(dtype=np.float64)
             yield PlateTrial(specimen, f"{folder.name}/{number}", depth_mm, force_n)
 

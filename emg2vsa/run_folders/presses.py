@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from casr.camera import Camera
 from casr.errors import CasrError
@@ -21,7 +20,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.errors import Emg2vsaError
 from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
 from emg2vsa.rig.record.press_counts import peak_forces_n, stopped_presses, verdicts
-from emg2vsa.rig.record.run_log import GOING_IN
+from emg2vsa.rig.record.run_log import GOING_IN, read_log
 from emg2vsa.rig.rig_settings import axis_of
 from emg2vsa.run_scores.press import Press
 
@@ -141,12 +140,12 @@ def _travel(folder: Path) -> dict[int, tuple[Floats, Floats, int]]:
     loading phase; empty without the rig's own log."""
     plan = _json(folder / PLAN_FILE)
     try:
-        log = pd.read_csv(folder / _LOG, usecols=["repetition", "phase", "force_n", "shaft_ticks"], on_bad_lines="skip")
+        log = read_log(folder / _LOG, ["repetition", "phase", "force_n"])
         axis = axis_of(plan["rig"])
     except (OSError, ValueError, KeyError, TypeError, Emg2vsaError):
         return {}
     way_in = log[log["phase"].isin(GOING_IN)].dropna()
-    depth_mm = axis.depth_at(way_in["shaft_ticks"].to_numpy(dtype=np.float64))  # type: ignore[arg-type]
+    depth_mm = axis.depth_at(way_in["shaft_deg"].to_numpy(dtype=np.float64))  # type: ignore[arg-type]
     force_n, number = way_in["force_n"].to_numpy(dtype=np.float64), way_in["repetition"].to_numpy(dtype=np.int64)
     depth, before = np.asarray(depth_mm, dtype=np.float64), (way_in["phase"] != "load").to_numpy()
     return {

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from emg2vsa.actuator import stiffness_nm_per_rad, stiffness_percent, ticks_of_percent
 from emg2vsa.arrays import Floats
 from emg2vsa.curves.force_bins import bin_edges
+from emg2vsa.devices.joints import export_of
 from emg2vsa.errors import ScheduleError
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.schedules.checks import check
@@ -90,17 +91,17 @@ def _schedule(
     settings: ScheduleSettings,
     provenance: dict[str, str],
 ) -> Schedule:
-    limits = Limits(settings.stiffness_percent, settings.max_preset_ticks, settings.actuator, settings.scale)
+    limits = Limits(settings.stiffness_percent, _full_preset(settings), settings.actuator, settings.scale)
     percent = limits.preset_percent(stiffness_percent(v, span, settings.stiffness_percent))
-    ticks = ticks_of_percent(percent, settings.max_preset_ticks)
+    preset = limits.joint.rounded(percent / 100)
     widths = np.diff(edges)
     schedule = Schedule(
         specimen=specimen,
         condition=condition,
         step_force_n=edges,
         stiffness_percent=percent,
-        preset_ticks=ticks,
-        stiffness_nm_per_rad=stiffness_nm_per_rad(ticks, settings.actuator),
+        preset=preset,
+        stiffness_nm_per_rad=limits.joint.stiffness_nm_per_rad(preset),
         activity_v=v,
         last_step_short=bool(settings.step_n - widths[-1] > step_tolerance_n(settings.step_n)),
         ramp=_ramp(settings),
@@ -109,6 +110,27 @@ def _schedule(
     )
     check(schedule)
     return schedule
+
+
+def _full_preset(settings: ScheduleSettings) -> float:
+    """In the joint's own unit. ScheduleError where the study does not say it."""
+    export = export_of(settings.actuator)
+    value = getattr(settings, export.limit, None)
+    if value is None:
+        do = f"Write it into the table [schedule] of the study for actuator = {settings.actuator!r}."
+        raise ScheduleError(
+            f"schedule.{export.limit}", wanted=f"the full preset, {export.unit}", found="nothing", do=do
+        )
+    return float(value) / export.per_preset
+
+
+def stiffness_percent(activity_v: ArrayLike, span_v: tuple[float, float], percent: tuple[float, float]) -> Floats:
+    """Equation (7), k = p1 v + p2: co-contraction v to percent of the actuator's maximum stiffness (any shape).
+
+    span_v : the activities that go to the two ends of ``percent``; what lies outside goes to the nearer end.
+    """
+    share = np.clip((np.asarray(activity_v, dtype=np.float64) - span_v[0]) / (span_v[1] - span_v[0]), 0.0, 1.0)
+    return (1 - share) * percent[0] + share * percent[1]
 
 
 def _ramp(settings: ScheduleSettings) -> Ramp:

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.actuator import MOTOR_LIMIT_TICKS, SPRINGS, stiffness_nm_per_rad, ticks_of_percent
-from emg2vsa.arrays import Floats
+from emg2vsa.devices.joints import joint_names
 from emg2vsa.errors import ScheduleError
 from emg2vsa.schedules.schedule import CONDITIONS, Schedule, step_tolerance_n
 
@@ -40,7 +39,7 @@ def check(schedule: Schedule, where: str = "", do: str = _MEND) -> None:
 def _check_shapes(schedule: Schedule, where: str, do: str) -> None:
     steps = schedule.step_force_n.size - 1
     columns = (
-        schedule.stiffness_percent, schedule.preset_ticks, schedule.stiffness_nm_per_rad, schedule.activity_v
+        schedule.stiffness_percent, schedule.preset, schedule.stiffness_nm_per_rad, schedule.activity_v
     )  # fmt: skip
     if steps < 1 or any(column.shape != (steps,) for column in columns):
         sizes = ", ".join(str(column.size) for column in columns)
@@ -54,14 +53,16 @@ def _head_rules(schedule: Schedule) -> Iterator[tuple[str, bool, str, object]]:
     limits, ramp = schedule.limits, schedule.ramp
     texts = all(isinstance(text, str) for item in schedule.provenance.items() for text in item)
     low, high = limits.stiffness_percent
-    top = limits.max_preset_ticks
     yield "specimen", bool(schedule.specimen), "a name", repr(schedule.specimen)
     yield "provenance", texts, "only texts", schedule.provenance
     yield "condition", schedule.condition in CONDITIONS, f"one of {', '.join(CONDITIONS)}", schedule.condition
-    yield "limits.actuator", limits.actuator in SPRINGS, f"one of {', '.join(SPRINGS)}", limits.actuator
+    yield "limits.actuator", limits.actuator in joint_names(), f"one of {', '.join(joint_names())}", limits.actuator
     yield "limits.scale", limits.scale in ("preset", "stiffness"), "preset or stiffness", limits.scale
     yield "limits.stiffness_percent", 0 <= low < high <= 100, "two rising values from 0 to 100 %", f"{low}, {high}"
-    yield "limits.max_preset_ticks", 0 < top <= MOTOR_LIMIT_TICKS, f"1 to {MOTOR_LIMIT_TICKS} ticks", top
+    export = limits.export
+    top = export.exported(limits.full_preset)
+    wanted = f"{'1 to' if export.whole else 'above 0 and at most'} {export.most:g} {export.unit}"
+    yield f"limits.{export.limit}", 0 < top <= export.most, wanted, top
     for name in ("speed_mm_per_s", "gear_mm_per_degree", "travel_mm"):
         value = getattr(ramp, name)
         yield f"ramp.{name}", bool(np.isfinite(value) and value > 0), "a positive number", value
@@ -77,22 +78,30 @@ def _head_rules(schedule: Schedule) -> Iterator[tuple[str, bool, str, object]]:
 
 def _row_rules(schedule: Schedule) -> Iterator[Rule]:
     yield from _force_rules(schedule)
-    limits, percent, ticks = schedule.limits, schedule.stiffness_percent, schedule.preset_ticks
+    limits, percent, joint, export = (
+        schedule.limits,
+        schedule.stiffness_percent,
+        schedule.limits.joint,
+        schedule.limits.export,
+    )
     activity, stiffness = schedule.activity_v, schedule.stiffness_nm_per_rad
     yield "activity_v", np.isfinite(activity), "a finite number", activity
     yield "stiffness_percent", np.isfinite(percent) & (percent >= 0) & (percent <= 100), "0 to 100 %", percent
     low, high = limits.preset_percent(np.array(limits.stiffness_percent, dtype=np.float64))
     inside = (percent >= low * (1 - _CLOSE)) & (percent <= high * (1 + _CLOSE))
     yield "stiffness_percent", inside, f"{low:.6g} to {high:.6g} %, the study's range", percent
-    top = limits.max_preset_ticks
-    yield "preset_ticks", (ticks >= 0) & (ticks <= top), f"0 to {top} ticks, the device's maximum preset", ticks
-    expected = ticks_of_percent(percent, top)
-    # a value halfway between two ticks may round either way on another machine
-    agrees = np.abs(ticks - percent / 100 * top) <= 0.5 + _CLOSE * top
-    yield "preset_ticks", agrees, _text(expected, agrees, "the ticks of its percent, {}"), ticks
-    springs = stiffness_nm_per_rad(ticks, limits.actuator)
-    right = np.isfinite(stiffness) & (np.abs(stiffness - springs) <= _CLOSE * springs)
-    yield "stiffness_nm_per_rad", right, _text(springs, right, "the stiffness of its ticks, {}"), stiffness
+    preset, shown, top = schedule.preset, schedule.exported, export.exported(limits.full_preset)
+    within = np.isfinite(preset) & (preset >= 0) & (preset <= 1)
+    yield export.column, within, f"0 to {top} {export.unit}, the device's maximum preset", shown
+    nearest = joint.rounded(percent / 100)
+    # a value halfway between two presets may round either way on another machine
+    step = 1 / top if export.whole else 0.0
+    agrees = np.abs(preset - percent / 100) <= step / 2 + _CLOSE
+    expected = np.array([export.exported(share * limits.full_preset) for share in nearest.tolist()])
+    yield export.column, agrees, _text(expected, agrees, f"the {export.unit} of its percent, {{}}"), shown
+    model = joint.stiffness_nm_per_rad(preset)
+    right = np.isfinite(stiffness) & (np.abs(stiffness - model) <= _CLOSE * model)
+    yield "stiffness_nm_per_rad", right, _text(model, right, f"the stiffness of its {export.unit}, {{}}"), stiffness
     if schedule.condition != "modular":
         yield "stiffness_percent", percent == percent[0], f"{percent[0]}, as in row 1: it is constant", percent
 
@@ -114,5 +123,5 @@ def _close(value: float, expected: float) -> bool:
     return bool(abs(value - expected) <= _CLOSE * abs(expected))
 
 
-def _text(expected: Floats | NDArray[np.int64], good: NDArray[np.bool_], form: str) -> str:
+def _text(expected: NDArray[np.generic], good: NDArray[np.bool_], form: str) -> str:
     return form.format(expected[int(np.argmin(good))])

@@ -6,20 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from emg2vsa.devices.joints import Export, export_of, joint_names
 from emg2vsa.errors import ScheduleError
 from emg2vsa.schedules.checks import EXPORT_AGAIN
 from emg2vsa.schedules.schedule import Limits, Ramp, Schedule
 
 FORMAT = "emg2vsa stiffness schedule"
 VERSION = 1
-COLUMNS: dict[str, type[int] | type[float]] = {
-    "force_from_n": float,
-    "force_to_n": float,
-    "activity_v": float,
-    "stiffness_percent": float,
-    "preset_ticks": int,
-    "stiffness_nm_per_rad": float,
-}
+Columns = dict[str, type[int] | type[float]]
 Document = dict[str, Any]
 _HEAD = {
     "format": str, "version": int, "specimen": str, "condition": str, "last_step_short": bool, "ramp": dict,
@@ -29,18 +23,26 @@ _RAMP = {
     "speed_mm_per_s": float, "gear_mm_per_degree": float, "speed_deg_per_s": float, "travel_mm": float,
     "duration_s": float,
 }  # fmt: skip
-_LIMITS = {"stiffness_percent": list, "max_preset_ticks": int, "actuator": str, "scale": str}
 _WORDS = {str: "text", int: "a whole number", float: "a number", bool: "true or false", list: "a list", dict: "a table"}
+
+
+def columns_of(export: Export) -> Columns:
+    """Name of each column of the steps, and what it holds."""
+    return {
+        "force_from_n": float, "force_to_n": float, "activity_v": float, "stiffness_percent": float,
+        export.column: int if export.whole else float, "stiffness_nm_per_rad": float,
+    }  # fmt: skip
 
 
 def document_of(schedule: Schedule) -> Document:
     """Plain values, exact: floats stay the same doubles."""
     columns = (
         schedule.step_force_n[:-1], schedule.step_force_n[1:], schedule.activity_v, schedule.stiffness_percent,
-        schedule.preset_ticks, schedule.stiffness_nm_per_rad,
+        schedule.exported, schedule.stiffness_nm_per_rad,
     )  # fmt: skip
     rows = zip(*(column.tolist() for column in columns), strict=True)
-    limits = {name: getattr(schedule.limits, name) for name in _LIMITS}
+    limits = schedule.limits
+    export = limits.export
     return {
         "format": FORMAT,
         "version": VERSION,
@@ -48,9 +50,14 @@ def document_of(schedule: Schedule) -> Document:
         "condition": schedule.condition,
         "last_step_short": schedule.last_step_short,
         "ramp": {name: float(getattr(schedule.ramp, name)) for name in _RAMP},
-        "limits": limits | {"stiffness_percent": [float(v) for v in schedule.limits.stiffness_percent]},
+        "limits": {
+            "stiffness_percent": [float(v) for v in limits.stiffness_percent],
+            export.limit: export.exported(limits.full_preset),
+            "actuator": limits.actuator,
+            "scale": limits.scale,
+        },
         "provenance": dict(schedule.provenance),
-        "steps": [dict(zip(COLUMNS, row, strict=True)) for row in rows],
+        "steps": [dict(zip(columns_of(export), row, strict=True)) for row in rows],
     }
 
 
@@ -64,22 +71,24 @@ def schedule_of(document: Document, where: str) -> Schedule:
         found = f"{document['format']} {document['version']}"
         raise ScheduleError(f"{where}, format", wanted=f"{FORMAT} {VERSION}", found=found, do=EXPORT_AGAIN)
     _check_keys(document["ramp"], _RAMP, f"{where}, ramp")
-    _check_keys(document["limits"], _LIMITS, f"{where}, limits")
+    export = export_in(document, where)
     _check_keys(document["provenance"], dict.fromkeys(document["provenance"], str), f"{where}, provenance")
+    kinds = columns_of(export)
     for number, row in enumerate(document["steps"], start=1):
-        _check_row(row, document["steps"][number - 2] if number > 1 else None, f"{where}, row {number}")
-    columns = {name: np.array([row[name] for row in document["steps"]], dtype=kind) for name, kind in COLUMNS.items()}
+        _check_row(row, document["steps"][number - 2] if number > 1 else None, kinds, f"{where}, row {number}")
+    columns = {name: np.array([row[name] for row in document["steps"]], dtype=kind) for name, kind in kinds.items()}
+    limits = _limits(document["limits"], export, f"{where}, limits.stiffness_percent")
     return Schedule(
         specimen=document["specimen"],
         condition=document["condition"],
         step_force_n=np.append(columns["force_from_n"], columns["force_to_n"][-1:]),
         stiffness_percent=columns["stiffness_percent"],
-        preset_ticks=columns["preset_ticks"],
+        preset=columns[export.column] / export.per_preset / limits.full_preset,
         stiffness_nm_per_rad=columns["stiffness_nm_per_rad"],
         activity_v=columns["activity_v"],
         last_step_short=document["last_step_short"],
         ramp=Ramp(**{name: float(value) for name, value in document["ramp"].items()}),
-        limits=_limits(document["limits"], f"{where}, limits.stiffness_percent"),
+        limits=limits,
         provenance=document["provenance"],
     )
 
@@ -96,8 +105,23 @@ def _check_keys(table: Any, kinds: dict[str, Any], where: str, *, columns: bool 
             raise ScheduleError(place, wanted=_WORDS[kind], found=_name(table[key]), do=EXPORT_AGAIN)
 
 
-def _check_row(row: Any, before: dict[str, Any] | None, where: str) -> None:
-    _check_keys(row, COLUMNS, where, columns=True)
+def export_in(document: Document, where: str) -> Export:
+    """How a document states presets, by the actuator of its limits. ScheduleError where that cannot be told."""
+    limits = document.get("limits")
+    name = limits.get("actuator") if isinstance(limits, dict) else None
+    name = name if isinstance(name, str) else joint_names()[0]
+    if name not in joint_names():
+        wanted = f"one of {', '.join(joint_names())}"
+        raise ScheduleError(f"{where}, limits.actuator", wanted=wanted, found=repr(name), do=EXPORT_AGAIN)
+    export = export_of(name)
+    kind = int if export.whole else float
+    kinds = {"stiffness_percent": list, export.limit: kind, "actuator": str, "scale": str}
+    _check_keys(limits, kinds, f"{where}, limits")
+    return export
+
+
+def _check_row(row: Any, before: dict[str, Any] | None, kinds: Columns, where: str) -> None:
+    _check_keys(row, dict(kinds), where, columns=True)
     if before is not None and row["force_from_n"] != before["force_to_n"]:
         wanted = f"{before['force_to_n']}, where the step before ends"
         raise ScheduleError(
@@ -118,8 +142,9 @@ def _name(value: Any) -> str:
     return text if len(text) <= 40 else f"{text[:37]}..."
 
 
-def _limits(table: dict[str, Any], where: str) -> Limits:
+def _limits(table: dict[str, Any], export: Export, where: str) -> Limits:
     pair = table["stiffness_percent"]
     if len(pair) != 2 or not all(_is(value, float) for value in pair):
         raise ScheduleError(where, wanted="two numbers", found=_name(pair), do=EXPORT_AGAIN)
-    return Limits(**{**table, "stiffness_percent": (float(pair[0]), float(pair[1]))})
+    full_preset = table[export.limit] / export.per_preset
+    return Limits((float(pair[0]), float(pair[1])), full_preset, table["actuator"], table["scale"])

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
-from emg2vsa.actuator import preset_for_stiffness, stiffness_nm_per_rad
-from emg2vsa.arrays import Floats, Ints
+import numpy as np
+
+from emg2vsa.arrays import Floats
+from emg2vsa.devices.joints import Export, export_of
+from emg2vsa.devices.protocols import Joint
 
 CONDITIONS = ("modular", "constant-min", "constant-mean", "constant-max")
 
@@ -32,20 +36,29 @@ class Limits:
     """What the schedule may ask of which device.
 
     ``stiffness_percent`` are the ends of mapping (7), in percent of the device's maximum on ``scale``: "preset" or
-    "stiffness" (N m/rad at zero load).
+    "stiffness" (N m/rad at zero load). ``full_preset`` is that of the joint ``actuator``, in its own unit.
     """
 
     stiffness_percent: tuple[float, float]
-    max_preset_ticks: int
+    full_preset: float
     actuator: str
     scale: str
+
+    @cached_property
+    def joint(self) -> Joint:
+        """What the presets are of. ScheduleError for a name that no joint has."""
+        return self.export.joint(self.actuator, self.full_preset)
+
+    @property
+    def export(self) -> Export:
+        """How its files state presets. ScheduleError for a name that no joint has."""
+        return export_of(self.actuator, "limits.actuator")
 
     def preset_percent(self, percent_on_scale: Floats) -> Floats:
         """Percent of the maximum on ``scale`` (any shape) to percent of the maximum preset."""
         if self.scale == "preset":
             return percent_on_scale
-        wanted = percent_on_scale / 100 * stiffness_nm_per_rad(self.max_preset_ticks, self.actuator)
-        return preset_for_stiffness(wanted, self.actuator) * 100 / self.max_preset_ticks
+        return self.joint.percent_for(percent_on_scale / 100 * self.joint.stiffness_nm_per_rad(1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,11 +71,11 @@ class Schedule:
     step_force_n: Floats
     "(K + 1,) edges of the force steps."
     stiffness_percent: Floats
-    "(K,) percent of the maximum preset, before rounding to ticks."
-    preset_ticks: Ints
-    "(K,) half the difference of the two motors' positions, equation (8)."
+    "(K,) percent of the maximum preset, before rounding to what the device can be sent."
+    preset: Floats
+    "(K,) share of the maximum preset, 0 to 1, as the device is sent it."
     stiffness_nm_per_rad: Floats
-    "(K,) joint stiffness of those ticks at zero load, by the spring model."
+    "(K,) stiffness of those presets at zero load, by the model of the joint."
     activity_v: Floats
     "(K,) mean co-contraction that is mapped."
     last_step_short: bool
@@ -70,8 +83,15 @@ class Schedule:
     limits: Limits
     provenance: dict[str, str]
 
+    @property
+    def exported(self) -> np.ndarray[tuple[int], np.dtype[np.generic]]:
+        """(K,) presets in the unit of the schedule's files (qbmove: whole ticks)."""
+        return np.array(
+            [self.limits.export.exported(share * self.limits.full_preset) for share in self.preset.tolist()]
+        )
+
     def __repr__(self) -> str:
         low, high = self.stiffness_percent.min(), self.stiffness_percent.max()
         span = f"{self.step_force_n[0]:g} to {self.step_force_n[-1]:g} N"
-        steps = f"{low:.3g} to {high:.3g} % in {self.preset_ticks.size} steps"
+        steps = f"{low:.3g} to {high:.3g} % in {self.preset.size} steps"
         return f"Schedule({self.specimen} {self.condition}: {steps}, {span})"

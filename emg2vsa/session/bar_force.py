@@ -1,4 +1,4 @@
-"""The force that the participant sees: filtered, from its zero, with the direction in which it goes."""
+"""The force that the participant sees: filtered, from its zero, with the direction in which it goes; and its mean."""
 
 from __future__ import annotations
 
@@ -18,6 +18,10 @@ LEAST_S = 0.1
 "A direction stays so long, for a colour that flickers tells nothing."
 RESTING_N = 0.5
 "Below this force there is no direction."
+ZERO_S = 0.5
+"The zero of force is the mean over this time."
+STEADY_N = 0.2
+"The force must not change by more while its zero is taken."
 
 
 class BarForce:
@@ -73,3 +77,34 @@ class BarForce:
             wanted = "steady"
         if wanted != self.direction and now_s - self._changed_s >= LEAST_S:
             self.direction, self._changed_s = wanted, now_s
+
+
+class RecentForce:
+    """The force of the last half second, N, as it came."""
+
+    def __init__(self) -> None:
+        self._pieces: deque[tuple[float, Floats]] = deque()
+
+    def take(self, samples: Floats, now_s: float) -> None:
+        """Samples (n,) that have come now."""
+        self._pieces.append((now_s, samples))
+        while self._pieces[0][0] < now_s - ZERO_S:
+            self._pieces.popleft()
+
+    @property
+    def mean_n(self) -> float:
+        """NaN where nothing came."""
+        return float(np.nanmean(self._newton())) if self._pieces else math.nan
+
+    @property
+    def steady(self) -> bool | None:
+        """Whether nobody touches the specimen; None where nothing came."""
+        if not self._pieces:
+            return None
+        newton = self._newton()
+        size = max(1, newton.size // 10)
+        means = newton[: newton.size // size * size].reshape(-1, size).mean(axis=1)
+        return bool(np.isfinite(means).all()) and float(np.ptp(means)) <= STEADY_N
+
+    def _newton(self) -> Floats:
+        return np.concatenate([newton for _, newton in self._pieces])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -22,7 +22,7 @@ from emg2vsa.bids.recording import Channel, Recording, told_of_screen
 from emg2vsa.bids.recording_files import write_recording
 from emg2vsa.bids.tables import Json
 from emg2vsa.errors import DataError, Emg2vsaError, SettingError
-from emg2vsa.session.dataset_events import EVENT_COLUMNS, PressAttempt, press_attempts, stay_events
+from emg2vsa.session.dataset_events import EVENT_COLUMNS, stay_events
 from emg2vsa.session.journal import (
     JOURNAL_FILE,
     Begun,
@@ -33,6 +33,7 @@ from emg2vsa.session.journal import (
     read_journal,
 )
 from emg2vsa.session.plan import PLAN_FILE, read_plan
+from emg2vsa.session.presses import Presses, folded
 from emg2vsa.session.stays import StaySignals, StayWindow, cut, in_sitting, stay_windows, stored_streams
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.settings import ChannelSettings
@@ -72,7 +73,7 @@ def write_dataset(folder: Path, study: Study) -> Written:
         )  # fmt: skip
     plan = read_plan(folder / PLAN_FILE)
     lines, _ = read_journal(folder / JOURNAL_FILE)
-    presses = press_attempts(lines, plan.presses)
+    presses = folded(lines, plan.presses)
     streams, faults = stored_streams(folder, lines)
     windows = stay_windows(lines)
     left_out: list[tuple[str, str]] = []
@@ -216,7 +217,7 @@ class _Stay:
         since_s = self.signals.start_s - line.time_s
         return datetime.fromisoformat(line.at).replace(tzinfo=None) + timedelta(seconds=since_s)
 
-    def recording(self, settings: SessionSettings, presses: Mapping[tuple[int, int], PressAttempt]) -> Recording:
+    def recording(self, settings: SessionSettings, presses: Presses) -> Recording:
         signals, about = self.signals, settings.about
         how = {
             "instructions": about.instructions, "skin_preparation": about.skin_preparation, "ground": about.ground,

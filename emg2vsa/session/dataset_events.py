@@ -2,27 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 
 import numpy as np
 
 from emg2vsa.arrays import runs_of
 from emg2vsa.bids.recording import Event, event_columns
 from emg2vsa.bids.tables import Column
-from emg2vsa.session.journal import (
-    Commanded,
-    Continued,
-    Decided,
-    Judged,
-    Line,
-    Noted,
-    Paused,
-    PressBegun,
-    PressEnded,
-)
-from emg2vsa.session.plan import PlannedPress
-from emg2vsa.session.record import Progress
+from emg2vsa.session.journal import Commanded, Continued, Line, Noted, Paused
+from emg2vsa.session.presses import Presses, Tried
 from emg2vsa.session.stays import StaySignals, StayWindow
 
 EVENT_COLUMNS = event_columns(
@@ -66,53 +54,7 @@ EVENT_COLUMNS = event_columns(
 )
 
 
-@dataclass
-class PressAttempt:
-    """One attempt, as the journal has it."""
-
-    begun: PressBegun
-    begun_s: float
-    ended: PressEnded | None = None
-    judged: Judged | None = None
-    decided: Decided | None = None
-    counts: bool = False
-    superseded_by: int | None = None
-    "A later attempt that counts."
-    notes: list[str] = field(default_factory=list)
-
-
-def press_attempts(lines: Sequence[Line], planned: tuple[PlannedPress, ...]) -> dict[tuple[int, int], PressAttempt]:
-    """Every attempt by press and attempt."""
-    found: dict[tuple[int, int], PressAttempt] = {}
-    progress = Progress(planned)
-    for line in lines:
-        progress.take(line)
-        event = line.event
-        if isinstance(event, PressBegun):
-            found[event.press, event.attempt] = PressAttempt(event, line.time_s)
-        if isinstance(event, (PressEnded, Judged, Decided, Noted)):
-            own = found.get((event.press, event.attempt))
-            if own is None:
-                continue
-            if isinstance(event, PressEnded):
-                own.ended = event
-            elif isinstance(event, Judged):
-                own.judged = event
-            elif isinstance(event, Decided):
-                own.decided = event
-            else:
-                own.notes.append(event.text)
-    for attempt in progress.attempts:
-        own = found[attempt.press, attempt.attempt]
-        last = progress.counting.get(attempt.press)
-        own.counts = attempt.attempt == last
-        own.superseded_by = last if attempt.counts and not own.counts else None
-    return found
-
-
-def stay_events(
-    window: StayWindow, signals: StaySignals, lines: Sequence[Line], presses: Mapping[tuple[int, int], PressAttempt]
-) -> list[Event]:
+def stay_events(window: StayWindow, signals: StaySignals, lines: Sequence[Line], presses: Presses) -> list[Event]:
     """In time order, all within the recording."""
     last_s = signals.duration_s
     events: list[Event] = []
@@ -124,10 +66,10 @@ def stay_events(
             events.append(Event(round(onset, 6), length, kind, cells))
 
     for key in window.presses:
-        own = presses[key]
-        ended = own.ended
-        start_s, stop_s = (own.begun_s, None) if ended is None else (ended.start_s, ended.stop_s)
-        add("press", start_s, stop_s, **_press_cells(own))
+        own = presses.find(*key)
+        assert own is not None
+        start_s, stop_s = (own.begun_s, None) if own.ended is None else (own.ended.start_s, own.ended.stop_s)
+        add("press", start_s, stop_s, **_press_cells(own, presses))
     named = {"start": "command_start", "stop": "command_stop", "rest": "rest"}
     commands = [line for line in lines if isinstance(line.event, Commanded)]
     for i, line in enumerate(commands):
@@ -153,29 +95,30 @@ def stay_events(
     return sorted(events, key=lambda event: event.onset_s)
 
 
-def _press_cells(press: PressAttempt) -> dict[str, object]:
-    begun, judged, decided = press.begun, press.judged, press.decided
+def _press_cells(tried: Tried, presses: Presses) -> dict[str, object]:
+    press, judged, decided = tried.press, tried.judged, tried.decided
+    counting = presses.counting.get(press.number)
     problems = "; ".join(found for found, _ in judged.problems) if judged else ""
-    if press.ended is None:
+    if tried.ended is None:
         reason = "interrupted"
     elif judged is None:
         reason = "interrupted before its verdict"
-    elif press.ended.how == "aborted":
+    elif tried.ended.how == "aborted":
         reason = ": ".join(filter(None, ("aborted", problems)))
-    elif press.superseded_by is not None:
-        reason = "; ".join(filter(None, (f"superseded by attempt {press.superseded_by}", problems)))
+    elif tried.counts and tried.attempt != counting:
+        reason = "; ".join(filter(None, (f"superseded by attempt {counting}", problems)))
     elif decided and decided.decision in ("repeat", "skip"):
         reason = ": ".join(filter(None, (decided.by, decided.decision, decided.reason or problems)))
     else:
         reason = problems
     load_s = judged.values.get("load_s") if judged else None
-    peak_n = press.ended.peak_n if press.ended else None
+    peak_n = tried.ended.peak_n if tried.ended else None
     return {
-        "specimen": begun.specimen, "phase": begun.phase, "press": begun.press, "repetition": begun.repetition,
-        "attempt": begun.attempt, "verdict": (judged.verdict if judged else "") or "n/a",
-        "decision": (decided.decision if decided else "") or "n/a", "counts": "true" if press.counts else "false",
+        "specimen": press.specimen, "phase": press.phase, "press": press.number, "repetition": press.repetition,
+        "attempt": tried.attempt, "verdict": (judged.verdict if judged else "") or "n/a",
+        "decision": tried.decision or "n/a", "counts": "true" if tried.attempt == counting else "false",
         "reason": _cell(reason), "peak_force": "n/a" if peak_n is None else f"{peak_n:.4g}",
-        "load_time": "n/a" if load_s is None else f"{load_s:.4g}", "note": _cell("; ".join(press.notes)),
+        "load_time": "n/a" if load_s is None else f"{load_s:.4g}", "note": _cell("; ".join(tried.notes)),
     }  # fmt: skip
 
 

@@ -31,8 +31,8 @@ class SessionDesk:
         self.session = session
         self._shown = -1
         self._next_s = 0.0
-        self._participant = participant_state(session)
-        self._operator = (1, operator_state(session))
+        self._participant, state = self._states()
+        self._operator = (1, state)
 
     def turn(self, now_s: float) -> None:
         """A turn of the session, and what the pages show after it."""
@@ -42,16 +42,19 @@ class SessionDesk:
             if session.changes == self._shown and now_s < self._next_s:
                 return
             self._shown, self._next_s = session.changes, now_s + STATE_S
-            self._participant = participant_state(session)
-            state = operator_state(session)
+            self._participant, state = self._states()
         number, before = self._operator
         if state != before:
             self._operator = (number + 1, state)
 
+    def _states(self) -> tuple[ParticipantState, OperatorState]:
+        state, moment = self.session.state, self.session.moment()
+        return participant_state(state, moment), operator_state(state, moment)
+
     def run(self, clock: Clock, beside: Callable[[float], None] = lambda now_s: None) -> LoopTiming:
         """Turn until the session has ended. beside : called after each turn, as by an emulated operator."""
         beat = Beat(clock, TURN_S)
-        while self.session.ended is None:
+        while self.session.state.ended is None:
             now_s, _ = beat.wait()
             self.turn(now_s)
             beside(now_s)

@@ -98,7 +98,12 @@ class PressBegun:
 
 @dataclass(frozen=True)
 class PressEnded:
-    """The press is over. start_s, stop_s : of the press on the session's clock. how : "complete" or "aborted"."""
+    """The press is over. start_s, stop_s : of the press on the session's clock. how : "complete" or "aborted".
+
+    peak_n : None for a press that was left out before it began. zero_n : mean force before START. lost_share : of the
+    samples of the worse stream. age_ms : of the force on the participant's page (95 %), None without a page.
+    hidden : whether that page was.
+    """
 
     press: int
     attempt: int
@@ -107,17 +112,25 @@ class PressEnded:
     how: Literal["complete", "aborted"] = "complete"
     peak_n: float | None = None
     load_s: float | None = None
+    zero_n: float | None = None
+    lost_share: float = 0.0
+    age_ms: float | None = None
+    hidden: bool = False
 
 
 @dataclass(frozen=True)
 class Judged:
-    """The verdict on the execution of a press. problems : (what was found, what to do)."""
+    """The verdict on the execution of a press. problems : (what was found, what to do).
+
+    samples : of each stream the first one and one past the last one that the judge was given.
+    """
 
     press: int
     attempt: int
     verdict: Verdict
     problems: tuple[tuple[str, str], ...] = ()
     values: dict[str, float | None] = field(default_factory=dict)
+    samples: dict[str, tuple[int, int]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -162,7 +175,7 @@ class Noted:
 
 @dataclass(frozen=True)
 class Paused:
-    """The session rests. why : "operator", "between specimens", "disk", "device"."""
+    """The session rests. why : "operator", ``BETWEEN``, "disk", "device"."""
 
     why: str
 
@@ -172,6 +185,8 @@ class Continued:
     """The session goes on after a pause."""
 
 
+BETWEEN = "between specimens"
+"""``Paused`` for the break between two specimens, which ends by itself."""
 PLACED = "specimen placed"
 """Item of ``Checked`` when the specimen is on the table, and no hand on it."""
 
@@ -182,6 +197,20 @@ class Checked:
 
     item: str
     specimen: str = ""
+
+
+@dataclass(frozen=True)
+class Unchecked:
+    """The operator took the confirmation of an item of the checklist back."""
+
+    item: str
+
+
+@dataclass(frozen=True)
+class Measuring:
+    """The measurement of the signal quality at rest or at maximum contraction begins."""
+
+    step: Literal["rest", "contraction"]
 
 
 @dataclass(frozen=True)
@@ -222,17 +251,21 @@ class Ended:
 
 Event = (
     Begun | StreamOpened | ClockFitted | SamplesLost | Commanded | PressBegun | PressEnded | Judged | Decided
-    | Interrupted | PressAdded | Noted | Paused | Continued | Checked | QualityMeasured | ScreenTold | Told | Ended
+    | Interrupted | PressAdded | Noted | Paused | Continued | Checked | Unchecked | Measuring | QualityMeasured
+    | ScreenTold | Told | Ended
 )  # fmt: skip
 KINDS: dict[str, type[Event]] = {
     "begun": Begun, "stream-opened": StreamOpened, "clock-fitted": ClockFitted, "samples-lost": SamplesLost,
     "commanded": Commanded, "press-begun": PressBegun, "press-ended": PressEnded, "judged": Judged, "decided": Decided,
     "interrupted": Interrupted, "press-added": PressAdded, "noted": Noted, "paused": Paused, "continued": Continued,
-    "checked": Checked, "quality-measured": QualityMeasured, "screen-told": ScreenTold, "told": Told, "ended": Ended,
+    "checked": Checked, "unchecked": Unchecked, "measuring": Measuring, "quality-measured": QualityMeasured,
+    "screen-told": ScreenTold, "told": Told, "ended": Ended,
 }  # fmt: skip
 """Name in the journal to class."""
 _NAMES = {kind: name for name, kind in KINDS.items()}
 _SEAL = ', "crc": "'
+TIME_DIGITS = 6
+"""Decimals of the time of a line."""
 
 
 @dataclass(frozen=True)
@@ -249,7 +282,7 @@ class Line:
 def line_bytes(line: Line) -> bytes:
     """A line as it stands in the journal. UnicodeEncodeError : one of its texts cannot be written."""
     content = {
-        "line": line.number, "sitting": line.sitting, "time_s": round(line.time_s, 6), "at": line.at,
+        "line": line.number, "sitting": line.sitting, "time_s": round(line.time_s, TIME_DIGITS), "at": line.at,
         "kind": _NAMES[type(line.event)], "event": asdict(line.event),
     }  # fmt: skip
     text = json.dumps(finite(content), ensure_ascii=False, allow_nan=False)[:-1]

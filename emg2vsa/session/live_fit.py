@@ -7,24 +7,22 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import special
 
-from emg2vsa.session.live_press import FoundPress
 from emg2vsa.session.views import SpecimenFit
 from emg2vsa.session_settings import SessionSettings
 
 
 def specimen_fit(
-    specimen: str, presses: Sequence[FoundPress], confidence: float, settings: SessionSettings, planned: int
+    specimen: str, slopes: Sequence[tuple[float, float]], confidence: float, settings: SessionSettings, planned: int
 ) -> SpecimenFit | None:
     """Mean slope of the presses that count, with the Student interval over presses; None with fewer than two.
 
-    planned : presses of the specimen that count or are still to be done. A suggestion is made only where the study set
-    stop = "width" before the session, and depends on the interval's width beside the activity at 1 N, never on b.
+    slopes : a and b of their fits, V and V per ln N. planned : presses of the specimen that count or are still to be
+    done. A suggestion is made only where the study set stop = "width" before the session, and depends on the interval's
+    width beside the activity at 1 N, never on b.
     """
-    used = [press for press in presses if press.fitted]
-    if len(used) < 2:
+    if (n := len(slopes)) < 2:
         return None
-    a_v, b_v = np.array([press.a_v for press in used]), np.array([press.b_v for press in used])
-    n = len(used)
+    a_v, b_v = np.array(slopes).T.copy()
     half_v = float(special.stdtrit(n - 1, (1 + confidence) / 2) * b_v.std(ddof=1) / np.sqrt(n))
     mean_v = float(b_v.mean())
     said = _suggestion(half_v, float(a_v.mean()), planned, settings)

@@ -18,6 +18,7 @@ from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.extraction.remedies import remedies_of
 from emg2vsa.fits import fit_trials
 from emg2vsa.recordings import Channel
+from emg2vsa.session.journal import Judged, PressEnded, Verdict
 from emg2vsa.session.press_cycle import Attempt
 from emg2vsa.session.quality import FLAT_V, HUM_V
 from emg2vsa.session_settings import SessionSettings
@@ -124,22 +125,25 @@ class Circumstances(NamedTuple):
     age_ms: float | None = None
     hidden: bool = False
 
-
-@dataclass(frozen=True)
-class Judged:
-    """An attempt. verdict : ok, warned or rejected. found : the press of the analysis, None where it sees none."""
-
-    verdict: str
-    problems: tuple[Problem, ...]
-    peak_n: float
-    load_s: float | None
-    found: FoundPress | None
+    @classmethod
+    def of(cls, ended: PressEnded) -> Circumstances:
+        """Of an attempt that has ended."""
+        return cls(ended.lost_share, ended.age_ms, ended.hidden)
 
 
 def judge_attempt(
-    attempt: Attempt, stay: StayJudged, around: Circumstances, settings: SessionSettings, window: WindowSettings
+    key: tuple[int, int],
+    attempt: Attempt,
+    stay: StayJudged,
+    around: Circumstances,
+    settings: SessionSettings,
+    window: WindowSettings,
+    samples: Mapping[str, tuple[int, int]],
 ) -> Judged:
-    """The worse of what ``check`` says and what the session knows; rejecting problems first."""
+    """The worse of what ``check`` says and what the session knows, as a line of the journal; rejecting problems first.
+
+    key : number of the press and of the attempt. samples : as of `emg2vsa.session.journal.Judged`.
+    """
     found = press_of(attempt, stay.presses)
     load_s = None if found is None else found.stop_s - found.start_s
     live = [*_of_cycle(attempt, settings), *_of_speed(found, settings, window), *_around(around, settings)]
@@ -152,12 +156,14 @@ def judge_attempt(
     rejecting = [problem for rejects, problem in live if rejects]
     warning = [problem for rejects, problem in live if not rejects]
     by_check = "ok" if found is None else found.verdict
-    verdict = (
+    verdict: Verdict = (
         "rejected" if rejecting or by_check == "rejected" else "warned" if warning or by_check == "warned" else "ok"
     )
-    problems = (*rejecting, *checked, *warning)
     peak_n = attempt.peak_n if found is None else found.peak_n
-    return Judged(verdict, problems, peak_n, load_s, found)
+    values = {"peak_n": round(peak_n, 4), "load_s": None if load_s is None else round(load_s, 4)}
+    if found is not None and found.fitted:
+        values |= {"a_v": found.a_v, "b_v": found.b_v}
+    return Judged(*key, verdict, (*rejecting, *checked, *warning), values, dict(samples))
 
 
 def press_of(attempt: Attempt, presses: Sequence[FoundPress]) -> FoundPress | None:

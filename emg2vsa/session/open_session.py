@@ -7,6 +7,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 from emg2vsa.devices.clock import Clock
 from emg2vsa.errors import SettingError
@@ -43,6 +44,12 @@ def folder_of(study: Study, participant: str) -> Path:
     return session_folder(study.data, participant, study.task)
 
 
+def kept_settings(study: Study) -> dict[str, Any]:
+    """What a session depends on of the study file, which its plan keeps."""
+    return {"session": None if study.session is None else planned(study.session),
+            "specimens": [each.name for each in study.specimens], "window": asdict(study.window)}  # fmt: skip
+
+
 @contextmanager
 def open_session(
     study: Study, participant: str, clock: Clock, makers: Makers, *, resume: bool = False, at_once: bool = False
@@ -55,8 +62,7 @@ def open_session(
     """
     settings = settings_of(study, participant)
     folder = folder_of(study, participant)
-    now = {"session": planned(settings), "specimens": [each.name for each in study.specimens],
-           "window": asdict(study.window)}  # fmt: skip
+    now = kept_settings(study)
     refuse_foreign(folder, study, participant)
     with ExitStack() as stack:
         sources = []
@@ -69,7 +75,7 @@ def open_session(
         if resume:
             record = resume_session(folder, clock.now_s, background=not at_once)
         else:
-            presses = draw_presses(study.name, participant, now["specimens"], settings)  # type: ignore[arg-type]
+            presses = draw_presses(study.name, participant, now["specimens"], settings)
             drawn_at = datetime.now().astimezone().isoformat("T", "seconds")
             plan = Plan(study.name, participant, settings.seed, drawn_at, presses, now)
             record = new_session(folder, plan, clock.now_s, background=not at_once)

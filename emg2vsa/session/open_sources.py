@@ -33,6 +33,6 @@ def source_makers(
     if channels := getattr(emg, "channels", None):  # of whatever kind
         emg = replace(emg, channels={role: channels[role] for role in muscles if role in channels})  # type: ignore[call-arg]
     others = {"emg": emg, "session-force": settings.force} | ({"force": rig_force} if rig_force else {})
-    around = Around(clock, LOST_S, others)
+    around = Around(clock, LOST_S, others=others)
     force = settings.force
     return partial(known("emg", emg).opened, emg, around), partial(known("session-force", force).opened, force, around)

@@ -58,35 +58,23 @@ class PressCycle:
         "The rest goes on: the operator has something to do first."
         self.between = False
         "The specimen has been pressed while the operator has something to do first: no attempt, until it is let go."
-        self._rest_until_s = 0.0
+        self.rest_until_s = 0.0
+        "START is not given sooner."
         self._low_since_s: float | None = None
 
     # what the operator decides
 
     def open(self, now_s: float, rest_s: float = 0.0) -> None:
         """A specimen is there: presses may be asked for after a rest."""
-        self.command, self._rest_until_s = "rest", now_s + rest_s
+        self.command, self.rest_until_s = "rest", now_s + rest_s
         self._low_since_s = None
 
     def close(self, command: Command) -> None:
         """No presses: wait, pause or done."""
         self.command = command
 
-    def refuses_start(self, now_s: float, force_n: float) -> str:
-        """Why START is not given now, or ""."""
-        if self.command not in ("rest", "ready"):
-            return f"START is not possible while the participant is told {self.command!r}."
-        if force_n > self._settings.ready_n:
-            return (
-                f"The force is {force_n:.2f} N, above {self._settings.ready_n:g} N. "
-                "Ask the participant to lift the finger, or place the specimen again to take a new zero."
-            )
-        if now_s < self._rest_until_s:
-            return f"The rest lasts {self._rest_until_s - now_s:.1f} s longer."
-        return ""
-
     def start(self, now_s: float, zero_n: float) -> None:
-        """START. Ask `refuses_start` first."""
+        """START."""
         self.command, self.between = "start", False
         self.attempt = Attempt(now_s, zero_n=zero_n, peak_n=zero_n)
         self._low_since_s = None
@@ -128,7 +116,7 @@ class PressCycle:
             self.attempt = Attempt(now_s, early=True, begun_s=now_s, stop_s=now_s, peak_n=force_n)
             self.command = "stop"
         else:
-            self.command = "rest" if self.hold or now_s < self._rest_until_s else "ready"
+            self.command = "rest" if self.hold or now_s < self.rest_until_s else "ready"
 
     def _started(self, now_s: float, force_n: float) -> Attempt | None:
         assert self.attempt is not None
@@ -160,7 +148,7 @@ class PressCycle:
     def _lifted(self, now_s: float, ending: Ending) -> Attempt | None:
         """It ended when the force became low, and the rest began."""
         lifted_s = now_s if self._low_since_s is None else self._low_since_s
-        self.command, self._rest_until_s = "rest", lifted_s + self._settings.rest_s
+        self.command, self.rest_until_s = "rest", lifted_s + self._settings.rest_s
         return self._end(lifted_s, ending, "")
 
     def _end(self, now_s: float, ending: Ending, why: str) -> Attempt | None:

@@ -64,7 +64,7 @@ def measured(
             problems[one].append((said, "wipe the gel away between their electrodes; move the electrodes apart"))
     views = []
     for muscle in muscles:
-        snr_db = _snr_db(rest_v.get(muscle), contraction_v.get(muscle))
+        snr_db = snr_db_of(rest_v.get(muscle), contraction_v.get(muscle))
         own_problems = problems[muscle]
         if snr_db is not None and snr_db < CONTRAST_DB:
             said = f"{muscle} is {snr_db:.1f} dB over rest at maximum contraction"
@@ -78,7 +78,14 @@ def _bridged(muscle: str, channel: Channel) -> Floats:
     return bridge_gaps(channel.samples, muscle)[0]
 
 
-def _snr_db(rest_v: float | None, contraction_v: float | None) -> float | None:
+def muscle_of(problem: str, muscles: Sequence[str]) -> str:
+    """The muscle that a problem is about: its name begins the sentence, or ends it."""
+    named = [own for own in muscles if problem.startswith(f"{own} ") or problem.endswith(f" {own}")]
+    return max(named, key=len, default="")
+
+
+def snr_db_of(rest_v: float | None, contraction_v: float | None) -> float | None:
+    """Of a muscle at maximum contraction over rest."""
     if not rest_v or not contraction_v:
         return None
     return float(20 * np.log10(contraction_v / rest_v))

@@ -11,7 +11,7 @@ import json
 import os
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, fields
+from dataclasses import fields
 from pathlib import Path
 
 from casr.atomic import write_bytes_atomic
@@ -23,15 +23,9 @@ from emg2vsa.errors import DataError, DeviceError, SettingError
 from emg2vsa.held_lock import myself, taken, told
 from emg2vsa.session.journal import (
     JOURNAL_FILE,
-    Decided,
-    Decision,
     Event,
     Interrupted,
-    Judged,
     Line,
-    PressAdded,
-    PressBegun,
-    PressEnded,
     StreamOpened,
     Told,
     gaps,
@@ -39,7 +33,8 @@ from emg2vsa.session.journal import (
     now_text,
     read_journal,
 )
-from emg2vsa.session.plan import PLAN_FILE, Plan, PlannedPress, plan_bytes, read_plan
+from emg2vsa.session.plan import PLAN_FILE, Plan, plan_bytes, read_plan
+from emg2vsa.session.presses import folded
 from emg2vsa.session.raw_files import SampleWriter
 from emg2vsa.session_settings import PARTICIPANT_CODE
 
@@ -55,100 +50,24 @@ def check_code(participant: str) -> None:
         )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Attempt:
-    """One press that was begun. state : "running" until it ended; "aborted" and "interrupted" ones are done again."""
-
-    press: int
-    attempt: int
-    sitting: int
-    state: str = "running"
-    verdict: str = ""
-    decision: Decision = ""
-
-    @property
-    def counts(self) -> bool:
-        """Whether it stands for its press: complete and well done, or accepted in spite of its faults."""
-        well_done = self.verdict in ("ok", "warned") and not self.decision
-        return self.state == "complete" and (well_done or self.decision == "accept")
-
-
-@dataclass
-class Progress:
-    """What has been done of a session. presses : of the plan, and those added. attempts : in their order."""
-
-    presses: tuple[PlannedPress, ...]
-    attempts: list[Attempt] = field(default_factory=list)
-
-    def take(self, line: Line) -> None:
-        """Count a line of the journal."""
-        event = line.event
-        if isinstance(event, PressAdded):
-            self.presses += (PlannedPress(**{each.name: getattr(event, each.name) for each in fields(PlannedPress)}),)
-        elif isinstance(event, PressBegun):
-            self.attempts.append(Attempt(event.press, event.attempt, line.sitting))
-        elif isinstance(event, (PressEnded, Judged, Decided, Interrupted)):
-            for i, known in enumerate(self.attempts):
-                if (known.press, known.attempt) == (event.press, event.attempt):
-                    self.attempts[i] = _after(known, event)
-
-    def attempts_of(self, press: int) -> list[Attempt]:
-        """Those of one press, in their order."""
-        return [attempt for attempt in self.attempts if attempt.press == press]
-
-    def is_done(self, press: int) -> bool:
-        """Whether a press needs no further attempt: one counts, or the last one is skipped.
-
-        A rejected one needs the operator's decision first.
-        """
-        own = self.attempts_of(press)
-        return any(attempt.counts for attempt in own) or (bool(own) and own[-1].decision == "skip")
-
-    @property
-    def counting(self) -> dict[int, int]:
-        """By press the attempt that stands for it: the last one that counts."""
-        return {own.press: own.attempt for own in self.attempts if own.counts}
-
-    @property
-    def next(self) -> PlannedPress | None:
-        """The first press that is not done; None when all are."""
-        in_order = sorted(self.presses, key=lambda press: (press.stay, press.number))
-        return next((press for press in in_order if not self.is_done(press.number)), None)
-
-    @property
-    def without_verdict(self) -> list[Attempt]:
-        """The attempts that have no end, or no verdict yet; on resume those that were interrupted."""
-        return [own for own in self.attempts if own.state in ("running", "complete") and not own.verdict]
-
-
-def _after(known: Attempt, event: PressEnded | Judged | Decided | Interrupted) -> Attempt:
-    given = {each.name: getattr(known, each.name) for each in fields(Attempt)}
-    if isinstance(event, PressEnded):
-        return Attempt(**given | {"state": event.how})
-    if isinstance(event, Interrupted):
-        return Attempt(**given | {"state": "interrupted"})
-    key, value = ("verdict", event.verdict) if isinstance(event, Judged) else ("decision", event.decision)
-    return Attempt(**given | {key: value})
-
-
 class SessionRecord:
     """The folder of a session, open for recording. Methods never wait for the disk, but those that say so.
 
-    plan : as it was drawn. sitting : number of this one. progress : grows with every line. repaired_bytes : of a torn
-    last line that was cut off.
+    plan : as it was drawn. sitting : number of this one. repaired_bytes : of a torn last line that was cut off.
+    past : lines of earlier sittings, and those of this one until ``follow`` is set, which is called with each line.
     """
 
     def __init__(
         self, folder: Path, plan: Plan, lock: int, now_s: Callable[[], float], background: bool, system: OperatingSystem
     ) -> None:
         self.folder, self.plan, self.repaired_bytes = folder, plan, 0
-        self.progress = Progress(plan.presses)
         self._lock, self._now_s = lock, now_s
-        self._lines, self.sitting = 0, 1
         self.past: list[Line] = []
-        "Lines of earlier sittings, and what opening the folder added to them."
+        self.follow: Callable[[Line], None] = self.past.append
         path = folder / JOURNAL_FILE
         whole_bytes = self._read(path) if path.exists() else None
+        self._lines = self._lines_before = self.past[-1].number if self.past else 0
+        self.sitting = max((line.sitting for line in self.past), default=0) + 1
         self._disk = Writer(background=background, system=system)
         self._journal = SealedFile(path, self._disk, whole_bytes)
         self._resume()
@@ -156,14 +75,14 @@ class SessionRecord:
     def append(self, event: Event, time_s: float | None = None) -> Line:
         """Add an event to the journal, and hand over its line; ``time_s`` where it happened before now.
 
-        UnicodeEncodeError : a text of the event cannot be written; no line is used up, and nothing is counted.
+        UnicodeEncodeError : a text of the event cannot be written; no line is used up, and nobody is told.
         """
         time_s = self._now_s() if time_s is None else time_s
         line = Line(self._lines + 1, self.sitting, time_s, now_text(), event)
         content = line_bytes(line)
-        self.progress.take(line)
         self._lines = line.number
         self._journal.seal(content)
+        self.follow(line)
         return line
 
     def open_stream(self, name: str, info: StreamInfo) -> SampleWriter:
@@ -217,25 +136,18 @@ class SessionRecord:
         """Length of the whole lines."""
         lines, whole_bytes = read_journal(path)
         self.repaired_bytes = path.stat().st_size - whole_bytes
-        for line in lines:
-            self.progress.take(line)
-        self.past = list(lines)
-        self._lines = lines[-1].number if lines else 0
-        self.sitting = max((line.sitting for line in lines), default=0) + 1
+        self.past.extend(lines)
         return whole_bytes
 
     def _resume(self) -> None:
-        self._lines_before = self._lines
         if self.repaired_bytes:
-            self.past.append(
-                self.append(Told(f"An unfinished line of {self.repaired_bytes} bytes was cut off the journal."))
-            )
+            self.append(Told(f"An unfinished line of {self.repaired_bytes} bytes was cut off the journal."))
         known = {line.event.text for line in self.past if isinstance(line.event, Told)}
         for said in gaps(self.past):
             if said not in known:
-                self.past.append(self.append(Told(said)))
-        for open_ in self.progress.without_verdict:
-            self.past.append(self.append(Interrupted(open_.press, open_.attempt)))
+                self.append(Told(said))
+        for open_ in folded(self.past, self.plan.presses).without_verdict:
+            self.append(Interrupted(*open_.key))
 
 
 def new_session(
@@ -280,6 +192,12 @@ def resume_session(
     lock = _held(folder)
     with _given_back(lock):
         return SessionRecord(folder, read_plan(folder / PLAN_FILE), lock, now_s, background, system)
+
+
+def saved(folder: Path, lines: int, trouble: str, safe: bool) -> str:
+    """How much of a session is on the disk, in a sentence."""
+    on_disk = "everything is on the disk" if safe else "the last events are being written"
+    return f"{folder}: {lines} events; {trouble or on_disk}."
 
 
 def session_folder(root: Path, participant: str, task: str) -> Path:

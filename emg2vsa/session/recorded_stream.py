@@ -6,8 +6,6 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import Literal, NamedTuple
 
-import numpy as np
-
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.streams import Source, StreamCounts, StreamInfo
 from emg2vsa.errors import DeviceError, Emg2vsaError
@@ -29,6 +27,23 @@ class Arrived(NamedTuple):
     first: int
     samples: Floats
     newest_s: float
+
+
+def device_view(stream: str, clock: SampleClock, samples: int, lost: int, silent_s: float, lost_why: str) -> DeviceView:
+    """A stream as the operator's page shows it; arguments as what `RecordedStream` knows of its own."""
+    report, problems = clock.report(), list(clock.problems())
+    if lost and not report.missing:
+        problems.append(f"{lost} samples were lost.")
+    name = {"emg": "EMG", "force": "Force"}[stream]
+    state: Literal["good", "doubtful", "lost"] = "good"
+    text = f"{name}: {clock.fs_hz:.6g} samples a second."
+    if lost_why:
+        state, text = "lost", f"{name}: {lost_why}"
+    elif silent_s > SILENT_S:
+        state, text = "doubtful", f"{name}: nothing for {silent_s:.1f} s."
+    elif problems:
+        state, text = "doubtful", f"{name}: {' '.join(problems)}"
+    return DeviceView(name, state, text, clock.fs_hz, report.rate_hz, report.se_s, samples, lost)
 
 
 class RecordedStream:
@@ -105,33 +120,13 @@ class RecordedStream:
         """A line of the journal with the clock as it is fitted now."""
         if self._expected == 0 or self.lost_why:
             return
-        start_s, fs_hz = self.timing(0)
+        start_s, fs_hz = self._clock.timing(0, self._expected)
         self._record.append(ClockFitted(self.name, start_s, fs_hz, self._clock.report().se_s or 0.0, self._expected))
-
-    def timing(self, first: int) -> tuple[float, float]:
-        """Time of a sample on the session's clock, and the rate from there on by that clock."""
-        last = max(self._expected - 1, first + 1)
-        start_s, stop_s = (float(time) for time in self._clock.time_s(np.array([first, last], dtype=np.int64)))
-        return start_s, (last - first) / (stop_s - start_s)
 
     def view(self, now_s: float) -> DeviceView:
         """As the operator's page shows it."""
-        report, info = self._clock.report(), self._info
-        problems = list(self._clock.problems())
-        lost = self.lost_samples
-        if lost and not report.missing:
-            problems.append(f"{lost} samples were lost.")
-        name = {"emg": "EMG", "force": "Force"}[self.name]
-        state: Literal["good", "doubtful", "lost"] = "good"
-        text = f"{name}: {info.fs_hz:.6g} samples a second."
-        if self.lost_why:
-            state, text = "lost", f"{name}: {self.lost_why}"
-        elif now_s - self._heard_s > SILENT_S:
-            state, text = "doubtful", f"{name}: nothing for {now_s - self._heard_s:.1f} s."
-        elif problems:
-            state, text = "doubtful", f"{name}: {' '.join(problems)}"
-        counts = 0 if self._source is None else self._source.counts().samples
-        return DeviceView(name, state, text, info.fs_hz, report.rate_hz, report.se_s, counts, lost)
+        samples = 0 if self._source is None else self._source.counts().samples
+        return device_view(self.name, self._clock, samples, self.lost_samples, now_s - self._heard_s, self.lost_why)
 
     def close(self) -> None:
         """Give the device back."""

@@ -140,6 +140,12 @@ class SampleClock:
         passed = bisect_right(self._steps, index, key=lambda step: step[0])
         return level_s + self._slope * (index + sum(lost for _, lost in self._steps[:passed]))
 
+    def timing(self, first: int, stop: int) -> tuple[float, float]:
+        """Time of a sample, and the rate from it to sample ``stop``, which is the next to come."""
+        last = max(stop - 1, first + 1)
+        start_s, stop_s = (float(time) for time in self.time_s(np.array([first, last], dtype=np.int64)))
+        return start_s, (last - first) / (stop_s - start_s)
+
     def report(self) -> ClockReport:
         """So far."""
         counts = (self._missing, self._gaps, self._longest_s)

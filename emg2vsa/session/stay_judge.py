@@ -25,6 +25,7 @@ from emg2vsa.session.quality import measured
 from emg2vsa.session.views import SignalView
 from emg2vsa.settings import FilterSettings
 
+JUDGE_ENDED = "the process that judges presses ended; emg2vsa check will judge this press"
 _END_S = 2.0
 """In which the process that judges must have ended; then it is ended."""
 
@@ -189,7 +190,7 @@ class JudgeBeside:
             self._start()
             if self._begun is not None:
                 self.tell(self._begun)
-            return StayJudged(failed="the process that judges presses ended; emg2vsa check will judge this press")
+            return StayJudged(failed=JUDGE_ENDED)
         return None
 
     def close(self) -> None:

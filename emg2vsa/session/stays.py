@@ -135,16 +135,26 @@ class StoredStream:
     opened: StreamOpened
     file: SampleFile
     clock: SampleClock = field(init=False)
+    heard: int = 0
+    "Blocks that the clock knows."
 
     def __post_init__(self) -> None:
         self.clock = SampleClock(
             self.opened.fs_hz, delay_s=self.opened.delay_s, quantum=self.opened.frame, stamped=self.opened.stamped
         )
+
+    def hear(self, stop: float = math.inf) -> StoredStream:
+        """Let the clock know the blocks before sample ``stop``, as a session did when it had come so far."""
         blocks = self.file.blocks
-        for first, n, arrived_s in zip(
-            blocks.first.tolist(), blocks.count.tolist(), blocks.arrived_s.tolist(), strict=True
-        ):
+        rest = zip(
+            *(each[self.heard :].tolist() for each in (blocks.first, blocks.count, blocks.arrived_s)), strict=True
+        )
+        for first, n, arrived_s in rest:
+            if first + n > stop:
+                break
             self.clock.add(first, n, arrived_s)
+            self.heard += 1
+        return self
 
     def span_s(self) -> tuple[float, float]:
         """Times of the first and the last sample."""
@@ -195,7 +205,7 @@ def stored_streams(
     for line in lines:
         if isinstance(line.event, StreamOpened):
             try:
-                stream = StoredStream(line.event, SampleFile(folder / line.event.file))
+                stream = StoredStream(line.event, SampleFile(folder / line.event.file)).hear()
             except DataError as error:
                 faults.append(error)
                 continue

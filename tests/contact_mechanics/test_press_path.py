@@ -7,10 +7,10 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from emg2vsa.actuator import RAD_PER_TICK, SPRINGS, Springs
 from scipy.optimize import brentq
 
 from casr.specimens import SPECIMENS
-from emg2vsa.actuator import RAD_PER_TICK, SPRINGS, Springs
 from emg2vsa.contact_mechanics import (
     ELASTIC,
     Drive,

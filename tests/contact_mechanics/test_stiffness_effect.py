@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from emg2vsa.actuator import SPRINGS
 
 from casr.specimens import SPECIMENS
-from emg2vsa.actuator import SPRINGS
 from emg2vsa.contact_mechanics import Drive, PowerLaw, StiffnessSteps
 from emg2vsa.contact_mechanics.camera_frames import FrameErrors
 from emg2vsa.contact_mechanics.stiffness_effect import (

@@ -9,18 +9,20 @@ from typing import Any
 
 import pytest
 
-from emg2vsa.devices.clock import WallClock
+from emg2vsa.devices.clock import VirtualClock, WallClock
 from emg2vsa.devices.netft.driver import NetFt
 from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.ni_daq.settings import NiGaugeSettings
 from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
 from emg2vsa.devices.opencv_camera.settings import OpenCvSettings
+from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.info import QbmoveInfo
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
-from emg2vsa.devices.qbmove.settings import ActuatorSettings, MotorSettings
+from emg2vsa.devices.qbmove.settings import MotorSettings, QbmoveSettings
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.rig_devices import DeviceSettings
+from emg2vsa.devices.serial_line import LoopbackLine, SerialLine
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.rig import open_rig as module
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings
@@ -44,7 +46,7 @@ def servers() -> Iterator[EmulatedServers]:
 @pytest.fixture
 def settings(servers: EmulatedServers) -> DeviceSettings:
     return DeviceSettings(
-        actuator=ActuatorSettings(port=servers.port, reply_s=2.0),
+        actuator=QbmoveSettings(port=servers.port, reply_s=2.0),
         motor=MotorSettings(port=servers.port, reply_s=2.0),
         force=NetFtSettings(host="127.0.0.1", rdt_port=servers.force.rdt_port, http_port=servers.force.http_port),
         camera=OpenCvSettings(source=servers.camera_url, delay_s=0.03),
@@ -56,7 +58,7 @@ class Watched:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.closed: list[str] = []
-        for kind in (module.SerialLine, OpenCvCamera, NetFt):
+        for kind in (SerialLine, OpenCvCamera, NetFt):
             self.watch(monkeypatch, kind, kind.__name__)
 
     def watch(self, monkeypatch: pytest.MonkeyPatch, kind: Any, name: str) -> None:
@@ -89,7 +91,7 @@ def test_the_devices_of_the_file_are_open_and_closed_again(
         ]  # fmt: skip
         json.dumps(opened.facts)
         opened.devices.actuator.activate()
-        opened.devices.actuator.set_position_stiffness(0, 1500)
+        opened.devices.actuator.command(0.0, 0.5)
         assert watched.closed == []
     assert watched.closed == ["OpenCvCamera", "NetFt", "SerialLine"]
     assert servers.bench.answer(bytes.fromhex("3a3a 01 02 81 81")) == bytes.fromhex("3a3a 01 03 81 00 81")  # motors off
@@ -114,7 +116,7 @@ def test_what_was_open_is_closed_when_something_is_absent(
     wrong = {
         "camera": replace(settings, camera=OpenCvSettings(source="/no/such/camera")),
         "force": replace(settings, force=replace(settings.force, http_port=1)),
-        "actuator": replace(settings, actuator=ActuatorSettings(port="/dev/no-such-port")),
+        "actuator": replace(settings, actuator=QbmoveSettings(port="/dev/no-such-port")),
         "id": replace(settings, actuator=replace(settings.actuator, id=7, reply_s=0.01)),
     }[absent]
     wanted = {"camera": "frames a second", "force": "the box's configuration", "actuator": "a serial port"}
@@ -193,18 +195,31 @@ def test_a_card_without_its_calibration_is_told(tmp_path: Any) -> None:
     ("device", "rig", "rigid", "positions", "percent"),
     [
         ({}, {}, False, (-12000, 12000), (20.0, 80.0)),
-        ({}, {"position_ticks": (-20000, 20000)}, False, (-12000, 12000), (20.0, 80.0)),
-        ({}, {"position_ticks": (-20000, 20000)}, True, (-15000, 15000), (20.0, 80.0)),
-        ({}, {"position_ticks": (-100, 9000)}, False, (-100, 9000), (20.0, 80.0)),
-        ({"max_stiffness_ticks": 2400}, {"position_ticks": (-20000, 20000)}, False, (-12600, 12600), (25.0, 80.0)),
-        ({"max_stiffness_ticks": 4000}, {"position_ticks": (-20000, 20000)}, False, (-11000, 11000), (20.0, 60.0)),
+        ({}, {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)}, False, (-12000, 12000), (20.0, 80.0)),
+        ({}, {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)}, True, (-15000, 15000), (20.0, 80.0)),
+        ({}, {"position_deg": (-100 * DEG_PER_TICK, 9000 * DEG_PER_TICK)}, False, (-100, 9000), (20.0, 80.0)),
+        (
+            {"max_stiffness_ticks": 2400},
+            {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)},
+            False,
+            (-12600, 12600),
+            (25.0, 80.0),
+        ),
+        (
+            {"max_stiffness_ticks": 4000},
+            {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)},
+            False,
+            (-11000, 11000),
+            (20.0, 60.0),
+        ),
     ],
 )
 def test_limits_are_the_device_s_and_no_wider_than_the_file_s(
     device: dict[str, Any], rig: dict[str, Any], rigid: bool, positions: tuple[int, int], percent: tuple[float, float]
 ) -> None:
     info = replace(INFO, **device)
-    narrowed = within_device(RigSettings(**rig), info, rigid)
-    assert narrowed.position_ticks == positions
+    board = Qbmove(LoopbackLine("bench", bytes), 1, rigid=rigid, clock=VirtualClock())
+    narrowed = within_device(RigSettings(**rig), board.usable(info))
+    assert narrowed.position_deg == tuple(ticks * DEG_PER_TICK for ticks in positions)
     assert narrowed.stiffness_percent == pytest.approx(percent)
-    assert narrowed.max_preset_ticks == info.max_stiffness_ticks
+    assert narrowed.full_preset == info.max_stiffness_ticks * DEG_PER_TICK

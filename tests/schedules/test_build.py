@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from emg2vsa.actuator import stiffness_nm_per_rad
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from emg2vsa.actuator import stiffness_nm_per_rad
 from emg2vsa.errors import ScheduleError
 from emg2vsa.figures.canvas import ONE_COLUMN_MM, style
 from emg2vsa.figures.palette import looks

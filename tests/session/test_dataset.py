@@ -118,11 +118,11 @@ def pressed(
     starts_s: dict[tuple[int, int], float] = {}
     now_s, last = begin_s, 0
     for number, verdict, decision in attempts:
-        press = record.progress.presses[number - 1]
+        press = record.plan.presses[number - 1]
         if press.stay != last:
             record.append(Checked(PLACED, press.specimen), now_s)
             now_s, last = now_s + 3, press.stay
-        attempt = len(record.progress.attempts_of(number)) + 1
+        attempt = 1 + sum(press == number for press, _ in starts_s)
         record.append(PressBegun(number, attempt, press.specimen, press.phase, press.repetition, press.stay), now_s)
         record.append(Commanded("start", number, attempt), now_s)
         record.append(Commanded("stop", number, attempt), now_s + 2.9)
@@ -194,7 +194,7 @@ def test_one_recording_for_each_stay_named_as_the_study_looks_for_it(made):
 
 def test_events_say_what_happened_and_when(made):
     written = write_dataset(made.folder, made.study)
-    press = made.record.progress.presses[2]
+    press = made.record.plan.presses[2]
     own = next(path for path in written.files if f"acq-{press.specimen}_" in path.name)
     rows = rows_of(own.with_name(own.name.replace("_emg.bdf", "_events.tsv")))
     presses = [row for row in rows if row["trial_type"] == "press"]

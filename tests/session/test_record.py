@@ -14,6 +14,7 @@ from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettin
 from emg2vsa.devices.streams import Block, StreamInfo
 from emg2vsa.errors import DataError, DeviceError, SettingError
 from emg2vsa.session.journal import (
+    JOURNAL_FILE,
     Begun,
     Decided,
     Ended,
@@ -28,6 +29,7 @@ from emg2vsa.session.journal import (
     read_journal,
 )
 from emg2vsa.session.plan import Plan, draw_presses
+from emg2vsa.session.presses import Presses, folded
 from emg2vsa.session.raw_files import SampleFile
 from emg2vsa.session.record import SessionRecord, new_session, resume_session
 from emg2vsa.session_settings import SessionSettings
@@ -48,8 +50,14 @@ def a_plan(participant: str = "P03") -> Plan:
 
 
 def begin(record: SessionRecord, number: int, attempt: int = 1) -> None:
-    press = record.progress.presses[number - 1]
+    press = record.plan.presses[number - 1]
     record.append(PressBegun(number, attempt, press.specimen, press.phase, press.repetition, press.stay))
+
+
+def presses(record: SessionRecord) -> Presses:
+    """As the journal on the disk has them."""
+    assert record.wait()
+    return folded(read_journal(record.folder / JOURNAL_FILE)[0], record.plan.presses)
 
 
 def finish(record: SessionRecord, number: int, attempt: int = 1, verdict: str = "ok") -> None:
@@ -72,9 +80,9 @@ def test_a_session_goes_on_at_the_first_press_that_is_not_done(tmp_path):
     finish(record, 1)
     begin(record, 2)
     finish(record, 2, verdict="rejected")
-    assert record.progress.next.number == 2
+    assert presses(record).next.number == 2
     record.append(Decided(2, 1, "repeat"))
-    assert record.progress.next.number == 2
+    assert presses(record).next.number == 2
     begin(record, 2, 2)
     finish(record, 2, 2, "warned")
     begin(record, 3)
@@ -88,9 +96,10 @@ def test_a_session_goes_on_at_the_first_press_that_is_not_done(tmp_path):
     again = resumed(tmp_path)
     assert again.sitting == 2
     assert again.plan == a_plan()
-    assert again.progress.next.number == 4
-    states = [(own.press, own.attempt, own.state) for own in again.progress.attempts]
-    assert states[-2:] == [(4, 1, "aborted"), (4, 2, "interrupted")]
+    assert presses(again).next.number == 4
+    aborted, interrupted = presses(again).tried[-2:]
+    assert (aborted.key, aborted.over, aborted.complete, aborted.interrupted) == ((4, 1), True, False, False)
+    assert (interrupted.key, interrupted.interrupted) == ((4, 2), True)
     begin(again, 4, 3)
     finish(again, 4, 3)
     for number in (5, 6):
@@ -99,9 +108,9 @@ def test_a_session_goes_on_at_the_first_press_that_is_not_done(tmp_path):
         again.append(Decided(number, 1, "skip"))
     begin(again, 7)
     finish(again, 7)
-    assert again.progress.next is None
+    assert presses(again).next is None
     again.append(PressAdded(8, "main", "S1", 3, 4, "interval wider than 0.2"))
-    assert again.progress.next.number == 8
+    assert presses(again).next.number == 8
     again.append(Ended("completed"))
     again.close()
     lines, _ = read_journal(tmp_path / "sub-P03" / "journal.jsonl")
@@ -115,8 +124,8 @@ def test_a_press_that_ended_without_a_verdict_was_interrupted(tmp_path):
     record.append(PressEnded(1, 1, 1.0, 2.0))
     record.close()
     again = resumed(tmp_path)
-    assert again.progress.next.number == 1
-    assert again.progress.attempts[0].state == "interrupted"
+    assert presses(again).next.number == 1
+    assert presses(again).tried[0].interrupted
     again.close()
 
 
@@ -139,7 +148,7 @@ def test_a_torn_last_line_is_cut_off_and_told(tmp_path, torn):
     assert isinstance(events[-1], Told)
     assert "was cut off" in events[-1].text
     assert Noted("the last line") not in events
-    assert again.progress.next.number == 2
+    assert folded(read_journal(path)[0], again.plan.presses).next.number == 2
 
 
 def test_a_torn_line_of_nothing_but_zeros_is_cut_off(tmp_path):
@@ -343,7 +352,7 @@ def test_every_attempt_without_a_verdict_was_interrupted(tmp_path):
     begin(record, 1, 2)
     record.close()
     again = resumed(tmp_path)
-    assert [attempt.state for attempt in again.progress.attempts] == ["interrupted", "interrupted"]
+    assert [tried.interrupted for tried in presses(again).tried] == [True, True]
     again.close()
 
 
@@ -353,7 +362,7 @@ def test_a_press_of_which_an_earlier_attempt_counts_is_done(tmp_path):
     finish(record, 1)
     begin(record, 1, 2)
     finish(record, 1, 2, "rejected")
-    assert record.progress.is_done(1)
+    assert 1 in presses(record).done
     record.append(Decided(1, 2, "accept"))
-    assert record.progress.counting == {1: 2}
+    assert presses(record).counting == {1: 2}
     record.close()

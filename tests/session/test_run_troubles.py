@@ -83,7 +83,7 @@ def test_a_session_that_was_killed_goes_on_with_the_same_order_and_repeats_its_p
 
     def kill(desk, now_s):
         if now_s > 30 and desk.force().command == "press":
-            killed["press"] = desk.session.running.press.number
+            killed["press"] = desk.session.state.running.press.number
             raise Killed
 
     with pytest.raises(Killed):
@@ -125,7 +125,7 @@ def test_a_changed_study_file_is_told_on_resume_and_the_order_stays(play):
 
 def test_a_hidden_page_rejects_the_press_under_way(play):
     def hide(desk, now_s):
-        running = desk.session.running
+        running = desk.session.state.running
         hidden = running is not None and (running.press.number, running.attempt) == (1, 1)
         desk.screen(ScreenReport(60.0, 10.0, 20.0, 17.0, hidden))
 
@@ -212,12 +212,12 @@ def test_a_tap_while_the_last_press_is_judged_begins_no_attempt(play):
         return emg, force[0]
 
     def tap(desk, now_s):
-        tapped = desk.session.judging and desk.force().command == "rest"
+        tapped = desk.session.state.judging and desk.force().command == "rest"
         force[0].change = (lambda samples: samples + 3.0) if tapped else Altered.change
 
     played = play(source=altered, session=FEW, beside=tap)
     assert played.state.ended == "completed"
-    attempts = played.session.record.progress.attempts
+    attempts = played.session.state.presses.tried
     assert [own.attempt for own in attempts] == [1] * 4
     told = [line.event.text for line in read_journal(played.folder / JOURNAL_FILE)[0] if isinstance(line.event, Told)]
     assert sum("pressed between presses" in text for text in told) == 4
@@ -232,7 +232,7 @@ def test_a_force_of_the_wrong_sign_is_told_with_its_remedy(play):
         return emg, force[0]
 
     def end(desk, now_s):
-        if any("session.force.axis" in text for text in desk.session.warnings):
+        if any("session.force.axis" in text for text in desk.session.state.warnings):
             desk.ask(Request("abort"))
             desk.ask(Request("end"))
 
@@ -278,7 +278,7 @@ def test_a_server_that_drops_at_press_7_pauses_the_session_and_the_press_is_repe
 
             def beside(now_s):
                 operator.turn(now_s)
-                running = desk.session.running
+                running = desk.session.state.running
                 if not seen["dropped"] and running and running.press.number == 7 and desk.force().command == "press":
                     seen["dropped"] = 1
                     server.disconnect()

@@ -89,7 +89,7 @@ def asked(requests):
     def beside(desk, now_s):
         while waiting and now_s >= waiting[0][0]:
             said.append(desk.ask(waiting.pop(0)[1]))
-        if not waiting and desk.session.ended is None:
+        if not waiting and desk.session.state.ended is None:
             desk.ask(Request("abort"))
             desk.ask(Request("end"))
 

@@ -12,7 +12,7 @@ from emg2vsa.cli.rig.choice import add_choice, add_rig, finish, runs_chosen
 if TYPE_CHECKING:
     from emg2vsa.rig.executor.dry_run import DryRun
 
-_COLUMNS = "position, ticks", "preset, ticks", "force, N"
+_COLUMNS = "position, deg", "preset, %", "force, N"
 _HEAD = f"{'run':<26}{'presses':>8}" + "".join(map("{:>16}".format, _COLUMNS)) + f"{'largest, N':>12}{'at most, s':>12}"
 
 
@@ -55,11 +55,15 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _row(name: str, found: DryRun) -> str:
-    presets = [leg.preset_ticks for leg in found.legs]
-    ticks = [tick for leg in found.legs for tick in leg.position_ticks]
+    presets = [100 * leg.preset for leg in found.legs]
+    angles = [angle_deg for leg in found.legs for angle_deg in leg.position_deg]
     low_n, high_n = found.legs[0].force_n or (0.0, 0.0)
     high_n = max([high_n, *(leg.force_n[1] for leg in found.legs if leg.force_n)])
-    columns = f"{min(ticks)} to {max(ticks)}", f"{min(presets)} to {max(presets)}", f"{low_n:g} to {high_n:g}"
+    columns = (
+        f"{min(angles):.4g} to {max(angles):.4g}",
+        f"{min(presets):.4g} to {max(presets):.4g}",
+        f"{low_n:g} to {high_n:g}",
+    )
     ends = f"{_largest(found):>12}{found.at_most_s:>12.1f}"
     return f"{name:<26}{found.repetitions:>8}" + "".join(f"{column:>16}" for column in columns) + ends
 
@@ -70,10 +74,10 @@ def _largest(found: DryRun) -> str:
 
 def _table(name: str, found: DryRun) -> str:
     lines = [f"{name}: {found.repetitions} presses, at most {found.at_most_s:.1f} s"]
-    lines.append(f"  {'phase':<10}{'position, ticks':>18}{'preset, ticks':>15}{'force, N':>15}{'at most, s':>12}")
+    lines.append(f"  {'phase':<10}{'position, deg':>18}{'preset, %':>15}{'force, N':>15}{'at most, s':>12}")
     for leg in found.legs:
-        position, force = "{} to {}".format(*leg.position_ticks), "{:g} to {:g}".format(*leg.force_n or (0, 0))
+        position, force = "{:.4g} to {:.4g}".format(*leg.position_deg), "{:g} to {:g}".format(*leg.force_n or (0, 0))
         ends = f"{force if leg.force_n else '':>15}{leg.at_most_s:>12.2f}"
-        lines.append(f"  {leg.phase:<10}{position:>18}{leg.preset_ticks:>15}{ends}")
+        lines.append(f"  {leg.phase:<10}{position:>18}{100 * leg.preset:>15.4g}{ends}")
     past = f"at most {found.past_contact_mm:.1f} mm past contact"
     return "\n".join([*lines, f"  largest force to expect: {_largest(found)} N; {past}", ""])

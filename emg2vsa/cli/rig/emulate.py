@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
             told = {"specimen": served.specimen, "angle_deg": served.angle_deg, "devices": served.devices}
             print(json.dumps(told | {"faults": list(served.faults)}), flush=True)
             return
-        under = "the rigid motor" if arguments.rigid else f"the qbmove ({served.servers.bench.model})"
+        under = f"the {served.actuator}"
         print(f"# {served.specimen} at {served.angle_deg:g} degrees under {under}")
         print("\n".join(toml_lines(served.devices)).strip())
         written = [f"\n# written: {arguments.write}"] if arguments.write else []

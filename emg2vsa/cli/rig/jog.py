@@ -22,7 +22,7 @@ def add_to(commands: Commands) -> None:
     )
     way = parser.add_mutually_exclusive_group(required=True)
     way.add_argument("--mm", type=float, help="distance towards the specimen in mm; negative values move away")
-    way.add_argument("--deg", type=float, help="angle of the shaft in degrees, positive towards more ticks")
+    way.add_argument("--deg", type=float, help="angle of the shaft in degrees, positive towards larger angles")
     parser.add_argument(
         "--deg-per-s", type=float, default=5.0, metavar="V", help="speed of the shaft (default 5; at most 25)"
     )
@@ -43,6 +43,6 @@ def run(arguments: argparse.Namespace) -> int:
     chosen = {name: getattr(arguments, name) for name in names}
     done = jog(load_rig(arguments.rig), **chosen, person=person_of(arguments))
     way = f"{done.moved_deg:.2f} degrees, {done.moved_mm:.2f} mm towards the specimen by the gear of the rig file"
-    shaft = f"shaft from {done.from_ticks} to {done.shaft_ticks} ticks: {way}"
+    shaft = f"shaft from {done.from_deg:.2f} to {done.shaft_deg:.2f} degrees: {way}"
     force = "force {:.2f}, {:.2f}, {:.2f} N above that at the start; motors off".format(*done.force_n)
     return finish(arguments, done, shaft, force, good=not done.touched)

@@ -28,7 +28,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.devices.qbmove.settings import ActuatorSettings
+    from emg2vsa.devices.qbmove.settings import QbmoveSettings
     from emg2vsa.errors import SettingError
     from emg2vsa.lab.motors_off import board_off, off
 
@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
         do = "Name one of them."
         raise SettingError("rig off", wanted="a rig file or --port", found="both or neither", do=do)
     person = person_of(arguments)
-    by_port = ActuatorSettings(port=arguments.port, id=arguments.id)
+    by_port = QbmoveSettings(port=arguments.port, id=arguments.id)
     boards = (board_off("device", by_port, person),) if arguments.port else off(arguments.rig, person)
     result = {"devices": [asdict(each) for each in boards]}
     return finish(arguments, result, good=not any(each.problem for each in boards))

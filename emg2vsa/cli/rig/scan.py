@@ -6,11 +6,9 @@ import argparse
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import get_args
 
 from casr.command_line import Commands, add_command, add_json, whole_number
 from emg2vsa.cli.rig.choice import finish, person_of
-from emg2vsa.devices.serial_speed import BAUD, Baud
 
 
 def add_to(commands: Commands) -> None:
@@ -27,7 +25,8 @@ def add_to(commands: Commands) -> None:
     add("rig", nargs="?", type=Path, metavar="RIG", help="rig file whose devices are asked")
     several("--port", help="ask this port, even if it is not listed; may be repeated")
     several("--id", type=_device_id, help="ask only this device id; may be repeated")
-    add("--baud", type=int, choices=get_args(Baud), default=BAUD, help=f"baud rate of --port (default {BAUD})")
+    add("--kind", default="qbmove", help="kind of actuator to ask for on --port (default qbmove; or dynamixel)")
+    add("--baud", type=whole_number, help="baud rate of --port (default: as the kind has it)")
     longest = "time to wait for each answer in ms (default 5; 20 for slow lines)"
     add("--wait-ms", type=whole_number, default=5, metavar="MS", help=longest)
     add_json(parser)
@@ -38,7 +37,13 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.rig_file import load_rig
 
     file, person = load_rig(arguments.rig) if arguments.rig else None, person_of(arguments)
-    asked = {"ports": arguments.port, "baud": arguments.baud, "ids": arguments.id, "wait_s": arguments.wait_ms / 1000}
+    asked = {
+        "ports": arguments.port,
+        "kind": arguments.kind,
+        "baud": arguments.baud,
+        "ids": arguments.id,
+        "wait_s": arguments.wait_ms / 1000,
+    }
     devices = scan(file, **asked, person=person)
     if none := not any(not each.device.startswith("[") for each in devices):
         person.say("no serial port with a qbmove's adapter; name another with --port")
@@ -47,6 +52,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _device_id(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text) <= 255:
-        raise argparse.ArgumentTypeError(f"expected a device id of 1 to 255, but found {text!r}")
+    if not text.isdecimal() or not 0 <= int(text) <= 255:
+        raise argparse.ArgumentTypeError(f"expected a device id of 0 to 255, but found {text!r}")
     return int(text)

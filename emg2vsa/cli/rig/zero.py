@@ -15,7 +15,7 @@ def add_to(commands: Commands) -> None:
         "zero",
         run,
         "Make the present place of motors and shaft their zero, and store it in the device (SET_ZEROS).",
-        "The motors must be off, and the shaft at rest without load. home_ticks of the rig file counts from this zero: "
+        "The motors must be off, and the shaft at rest without load. home_deg of the rig file counts from this zero: "
         "check it afterwards with emg2vsa rig commission. Exit status 0: the encoders read zero; 1: not asked for.",
         asks=True,
     )
@@ -23,12 +23,13 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.lab.by_hand import zero
+    from emg2vsa.lab.device_states import angles
     from emg2vsa.rig_file import load_rig
 
     file = load_rig(arguments.rig)
     done = zero(file, motor=arguments.motor, person=person_of(arguments))
     if done is None:
         return 1
-    at, home_ticks = "now {}, {} and {} ticks, stored".format(*done.ticks), file.rig.home_ticks
-    check = f"home_ticks = {home_ticks} of {file.path} counts from the new zero: check it"
-    return finish(arguments, asdict(done) | {"home_ticks": home_ticks}, at, check)
+    at, home_deg = f"now {angles(done.after)}, stored", file.rig.home_deg
+    check = f"home_deg = {home_deg:g} of {file.path} counts from the new zero: check it"
+    return finish(arguments, asdict(done) | {"home_deg": home_deg}, at, check)

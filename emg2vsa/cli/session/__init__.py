@@ -8,7 +8,7 @@ from typing import Any
 
 from casr.command_line import Commands, add_group
 
-SUBCOMMANDS = ("run", "finish", "emulate")
+SUBCOMMANDS = ("run", "finish", "replay", "emulate")
 PARTICIPANT = "--participant CODE  a code of [participants]: P03\n"
 REQUIRED = {"required": True}
 

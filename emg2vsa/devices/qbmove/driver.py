@@ -1,22 +1,29 @@
 """Driver of a qbmove: variable stiffness actuator on a serial line, generations 6 and 7, Maker Pro and Advanced.
 
-Ticks are wire ticks, 32768 to a turn of the shaft at the default resolution (``emg2vsa.settings.TICKS_PER_TURN``).
+Ticks are wire ticks, 32768 to a turn of the shaft at the default resolution. What a run speaks of in degrees and shares
+of the full preset becomes ticks here.
 Silence is read back: a command that the firmware does not answer is followed by a question, where one exists.
 """
 
 from __future__ import annotations
 
+import math
 import struct
-from collections.abc import Iterable
-from types import TracebackType
-from typing import Self
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
-from emg2vsa.actuator import SPRINGS, Springs, equilibrium_and_preset
+from emg2vsa.devices.board import BoardBase
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.protocols import Measurements
+from emg2vsa.devices.protocols import Measurements, Parameter, Usable
 from emg2vsa.devices.qbmove.conversation import Conversation
-from emg2vsa.devices.qbmove.info import Parameter, QbmoveInfo, decode_parameters, parse_info
-from emg2vsa.devices.qbmove.limits import START_LIMIT_TICKS, QbmoveLimits, stiffness_on_wire, watchdog_on_wire
+from emg2vsa.devices.qbmove.info import QbmoveInfo, check_kind, decode_parameters, parse_info
+from emg2vsa.devices.qbmove.limits import (
+    START_LIMIT_TICKS,
+    QbmoveLimits,
+    roomy_positions,
+    stiffness_on_wire,
+    watchdog_on_wire,
+)
 from emg2vsa.devices.qbmove.packets import (
     Command,
     Wanted,
@@ -27,10 +34,12 @@ from emg2vsa.devices.qbmove.packets import (
     ping_reply,
     wanted,
 )
+from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
 from emg2vsa.devices.qbmove.settings import REPLY_S, Generation, Model
+from emg2vsa.devices.qbmove.springs import SpringJoint
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, LOG_COLUMNS, TICKS_PER_TURN
 from emg2vsa.devices.serial_line import ByteLine
 from emg2vsa.errors import DeviceError
-from emg2vsa.settings import TICKS_PER_TURN
 
 ON, OFF = 3, 0
 _LONG_REPLY_S = 0.2
@@ -45,8 +54,23 @@ _ZERO_TICKS = 16
 """Two steps of the encoders."""
 
 
-class Qbmove:
+class Ticks(NamedTuple):
+    """Encoder readings."""
+
+    motor_1: int
+    motor_2: int
+    shaft: int
+
+    def measurements(self) -> Measurements:
+        """The same in degrees."""
+        motor_1, motor_2, shaft = (ticks * DEG_PER_TICK for ticks in self)
+        return Measurements((motor_1, motor_2), shaft)
+
+
+class Qbmove(BoardBase):
     """One device. As a context manager it switches the motors off at the end, however that comes."""
+
+    columns = LOG_COLUMNS
 
     def __init__(
         self,
@@ -55,40 +79,34 @@ class Qbmove:
         *,
         generation: Generation = "v6",
         model: Model = "maker-pro",
+        rigid: bool = False,
         clock: Clock,
         stiffness_percent: tuple[float, float] = (20.0, 80.0),
         watchdog_s: float = 0.5,
         reply_s: float = REPLY_S,
     ) -> None:
-        """``stiffness_percent``: the study's range, of the maximum preset.
+        """``stiffness_percent``: the study's range, of the maximum preset. ``rigid``: the board of a rigid motor, whose
+        motor 2 is not connected.
 
         ``watchdog_s``: how long the device waits for a word before it lets go. ``reply_s``: how long each of three
         attempts waits for a short reply.
         """
-        self.device_id, self.generation, self.model = device_id, generation, model
-        self.springs: Springs | None = SPRINGS[f"qbmove-{model}"]
+        self.device_id, self.generation, self.model, self.rigid = device_id, generation, model, rigid
+        self.joint: SpringJoint | None = None
+        "Of the device, once its motors have been switched on."
         self.where = f"{line.name}, qbmove {device_id}"
-        self._talk = Conversation(line, clock)
+        self._line, self._talk = line, Conversation(line, clock)
         self.counts = self._talk.counts
-        self._clock, self._stiffness_percent, self._reply_s = clock, stiffness_percent, reply_s
+        self._clock, self.stiffness_percent, self._reply_s = clock, stiffness_percent, reply_s
         self._watchdog = watchdog_on_wire(watchdog_s)
         self._limits: QbmoveLimits | None = None
         self._watching = False
 
-    def __enter__(self) -> Self:
-        return self
+    def close(self) -> None:
+        """Give the line back."""
+        self._line.close()
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        try:
-            self.deactivate()
-        except DeviceError as failure:
-            if error is None:
-                raise
-            error.add_note(str(failure))
-
-    def ping(self) -> bool:
+    def answers(self) -> bool:
         """True when the device answers."""
         return self._hear(Command.PING, ping_reply(self.device_id)) is not None
 
@@ -117,14 +135,48 @@ class Qbmove:
             seen.append(info)
         raise self._trouble("info that reads the same twice", "different readings", "Check cable and baud rate.")
 
+    def identify(self) -> QbmoveInfo:
+        """`info` of a device as the rig file describes it. DeviceError: silent, or of another generation or model.
+
+        The generations frame their text in different ways, so that a device asked in the wrong one seems to be silent;
+        it is then asked in the other.
+        """
+        said, troubles = self.generation, []
+        generations: tuple[Generation, ...] = ("v7", "v6") if said == "v7" else ("v6", "v7")
+        for self.generation in generations:
+            try:
+                info = self.info()
+            except DeviceError as error:
+                troubles.append(error)
+                continue
+            finally:
+                self.generation = said
+            if info.generation != said:
+                do = f'Set generation = "{info.generation}" in the rig file.'
+                raise DeviceError(f"{self.where}, generation", wanted=f"firmware {said}", found=info.firmware, do=do)
+            if not self.rigid:
+                check_kind(info, self.model, self.where)
+            return info
+        raise troubles[0]
+
+    def usable(self, info: QbmoveInfo) -> Usable:
+        """What a run may ask of the device of this ``info``: positions at which every stiffness has room."""
+        low, high = info.position_limits_ticks[0] if self.rigid else roomy_positions(info)
+        return Usable((low * DEG_PER_TICK, high * DEG_PER_TICK), info.max_stiffness_ticks * DEG_PER_TICK)
+
+    def pressing(self) -> Qbmove | RigidMotor:
+        """What a run commands: the device, or its motor 1 alone."""
+        return RigidMotor(self) if self.rigid else self
+
     def activate(self) -> None:
         """Watchdog on, motors on, read back. DeviceError with the reason when the device refuses.
 
         The motors start at their references, which the firmware sets to where they are.
         """
         info = self.info()
-        self._limits = QbmoveLimits(self.where, info, self._stiffness_percent)
+        self._limits = QbmoveLimits(self.where, info, self.stiffness_percent)
         self._limits.check_ready()
+        self.joint = SpringJoint(f"qbmove-{self.model}", info.max_stiffness_ticks * DEG_PER_TICK)
         self._watching = True
         for _ in range(_ATTEMPTS):
             self._set_watchdog()
@@ -154,16 +206,25 @@ class Qbmove:
         """Both motors on, by what the device says? Nothing else is sent; the question still feeds a watchdog."""
         return self._ask(Command.GET_ACTIVATE, self._wanted(Command.GET_ACTIVATE, 1))[0] == ON
 
-    def set_inputs(self, motor_1_ticks: int, motor_2_ticks: int) -> None:
-        """References of the two motors. DeviceError outside the device's limits."""
+    def move_motors(self, motors_deg: Sequence[float]) -> None:
+        """References of the two motors, to the nearest tick, whatever springs and study allow. DeviceError outside the
+        device's limits."""
         limits = self._ready_limits()
+        motor_1_ticks, motor_2_ticks = self._whole(
+            "positions that are numbers", *(angle_deg / DEG_PER_TICK for angle_deg in motors_deg)
+        )
         limits.check_motor(1, motor_1_ticks)
         limits.check_motor(2, motor_2_ticks)
         self._tell_ticks(Command.SET_INPUTS, motor_1_ticks, motor_2_ticks)
 
-    def set_position_stiffness(self, position_ticks: int, preset_ticks: int) -> None:
-        """Equilibrium (q1 + q2)/2 and preset (q1 - q2)/2. DeviceError outside the device's or the study's limits."""
+    def command(self, position_deg: float, preset: float) -> None:
+        """Equilibrium (q1 + q2)/2, degrees, and preset (q1 - q2)/2, share of the device's own maximum; both to the
+        nearest tick. DeviceError outside the device's or the study's limits."""
         limits = self._ready_limits()
+        wanted_text = "a position and a preset that are numbers"
+        position_ticks, preset_ticks = self._whole(
+            wanted_text, position_deg / DEG_PER_TICK, preset * limits.info.max_stiffness_ticks
+        )
         limits.check_position(position_ticks)
         limits.check_preset(preset_ticks)
         stiffness = stiffness_on_wire(preset_ticks, limits.info.max_stiffness_ticks)
@@ -173,24 +234,28 @@ class Qbmove:
             )
         self._tell_ticks(Command.SET_POS_STIFF, position_ticks, stiffness)
 
-    def position_ticks(self) -> float:
-        """Equilibrium (q1 + q2)/2 of the motors where they stand, ticks."""
-        at = self.measurements()
-        return equilibrium_and_preset(at.motor_1, at.motor_2)[0]
+    def position_deg(self) -> float:
+        """Equilibrium (q1 + q2)/2 of the motors where they stand."""
+        at = self.ticks()
+        return (at.motor_1 + at.motor_2) / 2 * DEG_PER_TICK
 
     def measurements(self) -> Measurements:
         """Motors and shaft."""
-        return Measurements(*self._ask_words(Command.GET_MEASUREMENTS, 3))
+        return self.ticks().measurements()
 
-    def currents_ma(self) -> tuple[int, int]:
-        """Motor currents, mA, with the sign of the PWM. (134, currents and positions at once, loses the shaft.)"""
+    def ticks(self) -> Ticks:
+        """Motors and shaft as they are on the wire."""
+        return Ticks(*self._ask_words(Command.GET_MEASUREMENTS, 3))
+
+    def currents_a(self) -> tuple[float, float]:
+        """Motor currents with the sign of the PWM. (134, currents and positions at once, loses the shaft.)"""
         first, second = self._ask_words(Command.GET_CURRENTS, 2)
-        return first, second
+        return first / 1000, second / 1000
 
-    def current_limit_ma(self) -> float:
-        """Largest current of a motor, mA, as the device told at its activation; its firmware keeps it only in the
-        current modes, which no run uses."""
-        return self._ready_limits().info.current_limit_ma
+    def current_limit_a(self) -> float:
+        """Largest current of a motor as the device told at its activation; its firmware keeps it only in the current
+        modes, which no run uses."""
+        return self._ready_limits().info.current_limit_ma / 1000
 
     def parameters(self) -> dict[int, Parameter]:
         """All parameters by number. Generation 6 shows what is stored, not what has been set since."""
@@ -237,18 +302,18 @@ class Qbmove:
         """
         self._check_off("zeros")
         before = tuple(int(offset) for offset in self.parameters()[_OFFSETS].values)
-        offsets = tuple(_wrapped(offset - at) for offset, at in zip(before, self.measurements(), strict=True))
+        offsets = tuple(_wrapped(offset - at) for offset, at in zip(before, self.ticks(), strict=True))
         # an Advanced shows its motors' offsets with the other sign; whether SET_ZEROS takes them so is not published
         for payload in dict.fromkeys((offsets, (-offsets[0], -offsets[1], offsets[2]))):
             self._send_zeros(payload)
-            if max(map(abs, self.measurements())) <= _ZERO_TICKS:
+            if max(map(abs, self.ticks())) <= _ZERO_TICKS:
                 self.store()
                 return self.measurements()
             if self.generation == "v7":
                 break
         if self.generation == "v6":
             self._send_zeros(before)
-        raise self._trouble("zeros within 16 ticks", _shown(self.measurements()), "Set parameter 8 with qbadmin.")
+        raise self._trouble("zeros within 16 ticks", _shown(self.ticks()), "Set parameter 8 with qbadmin.")
 
     def _send_zeros(self, offsets: tuple[int, ...]) -> None:
         """Generation 7 takes no offsets: it makes zero of where it is."""
@@ -278,12 +343,17 @@ class Qbmove:
         return reply[0] if reply else None
 
     def _refusal(self) -> DeviceError:
-        at = self.measurements()
+        at = self.ticks()
         beyond = [f"{name} at {ticks}" for name, ticks in at._asdict().items() if abs(ticks) > START_LIMIT_TICKS]
         wanted_text = f"motors on, which needs every encoder within {START_LIMIT_TICKS} ticks of zero"
         if beyond:
             return self._trouble(wanted_text, ", ".join(beyond), "Turn it back by hand, or set the zeros anew.")
         return self._trouble("motors on", "a silent refusal, all encoders in range", "Check the motors' supply.")
+
+    def _whole(self, wanted_text: str, *ticks: float) -> list[int]:
+        if not all(map(math.isfinite, ticks)):
+            raise self._trouble(wanted_text, _shown(ticks), "Correct the schedule.")
+        return [round(each) for each in ticks]
 
     def _ready_limits(self) -> QbmoveLimits:
         if self._limits is None:

@@ -7,6 +7,7 @@ import re
 import struct
 from dataclasses import dataclass, field
 
+from emg2vsa.devices.protocols import Parameter
 from emg2vsa.devices.qbmove.settings import Model
 from emg2vsa.errors import DeviceError
 
@@ -87,17 +88,6 @@ def check_kind(info: QbmoveInfo, model: Model, where: str) -> None:
 SLOT_BYTES = 50
 FORMATS = {0: "B", 1: "b", 2: "B", 3: "h", 4: "H", 5: "i", 6: "I", 7: "f", 8: "d"}
 """Type byte to ``struct`` format: flag, then the integers by growing size, float and double."""
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One parameter as the device lists it."""
-
-    number: int
-    name: str
-    values: tuple[float, ...]
-    form: str
-    "Of each value, as ``struct`` names it."
 
 
 def decode_parameters(payload: bytes, where: str) -> dict[int, Parameter]:

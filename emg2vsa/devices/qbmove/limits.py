@@ -12,7 +12,6 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from emg2vsa.actuator import ticks_of_percent
 from emg2vsa.devices.qbmove.info import QbmoveInfo
 from emg2vsa.errors import DeviceError
 
@@ -70,8 +69,8 @@ class QbmoveLimits:
 
     @cached_property
     def _presets(self) -> tuple[int, int]:
-        low, high = ticks_of_percent(self.stiffness_percent, self.info.max_stiffness_ticks)
-        return int(low), int(high)
+        low, high = (round(percent / 100 * self.info.max_stiffness_ticks) for percent in self.stiffness_percent)
+        return low, high
 
     @cached_property
     def _positions(self) -> tuple[int, int]:

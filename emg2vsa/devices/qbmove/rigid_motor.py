@@ -2,10 +2,26 @@
 
 from __future__ import annotations
 
-from emg2vsa.actuator import Springs
-from emg2vsa.devices.protocols import Measurements
-from emg2vsa.devices.qbmove.driver import Qbmove
+from collections.abc import Sequence
+from typing import Protocol
+
+from emg2vsa.devices.protocols import LogColumns, Measurements
+from emg2vsa.devices.qbmove.ticks import LOG_COLUMNS
 from emg2vsa.errors import DeviceError
+
+
+class MotorBoard(Protocol):
+    """What it needs of a board: a `Qbmove`."""
+
+    where: str
+
+    def activate(self) -> None: ...
+    def deactivate(self) -> None: ...
+    def is_active(self) -> bool: ...
+    def move_motors(self, motors_deg: Sequence[float]) -> None: ...
+    def measurements(self) -> Measurements: ...
+    def currents_a(self) -> tuple[float, float]: ...
+    def current_limit_a(self) -> float: ...
 
 
 class RigidMotor:
@@ -16,9 +32,10 @@ class RigidMotor:
     board : the board, with watchdog, limits and read-back of every qbmove; motor 2 is not connected.
     """
 
-    springs: Springs | None = None
+    joint = None
+    columns: LogColumns = LOG_COLUMNS
 
-    def __init__(self, board: Qbmove) -> None:
+    def __init__(self, board: MotorBoard) -> None:
         self._board = board
         self.where = f"{board.where}, rigid motor"
 
@@ -34,26 +51,26 @@ class RigidMotor:
         """Motor on? The question also feeds the watchdog."""
         return self._board.is_active()
 
-    def set_position_stiffness(self, position_ticks: int, preset_ticks: int) -> None:
+    def command(self, position_deg: float, preset: float) -> None:
         """Send the motor there. DeviceError outside the board's limits, or for a preset other than 0."""
-        if preset_ticks != 0:
+        if preset != 0:
             do = "Use the qbmove for a schedule of stiffness."
-            raise DeviceError(self.where, wanted="preset 0: it has no springs", found=f"{preset_ticks} ticks", do=do)
-        self._board.set_inputs(position_ticks, 0)
+            raise DeviceError(self.where, wanted="preset 0: it has no springs", found=f"{preset:g}", do=do)
+        self._board.move_motors((position_deg, 0.0))
 
-    def position_ticks(self) -> float:
-        """Where motor 1 stands, ticks; motor 2, not connected, has no say."""
-        return self._board.measurements().motor_1
+    def position_deg(self) -> float:
+        """Where motor 1 stands; motor 2, not connected, has no say."""
+        return self._board.measurements().motors_deg[0]
 
     def measurements(self) -> Measurements:
-        """Encoders in ticks, 8 to a step of the 12 bits; the shaft is motor 1's."""
+        """Encoders; the shaft is motor 1's."""
         at = self._board.measurements()
-        return Measurements(at.motor_1, at.motor_2, at.motor_1)
+        return Measurements(at.motors_deg, at.motors_deg[0])
 
-    def currents_ma(self) -> tuple[int, int]:
-        """Motor currents, mA."""
-        return self._board.currents_ma()
+    def currents_a(self) -> tuple[float, float]:
+        """Motor currents."""
+        return self._board.currents_a()
 
-    def current_limit_ma(self) -> float:
-        """Largest current of the motor, mA, as the board told at its activation."""
-        return self._board.current_limit_ma()
+    def current_limit_a(self) -> float:
+        """Largest current of the motor as the board told at its activation."""
+        return self._board.current_limit_a()

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 
 from serial.tools import list_ports
 
@@ -17,16 +16,6 @@ _MANUFACTURER = "QB Robotics"
 _ATTEMPTS = 2
 
 
-@dataclass(frozen=True)
-class FoundQbmove:
-    """A device that has answered."""
-
-    line: str
-    device_id: int
-    serial_number: str
-    "Ten digits, from firmware 7.1 on; else empty."
-
-
 def qbmove_ports() -> list[str]:
     """Ports behind an FTDI bridge, which other instruments have too; nothing is sent to them."""
     return [
@@ -34,16 +23,12 @@ def qbmove_ports() -> list[str]:
     ]
 
 
-def scan(
-    line: ByteLine, clock: Clock, ids: Iterable[int] = range(1, 256), *, reply_s: float = 0.005
-) -> list[FoundQbmove]:
-    """Ping every id and list who answers within ``reply_s``. About 3 s for all ids."""
+def answers(line: ByteLine, clock: Clock, ids: Sequence[int], reply_s: float) -> Iterator[str]:
+    """Ping every id, or all where none is given, and tell who answers within ``reply_s``. About 3 s for all ids."""
     talk = Conversation(line, clock)
-    found = []
-    for device_id in ids:
+    for device_id in ids or range(1, 256):
         request = frame(device_id, Command.PING)
         reply = talk.ask(request, ping_reply(device_id), timeout_s=reply_s, attempts=_ATTEMPTS)
-        if reply:
-            number = f"{int.from_bytes(reply.payload):010d}" if reply.payload else ""
-            found.append(FoundQbmove(line.name, device_id, number))
-    return found
+        if reply:  # ten digits from firmware 7.1 on
+            number = f", serial number {int.from_bytes(reply.payload):010d}" if reply.payload else ""
+            yield f"id {device_id}{number}"

@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from emg2vsa.devices.device_settings import Text, WatchdogS, WatchedSettings
+from emg2vsa.devices.device_settings import ActuatorSettings, Text, WatchdogS
 from emg2vsa.devices.registry import Kind
-from emg2vsa.devices.serial_speed import BAUD, Baud
 from emg2vsa.settings import Ge, Le, Positive
 
 Generation = Literal["v6", "v7"]
 """Of a qbmove's firmware; they differ in acknowledgements, and in replies that do not fit one length byte."""
 Model = Literal["maker-pro", "advanced"]
+Baud = Literal[2_000_000, 460_800]
+"""Of the serial line: that of generations 6 and 7, and that of generation 5 and of whoever sets it (SET_BAUDRATE)."""
+BAUD: Baud = 2_000_000
 DeviceId = Annotated[int, Ge(1), Le(255)]
 REPLY_S = 0.016
 """Three attempts of it, and a turn of the loop before them, name a dead board within 60 ms."""
@@ -36,12 +38,17 @@ class _Board:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ActuatorSettings(_Board, WatchedSettings):
+class QbmoveSettings(_Board, ActuatorSettings):
     """The qbmove."""
 
     kind: Literal["qbmove"] = "qbmove"
     model: Model = "maker-pro"
     "The Advanced counts its encoders the other way round."
+
+    @property
+    def joint(self) -> str:
+        """The springs of the model."""
+        return f"qbmove-{self.model}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,4 +59,9 @@ class MotorSettings(_Board):
     "The board is told to switch its motor off when the program has been silent for so long; as for [actuator]."
 
 
-QBMOVE = Kind("actuator", ActuatorSettings, open="emg2vsa.rig.open_rig:open_board")
+QBMOVE = Kind(
+    "actuator", QbmoveSettings, open="emg2vsa.devices.qbmove.opening:open_qbmove",
+    about="emg2vsa.devices.qbmove.about:about", scan="emg2vsa.devices.qbmove.scan:answers",
+    joints=("qbmove-advanced", "qbmove-maker-pro"), full_key="max_preset_ticks",
+    export="emg2vsa.devices.qbmove.export:EXPORT",
+)  # fmt: skip

@@ -11,6 +11,7 @@ from emg2vsa.pipeline.stage import Given, Input, Stage
 from emg2vsa.settings import RIGID
 
 if TYPE_CHECKING:
+    from emg2vsa.devices.device_settings import ActuatorSettings
     from emg2vsa.pipeline.campaign import Campaign
     from emg2vsa.rig.emulated.controls import ArtificialEffect
     from emg2vsa.rig.emulated.settings import EmulatedSettings
@@ -33,21 +34,30 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     run, rig, emulated = campaign.mountings[item], campaign.rig, campaign.rig.emulated
     schedule_of = {one: other for one, other in rig.experiment.schedule_of.items() if one == run.specimen}
     changed = _changed_guards()
-    return {
-        "run": run,
-        "order": 1 + list(campaign.mountings).index(item),
-        "experiment": replace(
-            rig.experiment,
-            specimens=(run.specimen,),
-            angles_deg={},
-            mountings=1,
-            schedule_of=schedule_of,
-            order="listed",
-            seed=0,
-        ),
-        "rig": rig.rig,
-        "emulated": emulated.of(run.specimen),
-    } | ({"changed_guards": changed} if changed else {})
+    return (
+        {
+            "run": run,
+            "order": 1 + list(campaign.mountings).index(item),
+            "experiment": replace(
+                rig.experiment,
+                specimens=(run.specimen,),
+                angles_deg={},
+                mountings=1,
+                schedule_of=schedule_of,
+                order="listed",
+                seed=0,
+            ),
+            "rig": rig.rig,
+            "emulated": emulated.of(run.specimen),
+        }
+        | ({"changed_guards": changed} if changed else {})
+        | _other_actuator(rig.devices.actuator)
+    )
+
+
+def _other_actuator(settings: ActuatorSettings) -> dict[str, Any]:
+    """Of the emulated qbmove [emulated] says all; addresses say nothing of any."""
+    return {} if settings.kind == "qbmove" else {"actuator": replace(settings, port=None)}
 
 
 def _changed_guards() -> tuple[str, ...]:
@@ -90,7 +100,8 @@ def run(given: Given) -> list[Path]:
     for left in given.folder.glob(f".{given.item}.*unfinished"):  # by a process that was killed
         shutil.rmtree(left, ignore_errors=True)
     try:
-        _record(plan, used["rig"], used["emulated"], unfinished, effect_of(used["emulated"], plan.schedule, schedules))
+        effect = effect_of(used["emulated"], plan.schedule, schedules)
+        _record(plan, used["rig"], used["emulated"], unfinished, effect, used.get("actuator"))
         shutil.rmtree(made, ignore_errors=True)
         unfinished.rename(made)
     except BaseException:
@@ -100,7 +111,12 @@ def run(given: Given) -> list[Path]:
 
 
 def _record(
-    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, effect: ArtificialEffect | None
+    plan: RunPlan,
+    rig: RigSettings,
+    emulated: EmulatedSettings,
+    folder: Path,
+    effect: ArtificialEffect | None,
+    actuator: ActuatorSettings | None,
 ) -> None:
     """Carry the run out, whole: what a guard of the emulated rig ends is a result, what the computer ends is none.
 
@@ -114,7 +130,8 @@ def _record(
     from emg2vsa.rig.record.new_folder import how_ended
 
     try:
-        ended = run_virtual(plan, rig, emulated, folder, started=datetime.fromisoformat(STARTED), effect=effect)
+        started = datetime.fromisoformat(STARTED)
+        ended = run_virtual(plan, rig, emulated, folder, started=started, effect=effect, actuator=actuator)
     except DeviceError as error:
         raise OSError(errno.EIO, str(error)) from error
     if ended.how == "interrupted":

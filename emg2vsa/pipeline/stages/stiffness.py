@@ -33,7 +33,6 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
         "window_n": (experiment.f_contact_n, experiment.f_max_n),
         "rate_hz": rig.devices.camera.rate_hz if rig.devices.camera else RATE_HZ,
         "percent": campaign.study.schedule.stiffness_percent,
-        "max_preset_ticks": campaign.study.schedule.max_preset_ticks,
     }
 
 
@@ -42,25 +41,28 @@ def run(given: Given) -> StiffnessEffect | None:
     import numpy as np
 
     from casr.synthetic import ContactWorld, TabulatedWorld
-    from emg2vsa.actuator import SPRINGS, ticks_of_percent
     from emg2vsa.contact_mechanics import Drive, StiffnessSteps
     from emg2vsa.contact_mechanics.camera_frames import FrameErrors
     from emg2vsa.contact_mechanics.stiffness_effect import AREA_NOISE, Bench, materials_of, stiffness_effect
+    from emg2vsa.devices.qbmove.springs import SPRINGS, SpringJoint
     from emg2vsa.schedules import Schedule
 
     used, world = given.settings, ContactWorld()
     steps: dict[str, dict[str, StiffnessSteps]] = {}
     schedules: tuple[Schedule, ...] = given.one("schedules") or ()
+    joint = schedules[0].limits.joint if schedules else None
+    if not isinstance(joint, SpringJoint):
+        return None
     for schedule in schedules:
         own = steps.setdefault(schedule.condition, {})
-        own[schedule.specimen] = StiffnessSteps(schedule.step_force_n, schedule.preset_ticks.astype(np.float64))
+        own[schedule.specimen] = StiffnessSteps(schedule.step_force_n, joint.preset_rad(schedule.preset))
     by_stiffness = sorted(used["stiffness"].items(), key=lambda each: -each[1])
     stiffness = {name: each for name, each in by_stiffness if all(name in own for own in steps.values())}
     if len(stiffness) < 2:
         return None
     for percent in used["percent"]:
-        ticks = float(ticks_of_percent(percent, used["max_preset_ticks"]))
-        steps[f"all-{percent:g}"] = dict.fromkeys(stiffness, StiffnessSteps.constant(ticks))
+        preset_rad = float(joint.preset_rad(joint.rounded(percent / 100)))
+        steps[f"all-{percent:g}"] = dict.fromkeys(stiffness, StiffnessSteps.constant(preset_rad))
     skin = TabulatedWorld() if used["skin"] == "finite-elements" else world
     bench = Bench(
         stiffness_mpa={name: each / (2 * world.punch_radius_mm) for name, each in stiffness.items()},
@@ -82,7 +84,7 @@ def run(given: Given) -> StiffnessEffect | None:
 
 
 def says(effect: StiffnessEffect | None) -> str:
-    return "" if effect else "What stiffness can do is told of two specimens or more with schedules."
+    return "" if effect else "What stiffness can do is told of two specimens or more with schedules for springs."
 
 
 STAGE = Stage(

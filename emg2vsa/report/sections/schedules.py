@@ -67,14 +67,15 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 def _beside(by_rule: Mapping[str, Schedule], results: StudyResults) -> Table:
     profiles, first = results.recorded.profiles, next(iter(by_rule.values()))
     assert profiles is not None
+    unit = first.limits.export.unit
     columns = (
         Column("from_n", "From (N)"), Column("to_n", "To (N)"),
         *(Column(f"{rule}_percent", f"{_RULES[rule]}: stiffness (%)") for rule in by_rule),
-        *(Column(f"{rule}_ticks", f"{_RULES[rule]}: preset (ticks)") for rule in by_rule),
+        *(Column(f"{rule}_{unit}", f"{_RULES[rule]}: preset ({unit})") for rule in by_rule),
     )  # fmt: skip
     steps: dict[str, NDArray[Any]] = {"from_n": first.step_force_n[:-1], "to_n": first.step_force_n[1:]}
     steps |= {f"{rule}_percent": made.stiffness_percent for rule, made in by_rule.items()}
-    steps |= {f"{rule}_ticks": made.preset_ticks for rule, made in by_rule.items()}
+    steps |= {f"{rule}_{unit}": made.exported for rule, made in by_rule.items()}
     weights = listed([f"{number(each.alpha, 4)} by {_RULES[each.rule]}" for each in profiles.by_rule])
     caption = (
         f"Schedule of {first.specimen} by both rules of interpolation; weight α of the softer neighbour: {weights}"
@@ -83,10 +84,11 @@ def _beside(by_rule: Mapping[str, Schedule], results: StudyResults) -> Table:
 
 
 def _steps(schedules: Sequence[Schedule], scale: ActivityScale) -> Table:
+    export = schedules[0].limits.export
     columns = (
         Column("specimen", "Specimen"), Column("condition", "Condition"), Column("from_n", "From (N)"),
         Column("to_n", "To (N)"), activity_column("activity_v", "Co-contraction", scale),
-        Column("stiffness_percent", "Stiffness (%)"), Column("preset_ticks", "Preset (ticks)"),
+        Column("stiffness_percent", "Stiffness (%)"), Column(export.column, f"Preset ({export.unit})"),
         Column("stiffness_nm_per_rad", "Stiffness at zero load (N·m/rad)"),
     )  # fmt: skip
     rows: list[Row] = []
@@ -94,13 +96,13 @@ def _steps(schedules: Sequence[Schedule], scale: ActivityScale) -> Table:
     for s in schedules:
         own = rows_of(
             {
-                "specimen": [s.specimen] * len(s.preset_ticks),
-                "condition": [s.condition] * len(s.preset_ticks),
+                "specimen": [s.specimen] * s.preset.size,
+                "condition": [s.condition] * s.preset.size,
                 "from_n": s.step_force_n[:-1],
                 "to_n": s.step_force_n[1:],
                 "activity_v": s.activity_v,
                 "stiffness_percent": s.stiffness_percent,
-                "preset_ticks": s.preset_ticks,
+                export.column: s.exported,
                 "stiffness_nm_per_rad": s.stiffness_nm_per_rad,
             }
         )
@@ -152,7 +154,8 @@ _TEXT = """
 {% else %}
 {% set ramp, limits = people.schedules[0].ramp, people.schedules[0].limits %}
 <p>The preset follows the measured force while the probe moves {{ ramp.travel_mm | number }} mm at
-{{ ramp.speed_mm_per_s | number }} mm/s. 100 % is {{ limits.max_preset_ticks }} ticks of a {{ limits.actuator }}.
+{{ ramp.speed_mm_per_s | number }} mm/s.
+100 % is {{ limits.export.exported(limits.full_preset) }} {{ limits.export.unit }} of a {{ limits.actuator }}.
 {% if short %}The last force step is shorter than the others.{% endif %}</p>
 {{ folded("fig05_schedules", "Figure 5: stiffness schedules") }}
 {{ folded("schedules", "Every schedule in numbers") }}

@@ -11,13 +11,15 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.commissioning.hand_motion import TICKS_PER_DEGREE, TOUCH_N, HandMotion, Place
+from emg2vsa.rig.commissioning.hand_motion import TOUCH_N, HandMotion, Place
+from emg2vsa.rig.commissioning.stiffness import measure_stiffness
 from emg2vsa.rig.rig_settings import RigSettings
 
 _TRY_DEG = 5.0
 """First move, to see which way it goes: 1 mm with the paper's gear."""
 REACH_DEG = 45.0
 _SAME_AXIS_DEG = 10.0
+_SAME_STIFFNESS = 0.05
 _SAME_GEAR = 0.03
 """A calliper read to 0.1 mm over 3 mm."""
 _LEAST_WAY_DEG = 5.0
@@ -42,54 +44,79 @@ class Person(Protocol):
 
 @dataclass(frozen=True)
 class Check:
-    """One setting: key under [rig], what the file says, what was found; ``good``: they agree. found None: not found."""
+    """One setting: key under [rig], what the file says, what was found; ``good``: they agree. found None: not found.
+    ``table`` : that has the key, where it is not [rig]."""
 
     key: str
     said: Any
     found: Any
     good: bool
     remark: str
+    table: str = "rig"
 
 
 def check_rig(
-    hand: HandMotion, rig: RigSettings, person: Person, say: Callable[[str], None], reach_deg: float = REACH_DEG
-) -> tuple[Check, ...]:
+    hand: HandMotion, rig: RigSettings, person: Person, say: Callable[[str], None], reach_deg: float = REACH_DEG,
+    stiffness_said: float | None = None,
+) -> tuple[Check, ...]:  # fmt: skip
     """The settings of ``rig`` against what the rig does, ending with the probe at the home that was found.
 
     The probe begins free, some millimetres above a soft pad that lies flat. ``say`` is told of each step.
 
+    stiffness_said : by the file, of a joint whose stiffness is measured.
+
     DeviceError : as `HandMotion`; no touch within ``reach_deg``; the probe is not free at the home that was found.
     """
     start = hand.start()
-    say(f"start: shaft at {start.shaft_ticks} ticks; the force of now counts as zero")
+    say(f"start: shaft at {start.shaft_deg:.2f} degrees; the force of now counts as zero")
     push_sign, touch = _approach(hand, rig, person, say, reach_deg)
-    say(f"touch: {touch.size_n:.2f} N at {touch.shaft_ticks} ticks")
+    say(f"touch: {touch.size_n:.2f} N at {touch.shaft_deg:.2f} degrees")
     with hand.resting():
         person.zero_calliper()
-        zeroed_ticks = hand.shaft_ticks()  # the pad pushes the shaft back when the motors go off
+        zeroed_deg = hand.shaft_deg()  # the pad pushes the shaft back when the motors go off
     axis = _axis(rig, touch)
     sign = Check("push_sign", rig.push_sign, push_sign, push_sign == rig.push_sign, "which way the shaft pushes")
-    back = hand.go(start.shaft_ticks, until_n=touch.size_n + TOUCH_N)
+    back = hand.go(start.shaft_deg, until_n=touch.size_n + TOUCH_N)
     _check_free(back, "after the touch")
     with hand.resting():
-        gear = _gear(rig, abs(zeroed_ticks - hand.shaft_ticks()) / TICKS_PER_DEGREE, person)
+        gear = _gear(rig, abs(zeroed_deg - hand.shaft_deg()), person)
     found = replace(
         rig, push_sign=sign.found, push_axis=axis.found, gear_mm_per_degree=gear.found or rig.gear_mm_per_degree
     )
     home, depth_mm = _home(found, touch, back)
-    found = replace(found, home_ticks=home.found)
-    say(f"home: to {found.home_ticks} ticks")
-    _check_free(hand.go(found.home_ticks), "at home")
-    return axis, sign, gear, home, _depth(found, depth_mm)
+    found = replace(found, home_deg=home.found)
+    say(f"home: to {found.home_deg:.2f} degrees")
+    _check_free(hand.go(found.home_deg), "at home")
+    checks = axis, sign, gear, home, _depth(found, depth_mm)
+    if hand.joint is None or hand.joint.measured_key is None:
+        return checks
+    return (*checks, _stiffness(hand, found, abs(touch.shaft_deg - found.home_deg) + _TRY_DEG, stiffness_said, say))
+
+
+def _stiffness(
+    hand: HandMotion, rig: RigSettings, reach_deg: float, said: float | None, say: Callable[[str], None]
+) -> Check:
+    """At the two ends of the study's range; they tell the same full stiffness where it is proportional to the gain."""
+    joint = hand.joint
+    assert joint is not None
+    presets = joint.rounded([percent / 100 for percent in reversed(rig.stiffness_percent)]).tolist()
+    measured = [measure_stiffness(hand, rig, preset, rig.home_deg, reach_deg, say) for preset in presets if preset > 0]
+    weights = [(each.preset / each.se_nm_per_rad) ** 2 for each in measured]
+    mean = sum(w * each.full_nm_per_rad for w, each in zip(weights, measured, strict=True)) / sum(weights)
+    full = [f"{each.full_nm_per_rad:.3g} by {100 * each.preset:.3g} %" for each in measured]
+    remark = f"at the full gain {' and '.join(full)} N m/rad"
+    good = said is not None and math.isclose(mean, said, rel_tol=_SAME_STIFFNESS)
+    found = said if good else float(f"{mean:.4g}")
+    return Check(str(joint.measured_key), said, found, good, remark, table="actuator")
 
 
 def _approach(
     hand: HandMotion, rig: RigSettings, person: Person, say: Callable[[str], None], reach_deg: float
 ) -> tuple[int, Place]:
-    """Which way pushes, 1 or -1 ticks, and the place of the touch."""
-    start, sign = hand.at_ticks, rig.push_sign
+    """Which way pushes, 1 or -1, and the place of the touch."""
+    start, sign = hand.at_deg, rig.push_sign
     say(f"move: {_TRY_DEG:g} degrees the way that push_sign = {sign} calls towards the pad")
-    place = hand.go(start + sign * _TRY_DEG * TICKS_PER_DEGREE, until_n=TOUCH_N)
+    place = hand.go(start + sign * _TRY_DEG, until_n=TOUCH_N)
     if place.touched:
         return sign, place
     with hand.resting():
@@ -97,7 +124,7 @@ def _approach(
     ways = (sign, -sign) if towards is None else (sign,) if towards else (-sign,)
     for way in ways:
         say(f"move: until {TOUCH_N:g} N are felt, at most {reach_deg:g} degrees")
-        place = hand.go(start + way * reach_deg * TICKS_PER_DEGREE, until_n=TOUCH_N)
+        place = hand.go(start + way * reach_deg, until_n=TOUCH_N)
         if place.touched:
             return way, place
         hand.go(start, until_n=TOUCH_N)
@@ -132,32 +159,32 @@ def _gear(rig: RigSettings, way_deg: float, person: Person) -> Check:
 
 def _home(rig: RigSettings, touch: Place, start: Place) -> tuple[Check, float]:
     """The check, and the depth of the touch from the home that was found, mm. ``start``: where the probe was free."""
-    said = rig.home_ticks
+    said = rig.home_deg
     depth_mm, free_mm = (
-        rig.depth_at(touch.shaft_ticks),
-        rig.depth_at(touch.shaft_ticks) - rig.depth_at(start.shaft_ticks),
+        rig.depth_at(touch.shaft_deg),
+        rig.depth_at(touch.shaft_deg) - rig.depth_at(start.shaft_deg),
     )
     least_mm, usual_mm = _CLEAR_MM
     if least_mm <= depth_mm <= min(rig.travel_mm - _ROOM_MM, rig.guards.contact_mm):
-        return Check("home_ticks", said, said, True, f"{depth_mm:.1f} mm before the touch"), depth_mm
+        return Check("home_deg", said, said, True, f"{depth_mm:.1f} mm before the touch"), depth_mm
     clear_mm = min(usual_mm, free_mm)  # no further up than the probe is known to come
     if clear_mm < least_mm:
         do = "Begin with the probe 3 mm above the pad."
         raise DeviceError(
             "probe", wanted=f"{least_mm:g} mm or more between start and touch", found=f"{free_mm:.1f} mm", do=do
         )
-    home = touch.shaft_ticks - rig.ticks_at(clear_mm) + rig.home_ticks
+    home = round(touch.shaft_deg - rig.position_at(clear_mm) + rig.home_deg, 3)
     where = f"{-depth_mm:.1f} mm beyond the touch" if depth_mm < 0 else f"{depth_mm:.1f} mm before the touch"
-    measured = f"it is {where}; home_ticks should be {clear_mm:.1f} mm before it"
-    return Check("home_ticks", said, home, False, measured), clear_mm
+    measured = f"it is {where}; home_deg should be {clear_mm:.1f} mm before it"
+    return Check("home_deg", said, home, False, measured), clear_mm
 
 
 def _depth(rig: RigSettings, depth_mm: float) -> Check:
-    room_mm, (low, high) = rig.travel_mm - depth_mm, rig.position_ticks
-    deepest = rig.ticks_at(rig.travel_mm)
+    room_mm, (low, high) = rig.travel_mm - depth_mm, rig.position_deg
+    deepest = rig.position_at(rig.travel_mm)
     remark = f"touch {depth_mm:.1f} mm from home, {room_mm:.1f} mm left to press"
     if not low <= deepest <= high:
-        remark = f"the deepest position, {deepest} ticks, is outside position_ticks, {low} to {high}"
+        remark = f"the deepest position, {deepest:.2f} degrees, is outside position_deg, {low:.6g} to {high:.6g}"
         fits_mm = math.floor(10 * max(rig.depth_at(low), rig.depth_at(high))) / 10
         return Check("travel_mm", rig.travel_mm, fits_mm, False, remark)
     return Check("travel_mm", rig.travel_mm, rig.travel_mm, True, remark)

@@ -14,13 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa.actuator import RAD_PER_TICK, ticks_of_percent
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.protocols import Devices, ForceSample
+from emg2vsa.devices.protocols import Devices, ForceSample, Joint
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.settings import TICKS_PER_TURN
 
 DEG_PER_S = 5.0
 """1 mm/s with the paper's gear; no move by hand is faster than `FASTEST_DEG_PER_S`, nor than the rig may move."""
@@ -28,11 +26,10 @@ FASTEST_DEG_PER_S = 25.0
 TOUCH_N = 0.5
 LIMIT_N = 2.0
 """Force, above that at the start, at which a move that is to stay free ends."""
-TICKS_PER_DEGREE = TICKS_PER_TURN / 360
 _AVERAGED = 5
 _LOOK_S = 0.2
-_FOLLOWING_TICKS = 300
-"""Motors so far behind their references do not follow; on their way at 25 degrees a second they are 100 behind."""
+_FOLLOWING_DEG = 3.3
+"""Motors so far behind their references do not follow; on their way at 25 degrees a second they are 1.1 behind."""
 _BACK_DEG = 20.0
 _FRICTION_NM = 0.03
 """Of shaft and guide together: three times the shaft's (guess)."""
@@ -41,7 +38,7 @@ _GAP_N = 3.0
 LIMIT_SHARE = 0.5
 """Of guards.force_n: the largest force that a move by hand may be told to end at."""
 _CURRENT_SHARE = 0.3
-"""Of guards.current_ma, over ten turns: 450 mA, at which the emulated rigid motor presses with 8.5 N (a guess)."""
+"""Of guards.current_a, over ten turns: 0.45 A, at which the emulated rigid motor presses with 8.5 N (a guess)."""
 _CURRENT_TURNS = 10
 _LAG_S = 0.3
 """So long after a retreat has begun the force may still rise: a sensor may lag."""
@@ -51,10 +48,10 @@ _LAG_S = 0.3
 class Place:
     """Where a move has ended.
 
-    shaft_ticks : of the probe. force_n : (3,) above the force at the start, N. touched : a force ended it.
+    shaft_deg : of the probe. force_n : (3,) above the force at the start, N. touched : a force ended it.
     """
 
-    shaft_ticks: int
+    shaft_deg: float
     force_n: Floats
     touched: bool
 
@@ -81,31 +78,42 @@ class HandMotion:
     def __init__(self, devices: Devices, rig: RigSettings, clock: Clock) -> None:
         self._rig, self._clock = rig, clock
         self._actuator, self._force = devices.actuator, devices.force
-        low, _ = ticks_of_percent(rig.stiffness_percent, rig.max_preset_ticks)
-        self.preset_ticks = int(low) if self._actuator.springs else 0
-        "The softest that the rig may have: what is touched by mistake is pressed least."
-        self._at_ticks = 0.0
+        self.preset = 0.0
+        "The softest that the rig may have: what is touched by mistake is pressed least. 0 until the motors are on."
+        self._at_deg = 0.0
         self._zero_n: Floats = np.zeros(3)
         self._rest_n = 0.0
         self._limit_n = math.inf
-        self._currents: deque[tuple[int, int]] = deque(maxlen=_CURRENT_TURNS)
+        self._currents: deque[tuple[float, ...]] = deque(maxlen=_CURRENT_TURNS)
 
     def start(self) -> Place:
         """Motors on where they are; the force at this moment is the zero of all moves."""
-        self._actuator.activate()
-        self._at_ticks = self._actuator.position_ticks()
-        self._command(self._at_ticks)
+        self._begin()
         self.zero()
         return self.place()
+
+    @property
+    def joint(self) -> Joint | None:
+        """Of the actuator, once its motors have been switched on."""
+        return self._actuator.joint
+
+    def soften(self, preset: float) -> None:
+        """Another preset from the next command on."""
+        self.preset = preset
+
+    def _begin(self) -> None:
+        self._actuator.activate()
+        if (joint := self._actuator.joint) is not None and self.preset == 0:
+            self.preset = float(joint.rounded(self._rig.stiffness_percent[0] / 100))
+        self._at_deg = self._actuator.position_deg()
+        self._command(self._at_deg)
 
     @contextmanager
     def resting(self) -> Iterator[None]:
         """Motors off while a person is asked: nobody feeds the watchdog meanwhile. They go on where they are then."""
         self._actuator.deactivate()
         yield
-        self._actuator.activate()
-        self._at_ticks = self._actuator.position_ticks()
-        self._command(self._at_ticks)
+        self._begin()
 
     def zero(self) -> None:
         """The present force is the zero from now on, felt and borne by the springs."""
@@ -124,41 +132,42 @@ class HandMotion:
 
     def place(self, *, touched: bool = False) -> Place:
         """Where the probe is, at rest."""
-        return Place(self.shaft_ticks(), self.felt_n(), touched)
+        return Place(self.shaft_deg(), self.felt_n(), touched)
 
-    def shaft_ticks(self) -> int:
+    def shaft_deg(self) -> float:
         """Where the shaft is now, also while the hand rests."""
-        return self._actuator.measurements().shaft
+        return self._actuator.measurements().shaft_deg
 
     def go(
-        self, ticks: float, *, until_n: float = LIMIT_N, deg_per_s: float = DEG_PER_S, from_zero: bool = True
+        self, to_deg: float, *, until_n: float = LIMIT_N, deg_per_s: float = DEG_PER_S, from_zero: bool = True
     ) -> Place:
-        """Move evenly to the position ``ticks``, and end as soon as the force is ``until_n`` above the zero.
+        """Move evenly to the position ``to_deg``, and end as soon as the force is ``until_n`` above the zero.
 
         from_zero : False compares lengths of the whole force instead, for a probe that may stand pressed: moving it
         away changes the force, and must only not raise it.
         """
-        low, high = self._rig.position_ticks
-        if not low <= ticks <= high:
-            do = "Choose a shorter move, or correct position_ticks in the rig file."
-            raise DeviceError("probe", wanted=f"a position of {low} to {high} ticks", found=f"{ticks:.0f}", do=do)
-        begin = self._at_ticks
+        low, high = self._rig.position_deg
+        if not low <= to_deg <= high:
+            do = "Choose a shorter move, or correct position_deg in the rig file."
+            wanted = f"a position of {low:.6g} to {high:.6g} degrees"
+            raise DeviceError("probe", wanted=wanted, found=f"{to_deg:.2f}", do=do)
+        begin = self._at_deg
         try:
-            return self._go(ticks, until_n, deg_per_s, from_zero=from_zero)
+            return self._go(to_deg, until_n, deg_per_s, from_zero=from_zero)
         except DeviceError:
             if from_zero:  # else it may have begun pressed
                 self._retreat(begin)
             raise
 
-    def _go(self, ticks: float, until_n: float, deg_per_s: float, *, from_zero: bool) -> Place:
-        step = self._step_ticks(deg_per_s)
+    def _go(self, to_deg: float, until_n: float, deg_per_s: float, *, from_zero: bool) -> Place:
+        step = self._step_deg(deg_per_s)
         self._limit_n = math.inf
         before_n = float(np.linalg.norm(self.felt_n() + self._zero_n))
         force_n = self._rig.guards.force_n
         self._limit_n = force_n if from_zero else max(force_n, before_n + LIMIT_N)
         recent: deque[Floats] = deque(maxlen=_AVERAGED)
         self._currents.clear()
-        while self._at_ticks != ticks:
+        while self._at_deg != to_deg:
             recent.append(self._read().force_n)
             mean_n = np.mean(recent, axis=0)
             felt_n = float(np.linalg.norm(mean_n - self._zero_n))
@@ -166,63 +175,63 @@ class HandMotion:
             if len(recent) == _AVERAGED and size_n >= until_n:
                 return self.place(touched=True)
             self._judge(felt_n, relaxing=not from_zero)
-            self._at_ticks += math.copysign(min(step, abs(ticks - self._at_ticks)), ticks - self._at_ticks)
+            self._at_deg += math.copysign(min(step, abs(to_deg - self._at_deg)), to_deg - self._at_deg)
             self._hold()
         return self.place()
 
-    def away(self, from_ticks: float) -> Place:
-        """After a force has ended a move: back towards ``from_ticks`` until it is below half of a touch."""
-        sign, end = self._back(from_ticks)
+    def away(self, from_deg: float) -> Place:
+        """After a force has ended a move: back towards ``from_deg`` until it is below half of a touch."""
+        sign, end = self._back(from_deg)
         place = self.place()
-        while (place.size_n > TOUCH_N / 2 or self._borne_n() > TOUCH_N) and self._at_ticks != end:
-            step = min(TICKS_PER_DEGREE / 2, abs(end - self._at_ticks))
-            self._at_ticks += sign * step
+        while (place.size_n > TOUCH_N / 2 or self._borne_n() > TOUCH_N) and self._at_deg != end:
+            step = min(0.5, abs(end - self._at_deg))
+            self._at_deg += sign * step
             self._hold()
             place = self.place()
         return place
 
-    def _retreat(self, from_ticks: float) -> None:
-        """After an error: back towards ``from_ticks``, whatever is felt, unless it raises the force."""
-        sign, end = self._back(from_ticks)
-        step, begin_s = self._step_ticks(FASTEST_DEG_PER_S), self._clock.now_s()
+    def _retreat(self, from_deg: float) -> None:
+        """After an error: back towards ``from_deg``, whatever is felt, unless it raises the force."""
+        sign, end = self._back(from_deg)
+        step, begin_s = self._step_deg(FASTEST_DEG_PER_S), self._clock.now_s()
         first_n: float | None = None
         self._limit_n = math.inf
         with suppress(DeviceError):  # the error that began it is the one to tell
-            while self._at_ticks != end:
+            while self._at_deg != end:
                 load_n = max(self._borne_n(), self._felt_anyhow_n())
                 first_n = load_n if first_n is None else first_n
                 old = self._clock.now_s() - begin_s > _LAG_S
                 if load_n > first_n + TOUCH_N and (old or load_n > self._rig.guards.force_n):
                     return
-                self._at_ticks += sign * min(step, abs(end - self._at_ticks))
+                self._at_deg += sign * min(step, abs(end - self._at_deg))
                 self._hold()
             self._clock.sleep_until(self._clock.now_s() + _LOOK_S)
 
-    def _back(self, from_ticks: float) -> tuple[float, float]:
-        """Sign and end of the way back towards ``from_ticks``."""
-        way = from_ticks - self._at_ticks
+    def _back(self, from_deg: float) -> tuple[float, float]:
+        """Sign and end of the way back towards ``from_deg``."""
+        way = from_deg - self._at_deg
         sign = math.copysign(1.0, way)
-        return sign, self._at_ticks + sign * min(_BACK_DEG * TICKS_PER_DEGREE, abs(way))
+        return sign, self._at_deg + sign * min(_BACK_DEG, abs(way))
 
-    def _step_ticks(self, deg_per_s: float) -> float:
+    def _step_deg(self, deg_per_s: float) -> float:
         fastest = min(FASTEST_DEG_PER_S, self._rig.max_mm_per_s / self._rig.gear_mm_per_degree)
-        return min(deg_per_s, fastest) * TICKS_PER_DEGREE * self._rig.period_s
+        return min(deg_per_s, fastest) * self._rig.period_s
 
     @property
-    def at_ticks(self) -> float:
+    def at_deg(self) -> float:
         """Position that is commanded."""
-        return self._at_ticks
+        return self._at_deg
 
     def _hold(self) -> None:
         """One turn of the loop: command, ask, wait."""
-        self._command(self._at_ticks)
+        self._command(self._at_deg)
         if not self._actuator.is_active():
             do = "Check its supply; prove the watchdog with emg2vsa rig prove-watchdog."
             raise DeviceError("probe", wanted="motors on", found="motors off: reset, or watchdog", do=do)
         self._clock.sleep_until(self._clock.now_s() + self._rig.period_s)
 
-    def _command(self, ticks: float) -> None:
-        self._actuator.set_position_stiffness(round(ticks), self.preset_ticks)
+    def _command(self, position_deg: float) -> None:
+        self._actuator.command(position_deg, self.preset)
 
     def _read(self) -> ForceSample:
         sample = self._force.read()
@@ -243,24 +252,25 @@ class HandMotion:
 
     def _judge(self, felt_n: float, *, relaxing: bool) -> None:
         """``relaxing`` : springs may bear less than at the zero, and the motors draw what a pressed probe needs."""
-        behind = abs(self._actuator.position_ticks() - self._at_ticks)
-        if behind > _FOLLOWING_TICKS:
+        joint = self._actuator.joint
+        gives_way = joint is not None and not joint.targets_deg(self._at_deg, self.preset)  # its torque tells of it
+        behind_deg = 0.0 if gives_way else abs(self._actuator.position_deg() - self._at_deg)
+        if behind_deg > _FOLLOWING_DEG:
             do = "Look for what holds the gear or the probe, and check the supply."
-            found = f"{behind:.0f} ticks behind"
-            raise DeviceError(
-                "probe", wanted=f"motors within {_FOLLOWING_TICKS} ticks of their command", found=found, do=do
-            )
+            found = f"{behind_deg:.1f} degrees behind"
+            wanted = f"motors within {_FOLLOWING_DEG:g} degrees of their command"
+            raise DeviceError("probe", wanted=wanted, found=found, do=do)
         do = "Check the force sensor, its calibration, and what the probe stands against."
         borne_n = self._borne_n(relaxing=relaxing)
         if borne_n > felt_n + _GAP_N:
             found = f"springs that press with {borne_n:.1f} N or more, and {felt_n:.2f} N felt"
             raise DeviceError("probe", wanted="a force felt where the springs give way", found=found, do=do)
-        self._currents.append(self._actuator.currents_ma())
-        mean_ma = float(np.abs(self._currents).mean(axis=0).max())
-        most_ma = (1.0 if relaxing else _CURRENT_SHARE) * self._rig.guards.current_ma
-        if len(self._currents) == _CURRENT_TURNS and mean_ma > most_ma:
-            found = f"{mean_ma:.0f} mA, and {felt_n:.2f} N felt"
-            raise DeviceError("probe", wanted=f"motors that draw at most {most_ma:.0f} mA", found=found, do=do)
+        self._currents.append(self._actuator.currents_a())
+        mean_a = float(np.abs(self._currents).mean(axis=0).max())
+        most_a = (1.0 if relaxing else _CURRENT_SHARE) * self._rig.guards.current_a
+        if len(self._currents) == _CURRENT_TURNS and mean_a > most_a:
+            found = f"{mean_a:.2f} A, and {felt_n:.2f} N felt"
+            raise DeviceError("probe", wanted=f"motors that draw at most {most_a:.2f} A", found=found, do=do)
 
     def _borne_n(self, *, relaxing: bool = False) -> float:
         """By how much the force of the springs on the probe has changed since the zero beyond friction, N."""
@@ -270,10 +280,8 @@ class HandMotion:
         return max(0.0, abs(now_n - self._rest_n) - _FRICTION_NM / self._rig.lever_m)
 
     def _springs_n(self) -> float:
-        """Force of the springs on the probe, N, by the model of `emg2vsa.actuator`; 0 where there are none."""
-        at, springs = self._actuator.measurements(), self._actuator.springs
-        if springs is None:
+        """Force that the joint bears on the probe, N; 0 of a rigid motor."""
+        joint = self._actuator.joint
+        if joint is None:
             return 0.0
-        torque_nm = springs.k1_nm * math.sinh(springs.a1_per_rad * (at.shaft - at.motor_1) * RAD_PER_TICK)
-        torque_nm += springs.k2_nm * math.sinh(springs.a2_per_rad * (at.shaft - at.motor_2) * RAD_PER_TICK)
-        return torque_nm / self._rig.lever_m
+        return joint.torque_nm(self._actuator.measurements(), self._at_deg, self.preset) / self._rig.lever_m

@@ -8,22 +8,23 @@ motors that follow a new reference are on, whatever the flag says.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from casr.atomic import write_text_atomic
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.qbmove.driver import Qbmove
-from emg2vsa.devices.qbmove.info import QbmoveInfo
+from emg2vsa.devices.protocols import Board, Identity, LogColumns
+from emg2vsa.devices.qbmove.ticks import LOG_COLUMNS, PROOF_KEYS, in_degrees, in_ticks
 from emg2vsa.errors import DeviceError
 
-Verdict = Literal["motors off", "flag only", "no effect"]
+Verdict = Literal["motors off", "flag only", "no effect", "ran away"]
 _SILENCE_S = 0.5
 """Beyond the watchdog's own time, whose steps are 41 ms."""
-_MOVE_TICKS = 228
-"""2.5 degrees, 0.5 mm with the paper's gear."""
-_MOVED_TICKS = 60
+_MOVE_DEG = 2.5048828125
+"""0.5 mm with the paper's gear."""
+_MOVED_DEG = 0.66
 _WAIT_S = 0.3
 
 
@@ -31,7 +32,8 @@ _WAIT_S = 0.3
 class WatchdogProof:
     """What was seen, and of which device.
 
-    verdict : motors off, as wanted; flag only: the device says off and its motors still follow; no effect: it says on.
+    verdict : motors off, as wanted: they follow no more; flag only: the device says off and its motors still follow; no
+    effect: it says on; ran away: they moved by themselves.
     """
 
     verdict: Verdict
@@ -39,65 +41,72 @@ class WatchdogProof:
     device_id: int
     serial_number: str
     firmware: str
-    max_stiffness_ticks: int
+    full_preset: float
+    "In the unit of its joint."
     watchdog_s: float
     silence_s: float
-    moved_before_ticks: int
-    "By a reference of 228 ticks with the motors on."
-    moved_after_ticks: int
+    moved_before_deg: float
+    "By a reference of 2.5 degrees with the motors on."
+    moved_after_deg: float
     "By the same reference after the silence."
 
-    def is_of(self, info: QbmoveInfo, watchdog_s: float) -> bool:
+    def is_of(self, info: Identity, full_preset: float, watchdog_s: float) -> bool:
         """Was it made with this device, its firmware and the watchdog's present time?"""
-        same = (self.device_id, self.firmware, self.max_stiffness_ticks, self.watchdog_s)
-        return same == (info.device_id, info.firmware, info.max_stiffness_ticks, watchdog_s)
+        same = (self.device_id, self.firmware, self.full_preset, self.watchdog_s)
+        return same == (info.device_id, info.firmware, full_preset, watchdog_s)
 
 
 def prove_watchdog(
-    board: Qbmove, info: QbmoveInfo, clock: Clock, *, watchdog_s: float, away_sign: int, date: str
+    board: Board, info: Identity, clock: Clock, *, watchdog_s: float, away_sign: int, date: str
 ) -> WatchdogProof:
     """Motors on, a small move away from the specimen, back, silence, question, and the same move again.
 
-    The motors are off afterwards. away_sign : which way, in ticks, leads away from the specimen.
+    The motors are off afterwards. away_sign : which way leads away from the specimen.
 
     DeviceError : the device is lost, or does not move with its motors on: then the silence would prove nothing.
     """
     board.activate()
-    first, second = board.measurements()[:2]
-    low, high = info.position_limits_ticks[0]
-    sign = away_sign if low <= first + away_sign * _MOVE_TICKS <= high else -away_sign
-    there = first + sign * _MOVE_TICKS, second + sign * _MOVE_TICKS
+    here, usable = board.measurements().motors_deg, board.usable(info)
+    low, high = usable.position_deg
+    sign = away_sign if low <= here[0] + away_sign * _MOVE_DEG <= high else -away_sign
+    there = tuple(motor_deg + sign * _MOVE_DEG for motor_deg in here)
     try:
         before = _moved(board, clock, there, feed=True)
-        if before < _MOVED_TICKS:
+        if before < _MOVED_DEG:
             do = "Check the supply of the motors, and what holds the probe."
             raise DeviceError(
-                board.where, wanted="motors that follow a small move", found=f"{before} ticks of {_MOVE_TICKS}", do=do
+                board.where,
+                wanted="motors that follow a small move",
+                found=f"{before:.2f} of {_MOVE_DEG:.2f} degrees",
+                do=do,
             )
-        _moved(board, clock, (first, second), feed=True)
+        _moved(board, clock, here, feed=True)
         silence_s = watchdog_s + _SILENCE_S
+        left_deg = board.measurements().motors_deg[0]
         clock.sleep_until(clock.now_s() + silence_s)
-        on = board.ask_active()
+        on, drifted = board.ask_active(), abs(board.measurements().motors_deg[0] - left_deg)
         after = _moved(board, clock, there, feed=False)
     finally:
         board.deactivate()
-    verdict: Verdict = "no effect" if on else "flag only" if after >= _MOVED_TICKS else "motors off"
+    verdict: Verdict = "motors off"
+    if on or after >= _MOVED_DEG or drifted >= _MOVED_DEG:
+        verdict = "no effect" if on else "ran away" if drifted >= _MOVED_DEG else "flag only"
     return WatchdogProof(
-        verdict, date, info.device_id, board.serial_number(), info.firmware, info.max_stiffness_ticks, watchdog_s,
+        verdict, date, info.device_id, board.serial_number(), info.firmware, usable.full_preset, watchdog_s,
         silence_s, before, after,
     )  # fmt: skip
 
 
-def _moved(board: Qbmove, clock: Clock, references: tuple[int, int], *, feed: bool) -> int:
-    """Ticks that motor 1 moves within 0.3 s of the references; ``feed``: the watchdog is kept from running out."""
-    begin = board.measurements().motor_1
+def _moved(board: Board, clock: Clock, references_deg: Sequence[float], *, feed: bool) -> float:
+    """Degrees that motor 1 moves within 0.3 s of the references; ``feed``: the watchdog is kept from running out."""
+    begin_deg = board.measurements().motors_deg[0]
     end_s = clock.now_s() + _WAIT_S
     while clock.now_s() < end_s:
-        board.set_inputs(*references)
+        board.move_motors(references_deg)
         if feed:
             board.is_active()
         clock.sleep_until(clock.now_s() + 0.02)
-    return abs(board.measurements().motor_1 - begin)
+    return abs(board.measurements().motors_deg[0] - begin_deg)
 
 
 def proof_file(rig_file: Path) -> Path:
@@ -113,12 +122,17 @@ def read_proofs(rig_file: Path) -> dict[str, WatchdogProof]:
     except FileNotFoundError:
         return {}
     try:
-        return {name: WatchdogProof(**proof) for name, proof in json.loads(text).items()}
+        return {name: WatchdogProof(**in_degrees(proof, PROOF_KEYS)) for name, proof in json.loads(text).items()}
     except (OSError, ValueError, TypeError, AttributeError) as error:
         do = "Delete it, and run emg2vsa rig prove-watchdog again."
         raise DeviceError(
             path, wanted="proofs as emg2vsa rig prove-watchdog writes them", found=str(error), do=do
         ) from error
+
+
+def proof_document(proof: WatchdogProof, columns: LogColumns) -> dict[str, Any]:
+    """As plan.json has it: of a qbmove in ticks, as its log."""
+    return in_ticks(asdict(proof), PROOF_KEYS) if columns == LOG_COLUMNS else asdict(proof)
 
 
 def write_proof(rig_file: Path, name: str, proof: WatchdogProof) -> Path:

@@ -1,6 +1,6 @@
 """How the shaft follows the motors: through springs, with friction, or rigidly.
 
-Quasi-static: at rest the springs (``emg2vsa.actuator``), the specimen and the friction are in balance. On its way there
+Quasi-static: at rest the springs (`SpringJoint`), the specimen and the friction are in balance. On its way there
 the shaft comes nearer by a first-order law, which is exact for any duration and never passes its rest.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Protocol
 
-from emg2vsa.actuator import Springs
+from emg2vsa.devices.qbmove.springs import Springs
 from emg2vsa.rig.emulated.probe import Probe
 
 Motors = tuple[float, float]

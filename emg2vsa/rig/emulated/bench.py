@@ -5,65 +5,35 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from casr.synthetic import ContactState
-from emg2vsa.actuator import SPRINGS
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.netft.config import parse_config
 from emg2vsa.devices.netft.datagrams import LoopbackDatagrams
 from emg2vsa.devices.netft.driver import NetFt
 from emg2vsa.devices.protocols import Devices
-from emg2vsa.devices.qbmove.driver import Qbmove
-from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
-from emg2vsa.devices.qbmove.settings import Model
 from emg2vsa.rig.emulated.camera.frames import EmulatedCamera
 from emg2vsa.rig.emulated.controls import ArtificialEffect
-from emg2vsa.rig.emulated.direct_drivers import DirectNetFt, DirectQbmove
+from emg2vsa.rig.emulated.far_end import Place, far_end_of
 from emg2vsa.rig.emulated.fault_plan import FaultPlan
 from emg2vsa.rig.emulated.faults import FaultyWire, WireLine
 from emg2vsa.rig.emulated.netft.box import BoxSettings, RdtBox, configuration_page
+from emg2vsa.rig.emulated.netft.direct import DirectNetFt
 from emg2vsa.rig.emulated.netft.faults import BoxFaults
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.probe import Touch
-from emg2vsa.rig.emulated.qbmove.firmware import QbmoveFirmware
-from emg2vsa.rig.emulated.qbmove.switches import ADVANCED, MAKER_PRO
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.truth import TrueLoading
 from emg2vsa.rig.emulated.world import World
 from emg2vsa.rig.rig_settings import RigSettings
 
-MOTOR_SPEED_RAD_PER_S = 3.0
-"""Of the gearbox's output at full PWM: a guess. The paper names the motor (Maxon DCX8, GPX8 35:1, 12 V) without it."""
-MOTOR_TORQUE_NM, MOTOR_CURRENT_MA = 0.3, 1500.0
-"""At which the rigid motor stalls, 26 N at the probe with the gear of the emulated rig: guesses. The catalogue's motor
-could not press with 7 N through that gear, which is a guess too."""
-MOTOR_BOARD = replace(
-    MAKER_PRO,
-    supply_mv=12000,
-    motor_speed_rad_per_s=MOTOR_SPEED_RAD_PER_S,
-    stall_torque_nm=MOTOR_TORQUE_NM,
-    stall_current_ma=MOTOR_CURRENT_MA,
-)
-
-
-def motor_board(world: World, clock: Clock, home_ticks: int = 0, latency_s: float = 0.0) -> QbmoveFirmware:
-    """The board of the rigid motor: a qbrobotics board with one motor and one AS5045 encoder (paper, section V.A).
-
-    Which firmware it runs is not published; it is taken to be the qbmove's, with motor 1 connected and motor 2 not.
-    It has id 1, and turns a world whose ``springs`` are None; at the start its motor reads ``home_ticks``."""
-    memory = MOTOR_BOARD.factory((home_ticks, 0, home_ticks))
-    return QbmoveFirmware(MOTOR_BOARD, world, clock, memory=memory, loads=world.loads_nm, latency_s=latency_s)
-
-
-DEVICE_ID = 1
 _AWAY_MM = 1e6
 TORQUE_NOISE_NM_PER_N = 0.02
 "Noise of the torque over that of the force (guess)."
-# with the rate limit of the factory, 0, a saturated move never starts; the one at which motors do move is a guess
-_ADVANCED = replace(ADVANCED, max_pwm_rate=10)
 
 
 class EmulatedRig:
@@ -71,17 +41,18 @@ class EmulatedRig:
 
     Parameters
     ----------
-    emulated : the bench. specimen, angle_deg : what is on it. rigid : under the rigid motor, else under the qbmove.
-    rig : as the drivers are told, and as the bench is built; both actuators begin retracted, at its ``home_ticks``.
+    emulated : the bench. specimen, angle_deg : what is on it. rigid : under the rigid motor, else under the actuator.
+    actuator : its settings; a qbmove where none are given.
+    rig : as the drivers are told, and as the bench is built; both actuators begin retracted, at its ``home_deg``.
     run : name of the run; other names, other draws. plate : a flat plate presses, in place of the dome.
     mounting : from 1; each has draws of its own. effect : artificial, of a control world.
 
     Attributes
     ----------
     world : what is pressed. firmware : of the actuator. idle : of the other one, whose probe is not over the specimen.
-    wire, box, camera : the ends that fail on demand: `FaultyWire`, and ``faults`` of the two others.
+    end, idle_end : kinds of both. wire, box, camera : the ends that fail on demand: `FaultyWire`, and ``faults`` of the
+    two others.
     plan : of faults that begin or end later.
-    model : of the qbmove.
 
     Raises
     ------
@@ -102,28 +73,27 @@ class EmulatedRig:
         mounting: int = 1,
         effect: ArtificialEffect | None = None,
         mounted: str = "",
+        actuator: Any = None,
     ) -> None:
         self.rigid, self.clock, self.rig = rigid, clock, rig or RigSettings()
-        self.model: Model = "advanced" if emulated.springs == "qbmove-advanced" else "maker-pro"
-        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run, plate, mounting, effect, mounted)
+        ends = far_end_of("motor"), far_end_of("qbmove" if actuator is None else actuator.kind)
+        self.end, idle_end = ends if rigid else reversed(ends)
+        springs = self.end.springs(emulated)
+        self._draws = PressDraws(
+            emulated, specimen, angle_deg, springs, self.rig, run, plate, mounting, effect, mounted
+        )
         self._area_rng = np.random.default_rng(self._draws.sensor_seed)
         self._press = 0
         self._lock = threading.RLock()
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
-        away = World(
-            clock, replace(self._draws.world(0), gap_mm=_AWAY_MM, springs=SPRINGS[emulated.springs] if rigid else None)
-        )
-        on_springs, on_motor = (away, self.world) if rigid else (self.world, away)
-        switches, home_ticks = _ADVANCED if self.model == "advanced" else MAKER_PRO, self.rig.home_ticks
-        memory = switches.factory((home_ticks,) * 3)
+        away = World(clock, replace(self._draws.world(0), gap_mm=_AWAY_MM, springs=idle_end.springs(emulated)))
         latency_s = self._draws.preset_latency_s
-        qbmove = QbmoveFirmware(
-            switches, on_springs, clock, memory=memory, loads=on_springs.loads_nm, latency_s=latency_s
-        )
-        motor = motor_board(on_motor, clock, home_ticks, latency_s)
-        self.firmware, self.idle = (motor, qbmove) if rigid else (qbmove, motor)
+        self.place = Place(actuator, emulated, self.rig, self.world, clock, latency_s)
+        self.idle_place = self.place._replace(world=away)
+        self.firmware, self.idle = self.end.device(self.place), idle_end.device(self.idle_place)
+        self.idle_end = idle_end
         self.plan = FaultPlan()
-        self.wire = FaultyWire(self.firmware, clock, seed=self._draws.sensor_seed)
+        self.wire = FaultyWire(self.firmware, self.end.frames, clock, seed=self._draws.sensor_seed)
         noise = emulated.force_noise_n, emulated.force_noise_n * TORQUE_NOISE_NM_PER_N
         box = BoxSettings(rate_hz=emulated.force_rate_hz, noise=noise, seed=self._draws.sensor_seed)
         self._force_zero_n = 0.0
@@ -179,22 +149,16 @@ class EmulatedRig:
         line = WireLine("emulated bus", self.answer, lambda: self.wire.due_s, self.clock)
         box_line = LoopbackDatagrams("emulated box", self.box, self.clock)
         page = parse_config(configuration_page(self.box))
-        model = "maker-pro" if self.rigid else self.model
-        percent = self.rig.stiffness_percent
-        board: Qbmove
+        board = self.end.driver(line, self.firmware, self.place, exact)
         force: NetFt
         if exact:
-            board = Qbmove(line, DEVICE_ID, model=model, clock=self.clock, stiffness_percent=percent)
             force = NetFt(box_line, page, self.clock)
         else:
-            board = DirectQbmove(
-                line, DEVICE_ID, model=model, clock=self.clock, stiffness_percent=percent, firmware=self.firmware
-            )
             all_records = self.rig.record_full_rate_force
             force = DirectNetFt(box_line, page, self.clock, box=self.box, all_records=all_records)
         force.start()
         self.camera.start()
-        return Devices(RigidMotor(board) if self.rigid else board, force, self.camera)
+        return Devices(board.pressing(), force, self.camera)
 
     def _advance(self) -> None:
         self.firmware.advance()

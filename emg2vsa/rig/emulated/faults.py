@@ -11,14 +11,28 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.qbmove.packets import HEADER, Command
 from emg2vsa.devices.serial_line import LoopbackLine
 
 Way = Literal["to device", "to host"]
 Spoil = Callable[[bytes], bytes]
-POSITION_COMMANDS = frozenset((Command.SET_POS_STIFF, Command.SET_INPUTS))
-_ID, _LENGTH, _COMMAND = 2, 3, 4
-"""Where these stand in a frame."""
+
+
+class Frames(Protocol):
+    """What a fault must know of an actuator's packets."""
+
+    @property
+    def position_commands(self) -> frozenset[int]:
+        """That tell it where to go."""
+
+    @property
+    def watchdog_commands(self) -> frozenset[int]:
+        """That set its watchdog."""
+
+    def without(self, data: bytes, commands: frozenset[int]) -> bytes:
+        """``data`` but for the packets of ``commands``; what is no whole packet stays as it is."""
+
+    def renamed(self, data: bytes, shift: int) -> bytes:
+        """An answer under another id, which is not found out by its checksum."""
 
 
 class Device(Protocol):
@@ -27,6 +41,10 @@ class Device(Protocol):
     def __call__(self, data: bytes) -> bytes: ...
 
     def reset(self) -> None: ...
+
+    @property
+    def due_s(self) -> float:
+        """When the next answer comes that is on its way; inf for none."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +59,8 @@ class FaultyWire:
     ``clock`` is needed for answers that come late, ``seed`` for bytes that are lost or wrong by chance.
     """
 
-    def __init__(self, device: Device, clock: Clock | None = None, seed: int = 0) -> None:
-        self._device, self._clock = device, clock
+    def __init__(self, device: Device, frames: Frames, clock: Clock | None = None, seed: int = 0) -> None:
+        self._device, self.frames, self._clock = device, frames, clock
         self._chance = random.Random(seed)
         self._faults: list[_Fault] = []
         self._coming: deque[tuple[float, bytes]] = deque()
@@ -52,19 +70,21 @@ class FaultyWire:
         self.ignored: frozenset[int] = frozenset()
         "Commands of which no frame reaches the device, while all others do."
         self.id_shift = 0
-        "Added to the id of every answer, whose checksum does not cover it."
+        "Added to the id of every answer."
         self.late_s = self.lost_share = self.wrong_share = 0.0
         "How late answers come; which share of the bytes of both ways gets lost, or has a wrong bit."
 
     def __call__(self, data: bytes) -> bytes:
         if not self._failing:
             return self._device(data)
-        heard = b"" if self.deaf else _without(self._carry("to device", data), self.ignored)
+        heard = b"" if self.deaf else self._carry("to device", data)
+        if self.ignored:
+            heard = self.frames.without(heard, self.ignored)
         answer = self._carry("to host", self._device(heard))
         if self.noisy:
             answer = answer[:-1] + bytes(byte ^ 1 for byte in answer[-1:])
         if self.id_shift:
-            answer = _renamed(answer, self.id_shift)
+            answer = self.frames.renamed(answer, self.id_shift)
         if self.doubled:
             answer += answer
         if self.mute:
@@ -89,7 +109,8 @@ class FaultyWire:
     @property
     def due_s(self) -> float:
         """When the next late answer comes; inf when none is on its way."""
-        return self._coming[0][0] if self._coming else math.inf
+        own_s = self._coming[0][0] if self._coming else math.inf
+        return min(own_s, self._device.due_s)
 
     def lose(self, way: Way, at: int, count: int = 1) -> None:
         """Drop ``count`` bytes from the index ``at`` on, which may be negative."""
@@ -137,21 +158,3 @@ class WireLine(LoopbackLine):
             self._time.sleep_until(due_s)
             self._unread += self._ask(b"")
         return super().read(count, max(0.0, end_s - self._time.now_s()))
-
-
-def _without(data: bytes, commands: frozenset[int]) -> bytes:
-    """``data`` but for the frames of ``commands``; what is no whole frame stays as it is."""
-    if not commands:
-        return data
-    kept, at = b"", 0
-    while (start := data.find(HEADER, at)) >= 0 and start + _COMMAND < len(data):
-        end = start + _COMMAND + data[start + _LENGTH]
-        kept += data[at : start if data[start + _COMMAND] in commands and end <= len(data) else end]
-        at = end
-    return kept + data[at:]
-
-
-def _renamed(data: bytes, shift: int) -> bytes:
-    if data[:2] != HEADER or len(data) <= _ID:
-        return data
-    return data[:_ID] + bytes(((data[_ID] + shift) % 256,)) + data[_ID + 1 :]

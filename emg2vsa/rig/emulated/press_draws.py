@@ -11,10 +11,10 @@ import numpy as np
 
 from casr.errors import SettingError as NoScene
 from casr.synthetic import Appearance, ContactState, ContactWorld, Drawn, PressSettings, Scene, TabulatedWorld
-from emg2vsa.actuator import SPRINGS
 from emg2vsa.arrays import Floats
 from emg2vsa.contact_mechanics import Relaxation, adhesive_force_of_one_n, area_share_of_one, in_series
 from emg2vsa.contact_mechanics.relaxation import specimen_share
+from emg2vsa.devices.qbmove.springs import Springs
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.emulated.camera.frames import FrameTiming
 from emg2vsa.rig.emulated.controls import ArtificialEffect
@@ -120,7 +120,7 @@ class PressDraws:
     Parameters
     ----------
     emulated : the bench. specimen : on it; SettingError when its stiffness is not known.
-    angle_deg : as it was meant to be. rigid : under the rigid motor. rig : its gear, and which way it turns.
+    angle_deg : as it was meant to be. springs : of the actuator, None without. rig : its gear, and which way it turns.
     run : name of the run; other names, other draws. plate : a flat plate presses, in place of the dome.
     mounting : which of the times, from 1, that sensor and specimen were mounted for the run; each has draws of its own.
     effect : artificial, of a control world.
@@ -131,7 +131,7 @@ class PressDraws:
     emulated: EmulatedSettings
     specimen: str
     angle_deg: float
-    rigid: bool
+    springs: Springs | None
     rig: RigSettings
     run: str = ""
     plate: bool = False
@@ -170,7 +170,7 @@ class PressDraws:
             stiffness_n_per_mm=stiffness_n_per_mm,
             angle_deg=abs(self.angle_deg + e.angle_sd_deg * mounting.angle),
             contact=contact,
-            springs=None if self.rigid else SPRINGS[e.springs],
+            springs=self.springs,
             mm_per_degree=self.rig.gear_mm_per_degree,
             turns_to_push=self.rig.push_sign,
             plate=self.plate,

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, replace
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 from casr.atomic import write_text_atomic
 from casr.frame_files import write_camera
@@ -41,6 +42,7 @@ def run_virtual(
     effect: ArtificialEffect | None = None,
     kappa: KappaPlan | None = None,
     guards: Mapping[str, Check] = GUARDS,
+    actuator: Any = None,
 ) -> Ended:
     """Carry out ``plan`` and record it in ``folder``, with the real executor and drivers; how it ended.
 
@@ -48,7 +50,7 @@ def run_virtual(
     rendered its frames. ``started`` : date and time to write to the run. ``run`` : other names, other draws, so that a
     run that goes on in another folder does not repeat its presses; the run's own where none is given. ``effect`` :
     artificial, of a control world. ``mounted`` : as in `PressDraws`. ``kappa`` : judge each press while it goes on.
-    ``guards`` : as in `execute`.
+    ``guards`` : as in `execute`. ``actuator`` : its settings; a qbmove where none are given.
 
     Raises as `execute`, and SettingError as `EmulatedRig`.
     """
@@ -70,6 +72,7 @@ def run_virtual(
         mounting=plan.mounting,
         effect=effect,
         mounted=mounted,
+        actuator=actuator,
     )
     folder.mkdir(parents=True, exist_ok=True)
     write_text_atomic(folder / EMULATED_FILE, json.dumps(asdict(emulated), indent=2) + "\n")

@@ -8,8 +8,8 @@ from typing import Literal
 
 from casr.specimens import SPECIMENS
 from casr.synthetic import ContactWorld
-from emg2vsa.actuator import SPRINGS, Springs
 from emg2vsa.contact_mechanics import ELASTIC, Relaxation
+from emg2vsa.devices.qbmove.springs import SPRINGS, Springs
 from emg2vsa.errors import SettingError
 
 
@@ -22,7 +22,7 @@ class WorldSettings:
     stiffness_n_per_mm : of the specimen by plate indentation (paper, section IV.B; here its S3).
     angle_deg : between the probe's axis and the normal of the specimen's surface (paper: 0, 30, 45 degrees).
     contact : of soft sensor and specimen, as the emulated camera draws it, with its own sources and guesses.
-    springs : of the actuator (source: in ``emg2vsa.actuator``); None is a rigid motor, the paper's high stiffness.
+    springs : of the actuator (source: in `SPRINGS`); None is a rigid motor, the paper's high stiffness.
     friction_nm : Coulomb friction of the shaft (source: nickparnenzini/qbmove_plugin, qbmove_project.pdf); 0 is none.
     settling_s : time constant with which the shaft comes to rest, 0 is at once (guess).
     mm_per_degree : of the probe per turn of the shaft: a cogwheel of 11.5 mm pitch radius (guess; the paper is silent).

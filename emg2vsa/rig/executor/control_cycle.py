@@ -9,9 +9,8 @@ from dataclasses import replace
 from types import TracebackType
 from typing import NamedTuple
 
-from emg2vsa.actuator import ticks_of_percent
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.protocols import Devices, ForceSample
+from emg2vsa.devices.protocols import Devices, ForceSample, Measurements
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.executor.expected import most_past_contact_mm
 from emg2vsa.rig.executor.guards import GUARDS, Check, Moment, tripped
@@ -25,17 +24,11 @@ from emg2vsa.rig.record.run_log import Row, full_force, loads_of
 from emg2vsa.rig.record.run_record import RunRecord
 from emg2vsa.rig.rig_settings import RigSettings
 
-Readings = tuple[int | None, int | None, int | None, int | None, int | None]
-"""Motor 1, motor 2 and shaft in ticks, and the two currents in mA; None where the turn did not come so far."""
 _LAG_MM = 1.0
 """How far motors are behind their command in ordinary motion, and more."""
-_PRESET_TICKS_PER_S = 8000
-"""To the stiff springs of the rest before the first press and back; twice as fast, motors fall behind the guard's."""
 GAINS = 0.74, 1.2
 """Of the felt force over that of the springs: a press beyond is doubtful. Without a fault a stiff specimen under
 springs that grow stiffer shows 0.79, as the shaft comes to rest behind the motors."""
-UNREAD: Readings = (None, None, None, None, None)
-"""Of a turn that did not come so far."""
 
 
 class Force(NamedTuple):
@@ -61,8 +54,8 @@ class ControlCycle:
         self._plan, self._rig, self._devices, self._record, self._clock = plan, rig, devices, record, clock
         self._guards = guards
         self._average = MovingAverage(rig.filter_samples, rig.rate_hz)
-        self._sent: tuple[int, int] | None = None
-        self._stands_ticks = 0
+        self._sent: tuple[float, float] | None = None
+        self._stands_at, self._stiffest, self._slew = 0.0, 0.0, 0.0
         self._before: Force | None = None
         self._pressed = False
         self.motion: Motion | None = None
@@ -75,27 +68,33 @@ class ControlCycle:
         actuator = self._devices.actuator
         with ending("activation"):
             actuator.activate()
-            position_ticks, at = actuator.position_ticks(), actuator.measurements()
-            device_ma = actuator.current_limit_ma()
+            position_deg, at = actuator.position_deg(), actuator.measurements()
+            device_a = actuator.current_limit_a()
         limits = self._rig.guards
         self._limits = replace(
             limits,
-            current_ma=min(limits.current_ma, device_ma) if device_ma > 0 else limits.current_ma,
+            current_a=min(limits.current_a, device_a) if device_a > 0 else limits.current_a,
             past_contact_mm=most_past_contact_mm(self._plan, self._rig),
         )
-        self._witnesses = Witnesses(self._rig, actuator.springs, at)
-        if actuator.springs is not None:
-            self._stands_ticks = min((at.motor_1 - at.motor_2) // 2, self._stiffest_ticks)
+        joint = actuator.joint
+        self._witnesses = Witnesses(self._rig, joint, at)
+        if joint is not None:
+            most = joint.preset_per_s * self._rig.period_s
+            self._slew, self._stiffest = (
+                float(joint.rounded(each)) for each in (most, self._rig.stiffness_percent[1] / 100)
+            )
+            self._stands_at = min(float(joint.rounded(joint.preset_at(at))), self._stiffest)
         self._turned_s = self._asked_s = self._frame_s = self._clock.now_s()
         self._active = True
-        self.motion = Motion("home", self._turned_s, self._rig.depth_at(position_ticks))
+        self.motion = Motion("home", self._turned_s, self._rig.depth_at(position_deg))
 
     def turn(self, now_s: float, late_s: float) -> Motion:
         """One turn; the motion after it. Whatever ends the turn, what was sensed is logged."""
         assert self.motion is not None
         before = self.motion
         force = self._feel()
-        readings = UNREAD
+        at: Measurements | None = None
+        currents_a: tuple[float, ...] = ()
         try:
             self._look(now_s)
             growth_n_per_s = self._average.growth_per_s
@@ -112,16 +111,15 @@ class ControlCycle:
             with ending("lost device"):
                 self._send(wanted)
                 self._turned_s, self._before = now_s, force
-                at, currents_ma = self._devices.actuator.measurements(), self._devices.actuator.currents_ma()
-            readings = (*at, *currents_ma)
-            self._witnesses.read(at, currents_ma, force.raw_n, wanted, begins=wanted.phase != before.phase)
+                at, currents_a = self._devices.actuator.measurements(), self._devices.actuator.currents_a()
+            self._witnesses.read(at, currents_a, force.raw_n, wanted, begins=wanted.phase != before.phase)
             if (wanted.phase, before.phase) == ("retract", "load"):
                 self._compare()
             self._ask(now_s)
             moment.active = self._active
             self._judge(moment)
         finally:
-            self._log(now_s, late_s, force, readings)
+            self._log(now_s, late_s, force, at, currents_a)
         return self.motion
 
     def retreat_from(self) -> Start | None:
@@ -135,8 +133,8 @@ class ControlCycle:
         plan = self._plan
         return Start(
             depth_mm=min(self.motion.depth_mm, self._measured_mm()),
-            preset_ticks=self._preset_ticks(self.motion),
-            softest_ticks=0 if plan.schedule is None else int(plan.schedule.preset_ticks.min()),
+            preset=self._preset(self.motion),
+            softest=min(plan.presets(self._rig.full_preset)),
             contact_n=plan.f_contact_n,
             home_is_free=self._pressed,
         )
@@ -146,10 +144,10 @@ class ControlCycle:
         if self.motion is not None and measured_mm < self.motion.depth_mm - _LAG_MM:
             # one wrong reading would send the probe far away
             with suppress(DeviceError):
-                measured_mm = max(measured_mm, self._rig.depth_at(self._devices.actuator.position_ticks()))
+                measured_mm = max(measured_mm, self._rig.depth_at(self._devices.actuator.position_deg()))
         return measured_mm
 
-    def log_escape(self, position_ticks: int, preset_ticks: int, notes: list[str]) -> ForceSample | None:
+    def log_escape(self, position_deg: float, preset: float, notes: list[str]) -> ForceSample | None:
         """A row while the probe is taken away after the end, and the force then; None where the sensor has gone.
 
         ``notes`` is told when the disk is full."""
@@ -161,8 +159,9 @@ class ControlCycle:
         if sample:
             self._note_peak(sample)
         row = Row(
-            self._clock.now_s(), self.motion.repetition, "escape", time_s, force_n, None, position_ticks, preset_ticks,
-            *UNREAD, self._record.frame_index,
+            self._clock.now_s(), self.motion.repetition, "escape", time_s, force_n, None, position_deg,
+            preset * self._rig.full_preset,
+            frame_index=self._record.frame_index,
         )  # fmt: skip
         try:
             self._record.row(row._replace(**full_force(sample)) if sample else row)
@@ -199,7 +198,7 @@ class ControlCycle:
 
     def _ask(self, now_s: float) -> None:
         # motors that have gone off do not follow, and that is then the cause
-        astray = self._witnesses.seen.astray_ticks > self._limits.following_ticks
+        astray = self._witnesses.seen.astray_deg > self._limits.following_deg
         if astray or now_s - self._asked_s >= self._limits.motors_every_s:
             with ending("lost device"):
                 self._active = self._devices.actuator.is_active()
@@ -244,33 +243,34 @@ class ControlCycle:
             raise EndRun("guard", "preload", f"{felt_n:.2f} N {when}, with the probe retracted")
 
     def _send(self, wanted: Motion) -> None:
-        command = self._rig.ticks_at(wanted.depth_mm), self._preset_ticks(wanted)
-        self._devices.actuator.set_position_stiffness(*command)
+        command = self._rig.position_at(wanted.depth_mm), self._preset(wanted)
+        self._devices.actuator.command(*command)
         self._sent = command
         self._witnesses.send(*command, self._clock.now_s())  # a turn held up before commands later
 
-    @property
-    def _stiffest_ticks(self) -> int:
-        return int(ticks_of_percent(self._rig.stiffness_percent, self._rig.max_preset_ticks)[1])
-
-    def _preset_ticks(self, motion: Motion) -> int:
+    def _preset(self, motion: Motion) -> float:
         if motion.stiff and self._sent is not None and self._plan.schedule is not None:
-            wanted = self._stiffest_ticks
+            wanted = self._stiffest
         else:
-            wanted = self._plan.preset_ticks(motion.step)
+            wanted = self._plan.preset(motion.step, self._rig.full_preset)
         if self._sent is None:
-            return max(wanted, self._stands_ticks)  # motors that turn back at once would leave the way to their command
+            return max(wanted, self._stands_at)  # motors that turn back at once would leave the way to their command
         if motion.phase not in ("home", "approach"):
             return wanted
-        most = round(_PRESET_TICKS_PER_S * self._rig.period_s)
-        return self._sent[1] + max(-most, min(most, wanted - self._sent[1]))
+        way = wanted - self._sent[1]
+        # to the wanted one itself, which sums of many steps would miss by their rounding
+        return wanted if abs(way) <= self._slew else self._sent[1] + math.copysign(self._slew, way)
 
-    def _log(self, now_s: float, late_s: float, force: Force, readings: Readings) -> None:
+    def _log(
+        self, now_s: float, late_s: float, force: Force, at: Measurements | None, currents_a: tuple[float, ...]
+    ) -> None:
         assert self.motion is not None
-        sent: tuple[int | None, int | None] = self._sent or (None, None)
+        sent: tuple[float | None, float | None] = (None, None)
+        if self._sent is not None:
+            sent = self._sent[0], self._sent[1] * self._rig.full_preset
         row = Row(
             now_s, self.motion.repetition, self.motion.phase, force.sample.time_s, force.raw_n, force.filtered_n,
-            *sent, *readings, self._record.frame_index, late_s, *loads_of(force.sample),
+            *sent, at, currents_a, self._record.frame_index, late_s, *loads_of(force.sample),
         )  # fmt: skip
         with ending("recording"):
             self._record.row(row)

@@ -16,12 +16,13 @@ class Leg:
     """One part of a repetition: a ramp from one position to another, or a rest, at one stiffness.
 
     Where contact comes, and how deep each force step lies, is the specimen's to say: approach and load may each take
-    the whole ramp, so ``position_ticks`` are bounds and ``at_most_s`` the longest time.
+    the whole ramp, so ``position_deg`` are bounds and ``at_most_s`` the longest time.
     """
 
     phase: str
-    position_ticks: tuple[int, int]
-    preset_ticks: int
+    position_deg: tuple[float, float]
+    preset: float
+    "Share of the full preset."
     force_n: tuple[float, float] | None
     "Measured force between which the leg holds; None where force does not matter."
     at_most_s: float
@@ -43,11 +44,11 @@ class DryRun:
 def dry_run(plan: RunPlan, rig: RigSettings) -> DryRun:
     """The plan in positions, presets and durations; SettingError or ScheduleError as ``check_plan``."""
     check_plan(plan, rig)
-    home, deep = rig.ticks_at(0.0), rig.ticks_at(plan.travel_mm)
+    home, deep, full = rig.position_at(0.0), rig.position_at(plan.travel_mm), rig.full_preset
     ramp_s = plan.travel_mm / plan.ramp_mm_per_s
-    first, last = plan.preset_ticks(plan.step_at(0.0)), plan.preset_ticks(plan.step_at(plan.f_max_n))
+    first, last = plan.preset(plan.step_at(0.0), full), plan.preset(plan.step_at(plan.f_max_n), full)
     load = tuple(
-        Leg("load", (home, deep), plan.preset_ticks(plan.step_at(low)), (low, high), ramp_s)
+        Leg("load", (home, deep), plan.preset(plan.step_at(low), full), (low, high), ramp_s)
         for low, high in _steps_n(plan)
     )
     legs = (

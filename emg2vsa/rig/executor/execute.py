@@ -58,7 +58,7 @@ def execute(
     with closing(Writer(background=background)) as writer:
         seen = devices.camera
         record = RunRecord(
-            folder, started, seen.shape if seen else None,
+            folder, started, seen.shape if seen else None, devices.actuator.columns,
             delay_s=seen.delay_s if seen else 0.0, writer=writer, force_counts=devices.force.counts, judge=judge,
         )  # fmt: skip
         record.plan(plan, rig, facts)

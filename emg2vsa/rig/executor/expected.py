@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from emg2vsa.actuator import RAD_PER_TICK, SPRINGS, stiffness_at
 from emg2vsa.contact_mechanics import PowerLaw
 from emg2vsa.contact_mechanics.tilt import SHEAR_OVER_NORMAL
 from emg2vsa.rig.executor.witnesses import DEAD_S
@@ -62,12 +59,10 @@ def _slope(contact: PowerLaw, plan: RunPlan, *, sticks: bool) -> float:
 
 
 def _stiffening_mm(plan: RunPlan, rig: RigSettings) -> float:
-    """By how much the last step of stiffness before F_max bends the springs back."""
+    """By how much the last step of stiffness before F_max, at zero load, bends the joint back."""
     if plan.schedule is None:
         return 0.0
     last = plan.step_at(plan.f_max_n)
-    springs = SPRINGS[plan.schedule.limits.actuator]
-    presets_rad = RAD_PER_TICK * np.array([plan.preset_ticks(step) for step in (max(0, last - 1), last)])
-    before, after = map(float, stiffness_at(np.zeros(2), presets_rad, springs))
+    before, after = plan.schedule.stiffness_nm_per_rad[[max(0, last - 1), last]].tolist()
     newton_per_m = 1 / rig.lever_m**2
-    return max(0.0, 1000 * plan.f_max_n * (1 / before - 1 / after) / newton_per_m)
+    return float(max(0.0, 1000 * plan.f_max_n * (1 / before - 1 / after) / newton_per_m))

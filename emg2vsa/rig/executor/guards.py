@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields
 from functools import lru_cache
 from operator import gt
 
-from emg2vsa.devices.protocols import ForceSample, Rating
+from emg2vsa.devices.protocols import ForceSample, Measurements, Rating
 from emg2vsa.rig.executor.motion import Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
@@ -27,11 +27,17 @@ _INWARDS = ("approach", "contact", "load")
 class Seen:
     """What `Witnesses` make of several turns. None is what is not known, or not to be judged now."""
 
+    at: Measurements | None = None
+    "Encoders, when they were last read."
+    at_before: Measurements | None = None
+    "And the time before that."
+    between_s: float = 0.0
+    "From that reading to the last."
     still_mm: float = 0.0
     "How far the motors have pressed on while the readings of the force sensor stayed the same."
     still_s: float | None = None
     "How long they have stayed the same; None of a sensor whose readings often do."
-    astray_ticks: float = 0.0
+    astray_deg: float = 0.0
     "How far a motor is outside of where it may be on the way to its command."
     spring_n: float | None = None
     "Force on the probe by the springs, when the motors were last read."
@@ -39,7 +45,7 @@ class Seen:
     "The same, with the probe retracted and at rest."
     felt_n: float = 0.0
     "Force along the push axis in the turn of that reading."
-    current_ma: float = 0.0
+    current_a: float = 0.0
     "Mean over the last turns, of the motor that draws more."
     approach_mm: float | None = None
     "Depth of the shaft, before contact."
@@ -172,12 +178,12 @@ def frozen_force(moment: Moment, limits: GuardSettings) -> str | None:
 
 def following(moment: Moment, limits: GuardSettings) -> str | None:
     """A motor is not where its commands lead: jammed, without power or deaf, or its encoder is wrong."""
-    return _above(moment.seen.astray_ticks, limits.following_ticks, "ticks off the way to its command")
+    return _above(moment.seen.astray_deg, limits.following_deg, "degrees off the way to its command")
 
 
 def motor_current(moment: Moment, limits: GuardSettings) -> str | None:
     """A motor stalls, or works against something that the force sensor does not bear."""
-    return _above(moment.seen.current_ma, limits.current_ma, "mA")
+    return _above(moment.seen.current_a, limits.current_a, "A")
 
 
 def no_contact(moment: Moment, limits: GuardSettings) -> str | None:
@@ -282,7 +288,7 @@ def laxer_guards(rig: RigSettings) -> list[str]:
              for each in fields(GuardSettings)]  # fmt: skip
     pairs.append(("rig.max_mm_per_s", rig.max_mm_per_s, usual.max_mm_per_s))
     lines = [f"{name} = {set_to:g} protects less than {default:g}, the default" for name, set_to, default in pairs
-             if (set_to < default if name.endswith("following_ticks_per_s") else set_to > default)]  # fmt: skip
+             if (set_to < default if name.endswith("following_deg_per_s") else set_to > default)]  # fmt: skip
     if rig.escape_mm_per_s < usual.escape_mm_per_s:
         lines.append(
             f"rig.escape_mm_per_s = {rig.escape_mm_per_s:g} retreats more slowly than {usual.escape_mm_per_s:g}, "

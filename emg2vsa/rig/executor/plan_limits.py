@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from emg2vsa.actuator import ticks_of_percent
+from emg2vsa.devices.joints import joint_of
 from emg2vsa.devices.protocols import Rating
 from emg2vsa.errors import ScheduleError, SettingError
 from emg2vsa.rig.executor.expected import largest_force_n
@@ -13,6 +13,8 @@ from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.schedules import CONDITIONS, Schedule, check
 
+_ROUNDED = 1e-9
+"""Share of the full preset that rounding may make."""
 Rule = tuple[str, bool, str, object]
 
 
@@ -82,10 +84,11 @@ def _plan_rules(plan: RunPlan, rig: RigSettings) -> Iterator[Rule]:
         f"{plan.ramp_mm_per_s:g}, which lets expect {most_n or 0:.1f} N",
     )
     yield "travel_mm", plan.travel_mm <= rig.travel_mm, f"at most {rig.travel_mm:g} mm, the rig's", plan.travel_mm
-    first, last = rig.position_ticks
+    low_deg, high_deg = rig.position_deg
+    wanted = f"{low_deg:.6g} to {high_deg:.6g} degrees, the device's"
     for depth_mm in (0.0, plan.travel_mm):
-        ticks = rig.ticks_at(depth_mm)
-        yield f"position at {depth_mm:g} mm", first <= ticks <= last, f"{first} to {last} ticks, the device's", ticks
+        position_deg = rig.position_at(depth_mm)
+        yield f"position at {depth_mm:g} mm", low_deg <= position_deg <= high_deg, wanted, f"{position_deg:.6g}"
 
 
 def _schedule_rules(plan: RunPlan, schedule: Schedule, rig: RigSettings) -> Iterator[Rule]:
@@ -100,8 +103,9 @@ def _schedule_rules(plan: RunPlan, schedule: Schedule, rig: RigSettings) -> Iter
         yield name, math.isclose(wanted, found), f"{wanted:g}, as on the rig and in the plan", found
     last_n = float(schedule.step_force_n[-1])
     yield "last force step", plan.f_max_n <= last_n * (1 + 1e-9), f"steps up to F_max, {plan.f_max_n:g} N", last_n
-    low, high = ticks_of_percent(rig.stiffness_percent, rig.max_preset_ticks)
-    percent = "{:g} to {:g} %".format(*rig.stiffness_percent)
-    text = f"{low} to {high} ticks, {percent} of the device's maximum {rig.max_preset_ticks}"
-    for ticks in (int(schedule.preset_ticks.min()), int(schedule.preset_ticks.max())):
-        yield "preset_ticks", bool(low <= ticks <= high), text, ticks
+    joint = joint_of(schedule.limits.actuator, rig.full_preset)
+    low, high = joint.rounded([percent / 100 for percent in rig.stiffness_percent]).tolist()
+    text = f"{100 * low:.6g} to {100 * high:.6g} % of the device's maximum"
+    presets = plan.presets(rig.full_preset)
+    for preset in (min(presets), max(presets)):
+        yield "stiffness preset", low - _ROUNDED <= preset <= high + _ROUNDED, text, f"{100 * preset:.6g} %"

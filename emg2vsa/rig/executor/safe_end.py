@@ -33,7 +33,7 @@ _STUCK_S = 2.5
 _REST_S = 0.05
 """Between commands at rest; each of them keeps the watchdog of the motors from running out."""
 
-Log = Callable[[int, int, list[str]], ForceSample | None]
+Log = Callable[[float, float, list[str]], ForceSample | None]
 
 
 @dataclass(frozen=True)
@@ -50,13 +50,13 @@ class SafeEnd:
 class Start:
     """Where the way out begins.
 
-    depth_mm, preset_ticks : of the motors. softest_ticks : preset that bears the least. contact_n : force of contact.
+    depth_mm, preset : of the motors. softest : preset that bears the least. contact_n : force of contact.
     home_is_free : a press had begun, so that the retracted position was free of contact.
     """
 
     depth_mm: float
-    preset_ticks: int
-    softest_ticks: int
+    preset: float
+    softest: float
     contact_n: float
     home_is_free: bool
 
@@ -89,14 +89,14 @@ class _Escape:
         self._actuator, self._rig, self._clock, self._log = actuator, rig, clock, log
         self.notes: list[str] = []
         self.felt_n: float | None = None
-        self._depth_mm, self._preset_ticks, self._lowest_n = 0.0, 0, math.inf
+        self._depth_mm, self._preset, self._lowest_n = 0.0, 0.0, math.inf
         self._held = self._tried = False
         self._failures, self._off_mm = 0, math.inf
         self._vectors: deque[tuple[float, ...]] = deque(maxlen=max(1, round(2 * _REST_S * rig.rate_hz)))
 
     def retract(self, start: Start) -> bool:
         """Whether encoders and force say that it is retracted."""
-        self._preset_ticks, self._softest_ticks = start.preset_ticks, start.softest_ticks
+        self._preset, self._softest = start.preset, start.softest
         # the last steps of the encoders behind the retracted position are not worth a motion
         self._depth_mm = max(start.depth_mm, 0.0) if start.depth_mm > -_THERE_MM else start.depth_mm
         goal_mm = self._goal_mm = min(self._depth_mm, 0.0)
@@ -115,8 +115,7 @@ class _Escape:
         except _Pressing as why:
             self.notes.append(f"the probe was not taken away further: {why}")
             if self._failures:  # it may hear without answering
-                ticks = self._rig.ticks_at(goal_mm)
-                self.tried(lambda: self._actuator.set_position_stiffness(ticks, self._preset_ticks))
+                self.tried(lambda: self._actuator.command(self._rig.position_at(goal_mm), self._preset))
         return self.tried(lambda: self._check(start.contact_n))
 
     def tried(self, action: Callable[[], None]) -> bool:
@@ -150,9 +149,9 @@ class _Escape:
             away = left_n < _FALL_N  # one piece more takes the last of it away
             if unfelt_mm >= _UNFELT_MM:
                 raise _Pressing(f"{left_n:.2f} N do not fall on the way")
-            position_ticks = self._rig.ticks_at(self._depth_mm - _PIECE_MM)
-            if not self._rig.position_ticks[0] <= position_ticks <= self._rig.position_ticks[1]:
-                raise _Pressing("position_ticks ends there")
+            low_deg, high_deg = self._rig.position_deg
+            if not low_deg <= self._rig.position_at(self._depth_mm - _PIECE_MM) <= high_deg:
+                raise _Pressing("position_deg ends there")
             self._step(self._depth_mm - _PIECE_MM)
             self._rest(2 * _REST_S, self._rig.period_s)
             unfelt_mm += _PIECE_MM
@@ -161,14 +160,14 @@ class _Escape:
 
     def _step(self, depth_mm: float) -> None:
         """Command a depth, and feel. _Pressing when the force has grown for the second time, or nobody obeys."""
-        ticks = self._rig.ticks_at(depth_mm)
-        if self.tried(lambda: self._actuator.set_position_stiffness(ticks, self._preset_ticks)):
+        position_deg = self._rig.position_at(depth_mm)
+        if self.tried(lambda: self._actuator.command(position_deg, self._preset)):
             self._depth_mm, self._failures = depth_mm, 0
         elif self.notes[-1] != KeyboardInterrupt.__name__:
             self._failures += 1
             if self._failures == _SEND_ATTEMPTS:
                 raise _Pressing("the actuator takes no commands")
-        self.tried(lambda: self._feel(ticks))
+        self.tried(lambda: self._feel(position_deg))
         if self.felt_n is not None and self.felt_n > self._lowest_n + _RISE_N:
             if self._held and (self._tried or not self._obeys()):
                 raise _Pressing(f"the force grew to {self.felt_n:.2f} N")
@@ -179,7 +178,7 @@ class _Escape:
     def _hold(self) -> None:
         """Stop, and find out with one piece of the way whether the force really grows: a sensor that lags tells of the
         way in for some time yet. Motors that do not obey meanwhile, as with an encoder that has jumped, go off."""
-        self._held, self._preset_ticks = True, self._softest_ticks
+        self._held, self._preset = True, self._softest
         self._rest(_HOLD_S, self._rig.period_s)
         self._come_to_rest()
         before_n = self._mean_n()
@@ -200,14 +199,14 @@ class _Escape:
 
     def _obeys(self) -> bool:
         depths_mm: list[float] = []
-        self.tried(lambda: depths_mm.append(self._rig.depth_at(self._actuator.position_ticks())))
+        self.tried(lambda: depths_mm.append(self._rig.depth_at(self._actuator.position_deg())))
         if not depths_mm:
             return False
         before_mm, self._off_mm = self._off_mm, abs(depths_mm[0] - self._depth_mm)
-        return self._off_mm <= _THERE_MM or self._off_mm < min(before_mm, _LAG_MM)
+        return self._off_mm <= self._there_mm() or self._off_mm < min(before_mm, _LAG_MM)
 
-    def _feel(self, ticks: int) -> None:
-        sample = self._log(ticks, self._preset_ticks, self.notes)
+    def _feel(self, position_deg: float) -> None:
+        sample = self._log(position_deg, self._preset, self.notes)
         felt_n = math.nan if sample is None else sample.size_n
         self.felt_n = felt_n if math.isfinite(felt_n) else None
         if sample is not None and self.felt_n is not None:
@@ -228,12 +227,21 @@ class _Escape:
 
     def _there(self) -> bool:
         depths_mm: list[float] = []
-        self.tried(lambda: depths_mm.append(self._rig.depth_at(self._actuator.position_ticks())))
-        return bool(depths_mm) and abs(depths_mm[0]) <= _THERE_MM
+        self.tried(lambda: depths_mm.append(self._rig.depth_at(self._actuator.position_deg())))
+        return bool(depths_mm) and abs(depths_mm[0]) <= self._there_mm()
+
+    def _there_mm(self) -> float:
+        """So close to the retracted position is there; friction holds a motor that gives way itself further off."""
+        joint = self._actuator.joint
+        if joint is None or joint.targets_deg(0.0, self._preset) or self._preset == 0:
+            return _THERE_MM
+        held_nm = self._rig.guards.spring_rest_n * self._rig.lever_m
+        held_rad = held_nm / float(joint.stiffness_nm_per_rad(self._preset))
+        return _THERE_MM + math.degrees(held_rad) * self._rig.gear_mm_per_degree
 
     def _check(self, contact_n: float) -> None:
-        depth_mm = self._rig.depth_at(self._actuator.position_ticks())
-        if abs(depth_mm) > _THERE_MM:
+        depth_mm = self._rig.depth_at(self._actuator.position_deg())
+        if abs(depth_mm) > self._there_mm():
             raise DeviceError(
                 "probe",
                 wanted="motors at the retracted position",
@@ -245,5 +253,5 @@ class _Escape:
                 "probe",
                 wanted=f"less than {contact_n:g} N at the retracted position",
                 found=f"{self.felt_n:.2f} N",
-                do="See what touches the probe; check home_ticks and the zero of the force sensor.",
+                do="See what touches the probe; check home_deg and the zero of the force sensor.",
             )

@@ -9,8 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from emg2vsa.actuator import RAD_PER_TICK, Springs, equilibrium_and_preset, motor_positions
-from emg2vsa.devices.protocols import ForceSample, Measurements
+from emg2vsa.devices.protocols import ForceSample, Joint, Measurements
 from emg2vsa.rig.executor.guards import Seen
 from emg2vsa.rig.executor.motion import Motion, Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
@@ -29,12 +28,14 @@ DEAD_S = 0.02
 class Witnesses:
     """All of them, for one run."""
 
-    def __init__(self, rig: RigSettings, springs: Springs | None, at: Measurements) -> None:
+    def __init__(self, rig: RigSettings, joint: Joint | None, at: Measurements) -> None:
         """``at`` : encoders when the motors have just been switched on."""
-        self._rig, self._springs = rig, springs
-        self._motors, self._stillness, self._current = SlowMotors(at, springs, rig.guards), Stillness(), MeanCurrent()
+        self._rig, self._joint = rig, joint
+        self._motors, self._stillness, self._current = SlowMotors(at, joint, rig.guards), Stillness(), MeanCurrent()
         self._at, self._contact_mm, self._lowest_n = at, math.inf, math.inf
+        self._sent = at.motors_deg[0], 0.0
         self._sent_s: float | None = None
+        self._read_s = 0.0
         self._forces: deque[tuple[float, ...]] = deque(maxlen=rig.filter_samples)
         self._loads: list[tuple[float, float]] = []
         self.seen = Seen()
@@ -43,9 +44,7 @@ class Witnesses:
     def depth_mm(self) -> float:
         """Depth of the probe that the motors stand for, when they were last read."""
         at = self._at
-        return self._rig.depth_at(
-            at.motor_1 if self._springs is None else equilibrium_and_preset(at.motor_1, at.motor_2)[0]
-        )
+        return self._rig.depth_at(at.motors_deg[0] if self._joint is None else self._joint.position_deg(at))
 
     @property
     def mean_n(self) -> float:
@@ -73,29 +72,35 @@ class Witnesses:
         seen = self.seen
         seen.still_mm, seen.still_s, seen.rise_n = self._stillness.still_mm, self._stillness.still_s, rise_n
 
-    def send(self, position_ticks: int, preset_ticks: int, now_s: float) -> None:
+    def send(self, position_deg: float, preset: float, now_s: float) -> None:
         """What is commanded now."""
         elapsed_s = 0.0 if self._sent_s is None else now_s - self._sent_s
-        self._motors.send(position_ticks, preset_ticks, elapsed_s)
-        self._sent_s = now_s
+        self._motors.send(position_deg, preset, elapsed_s)
+        self._sent, self._sent_s = (position_deg, preset), now_s
 
-    def read(self, at: Measurements, currents_ma: tuple[int, int], felt_n: float, motion: Motion, begins: bool) -> None:
+    def read(
+        self, at: Measurements, currents_a: tuple[float, ...], felt_n: float, motion: Motion, begins: bool
+    ) -> None:
         """Encoders and currents right after a command; ``felt_n`` : along the push axis in the same turn. ``motion`` :
         after the turn, whose phase ``begins`` with it or goes on."""
-        self._at = at
-        spring_n = None if self._springs is None else spring_force_n(at, self._springs, self._rig)
+        seen, self._at = self.seen, at
+        seen.at_before, seen.at = seen.at, at
+        seen.between_s, self._read_s = (self._sent_s or 0.0) - self._read_s, self._sent_s or 0.0
+        spring_n = None
+        if self._joint is not None:
+            # pressing is positive; friction of the shaft over the lever is part of it, and so is the shaft's motion
+            spring_n = -self._rig.push_sign * self._joint.torque_nm(at, *self._sent) / self._rig.lever_m
         if motion.phase == "load" and begins:
             self._loads.clear()
         if motion.phase == "load" and spring_n is not None and felt_n >= _LEAST_N:
             self._loads.append((felt_n, spring_n))
-        shaft_mm = self._rig.depth_at(at.shaft)
+        shaft_mm = self._rig.depth_at(at.shaft_deg)
         if motion.phase == "contact" and begins:
             self._contact_mm = shaft_mm
-        seen = self.seen
-        seen.astray_ticks = self._motors.astray_ticks(at)
+        seen.astray_deg = self._motors.astray_deg(at)
         seen.spring_n, seen.felt_n = spring_n, felt_n
         seen.spring_rest_n = spring_n if motion.stiff and at_rest(motion, self._sent_s or 0.0) else None
-        seen.current_ma = self._current.see(currents_ma)
+        seen.current_a = self._current.see(currents_a)
         seen.approach_mm = shaft_mm if motion.phase == "approach" else None
         seen.past_contact_mm = shaft_mm - self._contact_mm if motion.phase in ("contact", "load") else None
 
@@ -122,46 +127,46 @@ class SlowMotors:
     the commands.
     """
 
-    def __init__(self, at: Measurements, springs: Springs | None, guards: GuardSettings) -> None:
-        self._rigid, self._guards = springs is None, guards
+    def __init__(self, at: Measurements, joint: Joint | None, guards: GuardSettings) -> None:
+        self._joint, self._guards = joint, guards
         self._times_s = sorted({guards.following_s, min(guards.following_s, GuardSettings.following_s)}, reverse=True)
-        self._slow = [list(self._seen(at)) for _ in self._times_s]
+        self._motors = 1 if joint is None else len(joint.targets_deg(0.0, 0.0))
+        self._slow = [list(at.motors_deg[: self._motors]) for _ in self._times_s]
         self._sent: list[float] | None = None
         self._obeyed: list[float] | None = None
         self._on_their_way: deque[tuple[float, list[float]]] = deque()
         self._now_s = 0.0
 
-    def send(self, position_ticks: int, preset_ticks: int, elapsed_s: float) -> None:
+    def send(self, position_deg: float, preset: float, elapsed_s: float) -> None:
         """A command, so long after the one before; meanwhile the follower has obeyed what has come to it."""
         self._now_s += elapsed_s
         if self._obeyed is not None:
-            most = self._guards.following_ticks_per_s * elapsed_s
+            most = self._guards.following_deg_per_s * elapsed_s
             for time_s, slow in zip(self._times_s, self._slow, strict=True):
                 share = _share(elapsed_s, time_s)
                 for motor, command in enumerate(self._obeyed):
                     step = share * (command - slow[motor])
                     slow[motor] += -most if step < -most else most if step > most else step
-        first, second = map(float, motor_positions(position_ticks, preset_ticks))
-        self._before, self._sent = self._sent or self._slow[0], [first] if self._rigid else [first, second]
+        targets_deg = [position_deg] if self._joint is None else list(self._joint.targets_deg(position_deg, preset))
+        self._before, self._sent = self._sent or self._slow[0], targets_deg
         self._on_their_way.append((self._now_s + DEAD_S, self._sent))
         while self._on_their_way and self._on_their_way[0][0] <= self._now_s + 1e-9:
             self._obeyed = self._on_their_way.popleft()[1]
 
-    def astray_ticks(self, at: Measurements) -> float:
+    def astray_deg(self, at: Measurements) -> float:
         """How far outside of that the farther motor is, read right after the command."""
         if self._sent is None:
             return 0.0
         farthest = 0.0
-        for motor, (seen, before, sent) in enumerate(zip(self._seen(at), self._before, self._sent, strict=True)):
+        for motor, (seen, before, sent) in enumerate(
+            zip(at.motors_deg[: self._motors], self._before, self._sent, strict=True)
+        ):
             low, high = (before, sent) if before < sent else (sent, before)
             for slow in self._slow:
                 bound = slow[motor]
                 low, high = bound if bound < low else low, bound if bound > high else high
             farthest = max(farthest, low - seen, seen - high)
         return farthest
-
-    def _seen(self, at: Measurements) -> tuple[float, ...]:
-        return (at.motor_1,) if self._rigid else (at.motor_1, at.motor_2)
 
 
 @lru_cache(maxsize=256)
@@ -198,31 +203,14 @@ class Stillness:
 
 
 class MeanCurrent:
-    """Of the last turns, mA, of the motor that draws more."""
+    """Of the last turns, A, of the motor that draws more."""
 
     def __init__(self) -> None:
-        self._first: deque[int] = deque(maxlen=_CURRENT_TURNS)
-        self._second: deque[int] = deque(maxlen=_CURRENT_TURNS)
+        self._currents: deque[tuple[float, ...]] = deque(maxlen=_CURRENT_TURNS)
 
-    def see(self, currents_ma: tuple[int, int]) -> float:
+    def see(self, currents_a: tuple[float, ...]) -> float:
         """One more reading; the mean with it, 0 before there are enough."""
-        self._first.append(abs(currents_ma[0]))
-        self._second.append(abs(currents_ma[1]))
-        if len(self._first) < _CURRENT_TURNS:
+        self._currents.append(tuple(map(abs, currents_a)))
+        if len(self._currents) < _CURRENT_TURNS:
             return 0.0
-        return max(sum(self._first), sum(self._second)) / _CURRENT_TURNS
-
-
-def spring_force_n(at: Measurements, springs: Springs, rig: RigSettings) -> float:
-    """Force along the probe that the springs bear, pressing is positive, N, by the model of `emg2vsa.actuator`.
-
-    It differs from that on the specimen by the friction of the shaft over the lever, and while the shaft moves.
-    """
-    first, second = RAD_PER_TICK * (at.shaft - at.motor_1), RAD_PER_TICK * (at.shaft - at.motor_2)
-    torque_nm = springs.k1_nm * _sinh(springs.a1_per_rad * first) + springs.k2_nm * _sinh(springs.a2_per_rad * second)
-    return -rig.push_sign * torque_nm / rig.lever_m
-
-
-def _sinh(x: float) -> float:
-    # encoders that have lost their turns may be anywhere
-    return math.sinh(max(-100.0, min(100.0, x)))
+        return max(map(sum, zip(*self._currents, strict=True))) / _CURRENT_TURNS

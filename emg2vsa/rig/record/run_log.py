@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from emg2vsa.devices.protocols import ForceSample
+from emg2vsa.devices.protocols import ForceSample, LogColumns, Measurements
+from emg2vsa.devices.qbmove.ticks import LOG_COLUMNS
 from emg2vsa.durable.append_file import AppendFile
 from emg2vsa.durable.writer import AT_ONCE, Writer
 from emg2vsa.errors import RecordingError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 GOING_IN = ("approach", "contact", "load")
 "Phases in which the travel of the probe counts: the contact begins before the loading does."
@@ -27,17 +31,14 @@ class Row(NamedTuple):
     force_n: float | None
     "Along the rig's push_axis, as measured."
     filtered_n: float | None
-    position_ticks: int | None
+    position_deg: float | None
     "Commanded, as is the preset."
-    preset_ticks: int | None
-    motor_1_ticks: int | None
-    motor_2_ticks: int | None
-    "Under high-stiffness not connected: no part of position or preset."
-    shaft_ticks: int | None
-    "Under high-stiffness motor 1's."
-    current_1_ma: int | None
-    current_2_ma: int | None
-    frame_index: int
+    preset: float | None
+    "In the unit of a full preset: springs degrees, a gain N m/rad."
+    at: Measurements | None = None
+    "Under high-stiffness motor 2 is not connected, and no part of position or preset; the shaft is motor 1's."
+    currents_a: tuple[float, ...] = ()
+    frame_index: int = -1
     "Last frame of the loading being recorded; -1 when there is none."
     # version 0.1.0 had no more than these
     late_s: float | None = None
@@ -55,15 +56,27 @@ class Row(NamedTuple):
     "The sensor's number of the reading: the same again is the same reading."
 
 
-FIELDS = Row._fields
-HEADER = ",".join(FIELDS)
-"""First line of a log."""
-HEADERS = {HEADER: len(FIELDS), ",".join(FIELDS[:14]): 14}
-"""First lines of logs that can be read, those of version 0.1.0 too, and how many fields a row then has."""
-_OF_FORCE = FIELDS[FIELDS.index("fx_n") :]
-_INTEGERS = {name for name in FIELDS if name.endswith(("_ticks", "_ma"))} | {
-    "repetition", "frame_index", "force_status", "force_sequence",
-}  # fmt: skip
+_FIELDS = Row._fields
+_BEFORE, _AFTER = _FIELDS.index("position_deg"), _FIELDS.index("frame_index")
+_OF_FORCE = _FIELDS[_FIELDS.index("fx_n") :]
+_KNOWN = (LogColumns(), LOG_COLUMNS)
+"""Columns of logs that can be read: of every actuator, and of a qbmove."""
+_SHAFTS = {columns.names[4]: columns.per_degree for columns in _KNOWN}
+_INTEGERS = {"repetition", "frame_index", "force_status", "force_sequence"}
+
+
+def header_of(columns: LogColumns) -> tuple[str, ...]:
+    """Names in the first line of a log."""
+    return (*_FIELDS[:_BEFORE], *columns.names, *_FIELDS[_AFTER:])
+
+
+FORMS = {
+    ",".join(header[:n_fields]): (columns, n_fields)
+    for columns in _KNOWN
+    for header in [header_of(columns)]
+    for n_fields in (len(header), header.index("frame_index") + 1)
+}
+"""First line of a log that can be read, those of version 0.1.0 too, to its columns and how many fields a row has."""
 
 
 class RunLog:
@@ -75,19 +88,30 @@ class RunLog:
     DeviceError, also from ``append``: the file is there already, or the disk is full.
     """
 
-    def __init__(self, path: Path, writer: Writer = AT_ONCE) -> None:
-        self.path, self.rows = path, 0
+    def __init__(self, path: Path, columns: LogColumns, writer: Writer = AT_ONCE) -> None:
+        self.path, self.rows, self._columns = path, 0, columns
         self._file = AppendFile(path, writer)
-        self._file.append(f"{HEADER}\n".encode())
+        self._file.append((",".join(header_of(columns)) + "\n").encode())
 
     def append(self, row: Row) -> None:
         """Write it, in one piece."""
-        self._file.append((_form(tuple(map(type, row))) % row).encode())
+        values = (*row[:_BEFORE], *self._of_actuator(row), *row[_AFTER:])
+        self._file.append((_form(tuple(map(type, values))) % values).encode())
         self.rows += 1
 
     def close(self) -> None:
         """Give the file back."""
         self._file.close()
+
+    def _of_actuator(self, row: Row) -> Iterator[float | int | None]:
+        _, per_degree, per_preset, per_ampere, whole = self._columns
+        motors_deg = (*(row.at.motors_deg if row.at else ()), None, None)[:2]
+        shaft_deg = None if row.at is None else row.at.shaft_deg
+        currents_a = (*row.currents_a, None, None)[:2]
+        scales = per_degree, per_preset, per_degree, per_degree, per_degree, per_ampere, per_ampere
+        values = row.position_deg, row.preset, *motors_deg, shaft_deg, *currents_a
+        for value, scale in zip(values, scales, strict=True):
+            yield None if value is None else round(value * scale) if whole else float(value * scale)
 
 
 def full_force(sample: ForceSample) -> dict[str, Any]:
@@ -100,14 +124,38 @@ def loads_of(sample: ForceSample) -> tuple[Any, ...]:
     return (*sample.loads, sample.status.code, sample.sequence)
 
 
-def row_of(line: str, where: str, n_fields: int = len(FIELDS)) -> Row:
-    """The row in a line of a log of so many fields; RecordingError, naming ``where``, if it is none."""
+def row_of(line: str, where: str, columns: LogColumns, n_fields: int) -> Row:
+    """The row in a line of a log of these columns and so many fields; RecordingError, naming ``where``, else."""
+    names = header_of(columns)[:n_fields]
     try:
-        named = zip(FIELDS[:n_fields], line.split(","), strict=True)
-        return Row(*(_value(name, text) for name, text in named))  # type: ignore[arg-type]
+        cells = {name: _value(name, text) for name, text in zip(names, line.split(","), strict=True)}
     except ValueError as error:
         wanted, do = f"{n_fields} fields of a row", "Choose the log.csv of a run, unedited."
         raise RecordingError(where, wanted=wanted, found=repr(line), do=do) from error
+    first = names.index(columns.names[0])
+    values: list[Any] = list(cells.values())
+    position, preset, motor_1, motor_2, shaft, *currents = values[first : first + len(columns.names)]
+    motors_deg = tuple(each / columns.per_degree for each in (motor_1, motor_2) if each is not None)
+    own: dict[str, Any] = {name: cells[name] for name in names if name in _FIELDS} | {
+        "position_deg": None if position is None else position / columns.per_degree,
+        "preset": None if preset is None else preset / columns.per_preset,
+        "at": None if shaft is None else Measurements(motors_deg, shaft / columns.per_degree),
+        "currents_a": tuple(each / columns.per_ampere for each in currents if each is not None),
+    }
+    return Row(**own)
+
+
+def read_log(path: Path, columns: Sequence[str] | None = None) -> pd.DataFrame:
+    """These columns of a log, or all, damaged rows left out, and ``shaft_deg``, the angle of the shaft.
+
+    OSError, ValueError : the file cannot be read. KeyError : it is no log."""
+    import pandas as pd  # noqa: PLC0415  (who only records does without)
+
+    chosen = None if columns is None else lambda name: name in columns or name in _SHAFTS
+    log = pd.read_csv(path, on_bad_lines="skip", usecols=chosen)
+    shaft = next((name for name in _SHAFTS if name in log.columns), "shaft_deg")
+    shaft_deg = log[shaft] / _SHAFTS[shaft]
+    return log[list(log.columns if columns is None else columns)].assign(shaft_deg=shaft_deg)
 
 
 class ForceFile:

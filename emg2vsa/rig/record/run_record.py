@@ -14,7 +14,8 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
-from emg2vsa.devices.protocols import ForceCounts, ForceSample, Frame, PressJudge
+from emg2vsa.devices.protocols import ForceCounts, ForceSample, Frame, LogColumns, PressJudge
+from emg2vsa.devices.qbmove.ticks import LOG_COLUMNS, in_ticks
 from emg2vsa.durable.append_file import AppendFile
 from emg2vsa.durable.writer import AT_ONCE, Writer
 from emg2vsa.errors import DeviceError
@@ -37,6 +38,7 @@ class RunRecord:
     """Writes it. DeviceError, here and in every method: a run is there already, or the disk is full.
 
     ``started`` : date and time at 0 s of the log's clock. ``frame_shape`` : (height, width) px; None without a camera.
+    ``columns`` : of the actuator in the log.
     ``delay_s`` : of the camera; frames are on their way for so long. ``writer`` : who waits for the disk.
     ``force_counts`` : of the force sensor, at any moment. ``judge`` : is shown what is kept of a press, and may say
     that it has seen enough.
@@ -47,6 +49,7 @@ class RunRecord:
         folder: Path,
         started: datetime,
         frame_shape: tuple[int, int] | None,
+        columns: LogColumns,
         *,
         delay_s: float = 0.0,
         writer: Writer = AT_ONCE,
@@ -54,12 +57,13 @@ class RunRecord:
         judge: PressJudge | None = None,
     ) -> None:
         self._folder, self._started, self._frame_shape, self._delay_s = folder, started, frame_shape, delay_s
+        self._columns = columns
         self._judge = judge
         self._writer, self._force_counts, self._rig = writer, force_counts, RigSettings()
         # says from the start that the run was killed: so a killed run says so itself, and a full disk hides no cause
         self._ended = AppendFile(folder / "ended.json", writer)
         self._ended.append(ended_bytes(replace(_KILLED, at=started.isoformat())))
-        self.log = RunLog(folder / "log.csv", writer)
+        self.log = RunLog(folder / "log.csv", columns, writer)
         self._presses = AppendFile(folder / PRESSES_FILE, writer)
         self._presses.append(f"{HEADER}\n".encode())
         self._forces: ForceFile | None = None
@@ -79,7 +83,7 @@ class RunRecord:
         schedule = None if plan.schedule is None else document_of(plan.schedule)
         document = {
             "plan": asdict(replace(plan, schedule=None)) | {"schedule": schedule},
-            "rig": asdict(rig),
+            "rig": rig_document(rig, self._columns),
             "clock": {"zero_utc": self._started.astimezone(UTC).isoformat(), "time_s": _CLOCK},
             "devices": dict(devices or {}),
         }
@@ -126,8 +130,8 @@ class RunRecord:
             return
         self._press.force(row.force_time_s, row.force_n)
         if self._judge is not None:
-            shaft_ticks = row.shaft_ticks if row.phase in GOING_IN else None
-            depth_mm = math.nan if shaft_ticks is None else self._rig.depth_at(shaft_ticks)
+            at = row.at if row.phase in GOING_IN else None
+            depth_mm = math.nan if at is None else self._rig.depth_at(at.shaft_deg)
             self._judge.force(row.force_time_s, row.force_n, depth_mm)
 
     def enough(self, force_n: float) -> bool:
@@ -228,3 +232,8 @@ class RunRecord:
         if counts.verdict == "rejected":
             self.rejected.append(self._notes[-1])
         self._presses.append(line_of(counts).encode())
+
+
+def rig_document(rig: RigSettings, columns: LogColumns) -> dict[str, Any]:
+    """The rig as plan.json has it: of a qbmove in ticks, as its log."""
+    return in_ticks(asdict(rig)) if columns == LOG_COLUMNS else asdict(rig)

@@ -8,9 +8,10 @@ from contextlib import contextmanager
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.device_settings import Generation
 from emg2vsa.devices.protocols import Measurements
-from emg2vsa.devices.qbmove.driver import Qbmove
-from emg2vsa.devices.qbmove.settings import Generation
+from emg2vsa.devices.qbmove.driver import Qbmove, Ticks
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
 
@@ -39,27 +40,29 @@ def test_the_script_catches_what_is_left_over() -> None:
 
 def test_ping() -> None:
     with scripted(("3a3a 01 02 00 00", "3a3a 01 02 00 00")) as device:
-        assert device.ping()
+        assert device.answers()
 
 
 def test_ping_of_generation_7_brings_a_serial_number() -> None:
     with scripted(("3a3a 01 02 00 00", "3a3a 01 06 00 00980001 99"), generation="v7") as device:
-        assert device.ping()
+        assert device.answers()
 
 
 def test_measurements() -> None:
-    with scripted(("3a3a 01 02 84 84", "3a3a 01 08 84 09c4 fe0c 03e8 50")) as device:
-        assert device.measurements() == Measurements(2500, -500, 1000)
+    measured = "3a3a 01 02 84 84", "3a3a 01 08 84 09c4 fe0c 03e8 50"
+    with scripted(measured, measured) as device:
+        assert device.ticks() == Ticks(2500, -500, 1000)
+        assert device.measurements() == Measurements((27.4658203125, -5.4931640625), 10.986328125)
 
 
 def test_the_position_is_halfway_between_the_motors() -> None:
     with scripted(("3a3a 01 02 84 84", "3a3a 01 08 84 09c4 fe0c 03e8 50")) as device:
-        assert device.position_ticks() == 1000
+        assert device.position_deg() == 1000 * DEG_PER_TICK
 
 
 def test_currents_come_from_133() -> None:
     with scripted(("3a3a 01 02 85 85", "3a3a 01 06 85 0064 ff9c 82")) as device:
-        assert device.currents_ma() == (100, -100)
+        assert device.currents_a() == (0.1, -0.1)
 
 
 def test_deactivate_reads_back() -> None:
@@ -109,6 +112,6 @@ def test_silence_is_told_after_three_attempts() -> None:
 
 def test_nothing_is_commanded_before_the_limits_are_known() -> None:
     with scripted() as device, pytest.raises(DeviceError, match="Call activate first"):
-        device.set_position_stiffness(0, 1500)
+        device.command(0.0, 0.5)
     with scripted() as device, pytest.raises(DeviceError, match="Call activate first"):
-        device.set_inputs(0, 0)
+        device.move_motors((0.0, 0.0))

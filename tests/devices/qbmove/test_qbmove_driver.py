@@ -9,10 +9,11 @@ from typing import Literal
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.device_settings import REPLY_S
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.packets import Command
 from emg2vsa.devices.qbmove.scan import scan
-from emg2vsa.devices.qbmove.settings import REPLY_S
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.emulated.faults import FaultyWire
@@ -66,12 +67,12 @@ def bench(request: pytest.FixtureRequest) -> Bench:
 def test_a_whole_run(bench: Bench) -> None:
     with bench.qbmove as qbmove:
         qbmove.activate()
-        qbmove.set_position_stiffness(1000, 1500)
+        qbmove.command(1000 * DEG_PER_TICK, 1500 / 3000)
         bench.wait(1.0)
-        assert qbmove.measurements() == pytest.approx((2500, -500, 1000), abs=8)
-        qbmove.set_inputs(-400, 400)
+        assert qbmove.ticks() == pytest.approx((2500, -500, 1000), abs=8)
+        qbmove.move_motors((-400 * DEG_PER_TICK, 400 * DEG_PER_TICK))
         bench.wait(1.0)
-        assert qbmove.measurements() == pytest.approx((-400, 400, 0), abs=8)
+        assert qbmove.ticks() == pytest.approx((-400, 400, 0), abs=8)
     assert not qbmove.is_active()
     assert (qbmove.counts.lost, qbmove.counts.corrupt) == (0, 0)
 
@@ -109,13 +110,31 @@ def test_an_advanced_that_cannot_move_is_not_activated() -> None:
 
 def test_stiffness_outside_the_study_is_refused_and_nothing_is_sent(bench: Bench) -> None:
     bench.qbmove.activate()
-    bench.qbmove.set_position_stiffness(0, 1500)
+    bench.qbmove.command(0.0, 0.5)
     bench.wait(0.1)
     sent = bench.qbmove.counts.requests
     for position, preset in ((0, 599), (0, 2401), (12001, 1500), (-12001, 1500)):
         with pytest.raises(DeviceError, match="expected"):
-            bench.qbmove.set_position_stiffness(position, preset)
+            bench.qbmove.command(position * DEG_PER_TICK, preset / 3000)
     assert bench.qbmove.counts.requests == sent
+
+
+def test_what_is_no_number_is_refused_and_nothing_is_sent(bench: Bench) -> None:
+    bench.qbmove.activate()
+    sent = bench.qbmove.counts.requests
+    with pytest.raises(DeviceError, match="expected a position and a preset that are numbers, but found nan, 1500"):
+        bench.qbmove.command(math.nan, 0.5)
+    with pytest.raises(DeviceError, match="expected positions that are numbers, but found inf, 0"):
+        bench.qbmove.move_motors((math.inf, 0.0))
+    assert bench.qbmove.counts.requests == sent
+
+
+def test_the_joint_is_that_of_the_device_once_it_is_known(bench: Bench) -> None:
+    assert bench.qbmove.joint is None
+    bench.qbmove.activate()
+    assert bench.qbmove.joint is not None
+    assert (bench.qbmove.joint.name, bench.qbmove.joint.full_ticks) == (f"qbmove-{bench.qbmove.model}", 3000)
+    assert bench.qbmove.current_limit_a() == 1.5
 
 
 def test_the_device_stops_by_itself_when_the_driver_falls_silent(bench: Bench) -> None:
@@ -128,7 +147,7 @@ def test_the_device_stops_by_itself_when_the_driver_falls_silent(bench: Bench) -
 @pytest.mark.parametrize("at", range(6))
 def test_any_byte_lost_on_the_way_there_costs_one_attempt(bench: Bench, at: int) -> None:
     bench.wire.lose("to device", at)
-    assert bench.qbmove.measurements().shaft == 0
+    assert bench.qbmove.measurements().shaft_deg == 0
     assert bench.qbmove.counts.lost == 1
 
 
@@ -136,7 +155,7 @@ def test_any_byte_lost_on_the_way_there_costs_one_attempt(bench: Bench, at: int)
 @pytest.mark.parametrize("how", ["lose", "corrupt"])
 def test_any_byte_lost_or_changed_on_the_way_back_costs_one_attempt(bench: Bench, at: int, how: str) -> None:
     getattr(bench.wire, how)("to host", at)
-    assert bench.qbmove.measurements().shaft == 0
+    assert bench.qbmove.measurements().shaft_deg == 0
     assert bench.qbmove.counts.lost == 1
 
 
@@ -145,7 +164,7 @@ def test_any_byte_lost_or_changed_on_the_way_back_costs_one_attempt(bench: Bench
 def test_any_byte_changed_on_the_way_there_costs_one_attempt(bench: Bench, at: int, mask: int) -> None:
     # the checksum leaves the id out: a change that makes it 0, all devices, would even be answered
     bench.wire.corrupt("to device", at, mask)
-    assert bench.qbmove.measurements().shaft == 0
+    assert bench.qbmove.measurements().shaft_deg == 0
     assert bench.qbmove.counts.lost == 1
 
 
@@ -164,9 +183,9 @@ def test_a_mute_device_is_told_and_takes_its_time_on_the_clock(bench: Bench) -> 
     with pytest.raises(DeviceError, match="a reply to GET_MEASUREMENTS, but found none in 3 attempts"):
         bench.qbmove.measurements()
     assert bench.clock.now_s() - start_s == pytest.approx(3 * REPLY_S)
-    assert not bench.qbmove.ping()
+    assert not bench.qbmove.answers()
     bench.wire.mute = False
-    assert bench.qbmove.ping()
+    assert bench.qbmove.answers()
 
 
 def test_the_end_of_a_run_with_a_mute_device_keeps_the_first_error(bench: Bench) -> None:
@@ -242,11 +261,12 @@ def test_nobody_else_s_watchdog_is_touched(bench: Bench) -> None:
 def test_zeros_are_set_where_it_stands(bench: Bench, at_ticks: int) -> None:
     with bench.qbmove as qbmove:
         qbmove.activate()
-        qbmove.set_inputs(at_ticks + 300, at_ticks - 300)
+        qbmove.move_motors([ticks * DEG_PER_TICK for ticks in (at_ticks + 300, at_ticks - 300)])
         bench.wait(1.0)
-    assert max(map(abs, bench.qbmove.set_zeros())) <= 16
+    at = bench.qbmove.set_zeros()
+    assert max(map(abs, (*at.motors_deg, at.shaft_deg))) <= 16 * DEG_PER_TICK
     bench.device.reset()
-    assert max(map(abs, bench.qbmove.measurements())) <= 16
+    assert max(map(abs, bench.qbmove.ticks())) <= 16
 
 
 def test_a_parameter_is_set_stored_and_read_back(bench: Bench) -> None:

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import pytest
 import serial
+from emg2vsa.devices.serial_speed import BAUD
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.scan import scan
 from emg2vsa.devices.qbmove.settings import Generation
 from emg2vsa.devices.serial_line import SerialLine
-from emg2vsa.devices.serial_speed import BAUD
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.emulated.qbmove.firmware import QbmoveFirmware
 from emg2vsa.rig.emulated.qbmove.switches import MAKER_PRO
@@ -61,9 +61,9 @@ def test_the_driver_runs_over_the_port(generation: Generation) -> None:
             qbmove.activate()
             assert qbmove.info().max_stiffness_ticks == 3000
             assert len(qbmove.parameters()) >= 13
-            qbmove.set_position_stiffness(0, 1500)
+            qbmove.command(0.0, 0.5)
             clock.sleep_until(clock.now_s() + 0.3)
-            assert qbmove.measurements()[:2] == pytest.approx((1500, -1500), abs=8)
+            assert qbmove.ticks()[:2] == pytest.approx((1500, -1500), abs=8)
         assert not qbmove.is_active()
         line.close()
 
@@ -78,9 +78,9 @@ def test_scan_finds_the_device_and_clients_may_come_and_go(port: str) -> None:
 def test_a_port_that_goes_away_is_told_in_words() -> None:
     with VirtualSerialPort(QbmoveFirmware(MAKER_PRO, Free(), VirtualClock())) as virtual:
         line = SerialLine(virtual.name, BAUD)
-        assert Qbmove(line, 1, clock=WallClock(), reply_s=2.0).ping()
+        assert Qbmove(line, 1, clock=WallClock(), reply_s=2.0).answers()
     with pytest.raises(DeviceError, match="expected a line that answers"):
-        Qbmove(line, 1, clock=WallClock(), reply_s=2.0).ping()
+        Qbmove(line, 1, clock=WallClock(), reply_s=2.0).answers()
     line.close()
 
 

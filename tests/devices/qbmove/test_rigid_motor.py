@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.protocols import Actuator
+from emg2vsa.devices.protocols import Actuator, Measurements
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.emulated.bench import motor_board
 from emg2vsa.rig.emulated.world import World
 from emg2vsa.rig.emulated.world_settings import WorldSettings
 
-MM_PER_TICK = 360 / 32768 * 0.2
+MM_PER_TICK = DEG_PER_TICK * 0.2
 INACTIVE = bytes.fromhex("3a3a 01 03 81 00 81")
 
 
@@ -33,11 +36,12 @@ class Bench:
         self.heard.append(data.hex())
         return self.device(data)
 
-    def wait(self, seconds: float) -> int:
+    def wait(self, seconds: float) -> float:
+        """Where the shaft is then, ticks."""
         for _ in range(round(seconds * 200)):
             self.clock.sleep_until(self.clock.now_s() + 0.005)
             assert self.motor.is_active()
-        return self.motor.measurements().shaft
+        return self.motor.measurements().shaft_deg / DEG_PER_TICK
 
     def asked(self) -> bytes:
         return self.device(bytes.fromhex("3a3a 01 02 81 81"))
@@ -49,13 +53,13 @@ def test_a_whole_press() -> None:
     with bench.board:
         actuator.activate()
         for k in range(400):
-            actuator.set_position_stiffness(9 * k, 0)
+            actuator.command(9 * k * DEG_PER_TICK, 0.0)
             bench.clock.sleep_until(bench.clock.now_s() + 0.005)
-        assert actuator.currents_ma()[0] > 0
+        assert actuator.currents_a()[0] > 0
         assert bench.wait(0.5) == pytest.approx(3591, abs=8)
         assert bench.world.probe_mm(bench.clock.now_s()) == pytest.approx(3591 * MM_PER_TICK, abs=16 * MM_PER_TICK)
         assert bench.world.normal_force_n(bench.clock.now_s()) > 2
-        actuator.set_position_stiffness(0, 0)
+        actuator.command(0.0, 0.0)
         assert bench.wait(1.0) == pytest.approx(0, abs=8)
         assert bench.world.normal_force_n(bench.clock.now_s()) == 0.0
     assert bench.asked() == INACTIVE
@@ -73,7 +77,7 @@ def test_a_whole_press() -> None:
 def test_the_bytes_of_a_position(position_ticks: int, request_hex: str) -> None:
     bench = Bench()
     bench.motor.activate()
-    bench.motor.set_position_stiffness(position_ticks, 0)
+    bench.motor.command(position_ticks * DEG_PER_TICK, 0.0)
     assert bench.heard[-1] == bytes.fromhex(request_hex).hex()
 
 
@@ -85,29 +89,31 @@ def test_the_bytes_of_a_position(position_ticks: int, request_hex: str) -> None:
 def test_shaft_and_position_are_motor_1(reply_hex: str, at: tuple[int, int, int]) -> None:
     replies = {bytes.fromhex("3a3a 01 02 84 84"): bytes.fromhex(reply_hex)}
     motor = RigidMotor(Qbmove(LoopbackLine("bench", replies.__getitem__), 1, clock=VirtualClock()))
-    assert motor.measurements() == at
-    assert motor.position_ticks() == at[0]
+    motor_1, motor_2, shaft = (ticks * DEG_PER_TICK for ticks in at)
+    assert motor.measurements() == Measurements((motor_1, motor_2), shaft)
+    assert motor.position_deg() == motor_1
 
 
 @pytest.mark.parametrize(
-    ("position_ticks", "preset_ticks", "message"),
+    ("position_ticks", "preset", "message"),
     [
-        (1000, 600, "expected preset 0: it has no springs, but found 600 ticks"),
-        (15001, 0, "expected -15000 to 15000 ticks"),
+        (1000, 0.2, "expected preset 0: it has no springs, but found 0.2"),
+        (15001, 0.0, "expected -15000 to 15000 ticks"),
+        (math.nan, 0.0, "expected positions that are numbers, but found nan, 0"),
     ],
 )
-def test_what_the_motor_cannot_do_sends_nothing(position_ticks: int, preset_ticks: int, message: str) -> None:
+def test_what_the_motor_cannot_do_sends_nothing(position_ticks: float, preset: float, message: str) -> None:
     bench = Bench()
     bench.motor.activate()
     said = len(bench.heard)
     with pytest.raises(DeviceError, match=message):
-        bench.motor.set_position_stiffness(position_ticks, preset_ticks)
+        bench.motor.command(position_ticks * DEG_PER_TICK, preset)
     assert len(bench.heard) == said
 
 
 def test_nothing_moves_before_activation() -> None:
     with pytest.raises(DeviceError, match="Call activate first"):
-        Bench().motor.set_position_stiffness(1000, 0)
+        Bench().motor.command(10.0, 0.0)
 
 
 def test_whatever_happens_the_motor_is_off_at_the_end() -> None:
@@ -116,14 +122,14 @@ def test_whatever_happens_the_motor_is_off_at_the_end() -> None:
     def press() -> None:
         with bench.board:
             bench.motor.activate()
-            bench.motor.set_position_stiffness(3000, 0)
+            bench.motor.command(3000 * DEG_PER_TICK, 0.0)
             bench.wait(0.1)
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         press()
     assert bench.asked() == INACTIVE
-    assert bench.motor.measurements().shaft > 500
+    assert bench.motor.measurements().shaft_deg > 500 * DEG_PER_TICK
 
 
 def test_motor_off() -> None:

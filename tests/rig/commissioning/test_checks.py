@@ -11,6 +11,7 @@ import pytest
 
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.protocols import Devices
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.commissioning.checks import Check, check_rig
 from emg2vsa.rig.commissioning.hand_motion import HandMotion
@@ -18,7 +19,7 @@ from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.rig_settings import RigSettings
 
-TRUE = RigSettings(home_ticks=-300)
+TRUE = RigSettings(home_deg=-300 * DEG_PER_TICK)
 SOFT = EmulatedSettings(gap_mm=4.0)
 
 
@@ -68,7 +69,7 @@ WRONG: dict[str, dict[str, Any]] = {
     "push_axis": {"push_axis": (1.0, 0.0, 0.0)},
     "push_axis, its sign": {"push_axis": (0.0, 0.0, -1.0)},
     "push_sign": {"push_sign": -1},
-    "home_ticks": {"home_ticks": 3800},
+    "home_deg": {"home_deg": 3800 * DEG_PER_TICK},
     "gear_mm_per_degree": {"gear_mm_per_degree": 0.1},
 }
 
@@ -91,12 +92,12 @@ def test_each_wrong_setting_is_found_and_no_other(wrong: str, rigid: bool) -> No
 
 def test_all_four_at_once_are_mended_to_those_of_the_bench() -> None:
     ruler = Ruler()
-    wrong = replace(TRUE, push_axis=(0.0, 1.0, 0.0), push_sign=-1, home_ticks=3800, gear_mm_per_degree=0.1)
+    wrong = replace(TRUE, push_axis=(0.0, 1.0, 0.0), push_sign=-1, home_deg=3800 * DEG_PER_TICK, gear_mm_per_degree=0.1)
     found = ruler.check(wrong)
     assert found["push_axis"].found == (0.0, 0.0, 1.0)
     assert found["push_sign"].found == 1
     assert found["gear_mm_per_degree"].found == pytest.approx(0.2, rel=0.01)
-    assert TRUE.depth_at(found["home_ticks"].found) == pytest.approx(ruler.touch_mm - 3.0, abs=0.15)
+    assert TRUE.depth_at(found["home_deg"].found) == pytest.approx(ruler.touch_mm - 3.0, abs=0.15)
     assert ruler.most_n < 0.8
     mended = replace(wrong, **{key: check.found for key, check in found.items() if check.found is not None})
     assert all(check.good for check in Ruler().check(mended).values())

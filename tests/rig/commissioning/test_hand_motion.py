@@ -10,7 +10,7 @@ import pytest
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.protocols import Devices
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.commissioning.hand_motion import LIMIT_SHARE, TICKS_PER_DEGREE, HandMotion
+from emg2vsa.rig.commissioning.hand_motion import LIMIT_SHARE, HandMotion
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.fault_words import put
 from emg2vsa.rig.emulated.settings import EmulatedSettings
@@ -47,9 +47,9 @@ class Bench:
         self.hand.start()
         for fault in faults:
             put(self.rig, fault)
-        begin = self.hand.at_ticks
+        begin = self.hand.at_deg
         try:
-            if self.hand.go(begin + 60 * TICKS_PER_DEGREE, until_n=until_n, deg_per_s=deg_per_s).touched:
+            if self.hand.go(begin + 60, until_n=until_n, deg_per_s=deg_per_s).touched:
                 self.hand.away(begin)
         except DeviceError as error:
             return str(error)
@@ -99,7 +99,7 @@ def test_a_sound_rig_reaches_the_largest_limit_and_is_left_free(rigid: bool) -> 
     assert bench.left_n() < 0.5
 
 
-@pytest.mark.parametrize(("rigid", "wanted"), [(False, "springs give way"), (True, "motors that draw at most 450 mA")])
+@pytest.mark.parametrize(("rigid", "wanted"), [(False, "springs give way"), (True, "motors that draw at most 0.45 A")])
 def test_after_an_error_the_probe_has_gone_back(rigid: bool, wanted: str) -> None:
     bench = Bench(rigid=rigid)
     assert wanted in bench.press(("dead on",), until_n=2.0, deg_per_s=5.0)
@@ -112,11 +112,11 @@ def test_home_takes_away_a_probe_that_stands_pressed_beyond_the_limit(rigid: boo
     bench = Bench(rigid=rigid)
     actuator = bench.actuator
     actuator.activate()
-    actuator.set_position_stiffness(RIG.ticks_at(6.5 if rigid else 13), bench.hand.preset_ticks)
+    actuator.command(RIG.position_at(6.5 if rigid else 13), 0.0 if rigid else RIG.stiffness_percent[0] / 100)
     for _ in range(300):  # the watchdog is fed, and the force asked for
         assert actuator.is_active()
         bench.felt_n(0.005)
     assert bench.left_n() > RIG.guards.force_n
     bench.hand.start()
-    assert not bench.hand.go(RIG.home_ticks, until_n=0.5, from_zero=False).touched
+    assert not bench.hand.go(RIG.home_deg, until_n=0.5, from_zero=False).touched
     assert bench.left_n() < 0.5

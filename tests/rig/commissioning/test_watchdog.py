@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import json
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.protocols import LogColumns
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.packets import Command
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, LOG_COLUMNS
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
 from emg2vsa.lab.real_press import remark
 from emg2vsa.rig.commissioning.watchdog import (
     WatchdogProof,
+    proof_document,
     proof_file,
     prove_watchdog,
     read_proofs,
@@ -22,6 +26,8 @@ from emg2vsa.rig.commissioning.watchdog import (
 )
 from emg2vsa.rig.emulated.qbmove.firmware import QbmoveFirmware
 from emg2vsa.rig.emulated.qbmove.switches import MAKER_PRO
+
+FULL_DEG = 3000 * DEG_PER_TICK
 
 
 class Free:
@@ -50,14 +56,14 @@ def proof_of(
 def test_a_device_whose_motors_go_off(monkeypatch: pytest.MonkeyPatch) -> None:
     proof = proof_of(monkeypatch)
     assert proof.verdict == "motors off"
-    assert proof.moved_before_ticks == pytest.approx(228, abs=24)
-    assert proof.moved_after_ticks <= 8
+    assert proof.moved_before_deg == pytest.approx(228 * DEG_PER_TICK, abs=24 * DEG_PER_TICK)
+    assert proof.moved_after_deg <= 8 * DEG_PER_TICK
 
 
 def test_a_device_that_only_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     proof = proof_of(monkeypatch, bridge_holds=True)
     assert proof.verdict == "flag only"
-    assert proof.moved_after_ticks > 200
+    assert proof.moved_after_deg > 200 * DEG_PER_TICK
 
 
 def test_a_device_without_a_watchdog(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -65,7 +71,9 @@ def test_a_device_without_a_watchdog(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_motors_that_do_not_move_prove_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(DeviceError, match="expected motors that follow a small move, but found 0 ticks of 228"):
+    with pytest.raises(
+        DeviceError, match=r"expected motors that follow a small move, but found 0\.00 of 2\.50 degrees"
+    ):
         proof_of(monkeypatch, stuck=True)
 
 
@@ -82,6 +90,20 @@ def test_proofs_are_kept_by_board_and_read_back(tmp_path: Path, monkeypatch: pyt
         read_proofs(rig_file)
 
 
+def test_a_proof_of_before_is_read_and_a_plan_keeps_its_ticks(tmp_path: Path) -> None:
+    before = {
+        "verdict": "motors off", "date": "2026-11-23", "device_id": 1, "serial_number": "", "firmware": "QBMMP v6.1.0",
+        "max_stiffness_ticks": 3000, "watchdog_s": 0.5, "silence_s": 1.0, "moved_before_ticks": 228,
+        "moved_after_ticks": 0,
+    }  # fmt: skip
+    (tmp_path / "rig.watchdog.json").write_text(json.dumps({"actuator": before}))
+    proof = read_proofs(tmp_path / "rig.toml")["actuator"]
+    assert (proof.full_preset, proof.moved_before_deg, proof.moved_after_deg) == (FULL_DEG, 228 * DEG_PER_TICK, 0.0)
+    assert proof_document(proof, LOG_COLUMNS) == before
+    assert list(proof_document(proof, LOG_COLUMNS)) == list(before)
+    assert proof_document(proof, LogColumns()) == asdict(proof)
+
+
 def test_a_run_says_what_is_not_proven(monkeypatch: pytest.MonkeyPatch) -> None:
     good, bad = proof_of(monkeypatch), proof_of(monkeypatch, bridge_holds=True)
     assert remark(good, "QBMMP v6.1.0") == ""
@@ -91,6 +113,7 @@ def test_a_run_says_what_is_not_proven(monkeypatch: pytest.MonkeyPatch) -> None:
     )
     clock = VirtualClock()
     board = Qbmove(LoopbackLine("line", QbmoveFirmware(MAKER_PRO, Free(), clock), clock), 1, clock=clock)
-    assert good.is_of(board.info(), 0.5)
-    assert not good.is_of(board.info(), 1.0)
-    assert not good.is_of(replace(board.info(), firmware="QBMMP v6.2.0"), 0.5)
+    assert good.is_of(board.info(), FULL_DEG, 0.5)
+    assert not good.is_of(board.info(), FULL_DEG, 1.0)
+    assert not good.is_of(board.info(), FULL_DEG - DEG_PER_TICK, 0.5)
+    assert not good.is_of(replace(board.info(), firmware="QBMMP v6.2.0"), FULL_DEG, 0.5)

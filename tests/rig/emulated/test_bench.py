@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from emg2vsa.devices.serial_speed import BAUD
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
 from emg2vsa.devices.netft.driver import open_net_ft
@@ -18,7 +19,6 @@ from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
 from emg2vsa.devices.registry import Around
 from emg2vsa.devices.serial_line import LoopbackLine, SerialLine
-from emg2vsa.devices.serial_speed import BAUD
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.fault_words import FAULTS, help_text, put
@@ -41,7 +41,7 @@ def bench() -> EmulatedRig:
 def press_to(bench: EmulatedRig, devices: Devices, depth_mm: float) -> float:
     """Force, N, a second after the probe was sent there."""
     for _ in range(10):
-        devices.actuator.set_position_stiffness(RigSettings().ticks_at(depth_mm), 0 if bench.rigid else 1500)
+        devices.actuator.command(RigSettings().position_at(depth_mm), 0.0 if bench.rigid else 0.5)
         bench.clock.sleep_until(bench.clock.now_s() + 0.1)
         assert devices.camera
         devices.camera.frames()
@@ -104,9 +104,9 @@ def test_the_other_board_presses_nothing(rigid: bool) -> None:
     other = board if rigid else RigidMotor(board)
     devices = bench.devices()
     other.activate()
-    other.set_position_stiffness(RigSettings().ticks_at(6.0), 1500 if rigid else 0)
+    other.command(RigSettings().position_at(6.0), 0.5 if rigid else 0.0)
     bench.clock.sleep_until(bench.clock.now_s() + 0.4)
-    assert RigSettings().depth_at(other.measurements().shaft) == pytest.approx(6.0, abs=0.3)
+    assert RigSettings().depth_at(other.measurements().shaft_deg) == pytest.approx(6.0, abs=0.3)
     assert abs(devices.force.read().force_n[2]) < 0.1
 
 

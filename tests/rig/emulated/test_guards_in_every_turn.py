@@ -57,9 +57,7 @@ def test_a_guard_of_ones_own_ends_the_run_off_contact(
     condition = "high-stiffness" if kind == "plate" else kind
     ended = run(plan(condition, repetitions=1, plate=kind == "plate"), tmp_path / "run", exact=exact)
     first_mm = RigSettings().depth_at(
-        next(
-            row.position_ticks or 0 for row in reversed(read_log(tmp_path / "run" / "log.csv")) if row.phase != "escape"
-        )
+        next(row.position_deg or 0 for row in reversed(read_log(tmp_path / "run" / "log.csv")) if row.phase != "escape")
     )
     assert (ended.how, ended.cause, ended.retracted) == ("guard", "mine", True)
     # the turn in which it speaks sends nothing

@@ -12,6 +12,7 @@ import pytest
 from benchmarks.rig.logs import read_log
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.protocols import Devices
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.fault_words import put
 from emg2vsa.rig.emulated.settings import EmulatedSettings
@@ -21,7 +22,7 @@ from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
 
-ENCODER_MM = 8 * 360 / 32768 * 0.2
+ENCODER_MM = 8 * DEG_PER_TICK * 0.2
 """A step of the 12 bits, at the probe."""
 ACTUATORS = {
     "rigid": (RIGID, "qbmove-maker-pro"),
@@ -53,7 +54,7 @@ class Case:
         actuator, clock = self.devices.actuator, self.bench.clock
         actuator.activate()
         for _ in range(10):
-            actuator.set_position_stiffness(self.bench.rig.ticks_at(depth_mm), 0 if self.bench.rigid else 600)
+            actuator.command(self.bench.rig.position_at(depth_mm), 0.0 if self.bench.rigid else 0.2)
             clock.sleep_until(clock.now_s() + 0.1)
         actuator.deactivate()
 
@@ -75,7 +76,7 @@ class Case:
 
 @pytest.fixture
 def case(plan: Callable[..., RunPlan], tmp_path: Path, condition: str, springs: str, home_ticks: int) -> Case:
-    rig = RigSettings(home_ticks=home_ticks)
+    rig = RigSettings(home_deg=home_ticks * DEG_PER_TICK)
     emulated = EmulatedSettings(springs=springs)  # type: ignore[arg-type]
     bench = EmulatedRig(emulated, "S3", 0.0, condition == RIGID, VirtualClock(), rig=rig)
     return Case(bench, bench.devices(), plan(condition, repetitions=1), tmp_path / "run")
@@ -83,30 +84,30 @@ def case(plan: Callable[..., RunPlan], tmp_path: Path, condition: str, springs: 
 
 def test_a_run_from_home_begins_without_a_jump_and_ends_retracted(case: Case, home_ticks: int) -> None:
     ended, rows = case.run()
-    assert abs(case.bench.rig.depth_at(rows[0].position_ticks or 0)) <= case.turn_mm()
+    assert abs(case.bench.rig.depth_at(rows[0].position_deg or 0)) <= case.turn_mm()
     assert (ended.how, ended.retracted, ended.deactivated, ended.notes) == ("completed", True, True, ())
-    depths_mm = [case.bench.rig.depth_at(row.position_ticks or 0) for row in rows]
+    depths_mm = [case.bench.rig.depth_at(row.position_deg or 0) for row in rows]
     assert min(depths_mm) == 0
-    assert rows[-1].position_ticks == home_ticks
-    assert case.bench.rig.depth_at(case.devices.actuator.position_ticks()) == pytest.approx(0, abs=2 * ENCODER_MM)
+    assert rows[-1].position_deg == home_ticks * DEG_PER_TICK
+    assert case.bench.rig.depth_at(case.devices.actuator.position_deg()) == pytest.approx(0, abs=2 * ENCODER_MM)
     # friction holds a shaft on springs a little off its motors
     assert case.probe_mm() == pytest.approx(0, abs=2 * ENCODER_MM if case.bench.rigid else 1.0)
     # the depth logged is the true one
-    assert sum(row.shaft_ticks is not None for row in rows) > 100
+    assert sum(row.at is not None for row in rows) > 100
     for row in rows:
-        if row.shaft_ticks is not None:
+        if row.at is not None:
             true_mm = case.bench.world.probe_mm(row.time_s)
-            assert case.bench.rig.depth_at(row.shaft_ticks) == pytest.approx(true_mm, abs=2 * ENCODER_MM)
+            assert case.bench.rig.depth_at(row.at.shaft_deg) == pytest.approx(true_mm, abs=2 * ENCODER_MM)
 
 
 def test_a_probe_left_down_goes_home_from_where_it_stands(case: Case) -> None:
     case.leave_probe_at(2.0)
-    stands_mm = case.bench.rig.depth_at(case.devices.actuator.position_ticks())
+    stands_mm = case.bench.rig.depth_at(case.devices.actuator.position_deg())
     assert stands_mm == pytest.approx(2.0, abs=2 * ENCODER_MM)
     ended, rows = case.run()
     assert (ended.how, ended.retracted) == ("completed", True)
     assert rows[0].phase == "home"
-    first_mm = case.bench.rig.depth_at(rows[0].position_ticks or 0)
+    first_mm = case.bench.rig.depth_at(rows[0].position_deg or 0)
     assert stands_mm - case.turn_mm() <= first_mm <= stands_mm
 
 

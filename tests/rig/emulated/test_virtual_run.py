@@ -16,6 +16,7 @@ from casr.frame_files import open_frames, read_force_log
 from casr.scoring import score
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.protocols import Frame
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.errors import DeviceError, ScheduleError, SettingError
 from emg2vsa.rig.emulated.camera.frames import EmulatedCamera
 from emg2vsa.rig.emulated.settings import EmulatedSettings
@@ -55,9 +56,9 @@ def test_the_same_inputs_give_the_same_bytes(plan: Plan, tmp_path: Path) -> None
         ("plate", "viscoelastic", {}),
         ("modular", "viscoelastic", {}),
         ("high-stiffness", "elastic", {"push_axis": (0.0, -0.6, 0.8), "record_full_rate_force": True}),
-        ("modular", "elastic", {"push_sign": -1, "home_ticks": 700, "rate_hz": 100.0}),
+        ("modular", "elastic", {"push_sign": -1, "home_deg": 700 * DEG_PER_TICK, "rate_hz": 100.0}),
         ("modular", "viscoelastic", {"guards": GuardSettings(contact_mm=2.5)}),
-        ("modular", "viscoelastic", {"guards": GuardSettings(following_ticks=40.0)}),
+        ("modular", "viscoelastic", {"guards": GuardSettings(following_deg=40 * DEG_PER_TICK)}),
     ],
 )
 def test_with_bytes_and_without_the_same_run_comes_out(
@@ -115,8 +116,8 @@ def test_a_run_of_every_kind(plan: Plan, tmp_path: Path, condition: str, angle_d
     rows = read_log(tmp_path / "run" / "log.csv")
     pressed_n = max(row.force_n or 0 for row in rows)
     assert 7.0 <= pressed_n < RIG.guards.force_n
-    deepest = max(rows, key=lambda row: row.position_ticks or 0)
-    yielded_mm = RIG.depth_at(deepest.position_ticks or 0) - RIG.depth_at(deepest.shaft_ticks or 0)
+    deepest = max(rows, key=lambda row: row.position_deg or 0)
+    yielded_mm = RIG.depth_at(deepest.position_deg or 0) - RIG.depth_at(shaft_deg(deepest))
     # the rigid shaft lags behind its command, springs yield as well
     assert (yielded_mm < 0.25) == (condition == "high-stiffness")
 
@@ -124,7 +125,9 @@ def test_a_run_of_every_kind(plan: Plan, tmp_path: Path, condition: str, angle_d
 @pytest.mark.parametrize("condition", ["high-stiffness", "modular"])
 def test_a_rig_built_the_other_way_round(plan: Plan, tmp_path: Path, condition: str) -> None:
     axes = {"tilted": (0.0, -0.6, 0.8), "down": (0.0, 0.0, -1.0), "sideways": (1.0, 0.0, 0.0)}
-    mirrored = {name: RigSettings(push_sign=-1, push_axis=axis, home_ticks=700) for name, axis in axes.items()}
+    mirrored = {
+        name: RigSettings(push_sign=-1, push_axis=axis, home_deg=700 * DEG_PER_TICK) for name, axis in axes.items()
+    }
     found = {}
     for name, rig in {"usual": RIG, **mirrored}.items():
         emulated = EmulatedSettings(world="elastic", force_noise_n=0.002)
@@ -137,9 +140,13 @@ def test_a_rig_built_the_other_way_round(plan: Plan, tmp_path: Path, condition: 
         np.testing.assert_allclose(found[name], found["usual"], atol=2 * encoder_mm, err_msg=name)
 
 
+def shaft_deg(row: Row) -> float:
+    return row.at.shaft_deg if row.at else 0.0
+
+
 def depth_at_n(force_n: list[float], load: list[Row], rig: RigSettings) -> Floats:
     """Depth of the shaft, mm, at forces of a loading phase."""
-    return np.interp(force_n, [row.force_n or 0 for row in load], [rig.depth_at(row.shaft_ticks or 0) for row in load])
+    return np.interp(force_n, [row.force_n or 0 for row in load], [rig.depth_at(shaft_deg(row)) for row in load])
 
 
 def test_the_softer_specimen_spreads_faster(plan: Plan, tmp_path: Path) -> None:
@@ -225,7 +232,7 @@ def test_another_run_is_neither_overwritten_nor_marked(plan: Plan, tmp_path: Pat
             SettingError,
             "as the tables reach",
         ),
-        ({}, RigSettings(max_preset_ticks=1000), EmulatedSettings(), ScheduleError, "preset_ticks"),
+        ({}, RigSettings(full_preset=1000 * DEG_PER_TICK), EmulatedSettings(), ScheduleError, "stiffness preset"),
     ],
 )
 def test_what_cannot_be_makes_no_folder(plan, tmp_path, changes, rig, emulated, error, says):

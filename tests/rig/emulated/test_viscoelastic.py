@@ -15,10 +15,10 @@ import pytest
 from benchmarks.emulated_scatter import scatter_percent, true_rates
 from casr.frame_files import open_frames, read_force_log
 from casr.synthetic import ContactWorld, Scene
-from emg2vsa.actuator import SPRINGS, Springs
 from emg2vsa.arrays import Floats
 from emg2vsa.contact_mechanics import Relaxation
 from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.qbmove.springs import SPRINGS, Springs
 from emg2vsa.errors import DataError
 from emg2vsa.rig.emulated.camera.frames import EmulatedCamera
 from emg2vsa.rig.emulated.press_draws import PressDraws

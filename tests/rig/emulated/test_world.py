@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from casr.specimens import SPECIMENS
-from emg2vsa.actuator import RAD_PER_TICK, SPRINGS
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.emulated.qbmove.firmware import QbmoveFirmware
@@ -200,12 +201,12 @@ def test_a_real_firmware_presses_and_lets_go(ask_s: float) -> None:
 
     with qbmove:
         qbmove.activate()
-        qbmove.set_position_stiffness(4500, 1500)
+        qbmove.command(4500 * DEG_PER_TICK, 0.5)
         # balance with the motors at 6000 and 3000 ticks, near which they stop, and friction still to be overcome
         assert after(2.0) == pytest.approx(6.42, rel=0.01)
-        shaft = qbmove.measurements().shaft
+        shaft = qbmove.ticks().shaft
         # the load bends the springs back
         assert shaft == pytest.approx(4113, abs=16)
-        assert it.probe_mm(clock.now_s()) == pytest.approx(shaft * 360 / 32768 * 0.2, abs=0.016)
-        qbmove.set_position_stiffness(0, 1500)
+        assert it.probe_mm(clock.now_s()) == pytest.approx(shaft * DEG_PER_TICK * 0.2, abs=0.016)
+        qbmove.command(0.0, 0.5)
         assert after(2.0) == 0.0

@@ -7,7 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from emg2vsa.actuator import RAD_PER_TICK, SPRINGS, stiffness_nm_per_rad, unloaded_deflection_rad
+from emg2vsa.devices.joints import joint_of
+from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS, unloaded_deflection_rad
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.rig.emulated.actuator_joint import RigidJoint, SpringJoint
 from emg2vsa.rig.emulated.probe import Probe
 from emg2vsa.rig.emulated.world_settings import WorldSettings
@@ -47,7 +49,7 @@ def test_a_little_load_gives_way_by_the_stiffness_of_the_preset(model: str) -> N
         shaft = rest(model, (centre + preset, centre - preset), S3)
         load_nm = S3.torque_nm(shaft)[0]
         assert load_nm > 0
-        stiffness = float(stiffness_nm_per_rad(ticks, model))
+        stiffness = float(joint_of(model, 3000 * DEG_PER_TICK).stiffness_nm_per_rad(ticks / 3000))
         assert load_nm / (S3.touch_rad + 1e-4 - shaft) == pytest.approx(stiffness, rel=1e-3)
 
 
@@ -68,7 +70,7 @@ def test_any_motors_within_their_limits_find_a_rest(model: str, friction_nm: flo
 def test_friction_holds_the_shaft_and_stops_it_early() -> None:
     motors = (0.4, -0.4)
     free = rest("qbmove-maker-pro", motors, FREE)
-    stiffness = float(stiffness_nm_per_rad(0.4 / RAD_PER_TICK, "qbmove-maker-pro"))
+    stiffness = float(SpringJoint("qbmove-maker-pro", math.degrees(0.4)).stiffness_nm_per_rad(1.0))
     for side in (-1, 1):
         near = free + side * 0.009 / stiffness
         assert rest("qbmove-maker-pro", motors, FREE, 0.01, near) == near

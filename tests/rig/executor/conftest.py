@@ -12,13 +12,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from emg2vsa.actuator import SPRINGS, Springs
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.protocols import Devices, ForceCounts, ForceSample, Frame, Measurements, Rating, SensorStatus
+from emg2vsa.devices.protocols import (
+    Devices,
+    ForceCounts,
+    ForceSample,
+    Frame,
+    LogColumns,
+    Measurements,
+    Rating,
+    SensorStatus,
+)
+from emg2vsa.devices.qbmove.springs import SpringJoint
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, LOG_COLUMNS, to_ticks
 from emg2vsa.errors import DeviceError
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.rig.executor.execute import execute
-from emg2vsa.rig.executor.witnesses import spring_force_n
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
@@ -30,6 +39,7 @@ RIG = RigSettings(filter_samples=1)
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
 SURFACE_MM, STIFFNESS_N_PER_MM = 1.0, 5.0
 START_TICKS = 200
+JOINT = SpringJoint("qbmove-maker-pro", RIG.full_preset)
 FRAME_S = 0.05
 
 
@@ -74,14 +84,15 @@ class Bench:
     fault: str = ""
     fault_s: float = math.inf
     sent: list[tuple[int, int]] = field(default_factory=list)
-    "Position and preset of every attempt, also of those that failed."
+    "Position and preset of every attempt, ticks as a qbmove is sent them, also of those that failed."
     calls: list[str] = field(default_factory=list)
     forces_n: list[float] = field(default_factory=list)
     "Every force handed out."
     shape: tuple[int, int] = (12, 16)
     delay_s: float = 0.0
     rating: Rating | None = None
-    springs: Springs | None = SPRINGS["qbmove-maker-pro"]
+    joint: SpringJoint | None = JOINT
+    columns: LogColumns = LOG_COLUMNS
     force_counts: ForceCounts = field(default_factory=ForceCounts)
     _position: int = START_TICKS
     _frames: int = 0
@@ -109,40 +120,42 @@ class Bench:
     def is_active(self) -> bool:
         return not self.on("motors off")
 
-    def set_position_stiffness(self, position_ticks: int, preset_ticks: int) -> None:
+    def command(self, position_deg: float, preset: float) -> None:
         self.calls.append("set")
-        self.sent.append((position_ticks, preset_ticks))
+        preset_ticks = preset * JOINT.full_ticks
+        assert preset_ticks == pytest.approx(round(preset_ticks), abs=1e-6)
+        self.sent.append((to_ticks(position_deg), round(preset_ticks)))
         if self.on("dead actuator") or self.once("one lost reply"):
             raise lost("qbmove 1")
-        self._position = position_ticks
+        self._position = self.sent[-1][0]
 
-    def position_ticks(self) -> float:
+    def position_deg(self) -> float:
         if self.on("dead actuator"):
             raise lost("qbmove 1")
-        return self._position
+        return self._position * DEG_PER_TICK
 
     def measurements(self) -> Measurements:
         if self.once("Ctrl-C"):
             raise KeyboardInterrupt
-        if self.springs is None:
-            return Measurements(self._position, 0, self._position)
+        if self.joint is None:
+            return measured(self._position, 0, self._position)
         preset = self.sent[-1][1] if self.sent else 0
-        at = Measurements(self._position + preset, self._position - preset, self._position)
+        motors = self._position + preset, self._position - preset
         # the probe goes where the motors go; of the springs it has only the way in which the encoders tell the force
         low, high = self._position - 3000, self._position + 3000
         while high - low > 1:
             middle = (low + high) // 2
-            bent = spring_force_n(at._replace(shaft=middle), self.springs, RIG) < self._force_n()
-            low, high = (low, middle) if bent else (middle, high)
-        return at._replace(shaft=low)
+            spring_n = -self.joint.torque_nm(measured(*motors, middle)) / RIG.lever_m
+            low, high = (low, middle) if spring_n < self._force_n() else (middle, high)
+        return measured(*motors, low)
 
-    def currents_ma(self) -> tuple[int, int]:
+    def currents_a(self) -> tuple[float, float]:
         if self.once("bug"):
             raise ZeroDivisionError("division by zero")
-        return 100, -90
+        return 0.1, -0.09
 
-    def current_limit_ma(self) -> float:
-        return 1500.0
+    def current_limit_a(self) -> float:
+        return 1.5
 
     def read(self) -> ForceSample:
         if self.on("dead sensor"):
@@ -186,12 +199,17 @@ class Bench:
         if self.fault == "held up":
             self.clock.hold_up_s = self.fault_s
         plan = plan or make_plan()
-        self.springs = None if plan.condition == "high-stiffness" else SPRINGS["qbmove-maker-pro"]
+        self.joint = None if plan.condition == "high-stiffness" else JOINT
         return execute(plan, rig, self.devices(camera), folder, self.clock, started=STARTED, stop=self.stop)
 
     def _force_n(self) -> float:
         softening = math.exp(-(self.clock.now_s() - self.fault_s) / 0.05) if self.on("specimen gone") else 1.0
-        return softening * STIFFNESS_N_PER_MM * max(0.0, RIG.depth_at(self._position) - SURFACE_MM)
+        return softening * STIFFNESS_N_PER_MM * max(0.0, RIG.depth_at(self._position * DEG_PER_TICK) - SURFACE_MM)
+
+
+def measured(*ticks: int) -> Measurements:
+    motor_1, motor_2, shaft = (each * DEG_PER_TICK for each in ticks)
+    return Measurements((motor_1, motor_2), shaft)
 
 
 def lost(where: str) -> DeviceError:

@@ -17,6 +17,7 @@ from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames, read_force_log
 from emg2vsa.devices.clock import LoopTiming
 from emg2vsa.devices.protocols import ForceCounts, Rating
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.errors import DeviceError, ScheduleError, SettingError
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.new_folder import good_presses
@@ -49,10 +50,10 @@ def test_a_repetition_as_planned(bench: Any, plan_of: Callable[..., RunPlan], ri
     of = {phase: [row for row in rows if row.phase == phase] for phase in PRESS}
     assert of["contact"][0].filtered_n == pytest.approx(0.5, abs=0.13)  # one turn of 5 mm/s into 5 N/mm
     assert of["retract"][0].filtered_n == pytest.approx(7.0, abs=0.13)
-    assert len({row.position_ticks for row in of["contact"]}) == 1
+    assert len({row.position_deg for row in of["contact"]}) == 1
     assert of["pause"][-1].time_s - of["pause"][0].time_s == pytest.approx(2.0, abs=0.006)
     for phase, sign in (("approach", 1), ("load", 1), ("retract", -1)):
-        depth = [rig.depth_at(row.position_ticks or 0) for row in of[phase]]
+        depth = [rig.depth_at(row.position_deg or 0) for row in of[phase]]
         speeds = np.diff(depth) * rig.rate_hz
         assert np.mean(speeds[:-1]) == pytest.approx(sign * 5.0, rel=0.02)
     turns_s = [row.time_s for row in rows if row.phase != "escape"]
@@ -63,16 +64,14 @@ def test_stiffness_follows_the_force(bench: Any, plan_of: Callable[..., RunPlan]
     plan = plan_of()
     bench.run(tmp_path, plan)
     loading = [row for row in read_log(tmp_path / "log.csv") if row.phase == "load"]
-    edges, presets = plan.schedule.step_force_n, plan.schedule.preset_ticks
+    edges, presets = plan.schedule.step_force_n, plan.schedule.exported
     for row in loading:
         inside = [p for low, p in zip(edges[:-1], presets, strict=True) if low <= (row.filtered_n or 0) or low == 0.5]
-        assert row.preset_ticks == inside[-1]
-    assert {row.preset_ticks for row in loading} == set(presets.tolist())
+        assert row.preset == inside[-1] * DEG_PER_TICK
+    assert {row.preset for row in loading} == set((presets * DEG_PER_TICK).tolist())
     for row in loading:
-        assert (row.motor_1_ticks, row.motor_2_ticks) == (
-            row.position_ticks + row.preset_ticks, row.position_ticks - row.preset_ticks,
-        )  # fmt: skip
-        assert (row.current_1_ma, row.current_2_ma) == (100, -90)
+        assert row.at.motors_deg == (row.position_deg + row.preset, row.position_deg - row.preset)
+        assert row.currents_a == (0.1, -0.09)
 
 
 def test_an_earlier_step_does_not_come_back_while_loading(bench: Any, tmp_path: Path) -> None:
@@ -81,7 +80,7 @@ def test_an_earlier_step_does_not_come_back_while_loading(bench: Any, tmp_path: 
     bench.run(tmp_path)
     for repetition in (1, 2):
         rows = [r for r in read_log(tmp_path / "log.csv") if (r.repetition, r.phase) == (repetition, "load")]
-        presets = [row.preset_ticks or 0 for row in rows]
+        presets = [row.preset or 0 for row in rows]
         assert any(a.filtered_n > b.filtered_n for a, b in pairwise(rows))
         assert presets == sorted(presets)
 
@@ -105,7 +104,7 @@ def test_a_constant_stiffness_is_constant(bench: Any, plan_of: Callable[..., Run
     plan = plan_of(condition="constant-mean")
     assert bench.run(tmp_path, plan).how == "completed"
     rows = [row for row in read_log(tmp_path / "log.csv") if row.phase in ("contact", "load", "retract")]
-    assert {row.preset_ticks for row in rows} == {int(plan.schedule.preset_ticks[0])}
+    assert {row.preset for row in rows} == {plan.schedule.exported[0] * DEG_PER_TICK}
 
 
 def test_each_press_is_readable_as_frames(bench: Any, tmp_path: Path) -> None:

@@ -177,5 +177,5 @@ def test_the_row_of_the_fault_is_in_the_log(new_bench: Any, times_s: dict[str, f
     bench.run(tmp_path)
     rows = [row for row in read_log(tmp_path / "log.csv") if row.phase == "load"]
     assert math.isnan(rows[-1].force_n or 0)
-    assert rows[-1].position_ticks == rows[-2].position_ticks
-    assert rows[-1].shaft_ticks is None
+    assert rows[-1].position_deg == rows[-2].position_deg
+    assert rows[-1].at is None

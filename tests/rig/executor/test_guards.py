@@ -77,8 +77,8 @@ TAN_0 = math.tan(FRICTION)
         ("untrusted force", {}, {"force": felt(0, 0, 3.0, faults=("gauge saturated",))}),
         ("frozen force", seen(still_mm=0.17), seen(still_mm=0.19)),
         ("frozen force", seen(still_s=0.19), seen(still_s=0.21)),
-        ("following", seen(astray_ticks=99.0), seen(astray_ticks=101.0)),
-        ("motor current", seen(current_ma=1500.0), seen(current_ma=1501.0)),
+        ("following", seen(astray_deg=1.09), seen(astray_deg=1.11)),
+        ("motor current", seen(current_a=1.5), seen(current_a=1.501)),
         ("lost device", {}, {"active": False}),
         ("overrun", {"late_s": 0.05}, {"late_s": 0.051}),
         ("stale sensor", {"now_s": 5.018}, {"now_s": 5.02}),
@@ -96,10 +96,10 @@ def test_guard(name: str, below: dict[str, Any], above: dict[str, Any]) -> None:
 
 def test_a_limit_laxer_than_its_default_is_told() -> None:
     assert laxer_guards(RigSettings()) == []
-    assert laxer_guards(RigSettings(guards=GuardSettings(force_n=8.0, following_ticks_per_s=20000.0))) == []
+    assert laxer_guards(RigSettings(guards=GuardSettings(force_n=8.0, following_deg_per_s=220.0))) == []
     for each in fields(GuardSettings):
         usual = getattr(GuardSettings(), each.name)
-        lax = replace(GuardSettings(), **{each.name: usual * (0.9 if each.name == "following_ticks_per_s" else 1.1)})
+        lax = replace(GuardSettings(), **{each.name: usual * (0.9 if each.name == "following_deg_per_s" else 1.1)})
         (line,) = laxer_guards(RigSettings(guards=lax))
         assert line.startswith(f"rig.guards.{each.name} = ")
     assert len(laxer_guards(RigSettings(max_mm_per_s=50.0, escape_mm_per_s=10.0))) == 2

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.errors import InputError
 from emg2vsa.rig.executor.dry_run import dry_run
 from emg2vsa.rig.executor.plan_limits import check_plan
@@ -34,11 +35,11 @@ from emg2vsa.rig.rig_settings import RigSettings
         ({"schedule": None}, {}, "schedule"),
         ({"specimen": "S9"}, {}, "specimen"),
         ({}, {"travel_mm": 14.0}, "travel_mm"),
-        ({}, {"home_ticks": 9000}, "position at 15 mm"),
-        ({}, {"push_sign": -1, "position_ticks": (-6000, 6000)}, "position at 15 mm"),
+        ({}, {"home_deg": 9000 * DEG_PER_TICK}, "position at 15 mm"),
+        ({}, {"push_sign": -1, "position_deg": (-6000 * DEG_PER_TICK, 6000 * DEG_PER_TICK)}, "position at 15 mm"),
         ({}, {"gear_mm_per_degree": 0.3}, "ramp.gear"),
-        ({}, {"max_preset_ticks": 2900}, "preset_ticks"),
-        ({}, {"stiffness_percent": (30.0, 80.0)}, "preset_ticks"),
+        ({}, {"full_preset": 2900 * DEG_PER_TICK}, "stiffness preset"),
+        ({}, {"stiffness_percent": (30.0, 80.0)}, "stiffness preset"),
     ],
 )
 def test_refused(
@@ -54,9 +55,9 @@ def test_dry_run_tells_positions_stiffness_and_times(plan_of: Callable[..., RunP
     plan = plan_of(repetitions=10, pause_s=2.0)
     told = dry_run(plan, rig)
     load = [leg for leg in told.legs if leg.phase == "load"]
-    assert [leg.preset_ticks for leg in load] == plan.schedule.preset_ticks.tolist()
+    assert [leg.preset for leg in load] == plan.schedule.preset.tolist()
     assert np.array([leg.force_n for leg in load])[:, 1] == pytest.approx(plan.schedule.step_force_n[1:])
-    assert told.legs[0].position_ticks == (0, 6827)  # 15 mm at 0.2 mm per degree: 75 degrees of 32768/360 ticks
+    assert told.legs[0].position_deg == pytest.approx((0, 75))  # 15 mm at 0.2 mm per degree
     assert told.at_most_s == pytest.approx(10 * (3 + 3 + 0.05 + 2))
 
 

@@ -25,23 +25,23 @@ class Probe:
     offset_n: float = 0.0
     clock: VirtualClock = field(default_factory=VirtualClock)
     depths_mm: list[float] = field(default_factory=list)
-    presets: list[int] = field(default_factory=list)
+    presets: list[float] = field(default_factory=list)
     obeys_from_s: float = 0.0
     interrupts: int = 0
     on: bool = True
     depth_mm: float = 4.0
 
-    def set_position_stiffness(self, position_ticks: int, preset_ticks: int) -> None:
-        self.depths_mm.append(RIG.depth_at(position_ticks))
-        self.presets.append(preset_ticks)
+    def command(self, position_deg: float, preset: float) -> None:
+        self.depths_mm.append(RIG.depth_at(position_deg))
+        self.presets.append(preset)
         if self.clock.now_s() >= self.obeys_from_s:
             self.depth_mm = self.depths_mm[-1]
         if self.interrupts:
             self.interrupts -= 1
             raise KeyboardInterrupt
 
-    def position_ticks(self) -> float:
-        return RIG.ticks_at(self.depth_mm)
+    def position_deg(self) -> float:
+        return RIG.position_at(self.depth_mm)
 
     def deactivate(self) -> None:
         self.on = False
@@ -49,13 +49,13 @@ class Probe:
     def force_n(self) -> float:
         return self.offset_n + abs(self.n_per_mm) * max(0.0, np.sign(self.n_per_mm) * (self.depth_mm - self.surface_mm))
 
-    def log(self, position_ticks: int, preset_ticks: int, notes: list[str]) -> ForceSample:
+    def log(self, position_deg: float, preset: float, notes: list[str]) -> ForceSample:
         return ForceSample(self.clock.now_s(), np.array([0, 0, self.force_n()]), np.zeros(3))
 
     def leave(self, depth_mm: float = 4.0, home_is_free: bool = True) -> SafeEnd:
         self.depth_mm = depth_mm
         actuator: Any = self
-        return make_safe(actuator, RIG, self.clock, Start(depth_mm, 2400, 600, 0.5, home_is_free), self.log)
+        return make_safe(actuator, RIG, self.clock, Start(depth_mm, 0.8, 0.2, 0.5, home_is_free), self.log)
 
 
 def test_it_goes_home_step_by_step_and_tells_the_last_force() -> None:
@@ -80,7 +80,7 @@ def test_a_force_that_grows_on_the_way_out_ends_it_soft_and_with_motors_off() ->
     assert not probe.on
     assert safe.last_force_n is not None
     assert safe.last_force_n <= 3.5  # 1 N twice, and a step of 0.1 mm each time
-    assert probe.presets[-1] == 600
+    assert probe.presets[-1] == 0.2
     assert any("the force grew" in note for note in safe.notes)
 
 

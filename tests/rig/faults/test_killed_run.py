@@ -19,7 +19,7 @@ from casr.frame_files import open_frames
 from emg2vsa.devices.clock import WallClock
 from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.opencv_camera.settings import OpenCvSettings
-from emg2vsa.devices.qbmove.settings import ActuatorSettings
+from emg2vsa.devices.qbmove.settings import QbmoveSettings
 from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.servers import EmulatedServers
@@ -41,7 +41,7 @@ def servers() -> Iterator[EmulatedServers]:
 def test_kill_9_leaves_a_readable_run_and_motors_off(servers: EmulatedServers, tmp_path: Path) -> None:
     force = servers.force
     settings = DeviceSettings(
-        actuator=ActuatorSettings(port=servers.port),
+        actuator=QbmoveSettings(port=servers.port),
         force=NetFtSettings(host=force.host, rdt_port=force.rdt_port, http_port=force.http_port),
         camera=OpenCvSettings(source=servers.camera_url),
     )

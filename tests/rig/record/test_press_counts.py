@@ -7,17 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from emg2vsa.devices.protocols import ForceCounts, Frame
+from emg2vsa.devices.protocols import ForceCounts, Frame, Measurements
 from emg2vsa.rig.record.press_counts import HEADER, PRESSES_FILE, PressTally, largest_forces, line_of, verdicts
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import LossSettings, RigSettings
 
 BEFORE = ForceCounts(records=1000, lost=7)
+AT_REST = Measurements((0.0, 0.0), 0.0)
 FRAME = np.zeros((2, 2), np.uint8)
 
 
 def row(time_s: float, late_s: float = 0.0, force_n: float | None = 1.0, **changes: float) -> Row:
-    blank = Row(time_s, 1, "load", time_s, force_n, 1.0, 0, 0, 0, 0, 0, 0, 0, -1, late_s)
+    blank = Row(time_s, 1, "load", time_s, force_n, 1.0, 0.0, 0.0, AT_REST, (0.0, 0.0), -1, late_s)
     return blank._replace(**changes)
 
 

@@ -86,9 +86,15 @@ function showPresses(repetitions, done, pressing) {
   parts.forEach((kind, i) => { bar.children[i].className = kind; });
 }
 
+function stiffnessAt(run, percent) {
+  const table = run.stiffness_nm_per_rad, at = Math.max(0, Math.min(table.length - 1, percent)), before = Math.floor(at);
+  const after = Math.min(before + 1, table.length - 1);
+  return table[before] + (at - before) * (table[after] - table[before]);
+}
+
 function showCurves(run) {
-  const top = run.max_preset_ticks;
-  const percent = (ticks) => (ticks === null ? null : (100 * ticks) / top);
+  const top = run.full_preset;
+  const percent = (preset) => (preset === null ? null : (100 * preset) / top);
   const finite = [...curves.raw_n, ...curves.filtered_n].filter((v) => v !== null);
   const low = Math.min(-0.3, ...finite.map((v) => v - 0.2)), high = Math.max(1.2 * run.f_max_n, ...finite.map((v) => 1.05 * v));
   const levels = [{ at: run.f_contact_n, text: `contact ${run.f_contact_n} N` }, { at: run.f_max_n, text: `F max ${run.f_max_n} N` }];
@@ -99,9 +105,9 @@ function showCurves(run) {
   const rigid = run.condition === "high-stiffness";
   $("#stiffness").hidden = rigid;
   if (!rigid) {
-    const preset = curves.preset_ticks.map(percent), measured = curves.measured_ticks.map(percent);
+    const preset = curves.preset.map(percent), measured = curves.measured_preset.map(percent);
     plot("#stiffness", { low: 0, high: 100, band: run.stiffness_percent }, [[measured, "--blue", 3], [preset, "--ink", 2, [6, 4]]]);
-    read("#stiffness", last(measured), last(preset), (v) => `${fixed(v, 1)} % (${Math.round((v * top) / 100)} ticks)`);
+    read("#stiffness", last(measured) ?? last(preset), last(preset), (v) => `${fixed(v, 1)} % (${fixed(stiffnessAt(run, v), 2)} N·m/rad)`);
   }
   const depthsMm = [...curves.depth_mm, ...curves.shaft_mm].filter((v) => v !== null);
   plot("#depth", { low: Math.min(0, ...depthsMm), high: 1.08 * Math.max(run.travel_mm / 2, ...depthsMm) },

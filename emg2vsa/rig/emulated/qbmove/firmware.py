@@ -64,6 +64,9 @@ class QbmoveFirmware:
         self._advanced_s: float | None = None
         self._start()
 
+    due_s = math.inf
+    "It answers at once."
+
     def __call__(self, data: bytes) -> bytes:
         """Hear ``data`` at the clock's time, and answer."""
         self.advance()

@@ -1,6 +1,6 @@
-"""Drivers that ask the emulated devices in this process themselves, without bytes of commands, answers and datagrams.
+"""A driver that asks the emulated box in this process itself, without datagrams.
 
-What they say is what the drivers say that speak byte for byte (tests/rig/emulated/test_virtual_run.py).
+What it says is what the driver says that speaks byte for byte (tests/rig/emulated/test_virtual_run.py).
 """
 
 from __future__ import annotations
@@ -9,31 +9,10 @@ from typing import Any
 
 from emg2vsa.devices.netft.driver import NetFt
 from emg2vsa.devices.netft.rdt import Record
-from emg2vsa.devices.qbmove.driver import ON, Qbmove
-from emg2vsa.devices.qbmove.packets import Command
 from emg2vsa.rig.emulated.netft.box import RdtBox
-from emg2vsa.rig.emulated.qbmove.firmware import QbmoveFirmware
 
 _RESTLESS_COUNTS = 100
 "Noise of this standard deviation never leaves all six counts of a record as those of the one before."
-
-
-class DirectQbmove(Qbmove):
-    """What a run sends and asks in every turn goes straight to the ``firmware``; all else over the line."""
-
-    def __init__(self, *given: Any, firmware: QbmoveFirmware, **named: Any) -> None:
-        super().__init__(*given, **named)
-        self._firmware = firmware
-
-    def _tell_ticks(self, command: Command, first: int, second: int) -> None:
-        self._firmware.tell(command, first, second)
-
-    def _ask_words(self, command: Command, count: int) -> tuple[int, ...]:
-        return self._firmware.ask(command)
-
-    def ask_active(self) -> bool:
-        """As `Qbmove.ask_active`."""
-        return self._firmware.ask_active() == ON
 
 
 class DirectNetFt(NetFt):

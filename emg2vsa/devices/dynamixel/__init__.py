@@ -1,0 +1,1 @@
+"""ROBOTIS Dynamixel X-series motors with current sensing, as a joint whose stiffness is a position gain."""

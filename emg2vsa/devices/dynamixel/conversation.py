@@ -1,0 +1,147 @@
+"""Packets of protocol 2.0 to a motor and back, made and read by ROBOTIS' dynamixel_sdk over a line and a clock of ours.
+
+The SDK's own port opens pyserial and reads the computer's clock. The port here has its methods over a `ByteLine`, so
+that one driver speaks to a serial port and to a motor emulated in virtual time.
+
+dynamixel_sdk 4.1.0 sends FF FF FD among the parameters without the byte that must be stuffed in: addStuffing makes a
+new list, which txPacket never sees. The driver writes no such value, as all its values lie between -2048 and 16383.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any, NamedTuple
+
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.dynamixel.registers import ALERT, CRC_ERROR
+from emg2vsa.devices.serial_line import ByteLine
+from emg2vsa.errors import DeviceError
+
+ATTEMPTS = 3
+_ID, _LENGTH, _ERROR, _DATA = 4, 5, 8, 9
+"""Places in a status packet."""
+_PING_BYTES = 3
+
+
+@dataclass
+class LineCounts:
+    """What has passed over the line so far."""
+
+    requests: int = 0
+    lost: int = 0
+    "Requests that no good reply followed in time."
+    corrupt: int = 0
+    "Replies with a wrong checksum."
+
+
+class Status(NamedTuple):
+    """A status packet."""
+
+    error: int
+    "Error number; 0 when all is well."
+    alert: bool
+    "Hardware Error Status is not 0."
+    data: bytes
+
+
+class SdkPort:
+    """What the SDK's PacketHandler asks of a port. It never spins: who waits for bytes waits on the line.
+
+    The SDK reckons its timeouts from lengths of packets; here every reply has the same time.
+    """
+
+    def __init__(self, line: ByteLine, clock: Clock, reply_s: float) -> None:
+        self.is_using, self.silent = False, False
+        self._line, self._clock, self._reply_s = line, clock, reply_s
+        self._until_s = 0.0
+
+    def clearPort(self) -> None:
+        """Throw away what has arrived unread."""
+        self._line.drop_input()
+
+    def writePort(self, packet: list[int]) -> int:
+        """Send all; how many bytes."""
+        self._line.write(bytes(packet))
+        return len(packet)
+
+    def setPacketTimeout(self, packet_length: int) -> None:
+        """From now on a reply is awaited."""
+        self._until_s, self.silent = self._clock.now_s() + self._reply_s, False
+
+    def isPacketTimeout(self) -> bool:
+        """Has the line given fewer bytes than were asked for? It does so when the time is over."""
+        return self.silent
+
+    def readPort(self, length: int) -> bytes:
+        """Up to ``length`` bytes."""
+        heard = self._line.read(length, max(self._until_s - self._clock.now_s(), 0.0))
+        self.silent = len(heard) < length
+        return heard
+
+
+class Conversation:
+    """Questions to the motors on one line. DeviceError when the SDK is not installed, or the line is gone."""
+
+    def __init__(self, line: ByteLine, clock: Clock, reply_s: float) -> None:
+        sdk = load_sdk()
+        self.line, self.clock, self.counts = line, clock, LineCounts()
+        self._port = SdkPort(line, clock, reply_s)
+        self._handler, self._success = sdk.PacketHandler(2.0), sdk.COMM_SUCCESS
+
+    def read(self, device_id: int, address: int, count: int, attempts: int = ATTEMPTS) -> Status | None:
+        """``count`` bytes of the control table; None after so many attempts."""
+        return self._ask(
+            device_id, count, attempts, lambda: self._handler.readTx(self._port, device_id, address, count)
+        )
+
+    def write(self, device_id: int, address: int, data: bytes, attempts: int = ATTEMPTS) -> Status | None:
+        """The motor's answer to new bytes of the control table; None after so many attempts."""
+        return self._ask(
+            device_id, 0, attempts,
+            lambda: self._handler.writeTxOnly(self._port, device_id, address, len(data), list(data)),
+        )  # fmt: skip
+
+    def ping(self, device_id: int, attempts: int) -> tuple[int, int] | None:
+        """Model number and version of the firmware; None when nobody answers."""
+        request = [0, 0, 0, 0, device_id, 3, 0, 1, 0, 0]
+        status = self._ask(device_id, _PING_BYTES, attempts, lambda: self._handler.txPacket(self._port, request))
+        return (int.from_bytes(status.data[:2], "little"), status.data[2]) if status else None
+
+    def _ask(self, device_id: int, count: int, attempts: int, send: Callable[[], object]) -> Status | None:
+        for _ in range(attempts):
+            self._port.is_using = False  # a line that was gone for a moment has left it so
+            send()
+            self._port.setPacketTimeout(count)
+            self.counts.requests += 1
+            status = self._hear(device_id, count)
+            if status and status.error != CRC_ERROR:
+                return status
+            self.counts.lost += 1
+        return None
+
+    def _hear(self, device_id: int, count: int) -> Status | None:
+        """The status packet of this motor with so many bytes of data, or with an error and none; others are late."""
+        while True:
+            packet, result = self._handler.rxPacket(self._port, False)
+            if result != self._success:
+                self.counts.corrupt += not self._port.silent
+                return None
+            held = int.from_bytes(packet[_LENGTH : _LENGTH + 2], "little") - 4
+            error, alert = packet[_ERROR] & ~ALERT, bool(packet[_ERROR] & ALERT)
+            if packet[_ID] == device_id and (held == count or (error and held == 0)):
+                return Status(error, alert, bytes(packet[_DATA : _DATA + held]))
+
+
+def load_sdk() -> Any:
+    """The package dynamixel_sdk. DeviceError when it is not installed."""
+    try:
+        return import_module("dynamixel_sdk")
+    except ImportError as error:
+        raise DeviceError(
+            '[actuator] kind = "dynamixel"',
+            wanted="the extra for Dynamixel motors",
+            found="no dynamixel_sdk",
+            do='Install it: pip install "emg2vsa[dynamixel]".',
+        ) from error

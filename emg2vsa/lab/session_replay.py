@@ -1,0 +1,253 @@
+"""A session rebuilt from its folder: what its pages showed, and every verdict judged again from the samples on disk."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from emg2vsa.errors import DataError, SettingError
+from emg2vsa.session import journal
+from emg2vsa.session.bar_force import ZERO_S, BarForce, RecentForce
+from emg2vsa.session.journal import JOURNAL_FILE, Judged, Line, read_journal
+from emg2vsa.session.judge_feed import JUDGED_VALUES, SETTLE_S, how_judged, judged_from_s, sample_at, timed
+from emg2vsa.session.legal import Moment
+from emg2vsa.session.live_press import Circumstances, StayJudged, judge_attempt
+from emg2vsa.session.open_session import kept_settings, settings_of
+from emg2vsa.session.page_states import operator_state, participant_state
+from emg2vsa.session.plan import PLAN_FILE, changes, read_plan
+from emg2vsa.session.presses import Presses, Tried
+from emg2vsa.session.raw_files import SampleFile
+from emg2vsa.session.record import saved
+from emg2vsa.session.recorded_stream import device_view
+from emg2vsa.session.session import TURN_S
+from emg2vsa.session.state import Rules, after, begun
+from emg2vsa.session.stay_judge import Begin, JudgeAtOnce, JudgeStay, Samples
+from emg2vsa.session.stays import StoredStream
+from emg2vsa.session.views import DeviceView, OperatorState, ParticipantState
+from emg2vsa.study import Study
+
+_DIGIT_S = 1e-6
+"""Of a time in the journal."""
+_OLDER = (
+    "The journal is of an earlier version, which did not write the force before START, the lost samples and the page "
+    "of each press. A verdict that rests on them cannot be made again."
+)
+
+
+@dataclass(frozen=True)
+class ReplayedPress:
+    """A complete press. before : its verdict in the journal. again : the one that its samples give now."""
+
+    specimen: str
+    before: Judged
+    again: Judged
+
+    @property
+    def differences(self) -> tuple[str, ...]:
+        """What is not the same, in words; verdict, problems and values to the last bit."""
+        old, new = self.before, self.again
+        told = {name: "; ".join(found for found, _ in each.problems) for name, each in (("was", old), ("is", new))}
+        found = [f"verdict: was {old.verdict}, is {new.verdict}"] if old.verdict != new.verdict else []
+        if old.problems != new.problems:
+            found.append(f"problems: was {told['was'] or 'none'}, is {told['is'] or 'none'}")
+        keys = [key for key in {**old.values, **new.values} if old.values.get(key) != new.values.get(key)]
+        return (*found, *(f"{key}: was {old.values.get(key)}, is {new.values.get(key)}" for key in keys))
+
+
+@dataclass(frozen=True)
+class ReplayedSession:
+    """A session as its folder has it.
+
+    line : number of the last line that was replayed. operator, participant : what the two pages showed after it.
+    presses : judged until then. notes : what is to be known of the replay, in sentences.
+    """
+
+    folder: Path
+    line: int
+    operator: OperatorState
+    participant: ParticipantState
+    presses: tuple[ReplayedPress, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def same(self) -> bool:
+        """Every verdict is the one of the journal."""
+        return not any(press.differences for press in self.presses)
+
+
+def replay(study: Study, folder: Path, *, line: int | None = None) -> ReplayedSession:
+    """Rebuild what the pages of a session showed, and judge its complete presses again. Nothing is written.
+
+    It may be done while the session runs.
+
+    Parameters
+    ----------
+    study : the study of the session, by whose settings it is judged.
+    folder : of the session: sourcedata/sub-P03/<task> below the root of the recordings.
+    line : number of the line of the journal after which the pages are shown; None: the last one.
+
+    Raises
+    ------
+    SettingError : the study has no [session] or not the session's participant; there is no such line.
+    DataError : there is no session; it is of another study; its plan, journal or samples are damaged or missing.
+
+    Examples
+    --------
+    >>> from emg2vsa import session
+    >>> session.replay(study, study.data / "sourcedata" / "sub-P03" / "press").same  # doctest: +SKIP
+    True
+    """
+    plan = read_plan(folder / PLAN_FILE)
+    if plan.study != study.name:
+        raise DataError(
+            folder, wanted=f"a session of the study {study.name}", found=f"one of {plan.study}",
+            do="Name the study file with which the session was run.",
+        )  # fmt: skip
+    settings_of(study, plan.participant)
+    lines, whole = read_journal(folder / JOURNAL_FILE)
+    shown = lines if line is None else [each for each in lines if each.number <= line]
+    if not lines:
+        raise DataError(
+            folder / JOURNAL_FILE, wanted="the journal of a session", found="no whole line",
+            do="Put the file back from a copy.",
+        )  # fmt: skip
+    if line is not None and not 1 <= line <= lines[-1].number:
+        wanted = f"a line of {folder / JOURNAL_FILE}, 1 to {lines[-1].number}"
+        raise SettingError("--line", wanted=wanted, found=str(line), do="Choose one of them.")
+    table = _Replay(study, folder, Presses(plan.presses), plan.participant)
+    presses = tuple(press for each in shown for press in table.take(each))
+    torn = (folder / JOURNAL_FILE).stat().st_size - whole
+    notes = [f"The study file has changed since: {change}." for change in changes(plan.settings, kept_settings(study))]
+    if torn > 0 and line is None:
+        notes.append(f"The last {torn} bytes of the journal are no whole line; they are passed over.")
+    if table.older:
+        notes.append(_OLDER)
+    moment = table.moment(shown[-1])
+    pages = operator_state(table.state, moment), participant_state(table.state, moment)
+    return ReplayedSession(folder, shown[-1].number, *pages, presses, tuple(notes))
+
+
+class _Replay:
+    """The state of a session, its streams and its judge, a line after another."""
+
+    def __init__(self, study: Study, folder: Path, presses: Presses, participant: str) -> None:
+        self.state = begun(Rules.of(study, participant), presses)
+        self.older = False
+        self._study, self._folder = study, folder
+        self._judge = JudgeAtOnce()
+        self._streams: dict[str, StoredStream] = {}
+        self._first: dict[str, int] = {}
+        "Of each stream the first sample of the stay."
+        self._lost: dict[str, int] = {}
+        self._ended_s = self._zero_n = 0.0
+
+    def take(self, line: Line) -> Iterator[ReplayedPress]:
+        """One more line; the press whose verdict it is, if it is one."""
+        match line.event:
+            case journal.Begun():
+                self._lost = {}
+            case journal.StreamOpened() as opened:
+                if (earlier := self._streams.get(opened.name)) is not None:
+                    self._count_lost(opened.name, earlier.clock.report().missing)
+                self._streams[opened.name] = StoredStream(opened, SampleFile(self._folder / opened.file))
+                self._begin_stay(line.time_s)
+            case journal.SamplesLost(stream=name, count=count):
+                self._count_lost(name, count)
+            case journal.Checked(item=journal.PLACED):
+                self._zero_n = self._recent(line.time_s).mean_n
+                self._begin_stay(line.time_s)
+            case journal.PressEnded() as ended:
+                self._ended_s = line.time_s
+                self.older |= ended.peak_n is not None and ended.zero_n is None
+            case Judged() as judged if (own := self.state.presses.find(judged.press, judged.attempt)) and own.complete:
+                yield ReplayedPress(own.press.specimen, judged, self._again(own, judged, line.time_s))
+        self.state = after(self.state, line)
+
+    def _count_lost(self, name: str, count: int) -> None:
+        self._lost[name] = self._lost.get(name, 0) + count
+
+    def _begin_stay(self, now_s: float) -> None:
+        self._first = {name: _stop(own, now_s) for name, own in self._streams.items()}
+
+    def _again(self, tried: Tried, event: Judged, now_s: float) -> Judged:
+        specimen, rules = tried.press.specimen, self.state.rules
+        samples = event.samples or self._samples(tried, now_s)
+        how = how_judged(self._study, rules.participant, specimen)
+        self._judge.tell(Begin(rules.participant, specimen, how, {name: at for at, name in enumerate(rules.muscles)}))
+        for name, (first, stop) in samples.items():
+            stream = self._streams[name]
+            if stop > stream.file.stop:
+                raise DataError(
+                    stream.file.path, wanted=f"the samples {first} to {stop} of press {event.press}",
+                    found=f"samples to {stream.file.stop}", do="Put the file back from a copy.",
+                )  # fmt: skip
+            stream.hear(stop)
+            columns = [stream.opened.channels.index(m) for m in rules.muscles] if name == "emg" else [0]
+            self._judge.tell(Samples(name, first, stream.file.read(first, stop)[:, columns].astype(np.float32)))
+        self._judge.tell(JudgeStay({name: timed(self._streams[name].clock, *own) for name, own in samples.items()}))
+        judged = self._judge.answer()
+        assert isinstance(judged, StayJudged)
+        assert tried.ended is not None
+        return judge_attempt(
+            tried.key, tried.as_pressed(), judged, Circumstances.of(tried.ended), rules.settings, how.window, samples
+        )
+
+    def _samples(self, tried: Tried, now_s: float) -> dict[str, tuple[int, int]]:
+        """What the judge was given, where the journal does not say it: by the times at which samples came."""
+        asked_s = min(now_s, self._ended_s + SETTLE_S + TURN_S)
+        stops = {name: _stop(own, asked_s) for name, own in self._streams.items()}
+        starts_s = {
+            name: own.hear(stops[name]).clock.timing(self._first[name], stops[name])
+            for name, own in self._streams.items()
+        }
+        longest_s = JUDGED_VALUES / (len(self.state.rules.muscles) * self._streams["emg"].opened.fs_hz)
+        presses = self.state.presses
+        from_s = judged_from_s(presses, tried.press.stay, starts_s["emg"][0], asked_s, longest_s)
+        return {name: (sample_at(self._first[name], *starts_s[name], from_s), stop) for name, stop in stops.items()}
+
+    def moment(self, line: Line) -> Moment:
+        """What no line says, of the moment of a line, from the samples that had come by then."""
+        state, now_s = self.state, round(line.time_s, journal.TIME_DIGITS)
+        bar = BarForce(state.rules.settings.bar_filter_hz)
+        bar.zero_n = self._zero_n
+        if (force := self._streams.get("force")) is not None:
+            stop = _stop(force, now_s)
+            bar.take(force.file.read(max(0, stop - round(force.opened.fs_hz)), stop)[:, 0], force.opened.fs_hz, now_s)
+        devices = tuple(self._device(name, own, now_s) for name, own in sorted(self._streams.items()))
+        resting_s = math.inf if state.command == "rest" else 0.0
+        return Moment(
+            now_s, bar.force_n, self._recent(now_s).steady, resting_s, any(own.state == "lost" for own in devices),
+            False, devices, saved(self._folder, line.number, "", True),
+        )  # fmt: skip
+
+    def _device(self, name: str, stream: StoredStream, now_s: float) -> DeviceView:
+        heard = stream.hear(_stop(stream, now_s)).heard
+        blocks = stream.file.blocks
+        shown = {"emg": "EMG", "force": "Force"}
+        told = [each for each in self.state.warnings if each.startswith(tuple(f"{own}: " for own in shown.values()))]
+        is_lost = self.state.paused == "device" and told and told[-1].startswith(f"{shown[name]}: ")
+        why = told[-1].partition(": ")[2] if is_lost else ""
+        lost = self._lost.get(name, 0) + stream.clock.report().missing
+        samples = 0 if self.state.ended is not None or why else int(blocks.count[:heard].sum())
+        silent_s = now_s - (float(blocks.arrived_s[heard - 1]) if heard else now_s)
+        return device_view(name, stream.clock, samples, lost, silent_s, why)
+
+    def _recent(self, now_s: float) -> RecentForce:
+        """The force of the half second before a time."""
+        recent = RecentForce()
+        if (force := self._streams.get("force")) is not None:
+            first, stop = _stop(force, now_s - ZERO_S - _DIGIT_S), _stop(force, now_s)
+            if stop > first:
+                recent.take(force.file.read(first, stop)[:, 0], now_s)
+        return recent
+
+
+def _stop(stream: StoredStream, now_s: float) -> int:
+    """One past the last sample that had come by a time."""
+    blocks = stream.file.blocks
+    came = blocks.arrived_s <= now_s + _DIGIT_S
+    return int((blocks.first + blocks.count)[came].max(initial=0))
