@@ -203,7 +203,7 @@ def past_contact(moment: Moment, limits: GuardSettings) -> str | None:
 
 
 def way_home(moment: Moment, limits: GuardSettings) -> str | None:
-    """The way to the retracted position leads into something: home_ticks or the encoders' zeros are wrong."""
+    """The way to the retracted position leads into something: home_deg or the encoders' zeros are wrong."""
     return (
         None if moment.seen.rise_n is None else _above(moment.seen.rise_n, moment.contact_n, "N more on the way home")
     )
