@@ -6,7 +6,10 @@ import importlib
 
 import numpy as np
 import pytest
-from emg2vsa.actuator import equilibrium_and_preset, motor_positions, stiffness_percent
+
+from emg2vsa.devices.protocols import Measurements
+from emg2vsa.devices.qbmove.springs import SpringJoint
+from emg2vsa.schedules.build import stiffness_percent
 
 PLACES = {
     "equation (1), area from divergence": ("casr.spread.area_law", "", r"eq. 1"),
@@ -16,8 +19,12 @@ PLACES = {
     "equation (5), pixels to mm": ("casr.camera", "Camera.mm_per_px", r"eq. (5)"),
     "equation (6), the logarithmic law": ("emg2vsa.curves.logarithmic", "", r"equation 6"),
     "equation (6), as a stage": ("emg2vsa.fits", "", r"equation (6)"),
-    "equation (7), co-contraction to stiffness": ("emg2vsa.actuator", "stiffness_percent", r"Equation (7)"),
-    "equation (8), motors to position and preset": ("emg2vsa.actuator", "equilibrium_and_preset", r"Equation (8)"),
+    "equation (7), co-contraction to stiffness": ("emg2vsa.schedules.build", "stiffness_percent", r"Equation (7)"),
+    "equation (8), motors to position and preset": (
+        "emg2vsa.devices.qbmove.springs",
+        "SpringJoint.position_deg",
+        r"Equation (8)",
+    ),
     "Algorithm 1, the initial area": ("casr.contact_area.algorithm_1", "paper_rule", r"Algorithm 1"),
     "figure 2, steps of Algorithm 1": ("emg2vsa.figures.algorithm_1", "", r"Figure 2"),
     "figure 4, co-contraction": ("emg2vsa.figures.cocontraction", "", r"Figure 4"),
@@ -47,6 +54,9 @@ def test_equation_7_maps_the_ends_and_the_middle() -> None:
 
 
 def test_equation_8_goes_there_and_back() -> None:
-    assert equilibrium_and_preset(1300, 700) == (1000, 300)
-    assert motor_positions(1000, 300) == (1300, 700)
-    assert equilibrium_and_preset(*motor_positions(-5, 12)) == (-5, 12)
+    joint = SpringJoint("qbmove-maker-pro", 32.0)
+    assert joint.targets_deg(10.0, 3 / 32) == (13.0, 7.0)
+    for position_deg, preset, motors_deg in ((10.0, 3 / 32, (13.0, 7.0)), (-0.5, 0.75, (23.5, -24.5))):
+        at = Measurements(motors_deg, 0.0)
+        assert joint.targets_deg(position_deg, preset) == motors_deg
+        assert (joint.position_deg(at), joint.preset_at(at)) == (position_deg, preset)

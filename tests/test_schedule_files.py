@@ -119,7 +119,7 @@ def test_a_bad_schedule_is_not_written(write: Write, read: Read, name: str, tmp_
     before = path.read_bytes()
     schedule = schedule_of()
     with pytest.raises(ScheduleError, match="row 1, column preset_ticks"):
-        write(path, dataclasses.replace(schedule, preset_ticks=schedule.preset_ticks + 5000))
+        write(path, dataclasses.replace(schedule, preset=schedule.preset + 5000 / 3000))
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
 

@@ -9,8 +9,9 @@ from emg2vsa.errors import SettingError
 from emg2vsa.lab.by_hand import hand_rig
 from emg2vsa.lab.person import NOBODY, TRIES, Person
 from emg2vsa.rig.commissioning.checks import REACH_DEG, Check, check_rig
-from emg2vsa.rig_file import RigFile, spelled
+from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.edit import write_values
+from emg2vsa.rig_file.older_keys import spelled
 from emg2vsa.study_file.problems import KeyPath
 
 _BEGIN = """\
@@ -40,14 +41,16 @@ def check_settings(
 
 
 def mend_settings(file: RigFile, checks: Sequence[Check], person: Person = NOBODY) -> bool:
-    """Write what is wrong in ``checks`` into the rig file; comments stay. Whether all is right now."""
+    """Write what is wrong in ``checks`` into the rig file, in the units that it has; comments stay. Whether all is
+    right now."""
     wrong: dict[KeyPath, object] = {(check.table, check.key): check.found for check in checks if not check.good}
     if not wrong:
         person.say(f"{file.path}: these settings are right")
         return True
+    wrong = spelled(file.path, wrong)
     if not person.agrees(f"Write {', '.join(str(key[-1]) for key in wrong)} into {file.path}?"):
         return False
-    write_values(file.path, spelled(file.path, wrong))
+    write_values(file.path, wrong)
     person.say(f"written: {file.path}; run emg2vsa rig commission once more to confirm it")
     return True
 

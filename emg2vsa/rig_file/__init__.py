@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
 
-from emg2vsa.devices.qbmove.ticks import RIG_KEYS, in_degrees, in_ticks
 from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.rig.emulated.controls import controlled, counterparts
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig_file.checks import problems_across
+from emg2vsa.rig_file.older_keys import with_todays_keys
 from emg2vsa.rig_file.tables import RigFile, RigTables
-from emg2vsa.study_file.problems import KeyPath, checked_tables
+from emg2vsa.study_file.problems import checked_tables
 from emg2vsa.study_file.toml_file import beside, placed, read_toml, reports_beside
 
-__all__ = ["RigFile", "load_rig", "spelled"]
+__all__ = ["RigFile", "load_rig"]
 
 
 def load_rig(path: str | Path) -> RigFile:
@@ -31,38 +29,14 @@ def load_rig(path: str | Path) -> RigFile:
     """
     path = Path(path)
     text, written = read_toml(path, "a rig file")
-    raw, older = _today(written)
+    today = with_todays_keys(written)
+    raw = today.tables
     tables, problems = checked_tables(RigTables, raw)
     faulty = {problem.path for problem in problems}
     problems += [problem for problem in problems_across(tables, raw) if not _within(problem.path, faulty)]
-    if problems:
-        raise placed(path, text, [replace(problem, path=older.get(problem.path, problem.path)) for problem in problems])
+    if problems := [*today.problems, *map(today.placed, problems)]:
+        raise placed(path, text, problems)
     return _rig_file(Path(os.path.abspath(path)), RigTables(**tables))
-
-
-def spelled(path: Path, values: Mapping[KeyPath, object]) -> dict[KeyPath, object]:
-    """Values for keys of today under the older key, in its unit, where the file has that."""
-    _, written = read_toml(path, "a rig file")
-    _, older = _today(written)
-    there = {}
-    for at, value in values.items():
-        name = older.get(at, at)
-        there[name] = in_ticks({str(at[-1]): value})[str(name[-1])] if name != at else value
-    return there
-
-
-def _today(written: dict[str, Any]) -> tuple[dict[str, Any], dict[KeyPath, KeyPath]]:
-    """The file with angles in degrees and currents in A where it has the ticks and mA of versions up to 0.2.0, and the
-    place of each such value in the file."""
-    rig = written.get("rig")
-    if not isinstance(rig, dict):
-        return written, {}
-    older: dict[KeyPath, KeyPath] = {}
-    for old, (new, _, _) in RIG_KEYS.items():
-        for at, table in ((("rig",), rig), (("rig", "guards"), rig.get("guards"))):
-            if isinstance(table, dict) and old in table:
-                older[(*at, new)] = (*at, old)
-    return written | {"rig": in_degrees(rig)}, older
 
 
 def _within(path: tuple[str | int, ...], faulty: set[tuple[str | int, ...]]) -> bool:

@@ -109,7 +109,11 @@ def export_in(document: Document, where: str) -> Export:
     """How a document states presets, by the actuator of its limits. ScheduleError where that cannot be told."""
     limits = document.get("limits")
     name = limits.get("actuator") if isinstance(limits, dict) else None
-    export = export_of(name if isinstance(name, str) else joint_names()[0], f"{where}, limits.actuator")
+    name = name if isinstance(name, str) else joint_names()[0]
+    if name not in joint_names():
+        wanted = f"one of {', '.join(joint_names())}"
+        raise ScheduleError(f"{where}, limits.actuator", wanted=wanted, found=repr(name), do=EXPORT_AGAIN)
+    export = export_of(name)
     kind = int if export.whole else float
     kinds = {"stiffness_percent": list, export.limit: kind, "actuator": str, "scale": str}
     _check_keys(limits, kinds, f"{where}, limits")

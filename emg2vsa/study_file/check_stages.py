@@ -137,24 +137,29 @@ def _bracket(profile: ProfileSettings, specimens: tuple[SpecimenTable, ...], of_
         yield Problem(("profile", "new_stiffness_n_per_mm"), wanted, f"{stiffness:g}", do)
 
 
-def _schedule(schedule: ScheduleSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:
+def _schedule(schedule: ScheduleSettings) -> Iterator[Problem]:
     yield from _rising(schedule.stiffness_percent, ("schedule", "stiffness_percent"))
-    given, of_joint = (
-        raw.get("schedule", {}),
-        {joint: k.full_key for k in kinds("actuator").values() for joint in k.joints},
-    )
-    key = of_joint.get(schedule.actuator)
-    if key is None:
-        wanted, do = f"one of {', '.join(of_joint)}", nearest(schedule.actuator, of_joint)
+    keys = _full_keys()
+    if schedule.actuator not in keys:
+        wanted, do = f"one of {', '.join(keys)}", nearest(schedule.actuator, keys)
         yield Problem(("schedule", "actuator"), wanted, shown(schedule.actuator), do)
-        return
-    if getattr(schedule, key, None) is None:
+    elif getattr(schedule, key := keys[schedule.actuator], None) is None:
         wanted = f"a key {key!r} with actuator = {schedule.actuator!r}: its full preset"
         yield Problem(("schedule", key), wanted, "nothing")
-    for other in dict.fromkeys(of_joint.values()):
-        if other in given and other != key:
+
+
+def _full_preset(schedule: ScheduleSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:
+    keys = _full_keys()
+    own = keys.get(schedule.actuator)
+    for other in dict.fromkeys(keys.values()):
+        if own and other != own and other in raw.get("schedule", {}):
             wanted = f"no key of another actuator with actuator = {schedule.actuator!r}"
-            yield Problem(("schedule", other), wanted, repr(other), f"Give {key!r}, or correct actuator.")
+            yield Problem(("schedule", other), wanted, repr(other), f"Give {own!r}, or correct actuator.")
+
+
+def _full_keys() -> dict[str, str]:
+    """Joint to the key of its full preset."""
+    return {joint: kind.full_key for kind in kinds("actuator").values() for joint in kind.joints}
 
 
 def _step(schedule: ScheduleSettings, window: WindowSettings) -> Iterator[Problem]:
@@ -211,6 +216,6 @@ def _silent(simulation: SimulationSettings, window: WindowSettings) -> Iterator[
 
 
 CHECKS = (
-    _filters, _window, _own_filters, _own_window, _muscles, _bins, _new_specimen, _bracket, _schedule, _step, _runs,
-    _durations, _shares, _silent,
+    _filters, _window, _own_filters, _own_window, _muscles, _bins, _new_specimen, _bracket, _schedule, _full_preset,
+    _step, _runs, _durations, _shares, _silent,
 )  # fmt: skip

@@ -7,7 +7,6 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from emg2vsa.actuator import RAD_PER_TICK, SPRINGS, Springs
 from scipy.optimize import brentq
 
 from casr.specimens import SPECIMENS
@@ -22,6 +21,7 @@ from emg2vsa.contact_mechanics import (
     in_series,
     simulate_presses,
 )
+from emg2vsa.devices.qbmove.springs import SPRINGS, Springs
 from emg2vsa.errors import DataError
 from tests.contact_mechanics.history_keeping import convolved_force_n
 
@@ -188,7 +188,7 @@ def test_a_press_without_stiffness_or_without_end_is_refused() -> None:
 
 
 def test_presets_below_and_above_the_steps_are_those_of_the_first_and_the_last() -> None:
-    steps = StiffnessSteps(np.array([0.5, 3.0, 7.0]), np.array([100.0, 900.0]))
-    ticks = [steps.preset_rad(force) / RAD_PER_TICK for force in (0.0, 0.5, 2.99, 3.0, 7.0, 9.0)]
-    assert ticks == pytest.approx([100, 100, 100, 900, 900, 900])
+    steps = StiffnessSteps(np.array([0.5, 3.0, 7.0]), np.array([0.1, 0.9]))
+    presets = [steps.preset_rad(force) for force in (0.0, 0.5, 2.99, 3.0, 7.0, 9.0)]
+    assert presets == [0.1, 0.1, 0.1, 0.9, 0.9, 0.9]
     assert [steps.next_n(force) for force in (0.0, 2.9, 3.0)] == [3.0, 3.0, math.inf]

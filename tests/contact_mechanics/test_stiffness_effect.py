@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from emg2vsa.actuator import SPRINGS
 
 from casr.specimens import SPECIMENS
 from emg2vsa.contact_mechanics import Drive, PowerLaw, StiffnessSteps
@@ -16,6 +15,7 @@ from emg2vsa.contact_mechanics.stiffness_effect import (
     replicates_needed,
     stiffness_effect,
 )
+from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS
 from emg2vsa.errors import DataError
 
 NAMES = ("S1", "S2", "S5")
@@ -38,8 +38,10 @@ def bench(names: tuple[str, ...] = NAMES) -> Bench:
         area_mm2=lambda name, force: law(name).area_mm2(force),
         drive=Drive(springs=SPRINGS["qbmove-maker-pro"]),
         steps={
-            "modular": {name: StiffnessSteps(EDGES, 30.0 * np.array(HUMAN_LIKE[name])) for name in HUMAN_LIKE},
-            "all-20": dict.fromkeys(NAMES, StiffnessSteps.constant(600.0)),
+            "modular": {
+                name: StiffnessSteps(EDGES, 30.0 * RAD_PER_TICK * np.array(HUMAN_LIKE[name])) for name in HUMAN_LIKE
+            },
+            "all-20": dict.fromkeys(NAMES, StiffnessSteps.constant(600.0 * RAD_PER_TICK)),
         },
         window_n=(0.5, 7.0),
         rate_hz=20.0,

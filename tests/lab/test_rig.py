@@ -184,4 +184,4 @@ def test_a_device_that_is_not_there_is_told(file: RigFile) -> None:
         ("[actuator]", False), ("[motor]", False), ("[force]", False),
     ]  # fmt: skip
     assert heard[1] == f"  not usable: {states[0].problem}"
-    assert [(one.device, one.ticks) for one in rig.off(file.path)] == [("actuator", None), ("motor", None)]
+    assert [(one.device, one.at) for one in rig.off(file.path)] == [("actuator", None), ("motor", None)]

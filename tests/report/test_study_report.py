@@ -213,7 +213,7 @@ def test_normalised_activity_is_never_called_volts(results, tmp_path, read_page)
 
 
 def test_schedules_are_printed_without_repeating_what_is_constant(written, results):
-    steps = results.people.schedules[0].preset_ticks.size
+    steps = results.people.schedules[0].preset.size
     specimens = len({s.specimen for s in results.people.schedules})
     printed = (written / "tables/schedules.tex").read_text().count(" & constant-")
     assert printed == 3 * specimens

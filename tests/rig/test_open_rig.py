@@ -29,6 +29,7 @@ from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.open_rig import open_force, open_rig, within_device
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
+WIDE = {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)}
 PATIENT = RigSettings(guards=GuardSettings(stale_s=2.0, camera_s=5.0))
 INFO = QbmoveInfo(
     firmware="QBMMP v6.1.0", device_id=1, max_stiffness_ticks=3000,
@@ -195,23 +196,11 @@ def test_a_card_without_its_calibration_is_told(tmp_path: Any) -> None:
     ("device", "rig", "rigid", "positions", "percent"),
     [
         ({}, {}, False, (-12000, 12000), (20.0, 80.0)),
-        ({}, {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)}, False, (-12000, 12000), (20.0, 80.0)),
-        ({}, {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)}, True, (-15000, 15000), (20.0, 80.0)),
+        ({}, WIDE, False, (-12000, 12000), (20.0, 80.0)),
+        ({}, WIDE, True, (-15000, 15000), (20.0, 80.0)),
         ({}, {"position_deg": (-100 * DEG_PER_TICK, 9000 * DEG_PER_TICK)}, False, (-100, 9000), (20.0, 80.0)),
-        (
-            {"max_stiffness_ticks": 2400},
-            {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)},
-            False,
-            (-12600, 12600),
-            (25.0, 80.0),
-        ),
-        (
-            {"max_stiffness_ticks": 4000},
-            {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)},
-            False,
-            (-11000, 11000),
-            (20.0, 60.0),
-        ),
+        ({"max_stiffness_ticks": 2400}, WIDE, False, (-12600, 12600), (25.0, 80.0)),
+        ({"max_stiffness_ticks": 4000}, WIDE, False, (-11000, 11000), (20.0, 60.0)),
     ],
 )
 def test_limits_are_the_device_s_and_no_wider_than_the_file_s(

@@ -13,7 +13,7 @@ from emg2vsa.rig_file.edit import edited, write_values
 TEXT = """\
 # the rig
 [rig]
-push_sign = 1 # -1 where fewer ticks push
+push_sign = 1 # -1 where smaller angles push
 push_axis = [
   0, 0, 1, # down
 ] # of the sensor
@@ -64,7 +64,7 @@ def test_a_key_in_quotation_marks_is_found() -> None:
 
 
 def test_an_inline_table_is_refused() -> None:
-    form = "rig = { push_sign = 1, home_ticks = 3 }\n"
+    form = "rig = { push_sign = 1, home_deg = 3 }\n"
     with pytest.raises(
         SettingError,
         match=r"rig.push_sign: expected a key on a line of its own, but found another "
@@ -76,6 +76,6 @@ def test_an_inline_table_is_refused() -> None:
 def test_the_file_is_written_whole(tmp_path: Path) -> None:
     path = tmp_path / "rig.toml"
     path.write_text(TEXT)
-    write_values(path, {("rig", "push_sign"): -1, ("rig", "home_ticks"): -300})
-    assert tomllib.loads(path.read_text())["rig"]["home_ticks"] == -300
+    write_values(path, {("rig", "push_sign"): -1, ("rig", "home_deg"): -3.25})
+    assert tomllib.loads(path.read_text())["rig"]["home_deg"] == -3.25
     assert path.read_text().count("#") == TEXT.count("#")

@@ -266,8 +266,62 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
                 "20.0].",
                 "16: rig.push_axis: expected a direction of length 1, but found one of length 2. Along z it is [0, "
                 "0, 1].",
-                "14: rig.travel_mm: expected every depth within position_ticks, -12000 to 12000, "
-                "but found 15 mm at 12827 ticks.",
+                "14: rig.travel_mm: expected every depth within position_deg, -131.836 to 131.836, "
+                "but found 15 mm at 140.918 degrees.",
+            ],
+        ),
+        (
+            "[emulated]", "[rig]\nhome_ticks = 13000\nposition_ticks = [-12000, 12000]",
+            [
+                "15: rig.home_ticks: expected every depth within position_deg, -131.836 to 131.836, but found 0 mm at "
+                "142.822 degrees. home_ticks = 13000 is read as home_deg = 142.822265625.",
+                "14: rig.travel_mm: expected every depth within position_deg, -131.836 to 131.836, "
+                "but found 15 mm at 217.822 degrees.",
+            ],
+        ),
+        (
+            "[emulated]", "[rig]\nhome_ticks = 2\nhome_deg = 0.5\n[rig.guards]\ncurrent_ma = 100\ncurrent_a = 9",
+            [
+                "15: rig.home_ticks: expected one key, home_deg or home_ticks, but found both. "
+                "Remove one of them; home_ticks is that of versions up to 0.2.0.",
+                "18: rig.guards.current_ma: expected one key, current_a or current_ma, but found both. "
+                "Remove one of them; current_ma is that of versions up to 0.2.0.",
+                "19: rig.guards.current_a: expected a number <= 6, but found 9.",
+            ],
+        ),
+        (
+            "[emulated]",
+            "[rig]\nhome_ticks = 1.5\nposition_ticks = [-12000, 0.5]\nmax_preset_ticks = 0\nguards = "
+            '{ following_ticks = 700, current_ma = "1500" }',
+            [
+                "15: rig.home_ticks: expected a whole number, but found 1.5.",
+                "16: rig.position_ticks[1]: expected a whole number, but found 0.5.",
+                "17: rig.max_preset_ticks: expected a number > 0, but found 0.0. max_preset_ticks = 0 is read as "
+                "full_preset = 0.0.",
+                "18: rig.guards.following_ticks: expected a number <= 6.6, but found 7.6904296875. "
+                "following_ticks = 700 is read as following_deg = 7.6904296875.",
+                '18: rig.guards.current_ma: expected a number, but found "1500". Write it without quotes.',
+            ],
+        ),
+        (
+            "[emulated]", "[rig]\nposition_ticks = [1]\nfollowing_ticks = 3\n[rig.losses]\nhome_ticks = 3",
+            [
+                "15: rig.position_ticks[1]: expected one more entry, but found nothing. "
+                "position_ticks = [1] is read as position_deg = [0.010986328125].",
+                "16: rig.following_ticks: expected a known key, but found 'following_ticks'. The keys are "
+                "gear_mm_per_degree, travel_mm, home_deg, push_sign, position_deg, full_preset, stiffness_percent, "
+                "push_axis, rate_hz, filter_samples, max_mm_per_s, escape_mm_per_s, settle_s, record_full_rate_force, "
+                "losses, guards.",
+                "18: rig.losses.home_ticks: expected a known key, but found 'home_ticks'. The keys are "
+                "late_turns_percent, missing_turns_percent, lost_force_percent, missing_frames_percent.",
+            ],
+        ),
+        (
+            "[emulated]", f"[rig]\nhome_ticks = {10**400}\n[rig.guards]\nfollowing_ticks = nan\ncurrent_ma = inf",
+            [
+                f"15: rig.home_ticks: expected a finite number, but found 1{56 * '0'}....",
+                "17: rig.guards.following_ticks: expected a finite number, but found NaN.",
+                "18: rig.guards.current_ma: expected a finite number, but found Infinity.",
             ],
         ),
         (
@@ -309,9 +363,26 @@ def test_bad_files(old: str, new: str, said: list[str], small: str, problems: Pr
 
 @pytest.mark.parametrize("guard", [each.name for each in fields(GuardSettings)])
 def test_no_guard_may_pass_its_bound(guard: str, small: str, problems: Problems) -> None:
-    value = "1" if guard == "following_ticks_per_s" else "1e9"
+    value = "1" if guard.startswith("following_deg_per_s") else "1e9"
     (line,) = problems(small.replace("[emulated]", f"[rig.guards]\n{guard} = {value}\n[emulated]", 1))
     assert line.startswith(f"15: rig.guards.{guard}: expected a number ")
+
+
+@pytest.mark.parametrize(
+    ("guard", "value", "wanted"),
+    [
+        ("following_ticks", 601, "<= 6.6, but found 6.602783203125. following_ticks = 601 is read as following_deg = "),
+        ("following_ticks", 0, "> 0, but found 0.0. following_ticks = 0 is read as following_deg = 0.0."),
+        ("following_ticks_per_s", 2994, ">= 32.9, but found 32.89306640625. following_ticks_per_s = 2994 is read as "),
+        ("following_ticks_per_s", 61000, "<= 660, but found 670.166015625. following_ticks_per_s = 61000 is read as "),
+        ("current_ma", 6001, "<= 6, but found 6.001. current_ma = 6001 is read as current_a = 6.001."),
+    ],
+)
+def test_no_guard_may_pass_its_bound_in_ticks(
+    guard: str, value: int, wanted: str, small: str, problems: Problems
+) -> None:
+    (line,) = problems(small.replace("[emulated]", f"[rig.guards]\n{guard} = {value}\n[emulated]", 1))
+    assert line.startswith(f"15: rig.guards.{guard}: expected a number {wanted}")
 
 
 @pytest.mark.parametrize("line", ["max_mm_per_s = 201", "escape_mm_per_s = 4", "settle_s = 3"])

@@ -11,10 +11,12 @@ from pathlib import Path
 import pytest
 
 from emg2vsa.devices.netft.settings import NetFtSettings
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.rig_file import RigFile, load_rig
+from emg2vsa.rig_file.older_keys import spelled
 from emg2vsa.rig_file.plans import chosen_runs
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -47,6 +49,59 @@ rate_hz = 30
     assert file.rig.guards == GuardSettings(force_n=9.0, late_s=0.1)
     assert file.devices.camera is not None
     assert (file.devices.camera.source, file.devices.camera.rate_hz) == ("http://camera/frames", 30.0)
+
+
+OLDER = """
+[rig]
+home_ticks = -300
+position_ticks = [-12000, 11000]
+max_preset_ticks = 2800
+guards = { following_ticks = 120, following_ticks_per_s = 15000, current_ma = 1250 }
+"""
+TODAY = f"""
+[rig]
+home_deg = {-300 * DEG_PER_TICK}
+position_deg = [{-12000 * DEG_PER_TICK}, {11000 * DEG_PER_TICK}]
+full_preset = {2800 * DEG_PER_TICK}
+guards = {{ following_deg = {120 * DEG_PER_TICK}, following_deg_per_s = {15000 * DEG_PER_TICK}, current_a = 1.25 }}
+"""
+
+
+def test_files_in_ticks_are_read_as_those_in_degrees(small: str, load: Load) -> None:
+    older = load(small + OLDER)
+    assert older == load(small + TODAY)
+    assert (older.rig.home_deg, older.rig.full_preset) == (-3.2958984375, 30.76171875)
+    mixed = load(small + OLDER.replace("home_ticks = -300", f"home_deg = {-300 * DEG_PER_TICK}"))
+    assert mixed == older
+
+
+def test_the_defaults_are_those_of_before(small: str, load: Load) -> None:
+    before = """
+[rig]
+home_ticks = 0
+position_ticks = [-12000, 12000]
+max_preset_ticks = 3000
+[rig.guards]
+following_ticks = 100
+following_ticks_per_s = 12000
+current_ma = 1500
+"""
+    assert load(small + before) == load(small)
+
+
+def test_a_value_goes_back_into_the_file_in_its_own_unit(tmp_path: Path) -> None:
+    path = tmp_path / "rig.toml"
+    values = {
+        ("rig", "home_deg"): -3.3, ("rig", "push_sign"): -1, ("rig", "position_deg"): (-131.8359375, 11.0),
+        ("rig", "guards", "current_a"): 1.2,
+    }  # fmt: skip
+    path.write_text("[rig]\nhome_deg = 1.0\n")
+    assert spelled(path, values) == values
+    path.write_text("[rig]\nhome_ticks = 3\nposition_ticks = [-1, 1]\nguards = { current_ma = 1500 }\n")
+    assert spelled(path, values) == {
+        ("rig", "home_ticks"): -300, ("rig", "push_sign"): -1, ("rig", "position_ticks"): (-12000, 1001),
+        ("rig", "guards", "current_ma"): 1200.0,
+    }  # fmt: skip
 
 
 def test_paths_start_at_the_folder_of_the_rig_file(small: str, load: Load, tmp_path: Path) -> None:

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from emg2vsa.actuator import stiffness_nm_per_rad
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from emg2vsa.devices.joints import joint_of
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.errors import ScheduleError
 from emg2vsa.figures.canvas import ONE_COLUMN_MM, style
 from emg2vsa.figures.palette import looks
@@ -21,6 +22,8 @@ from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.schedules import Limits, Schedule, check
 from emg2vsa.schedules.build import build_schedules, mean_over_steps
 from emg2vsa.settings import ScheduleSettings
+
+ADVANCED = joint_of("qbmove-advanced", 3000 * DEG_PER_TICK)
 
 
 def profile(name: str, a: float, b: float, source: str = "measured") -> Profile:
@@ -108,10 +111,12 @@ def test_mapping_is_linear_in_the_step_means() -> None:
 
 def test_ticks_and_stiffness_belong_to_the_percent() -> None:
     schedule = schedules()["S1", "modular"]
-    assert schedule.preset_ticks[-1] == 2400
-    np.testing.assert_array_equal(schedule.preset_ticks, np.rint(schedule.stiffness_percent * 30))
+    assert schedule.exported[-1] == 2400
+    np.testing.assert_array_equal(schedule.exported, np.rint(schedule.stiffness_percent * 30))
+    assert schedule.exported.dtype == np.int64
+    np.testing.assert_array_equal(schedule.preset, schedule.exported / 3000)
     np.testing.assert_array_equal(
-        schedule.stiffness_nm_per_rad, stiffness_nm_per_rad(schedule.preset_ticks, "qbmove-advanced")
+        schedule.stiffness_nm_per_rad, ADVANCED.stiffness_nm_per_rad(schedule.exported / 3000)
     )
 
 
@@ -147,7 +152,7 @@ def test_the_new_specimen_replaces_the_measured_one_of_its_name() -> None:
 
 def test_stiffness_scale_is_linear_in_stiffness() -> None:
     schedule = schedules(profiles_of(PROFILES.profiles[0]), scale="stiffness")["S1", "modular"]
-    maximum = float(stiffness_nm_per_rad(3000, "qbmove-advanced"))
+    maximum = float(ADVANCED.stiffness_nm_per_rad(1.0))
     share = (schedule.activity_v - schedule.activity_v[0]) / np.ptp(schedule.activity_v)
     # a whole tick of preset changes stiffness by up to 0.2 %
     np.testing.assert_allclose(schedule.stiffness_nm_per_rad, maximum * (0.2 + 0.6 * share), rtol=1e-3)
@@ -215,8 +220,24 @@ def spoilt(name: str, row: int, value: float, base: tuple[str, str] = ("S1", "mo
         ("stiffness_percent", 21, 120.0, "row 22, column stiffness_percent: expected 0 to 100 %, but found 120"),
         ("stiffness_percent", 21, 80.1, "row 22, column stiffness_percent: expected 20 to 80 %"),
         ("stiffness_percent", 4, 40.0, "row 5, column preset_ticks: expected the ticks of its percent, 1200"),
-        ("preset_ticks", 1, 3001, "row 2, column preset_ticks: expected 0 to 3000 ticks"),
-        ("preset_ticks", 1, -1, "row 2, column preset_ticks: expected 0 to 3000 ticks"),
+        (
+            "preset",
+            1,
+            3001 / 3000,
+            "row 2, column preset_ticks: expected 0 to 3000 ticks, the device's maximum preset, but found 3001",
+        ),
+        (
+            "preset",
+            1,
+            -1 / 3000,
+            "row 2, column preset_ticks: expected 0 to 3000 ticks, the device's maximum preset, but found -1",
+        ),
+        (
+            "preset",
+            1,
+            math.nan,
+            "row 2, column preset_ticks: expected 0 to 3000 ticks, the device's maximum preset, but found nan",
+        ),
         ("stiffness_nm_per_rad", 2, 9.0, "row 3, column stiffness_nm_per_rad: expected the stiffness of its ticks"),
         ("stiffness_nm_per_rad", 2, math.nan, "row 3, column stiffness_nm_per_rad"),
         ("step_force_n", 5, 1.0, "row 5, column force_to_n: expected a finite force above force_from_n"),

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 SUMMARY = "Rebuild a session from its folder: its pages, and every verdict judged again from the samples."
 EPILOG = """
 FOLDER is sourcedata/sub-CODE/TASK below the root of the recordings. It is read and never changed, also while the
-session runs. Exit status 0: every verdict is the one of the journal; 1: one is not; 2: study file or folder are unusable.
+session runs. Exit status 0: every verdict is the one of the journal; 1: one is not; 2: study file or folder are
+unusable.
 """
 OPTIONS = """\
 folder FOLDER  of the session, with plan.json and journal.jsonl

@@ -11,6 +11,8 @@ TICKS_PER_TURN = 32768
 """Wire ticks of a qbmove to a turn of its shaft, at the resolution 1 that is its default."""
 DEG_PER_TICK = 360 / TICKS_PER_TURN
 """A fraction of a power of two: whole ticks to degrees and back lose nothing."""
+_MOST = 1e15
+"""What is no angle or current in any unit stays as it is."""
 Keys = Mapping[str, tuple[str, float, type]]
 LOG_COLUMNS = LogColumns(
     ("position_ticks", "preset_ticks", "motor_1_ticks", "motor_2_ticks", "shaft_ticks", "current_1_ma", "current_2_ma"),
@@ -50,7 +52,8 @@ def in_ticks(table: Mapping[str, Any], keys: Keys = RIG_KEYS) -> dict[str, Any]:
 
 
 def in_degrees(table: Mapping[str, Any], keys: Keys = RIG_KEYS) -> dict[str, Any]:
-    """The reverse. Keys of today stay as they are, and so does what is no number: its reader refuses it."""
+    """The reverse. Keys of today stay as they are, and so does what is no number, or a huge one: its reader refuses
+    it."""
     own: Keys = {old: (new, unit, float) for old, (new, unit, _) in keys.items()}
     return {own.get(key, (key,))[0]: _scaled(key, value, own, in_degrees, keys) for key, value in table.items()}
 
@@ -63,4 +66,6 @@ def _scaled(key: str, value: Any, own: Keys, inner: Callable[[Mapping[str, Any],
     if key not in own or not isinstance(value, (int, float)) or isinstance(value, bool):
         return value
     _, factor, kind = own[key]
+    if abs(value) > _MOST:
+        return value
     return round(value * factor) if kind is int else round(value * factor, 12)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields
 from functools import lru_cache
 from operator import gt
 
-from emg2vsa.devices.protocols import ForceSample, Rating
+from emg2vsa.devices.protocols import ForceSample, Measurements, Rating
 from emg2vsa.rig.executor.motion import Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
@@ -27,6 +27,12 @@ _INWARDS = ("approach", "contact", "load")
 class Seen:
     """What `Witnesses` make of several turns. None is what is not known, or not to be judged now."""
 
+    at: Measurements | None = None
+    "Encoders, when they were last read."
+    at_before: Measurements | None = None
+    "And the time before that."
+    between_s: float = 0.0
+    "From that reading to the last."
     still_mm: float = 0.0
     "How far the motors have pressed on while the readings of the force sensor stayed the same."
     still_s: float | None = None
@@ -197,7 +203,7 @@ def past_contact(moment: Moment, limits: GuardSettings) -> str | None:
 
 
 def way_home(moment: Moment, limits: GuardSettings) -> str | None:
-    """The way to the retracted position leads into something: home_ticks or the encoders' zeros are wrong."""
+    """The way to the retracted position leads into something: home_deg or the encoders' zeros are wrong."""
     return (
         None if moment.seen.rise_n is None else _above(moment.seen.rise_n, moment.contact_n, "N more on the way home")
     )

@@ -35,6 +35,7 @@ class Witnesses:
         self._at, self._contact_mm, self._lowest_n = at, math.inf, math.inf
         self._sent = at.motors_deg[0], 0.0
         self._sent_s: float | None = None
+        self._read_s = 0.0
         self._forces: deque[tuple[float, ...]] = deque(maxlen=rig.filter_samples)
         self._loads: list[tuple[float, float]] = []
         self.seen = Seen()
@@ -82,7 +83,9 @@ class Witnesses:
     ) -> None:
         """Encoders and currents right after a command; ``felt_n`` : along the push axis in the same turn. ``motion`` :
         after the turn, whose phase ``begins`` with it or goes on."""
-        self._at = at
+        seen, self._at = self.seen, at
+        seen.at_before, seen.at = seen.at, at
+        seen.between_s, self._read_s = (self._sent_s or 0.0) - self._read_s, self._sent_s or 0.0
         spring_n = None
         if self._joint is not None:
             # pressing is positive; friction of the shaft over the lever is part of it, and so is the shaft's motion
@@ -94,7 +97,6 @@ class Witnesses:
         shaft_mm = self._rig.depth_at(at.shaft_deg)
         if motion.phase == "contact" and begins:
             self._contact_mm = shaft_mm
-        seen = self.seen
         seen.astray_deg = self._motors.astray_deg(at)
         seen.spring_n, seen.felt_n = spring_n, felt_n
         seen.spring_rest_n = spring_n if motion.stiff and at_rest(motion, self._sent_s or 0.0) else None

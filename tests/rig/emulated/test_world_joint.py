@@ -24,6 +24,10 @@ def rest(model: str, motors: tuple[float, float], probe: Probe, friction_nm: flo
     return SpringJoint(SPRINGS[model], friction_nm, 0.01).moved(start, math.inf, motors, probe)
 
 
+def stiffness_nm_per_rad(ticks: float, model: str) -> float:
+    return float(joint_of(model, 3000 * DEG_PER_TICK).stiffness_nm_per_rad(ticks / 3000))
+
+
 def held_nm(model: str, shaft: float, motors: tuple[float, float], probe: Probe) -> float:
     s, (first, second) = SPRINGS[model], motors
     springs_nm = s.k1_nm * math.sinh(s.a1_per_rad * (shaft - first)) + s.k2_nm * math.sinh(
@@ -49,7 +53,7 @@ def test_a_little_load_gives_way_by_the_stiffness_of_the_preset(model: str) -> N
         shaft = rest(model, (centre + preset, centre - preset), S3)
         load_nm = S3.torque_nm(shaft)[0]
         assert load_nm > 0
-        stiffness = float(joint_of(model, 3000 * DEG_PER_TICK).stiffness_nm_per_rad(ticks / 3000))
+        stiffness = stiffness_nm_per_rad(ticks, model)
         assert load_nm / (S3.touch_rad + 1e-4 - shaft) == pytest.approx(stiffness, rel=1e-3)
 
 
