@@ -209,7 +209,9 @@ def test_every_frame_shows_the_contact_of_its_exposure(
 
 
 def draws(mounting: int = 1, **changes: Any) -> PressDraws:
-    return PressDraws(EmulatedSettings(**changes), "S1", 45.0, SPRINGS["qbmove-maker-pro"], RIG, "run", mounting=mounting)
+    return PressDraws(
+        EmulatedSettings(**changes), "S1", 45.0, SPRINGS["qbmove-maker-pro"], RIG, "run", mounting=mounting
+    )
 
 
 def test_presses_of_a_mounting_share_what_another_mounting_has_otherwise() -> None:
