@@ -21,7 +21,7 @@ from emg2vsa.contact_mechanics import (
     in_series,
     simulate_presses,
 )
-from emg2vsa.devices.qbmove.springs import SPRINGS, Springs
+from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS, Springs
 from emg2vsa.errors import DataError
 from tests.contact_mechanics.history_keeping import convolved_force_n
 
