@@ -19,17 +19,23 @@ from casr.errors import PluginError
 from emg2vsa.cli import main
 from emg2vsa.devices import registry
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.devices.protocols import Measurements
 from emg2vsa.devices.registry import Around
 from emg2vsa.errors import DeviceError, StudyError
+from emg2vsa.lab.by_hand import jog
 from emg2vsa.lab.device_states import info
+from emg2vsa.lab.dry_runs import dry_run
 from emg2vsa.lab.session_devices import devices
+from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.rig.emulated.servers import VirtualSerialPort
+from emg2vsa.rig.executor.dry_run import DryRun
 from emg2vsa.rig.open_rig import open_camera, open_force
 from emg2vsa.rig.rig_settings import GuardSettings
 from emg2vsa.rig_file import load_rig
+from emg2vsa.schedule_files import read_csv, read_json, write_schedule
+from emg2vsa.schedules.build import build_schedules
 from emg2vsa.session.open_session import folder_of, open_session
 from emg2vsa.session.raw_files import SampleFile
+from emg2vsa.settings import ScheduleSettings
 from emg2vsa.study_file import load_study
 from tests.plugins.conftest import device_example
 
@@ -194,45 +200,96 @@ def test_a_session_records_a_labs_own_devices(rig_file: Path, emg: str, tmp_path
         assert np.nanmax(np.abs(samples), axis=0) == pytest.approx(scale, rel=0.05)
 
 
-@pytest.mark.skipif(
-    "motors_deg" not in Measurements._fields, reason="the protocol of an actuator is not yet in degrees"
-)
-def test_an_actuator_speaks_of_degrees(lab: None) -> None:
-    state = {"motors": "off", "where": 0.0}
+class Bench:
+    """What the actuator says, whose motor pulls towards its command, and the force box under a pad at 6 degrees."""
 
-    def answer(data: bytes) -> bytes:
-        said = []
-        for question in data.decode().splitlines():
-            word, *rest = question.split()
-            if word == "motors" and rest:
-                state["motors"] = rest[0]
-            if word == "go":
-                state["where"] = float(rest[0])
-            place = f"{state['where']:.3f} {state['where'] - 1:.3f}"
-            told = {"where": place, "current": "0.25", "limit": "1.5"}
-            said.append(told.get(word) or (str(state["motors"]) if question == "motors" else "ok"))
-        return "".join(f"{each}\n" for each in said).encode()
+    def __init__(self) -> None:
+        self.motors, self.command_deg, self.preset, self.presets = "off", 0.0, 0.2, set[float]()
+        self.most_n = 0.0
 
-    kind = registry.kind_of("actuator", "lab-actuator")
-    assert kind is not None
-    with VirtualSerialPort(answer) as port:
-        actuator = kind.opened(kind.settings(port=port.name), Around(WallClock()))
+    @property
+    def shaft_deg(self) -> float:
+        """Where the joint's torque is that of a pad of 2 N/mm at a lever of 0.2 mm per degree."""
+        if self.motors == "off" or self.command_deg < 6.0:
+            return min(self.command_deg, 6.0)
+        pad, joint = 0.4 * math.degrees(0.2) / 1000, math.radians(12.0 * self.preset)  # N m per degree
+        return (joint * self.command_deg + pad * 6.0) / (joint + pad)
+
+    def force_n(self) -> float:
+        return 0.4 * (self.shaft_deg - 6.0) if self.shaft_deg > 6.0 else 0.0
+
+    def __call__(self, data: bytes) -> bytes:
+        return "".join(f"{self._answer(*question.split())}\n" for question in data.decode().splitlines()).encode()
+
+    def _answer(self, word: str, *rest: str) -> str:
+        if word == "motors" and rest:
+            self.motors = rest[0]
+        if word == "go":
+            self.command_deg, self.preset = map(float, rest)
+            self.presets.add(self.preset)
+            self.most_n = max(self.most_n, self.force_n())
+        said = {"where": f"{self.shaft_deg:.4f}", "current": "0.25", "limit": "1.5", "version": "lab 1.0"}
+        return said.get(word) or ("ok" if rest else self.motors)
+
+
+@pytest.fixture
+def bench_file(lab: None, tmp_path: Path) -> Iterator[tuple[Path, Bench]]:
+    """A rig file with the actuator and the box."""
+    bench = Bench()
+    box = Sender(500.0, lambda time_s: f"0 0 {bench.force_n() + 0.01 * math.sin(40 * time_s):.4f} 0 0 0")
+    with VirtualSerialPort(bench) as actuator, VirtualSerialPort(box, box.waits_s) as port:
+        path = tmp_path / "rig.toml"
+        text = RIG.format(box=port.name, camera=1).replace(
+            "[actuator]", f'[actuator]\nkind = "lab-actuator"\nport = "{actuator.name}"\n[rig.guards]\nstale_s = 0.1'
+        )
+        path.write_text(text.replace("[experiment]", '[experiment]\nschedules = "schedules"\nramp_mm_per_s = 4'))
+        yield path, bench
+
+
+def test_a_labs_actuator_is_moved_by_hand_until_it_touches(bench_file: tuple[Path, Bench]) -> None:
+    path, bench = bench_file
+    moved = jog(load_rig(path), deg=40.0)
+    assert moved.touched
+    assert 2.0 <= bench.most_n < 2.3
+    assert moved.force_n[2] < 0.5
+    assert (bench.motors, bench.presets) == ("off", {0.2})
+    (actuator, *_) = info(load_rig(path))
+    assert actuator.usable, actuator.problem
+    assert actuator.lines[0] == "a run may use: positions -90 to 90 degrees, 20 to 80 % of full stiffness"
+
+
+def test_a_labs_actuator_refuses_what_is_outside_its_limits(bench_file: tuple[Path, Bench]) -> None:
+    path, bench = bench_file
+    settings = load_rig(path).devices.actuator
+    with registry.known("actuator", settings).opened(settings, Around(WallClock())) as actuator:
         actuator.activate()
         assert actuator.is_active()
-        actuator.command(30.0, 0.5)
-        at = actuator.measurements()
-        assert (at.motors_deg, at.shaft_deg, actuator.currents_a(), actuator.current_limit_a()) == (
-            (30,),
-            29,
-            (0.25,),
-            1.5,
-        )
-        assert actuator.joint.torque_nm(at, 30.0, 0.5) == pytest.approx(-6.0 * math.radians(1.0))
+        assert (actuator.currents_a(), actuator.current_limit_a()) == ((0.25,), 1.5)
         with pytest.raises(DeviceError, match=r"but found 91 and 0\.5"):
             actuator.command(91.0, 0.5)
-        actuator.deactivate()
-        assert not actuator.is_active()
-        actuator.close()
+        with pytest.raises(DeviceError, match=r"expected a device that keeps its zero, but found one that does not"):
+            actuator.set_zeros()
+    assert bench.motors == "off"
+    actuator.close()
+
+
+def test_schedules_are_made_for_a_labs_actuator(bench_file: tuple[Path, Bench]) -> None:
+    path, _ = bench_file
+    force = np.linspace(0.5, 7, 100)
+    v = 42e-6 + 20e-6 * np.log(force)
+    profile = Profile("S1", 7.63, 42e-6, 20e-6, force, v, "measured", 10, np.full(100, np.nan))
+    whole = Profiles(
+        profiles=(profile,), new=None, weight_alpha=math.nan, bracket=None, new_measured=None, new_error=None,
+        leave_one_out=(), participant="", unit="V", notes=(),
+    )  # fmt: skip
+    settings = ScheduleSettings(
+        conditions=("modular",), actuator="lab-actuator", full_stiffness_nm_per_rad=12.0, probe_speed_mm_per_s=4.0
+    )
+    (schedule,) = build_schedules(whole, settings, {"study": "lab"})
+    table, document = write_schedule(path.parent / "schedules", schedule)
+    assert read_csv(table).exported.max() == read_json(document).exported.max() == pytest.approx(9.6)
+    (planned,) = dry_run(load_rig(path)).values()
+    assert isinstance(planned, DryRun), planned
 
 
 def force_table(table: str) -> str:
