@@ -18,11 +18,12 @@ from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.packets import Command, frame
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.emulated.bench import DEVICE_ID, EmulatedRig
+from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.camera.frames import CameraFaults
 from emg2vsa.rig.emulated.fault_words import put
 from emg2vsa.rig.emulated.faults import WireLine
 from emg2vsa.rig.emulated.netft.faults import BoxFaults
+from emg2vsa.rig.emulated.qbmove.far_end import DEVICE_ID
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.plan import RunPlan

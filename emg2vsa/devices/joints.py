@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -31,7 +32,7 @@ class Export(NamedTuple):
     def exported(self, preset: float) -> int | float:
         """A preset, or full preset, in the joint's own unit, as a schedule has it."""
         value = preset * self.per_preset
-        return round(value) if self.whole else value
+        return round(value) if self.whole and math.isfinite(value) else value
 
 
 def joint_names() -> tuple[str, ...]:

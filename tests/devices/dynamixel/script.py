@@ -67,10 +67,10 @@ def info(changed: Mapping[tuple[int, int], int] | None = None) -> list[Pair]:
     return [read(*place, value) for place, value in (INFO | dict(changed or {})).items()]
 
 
-def activation(at: int = 2048, pwm_limit: int = 885) -> list[Pair]:
-    """All that an activation sends to a motor with its shaft ``at`` these pulses."""
+def activation(at: int = 2048, pwm_limit: int = 885, limits: tuple[int, int] = (0, 4095)) -> list[Pair]:
+    """All that an activation sends to a motor with its shaft ``at`` these pulses, and its position limits."""
     return [
-        *info({(36, 2): pwm_limit}), read(132, 4, at),
+        *info({(36, 2): pwm_limit, (52, 4): limits[0], (48, 4): limits[1]}), read(132, 4, at),
         *written(64, 1, 0), *written(98, 1, 0), *written(84, 2, 800), *written(82, 2, 0), *written(80, 2, 0),
         *written(90, 2, 0), *written(88, 2, 0), *written(100, 2, pwm_limit), *written(102, 2, 185), *written(108, 4, 0),
         *written(112, 4, 0), *written(116, 4, at), *written(98, 1, 25), *written(64, 1, 1),
@@ -82,7 +82,7 @@ OFF = [write(64, 1, 0), write(98, 1, 0), read(64, 1, 0), read(98, 1, 0)]
 
 @contextmanager
 def scripted(*pairs: Pair, clock: VirtualClock | None = None, **named: Any) -> Iterator[Dynamixel]:
-    """The driver on such a line. named : settings, or ``positions_deg``."""
+    """The driver on such a line. named : settings."""
     left = list(pairs)
 
     def device(data: bytes) -> bytes:
@@ -92,7 +92,6 @@ def scripted(*pairs: Pair, clock: VirtualClock | None = None, **named: Any) -> I
         return answer
 
     clock = clock or VirtualClock()
-    limits = {"positions_deg": named.pop("positions_deg")} if "positions_deg" in named else {}
     settings = DynamixelSettings(kind="dynamixel", **{"full_stiffness_nm_per_rad": 4.0} | named)
-    yield Dynamixel(LoopbackLine("script", device, clock), settings, clock=clock, **limits)
+    yield Dynamixel(LoopbackLine("script", device, clock), settings, clock=clock)
     assert not left, f"left over: {[sent.hex(' ') for sent, _ in left]}"

@@ -10,9 +10,9 @@ import pytest
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.dynamixel.conversation import Conversation
 from emg2vsa.devices.dynamixel.driver import Dynamixel
-from emg2vsa.devices.dynamixel.scan import FoundDynamixel, scan
+from emg2vsa.devices.dynamixel.scan import answers
 from emg2vsa.devices.dynamixel.settings import REPLY_S, DynamixelSettings
-from emg2vsa.devices.protocols import Measurements
+from emg2vsa.devices.protocols import Measurements, Parameter, Usable
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
 from tests.devices.dynamixel.script import (
@@ -50,7 +50,7 @@ def published(sent: str, answer: str) -> LoopbackLine:
 
 def test_the_ping_of_the_manual() -> None:
     line = published("ff ff fd 00 01 03 00 01 19 4e", "ff ff fd 00 01 07 00 55 00 06 04 26 65 5d")
-    assert scan(line, VirtualClock(), [1]) == [FoundDynamixel("manual", 1, "xm430-w210", 38)]
+    assert list(answers(line, VirtualClock(), [1], REPLY_S)) == ["id 1, xm430-w210, firmware 38"]
 
 
 def test_the_read_of_the_manual() -> None:
@@ -124,14 +124,14 @@ def test_a_gain_that_was_not_confirmed_is_written_again() -> None:
         motor.command(0, 1)  # the gain of before, and perhaps no longer the motor's
 
 
-@pytest.mark.parametrize("position_deg", [-20.01, 30.01, math.nan, math.inf])
+@pytest.mark.parametrize("position_deg", [-19.96, 29.98, math.nan, math.inf])
 def test_positions_outside_the_limits_are_refused_and_nothing_is_sent(position_deg: float) -> None:
-    with scripted(*activation(), positions_deg=(-20, 30)) as motor:
+    with scripted(*activation(limits=(1821, 2389))) as motor:
         motor.activate()
-        with pytest.raises(DeviceError, match=r"expected a position of -20.00 to 30.00 degrees"):
+        with pytest.raises(DeviceError, match=r"expected a position of -19.95 to 29.97 degrees"):
             motor.command(position_deg, 0.5)
-        with pytest.raises(DeviceError, match=r"expected a position of -20.00 to 30.00 degrees"):
-            motor.accepts_goal(position_deg)
+        with pytest.raises(DeviceError, match=r"expected a position of -19.95 to 29.97 degrees"):
+            motor.move_motors((position_deg,))
 
 
 @pytest.mark.parametrize("preset", [-0.001, 1.001, math.nan])
@@ -142,12 +142,12 @@ def test_presets_outside_0_to_1_are_refused_and_nothing_is_sent(preset: float) -
             motor.command(0, preset)
 
 
-def test_without_a_measured_stiffness_only_hands_move_it() -> None:
+def test_before_its_stiffness_is_measured_the_gain_supposes_one() -> None:
     with scripted(*activation(), write(116, 4, 2048 + 57), full_stiffness_nm_per_rad=None) as motor:
         motor.activate()
-        with pytest.raises(DeviceError, match=r"expected full_stiffness_nm_per_rad, but found none. Measure it"):
-            motor.command(5, 1)
-        motor.move(5)
+        motor.command(5, 1)
+        assert motor.joint.full_preset == pytest.approx(4.1 / 2.3 * 2.69e-3 * 800 / 128 * 4096 / (2 * math.pi))
+        assert motor.settings.unmeasured == "full_stiffness_nm_per_rad"
 
 
 def test_nothing_is_commanded_before_the_activation() -> None:
@@ -254,7 +254,7 @@ def test_a_goal_after_the_watchdog_is_told_as_such() -> None:
         motor.activate()
         with pytest.raises(DeviceError, match=told):
             motor.command(0, 1)
-        assert not motor.accepts_goal(0)
+        motor.move_motors((0.0,))
         assert motor.watchdog_ran_out()
 
 
@@ -452,8 +452,8 @@ EEPROM = [
 
 
 def test_what_the_motor_says_of_itself() -> None:
-    pairs = [*info({(11, 1): 3}), reading(-50, 0, 1024), read(64, 1, 1), *(read(*each) for each in EEPROM)]
-    with scripted(*pairs, full_stiffness_nm_per_rad=None, positions_deg=(-40, 50)) as motor:
+    pairs = [*info({(11, 1): 3}), reading(-50, 0, 1024), read(64, 1, 1)]
+    with scripted(*pairs, full_stiffness_nm_per_rad=None) as motor:
         lines = list(motor.about())
     assert lines[:6] == [
         "xm430-w350, firmware 46, id 1",
@@ -465,19 +465,27 @@ def test_what_the_motor_says_of_itself() -> None:
     ]
     assert lines[6:8] == ["torque on, shaft at -90.00 degrees", "current -0.135 A"]
     assert lines[8].startswith("not ready for a run: script, dynamixel 1, operating mode: expected 5")
-    assert lines[9:12] == [
-        "a run may use: positions -40.00 to 50.00 degrees",
-        "full stiffness not commissioned: no schedules",
-        "parameters:",
+    assert lines[9:] == ["full stiffness not commissioned: no schedules"]
+
+
+def test_parameters_are_what_is_kept_without_power() -> None:
+    with scripted(*(read(*each) for each in EEPROM)) as motor:
+        found = motor.parameters()
+    assert [(number, parameter.values) for number, parameter in found.items()] == [
+        (address, (value,)) for address, _, value in EEPROM
     ]
-    assert lines[12].split() == ["7", "ID", "1"]
-    assert lines[19].split() == ["20", "Homing", "Offset", "-7"]
-    assert len(lines) == 12 + len(EEPROM)
+    assert found[7] == Parameter(7, "ID", (1,), "i")
+    assert found[20].name == "Homing Offset"
+
+
+def test_a_run_may_use_what_the_position_limits_leave() -> None:
+    with scripted(*info({(52, 4): 1024, (48, 4): 3072})) as motor:
+        assert motor.usable(motor.identify()) == Usable((-90.0, 90.0), 4.0)
 
 
 def test_a_motor_with_a_hardware_error_still_tells_of_itself() -> None:
     alerted = [(sent, status(answer[9:-2], 0x80)) for sent, answer in info({(70, 1): 4})]
-    pairs = [*alerted, reading(0, 0, 2048, error=0x80), read(64, 1, 0, 0x80), *(read(*each, 0x80) for each in EEPROM)]
+    pairs = [*alerted, reading(0, 0, 2048, error=0x80), read(64, 1, 0, 0x80)]
     with scripted(*pairs) as motor:
         lines = list(motor.about())
     assert "hardware error: overheating" in lines
@@ -485,15 +493,15 @@ def test_a_motor_with_a_hardware_error_still_tells_of_itself() -> None:
 
 
 def test_a_scan_lists_who_answers() -> None:
-    answers = {5: b"\xfc\x03\x2e", 7: b"\x24\x04\x2d"}
+    known = {5: b"\xfc\x03\x2e", 7: b"\x24\x04\x2d"}
 
     def device(data: bytes) -> bytes:
         assert data == packet(data[4], PING)
-        return status(answers[data[4]], device_id=data[4]) if data[4] in answers else b""
+        return status(known[data[4]], device_id=data[4]) if data[4] in known else b""
 
     clock = VirtualClock()
     line = LoopbackLine("bus", device, clock)
-    assert scan(line, clock) == [FoundDynamixel("bus", 5, "xm430-w350", 46), FoundDynamixel("bus", 7, "model 1060", 45)]
+    assert list(answers(line, clock, (), 0.005)) == ["id 5, xm430-w350, firmware 46", "id 7, model 1060, firmware 45"]
     assert clock.now_s() == pytest.approx(251 * 2 * 0.005)
 
 

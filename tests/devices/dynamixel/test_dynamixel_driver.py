@@ -9,12 +9,13 @@ import pytest
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
 from emg2vsa.devices.dynamixel.driver import Dynamixel
-from emg2vsa.devices.dynamixel.scan import FoundDynamixel, scan
+from emg2vsa.devices.dynamixel.scan import answers
 from emg2vsa.devices.dynamixel.settings import DynamixelSettings
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.emulated.dynamixel import table
 from emg2vsa.rig.emulated.dynamixel.firmware import DynamixelFirmware
+from emg2vsa.rig.emulated.dynamixel.framing import DynamixelFrames
 from emg2vsa.rig.emulated.dynamixel.models import XM430_W350
 from emg2vsa.rig.emulated.faults import FaultyWire, WireLine
 from emg2vsa.rig.emulated.servers import VirtualSerialPort
@@ -40,7 +41,7 @@ class Bench:
             XM430_W350, Free(), self.clock, home_deg=home_deg, loads=lambda _: (self.load_nm, 0.0)
         )
         self.motor.table.values[table.OPERATING_MODE] = 5
-        self.wire = FaultyWire(self.motor)
+        self.wire = FaultyWire(self.motor, DynamixelFrames(), self.clock)
         self.line = WireLine("bench", self.wire, lambda: self.motor.due_s, self.clock)
         known = {"full_stiffness_nm_per_rad": FULL_NM_PER_RAD}
         self.dynamixel = Dynamixel(self.line, DynamixelSettings(kind="dynamixel", **known | settings), clock=self.clock)
@@ -130,14 +131,14 @@ def test_the_motor_stops_by_itself_when_the_driver_falls_silent(bench: Bench) ->
     bench.hold(0.0, 1.0, 0.5)
     bench.wait(0.4)
     assert bench.dynamixel.is_active()
-    bench.dynamixel.move(40.0)
+    bench.dynamixel.command(40.0, 1.0)
     bench.wait(0.51)
     stopped_deg = bench.dynamixel.position_deg()
     assert not bench.dynamixel.is_active()
     assert bench.dynamixel.watchdog_ran_out()
     with pytest.raises(DeviceError, match="a watchdog that has run out"):
         bench.dynamixel.command(0.0, 1.0)
-    assert not bench.dynamixel.accepts_goal(0.0)
+    bench.dynamixel.move_motors((0.0,))  # refused
     bench.wait(1.0)
     assert bench.dynamixel.position_deg() == pytest.approx(stopped_deg, abs=0.3)
     assert not bench.dynamixel.is_active()
@@ -155,7 +156,7 @@ def test_an_activation_ends_what_the_watchdog_did(bench: Bench) -> None:
 def test_a_motor_that_goes_on_in_silence_is_seen_to_do_so(bench: Bench) -> None:
     bench.motor.motor.faults.flag_only = True
     bench.dynamixel.activate()
-    bench.dynamixel.move(40.0)
+    bench.dynamixel.command(40.0, 1.0)
     bench.wait(0.02)
     before_deg = bench.dynamixel.position_deg()
     bench.wait(2.0)
@@ -251,7 +252,7 @@ def test_a_motor_from_the_factory_is_set_up_by_parameters(bench: Bench) -> None:
         assert dynamixel.set_parameter(number, (value,)).values == (value,)
     found = {number: parameter.values for number, parameter in dynamixel.parameters().items()}
     assert (found[11], found[9], found[52], found[20]) == ((5,), (0,), (1024,), (-5,))
-    assert "a run may use: positions -90.00 to 90.00 degrees" in list(dynamixel.about())
+    assert "position limits: -90.00 to 90.00 degrees" in list(dynamixel.about())
     dynamixel.activate()
     with pytest.raises(DeviceError, match="torque off while Return Delay Time is set"):
         dynamixel.set_parameter(9, (250.0,))
@@ -293,7 +294,7 @@ def test_a_run_gets_through_a_line_that_loses_bytes(bench: Bench) -> None:
 
 
 def test_a_scan_finds_the_motor(bench: Bench) -> None:
-    assert scan(bench.line, bench.clock, range(5)) == [FoundDynamixel("bench", 1, "xm430-w350", 45)]
+    assert list(answers(bench.line, bench.clock, range(5), 0.005)) == ["id 1, xm430-w350, firmware 45"]
 
 
 def test_the_driver_speaks_on_a_serial_port_as_well() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from casr.specimens import SPECIMENS
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.rig.emulated.bench import MOTOR_SPEED_RAD_PER_S, motor_board
+from emg2vsa.rig.emulated.qbmove.motor_board import MOTOR_SPEED_RAD_PER_S, motor_board
 from emg2vsa.rig.emulated.world import World
 from emg2vsa.rig.emulated.world_settings import WorldSettings
 

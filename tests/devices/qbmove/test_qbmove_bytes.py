@@ -8,9 +8,9 @@ from contextlib import contextmanager
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.device_settings import Generation
 from emg2vsa.devices.protocols import Measurements
 from emg2vsa.devices.qbmove.driver import Qbmove, Ticks
+from emg2vsa.devices.qbmove.settings import Generation
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError

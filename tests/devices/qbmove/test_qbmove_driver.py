@@ -9,15 +9,16 @@ from typing import Literal
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.device_settings import REPLY_S
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.packets import Command
-from emg2vsa.devices.qbmove.scan import scan
+from emg2vsa.devices.qbmove.scan import answers
+from emg2vsa.devices.qbmove.settings import REPLY_S
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.emulated.faults import FaultyWire
 from emg2vsa.rig.emulated.qbmove.firmware import QbmoveFirmware
+from emg2vsa.rig.emulated.qbmove.frames import QbmoveFrames
 from emg2vsa.rig.emulated.qbmove.switches import ADVANCED, MAKER_PRO, Switches
 from emg2vsa.rig.emulated.qbmove.v7 import ADVANCED_V7, MAKER_PRO_V7, QbmoveFirmwareV7
 
@@ -48,7 +49,7 @@ class Bench:
         kind, usual = KINDS[generation, model]
         motors_rad = (at_ticks * TICK_RAD + 1e-6,) * 2
         self.device = kind(switches or usual, Free(), self.clock, motors_rad=motors_rad)
-        self.wire = FaultyWire(self.device)
+        self.wire = FaultyWire(self.device, QbmoveFrames())
         self.line = LoopbackLine("bench", self.wire, self.clock)
         self.qbmove = Qbmove(self.line, 1, generation=generation, model=model, clock=self.clock)
 
@@ -93,8 +94,8 @@ def test_parameters_are_listed(bench: Bench) -> None:
 
 
 def test_scan_names_serial_numbers_where_there_are_any() -> None:
-    assert [found.serial_number for found in scan(Bench("v6").line, VirtualClock(), range(1, 4))] == [""]
-    assert [found.serial_number for found in scan(Bench("v7").line, VirtualClock(), range(1, 4))] == ["0009961473"]
+    assert list(answers(Bench("v6").line, VirtualClock(), range(1, 4), 0.005)) == ["id 1"]
+    assert list(answers(Bench("v7").line, VirtualClock(), range(1, 4), 0.005)) == ["id 1, serial number 0009961473"]
 
 
 def test_a_refused_activation_names_the_encoders(bench: Bench) -> None:

@@ -6,12 +6,11 @@ from collections.abc import Iterator
 
 import pytest
 import serial
-from emg2vsa.devices.serial_speed import BAUD
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
 from emg2vsa.devices.qbmove.driver import Qbmove
-from emg2vsa.devices.qbmove.scan import scan
-from emg2vsa.devices.qbmove.settings import Generation
+from emg2vsa.devices.qbmove.scan import answers
+from emg2vsa.devices.qbmove.settings import BAUD, Generation
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.emulated.qbmove.firmware import QbmoveFirmware
@@ -71,7 +70,7 @@ def test_the_driver_runs_over_the_port(generation: Generation) -> None:
 def test_scan_finds_the_device_and_clients_may_come_and_go(port: str) -> None:
     for _ in range(2):
         line = SerialLine(port, BAUD)
-        assert [found.device_id for found in scan(line, WallClock(), [1], reply_s=2.0)] == [1]
+        assert list(answers(line, WallClock(), [1], 2.0)) == ["id 1"]
         line.close()
 
 

@@ -13,7 +13,7 @@ from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.emulated.bench import motor_board
+from emg2vsa.rig.emulated.qbmove.motor_board import motor_board
 from emg2vsa.rig.emulated.world import World
 from emg2vsa.rig.emulated.world_settings import WorldSettings
 

@@ -10,20 +10,20 @@ import pytest
 
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.rig.emulated.dynamixel import table as t
-from emg2vsa.rig.emulated.dynamixel.faults import FAULTS
+from emg2vsa.rig.emulated.dynamixel.faults import MOTOR_FAULTS
 from emg2vsa.rig.emulated.dynamixel.firmware import BOOT_S, DynamixelFirmware
-from emg2vsa.rig.emulated.dynamixel.framing import ALERT, Error, Instruction
+from emg2vsa.rig.emulated.dynamixel.framing import ALERT, DynamixelFrames, Error, Instruction
 from emg2vsa.rig.emulated.dynamixel.models import XM430_W350
 from emg2vsa.rig.emulated.faults import FaultyWire
 
 
 def put(one: Any, name: str, value: float = 1.0) -> None:
     """A fault of the table, as the bench puts it on."""
-    FAULTS[name].strike(SimpleNamespace(firmware=one.motor), value)  # type: ignore[arg-type]
+    MOTOR_FAULTS[name].strike(SimpleNamespace(firmware=one.motor), value)  # type: ignore[arg-type]
 
 
 def off(one: Any, name: str) -> None:
-    put(one, name, FAULTS[name].neutral)
+    put(one, name, MOTOR_FAULTS[name].neutral)
 
 
 def turning(desk: Callable[..., Any]) -> Any:
@@ -122,7 +122,7 @@ def test_an_error_of_the_hardware_alerts_until_a_reboot_and_stops_by_the_mask(
 ) -> None:
     one = desk()
     one.hold(800)
-    put(one, name, FAULTS[name].usual)
+    put(one, name, MOTOR_FAULTS[name].usual)
     one.wait(0.1)
     off(one, name)
     one.wait(0.1)
@@ -241,7 +241,7 @@ def test_a_current_that_reads_more(desk: Callable[..., Any]) -> None:
 def test_it_stands_behind_a_wire_that_fails(desk: Callable[..., Any]) -> None:
     """Late answers of both the wire and the device arrive, and a lost byte spoils one packet alone."""
     one = desk()
-    wire = FaultyWire(one.motor, one.clock)
+    wire = FaultyWire(one.motor, DynamixelFrames(), one.clock)
 
     class OnWire:
         def __call__(self, data: bytes) -> bytes:
