@@ -30,6 +30,7 @@ class GainJoint:
     name: str = "dynamixel"
     measured_key: str = "full_stiffness_nm_per_rad"
     preset_per_s: float = 2.5
+    settles_s: float = 0.3
 
     def targets_deg(self, position_deg: float, preset: float) -> tuple[float, ...]:
         """None of any: the motor gives way itself, and does not stand at its command under load."""
