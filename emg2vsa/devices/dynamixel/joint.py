@@ -74,5 +74,6 @@ EXPORT = Export(
     lambda name, full_preset: GainJoint(full_preset, name=name),
     column="preset_nm_per_rad", unit="N m/rad", per_preset=1.0, whole=False,
     most=1000.0,
+    remark="This project has tried no real Dynamixel motor: its driver is known to work with an emulated one only.",
 )  # fmt: skip
 """Schedules state presets as the stiffness that they are."""
