@@ -14,7 +14,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from emg2vsa.actuator import SPRINGS, stiffness_nm_per_rad, ticks_of_percent
 from scipy import stats
 
 from casr.specimens import SPECIMENS
@@ -23,6 +22,8 @@ from emg2vsa.contact_mechanics import Drive, PowerLaw, Relaxation, StiffnessStep
 from emg2vsa.contact_mechanics.camera_frames import FrameErrors, frames_of, power_rates
 from emg2vsa.contact_mechanics.press_path import simulate_presses
 from emg2vsa.contact_mechanics.stiffness_effect import Bench, Material, StiffnessEffect, stiffness_effect
+from emg2vsa.devices.qbmove.springs import SPRINGS, SpringJoint
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.discrimination.contrast import Contrast, contrasts
 from emg2vsa.discrimination.run_table import RunTable
 from emg2vsa.rig.emulated.controls import ArtificialEffect
@@ -31,7 +32,8 @@ from emg2vsa.rig.emulated.settings import RELAXATION, EmulatedSettings
 RESULTS = Path(__file__).resolve().parent / "results"
 NAMES = ("S1", "S2", "S3", "S5")
 CONDITIONS = ("high-stiffness", "modular", "constant-min", "constant-mean", "constant-max")
-MODEL, MAX_TICKS, WINDOW_N, STEP_N = "qbmove-maker-pro", 3000, (0.5, 7.0), 0.3
+MODEL, WINDOW_N, STEP_N = "qbmove-maker-pro", (0.5, 7.0), 0.3
+JOINT = SpringJoint(MODEL, 3000 * DEG_PER_TICK)
 A_B = {"S1": (42.0, 20.0), "S2": (36.0, 17.0), "S3": (28.0, 13.0), "S5": (16.0, 7.0)}
 "Profiles a + b ln F of the demo study's [simulation], microvolts."
 ALPHA, EXPERIMENTS, DRAWS = 0.05, 200, 2000
@@ -42,12 +44,12 @@ class Steps:
 
     def __init__(self, percent: Sequence[float]) -> None:
         self.step_force_n = WINDOW_N[0] + STEP_N * np.arange(len(percent) + 1)
-        self.preset_ticks = ticks_of_percent(percent, MAX_TICKS).astype(np.float64)
-        self.stiffness_nm_per_rad = stiffness_nm_per_rad(self.preset_ticks, MODEL)
+        self.preset = JOINT.rounded(np.array(percent) / 100)
+        self.stiffness_nm_per_rad = JOINT.stiffness_nm_per_rad(self.preset)
 
     @property
     def steps(self) -> StiffnessSteps:
-        return StiffnessSteps(self.step_force_n, self.preset_ticks)
+        return StiffnessSteps(self.step_force_n, JOINT.preset_rad(self.preset))
 
 
 def schedules() -> dict[str, dict[str, Steps]]:

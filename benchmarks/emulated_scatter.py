@@ -167,7 +167,7 @@ def _by_mounting(
 ) -> Floats:
     rates = np.empty((mountings, presses))
     for m in range(mountings):
-        draws = PressDraws(settings, specimen, angle_deg, True, RIG, "scatter", mounting=m + 1)
+        draws = PressDraws(settings, specimen, angle_deg, None, RIG, "scatter", mounting=m + 1)
         rng = np.random.default_rng((m, draws.sensor_seed))
         for press in range(presses):
             rates[m, press] = _in_time(draws, press, rng) if timed else true_rate(_true_press(draws, press))

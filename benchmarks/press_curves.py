@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
-from emg2vsa.actuator import SPRINGS
 
 from casr.specimens import SPECIMENS
 from casr.synthetic import ContactWorld
@@ -24,13 +23,14 @@ from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.contact_mechanics.geometry import PowerLaw, adhesive_force_n
 from emg2vsa.contact_mechanics.press_path import Drive, StiffnessSteps, simulate_presses
 from emg2vsa.contact_mechanics.relaxation import Relaxation, in_series
+from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS
 from emg2vsa.settings import CalibrationSettings
 
 KNOWN = ("S1", "S3", "S5")
 FRAME_HZ, ROW_HZ, SPEED_MM_PER_S = 20.0, 200.0, 5.0
 START_N, F_MAX_N = 0.5, 7.0
 ENCODER_MM = 0.018
-MIDDLE_TICKS = 1500.0
+MIDDLE_RAD = 1500 * RAD_PER_TICK
 _KAPPA = np.geomspace(0.9, 12.0, 12)
 _FORCE_N = np.geomspace(0.01, 9.5, 160)
 SENSOR_SHARE = 0.15
@@ -59,9 +59,9 @@ def _elastic(exponent: float) -> list[PowerLaw]:
     return [PowerLaw(world.modulus_mpa(k), exponent=exponent) for k in _KAPPA]
 
 
-def _paths(contact: PowerLaw, relaxation: Relaxation, preset_ticks: float) -> tuple[Floats, Floats, Floats]:
+def _paths(contact: PowerLaw, relaxation: Relaxation, preset_rad: float) -> tuple[Floats, Floats, Floats]:
     """Seconds, ln area and travel over the forces."""
-    drive, steps = Drive(springs=SPRINGS["qbmove-maker-pro"]), [StiffnessSteps.constant(preset_ticks)]
+    drive, steps = Drive(springs=SPRINGS["qbmove-maker-pro"]), [StiffnessSteps.constant(preset_rad)]
     path = simulate_presses([contact], relaxation, drive, steps, f_max_n=9.6, step_s=2e-3)
     force = np.maximum.accumulate(path.force_n[1:, 0])
     depth = [contact.depth_mm(float(f)) for f in path.convolved_n[1:, 0]]
@@ -72,15 +72,15 @@ def _paths(contact: PowerLaw, relaxation: Relaxation, preset_ticks: float) -> tu
 
 
 @cache
-def power_law(exponent: float, preset_ticks: float = MIDDLE_TICKS) -> World:
+def power_law(exponent: float, preset_rad: float = MIDDLE_RAD) -> World:
     """Elastic; 1/3 is Hertz, in which the compliance law is exact."""
-    rows = [_paths(contact, Relaxation.of_share(0.0), preset_ticks) for contact in _elastic(exponent)]
+    rows = [_paths(contact, Relaxation.of_share(0.0), preset_rad) for contact in _elastic(exponent)]
     time_s, area, travel = (np.stack(each) for each in zip(*rows, strict=True))
     return World(f"power law, exponent {exponent:.3g}", area, time_s, travel)
 
 
 @cache
-def relaxing(preset_ticks: float = MIDDLE_TICKS) -> World:
+def relaxing(preset_rad: float = MIDDLE_RAD) -> World:
     """Exponent 1/4, sensor and specimens creep, soft ones more."""
     known = sorted(RELAXING)
     shares = np.interp(np.log(_KAPPA), np.log(known), [RELAXING[k] for k in known])
@@ -89,7 +89,7 @@ def relaxing(preset_ticks: float = MIDDLE_TICKS) -> World:
         e_star = world.modulus_mpa(kappa)
         of_sensor = e_star / world.sensor_modulus_mpa  # of the compliance
         bodies = [(of_sensor, Relaxation.of_share(SENSOR_SHARE)), (1 - of_sensor, Relaxation.of_share(float(share)))]
-        rows.append(_paths(contact, in_series(bodies), preset_ticks))
+        rows.append(_paths(contact, in_series(bodies), preset_rad))
     time_s, area, travel = (np.stack(each) for each in zip(*rows, strict=True))
     return World("relaxing bodies, exponent 0.25", area, time_s, travel)
 

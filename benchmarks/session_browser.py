@@ -44,8 +44,8 @@ from emg2vsa.session.emulated.mistakes import parse_mistakes
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import person_of
 from emg2vsa.session.emulated.serve import serve
-from emg2vsa.session.journal import JOURNAL_FILE, Decided, Judged, PressBegun, ScreenTold, read_journal
-from emg2vsa.session.views import ForceMessage, ParticipantState
+from emg2vsa.session.journal import JOURNAL_FILE, Decided, Judged, PressBegun, read_journal
+from emg2vsa.session.views import ForceMessage, ParticipantState, ScreenReport
 from emg2vsa.session_settings import SessionTexts
 from emg2vsa.study_file import load_study
 
@@ -317,7 +317,7 @@ def press_rows(folder: Path) -> Iterator[tuple[dict[str, Any], tuple[str, ...]]]
 
 def screen_lines(folder: Path) -> list[str]:
     """Frames a second and ages, as the page itself told them to the journal."""
-    told = [event for event in _journal(folder) if isinstance(event, ScreenTold)][1:]  # without the first second
+    told = [event for event in _journal(folder) if isinstance(event, ScreenReport)][1:]  # without the first second
     made = [f"{len(told)} reports of the page, a second each:", "", "| | median | worst |", "|---|---|---|"]
     for name, text, worst in (
         ("frames_per_s", "frames/s", min), ("age_p50_ms", "age of the force shown, median, ms", max),

@@ -14,7 +14,6 @@ from collections.abc import Iterator
 
 import mpmath as mp
 import numpy as np
-from emg2vsa.actuator import SPRINGS, ticks_of_percent
 
 from casr.specimens import SPECIMENS
 from emg2vsa.arrays import Floats
@@ -31,6 +30,8 @@ from emg2vsa.contact_mechanics import (
 )
 from emg2vsa.contact_mechanics.camera_frames import FrameErrors, frames_of, power_rates
 from emg2vsa.contact_mechanics.press_path import PressPaths
+from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS, SpringJoint
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 
 mp.mp.dps = 30
 NAMES = ("S1", "S2", "S3", "S5")
@@ -39,6 +40,7 @@ CONDITIONS = ("rigid", "modular", "min", "mean", "max", "c20")
 DEFAULT = {"S1": 0.03, "S2": 0.04, "S3": 0.06, "S5": 0.12}
 EDGES_N = np.append(np.arange(0.5, 6.9, 0.3), 7.0)
 SPEED, RADIUS = 5.0, 20.0
+JOINT = SpringJoint("qbmove-maker-pro", 3000 * DEG_PER_TICK)
 Row = tuple[str, str, str]
 
 
@@ -215,14 +217,14 @@ def steps_of(name: str, condition: str) -> StiffnessSteps:
     a, b = TRUTH_V[name]
     percent = 20 + 60 * (a + b * np.log((EDGES_N[1:] + EDGES_N[:-1]) / 2) - least) / (most - least)
     if condition == "modular":
-        return StiffnessSteps(EDGES_N, ticks_of_percent(percent, 3000).astype(np.float64))
+        return StiffnessSteps(EDGES_N, JOINT.preset_rad(JOINT.rounded(percent / 100)))
     level = {
         "min": percent.min(),
         "mean": np.average(percent, weights=np.diff(EDGES_N)),
         "max": percent.max(),
         "c20": 20,
     }
-    return StiffnessSteps.constant(level[condition] * 30)
+    return StiffnessSteps.constant(level[condition] * 30 * RAD_PER_TICK)
 
 
 def pressed(

@@ -21,7 +21,7 @@ PAGES = {
 }
 FAST = ("README.md", "docs/how-to/add-a-device.md", "docs/how-to/measured-runs.md", "docs/how-to/tactile.md")
 PALPATION = ("docs/architecture.md", "docs/tutorial.md", *(f"docs/how-to/{name}.md" for name in (
-    "coordinator", "engineer", "session", "watch-a-run",
+    "coordinator", "dynamixel", "engineer", "session", "watch-a-run",
 )))  # fmt: skip
 """Pages of which the reader has the recordings of studies/palpation and its results up to the schedules."""
 

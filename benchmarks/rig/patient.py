@@ -11,13 +11,12 @@ from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 
-from emg2vsa.devices.serial_speed import BAUD
-
 from benchmarks.rig.plans import modular_plan
 from emg2vsa.devices.clock import WallClock
 from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
 from emg2vsa.devices.protocols import Devices
 from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.qbmove.settings import BAUD
 from emg2vsa.devices.registry import Around, known
 from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.devices.serial_line import SerialLine

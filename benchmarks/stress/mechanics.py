@@ -6,13 +6,14 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from emg2vsa.actuator import MOTOR_LIMIT_TICKS, SPRINGS, TICKS_PER_TURN, preset_for_stiffness, stiffness_nm_per_rad
 from mpmath import mp, mpf
 
 from benchmarks.stress.case import Case, Found
 from benchmarks.stress.exact_curves import mpfs
 from emg2vsa.contact_mechanics.geometry import PowerLaw, adhesive_force_n
 from emg2vsa.contact_mechanics.relaxation import ConvolvedForce, Relaxation
+from emg2vsa.devices.qbmove.springs import MOTOR_LIMIT_TICKS, SPRINGS, SpringJoint
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, TICKS_PER_TURN
 
 
 def cases() -> Iterator[Case]:
@@ -53,27 +54,28 @@ def exact_stiffness(ticks: Any, model: str) -> Any:
 
 
 def _actuator(model: str) -> Iterator[Case]:
+    joint = SpringJoint(model, MOTOR_LIMIT_TICKS * DEG_PER_TICK)
     for ticks, bound, smoke in (
         ([0.0, 1.0], 13.0, True),
         ([500.0, 3000.0], 12.0, True),
         ([MOTOR_LIMIT_TICKS * 1.0], 12.0, False),
     ):
         yield Case(
-            "actuator.stiffness_nm_per_rad",
+            "springs.stiffness_nm_per_rad",
             f"{model}, presets {ticks} ticks",
             (np.array(ticks),),
-            lambda x: Found({"stiffness": stiffness_nm_per_rad(x, model)}),
+            lambda x: Found({"stiffness": joint.stiffness_nm_per_rad(x / MOTOR_LIMIT_TICKS)}),
             lambda x: {"stiffness": [exact_stiffness(value, model) for value in mpfs(x)]},
             bound,
             smoke=smoke,
         )
     for ticks, bound in ((3.0, 6.0), (1000.0, 9.0), (14000.0, 9.0)):
-        wanted = stiffness_nm_per_rad(ticks, model).reshape(1)
+        wanted = joint.stiffness_nm_per_rad(ticks / MOTOR_LIMIT_TICKS).reshape(1)
         yield Case(
-            "actuator.preset_for_stiffness",
+            "springs.percent_for",
             f"{model}, preset near {ticks:g}; error in ticks",
             (wanted,),
-            lambda x: Found({"preset": preset_for_stiffness(x, model)}),
+            lambda x: Found({"preset": joint.percent_for(x) / 100 * MOTOR_LIMIT_TICKS}),
             lambda x, near=ticks: {"preset": [_exact_preset(mpfs(x)[0], model, near)]},
             bound,
             size=1.0,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -15,7 +16,8 @@ class Export(NamedTuple):
 
     joint : its name and full preset to the joint. column : name of the preset of a step in a schedule. unit : of it and
     of the full preset, in words. per_preset : of that unit in the joint's own. whole : they are whole numbers. most :
-    largest full preset in that unit. limit : name of the full preset; of its kind of device, not given here.
+    largest full preset in that unit. remark : what a report says of runs with this joint. limit : name of the full
+    preset; of its kind of device, not given here.
     """
 
     joint: Callable[[str, float], Joint]
@@ -24,12 +26,13 @@ class Export(NamedTuple):
     per_preset: float
     whole: bool
     most: float
+    remark: str = ""
     limit: str = ""
 
     def exported(self, preset: float) -> int | float:
         """A preset, or full preset, in the joint's own unit, as a schedule has it."""
         value = preset * self.per_preset
-        return round(value) if self.whole else value
+        return round(value) if self.whole and math.isfinite(value) else value
 
 
 def joint_names() -> tuple[str, ...]:

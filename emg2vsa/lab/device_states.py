@@ -19,7 +19,7 @@ from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.errors import DeviceError, InputError, SettingError
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.rig_lock import rig_lock
-from emg2vsa.rig.open_rig import about_board, open_board, open_camera, open_force, within_device
+from emg2vsa.rig.open_rig import about_board, open_board, open_camera, open_force, with_full_preset, within_device
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.rig_file import RigFile
 
@@ -128,7 +128,8 @@ def _board(settings: ActuatorSettings | MotorSettings, rig: RigSettings, clock: 
     """Info text, state, what a run may use, and parameters. DeviceError when the board is absent."""
     with closing(open_board(settings, rig, clock)) as board:
         yield from about_board(board, settings)
-        usable = within_device(rig, board.usable(board.identify()))
+        says = board.usable(board.identify())
+        usable = within_device(with_full_preset(rig, says, settings), says)
         yield "a run may use: positions {:.6g} to {:.6g} degrees".format(*usable.position_deg) + (
             "" if board.rigid else ", {:.3g} to {:.3g} % of full stiffness".format(*usable.stiffness_percent)
         )

@@ -16,7 +16,8 @@ from emg2vsa.schedules.document import document_of
 
 _PLAN_KEYS = ("f_max_n", "f_contact_n", "contact_s", "ramp_mm_per_s", "travel_mm", "lead_s")
 _RIG_KEYS = ("gear_mm_per_degree", "push_sign", "push_axis", "filter_samples")
-_STEP_KEYS = ("force_from_n", "preset_ticks")
+_TOLD = ("force_to_n", "activity_v", "stiffness_percent", "stiffness_nm_per_rad")
+"""Of a step; what is left says when it begins, and what the actuator is sent."""
 
 
 def check_same_presses(runs: Path, name: str, plan: RunPlan, rig: RigSettings, *, emulated: bool) -> None:
@@ -41,9 +42,13 @@ def check_same_presses(runs: Path, name: str, plan: RunPlan, rig: RigSettings, *
 
 
 def _made_with(document: Mapping[str, Any]) -> dict[str, Any]:
-    plan, rig, steps = document["plan"], document["rig"], (document["plan"].get("schedule") or {}).get("steps", ())
+    plan, rig = document["plan"], document["rig"]
     made = {key: plan[key] for key in _PLAN_KEYS if key in plan} | {key: rig[key] for key in _RIG_KEYS if key in rig}
-    made |= {f"{key} of the schedule": [step[key] for step in steps] for key in _STEP_KEYS if steps}
+    schedule = plan.get("schedule") or {}
+    if "actuator" in (limits := schedule.get("limits", {})):
+        made["actuator of the schedule"] = limits["actuator"]
+    if steps := schedule.get("steps"):
+        made |= {f"{key} of the schedule": [step[key] for step in steps] for key in steps[0] if key not in _TOLD}
     return {key: list(value) if isinstance(value, tuple) else value for key, value in made.items()}
 
 

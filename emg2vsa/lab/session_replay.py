@@ -15,7 +15,7 @@ from emg2vsa.session.bar_force import ZERO_S, BarForce, RecentForce
 from emg2vsa.session.journal import JOURNAL_FILE, Judged, Line, read_journal
 from emg2vsa.session.judge_feed import JUDGED_VALUES, SETTLE_S, how_judged, judged_from_s, sample_at, timed
 from emg2vsa.session.legal import Moment
-from emg2vsa.session.live_press import Circumstances, StayJudged, judge_attempt
+from emg2vsa.session.live_press import StayJudged, judge_attempt
 from emg2vsa.session.open_session import kept_settings, settings_of
 from emg2vsa.session.page_states import operator_state, participant_state
 from emg2vsa.session.plan import PLAN_FILE, changes, read_plan
@@ -192,9 +192,7 @@ class _Replay:
         judged = self._judge.answer()
         assert isinstance(judged, StayJudged)
         assert tried.ended is not None
-        return judge_attempt(
-            tried.key, tried.as_pressed(), judged, Circumstances.of(tried.ended), rules.settings, how.window, samples
-        )
+        return judge_attempt(tried.ended, tried.as_pressed(), judged, rules.settings, how.window, samples)
 
     def _samples(self, tried: Tried, now_s: float) -> dict[str, tuple[int, int]]:
         """What the judge was given, where the journal does not say it: by the times at which samples came."""

@@ -45,7 +45,8 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
     SettingError : the rig has no rigid motor and needs one.
     """
     with ExitStack() as stack:
-        board = stack.enter_context(closing(open_board(board_settings(settings, condition), rig, clock)))
+        actuator = board_settings(settings, condition)
+        board = stack.enter_context(closing(open_board(actuator, rig, clock)))
         stack.enter_context(board)
         info = board.identify()
         force = open_force(settings.force, rig.guards, clock)
@@ -62,9 +63,7 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
             said = known("camera", settings.camera).call("facts", camera, settings.camera)
             facts["camera"] = said | {"name": camera.name}
         devices, usable = Devices(board.pressing(), force, camera), board.usable(info)
-        if condition != RIGID and settings.actuator.unmeasured:  # nothing else says how much a full preset is
-            rig = replace(rig, full_preset=usable.full_preset)
-        yield OpenRig(devices, within_device(rig, usable), info, facts)
+        yield OpenRig(devices, within_device(with_full_preset(rig, usable, actuator), usable), info, facts)
 
 
 def _force_facts(force: ForceSensor, settings: ForceSettings) -> dict[str, Any]:
@@ -113,6 +112,12 @@ def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -
     """The camera, not yet started."""
     camera: Camera = known("camera", settings).opened(settings, Around(clock, lost_s=guards.camera_s))
     return camera
+
+
+def with_full_preset(rig: RigSettings, usable: Usable, settings: ActuatorSettings | MotorSettings) -> RigSettings:
+    """``rig`` with the full preset of the device, where none has been measured: nothing else says how much it is."""
+    unmeasured = isinstance(settings, ActuatorSettings) and settings.unmeasured
+    return replace(rig, full_preset=usable.full_preset) if unmeasured else rig
 
 
 def within_device(rig: RigSettings, usable: Usable) -> RigSettings:

@@ -10,9 +10,10 @@ In Python::
     done.how, done.judged.verdict               # how it ended, and how good its recordings are
 
 Data flow: ``sources`` hand over blocks of samples on one clock; ``session`` (its turn, 200 a second) appends them to
-``raw_files``, moves on from command to command, judges each press, and tells what pages show (``views``); every change
-is a line of the ``journal``. ``dataset`` turns a folder of raw files and its journal into BIDS-EMG. ``emulated`` holds
-the far ends of the wires and the simulated participant.
+``raw_files``, moves on from command to command, and judges each press. Everything that happens is a line of the
+``journal``; ``state`` is a fold over these lines, ``legal`` the table of what it allows, ``page_states`` what pages
+show of it. ``dataset`` turns a folder of raw files and its journal into BIDS-EMG. ``emulated`` holds the far ends of
+the wires and the simulated participant.
 """
 
 from __future__ import annotations

@@ -28,13 +28,13 @@ from emg2vsa.session.journal import (
     Begun,
     Line,
     Noted,
-    ScreenTold,
     gaps,
     read_journal,
 )
 from emg2vsa.session.plan import PLAN_FILE, read_plan
 from emg2vsa.session.presses import Presses, folded
-from emg2vsa.session.stays import StaySignals, StayWindow, cut, in_sitting, stay_windows, stored_streams
+from emg2vsa.session.stays import StaySignals, StayWindow, cut, stay_windows, stored_streams
+from emg2vsa.session.views import ScreenReport
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.settings import ChannelSettings
 from emg2vsa.study import Study
@@ -75,7 +75,7 @@ def write_dataset(folder: Path, study: Study) -> Written:
     lines, _ = read_journal(folder / JOURNAL_FILE)
     presses = folded(lines, plan.presses)
     streams, faults = stored_streams(folder, lines)
-    windows = stay_windows(lines)
+    windows = stay_windows(presses)
     left_out: list[tuple[str, str]] = []
     stays: list[_Stay] = []
     for name, window in zip(_names(windows, plan.participant, study.task), windows, strict=True):
@@ -84,7 +84,9 @@ def write_dataset(folder: Path, study: Study) -> Written:
             emg, force = (streams.get((window.sitting, kind), []) for kind in ("emg", "force"))
             signals = cut(window, emg, force)
             stored = _stored(signals, channels, name.stem)
-            stays.append(_Stay(name, window, list(in_sitting(lines, window.sitting)), signals, stored))
+            stays.append(
+                _Stay(name, window, [line for line in lines if line.sitting == window.sitting], signals, stored)
+            )
         except Emg2vsaError as error:
             left_out.append((f"{window.phase} on {window.specimen}", str(error)))
     targets = [stay.name.path(study.data) for stay in stays]
@@ -105,7 +107,7 @@ def write_dataset(folder: Path, study: Study) -> Written:
             study.data, wanted="a data set with room for the session", found=error.strerror or str(error),
             do="Make room and write it again: emg2vsa session finish. The session itself is whole.",
         ) from error  # fmt: skip
-    return Written(tuple(targets), tuple(left_out), (*map(str, faults), *_notes(lines, stays)))
+    return Written(tuple(targets), tuple(left_out), (*map(str, faults), *_notes(lines, windows, stays)))
 
 
 def refuse_foreign(folder: Path, study: Study, participant: str) -> None:
@@ -249,16 +251,16 @@ def _device(signals: StaySignals) -> dict[str, str]:
 
 def _screen(lines: Sequence[Line]) -> Json:
     begun = next((event for line in lines if isinstance(event := line.event, Begun)), None)
-    told = next((event for line in lines if isinstance(event := line.event, ScreenTold)), None)
+    told = next((event for line in lines if isinstance(event := line.event, ScreenReport)), None)
     terms: Json = {"operating_system": begun.computer} if begun else {}
     if told and {"width", "height"} <= told.more.keys():
         terms["screen_resolution"] = [told.more["width"], told.more["height"]]
     return told_of_screen(software_version=begun.software if begun else __version__, **terms)
 
 
-def _notes(lines: Sequence[Line], stays: Sequence[_Stay]) -> Iterable[str]:
+def _notes(lines: Sequence[Line], windows: Sequence[StayWindow], stays: Sequence[_Stay]) -> Iterable[str]:
     yield from gaps(lines)
-    if not stay_windows(lines):
+    if not windows:
         yield "No complete press was recorded, so there is no recording to write."
     if any(isinstance(line.event, Noted) for line in lines):
         yield "The operator's notes are in the events files. See that no note names a person."

@@ -18,6 +18,7 @@ from typing import Any, Literal
 
 from casr.json_text import finite
 from emg2vsa.errors import DataError
+from emg2vsa.session.views import ScreenReport
 
 JOURNAL_FILE = "journal.jsonl"
 Decision = Literal["", "accept", "repeat", "skip"]
@@ -223,18 +224,6 @@ class QualityMeasured:
 
 
 @dataclass(frozen=True)
-class ScreenTold:
-    """What the participant's page said of itself."""
-
-    frames_per_s: float
-    age_p50_ms: float
-    age_p95_ms: float
-    longest_frame_ms: float
-    hidden: bool
-    more: dict[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
 class Told:
     """A message of the session to its operator: a device lost, a disk full, a suggestion."""
 
@@ -252,14 +241,14 @@ class Ended:
 Event = (
     Begun | StreamOpened | ClockFitted | SamplesLost | Commanded | PressBegun | PressEnded | Judged | Decided
     | Interrupted | PressAdded | Noted | Paused | Continued | Checked | Unchecked | Measuring | QualityMeasured
-    | ScreenTold | Told | Ended
+    | ScreenReport | Told | Ended
 )  # fmt: skip
 KINDS: dict[str, type[Event]] = {
     "begun": Begun, "stream-opened": StreamOpened, "clock-fitted": ClockFitted, "samples-lost": SamplesLost,
     "commanded": Commanded, "press-begun": PressBegun, "press-ended": PressEnded, "judged": Judged, "decided": Decided,
     "interrupted": Interrupted, "press-added": PressAdded, "noted": Noted, "paused": Paused, "continued": Continued,
     "checked": Checked, "unchecked": Unchecked, "measuring": Measuring, "quality-measured": QualityMeasured,
-    "screen-told": ScreenTold, "told": Told, "ended": Ended,
+    "screen-told": ScreenReport, "told": Told, "ended": Ended,
 }  # fmt: skip
 """Name in the journal to class."""
 _NAMES = {kind: name for name, kind in KINDS.items()}

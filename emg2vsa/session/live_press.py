@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -115,38 +114,21 @@ def _loose(emg: Mapping[str, Channel], start_s: float, stop_s: float) -> tuple[s
     return tuple(found)
 
 
-class Circumstances(NamedTuple):
-    """What else is known of the time of an attempt.
-
-    lost_share : of the samples of the worse stream. age_ms : of the force on the screen (95 %), None without a page.
-    """
-
-    lost_share: float = 0.0
-    age_ms: float | None = None
-    hidden: bool = False
-
-    @classmethod
-    def of(cls, ended: PressEnded) -> Circumstances:
-        """Of an attempt that has ended."""
-        return cls(ended.lost_share, ended.age_ms, ended.hidden)
-
-
 def judge_attempt(
-    key: tuple[int, int],
+    ended: PressEnded,
     attempt: Attempt,
     stay: StayJudged,
-    around: Circumstances,
     settings: SessionSettings,
     window: WindowSettings,
     samples: Mapping[str, tuple[int, int]],
 ) -> Judged:
     """The worse of what ``check`` says and what the session knows, as a line of the journal; rejecting problems first.
 
-    key : number of the press and of the attempt. samples : as of `emg2vsa.session.journal.Judged`.
+    samples : as of `emg2vsa.session.journal.Judged`.
     """
     found = press_of(attempt, stay.presses)
     load_s = None if found is None else found.stop_s - found.start_s
-    live = [*_of_cycle(attempt, settings), *_of_speed(found, settings, window), *_around(around, settings)]
+    live = [*_of_cycle(attempt, settings), *_of_speed(found, settings, window), *_around(ended, settings)]
     if found is None and attempt.ending not in ("not begun", "aborted", "interrupted"):
         why = stay.failed or "the analysis finds no press here"
         live.append((True, (why, "press from rest to the upper force in one go")))
@@ -163,7 +145,7 @@ def judge_attempt(
     values = {"peak_n": round(peak_n, 4), "load_s": None if load_s is None else round(load_s, 4)}
     if found is not None and found.fitted:
         values |= {"a_v": found.a_v, "b_v": found.b_v}
-    return Judged(*key, verdict, (*rejecting, *checked, *warning), values, dict(samples))
+    return Judged(ended.press, ended.attempt, verdict, (*rejecting, *checked, *warning), values, dict(samples))
 
 
 def press_of(attempt: Attempt, presses: Sequence[FoundPress]) -> FoundPress | None:
@@ -218,7 +200,7 @@ def _of_speed(found: FoundPress | None, settings: SessionSettings, window: Windo
         yield False, (f"loaded in {load_s:.1f} s, slower than {longest_s:g} s", "ask for a faster press")
 
 
-def _around(around: Circumstances, settings: SessionSettings) -> _Said:
+def _around(around: PressEnded, settings: SessionSettings) -> _Said:
     warns, rejects = settings.limits.lost_share
     if around.lost_share > warns:
         do = "check cables and the wireless link"

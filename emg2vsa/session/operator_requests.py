@@ -63,8 +63,8 @@ def _decide(session: Session, request: Request) -> None:
     else:  # a press that is not begun is skipped
         press = state.wanted
         assert press is not None
-        key = press.number, len(state.presses.of(press)) + 1
-        session.write(journal.PressBegun(*key, press.specimen, press.phase, press.repetition, press.stay))
+        session.write(begun := state.presses.begin(press))
+        key = begun.press, begun.attempt
         session.write(journal.PressEnded(*key, session.now_s, session.now_s, "aborted"))
     decision: journal.Decision = request.name  # type: ignore[assignment]
     if text:

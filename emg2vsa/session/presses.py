@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from itertools import groupby
 
 from emg2vsa.session import journal
 from emg2vsa.session.journal import Line
@@ -19,9 +20,9 @@ _EARLY_S = 1e-5
 
 @dataclass(frozen=True)
 class Tried:
-    """One attempt at a press. begun_s : START. stop_s : STOP, None where it was not told.
-
-    files : by stream, of the samples there were when it ended. interrupted : the sitting ended before its verdict.
+    """One attempt at a press. begun_s : START. stop_s : STOP, None where it was not told. files : of its samples, by
+    stream. placed_s : the specimen was placed, None where the streams were opened later. interrupted : the sitting
+    ended before its verdict.
     """
 
     press: PlannedPress
@@ -35,6 +36,7 @@ class Tried:
     interrupted: bool = False
     notes: tuple[str, ...] = ()
     files: Mapping[str, str] = field(default_factory=dict)
+    placed_s: float | None = None
 
     @property
     def key(self) -> tuple[int, int]:
@@ -110,13 +112,13 @@ class Tried:
             problems, self.values.get("peak_n"), self.values.get("load_s"), "; ".join(self.notes),
         )  # fmt: skip
 
-    def after(self, line: Line, files: Mapping[str, str]) -> Tried:
-        """As it is after a line about it. files : of the streams at that time."""
+    def after(self, line: Line) -> Tried:
+        """As it is after a line about it."""
         match line.event:
             case journal.Commanded(command="stop") if not self.over:
                 return replace(self, stop_s=_as_written(line))
             case journal.PressEnded() as ended:
-                return replace(self, ended=ended, files=files)
+                return replace(self, ended=ended)
             case journal.Interrupted():
                 return replace(self, interrupted=True)
             case journal.Judged() as judged:
@@ -130,21 +132,30 @@ class Tried:
 
 @dataclass(frozen=True)
 class Presses:
-    """planned : of the plan, and those added. tried : in their order. files : of the streams, newest, by name."""
+    """planned : of the plan, and those added. tried : in their order. files : of the streams, newest, by name.
+
+    placed_s : the specimen on the table was placed, since the streams are open.
+    """
 
     planned: tuple[PlannedPress, ...]
     tried: tuple[Tried, ...] = ()
     files: Mapping[str, str] = field(default_factory=dict)
+    placed_s: float | None = None
 
     def after(self, line: Line) -> Presses:
         """As they are after a line of the journal."""
         match line.event:
             case journal.StreamOpened(name=name, file=file):
-                return replace(self, files={**self.files, name: file})
+                return replace(self, files={**self.files, name: file}, placed_s=None)
+            case journal.Checked(item=journal.PLACED):
+                return replace(self, placed_s=_as_written(line))
             case journal.PressAdded() as event:
                 return replace(self, planned=(*self.planned, _planned(event, event.number)))
             case journal.PressBegun() as event:
-                begun = Tried(_planned(event, event.press), event.attempt, line.sitting, _as_written(line))
+                begun = Tried(
+                    _planned(event, event.press), event.attempt, line.sitting, _as_written(line),
+                    files=self.files, placed_s=self.placed_s,
+                )  # fmt: skip
                 return replace(self, tried=(*self.tried, begun))
             case (
                 journal.Commanded(press=press, attempt=attempt)
@@ -154,7 +165,7 @@ class Presses:
                 | journal.Interrupted(press=press, attempt=attempt)
                 | journal.Noted(press=press, attempt=attempt)
             ) if self.find(press, attempt) is not None:
-                tried = (own.after(line, self.files) if own.key == (press, attempt) else own for own in self.tried)
+                tried = (own.after(line) if own.key == (press, attempt) else own for own in self.tried)
                 return replace(self, tried=tuple(tried))
         return self
 
@@ -163,6 +174,11 @@ class Presses:
         own = (tried for tried in reversed(self.tried) if tried.press.number == press)
         return next((tried for tried in own if attempt in (None, tried.attempt)), None)
 
+    def begin(self, press: PlannedPress) -> journal.PressBegun:
+        """The line that begins its next attempt."""
+        number = len(self.of(press)) + 1
+        return journal.PressBegun(press.number, number, press.specimen, press.phase, press.repetition, press.stay)
+
     def of(self, press: PlannedPress) -> list[Tried]:
         """Attempts at a press."""
         return [tried for tried in self.tried if tried.press.number == press.number]
@@ -170,6 +186,11 @@ class Presses:
     def of_stay(self, stay: int) -> Iterator[Tried]:
         """Attempts at the presses of a stay that have ended, seen by the streams as they are now."""
         return (t for t in self.tried if t.press.stay == stay and t.pressed and t.files == self.files)
+
+    def stays(self) -> Iterator[list[Tried]]:
+        """Attempts at one stay, one after another, with the specimen placed once and the same streams."""
+        for _, own in groupby(self.tried, lambda t: (t.sitting, t.press.phase, t.press.stay, t.placed_s, t.files)):
+            yield list(own)
 
     @cached_property
     def in_order(self) -> tuple[PlannedPress, ...]:

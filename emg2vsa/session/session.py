@@ -17,7 +17,7 @@ from emg2vsa.session import journal, legal, state
 from emg2vsa.session.bar_force import BarForce, RecentForce
 from emg2vsa.session.journal import Line
 from emg2vsa.session.judge_feed import JudgeFeed, how_judged
-from emg2vsa.session.live_press import Circumstances, StayJudged, judge_attempt
+from emg2vsa.session.live_press import StayJudged, judge_attempt
 from emg2vsa.session.press_cycle import Attempt, PressCycle
 from emg2vsa.session.presses import Presses, Tried
 from emg2vsa.session.record import SessionRecord, saved
@@ -154,7 +154,7 @@ class Session:
         if cycle.attempt is not None or cycle.command == "stop":
             return
         pause = bool(own.paused) or now_s < own.break_until_s
-        judging = legal.Now(own, legal.Moment(now_s, writing=bool(self._unsafe))).judging
+        judging = own.judging or self._unsafe or self.judge.asked
         cycle.hold = bool(judging or own.presses.undecided or own.unchecked)
         if own.here and own.quality_done and not pause:
             if cycle.command not in ("rest", "ready"):
@@ -194,11 +194,7 @@ class Session:
         if press == self.state.suggested:
             why = self.state.fits[press.specimen].suggestion
             self.write(journal.PressAdded(press.number, press.phase, press.specimen, press.repetition, press.stay, why))
-        number = len(self.state.presses.of(press)) + 1
-        self.write(
-            journal.PressBegun(press.number, number, press.specimen, press.phase, press.repetition, press.stay),
-            attempt.start_s,
-        )
+        self.write(self.state.presses.begin(press), attempt.start_s)
         self._lost_at_start = (self.emg.lost_samples, self.force.lost_samples)
         self.screens.begin()
 
@@ -268,8 +264,7 @@ class Session:
         """Write a verdict; it is in the state, and the pages show it, once it is on the disk itself."""
         window = how_judged(self.study, self.state.rules.participant, tried.press.specimen).window
         assert tried.ended is not None
-        around = Circumstances.of(tried.ended)
-        event = judge_attempt(tried.key, attempt, stay, around, self.settings, window, samples or {})
+        event = judge_attempt(tried.ended, attempt, stay, self.settings, window, samples or {})
         self.record.append(event, self.now_s)
 
     def _show_written(self) -> None:
@@ -357,12 +352,7 @@ class Session:
             if hidden:
                 self._say(HIDDEN)
             if told:
-                self.write(
-                    journal.ScreenTold(
-                        report.frames_per_s, report.age_p50_ms, report.age_p95_ms, report.longest_frame_ms,
-                        report.hidden, report.more,
-                    )
-                )  # fmt: skip
+                self.write(report)
 
     # what is told
 

@@ -9,7 +9,7 @@ A device whose rate is off by more than a crystal can be has its measured rate.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.errors import DataError
-from emg2vsa.session.journal import PLACED, Checked, Line, PressBegun, PressEnded, StreamOpened
+from emg2vsa.session.journal import Line, StreamOpened
+from emg2vsa.session.presses import Presses
 from emg2vsa.session.raw_files import SampleFile
 from emg2vsa.session.sample_clock import SampleClock
 
@@ -44,55 +45,17 @@ class StayWindow(NamedTuple):
     presses: tuple[tuple[int, int], ...]
 
 
-def stay_windows(lines: Sequence[Line]) -> list[StayWindow]:
+def stay_windows(presses: Presses) -> list[StayWindow]:
     """The stays with at least one complete press, in time order; one that was interrupted comes in several pieces."""
     found: list[StayWindow] = []
-    placed_s: dict[str, float] = {}
-    begun: list[tuple[Line, PressBegun]] = []
-
-    def close() -> None:
-        if begun:
-            window = _window(begun, lines, placed_s.get(begun[0][1].specimen))
-            found.extend([window] if window else [])
-            begun.clear()
-
-    for line in lines:
-        event = line.event
-        if begun and line.sitting != begun[-1][0].sitting:
-            close()
-            placed_s.clear()
-        if isinstance(event, Checked) and event.specimen and event.item == PLACED:
-            close()
-            placed_s = {event.specimen: line.time_s}
-        elif isinstance(event, StreamOpened):
-            close()
-            placed_s.clear()
-        elif isinstance(event, PressBegun):
-            if begun and (event.phase, event.stay) != (begun[-1][1].phase, begun[-1][1].stay):
-                close()
-            begun.append((line, event))
-    close()
+    for own in presses.stays():
+        ends = [tried.ended.stop_s for tried in own if tried.ended is not None and tried.ended.how == "complete"]
+        if ends:
+            first, press, stop_s = own[0], own[0].press, max(ends) + TAIL_S
+            start_s = first.begun_s - LEAD_S if first.placed_s is None else min(first.placed_s, first.begun_s)
+            keys = tuple(tried.key for tried in own if tried.begun_s < stop_s)
+            found.append(StayWindow(first.sitting, press.stay, press.phase, press.specimen, start_s, stop_s, keys))
     return found
-
-
-def _window(
-    begun: Sequence[tuple[Line, PressBegun]], lines: Sequence[Line], placed_s: float | None
-) -> StayWindow | None:
-    first, event = begun[0]
-    own = {(press.press, press.attempt) for _, press in begun}
-    ends = [
-        line.event.stop_s
-        for line in lines
-        if isinstance(line.event, PressEnded)
-        and line.event.how == "complete"
-        and (line.event.press, line.event.attempt) in own
-    ]
-    if not ends:
-        return None
-    start_s = first.time_s - LEAD_S if placed_s is None else min(placed_s, first.time_s)
-    stop_s = max(ends) + TAIL_S
-    presses = tuple((press.press, press.attempt) for line, press in begun if line.time_s < stop_s)
-    return StayWindow(first.sitting, event.stay, event.phase, event.specimen, start_s, stop_s, presses)
 
 
 @dataclass(frozen=True)
@@ -283,8 +246,3 @@ def _common_start(emg: StoredStream, force: StoredStream, start_s: float) -> tup
     before_s, after_s = (float(faster.clock.time_s(near - 1)), float(faster.clock.time_s(near)))
     other = near if after_s - at_s <= at_s - before_s else near - 1
     return (other, anchor) if faster is emg else (anchor, other)
-
-
-def in_sitting(lines: Sequence[Line], sitting: int) -> Iterator[Line]:
-    """The lines of one sitting."""
-    return (line for line in lines if line.sitting == sitting)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 
 from emg2vsa.cli import main
+from emg2vsa.session.journal import Judged, line_bytes, read_journal
 
 STUDY = """\
 [study]
@@ -123,3 +125,46 @@ def test_a_stopped_session_tells_how_it_goes_on(study_file, capsys, monkeypatch)
     told = capsys.readouterr()
     assert json.loads(told.out)["judged"] is None
     assert "Go on: " in told.err
+
+
+def test_a_session_is_replayed_from_its_folder(study_file, capsys):
+    assert main(["session", str(study_file), "--participant", "P03", "--virtual", "--no-page", "--json"]) == 0
+    folder = json.loads(capsys.readouterr().out)["folder"]
+    words = ["session", "replay", str(study_file), folder]
+    assert main(words) == 0
+    line, operator, participant, _, press = capsys.readouterr().out.splitlines()
+    assert line.endswith(f" of {folder}")
+    assert operator == "operator:    The session has ended."
+    assert participant.startswith("participant: Finished.")
+    assert press.split() == ["1", "1", "S1", "ok", "ok", "same"]
+    assert main([*words, "--json", "--line", "5"]) == 0
+    early = json.loads(capsys.readouterr().out)
+    assert (early["line"], early["same"], early["presses"], early["operator"]["ended"]) == (5, True, [], "")
+    journal = study_file.parent / folder / "journal.jsonl"
+    lines = read_journal(journal)[0]
+    judged = next(line for line in lines if isinstance(line.event, Judged))
+    other = replace(judged, event=replace(judged.event, verdict="warned"))
+    journal.write_bytes(b"".join(line_bytes(other if line is judged else line) for line in lines))
+    assert main(words) == 1
+    assert "verdict: was warned, is ok" in capsys.readouterr().out
+    assert main([*words, "--json"]) == 1
+    assert json.loads(capsys.readouterr().out)["presses"][0]["differences"] == ["verdict: was warned, is ok"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["nowhere"], "nowhere: expected the folder of a session, but found none"),
+        ([".", "--line", "0"], "plan.json: expected the plan of a session"),
+    ],
+)
+def test_what_cannot_be_replayed_is_refused(study_file, capsys, monkeypatch, words, said):
+    monkeypatch.chdir(study_file.parent)
+    assert main(["session", "replay", str(study_file), *words]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_line_that_is_no_number_is_refused(study_file, capsys):
+    with pytest.raises(SystemExit):
+        main(["session", "replay", str(study_file), ".", "--line", "last"])
+    assert "--line" in capsys.readouterr().err

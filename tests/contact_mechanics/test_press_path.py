@@ -21,7 +21,7 @@ from emg2vsa.contact_mechanics import (
     in_series,
     simulate_presses,
 )
-from emg2vsa.devices.qbmove.springs import SPRINGS, Springs
+from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS, Springs
 from emg2vsa.errors import DataError
 from tests.contact_mechanics.history_keeping import convolved_force_n
 
@@ -48,11 +48,11 @@ def human_like(name: str) -> StiffnessSteps:
     low, high = HUMAN_LIKE[name]
     middle_n = (EDGES[1:] + EDGES[:-1]) / 2
     share = np.log(middle_n / middle_n[0]) / np.log(middle_n[-1] / middle_n[0])
-    return StiffnessSteps(EDGES, (low + (high - low) * share) * 30)
+    return StiffnessSteps(EDGES, (low + (high - low) * share) * 30 * RAD_PER_TICK)
 
 
 def constant(percent: float) -> StiffnessSteps:
-    return StiffnessSteps.constant(percent * 30)
+    return StiffnessSteps.constant(percent * 30 * RAD_PER_TICK)
 
 
 def pressed(name: str, drive: Drive, *steps: StiffnessSteps, elastic: bool = False, step_s: float = 2e-3) -> PressPaths:
@@ -103,7 +103,7 @@ def test_presets_follow_the_force_late_and_no_faster_than_motors_turn() -> None:
 
 
 def test_a_flat_schedule_is_the_constant() -> None:
-    flat = StiffnessSteps(EDGES, np.full(EDGES.size - 1, 1500.0))
+    flat = StiffnessSteps(EDGES, np.full(EDGES.size - 1, 1500.0 * RAD_PER_TICK))
     paths = pressed("S2", SOFT, flat, constant(50))
     for table in (paths.force_n, paths.area_mm2, paths.preset_rad):
         assert np.array_equal(table[:, 0], table[:, 1], equal_nan=True)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
+import tomllib
 from dataclasses import fields
-from typing import get_args, get_type_hints
+from pathlib import Path
+from typing import Annotated, get_args, get_type_hints
 
 import pytest
 
@@ -18,7 +21,10 @@ from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettin
 from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.session.plan import planned
 from emg2vsa.session_settings import EmgSettings, SessionForceSettings, SessionSettings
+from emg2vsa.settings import Tagged
 from emg2vsa.study_file.problems import checked
+
+ROOT = Path(__file__).resolve().parents[2]
 
 KINDS = [(role, name) for role in ROLES for name in ROLES[role].kinds]
 MUSCLES = {"EDC": "1", "FDS": "2"}
@@ -100,3 +106,37 @@ def test_the_plan_of_a_session_keeps_its_bytes_whatever_the_force(
     said = planned(SessionSettings(emg=SimulatedEmgSettings(), force=force))
     assert list(said["force"].items()) == list((FORCE | {"kind": force.kind} | own).items())
     assert list(said) == [each.name for each in fields(SessionSettings)]
+
+
+def tables_of_people() -> list[tuple[str, str, dict[str, object]]]:
+    """Where, role and table, of every device in studies/ and in the pages of docs; those of the page on a laboratory's
+    own devices are read in tests/plugins."""
+    texts = {str(path.relative_to(ROOT)): path.read_text() for path in (ROOT / "studies").glob("*/*.toml")}
+    for path in [*(ROOT / "docs").glob("*.md"), *(ROOT / "docs" / "how-to").glob("*.md")]:
+        if path.name != "add-a-device.md":
+            blocks = re.findall(r"^```toml\n(.*?)^```$", path.read_text(), flags=re.M | re.S)
+            parts = [part for block in blocks for part in re.split(r"\n(?=\[)", "\n" + block)]
+            texts |= {f"{path.name}, {n}": part for n, part in enumerate(parts) if "..." not in part}
+    found = []
+    for name, text in texts.items():
+        raw = tomllib.loads(text)
+        tables = raw | {f"session-{key}": raw.get("session", {}).get(key) for key in ("emg", "force")}
+        names = {"actuator": "actuator", "force": "force", "camera": "camera", "session-emg": "emg"}
+        for key, role in (names | {"session-force": "session-force"}).items():
+            if tables.get(key):
+                found.append((name, role, tables[key]))
+    return found
+
+
+@pytest.mark.parametrize(("where", "role", "given"), tables_of_people(), ids=str)
+def test_tables_that_people_have_are_read_as_they_stand(where: str, role: str, given: dict[str, object]) -> None:
+    if where.startswith("tactile.md"):
+        pytest.skip("a camera file")
+    made, problems = checked(Annotated[object, Tagged(role)], given, (role,))
+    assert problems == []
+    for key, value in given.items():
+        assert getattr(made, key) == (tuple(value) if isinstance(value, list) else value)
+
+
+def test_people_have_tables_of_every_role() -> None:
+    assert {role for _, role, _ in tables_of_people()} == set(ROLES)

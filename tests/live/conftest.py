@@ -15,6 +15,8 @@ from typing import Any
 import pytest
 
 import emg2vsa.live
+from emg2vsa.devices.protocols import Measurements
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, LOG_COLUMNS
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.run_log import Row
@@ -22,14 +24,16 @@ from emg2vsa.rig.record.run_record import RunRecord
 from emg2vsa.rig.rig_settings import RigSettings
 
 PLAN = RunPlan("S1", 30.0, "high-stiffness", repetitions=3, schedule=None, f_max_n=7.0)
-RIG = RigSettings(home_ticks=100)
+RIG = RigSettings(home_deg=100 * DEG_PER_TICK)
 SHAPE = (12, 16)
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
 
 
 def make_row(time_s: float = 0.0, **changes: Any) -> Row:
     wrench = 0.3, 0.4, 1.5, 0.01, 0.02, 0.03
-    row = Row(time_s, 1, "load", time_s, 1.5, 1.25, 1100, 600, 1400, 200, 1000, 10, -10, -1, 1e-4, *wrench, 0, 7000)
+    position_deg, preset, motor_1, motor_2, shaft = (ticks * DEG_PER_TICK for ticks in (1100, 600, 1400, 200, 1000))
+    at = Measurements((motor_1, motor_2), shaft)
+    row = Row(time_s, 1, "load", time_s, 1.5, 1.25, position_deg, preset, at, (0.01, -0.01), -1, 1e-4, *wrench, 0, 7000)
     return row._replace(**changes)
 
 
@@ -49,7 +53,7 @@ def begin(runs: Path) -> Callable[[str], RunRecord]:
     """A run that has just begun."""
 
     def begun(name: str) -> RunRecord:
-        record = RunRecord(runs / name, STARTED, SHAPE)
+        record = RunRecord(runs / name, STARTED, SHAPE, LOG_COLUMNS)
         record.plan(PLAN, RIG)
         return record
 

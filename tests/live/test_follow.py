@@ -7,6 +7,8 @@ import os
 import numpy as np
 import pytest
 
+from emg2vsa.devices.protocols import Measurements
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.live.follow import Follower, newest_run
 from emg2vsa.rig.executor.stop_requests import request_stop
 
@@ -29,7 +31,8 @@ def test_facts_of_the_run(follower, begin, runs):
     run = follower.look().run
     assert (run.name, run.specimen, run.angle_deg) == ("S1_30_high-stiffness", "S1", 30.0)
     assert (run.repetitions, run.f_contact_n, run.f_max_n, run.force_limit_n) == (3, 0.5, 7.0, 10.0)
-    assert (run.max_preset_ticks, run.stiffness_percent, run.emulated) == (3000, (20.0, 80.0), False)
+    assert (run.full_preset, run.stiffness_percent, run.emulated) == (3000 * DEG_PER_TICK, (20.0, 80.0), False)
+    assert run.stiffness_nm_per_rad == ()
     (runs / run.name / "emulated.json").write_text("{}")
     assert Follower(runs).look().run.emulated
 
@@ -39,19 +42,28 @@ def test_curves_in_their_units(follower, begin, row):
     curves = follower.look().curves
     assert curves.time_s == [2.5]
     assert (curves.raw_n, curves.filtered_n) == ([1.5], [1.25])
-    assert curves.preset_ticks == [600]
-    assert curves.measured_ticks == [(1400 - 200) / 2]
+    assert curves.preset == [round(600 * DEG_PER_TICK, 3)]
+    assert curves.measured_preset == [round((1400 - 200) / 2 * DEG_PER_TICK, 3)]
     # 0.2 mm per degree, 32768 ticks a turn, home at 100
     np.testing.assert_allclose(curves.depth_mm, [1000 * 0.2 * 360 / 32768], atol=5e-4)
     np.testing.assert_allclose(curves.shaft_mm, [900 * 0.2 * 360 / 32768], atol=5e-4)
 
 
 def test_what_a_turn_did_not_measure_is_none(follower, begin, row):
-    nothing = dict.fromkeys(("filtered_n", "position_ticks", "preset_ticks", "motor_2_ticks", "shaft_ticks"))
+    nothing = dict.fromkeys(("filtered_n", "position_deg", "preset", "at"))
     begin("run").row(row(force_n=float("nan"), **nothing))
     curves = follower.look().curves
-    assert (curves.raw_n, curves.filtered_n, curves.preset_ticks) == ([None], [None], [None])
-    assert (curves.measured_ticks, curves.depth_mm, curves.shaft_mm) == ([None], [None], [None])
+    assert (curves.raw_n, curves.filtered_n, curves.preset) == ([None], [None], [None])
+    assert (curves.measured_preset, curves.depth_mm, curves.shaft_mm) == ([None], [None], [None])
+
+
+def test_one_motor_alone_has_no_preset_that_could_be_measured(follower, begin, row):
+    begin("run").row(row(at=Measurements((20.0,), 11.0), currents_a=(0.25,)))
+    curves = follower.look().curves
+    assert (curves.measured_preset, curves.shaft_mm) == (
+        [None],
+        [round(2.2 - 20 * DEG_PER_TICK, 3)],
+    )
 
 
 def test_rows_come_once_and_the_state_stays(follower, begin, row):

@@ -16,6 +16,7 @@ def test_the_reference_has_every_table_and_where_it_may_be_left_out() -> None:
     heads = [line for line in rig_reference().splitlines() if line.startswith("##")]
     assert heads == [
         "## `[rig]` (may be left out)", "### `[rig.losses]`", "### `[rig.guards]`", "## `[actuator]`",
+        '### `[actuator]` with `kind = "qbmove"`', '### `[actuator]` with `kind = "dynamixel"`',
         "## `[motor]` (may be left out)", "## `[force]`", '### `[force]` with `kind = "net-ft"`',
         '### `[force]` with `kind = "ni-daq"`', "## `[camera]` (may be left out)", "## `[experiment]`",
         "## `[plate]` (may be left out)", "## `[emulated]` (may be left out)",

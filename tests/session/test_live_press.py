@@ -9,8 +9,9 @@ import pytest
 
 from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
 from emg2vsa.recordings import Channel
+from emg2vsa.session.journal import PressEnded
 from emg2vsa.session.live_fit import specimen_fit
-from emg2vsa.session.live_press import Circumstances, FoundPress, HowJudged, StayJudged, judge_attempt, judge_stay
+from emg2vsa.session.live_press import FoundPress, HowJudged, StayJudged, judge_attempt, judge_stay
 from emg2vsa.session.press_cycle import Attempt
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.settings import (
@@ -24,6 +25,10 @@ from emg2vsa.synthetic.recording import make_recording
 
 SETTINGS = SessionSettings(emg=SimulatedEmgSettings(), force=SimulatedForceSettings())
 HOW = HowJudged(FilterSettings(), WindowSettings(), ForceChannelSettings(name="force"), FitSettings())
+
+
+def around(**known):
+    return PressEnded(1, 1, 10.3, 13.0, **known)
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +53,7 @@ def test_every_attempt_finds_its_press_and_its_slope(stay):
     judged = judge_stay(emg, force, "P03", "S3", HOW)
     assert judged.failed == ""
     for attempt, b_v in zip(attempts, truth.b_v, strict=True):
-        own = judge_attempt((1, 1), attempt, judged, Circumstances(), SETTINGS, HOW.window, {})
+        own = judge_attempt(around(), attempt, judged, SETTINGS, HOW.window, {})
         assert own.verdict != "rejected"
         assert own.values["b_v"] == pytest.approx(b_v, rel=0.3)
 
@@ -58,7 +63,7 @@ def test_a_press_is_judged_when_only_the_first_has_been_done(stay):
     end = round((attempts[0].end_s + 0.5 - 100) * force.fs_hz)
     cut = {m: dataclasses.replace(c, samples=c.samples[:end]) for m, c in emg.items()}
     judged = judge_stay(cut, dataclasses.replace(force, samples=force.samples[:end]), "P03", "S3", HOW)
-    assert judge_attempt((1, 1), attempts[0], judged, Circumstances(), SETTINGS, HOW.window, {}).verdict != "rejected"
+    assert judge_attempt(around(), attempts[0], judged, SETTINGS, HOW.window, {}).verdict != "rejected"
 
 
 GOOD = Attempt(10.0, begun_s=10.3, stop_s=12.5, end_s=13.0, peak_n=7.6, ending="lifted")
@@ -66,27 +71,27 @@ FOUND = FoundPress(10.4, 12.6, "ok", "", 7.6, 28e-6, 13e-6, True)
 
 
 @pytest.mark.parametrize(
-    ("change", "around", "verdict", "said"),
+    ("change", "ended", "verdict", "said"),
     [
-        ({}, Circumstances(), "ok", ""),
-        ({"early": True}, Circumstances(), "rejected", "before START"),
-        ({"begun_s": 10.05}, Circumstances(), "rejected", "50 ms after START"),
-        ({"begun_s": 12.0}, Circumstances(), "warned", "2.0 s after START"),
-        ({"end_s": 15.0}, Circumstances(), "rejected", "not lifted within 2 s"),
-        ({"peak_n": 9.5}, Circumstances(), "warned", "9.5 N"),
-        ({"zero_n": 0.1}, Circumstances(), "warned", "+0.10 N before START"),
-        ({"zero_n": -0.25}, Circumstances(), "rejected", "-0.25 N before START"),
-        ({"ending": "aborted"}, Circumstances(), "rejected", "aborted"),
-        ({"ending": "interrupted", "why": "EMG lost"}, Circumstances(), "rejected", "EMG lost"),
-        ({}, Circumstances(lost_share=0.002), "warned", "0.2 % of the samples are lost"),
-        ({}, Circumstances(lost_share=0.02), "rejected", "2 % of the samples are lost"),
-        ({}, Circumstances(hidden=True), "rejected", "hidden"),
-        ({}, Circumstances(age_ms=80.0), "warned", "80 ms late"),
+        ({}, around(), "ok", ""),
+        ({"early": True}, around(), "rejected", "before START"),
+        ({"begun_s": 10.05}, around(), "rejected", "50 ms after START"),
+        ({"begun_s": 12.0}, around(), "warned", "2.0 s after START"),
+        ({"end_s": 15.0}, around(), "rejected", "not lifted within 2 s"),
+        ({"peak_n": 9.5}, around(), "warned", "9.5 N"),
+        ({"zero_n": 0.1}, around(), "warned", "+0.10 N before START"),
+        ({"zero_n": -0.25}, around(), "rejected", "-0.25 N before START"),
+        ({"ending": "aborted"}, around(), "rejected", "aborted"),
+        ({"ending": "interrupted", "why": "EMG lost"}, around(), "rejected", "EMG lost"),
+        ({}, around(lost_share=0.002), "warned", "0.2 % of the samples are lost"),
+        ({}, around(lost_share=0.02), "rejected", "2 % of the samples are lost"),
+        ({}, around(hidden=True), "rejected", "hidden"),
+        ({}, around(age_ms=80.0), "warned", "80 ms late"),
     ],
 )  # fmt: skip
-def test_what_only_a_live_session_knows(change, around, verdict, said):
+def test_what_only_a_live_session_knows(change, ended, verdict, said):
     attempt = dataclasses.replace(GOOD, **change)
-    judged = judge_attempt((1, 1), attempt, StayJudged((FOUND,)), around, SETTINGS, HOW.window, {})
+    judged = judge_attempt(ended, attempt, StayJudged((FOUND,)), SETTINGS, HOW.window, {})
     assert judged.verdict == verdict
     assert said in (judged.problems[0][0] if judged.problems else "")
     assert all(do for _, do in judged.problems)
@@ -104,7 +109,7 @@ def test_what_only_a_live_session_knows(change, around, verdict, said):
 )  # fmt: skip
 def test_what_the_analysis_says_of_the_press(found, verdict, said):
     stay = StayJudged((dataclasses.replace(FOUND, **found),))
-    judged = judge_attempt((1, 1), GOOD, stay, Circumstances(), SETTINGS, HOW.window, {})
+    judged = judge_attempt(around(), GOOD, stay, SETTINGS, HOW.window, {})
     assert judged.verdict == verdict
     assert said in judged.problems[0][0]
     assert judged.problems[0][1]

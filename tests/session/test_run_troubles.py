@@ -9,13 +9,13 @@ import pytest
 
 from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.errors import DataError, DeviceError
+from emg2vsa.session import replay
 from emg2vsa.session.journal import (
     JOURNAL_FILE,
     Commanded,
     Interrupted,
     Paused,
     PressBegun,
-    ScreenTold,
     Told,
     read_journal,
 )
@@ -248,7 +248,7 @@ def test_the_page_of_the_participant_cannot_flood_the_journal(play):
 
     played = play(session=FEW, operator=False, beside=toggle)
     lines, _ = read_journal(played.folder / JOURNAL_FILE)
-    assert 4 <= sum(isinstance(line.event, ScreenTold) for line in lines) <= 6
+    assert 4 <= sum(isinstance(line.event, ScreenReport) for line in lines) <= 6
 
 
 @pytest.mark.realtime
@@ -301,3 +301,6 @@ def test_a_server_that_drops_at_press_7_pauses_the_session_and_the_press_is_repe
     files = [SampleFile(path) for path in sorted(folder.glob("*_emg*.samples"))]
     assert len(files) == 2
     assert all(file.passed_over == 0 and np.isfinite(file.read(0, file.stop)).all() for file in files)
+    replayed = replay(study, folder)
+    assert replayed.same, [press.differences for press in replayed.presses]
+    assert len(replayed.presses) == 8

@@ -66,8 +66,17 @@ def person_of(arguments: argparse.Namespace) -> Person:
 
 def finish(arguments: argparse.Namespace, result: Any, *lines: str, good: bool = True) -> int:
     """The result with --json, a dict or a dataclass; else these lines. Exit status."""
-    answer(arguments.json, result if isinstance(result, dict) else asdict(result), lines)
+    answer(arguments.json, _named(result if isinstance(result, dict) else asdict(result)), lines)
     return int(not good)
+
+
+def _named(value: Any) -> Any:
+    """The same with tables in place of named tuples, whose names JSON would lose."""
+    if isinstance(value, tuple) and hasattr(value, "_asdict"):
+        value = value._asdict()
+    if isinstance(value, dict):
+        return {key: _named(each) for key, each in value.items()}
+    return [_named(each) for each in value] if isinstance(value, list | tuple) else value
 
 
 def _asked(question: str) -> str | None:

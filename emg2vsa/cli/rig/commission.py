@@ -41,16 +41,17 @@ def run(arguments: argparse.Namespace) -> int:
     checks = check_settings(file, reach_deg=arguments.reach_deg, motor=arguments.motor, person=person)
     if checks is None:
         return 1
-    person.say(f"{'setting':<20}{'rig file':<18}{'found':<18}{'':<8}")
+    width = 2 + max(len(check.key) for check in checks)
+    person.say(f"{'setting':<{width}}{'rig file':<18}{'found':<18}{'':<8}")
     for check in checks:
-        person.say(_row(check))
+        person.say(_row(check, width))
     good = mend_settings(file, checks, person)
     return finish(arguments, {"checks": [asdict(check) for check in checks], "good": good}, good=good)
 
 
-def _row(check: Check) -> str:
+def _row(check: Check, width: int) -> str:
     verdict = "-" if check.found is None else "right" if check.good else "WRONG"
-    return f"{check.key:<20}{_text(check.said):<18}{_text(check.found):<18}{verdict:<8}{check.remark}"
+    return f"{check.key:<{width}}{_text(check.said):<18}{_text(check.found):<18}{verdict:<8}{check.remark}"
 
 
 def _text(value: object) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from serial.tools import list_ports
 
+from emg2vsa.devices.addresses import ids_asked
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.qbmove.conversation import Conversation
 from emg2vsa.devices.qbmove.packets import Command, frame, ping_reply
@@ -24,9 +25,11 @@ def qbmove_ports() -> list[str]:
 
 
 def answers(line: ByteLine, clock: Clock, ids: Sequence[int], reply_s: float) -> Iterator[str]:
-    """Ping every id, or all where none is given, and tell who answers within ``reply_s``. About 3 s for all ids."""
+    """Ping every id, or all where none is given, and tell who answers within ``reply_s``. About 3 s for all ids.
+
+    SettingError : an id that no qbmove has."""
     talk = Conversation(line, clock)
-    for device_id in ids or range(1, 256):
+    for device_id in ids_asked(ids, range(1, 256)):
         request = frame(device_id, Command.PING)
         reply = talk.ask(request, ping_reply(device_id), timeout_s=reply_s, attempts=_ATTEMPTS)
         if reply:  # ten digits from firmware 7.1 on

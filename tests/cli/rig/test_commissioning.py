@@ -26,7 +26,7 @@ WRONG = """\
 [rig]
 push_axis = [1, 0, 0] # of the sensor
 push_sign = -1 # which way
-home_ticks = 3800
+home_deg = 41.75
 gear_mm_per_degree = 0.1
 
 """
@@ -69,14 +69,14 @@ def test_four_wrong_settings_are_found_and_mended(rig: Rig, served: SimpleNamesp
     status, out, err = rig("commission", served.path)
     assert status == 0, out + err
     assert [line.split()[0] for line in out.splitlines() if "WRONG" in line] == [
-        "push_axis", "push_sign", "gear_mm_per_degree", "home_ticks",
+        "push_axis", "push_sign", "gear_mm_per_degree", "home_deg",
     ]  # fmt: skip
     written = served.path.read_text()
     assert "push_axis = [0.0, 0.0, 1.0] # of the sensor\npush_sign = 1 # which way\n" in written
     assert written.endswith(text)
     found = tomllib.loads(written)["rig"]
     assert found["gear_mm_per_degree"] == pytest.approx(0.2, rel=0.01)
-    assert RigSettings().depth_at(found["home_ticks"]) == pytest.approx(0.0, abs=0.5)  # where it began, 2 mm above
+    assert RigSettings().depth_at(found["home_deg"]) == pytest.approx(0.0, abs=0.5)  # where it began, 2 mm above
     assert motors(served.bench) == MOTORS_OFF
 
     status, out, _ = rig("commission", served.path)
@@ -125,7 +125,7 @@ def test_home_takes_a_pressed_probe_away(rig: Rig, served: SimpleNamespace) -> N
     [
         (("jog", "--mm", "1", "--deg-per-s", "100"), "--deg-per-s: expected above 0 and at most 25, but found 100."),
         (("jog", "--mm", "1", "--limit-n", "80"), "--limit-n: expected above 0 and at most 25, but found 80."),
-        (("jog", "--mm", "40"), "probe: expected a position of -12000 to 12000 ticks, but found 18"),
+        (("jog", "--mm", "40"), "probe: expected a position of -131.836 to 131.836 degrees, but found 200"),
         (("commission", "--reach-deg", "0"), "--reach-deg: expected above 0 and at most 180, but found 0."),
         (("parameters", "--set", "13=a"), "expected a number and its values, 13=1200, but found '13=a'"),
         (("parameters", "--set", "1=7"), "expected a parameter from 2; the id is changed with qbadmin"),

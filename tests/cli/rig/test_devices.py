@@ -52,11 +52,22 @@ def test_scan_without_ports(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     assert rig("scan")[:2] == (1, "no serial port with a qbmove's adapter; name another with --port\n")
 
 
-@pytest.mark.parametrize("wrong", ["0", "256", "one"])
+@pytest.mark.parametrize("wrong", ["-1", "256", "one"])
 def test_an_id_that_cannot_be(wrong: str, rig: Rig, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         rig("scan", "--id", wrong)
-    assert f"expected a device id of 1 to 255, but found '{wrong}'" in capsys.readouterr().err
+    assert f"expected a device id of 0 to 255, but found '{wrong}'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("kind", "wrong", "wanted"), [("qbmove", 0, "1 to 255"), ("dynamixel", 254, "0 to 252")])
+def test_an_id_that_no_device_of_the_kind_has_is_not_asked(
+    kind: str, wrong: int, wanted: str, rig: Rig, served: SimpleNamespace
+) -> None:
+    """Id 0 of a qbmove and 254 of a Dynamixel are those of all devices at once."""
+    port = served.servers.port
+    status, out, _ = rig("scan", "--port", port, "--kind", kind, "--baud", 2_000_000, "--id", wrong)
+    said = f"--id: expected ids of {wanted}, but found {wrong}. Leave it out to ask all."
+    assert (status, out) == (1, f"{port}\n  not usable: {said}\n")
 
 
 def test_info_tells_what_each_device_knows(rig: Rig, served: SimpleNamespace) -> None:
@@ -66,7 +77,7 @@ def test_info_tells_what_each_device_knows(rig: Rig, served: SimpleNamespace) ->
     assert "\n  position limits of motor 2: -15000 to 15000 ticks\n" in out
     assert "\n  motors off\n" in out
     assert "\n  set up for runs\n" in out
-    assert "\n  a run may use: positions -12000 to 12000 ticks, 20 to 80 % of full stiffness\n" in out
+    assert "\n  a run may use: positions -131.836 to 131.836 degrees, 20 to 80 % of full stiffness\n" in out
     assert "\n    11 Pos. limits [inf, sup]       -15000, 15000, -15000, 15000\n" in out
     assert f"[motor] /dev/no-such-motor, id 1\n  not usable: {NO_MOTOR}" in out
     assert "\n  1e+06 counts/N, 1e+06 counts/(N m)\n" in out

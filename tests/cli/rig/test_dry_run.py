@@ -18,20 +18,20 @@ def test_limits_legs_and_times(rig: Rig, rig_file: RigFile, tmp_path: Path) -> N
     status, out, _ = rig("dry-run", rig_file(), "--specimen", "S1", "--details")
     assert status == 0
     assert out.startswith(
-        "positions: -12000 to 12000 ticks\npresets: 600 to 2400 ticks, 20 to 80 % of 3000\n"
-        "travel: 15 mm, +6827 ticks from home\nforce: 50 N, 3000 N/s\n"
+        "positions: -131.836 to 131.836 degrees\npresets: 20 to 80 % of the full one\n"
+        "travel: 15 mm, +75 degrees from home\nforce: 50 N, 3000 N/s\n"
     )
     assert "\nS1_0_high-stiffness: 2 presses, at most 7.8 s\n" in out
-    assert "\n  approach           0 to 6827              0       0 to 0.5        1.88\n" in out
-    preset = read_json(tmp_path / "schedules" / "S1_modular.json").preset_ticks[15]  # from 5.0 N on
-    assert f"\n  retract            6827 to 0           {preset}                       1.88\n" in out
+    assert "\n  approach             0 to 75              0       0 to 0.5        1.88\n" in out
+    preset = 100 * read_json(tmp_path / "schedules" / "S1_modular.json").preset[15]  # from 5.0 N on
+    assert f"\n  retract              75 to 0{preset:>15.4g}                       1.88\n" in out
     assert out.endswith("\n3 runs, at most 0.4 min; nothing was sent\n")
 
 
 def test_one_line_a_run(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
     status, out, _ = rig("dry-run", rig_file(), "--specimen", "S1")
     assert status == 0
-    presets = read_json(tmp_path / "schedules" / "S1_modular.json").preset_ticks[:16]  # up to 5.0 N
+    presets = 100 * read_json(tmp_path / "schedules" / "S1_modular.json").preset[:16]  # up to 5.0 N
     lines = out.splitlines()
     lax = [line for line in lines if "protects less than" in line]
     assert "rig.guards.force_n = 50 protects less than 10, the default" in lax
@@ -42,9 +42,9 @@ def test_one_line_a_run(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
     # to expect, with motors that may be following_s = 0.2 s behind, and a bus 0.02 s
     assert 5.0 < float(rigid.pop(-2)) < 10.5
     assert 5.0 < float(modular.pop(-2)) < 10.5
-    assert rigid == ["S1_0_high-stiffness", "2", *["0", "to", "6827", "0", "to", "0", "0", "to", "5", "7.8"]]
+    assert rigid == ["S1_0_high-stiffness", "2", *["0", "to", "75", "0", "to", "0", "0", "to", "5", "7.8"]]
     assert modular == [
-        "S1_0_modular", "2", "0", "to", "6827", str(presets.min()), "to", str(presets.max()), "0", "to", "5", "7.8",
+        "S1_0_modular", "2", "0", "to", "75", f"{presets.min():.4g}", "to", f"{presets.max():.4g}", "0", "to", "5", "7.8",
     ]  # fmt: skip
     assert len(lines) == 12
 
@@ -65,7 +65,10 @@ def test_a_run_that_breaks_a_limit_is_told_beside_the_others(rig: Rig, rig_file:
     path = rig_file(("[rig.guards]", "[rig]\nmax_preset_ticks = 2800\n[rig.guards]"))
     status, out, _ = rig("dry-run", path, "--specimen", "S1")
     assert status == 1
-    assert "S1_0_modular: not possible. schedule of S1, modular, preset_ticks: expected 560 to 2240 ticks" in out
+    assert (
+        "S1_0_modular: not possible. schedule of S1, modular, stiffness preset: expected 20 to 80 % of the device's "
+        "maximum, but found 85.7143 %." in out
+    )
     assert "S1_0_high-stiffness " in out
 
 
@@ -125,5 +128,7 @@ def test_a_schedule_for_another_model_is_refused(rig: Rig, rig_file: RigFile) ->
     path = rig_file(("[actuator]\n", '[actuator]\nmodel = "advanced"\n'))
     status, _, err = rig("dry-run", path)
     assert status == 2
-    assert "schedule of S1, modular, limits.actuator: expected qbmove-advanced, the model under [actuator] of " in err
-    assert "found qbmove-maker-pro. Set [schedule] actuator of the study to the device's model" in err
+    assert f"schedule of S1, modular, limits.actuator: expected qbmove-advanced, the actuator of {path}, but " in err
+    assert (
+        "found qbmove-maker-pro. Set [schedule] actuator of the study to this one and export again, or correct" in err
+    )

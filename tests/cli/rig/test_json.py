@@ -9,6 +9,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
+
 Rig = Callable[..., tuple[int, str, str]]
 
 
@@ -16,7 +18,7 @@ def test_motors_that_are_not_known_to_be_off(rig: Rig, rig_file: Callable[..., P
     status, out, err = rig("off", rig_file(), "--json")
     assert (status, err) == (1, "")
     told = json.loads(out)["devices"]
-    assert [(each["device"], each["ticks"]) for each in told] == [("actuator", None), ("motor", None)]
+    assert [(each["device"], each["at"]) for each in told] == [("actuator", None), ("motor", None)]
     assert told[0]["problem"].startswith("/dev/no-such-port: expected a serial port")
 
 
@@ -31,11 +33,12 @@ def test_moves_and_zeros_by_hand(rig: Rig, served: SimpleNamespace) -> None:
     status, out, err = rig("jog", served.path, "--mm", 1, "--json")
     assert status == 0, err
     moved = json.loads(out)
-    assert moved["shaft_ticks"] - moved["from_ticks"] == pytest.approx(moved["moved_deg"] * 65536 / 720, abs=1)
+    assert moved["shaft_deg"] - moved["from_deg"] == pytest.approx(moved["moved_deg"], abs=1e-9)
     assert (moved["touched"], len(moved["force_n"])) == (False, 3)
     status, out, err = rig("zero", served.path, "--yes", "--json")
     assert status == 0, err
-    assert all(abs(ticks) <= 16 for ticks in json.loads(out)["ticks"])
+    after = json.loads(out)["after"]
+    assert all(abs(angle_deg) <= 16 * DEG_PER_TICK for angle_deg in (*after["motors_deg"], after["shaft_deg"]))
     path = served.path
     path.write_text(path.read_text().replace("watchdog_s = 5", "watchdog_s = 0.5", 1))
     status, out, err = rig("prove-watchdog", path, "--yes", "--json")

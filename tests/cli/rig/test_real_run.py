@@ -37,7 +37,7 @@ def test_a_run_is_completed_told_and_recorded(rig: Rig, served: SimpleNamespace,
     assert lines[:4] == [
         f"folder: {folder}",
         "run: S1, 0 degrees, modular, 2 presses",
-        "device: QBMMP v6.1.0, positions -12000 to 12000 ticks, full stiffness 3000 ticks",
+        "device: QBMMP v6.1.0, positions -131.8 to 131.8 degrees, full stiffness 7.8 N m/rad",
         "force: mean of 5 samples at 200 Hz: -3 dB at 18 Hz, delay 10 ms",
     ]
     unproven = "watchdog: the watchdog of this device (QBMMP v6.1.0) is not proven: emg2vsa rig prove-watchdog"
@@ -96,7 +96,7 @@ def test_a_schedule_beyond_the_device_moves_nothing(rig: Rig, served: SimpleName
     status, _, err = rig("run", served.path, *ONE)
     assert status == 2
     assert (
-        "schedule of S1, modular, preset_ticks: expected 600 to 1600 ticks, 30 to 80 % of the device's maximum" in err
+        "schedule of S1, modular, stiffness preset: expected 30 to 80 % of the device's maximum, but found 120 %" in err
     )
     assert not (tmp_path / "runs").exists()
 

@@ -74,5 +74,5 @@ def test_a_signal_ends_a_process_safely(
     assert (ended["how"], ended["cause"], ended["retracted"], ended["deactivated"]) == ("stopped", cause, True, True)
     rows = read_log(folder / "log.csv")
     assert len(rows) == ended["rows"]
-    assert rows[-1].position_ticks == 0
+    assert rows[-1].position_deg == 0
     assert motors(served.bench) == MOTORS_OFF

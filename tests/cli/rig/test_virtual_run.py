@@ -52,7 +52,7 @@ def test_all_runs_are_done_once(rig: Rig, rig_file: RigFile, tmp_path: Path) -> 
         "modular, 30 degrees         done before",
     ]
     assert [(runs / name / "log.csv").read_bytes() for name in names] == logs
-    assert read_log(runs / "S3_0_high-stiffness" / "log.csv")[-1].preset_ticks == 0
+    assert read_log(runs / "S3_0_high-stiffness" / "log.csv")[-1].preset == 0
 
 
 def test_every_mounting_has_a_folder_of_its_own(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
@@ -101,7 +101,10 @@ def test_limits_are_checked_before_any_run(rig: Rig, rig_file: RigFile, tmp_path
     path = rig_file(("[rig.guards]", "[rig]\nmax_preset_ticks = 2800\n[rig.guards]"))
     status, _, err = rig("run", path, "--virtual")
     assert status == 2
-    assert "preset_ticks: expected 560 to 2240 ticks" in err
+    assert (
+        "schedule of S1, modular, stiffness preset: expected 20 to 80 % of the device's maximum, but found 85.7143 %."
+        in err
+    )
     assert not (tmp_path / "runs-virtual").exists()
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from emg2vsa.devices.serial_speed import BAUD
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
 from emg2vsa.devices.netft.driver import open_net_ft
@@ -17,11 +16,13 @@ from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
 from emg2vsa.devices.protocols import Devices
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
+from emg2vsa.devices.qbmove.settings import BAUD
+from emg2vsa.devices.qbmove.springs import SPRINGS
 from emg2vsa.devices.registry import Around
 from emg2vsa.devices.serial_line import LoopbackLine, SerialLine
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.emulated.bench import EmulatedRig
-from emg2vsa.rig.emulated.fault_words import FAULTS, help_text, put
+from emg2vsa.rig.emulated.fault_words import faults_of, help_text, put
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings
@@ -30,6 +31,7 @@ from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.press_counts import BUSY
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
+MAKER_PRO = SPRINGS["qbmove-maker-pro"]
 ELASTIC = EmulatedSettings(world="elastic")
 
 
@@ -49,7 +51,7 @@ def press_to(bench: EmulatedRig, devices: Devices, depth_mm: float) -> float:
 
 
 def draws(**changes: object) -> PressDraws:
-    return PressDraws(EmulatedSettings(**{"world": "elastic"} | changes), "S1", 30.0, False, RigSettings(), "run")  # type: ignore[arg-type]
+    return PressDraws(EmulatedSettings(**{"world": "elastic"} | changes), "S1", 30.0, MAKER_PRO, RigSettings(), "run")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 1), (0, -0.6, 0.8), (0, 0, -1), (0.04, 0, -0.999), (0, 0, -0.9995), (1, 0, 0)])
@@ -66,7 +68,7 @@ def test_presses_differ_and_come_again() -> None:
     worlds = [draws().world(press) for press in range(50)]
     assert worlds == [draws().world(press) for press in range(50)]
     assert len({world.angle_deg for world in worlds}) == 1
-    assert worlds[0] != PressDraws(settings, "S1", 30.0, False, RigSettings(), "another run").world(0)
+    assert worlds[0] != PressDraws(settings, "S1", 30.0, MAKER_PRO, RigSettings(), "another run").world(0)
     stiffness = np.array([world.stiffness_n_per_mm for world in worlds])
     assert np.std(stiffness / 7.63) == pytest.approx(settings.stiffness_sd, rel=0.3)
     assert np.abs(stiffness / 7.63 - 1).max() == pytest.approx(2 * settings.stiffness_sd)
@@ -157,8 +159,8 @@ def test_a_line_that_is_no_fault(bench: EmulatedRig, line: str) -> None:
         put(bench, line)
 
 
-def test_help_names_every_fault() -> None:
-    assert all(f"  {name}" in help_text() for name in (*FAULTS, "off", "quit"))
+def test_help_names_every_fault(bench: EmulatedRig) -> None:
+    assert all(f"  {name}" in help_text(bench) for name in (*faults_of(bench), "off", "quit"))
 
 
 @pytest.mark.realtime

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from emg2vsa.devices.qbmove.springs import SPRINGS
 from emg2vsa.errors import ScheduleError
 from emg2vsa.rig.emulated.controls import controlled, counterparts, effect_of, fixed_keys, stiffness_at
 from emg2vsa.rig.emulated.press_draws import PressDraws
@@ -66,7 +67,7 @@ def test_area_follows_the_stiffness_of_the_force_step_in_p1():
 def test_the_contact_that_is_seen_has_the_area_of_p1(skin):
     emulated = EmulatedSettings(control="P1", world="elastic", skin=skin)
     pressed = schedule("S3", [0.5, 1.0, 2.0])
-    plain = PressDraws(emulated, "S3", 0.0, False, RigSettings(), "run")
+    plain = PressDraws(emulated, "S3", 0.0, SPRINGS["qbmove-maker-pro"], RigSettings(), "run")
     seen = replace(plain, effect=effect_of(emulated, pressed, ())).seen(0)
     for force_n in (0.6, 1.0, 1.3, 5.0):
         touch = Touch(force_n, 0.0, force_n, 0.0)
@@ -79,7 +80,7 @@ def test_the_contact_that_is_seen_has_the_area_of_p1(skin):
 def test_the_largest_effect_of_p1_is_not_cut_off(specimen):
     """The softest step of the demo's schedules, 0.4 N m/rad, and the largest exponent."""
     emulated = EmulatedSettings(control="P1", control_exponent=0.2, world="elastic")
-    plain = PressDraws(emulated, specimen, 0.0, False, RigSettings(), "run")
+    plain = PressDraws(emulated, specimen, 0.0, SPRINGS["qbmove-maker-pro"], RigSettings(), "run")
     seen = replace(plain, effect=effect_of(emulated, schedule(specimen, [0.4] * 3), ())).seen(0)
     for force_n in (0.1, 3.0, 7.4):
         touch = Touch(force_n, 0.0, force_n, 0.0)
@@ -102,7 +103,7 @@ def test_the_area_is_as_noisy_as_the_stiffness_is_wrong_in_p4():
     rigid = effect_of(emulated, None, ())
     assert rigid is not None
     assert rigid.noise_sd(1.0) == pytest.approx(0.07)
-    seen = PressDraws(emulated, "S1", 0.0, True, RigSettings(), "run", effect=rigid).seen(0)
+    seen = PressDraws(emulated, "S1", 0.0, None, RigSettings(), "run", effect=rigid).seen(0)
     rng, touch = np.random.default_rng(0), Touch(3.0, 0.0, 3.0, 0.0)
     logs = np.log([seen.scene.area_mm2(seen.in_frame(touch, rng)) / seen.area_mm2(touch) for _ in range(400)])
     assert logs.std() == pytest.approx(0.07, rel=0.12)

@@ -10,8 +10,9 @@ from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.device_settings import RATE_HZ
 from emg2vsa.devices.protocols import Devices
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.rig.emulated.bench import MOTOR_CURRENT_MA, MOTOR_TORQUE_NM, EmulatedRig
-from emg2vsa.rig.emulated.fault_words import FAULTS, put
+from emg2vsa.rig.emulated.bench import EmulatedRig
+from emg2vsa.rig.emulated.fault_words import faults_of, put
+from emg2vsa.rig.emulated.qbmove.motor_board import MOTOR_CURRENT_MA, MOTOR_TORQUE_NM
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.rig_settings import RigSettings
 
@@ -260,7 +261,7 @@ def test_few_and_old_frames() -> None:
 def test_every_fault_that_lasts_goes_off() -> None:
     """What is left after it is what a bench without a fault has."""
     bench, whole = Bench(), Bench()
-    for name, fault in FAULTS.items():
+    for name, fault in faults_of(bench.rig).items():
         if fault.lasts:
             put(bench.rig, name)
     put(bench.rig, "off")

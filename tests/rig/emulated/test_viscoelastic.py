@@ -88,7 +88,7 @@ def test_the_stiffer_the_springs_the_nearer_to_the_rigid_motor() -> None:
 
 
 def test_area_follows_force_alone_where_nothing_creeps() -> None:
-    draws = PressDraws(EmulatedSettings(world="elastic"), "S3", 0.0, False, RIG)
+    draws = PressDraws(EmulatedSettings(world="elastic"), "S3", 0.0, SPRINGS["qbmove-maker-pro"], RIG)
     seen, scene = draws.seen(0), draws.scene(0)
     for springs in (None, *SPRINGS.values()):
         _, touches = pressed(springs=springs, end_s=1.6)
@@ -209,7 +209,9 @@ def test_every_frame_shows_the_contact_of_its_exposure(
 
 
 def draws(mounting: int = 1, **changes: Any) -> PressDraws:
-    return PressDraws(EmulatedSettings(**changes), "S1", 45.0, False, RIG, "run", mounting=mounting)
+    return PressDraws(
+        EmulatedSettings(**changes), "S1", 45.0, SPRINGS["qbmove-maker-pro"], RIG, "run", mounting=mounting
+    )
 
 
 def test_presses_of_a_mounting_share_what_another_mounting_has_otherwise() -> None:

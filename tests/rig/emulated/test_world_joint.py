@@ -74,7 +74,7 @@ def test_any_motors_within_their_limits_find_a_rest(model: str, friction_nm: flo
 def test_friction_holds_the_shaft_and_stops_it_early() -> None:
     motors = (0.4, -0.4)
     free = rest("qbmove-maker-pro", motors, FREE)
-    stiffness = float(SpringJoint("qbmove-maker-pro", math.degrees(0.4)).stiffness_nm_per_rad(1.0))
+    stiffness = stiffness_nm_per_rad(0.4 / RAD_PER_TICK, "qbmove-maker-pro")
     for side in (-1, 1):
         near = free + side * 0.009 / stiffness
         assert rest("qbmove-maker-pro", motors, FREE, 0.01, near) == near

@@ -30,6 +30,7 @@ class Probe:
     interrupts: int = 0
     on: bool = True
     depth_mm: float = 4.0
+    joint: None = None
 
     def command(self, position_deg: float, preset: float) -> None:
         self.depths_mm.append(RIG.depth_at(position_deg))
