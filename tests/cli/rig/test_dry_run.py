@@ -44,7 +44,8 @@ def test_one_line_a_run(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
     assert 5.0 < float(modular.pop(-2)) < 10.5
     assert rigid == ["S1_0_high-stiffness", "2", *["0", "to", "75", "0", "to", "0", "0", "to", "5", "7.8"]]
     assert modular == [
-        "S1_0_modular", "2", "0", "to", "75", f"{presets.min():.4g}", "to", f"{presets.max():.4g}", "0", "to", "5", "7.8",
+        "S1_0_modular", "2", "0", "to", "75", f"{presets.min():.4g}", "to", f"{presets.max():.4g}", "0", "to", "5",
+        "7.8",
     ]  # fmt: skip
     assert len(lines) == 12
 
