@@ -91,7 +91,7 @@ def carry_out(case: Case) -> Outcome:
 def _cells(case: Case, outcome: Outcome) -> list[str]:
     told = outcome.told
     after_ms = "" if outcome.retreat_s is None else f"{1e3 * outcome.retreat_s:.0f}"
-    truths = (told["retracted"], outcome.retracted, told["deactivated"], outcome.safe_s is not None)
+    truths = (told["retracted"], outcome.retracted, told["deactivated"], outcome.off)
     return [
         *case, told["how"], told["cause"], f"{outcome.peak_n:.1f}", f"{outcome.left_n:.1f}",
         *("yes" if each else "no" for each in truths), after_ms, *map(str, outcome.lost),

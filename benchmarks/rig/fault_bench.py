@@ -10,18 +10,21 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.dynamixel.settings import DynamixelSettings
 from emg2vsa.devices.protocols import Actuator, Devices
-from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.packets import Command, frame
-from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.camera.frames import CameraFaults
+from emg2vsa.rig.emulated.dynamixel import table
+from emg2vsa.rig.emulated.dynamixel.firmware import BOOT_S, DynamixelFirmware
+from emg2vsa.rig.emulated.dynamixel.framing import Instruction, packet
 from emg2vsa.rig.emulated.fault_words import put
-from emg2vsa.rig.emulated.faults import WireLine
+from emg2vsa.rig.emulated.faults import FaultyWire, WireLine
 from emg2vsa.rig.emulated.netft.faults import BoxFaults
 from emg2vsa.rig.emulated.qbmove.far_end import DEVICE_ID
 from emg2vsa.rig.emulated.settings import EmulatedSettings
@@ -35,8 +38,11 @@ SPECIMEN = "S1"
 """The stiffest of the paper."""
 WATCH_S = 0.005
 GAP_MM, START_MM, START_PRESET, START_S = 2.0, 1.0, 0.2, 0.8
-_COMMAND = 4
-OFF = frame(DEVICE_ID, Command.ACTIVATE, b"\0")
+_OFF = (
+    frame(DEVICE_ID, Command.ACTIVATE, b"\0"),
+    packet(1, Instruction.WRITE, bytes((table.TORQUE_ENABLE, 0, 0))),
+)
+"""Which tells the motors of any of the actuators to go off."""
 
 
 class WatchedClock(VirtualClock):
@@ -64,12 +70,23 @@ class BreakingLine(WireLine):
 
     gone = dead = False
     error: BaseException | None = None
-    loses: bytes = b""
-    "Command of which the next frame gets lost."
     off_s = math.inf
     "When the host first told the motors to go off."
 
+    def __init__(self, wire: FaultyWire, bench: EmulatedRig, clock: VirtualClock) -> None:
+        super().__init__("emulated bus", bench.answer, lambda: wire.due_s, clock)
+        self._frames = wire.frames
+        self.loses: frozenset[int] = frozenset()
+        "Commands of which the next frame gets lost."
+        self.later: tuple[int, Callable[[], None]] | None = None
+        "What is to happen after so many frames."
+
     def write(self, data: bytes) -> None:
+        if self.later:
+            left, happen = self.later
+            self.later = (left - 1, happen) if left else None
+            if not left:
+                happen()
         if self.error:
             error, self.error = self.error, None
             raise error
@@ -78,10 +95,10 @@ class BreakingLine(WireLine):
         if self.gone:
             do = "Check the cable."
             raise DeviceError(self.name, wanted="a line that answers", found="[Errno 5] Input/output error", do=do)
-        if self.loses and data[_COMMAND:][:1] == self.loses:
-            self.loses = b""
+        if self.loses and not self._frames.without(data, self.loses):
+            self.loses = frozenset()
             return
-        if data == OFF:
+        if data in _OFF:
             self.off_s = min(self.off_s, self._time.now_s())
         super().write(data)
 
@@ -91,6 +108,8 @@ class Built:
     """How the bench is built, and what of it the program is told; ``told`` None is the truth."""
 
     rigid: bool = False
+    actuator: DynamixelSettings | None = None
+    "None is a qbmove."
     true: RigSettings = field(default_factory=RigSettings)
     told: RigSettings | None = None
 
@@ -113,9 +132,9 @@ class FaultBench:
             rigid=built.rigid,
             clock=self.clock,
             rig=built.true,
+            actuator=built.actuator,
         )
-        wire = self.emulated.wire
-        self.line = BreakingLine("emulated bus", self.emulated.answer, lambda: wire.due_s, self.clock)
+        self.line = BreakingLine(self.emulated.wire, self.emulated, self.clock)
         self.full: tuple[str, ...] = ()
         self.broken: tuple[str, ...] = ()
         self.stop: str | None = None
@@ -140,10 +159,13 @@ class FaultBench:
     def heal(self) -> None:
         """No fault any more."""
         put(self.emulated, "off")
-        line, wire = self.line, self.emulated.wire
+        line, wire, firmware = self.line, self.emulated.wire, self.emulated.firmware
+        if isinstance(firmware, DynamixelFirmware) and firmware.table.values[table.HARDWARE_ERROR]:
+            self.emulated.reset_actuator()  # as the error says
+            self.clock.sleep_until(self.clock.now_s() + 2 * BOOT_S)
         wire.noisy = line.gone = line.dead = False
         self.emulated.box.faults, self.emulated.camera.faults = BoxFaults(), CameraFaults()
-        line.off_s = math.inf
+        line.off_s, line.later = math.inf, None
         self.full = self.broken = ()
         self.stop, self.stop_s = None, math.inf
 
@@ -158,6 +180,23 @@ class FaultBench:
         """Depth of the probe by the encoders of the motors."""
         return self.built.true.depth_at(self._actuator().position_deg())
 
+    def motors_on(self) -> bool:
+        """As the device itself knows."""
+        firmware: Any = self.emulated.firmware
+        if isinstance(firmware, DynamixelFirmware):
+            firmware.advance()
+            return bool(firmware.table.values[table.TORQUE_ENABLE])
+        return bool(firmware.state.on)
+
+    def held(self) -> bool:
+        """Torque on where a watchdog that has run out has stopped the motor: a Dynamixel goes no further."""
+        firmware: Any = self.emulated.firmware
+        if not isinstance(firmware, DynamixelFirmware):
+            return False
+        firmware.advance()
+        ran_out = firmware.table.values[table.BUS_WATCHDOG] == table.WATCHDOG_ERROR
+        return ran_out and not firmware.motor.faults.flag_only
+
     def true_force_n(self) -> float:
         """On the specimen, along the normal of its surface."""
         return self.emulated.world.normal_force_n(self.clock.now_s())
@@ -167,8 +206,8 @@ class FaultBench:
         return self.emulated.world.probe_mm(self.clock.now_s())
 
     def _actuator(self) -> Actuator:
-        board = Qbmove(self.line, DEVICE_ID, clock=self.clock)
-        return RigidMotor(board) if self.built.rigid else board
+        bench = self.emulated
+        return bench.end.driver(self.line, bench.firmware, bench.place, True).pressing()
 
     def _devices(self) -> Devices:
         started = self.emulated.devices()

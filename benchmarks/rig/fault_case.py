@@ -11,17 +11,21 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from benchmarks.rig.fault_bench import GAP_MM, Built, FaultBench
-from benchmarks.rig.faults import BEFORE, FAULTS, WRONG_RIGS, End
+from benchmarks.rig.fault_bench import GAP_MM, Built, FaultBench, Strike
+from benchmarks.rig.faults import BEFORE, FAULTS, WRONG_RIGS, End, Fault
 from benchmarks.rig.logs import read_log
 from benchmarks.rig.lost_data import Lost, lost_data
-from benchmarks.rig.plans import modular_plan, rigid_plan
+from benchmarks.rig.plans import dynamixel_plan, modular_plan, rigid_plan
 from emg2vsa.errors import ScheduleError, SettingError
 from emg2vsa.rig.emulated.qbmove.motor_board import MOTOR_TORQUE_NM
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
 
 PHASES = ("activation", "home", "approach", "contact", "load", "retract", "pause", "escape")
+TOP = "top"
+"""Of the load: near the largest force."""
+_MIDST_OF_ACTIVATION = 30
+"""Words of a Dynamixel's."""
 WHOLE_RUN = "whole run"
 """The phase of a wrong rig file."""
 F_MAX_N, PAUSE_S = 7.0, 1.0
@@ -42,7 +46,8 @@ class Outcome:
 
     wanted : how the run may end. told : ended.json. movable : the probe could be taken away all the time.
     most_n : what the specimen may feel.
-    safe_s : from the fault until the motors were off, as the device itself knows; None is never.
+    safe_s : from the fault until the motors were off, as the device itself knows, or stopped by their watchdog; None is
+    never. off : they are off at the end.
     probe_mm : where the motors have left the probe, by the device's encoders.
     peak_n, left_n : largest true force on the specimen after the fault, and the one that is left at the end.
     retracted : in truth, the probe is off the specimen.
@@ -55,6 +60,7 @@ class Outcome:
     movable: bool
     most_n: float
     safe_s: float | None
+    off: bool
     probe_mm: float
     peak_n: float
     left_n: float
@@ -72,7 +78,7 @@ class Outcome:
             f"more than {self.most_n:.3g} N": self.peak_n > self.most_n,
             "completed, not retracted": told["how"] == "completed" and not (self.retracted and told["retracted"]),
             "retracted is not true": told["retracted"] and not self.retracted,
-            "motors off is not true": told["deactivated"] and self.safe_s is None,
+            "motors off is not true": told["deactivated"] and not self.off,
             "motors stay on": self.safe_s is None,
             "probe is left": self.movable and not (self.retracted and told["retracted"]),
             "cause": (told["how"], told["cause"]) not in self.wanted,
@@ -84,20 +90,34 @@ class Outcome:
 
 def run_case(name: str, phase: str, folder: Path, *, rigid: bool = False) -> Outcome:
     """Carry it out in ``folder``: a run with the fault, then one without, on the same devices."""
-    fault, bench = FAULTS[name], FaultBench(Built(rigid=rigid))
-    watch = _Watch(bench, phase_times(rigid)[phase])
-    bench.clock.strike = lambda: fault.strike(bench)
-    if phase == "escape":
-        bench.stop_s = phase_times(rigid)["load"]
-    if name in BEFORE:
-        BEFORE[name](bench)
+    fault = FAULTS[name]
     most_n = STALL_N if rigid and fault.shown_by_springs else MOST_N
+    return run_fault(fault, phase, Built(rigid=rigid), folder, most_n, BEFORE.get(name))
+
+
+def run_fault(
+    fault: Fault, phase: str, built: Built, folder: Path, most_n: float = MOST_N, before: Strike | None = None
+) -> Outcome:
+    """As `run_case` with any fault on any bench. ``before`` : what is wrong from the beginning."""
+    bench = FaultBench(built)
+    watch = _Watch(bench, phase_times(built)[phase])
+    bench.clock.strike = lambda: fault.strike(bench)
+    if built.actuator and phase == "activation":  # its words take no time
+        bench.clock.strike_s, bench.line.later = math.inf, (_MIDST_OF_ACTIVATION, bench.clock.strike)
+    if phase == "escape":
+        bench.stop_s = phase_times(built)["load"]
+    if before:
+        before(bench)
     return _outcome(bench, watch, fault.ends_in(phase), fault.probe == "retracted", most_n, folder)
 
 
 def run_wrong(name: str, folder: Path) -> Outcome:
     """As `run_case` with a rig file that is wrong from the beginning."""
-    built, ends = WRONG_RIGS[name]
+    return run_rig(*WRONG_RIGS[name], folder)
+
+
+def run_rig(built: Built, ends: tuple[End, ...], folder: Path) -> Outcome:
+    """As `run_wrong` with any wrong rig."""
     bench = FaultBench(built)
     return _outcome(bench, _Watch(bench, bench.clock.now_s()), ends, False, MOST_N, folder)
 
@@ -108,19 +128,20 @@ def _outcome(
     run = folder / "run"
     try:
         with suppress(ZeroDivisionError):
-            bench.run(_plan(bench.built.rigid), run)
+            bench.run(_plan(bench.built), run)
         told = json.loads((run / "ended.json").read_text())
     except (SettingError, ScheduleError) as error:
         told = {"how": "refused", "cause": type(error).__name__, "time_s": math.nan, "phase": ""}
         told |= {"retracted": False, "deactivated": False}
     watch.until_safe()
     left_n, retracted = bench.true_force_n(), bench.true_probe_mm() < GAP_MM - OFF_SURFACE_MM
+    off = not bench.motors_on()
     left_at = [row.time_s for row in _rows(run) if row.phase == "escape" and row.time_s >= watch.from_s]
     retreat_s = min([*left_at[:1], bench.line.off_s])
     bench.heal()
     probe_mm = bench.probe_mm()
     bench.tell_the_truth()
-    bench.run(_next_plan(bench.built.rigid), folder / "next")
+    bench.run(_next_plan(bench.built), folder / "next")
     known = math.isfinite(retreat_s) and told["how"] not in ("completed", "refused")
     return Outcome(
         wanted=wanted,
@@ -128,6 +149,7 @@ def _outcome(
         movable=movable and told["phase"] not in ("", "activation") and told["how"] != "killed",
         most_n=most_n,
         safe_s=watch.safe_s,
+        off=off,
         probe_mm=probe_mm,
         peak_n=watch.peak_n,
         left_n=left_n,
@@ -144,22 +166,24 @@ def _rows(run: Path) -> list[Any]:
 
 
 @cache
-def phase_times(rigid: bool = False) -> dict[str, float]:
-    """A time in the midst of each phase, on the clock of every `FaultBench`."""
+def phase_times(built: Built) -> dict[str, float]:
+    """A time in the midst of each phase, and near the largest force, on the clock of every `FaultBench` so built."""
     with TemporaryDirectory() as folder:
-        bench = FaultBench(Built(rigid=rigid))
-        bench.run(_plan(rigid), Path(folder) / "whole")
+        bench = FaultBench(built)
+        bench.run(_plan(built), Path(folder) / "whole")
         whole = read_log(Path(folder) / "whole" / "log.csv")
         times = {phase: [row.time_s for row in whole if row.phase == phase] for phase in PHASES[1:-1]}
-        stopped = FaultBench(Built(rigid=rigid))
+        stopped = FaultBench(built)
         stopped.stop_s = _middle(times["load"])
-        stopped.run(_plan(rigid), Path(folder) / "stopped")
+        stopped.run(_plan(built), Path(folder) / "stopped")
         rows = read_log(Path(folder) / "stopped" / "log.csv")
         times["escape"] = [row.time_s for row in rows if row.phase == "escape"]
     # the camera is lost after half a second, which must fit into the pause
-    return {"activation": bench.begun_s + RIG.period_s} | {
-        phase: _middle(found, 0.25) for phase, found in times.items()
-    }
+    return (
+        {"activation": bench.begun_s + RIG.period_s}
+        | {phase: _middle(found, 0.25) for phase, found in times.items()}
+        | {TOP: _middle(times["load"], 0.97)}
+    )
 
 
 class _Watch:
@@ -172,10 +196,10 @@ class _Watch:
         bench.clock.strike_s, bench.clock.watch = from_s, self._look
 
     def _look(self) -> None:
-        now_s, emulated = self._bench.clock.now_s(), self._bench.emulated
+        now_s = self._bench.clock.now_s()
         if now_s < self.from_s:
             return
-        on = emulated.firmware.state.on
+        on = self._bench.motors_on() and not self._bench.held()
         self.peak_n = max(self.peak_n, self._bench.true_force_n())
         if not on:
             self.safe_s = now_s - self.from_s if self.safe_s is None else self.safe_s
@@ -191,14 +215,15 @@ class _Watch:
         clock.strike_s, clock.watch = math.inf, lambda: None
 
 
-def _plan(rigid: bool) -> RunPlan:
-    make = rigid_plan if rigid else modular_plan
-    return make(1, specimen="S1", f_max_n=F_MAX_N, pause_s=PAUSE_S)
+def _plan(built: Built, f_max_n: float = F_MAX_N, pause_s: float = PAUSE_S) -> RunPlan:
+    changes: dict[str, Any] = {"f_max_n": f_max_n, "pause_s": pause_s}
+    if built.actuator:
+        return dynamixel_plan(built.actuator, built.true.gear_mm_per_degree, 1, **changes)
+    return (rigid_plan if built.rigid else modular_plan)(1, specimen="S1", **changes)
 
 
-def _next_plan(rigid: bool) -> RunPlan:
-    make = rigid_plan if rigid else modular_plan
-    return make(1, specimen="S1", f_max_n=2.0, pause_s=0.0)
+def _next_plan(built: Built) -> RunPlan:
+    return _plan(built, 2.0, 0.0)
 
 
 def _middle(times_s: list[float], part: float = 0.5) -> float:

@@ -7,7 +7,6 @@ from typing import Literal, NamedTuple
 
 from benchmarks.rig.fault_bench import Built, FaultBench, Strike
 from emg2vsa.devices.netft import rdt
-from emg2vsa.devices.qbmove.packets import Command
 from emg2vsa.rig.emulated.fault_words import put
 from emg2vsa.rig.rig_settings import RigSettings
 
@@ -83,7 +82,7 @@ AFTER = ("retract", "pause")
 FILES = ("log.csv", "force.csv", "frames.tif", "plan.json", "ended.json")
 
 
-def _words(line: str) -> Strike:
+def words(line: str) -> Strike:
     """As `put` understands it."""
     return lambda bench: put_all(bench, line)
 
@@ -126,14 +125,15 @@ def _line(name: str, value: object) -> Strike:
     return lambda bench: setattr(bench.line, name, value)
 
 
-def _actuator(line: str, *ends: End, **more: object) -> Fault:
-    return Fault(_words(line), ends, later=True, unseen_in=AFTER, **more)  # type: ignore[arg-type]
+def actuator_fault(line: str, *ends: End, **more: object) -> Fault:
+    """That lasts, shows only after a while, and perhaps never once the press is over."""
+    return Fault(words(line), ends, later=True, unseen_in=AFTER, **more)  # type: ignore[arg-type]
 
 
 def _watchdog_frame_lost(bench: FaultBench) -> None:
     # as the device leaves the factory, without a watchdog
     bench.emulated.reset_actuator()
-    bench.line.loses = bytes((Command.SET_WATCHDOG,))
+    bench.line.loses = bench.emulated.wire.frames.watchdog_commands
 
 
 LINE_FAULTS: dict[str, Fault] = {
@@ -143,44 +143,44 @@ LINE_FAULTS: dict[str, Fault] = {
     "one byte corrupt to the device": Fault(_corrupt("to device"), (SURVIVED,)),
     "one byte corrupt to the host": Fault(_corrupt("to host"), (SURVIVED,)),
     "every answer corrupt": Fault(_noisy, (LOST_ACTUATOR,), REFUSED, probe="unsure"),
-    "1 % of bytes lost": _actuator(
+    "1 % of bytes lost": actuator_fault(
         "bytes-lost 1", LOST_ACTUATOR, REFUSED, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"
     ),
-    "10 % of bytes lost": _actuator("bytes-lost 10", LOST_ACTUATOR, REFUSED, *MOTION, probe="unsure"),
-    "1 % of bytes wrong": _actuator(
+    "10 % of bytes lost": actuator_fault("bytes-lost 10", LOST_ACTUATOR, REFUSED, *MOTION, probe="unsure"),
+    "1 % of bytes wrong": actuator_fault(
         "bits-wrong 1", LOST_ACTUATOR, REFUSED, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"
     ),
-    "replies doubled": Fault(_words("doubled"), (SURVIVED,)),
-    "replies 4 ms late": Fault(_words("late 4"), (SURVIVED, REJECTED, OVERRUN, *MOTION), later=True),
-    "replies 30 ms late": Fault(_words("late 30"), (LOST_ACTUATOR, OVERRUN), probe="unsure"),
-    "answers of another id": Fault(_words("stranger"), (LOST_ACTUATOR,), REFUSED, probe="unsure"),
-    "actuator mute": Fault(_words("mute"), (LOST_ACTUATOR,), REFUSED, probe="unsure"),
-    "actuator deaf": Fault(_words("deaf"), (LOST_ACTUATOR,), REFUSED, probe="left"),
+    "replies doubled": Fault(words("doubled"), (SURVIVED,)),
+    "replies 4 ms late": Fault(words("late 4"), (SURVIVED, REJECTED, OVERRUN, *MOTION), later=True),
+    "replies 30 ms late": Fault(words("late 30"), (LOST_ACTUATOR, OVERRUN), probe="unsure"),
+    "answers of another id": Fault(words("stranger"), (LOST_ACTUATOR,), REFUSED, probe="unsure"),
+    "actuator mute": Fault(words("mute"), (LOST_ACTUATOR,), REFUSED, probe="unsure"),
+    "actuator deaf": Fault(words("deaf"), (LOST_ACTUATOR,), REFUSED, probe="left"),
     "serial line gone": Fault(_line("gone", True), (LOST_ACTUATOR,), REFUSED, probe="left"),
-    "actuator reset": Fault(_words("reset"), (LOST_ACTUATOR, *MOTION), SURVIVED, later=True, probe="left"),
+    "actuator reset": Fault(words("reset"), (LOST_ACTUATOR, *MOTION), SURVIVED, later=True, probe="left"),
     "watchdog expired": Fault(_held_up(0.6), (OVERRUN, LOST_ACTUATOR), SURVIVED, probe="left"),
 }
 MOTOR_FAULTS: dict[str, Fault] = {
-    "commands ignored 0.5 s": _actuator("ignore for 0.5 s", *MOTION, SURVIVED, probe="left"),
-    "commands ignored 1.0 s": _actuator("ignore for 1.0 s", *MOTION, probe="left"),
-    "commands ignored 1.5 s": _actuator("ignore for 1.5 s", *MOTION, probe="left"),
-    "commands ignored 2.1 s": _actuator("ignore for 2.1 s", *MOTION, probe="left"),
-    "commands ignored for ever": _actuator("ignore", *MOTION, probe="left"),
-    "gear jammed": _actuator("jam", *MOTION, probe="left"),
-    "gear jammed 1 s": _actuator("jam for 1 s", *MOTION, probe="left"),
-    "24 V lost, USB on": _actuator("brown-out", *MOTION, probe="left"),
-    "24 V lost for 1 s": _actuator("brown-out for 1 s", *MOTION, probe="left"),
-    "motors weak": _actuator("weak 0.02", *MOTION, probe="left"),
-    "encoder of motor 1 frozen": _actuator("frozen-motor-1", *JUMP, probe="left"),
-    "encoder of motor 2 frozen": _actuator("frozen-motor-2", *JUMP, probe="left", springs_only=True),
-    "encoder of the shaft frozen": _actuator("frozen-shaft", SPRINGS, *MOTION, UNTRUSTED, springs_only=True),
-    "both motor encoders frozen": _actuator("frozen-motor-1;frozen-motor-2", *JUMP, probe="left"),
-    "motor 1 reads 9000 more": _actuator("jumped-motor-1", *JUMP, probe="left"),
-    "motor 2 reads 9000 more": _actuator("jumped-motor-2", *JUMP, probe="left", springs_only=True),
-    "motor 1 reads 9000 less": _actuator("jumped-motor-1 -9000", *JUMP, probe="left"),
-    "both motors read 4096 less": _actuator("jumped-motor-1 -4096;jumped-motor-2 -4096", *JUMP, probe="left"),
-    "shaft reads 9000 more": _actuator("jumped-shaft", SPRINGS, *MOTION, UNTRUSTED, springs_only=True),
-    "currents of 6 A": Fault(_words("current"), (CURRENT,), unseen_in=AFTER, later=True),
+    "commands ignored 0.5 s": actuator_fault("ignore for 0.5 s", *MOTION, SURVIVED, probe="left"),
+    "commands ignored 1.0 s": actuator_fault("ignore for 1.0 s", *MOTION, probe="left"),
+    "commands ignored 1.5 s": actuator_fault("ignore for 1.5 s", *MOTION, probe="left"),
+    "commands ignored 2.1 s": actuator_fault("ignore for 2.1 s", *MOTION, probe="left"),
+    "commands ignored for ever": actuator_fault("ignore", *MOTION, probe="left"),
+    "gear jammed": actuator_fault("jam", *MOTION, probe="left"),
+    "gear jammed 1 s": actuator_fault("jam for 1 s", *MOTION, probe="left"),
+    "24 V lost, USB on": actuator_fault("brown-out", *MOTION, probe="left"),
+    "24 V lost for 1 s": actuator_fault("brown-out for 1 s", *MOTION, probe="left"),
+    "motors weak": actuator_fault("weak 0.02", *MOTION, probe="left"),
+    "encoder of motor 1 frozen": actuator_fault("frozen-motor-1", *JUMP, probe="left"),
+    "encoder of motor 2 frozen": actuator_fault("frozen-motor-2", *JUMP, probe="left", springs_only=True),
+    "encoder of the shaft frozen": actuator_fault("frozen-shaft", SPRINGS, *MOTION, UNTRUSTED, springs_only=True),
+    "both motor encoders frozen": actuator_fault("frozen-motor-1;frozen-motor-2", *JUMP, probe="left"),
+    "motor 1 reads 9000 more": actuator_fault("jumped-motor-1", *JUMP, probe="left"),
+    "motor 2 reads 9000 more": actuator_fault("jumped-motor-2", *JUMP, probe="left", springs_only=True),
+    "motor 1 reads 9000 less": actuator_fault("jumped-motor-1 -9000", *JUMP, probe="left"),
+    "both motors read 4096 less": actuator_fault("jumped-motor-1 -4096;jumped-motor-2 -4096", *JUMP, probe="left"),
+    "shaft reads 9000 more": actuator_fault("jumped-shaft", SPRINGS, *MOTION, UNTRUSTED, springs_only=True),
+    "currents of 6 A": Fault(words("current"), (CURRENT,), unseen_in=AFTER, later=True),
 }
 LOOP_FAULTS: dict[str, Fault] = {
     "loop held up 20 ms": Fault(_held_up(0.02), (SURVIVED,)),
@@ -188,39 +188,39 @@ LOOP_FAULTS: dict[str, Fault] = {
     "loop held up 2 s": Fault(_held_up(2.0), (OVERRUN, LOST_ACTUATOR), SURVIVED, probe="left"),
 }
 FORCE_FAULTS: dict[str, Fault] = {
-    "force stuck": Fault(_words("stuck"), (FROZEN, STALE, UNTRUSTED), later=True, unseen_in=("pause",)),
-    "ten force records lost": Fault(_words("gap 10"), (SURVIVED, REJECTED)),
-    "hundred force records lost": Fault(_words("gap 100"), (STALE,), SURVIVED, later=True),
-    "5 % of force records lost": Fault(_words("thinned 5"), (SURVIVED, REJECTED)),
-    "50 % of force records lost": Fault(_words("thinned 50"), (SURVIVED, REJECTED, STALE), later=True),
-    "force records doubled": Fault(_words("twice"), (SURVIVED,)),
-    "force records reordered": Fault(_words("shuffled 4"), (SURVIVED, REJECTED)),
-    "force records 20 ms late": Fault(_words("delayed 20"), (SURVIVED, STALE), later=True),
-    "force records 100 ms late": Fault(_words("delayed 100"), (STALE,), UNTRUSTED, later=True, probe="unsure"),
-    "force lags 20 ms": Fault(_words("lag 20"), (SURVIVED, *BLIND), later=True),
-    "force lags 100 ms": Fault(_words("lag 100"), (SURVIVED, *BLIND), later=True, probe="unsure"),
-    "force records cut short": Fault(_words("cut"), (STALE,), later=True),
-    "one force record for ever": Fault(_words("replayed"), (STALE, FROZEN), later=True),
+    "force stuck": Fault(words("stuck"), (FROZEN, STALE, UNTRUSTED), later=True, unseen_in=("pause",)),
+    "ten force records lost": Fault(words("gap 10"), (SURVIVED, REJECTED)),
+    "hundred force records lost": Fault(words("gap 100"), (STALE,), SURVIVED, later=True),
+    "5 % of force records lost": Fault(words("thinned 5"), (SURVIVED, REJECTED)),
+    "50 % of force records lost": Fault(words("thinned 50"), (SURVIVED, REJECTED, STALE), later=True),
+    "force records doubled": Fault(words("twice"), (SURVIVED,)),
+    "force records reordered": Fault(words("shuffled 4"), (SURVIVED, REJECTED)),
+    "force records 20 ms late": Fault(words("delayed 20"), (SURVIVED, STALE), later=True),
+    "force records 100 ms late": Fault(words("delayed 100"), (STALE,), UNTRUSTED, later=True, probe="unsure"),
+    "force lags 20 ms": Fault(words("lag 20"), (SURVIVED, *BLIND), later=True),
+    "force lags 100 ms": Fault(words("lag 100"), (SURVIVED, *BLIND), later=True, probe="unsure"),
+    "force records cut short": Fault(words("cut"), (STALE,), later=True),
+    "one force record for ever": Fault(words("replayed"), (STALE, FROZEN), later=True),
     "force stream stopped": Fault(_other_client, (STALE,), later=True),
-    "force sensor mute": Fault(_words("silent"), (STALE,), later=True),
-    "force sensor saturated": Fault(_words("saturated"), (UNTRUSTED,)),
-    "largest counts": Fault(_words("overflow"), (LIMIT, UNTRUSTED, RATE, LATERAL, OVERLOAD)),
-    "force beyond the limit": Fault(_words("push 12"), (LIMIT, RATE), probe="unsure"),
-    "force jumps": Fault(_words("push 2"), (RATE,), PRELOAD, probe="unsure"),
-    "force drifts down": Fault(_words("drift -2"), (SURVIVED, NOT_RETRACTED, *BLIND), later=True, probe="unsure"),
-    "force has the wrong sign": Fault(_words("turned"), BLIND, later=True, unseen_in=AFTER),
-    "force has the wrong axis": Fault(_words("swapped"), BLIND, later=True, unseen_in=AFTER),
-    "force axis dead": Fault(_words("dead"), BLIND, shown_by_springs=True, later=True, unseen_in=AFTER),
-    "force a fifth": Fault(_words("gain 0.2"), (*BLIND, *MOTION), shown_by_springs=True, later=True, unseen_in=AFTER),
-    "flood of strange sequences": Fault(_words("garbage"), (SURVIVED, REJECTED, STALE, UNTRUSTED), later=True),
-    "one strange record": Fault(_words("trash"), (SURVIVED, LIMIT, RATE, LATERAL, UNTRUSTED, STALE), later=True),
+    "force sensor mute": Fault(words("silent"), (STALE,), later=True),
+    "force sensor saturated": Fault(words("saturated"), (UNTRUSTED,)),
+    "largest counts": Fault(words("overflow"), (LIMIT, UNTRUSTED, RATE, LATERAL, OVERLOAD)),
+    "force beyond the limit": Fault(words("push 12"), (LIMIT, RATE), probe="unsure"),
+    "force jumps": Fault(words("push 2"), (RATE,), PRELOAD, probe="unsure"),
+    "force drifts down": Fault(words("drift -2"), (SURVIVED, NOT_RETRACTED, *BLIND), later=True, probe="unsure"),
+    "force has the wrong sign": Fault(words("turned"), BLIND, later=True, unseen_in=AFTER),
+    "force has the wrong axis": Fault(words("swapped"), BLIND, later=True, unseen_in=AFTER),
+    "force axis dead": Fault(words("dead"), BLIND, shown_by_springs=True, later=True, unseen_in=AFTER),
+    "force a fifth": Fault(words("gain 0.2"), (*BLIND, *MOTION), shown_by_springs=True, later=True, unseen_in=AFTER),
+    "flood of strange sequences": Fault(words("garbage"), (SURVIVED, REJECTED, STALE, UNTRUSTED), later=True),
+    "one strange record": Fault(words("trash"), (SURVIVED, LIMIT, RATE, LATERAL, UNTRUSTED, STALE), later=True),
 }
 CAMERA_FAULTS: dict[str, Fault] = {
-    "three frames lost": Fault(_words("drop 3"), (SURVIVED,)),
-    "forty frames lost": Fault(_words("drop 40"), (LOST_CAMERA,), later=True),
-    "camera mute": Fault(_words("dark"), (LOST_CAMERA,), later=True),
-    "half the frames": Fault(_words("few-frames"), (SURVIVED, REJECTED)),
-    "pictures 0.4 s old": Fault(_words("old-frames"), (SURVIVED,)),
+    "three frames lost": Fault(words("drop 3"), (SURVIVED,)),
+    "forty frames lost": Fault(words("drop 40"), (LOST_CAMERA,), later=True),
+    "camera mute": Fault(words("dark"), (LOST_CAMERA,), later=True),
+    "half the frames": Fault(words("few-frames"), (SURVIVED, REJECTED)),
+    "pictures 0.4 s old": Fault(words("old-frames"), (SURVIVED,)),
 }
 DISK_FAULTS: dict[str, Fault] = {
     "disk full": Fault(_bench("full", FILES), (RECORDING,)),

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from casr.specimens import SPECIMENS
+from emg2vsa.devices.dynamixel.settings import DynamixelSettings
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.rig.plan import RIGID, Condition, RunPlan
 from emg2vsa.schedules import Schedule
@@ -32,6 +33,17 @@ def rigid_plan(repetitions: int, *, specimen: str = SPECIMEN, **changes: Any) ->
     return _plan(repetitions, specimen, RIGID, changes)
 
 
+def dynamixel_plan(actuator: DynamixelSettings, gear_mm_per_degree: float, repetitions: int, **changes: Any) -> RunPlan:
+    """As `modular_plan`, with this motor behind this gear, on the stiffest specimen."""
+    assert actuator.full_stiffness_nm_per_rad
+    settings = ScheduleSettings(
+        conditions=("modular",), actuator="dynamixel", full_stiffness_nm_per_rad=actuator.full_stiffness_nm_per_rad,
+        gear_mm_per_degree=gear_mm_per_degree,
+    )  # fmt: skip
+    plan = RunPlan("S1", 0.0, "modular", repetitions, _built("S1", settings), F_MAX_N)
+    return replace(plan, stiffness_n_per_mm=SPECIMENS["S1"], **changes)
+
+
 def _plan(repetitions: int, specimen: str, condition: Condition, changes: dict[str, Any]) -> RunPlan:
     schedule = None if condition == RIGID else _schedule(specimen, condition)
     known = SPECIMENS[specimen]
@@ -39,8 +51,12 @@ def _plan(repetitions: int, specimen: str, condition: Condition, changes: dict[s
     return replace(plan, **changes)
 
 
-@cache
 def _schedule(specimen: str, condition: Any) -> Schedule:
+    return _built(specimen, ScheduleSettings(conditions=(condition,)))
+
+
+@cache
+def _built(specimen: str, settings: ScheduleSettings) -> Schedule:
     force = np.linspace(CONTACT_N, F_MAX_N, 100)
     v = 42e-6 + 20e-6 * np.log(force)
     rate = SPECIMENS[specimen]
@@ -49,5 +65,5 @@ def _schedule(specimen: str, condition: Any) -> Schedule:
         profiles=(profile,), new=None, weight_alpha=math.nan, bracket=None, new_measured=None, new_error=None,
         leave_one_out=(), participant="", unit="V", notes=(),
     )  # fmt: skip
-    (schedule,) = build_schedules(profiles, ScheduleSettings(conditions=(condition,)), {"study": "palpation"})
+    (schedule,) = build_schedules(profiles, settings, {"study": "palpation"})
     return schedule

@@ -16,7 +16,8 @@ class Export(NamedTuple):
 
     joint : its name and full preset to the joint. column : name of the preset of a step in a schedule. unit : of it and
     of the full preset, in words. per_preset : of that unit in the joint's own. whole : they are whole numbers. most :
-    largest full preset in that unit. limit : name of the full preset; of its kind of device, not given here.
+    largest full preset in that unit. remark : what a report says of runs with this joint. limit : name of the full
+    preset; of its kind of device, not given here.
     """
 
     joint: Callable[[str, float], Joint]
@@ -25,6 +26,7 @@ class Export(NamedTuple):
     per_preset: float
     whole: bool
     most: float
+    remark: str = ""
     limit: str = ""
 
     def exported(self, preset: float) -> int | float:

@@ -189,6 +189,10 @@ class Joint(Protocol):
         """Key of [actuator] that a measurement of the stiffness gives; None where a model tells it."""
 
     @property
+    def settles_s(self) -> float:
+        """So long after the start of a motion its deflection tells of inertia, and of no torque outside."""
+
+    @property
     def preset_per_s(self) -> float:
         """How fast the preset may change while nothing is pressed."""
 

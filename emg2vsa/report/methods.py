@@ -15,6 +15,7 @@ import numpy as np
 
 from emg2vsa.calibration.presses import MOST_OUTLIERS
 from emg2vsa.calibration.results import CalibrationResults, LawResult
+from emg2vsa.devices.joints import export_of
 from emg2vsa.exemplary import Choice
 from emg2vsa.extraction import Trials
 from emg2vsa.report.wording import count, listed
@@ -347,6 +348,8 @@ def _export(study: Study, choice: Choice | None) -> Iterable[str]:
         f"Mean co-contraction in force steps of {schedule.step_n:g} N was mapped linearly on {low:g} to {high:g} % of "
         f"the {maximum} of a {schedule.actuator}, over all exported specimens together."
     )
+    if remark := export_of(schedule.actuator).remark:
+        yield remark
 
 
 _FRONT = (

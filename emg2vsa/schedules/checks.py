@@ -96,7 +96,7 @@ def _row_rules(schedule: Schedule) -> Iterator[Rule]:
     nearest = joint.rounded(percent / 100)
     # a value halfway between two presets may round either way on another machine
     step = 1 / top if export.whole else 0.0
-    agrees = np.abs(preset - percent / 100) <= step / 2 + _CLOSE
+    agrees = (np.abs(preset - percent / 100) <= step / 2 + _CLOSE) | (np.abs(preset - nearest) <= _CLOSE)
     expected = np.array([export.exported(share * limits.full_preset) for share in nearest.tolist()])
     yield export.column, agrees, _text(expected, agrees, f"the {export.unit} of its percent, {{}}"), shown
     model = joint.stiffness_nm_per_rad(preset)

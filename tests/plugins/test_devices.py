@@ -6,9 +6,12 @@ They stand behind real lines. What is said of a package that breaks the contract
 from __future__ import annotations
 
 import math
+import os
 import socket
+import sys
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import closing, suppress
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +22,7 @@ from casr.errors import PluginError
 from emg2vsa.cli import main
 from emg2vsa.devices import registry
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.devices.protocols import Measurements
+from emg2vsa.devices.joints import joint_names, joint_of
 from emg2vsa.devices.registry import Around
 from emg2vsa.errors import DeviceError, StudyError
 from emg2vsa.lab.device_states import info
@@ -33,10 +36,15 @@ from emg2vsa.session.raw_files import SampleFile
 from emg2vsa.study_file import load_study
 from tests.plugins.conftest import device_example
 
+if sys.platform != "win32":
+    import tty
+
 Install = Callable[..., Path]
 PATIENT = GuardSettings(stale_s=0.5)
 RIG = """
 [actuator]
+kind = "lab-actuator"
+port = "{motor}"
 [force]
 kind = "lab-box"
 port = "{box}"
@@ -64,35 +72,52 @@ axis = [0, 0, 1]
 
 
 class Sender:
-    """What a device that sends by itself says: a line for each period."""
+    """A device on a pseudo-terminal that sends lines by itself, whether anybody reads them or not."""
 
     def __init__(self, rate_hz: float, line: Callable[[float], str]) -> None:
-        self._clock, self._rate_hz, self._line, self._sent, self.mute = WallClock(), rate_hz, line, 0, False
+        self.mute, self._rate_hz, self._line, self._ended = False, rate_hz, line, threading.Event()
+        self._ends = os.openpty()
+        tty.setraw(self._ends[1])
+        os.set_blocking(self._ends[0], False)
+        self.name = os.ttyname(self._ends[1])
+        self._thread = threading.Thread(target=self._send)
 
-    def __call__(self, data: bytes) -> bytes:
-        due = int(self._clock.now_s() * self._rate_hz)
-        lines = [self._line(n / self._rate_hz) for n in range(max(self._sent, due - 200), due)]
-        self._sent = due
-        return b"" if self.mute else "".join(f"{line}\n" for line in lines).encode()
+    def __enter__(self) -> Sender:
+        self._thread.start()
+        return self
 
-    def waits_s(self) -> float:
-        return (self._sent + 5) / self._rate_hz - self._clock.now_s()
+    def __exit__(self, *error: object) -> None:
+        self._ended.set()
+        self._thread.join()
+        for end in self._ends:
+            os.close(end)
+
+    def _send(self) -> None:
+        clock, sent = WallClock(), 0
+        while not self._ended.wait(0.005):
+            due = int(clock.now_s() * self._rate_hz)
+            lines = "".join(f"{self._line(n / self._rate_hz)}\n" for n in range(sent, due))
+            sent = due
+            with suppress(BlockingIOError):  # nobody reads
+                os.write(self._ends[0], b"" if self.mute else lines.encode())
+
+
+no_ports = pytest.mark.skipif(sys.platform == "win32", reason="no virtual serial ports")
 
 
 @pytest.fixture
-def box() -> Iterator[tuple[str, Sender]]:
+def box() -> Iterator[Sender]:
     """The force box: 2 N along z that tremble."""
-    sender = Sender(500.0, lambda time_s: f"0.1 0.2 {2 + 0.01 * math.sin(40 * time_s):.4f} 0 0 0.01")
-    with VirtualSerialPort(sender, sender.waits_s) as port:
-        yield port.name, sender
+    with Sender(500.0, lambda time_s: f"0.1 0.2 {2 + 0.01 * math.sin(40 * time_s):.4f} 0 0 0.01") as sender:
+        yield sender
 
 
 @pytest.fixture
 def emg() -> Iterator[str]:
     """The amplifier: three columns, mV."""
-    sender = Sender(1000.0, lambda time_s: f"{math.sin(500 * time_s):.4f} 9.9 {2 * math.sin(500 * time_s):.4f}")
-    with VirtualSerialPort(sender, sender.waits_s) as port:
-        yield port.name
+    line = lambda time_s: f"{math.sin(500 * time_s):.4f} 9.9 {2 * math.sin(500 * time_s):.4f}"  # noqa: E731
+    with Sender(1000.0, line) as sender:
+        yield sender.name
 
 
 @pytest.fixture
@@ -121,29 +146,55 @@ def camera() -> Iterator[int]:
 
 
 @pytest.fixture
+def motor() -> Iterator[str]:
+    """The actuator: its shaft lags a degree behind its motor."""
+    state = {"motors": "off", "where": 0.0}
+
+    def answer(data: bytes) -> bytes:
+        said = []
+        for question in data.decode().splitlines():
+            word, *rest = question.split()
+            if word == "motors" and rest:
+                state["motors"] = rest[0]
+            if word == "go":
+                state["where"] = float(rest[0])
+            place = f"{state['where']:.3f} {state['where'] - 1:.3f}"
+            told = {"where": place, "current": "0.25", "limit": "1.5", "firmware": "2.1"}
+            said.append(told.get(word) or (str(state["motors"]) if question == "motors" else "ok"))
+        return "".join(f"{each}\n" for each in said).encode()
+
+    with VirtualSerialPort(answer) as port:
+        yield port.name
+
+
+@pytest.fixture
 def lab(install: Install) -> None:
     entries, modules = device_example()
     install(entries=entries, modules=modules)
 
 
 @pytest.fixture
-def rig_file(lab: None, tmp_path: Path, box: tuple[str, Sender], camera: int) -> Path:
+def rig_file(lab: None, tmp_path: Path, box: Sender, camera: int, motor: str) -> Path:
     path = tmp_path / "rig.toml"
-    path.write_text(RIG.format(box=box[0], camera=camera))
+    path.write_text(RIG.format(box=box.name, camera=camera, motor=motor))
     return path
 
 
+@no_ports
 def test_rig_info_shows_a_labs_own_devices(rig_file: Path) -> None:
     actuator, force, camera = info(load_rig(rig_file))
-    assert not actuator.usable
+    assert actuator.usable, actuator.problem
+    assert actuator.lines[0] == "firmware 2.1, motors off"
+    assert actuator.lines[1].startswith("a run may use: positions -")
     assert force.usable, force.problem
     assert force.lines[1] == "made for 70 N along z"
-    assert force.lines[2].startswith("force 0.100, 0.200, 2.0")
+    assert force.lines[2].startswith("force 0.100, 0.200, ")
     assert camera.usable, camera.problem
     assert camera.lines[0].startswith("frames of 40 x 60 pixels, ")
 
 
-def test_a_force_box_is_biased_and_told_when_it_falls_silent(rig_file: Path, box: tuple[str, Sender]) -> None:
+@no_ports
+def test_a_force_box_is_biased_and_told_when_it_falls_silent(rig_file: Path, box: Sender) -> None:
     sensor, clock = open_force(load_rig(rig_file).devices.force, PATIENT, WallClock()), WallClock()
     sensor.start()
     assert sensor.read().force_n[2] == pytest.approx(2.0, abs=0.02)
@@ -151,7 +202,7 @@ def test_a_force_box_is_biased_and_told_when_it_falls_silent(rig_file: Path, box
     clock.sleep_until(0.2)
     assert sensor.read().size_n < 0.1
     assert sensor.counts().records >= len(sensor.read_all()) > 20
-    box[1].mute = True
+    box.mute = True
     clock.sleep_until(clock.now_s() + 0.2)
     sensor.read()
     clock.sleep_until(clock.now_s() + 1.2)
@@ -160,6 +211,7 @@ def test_a_force_box_is_biased_and_told_when_it_falls_silent(rig_file: Path, box
     sensor.close()
 
 
+@no_ports
 def test_a_camera_gives_pictures_and_facts(rig_file: Path) -> None:
     settings = load_rig(rig_file).devices.camera
     camera = open_camera(settings, PATIENT, WallClock())
@@ -169,6 +221,7 @@ def test_a_camera_gives_pictures_and_facts(rig_file: Path) -> None:
     camera.close()
 
 
+@no_ports
 def test_a_session_records_a_labs_own_devices(rig_file: Path, emg: str, tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text(small_study(participants=["P01"], specimens=["S1"], task="press", tables=SESSION.format(emg=emg)))
@@ -194,49 +247,35 @@ def test_a_session_records_a_labs_own_devices(rig_file: Path, emg: str, tmp_path
         assert np.nanmax(np.abs(samples), axis=0) == pytest.approx(scale, rel=0.05)
 
 
-@pytest.mark.skipif(
-    "motors_deg" not in Measurements._fields, reason="the protocol of an actuator is not yet in degrees"
-)
-def test_an_actuator_speaks_of_degrees(lab: None) -> None:
-    state = {"motors": "off", "where": 0.0}
-
-    def answer(data: bytes) -> bytes:
-        said = []
-        for question in data.decode().splitlines():
-            word, *rest = question.split()
-            if word == "motors" and rest:
-                state["motors"] = rest[0]
-            if word == "go":
-                state["where"] = float(rest[0])
-            place = f"{state['where']:.3f} {state['where'] - 1:.3f}"
-            told = {"where": place, "current": "0.25", "limit": "1.5"}
-            said.append(told.get(word) or (str(state["motors"]) if question == "motors" else "ok"))
-        return "".join(f"{each}\n" for each in said).encode()
-
+@no_ports
+def test_an_actuator_speaks_of_degrees(lab: None, motor: str) -> None:
     kind = registry.kind_of("actuator", "lab-actuator")
     assert kind is not None
-    with VirtualSerialPort(answer) as port:
-        actuator = kind.opened(kind.settings(port=port.name), Around(WallClock()))
-        actuator.activate()
-        assert actuator.is_active()
-        actuator.command(30.0, 0.5)
-        at = actuator.measurements()
-        assert (at.motors_deg, at.shaft_deg, actuator.currents_a(), actuator.current_limit_a()) == (
-            (30,),
-            29,
-            (0.25,),
-            1.5,
-        )
-        assert actuator.joint.torque_nm(at, 30.0, 0.5) == pytest.approx(-6.0 * math.radians(1.0))
+    board = kind.opened(kind.settings(port=motor), Around(WallClock()))
+    with closing(board), board:
+        board.activate()
+        assert board.is_active()
+        board.command(30.0, 0.5)
+        at = board.measurements()
+        assert (at.motors_deg, at.shaft_deg, board.currents_a(), board.current_limit_a()) == ((30,), 29, (0.25,), 1.5)
+        assert board.pressing().joint.torque_nm(at, 30.0, 0.5) == pytest.approx(-6.0 * math.radians(1.0))
         with pytest.raises(DeviceError, match=r"but found 91 and 0\.5"):
-            actuator.command(91.0, 0.5)
-        actuator.deactivate()
-        assert not actuator.is_active()
-        actuator.close()
+            board.command(91.0, 0.5)
+        board.deactivate()
+        assert not board.is_active()
+
+
+def test_schedules_are_made_for_a_labs_own_joint(lab: None) -> None:
+    assert "lab-actuator" in joint_names()
+    assert joint_of("lab-actuator", 12.0).stiffness_nm_per_rad(0.5) == 6.0
 
 
 def force_table(table: str) -> str:
-    return RIG.format(box="/dev/none", camera=1).replace('kind = "lab-box"\nport = "/dev/none"', table)
+    return (
+        RIG.format(box="/dev/none", camera=1, motor="/dev/none")
+        .replace("lab-actuator", "qbmove")
+        .replace('kind = "lab-box"\nport = "/dev/none"', table)
+    )
 
 
 @pytest.mark.parametrize(

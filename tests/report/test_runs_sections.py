@@ -13,13 +13,16 @@ from emg2vsa.discrimination import discriminate
 from emg2vsa.report import paper, study_report
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import Runs
+from emg2vsa.report.methods import methods
 from emg2vsa.report.rig_claims import area_claims, kappa_claims, rate_claims, reduction_claims
 from emg2vsa.report.section import Content, rendered
 from emg2vsa.report.sections.actuators import level_change
 from emg2vsa.report.sections.implied import IMPLIED
 from emg2vsa.report.sections.kappa import holds, span
 from emg2vsa.report.sections.rig_runs import RUNS
+from emg2vsa.report.sections.schedules import SCHEDULES
 from emg2vsa.report.study_report import contents, numbers_and_tables, write_figure_pdfs, write_study_report
+from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import PAPER, CalibrationSettings, DiscriminationSettings, RunSettings
 
 FEW = DiscriminationSettings(resamples=200)
@@ -83,6 +86,24 @@ def report_of(results, stiffness_n_per_mm):
 def rows_of(content, table):
     first = content.tables[table].columns[0].key
     return {row[first]: row for row in content.tables[table].rows}
+
+
+UNTRIED = "This project has tried no real Dynamixel motor"
+
+
+def test_a_report_on_a_dynamixel_says_that_no_real_one_was_tried(whole, content):
+    """In the sections on schedules and on runs, and among the methods."""
+    study = whole.study
+    settings = replace(study.schedule, actuator="dynamixel", full_stiffness_nm_per_rad=19.7)
+    other = replace(
+        whole,
+        study=replace(study, schedule=settings),
+        people=replace(whole.people, schedules=build_schedules(whole.people.profiles, settings, {})),
+    )
+    for results, times in ((whole, 0), (other, 1)):
+        for section in (RUNS, SCHEDULES):
+            assert rendered(section, results, content).count(UNTRIED) == times
+        assert str(methods(results.study, results.people.trials, {})).count(UNTRIED) == times
 
 
 def test_every_figure_of_section_six_is_there(written):

@@ -30,6 +30,7 @@ class GainJoint:
     name: str = "dynamixel"
     measured_key: str = "full_stiffness_nm_per_rad"
     preset_per_s: float = 2.5
+    settles_s: float = 0.3
 
     def targets_deg(self, position_deg: float, preset: float) -> tuple[float, ...]:
         """None of any: the motor gives way itself, and does not stand at its command under load."""
@@ -73,5 +74,6 @@ EXPORT = Export(
     lambda name, full_preset: GainJoint(full_preset, name=name),
     column="preset_nm_per_rad", unit="N m/rad", per_preset=1.0, whole=False,
     most=1000.0,
+    remark="This project has tried no real Dynamixel motor: its driver is known to work with an emulated one only.",
 )  # fmt: skip
 """Schedules state presets as the stiffness that they are."""

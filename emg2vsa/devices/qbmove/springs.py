@@ -59,6 +59,7 @@ class SpringJoint:
     """
 
     measured_key = None
+    settles_s = 0.0
 
     def __init__(self, name: str, full_preset: float) -> None:
         self.name, self.full_preset, self.springs = name, full_preset, SPRINGS[name]

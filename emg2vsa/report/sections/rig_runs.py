@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from emg2vsa.devices.joints import export_of
 from emg2vsa.discrimination.run_table import CONDITIONS
 from emg2vsa.report.designs import of_kappa, of_tests
 from emg2vsa.report.inputs import StudyResults
@@ -92,6 +93,7 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
         "notes": _notes(runs),
         "kinds": count(len(_notes(runs)), "kind"),
         "absent": _absent(results),
+        "remark": export_of(results.study.schedule.actuator).remark,
         "told_n": math.isfinite(_largest_n(runs)),
     }
 
@@ -125,6 +127,9 @@ _TEXT = """
 <strong>{{ emulated }} come from a simulated rig,</strong> whose actuator, force sensor and camera share one world.</p>
 {% else %}
 <p><strong>These runs were measured,</strong> as far as their folders say.</p>
+{% endif %}
+{% if remark %}
+<p><strong>{{ remark }}</strong></p>
 {% endif %}
 {% if told_n %}
 <p>The largest force of a press was {{ q['runs.largest_force_n'] | number }} N. Filter, bus and motors are late, so the

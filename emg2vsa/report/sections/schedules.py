@@ -156,6 +156,9 @@ _TEXT = """
 <p>The preset follows the measured force while the probe moves {{ ramp.travel_mm | number }} mm at
 {{ ramp.speed_mm_per_s | number }} mm/s.
 100 % is {{ limits.export.exported(limits.full_preset) }} {{ limits.export.unit }} of a {{ limits.actuator }}.
+{% if limits.export.remark %}
+{{ limits.export.remark }}
+{% endif %}
 {% if short %}The last force step is shorter than the others.{% endif %}</p>
 {{ folded("fig05_schedules", "Figure 5: stiffness schedules") }}
 {{ folded("schedules", "Every schedule in numbers") }}
