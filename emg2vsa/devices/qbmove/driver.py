@@ -156,8 +156,12 @@ class Qbmove(BoardBase):
                 raise DeviceError(f"{self.where}, generation", wanted=f"firmware {said}", found=info.firmware, do=do)
             if not self.rigid:
                 check_kind(info, self.model, self.where)
+                self.joint = self._joint_of(info)
             return info
         raise troubles[0]
+
+    def _joint_of(self, info: QbmoveInfo) -> SpringJoint:
+        return SpringJoint(f"qbmove-{self.model}", info.max_stiffness_ticks * DEG_PER_TICK)
 
     def usable(self, info: QbmoveInfo) -> Usable:
         """What a run may ask of the device of this ``info``: positions at which every stiffness has room."""
@@ -176,7 +180,7 @@ class Qbmove(BoardBase):
         info = self.info()
         self._limits = QbmoveLimits(self.where, info, self.stiffness_percent)
         self._limits.check_ready()
-        self.joint = SpringJoint(f"qbmove-{self.model}", info.max_stiffness_ticks * DEG_PER_TICK)
+        self.joint = self._joint_of(info)
         self._watching = True
         for _ in range(_ATTEMPTS):
             self._set_watchdog()
