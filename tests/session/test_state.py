@@ -8,6 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
 from emg2vsa.session import journal
 from emg2vsa.session.journal import Line
 from emg2vsa.session.legal import TABLE, Now, refusal, shown
@@ -17,10 +18,10 @@ from emg2vsa.session.presses import Presses
 from emg2vsa.session.state import NO_QUALITY, Rules, after, begun, goes_on
 from emg2vsa.session.stay_judge import JUDGE_ENDED
 from emg2vsa.session.views import REQUESTS, Request
-from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
+from emg2vsa.session_settings import SessionSettings
 
 SETTINGS = SessionSettings(
-    emg=EmgSourceSettings(kind="simulated"), force=ForceSourceSettings(kind="simulated"), repetitions=2,
+    emg=SimulatedEmgSettings(), force=SimulatedForceSettings(), repetitions=2,
     training_specimens=("T1",), training_repetitions=1, stop="width", width=0.001, check_each_press=True,
 )  # fmt: skip
 RULES = Rules("a study", "P03", SETTINGS, ("EDC", "FDS"), 0.95)

@@ -59,11 +59,8 @@ def _row(name: str, found: DryRun) -> str:
     angles = [angle_deg for leg in found.legs for angle_deg in leg.position_deg]
     low_n, high_n = found.legs[0].force_n or (0.0, 0.0)
     high_n = max([high_n, *(leg.force_n[1] for leg in found.legs if leg.force_n)])
-    columns = (
-        f"{min(angles):.4g} to {max(angles):.4g}",
-        f"{min(presets):.4g} to {max(presets):.4g}",
-        f"{low_n:g} to {high_n:g}",
-    )
+    ranges = (min(angles), max(angles)), (min(presets), max(presets)), (low_n, high_n)
+    columns = [f"{low:.4g} to {high:.4g}" for low, high in ranges]
     ends = f"{_largest(found):>12}{found.at_most_s:>12.1f}"
     return f"{name:<26}{found.repetitions:>8}" + "".join(f"{column:>16}" for column in columns) + ends
 
