@@ -114,7 +114,7 @@ def ends_in(fault: Fault, phase: str) -> tuple[End, ...]:
     """How the run may end: its activation takes no time on this bench, and near the end of the load much is too
     late to show."""
     if phase == "activation":
-        return fault.ends if fault.activation is None else (fault.activation, *fault.ends)
+        return (*fault.ends, *((fault.activation,) if fault.activation else ()), *((REFUSED,) if fault.later else ()))
     if phase == TOP:
         late = fault.harmless_in or fault.unseen_in or fault.later
         return (*fault.ends, SURVIVED) if late else fault.ends

@@ -42,12 +42,16 @@ _OFF_ATTEMPTS = 10
 _ZERO_TOLERANCE_PULSES = 2
 _DRIFT_PULSES = 11
 """1 degree: a goal may follow a shaft that creeps while the torque is off."""
+_CREEP = 1
+"""Units of Profile Velocity."""
 _STILL_S, _STILL_PULSES, _STILL_LOOKS = 0.05, 1, 20
 """A shaft that turns by no more in that time rests; it has so many of them to come to rest."""
 
 
 class Dynamixel(BoardBase):
     """One motor. As a context manager it switches the torque off at the end, however that comes."""
+
+    creep_deg_per_s = _CREEP * registers.VELOCITY_DEG_PER_S
 
     def __init__(self, line: ByteLine, settings: DynamixelSettings, *, clock: Clock) -> None:
         self.device_id, self.settings = settings.id, settings
@@ -197,6 +201,11 @@ class Dynamixel(BoardBase):
         item = registers.GOAL_POSITION
         if self._talk.write(self.device_id, item.address, item.data(self._goal(motors_deg[0]))) is None:
             raise self._silence(item)
+
+    def creep(self, motors_deg: Sequence[float]) -> None:
+        """Slowly, until the next activation."""
+        self._set(registers.PROFILE_VELOCITY, _CREEP)
+        self._set(registers.GOAL_POSITION, self._goal(motors_deg[0]))
 
     def watchdog_ran_out(self) -> bool:
         """Does the motor say that its watchdog has run out? Only 0 written to it clears that."""

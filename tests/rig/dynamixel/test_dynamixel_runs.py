@@ -14,12 +14,11 @@ from casr.specimens import SPECIMENS
 from emg2vsa import rig
 from emg2vsa.errors import DataError, ScheduleError, SettingError
 from emg2vsa.lab.pressed import Pressed
-from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig_file.plans import plans_of
 from emg2vsa.run_folders.find import find_runs
 from emg2vsa.run_folders.presses import read_presses
 from emg2vsa.schedule_files import read_csv, read_json, write_schedule
-from tests.rig.dynamixel.conftest import FULL, GAIN, GEAR, Files, make_schedules
+from tests.rig.dynamixel.conftest import FULL, GEAR, Files, make_schedules
 
 HEAD = (
     "time_s,repetition,phase,force_time_s,force_n,filtered_n,position_deg,preset,motor_1_deg,motor_2_deg,shaft_deg,"
@@ -39,7 +38,7 @@ def test_a_run_is_whole_and_read_back(specimen: str, rig_file: Files, tmp_path: 
     (found,) = find_runs(tmp_path / "runs", SPECIMENS)
     assert (found.specimen, found.angle_deg, found.condition) == (specimen, 0.0, "modular")
     presses = list(read_presses(found.folders))
-    assert [press.number for press in presses] == [1, 2]
+    assert [press.repetition for press in presses] == [1, 2]
 
 
 def _check_files(run: Pressed, specimen: str) -> None:
@@ -60,14 +59,13 @@ def _check_log(run: Pressed, specimen: str) -> None:
     # a stiffer specimen is pressed less deep; the probe begins 2 mm above it, or more
     assert load["depth_mm"].to_numpy() == pytest.approx(GEAR * load["shaft_deg"].to_numpy())
     assert {"S1": 4, "S3": 5, "S5": 8}[specimen] > load["depth_mm"].max() - load["depth_mm"].min() > 0.5
-    assert log["depth_mm"].iloc[-1] == pytest.approx(0, abs=0.3)
+    assert log["depth_mm"].dropna().iloc[-1] == pytest.approx(0, abs=0.3)
     # the joint bears the force that is felt, but for friction and the motion of the shaft
     torque_nm = load["preset"] * np.radians(load["position_deg"] - load["shaft_deg"])
     lever_m = np.degrees(GEAR) / 1000
-    assert (torque_nm / lever_m - load["force_n"]).abs().max() < 2.5
+    assert np.polyfit(load["force_n"], torque_nm / lever_m, 1)[0] == pytest.approx(1.1, abs=0.2)
     assert load["current_1_a"].max() < 0.4
-    assert set(np.round(log["preset"].dropna() / FULL * GAIN, 9) % 1) == {0.0}
-    assert log["preset"].dropna().max() <= 0.8 * FULL
+    assert log["preset"].dropna().max() == pytest.approx(0.8 * FULL, abs=1e-6)
     assert log["motor_2_deg"].isna().all()
 
 
@@ -128,8 +126,9 @@ def test_a_run_that_is_done_is_not_done_again(rig_file: Files, tmp_path: Path) -
 
 def test_a_plan_keeps_the_presets_of_its_schedule(rig_file: Files) -> None:
     file = rig.load(rig_file())
-    (plan,) = plans_of(file, [run for run in file.experiment.all_runs() if run.specimen == "S1"])
-    assert isinstance(plan, RunPlan)
-    assert plan.schedule is not None
-    assert plan.presets(FULL) == pytest.approx(plan.schedule.preset)
-    assert (min(plan.presets(FULL)), max(plan.presets(FULL))) == pytest.approx((0.2, 0.8), abs=0.03)
+    plans = plans_of(file, file.experiment.all_runs())
+    presets = [plan.presets(FULL) for plan in plans]
+    for plan, own in zip(plans, presets, strict=True):
+        assert plan.schedule is not None
+        assert own == pytest.approx(plan.schedule.preset)
+    assert (min(map(min, presets)), max(map(max, presets))) == pytest.approx((0.2, 0.8))
