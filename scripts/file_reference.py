@@ -181,8 +181,8 @@ line is `#:schema ../rig.schema.json`.
 
 Files of versions up to 0.2.0 are read as before: `home_ticks`, `position_ticks` and `max_preset_ticks` under `[rig]`,
 `following_ticks`, `following_ticks_per_s` and `current_ma` under `[rig.guards]` stand for `home_deg`, `position_deg`,
-`full_preset`, `following_deg`, `following_deg_per_s` and `current_a`, in ticks of a qbmove, 32768 to a turn of its shaft,
-and in mA. A key may stand in one of its two spellings. `emg2vsa rig commission` writes in the units that the file has."""
+`full_preset`, `following_deg`, `following_deg_per_s` and `current_a`, in ticks of a qbmove, 32768 to a turn of its
+shaft, and in mA. A key may stand in one of its two spellings. `emg2vsa rig commission` writes the one that is there."""
 
 
 def _heading(name: str, many: bool) -> str:
