@@ -101,7 +101,9 @@ def main() -> None:
         if case.fault in (arguments.faults or (*FAULTS, *WRONG_RIGS)) and case.phase in arguments.phase
     ]
     path = arguments.write / RESULTS if arguments.write else None
-    rows = {} if path is None or arguments.again else read(path)
+    rows = {} if path is None else read(path)
+    if arguments.again:
+        rows = {case: row for case, row in rows.items() if case not in wanted}
     left = [case for case in wanted if case not in rows]
     with ProcessPoolExecutor(PROCESSES) as pool:
         for case, row in zip(left, pool.map(carry_out, left, chunksize=4), strict=True):
@@ -157,9 +159,9 @@ def _page(rows: list[dict[str, Any]]) -> Iterator[str]:
     yield f"{RESULTS}. **No real motor was tried.** An XM430-W350 is emulated from its e-Manual: P gain {GAIN}, D gain"
     yield f"{D_GAIN}, {FULL:.1f} N m/rad at the full gain, {GEAR_MM_PER_DEGREE} mm/degree, max_mm_per_s ="
     yield f"{TRUE.max_mm_per_s:g}. One press on S1 to 7 N; the limit is guards.force_n = {LIMIT_N:g} N; force is the"
-    yield "world's own, not the sensor's. A press without a fault makes 7.7 N. A case fails when the force is above the"
-    yield "limit; when what ended.json says of the probe, of the torque or (completed runs) of the largest force is not"
-    yield "true; when the cause is not one that fits; when data from before the fault are lost; when the motor goes on;"
+    yield "world's own, every 5 ms, not the sensor's. A press without a fault makes 7.7 N. A case fails"
+    yield "when the force is above the limit; when what ended.json says of the probe, of the torque or (completed runs)"
+    yield "of the largest force is not true; when the cause is not one that fits; when data from before the fault are lost; when the motor goes on;"
     yield "or when the next run does not work, after a power cycle where the motor asks for one."
     yield ""
     yield "**What it means.** The goal current caps the force, whatever fails, as long as the motor keeps to it: F_max"

@@ -23,6 +23,7 @@ from benchmarks.rig.faults import (
     NO_CONTACT,
     PAST_CONTACT,
     PRELOAD,
+    RATE,
     REFUSED,
     REFUSED_FILE,
     REFUSED_SCHEDULE,
@@ -95,6 +96,7 @@ MOTOR_FAULTS: dict[str, Fault] = {
     "watchdog says so only": Fault(words("flag-only"), (SURVIVED,)),
 }
 FAULTS = LINE_FAULTS | MOTOR_FAULTS | LOOP_FAULTS | FORCE_FAULTS | CAMERA_FAULTS | DISK_FAULTS | ENDINGS
+FAULTS["force jumps"] = replace(FAULTS["force jumps"], ends=(RATE, UNTRUSTED))  # the springs tell it, too
 del FAULTS["program killed, watchdog frame lost"]  # the motor reads it back, and a frame that is lost is sent again
 
 WRONG_RIGS: dict[str, tuple[RigSettings, tuple[End, ...]]] = {
