@@ -22,9 +22,10 @@ from casr.errors import PluginError
 from emg2vsa.cli import main
 from emg2vsa.devices import registry
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.devices.joints import joint_names, joint_of
+from emg2vsa.devices.joints import export_of, joint_names, joint_of
 from emg2vsa.devices.registry import Around
 from emg2vsa.errors import DeviceError, StudyError
+from emg2vsa.lab.by_hand import jog
 from emg2vsa.lab.device_states import info
 from emg2vsa.lab.session_devices import devices
 from emg2vsa.rig.emulated.servers import VirtualSerialPort
@@ -263,6 +264,57 @@ def test_an_actuator_speaks_of_degrees(lab: None, motor: str) -> None:
             board.command(91.0, 0.5)
         board.deactivate()
         assert not board.is_active()
+
+
+class Bench:
+    """The actuator over a pad at 6 degrees, and what the force box feels there.
+
+    The motor pulls towards its command with 12 N m/rad at preset 1; the pad has 2 N/mm at 0.2 mm per degree."""
+
+    def __init__(self) -> None:
+        self.motors, self.presets, self.most_n = "off", set[float](), 0.0
+        self._command_deg, self._preset = 0.0, 0.2
+
+    def shaft_deg(self) -> float:
+        if self.motors == "off" or self._command_deg < 6.0:
+            return min(self._command_deg, 6.0)
+        pad, joint = 0.4 * math.degrees(0.2) / 1000, math.radians(12.0 * self._preset)  # N m per degree
+        return (joint * self._command_deg + pad * 6.0) / (joint + pad)
+
+    def force_n(self) -> float:
+        return 0.4 * max(0.0, self.shaft_deg() - 6.0)
+
+    def __call__(self, data: bytes) -> bytes:
+        return "".join(f"{self._answer(*question.split())}\n" for question in data.decode().splitlines()).encode()
+
+    def _answer(self, word: str, *rest: str) -> str:
+        if word == "motors" and rest:
+            self.motors = rest[0]
+        if word == "go":
+            self._command_deg, self._preset = map(float, rest)
+            self.presets.add(self._preset)
+            self.most_n = max(self.most_n, self.force_n())
+        place = f"{self.shaft_deg():.4f}"
+        told = {"where": f"{place} {place}", "current": "0.25", "limit": "1.5", "firmware": "2.1"}
+        return told.get(word) or ("ok" if rest else self.motors)
+
+
+@no_ports
+def test_a_labs_actuator_is_moved_by_hand_until_it_touches(lab: None, camera: int, tmp_path: Path) -> None:
+    bench, path = Bench(), tmp_path / "rig.toml"
+    felt = Sender(500.0, lambda time_s: f"0 0 {bench.force_n() + 0.01 * math.sin(40 * time_s):.4f} 0 0 0")
+    with VirtualSerialPort(bench) as motor, felt:
+        path.write_text(f"[rig.guards]\nstale_s = 0.1\n{RIG.format(box=felt.name, camera=camera, motor=motor.name)}")
+        moved = jog(load_rig(path), deg=40.0)
+    assert moved.touched
+    assert 2.0 <= bench.most_n < 2.4
+    assert moved.force_n[2] < 0.5
+    assert (bench.motors, bench.presets) == ("off", {0.2})
+
+
+def test_a_report_on_a_labs_actuator_says_nothing_of_a_dynamixel(lab: None) -> None:
+    assert export_of("dynamixel").remark
+    assert not export_of("lab-actuator").remark
 
 
 def test_schedules_are_made_for_a_labs_own_joint(lab: None) -> None:

@@ -28,7 +28,7 @@ class GainJoint:
     full_preset: float
     full_gain: int | None = None
     name: str = "dynamixel"
-    measured_key: str = "full_stiffness_nm_per_rad"
+    measured_key: str | None = "full_stiffness_nm_per_rad"
     preset_per_s: float = 2.5
     settles_s: float = 0.3
 
