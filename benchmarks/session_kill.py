@@ -80,7 +80,7 @@ def state_of(session: Any) -> str:
     if now.measuring:
         return "measuring"
     if now.judging:
-        return "writing" if now.moment.writing else "judging"
+        return "writing" if now.writing else "judging"
     if state.presses.undecided is not None:
         return "deciding"
     if state.command in ("start", "press", "stop", "pause"):

@@ -175,9 +175,14 @@ Written by `python scripts/file_reference.py`; do not edit.
 
 A rig file is TOML and lies beside the study file. Every problem in it is reported at once, as `file:line: key:
 expected ..., but found ...`. Unknown keys are errors. Units are part of the names. Relative paths start at the folder
-of the rig file; `~` and environment variables are not expanded. Ticks are those of the qbmove, 32768 to a turn of its
-shaft. What each guard means: [how-to/engineer.md](../how-to/engineer.md). An editor that knows TOML schemas checks
-the file as you type, if its first line is `#:schema ../rig.schema.json`."""
+of the rig file; `~` and environment variables are not expanded. What each guard means:
+[how-to/engineer.md](../how-to/engineer.md). An editor that knows TOML schemas checks the file as you type, if its first
+line is `#:schema ../rig.schema.json`.
+
+Files of versions up to 0.2.0 are read as before: `home_ticks`, `position_ticks` and `max_preset_ticks` under `[rig]`,
+`following_ticks`, `following_ticks_per_s` and `current_ma` under `[rig.guards]` stand for `home_deg`, `position_deg`,
+`full_preset`, `following_deg`, `following_deg_per_s` and `current_a`, in ticks of a qbmove, 32768 to a turn of its
+shaft, and in mA. A key may stand in one of its two spellings. `emg2vsa rig commission` writes the one that is there."""
 
 
 def _heading(name: str, many: bool) -> str:

@@ -50,6 +50,7 @@ class Outcome:
     never. off : they are off at the end.
     probe_mm : where the motors have left the probe, by the device's encoders.
     peak_n, left_n : largest true force on the specimen after the fault, and the one that is left at the end.
+    most_felt_n : what the run says of its largest force, None where it says nothing. true_n : what that was.
     retracted : in truth, the probe is off the specimen.
     retreat_s, guard_s : from the fault, and from the end of the loop, until the first command of the way out; None
     without one. lost : before the fault. next_run : its ended.json.
@@ -64,6 +65,8 @@ class Outcome:
     probe_mm: float
     peak_n: float
     left_n: float
+    true_n: float
+    most_felt_n: float | None
     retracted: bool
     retreat_s: float | None
     guard_s: float | None
@@ -92,13 +95,20 @@ def run_case(name: str, phase: str, folder: Path, *, rigid: bool = False) -> Out
     """Carry it out in ``folder``: a run with the fault, then one without, on the same devices."""
     fault = FAULTS[name]
     most_n = STALL_N if rigid and fault.shown_by_springs else MOST_N
-    return run_fault(fault, phase, Built(rigid=rigid), folder, most_n, BEFORE.get(name))
+    return run_fault(fault, phase, Built(rigid=rigid), folder, fault.ends_in(phase), most_n, BEFORE.get(name))
 
 
 def run_fault(
-    fault: Fault, phase: str, built: Built, folder: Path, most_n: float = MOST_N, before: Strike | None = None
+    fault: Fault,
+    phase: str,
+    built: Built,
+    folder: Path,
+    wanted: tuple[End, ...],
+    most_n: float,
+    before: Strike | None = None,
 ) -> Outcome:
-    """As `run_case` with any fault on any bench. ``before`` : what is wrong from the beginning."""
+    """As `run_case` with any fault on any bench. ``wanted`` : how it may end. ``before`` : what is wrong from the
+    beginning."""
     bench = FaultBench(built)
     watch = _Watch(bench, phase_times(built)[phase])
     bench.clock.strike = lambda: fault.strike(bench)
@@ -108,18 +118,18 @@ def run_fault(
         bench.stop_s = phase_times(built)["load"]
     if before:
         before(bench)
-    return _outcome(bench, watch, fault.ends_in(phase), fault.probe == "retracted", most_n, folder)
+    return _outcome(bench, watch, wanted, fault.probe == "retracted", most_n, folder)
 
 
 def run_wrong(name: str, folder: Path) -> Outcome:
     """As `run_case` with a rig file that is wrong from the beginning."""
-    return run_rig(*WRONG_RIGS[name], folder)
+    return run_rig(*WRONG_RIGS[name], folder, MOST_N)
 
 
-def run_rig(built: Built, ends: tuple[End, ...], folder: Path) -> Outcome:
+def run_rig(built: Built, wanted: tuple[End, ...], folder: Path, most_n: float) -> Outcome:
     """As `run_wrong` with any wrong rig."""
     bench = FaultBench(built)
-    return _outcome(bench, _Watch(bench, bench.clock.now_s()), ends, False, MOST_N, folder)
+    return _outcome(bench, _Watch(bench, bench.clock.now_s()), wanted, False, most_n, folder)
 
 
 def _outcome(
@@ -153,6 +163,8 @@ def _outcome(
         probe_mm=probe_mm,
         peak_n=watch.peak_n,
         left_n=left_n,
+        true_n=watch.whole_n,
+        most_felt_n=told.get("peak_force_n"),
         retracted=retracted and left_n < FREE_N,
         retreat_s=retreat_s - watch.from_s if known else None,
         guard_s=retreat_s - told["time_s"] if known and told["time_s"] >= watch.from_s else None,
@@ -192,15 +204,16 @@ class _Watch:
     def __init__(self, bench: FaultBench, from_s: float) -> None:
         self._bench, self.from_s = bench, from_s
         self.safe_s: float | None = None
-        self.peak_n = 0.0
+        self.peak_n = self.whole_n = 0.0
         bench.clock.strike_s, bench.clock.watch = from_s, self._look
 
     def _look(self) -> None:
-        now_s = self._bench.clock.now_s()
+        now_s, force_n = self._bench.clock.now_s(), self._bench.true_force_n()
+        self.whole_n = max(self.whole_n, force_n)
         if now_s < self.from_s:
             return
         on = self._bench.motors_on() and not self._bench.held()
-        self.peak_n = max(self.peak_n, self._bench.true_force_n())
+        self.peak_n = max(self.peak_n, force_n)
         if not on:
             self.safe_s = now_s - self.from_s if self.safe_s is None else self.safe_s
         else:

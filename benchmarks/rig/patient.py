@@ -17,12 +17,11 @@ from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
 from emg2vsa.devices.protocols import Devices
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.settings import BAUD
-from emg2vsa.devices.registry import Around, known
+from emg2vsa.devices.registry import Around, kinds, known
 from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
-from emg2vsa.study_file.problems import checked
 
 LONG_S = 2.0
 REPLY_S, WATCHDOG_S = 0.5, 5.0
@@ -58,7 +57,8 @@ def as_json(settings: DeviceSettings) -> str:
 
 def main() -> None:
     """Run once."""
-    settings, _ = checked(DeviceSettings, json.load(sys.stdin), ())
+    devices = {role: table for role, table in json.load(sys.stdin).items() if table}
+    settings = DeviceSettings(**{role: kinds(role)[table["kind"]].settings(**table) for role, table in devices.items()})
     patient_run(settings, Path(sys.argv[1]))
 
 

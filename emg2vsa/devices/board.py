@@ -19,6 +19,7 @@ class BoardBase:
 
     where = "actuator"
     rigid = False
+    creep_deg_per_s = 0.0
     columns = LogColumns()
 
     def __enter__(self) -> Self:
@@ -78,6 +79,10 @@ class BoardBase:
     def move_motors(self, motors_deg: Sequence[float]) -> None:
         """To a position, at the full preset."""
         self.command(motors_deg[0], 1.0)
+
+    def creep(self, motors_deg: Sequence[float]) -> None:
+        """It keeps no speed by itself."""
+        raise NotImplementedError
 
     def parameters(self) -> Mapping[int, Parameter]:
         """It lists none."""

@@ -301,10 +301,12 @@ class Board(Protocol):
     """An actuator as it is opened, for runs and for what people do with it by hand. DeviceError as `Actuator`.
 
     Within a with statement: its motors go off at the end. where : port and id. rigid : it has no joint.
+    creep_deg_per_s : speed of `creep`; 0: it has no such motion.
     """
 
     where: str
     rigid: bool
+    creep_deg_per_s: float
 
     def close(self) -> None:
         """Give the line back."""
@@ -339,6 +341,9 @@ class Board(Protocol):
 
     def move_motors(self, motors_deg: Sequence[float]) -> None:
         """Send each motor there, without feeding the watchdog otherwise."""
+
+    def creep(self, motors_deg: Sequence[float]) -> None:
+        """Send each motor there once, at a speed that the device keeps by itself."""
 
     def parameters(self) -> Mapping[int, Parameter]:
         """All by number."""

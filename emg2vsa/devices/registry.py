@@ -34,8 +34,8 @@ class _Role(NamedTuple):
 
 ROLES = {
     "actuator": _Role("emg2vsa.devices.device_settings:ActuatorSettings", "emg2vsa.devices.protocols:Board", {
-        "qbmove": "qbmove.settings:QBMOVE",
-        "dynamixel": "dynamixel.settings:DYNAMIXEL",
+        "qbmove": "emg2vsa.devices.qbmove.settings:QBMOVE",
+        "dynamixel": "emg2vsa.devices.dynamixel.settings:DYNAMIXEL",
     }, default="qbmove"),
     "force": _Role("emg2vsa.devices.device_settings:ForceSettings", "emg2vsa.devices.protocols:ForceSensor", {
         "net-ft": "netft.settings:NET_FT",
@@ -137,7 +137,10 @@ class Kind:
     def call(self, function: str, *given: Any) -> Any:
         """What one of its functions gives; nothing where there is none. PluginError where it fails."""
         try:
-            return _GIVES[function](_loaded(getattr(self, function))(*given) if getattr(self, function) else ())
+            place = getattr(self, function)
+            if self.plugin is None:
+                place = _whole(place)
+            return _GIVES[function](_loaded(place)(*given) if place else ())
         except UserError:
             raise
         except Exception as error:
@@ -158,7 +161,7 @@ _GIVES: dict[str, Callable[[Any], Any]] = {
 def kind_of(role: str, name: str) -> Kind | None:
     """The kind of a role; None where there is none. PluginError where another package's cannot be used."""
     if name in ROLES[role].kinds:
-        ours: Kind = _loaded(f"emg2vsa.devices.{ROLES[role].kinds[name]}")
+        ours: Kind = _loaded(_whole(ROLES[role].kinds[name]))
         return ours
     kind = next((_of_plugin(each) for each in plugins(GROUP) if each.name == name), None)
     return kind if kind and kind.role == role else None
@@ -203,12 +206,15 @@ def _members(protocol: type) -> list[str]:
     return [name for name in dict.fromkeys(named) if not name.startswith("_")]
 
 
+def _whole(place: Any) -> Any:
+    """A place of ours may be told from ``emg2vsa.devices`` on. Such a place is no part of the key of a step: no step
+    opens a device. What a step uses, as ``export``, is told whole."""
+    return f"{GROUP}.{place}" if isinstance(place, str) and not place.startswith(f"{GROUP}.") else place
+
+
 def _loaded(place: Any) -> Any:
     """The object at "module:name"; any other object as it is."""
     if not isinstance(place, str):
         return place
-    module, _, names = place.partition(":")
-    found: Any = import_module(module)
-    for name in names.split("."):
-        found = getattr(found, name)
-    return found
+    module, _, name = place.partition(":")
+    return getattr(import_module(module), name)

@@ -16,6 +16,7 @@ from casr.atomic import write_text_atomic
 from casr.frame_files import write_camera
 from casr.frame_files.folder import CAMERA_FILE
 from emg2vsa.devices.clock import Clock, WallClock, undisturbed
+from emg2vsa.devices.joints import joint_of
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.lab.ending import told
 from emg2vsa.lab.judging import say_kappa, say_reachable
@@ -135,8 +136,10 @@ def _introduce(
     rig = opened.rig
     say(f"folder: {folder}")
     say(f"run: {plan.specimen}, {plan.angle_deg:g} degrees, {plan.condition}, {plan.repetitions} presses")
-    joint = opened.devices.actuator.joint
-    stiffness = "rigid" if joint is None else f"full stiffness {float(joint.stiffness_nm_per_rad(1.0)):.3g} N m/rad"
+    stiffness = "rigid"
+    if plan.condition != RIGID:
+        joint = joint_of(file.devices.actuator.joint, rig.full_preset)
+        stiffness = f"full stiffness {float(joint.stiffness_nm_per_rad(1.0)):.3g} N m/rad"
     low_deg, high_deg = rig.position_deg
     say(f"device: {opened.info.firmware}, positions {low_deg:.4g} to {high_deg:.4g} degrees, {stiffness}")
     say(f"force: {MovingAverage(rig.filter_samples, rig.rate_hz).description}")

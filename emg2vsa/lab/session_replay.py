@@ -14,7 +14,7 @@ from emg2vsa.session import journal
 from emg2vsa.session.bar_force import ZERO_S, BarForce, RecentForce
 from emg2vsa.session.journal import JOURNAL_FILE, Judged, Line, read_journal
 from emg2vsa.session.judge_feed import JUDGED_VALUES, SETTLE_S, how_judged, judged_from_s, sample_at, timed
-from emg2vsa.session.legal import Moment
+from emg2vsa.session.legal import Now
 from emg2vsa.session.live_press import StayJudged, judge_attempt
 from emg2vsa.session.open_session import kept_settings, settings_of
 from emg2vsa.session.page_states import operator_state, participant_state
@@ -126,9 +126,9 @@ def replay(study: Study, folder: Path, *, line: int | None = None) -> ReplayedSe
         notes.append(f"The last {torn} bytes of the journal are no whole line; they are passed over.")
     if table.older:
         notes.append(_OLDER)
-    moment = table.moment(shown[-1])
-    pages = operator_state(table.state, moment), participant_state(table.state, moment)
-    return ReplayedSession(folder, shown[-1].number, *pages, presses, tuple(notes))
+    now = table.now(shown[-1])
+    number = shown[-1].number
+    return ReplayedSession(folder, number, operator_state(now), participant_state(now), presses, tuple(notes))
 
 
 class _Replay:
@@ -207,8 +207,8 @@ class _Replay:
         from_s = judged_from_s(presses, tried.press.stay, starts_s["emg"][0], asked_s, longest_s)
         return {name: (sample_at(self._first[name], *starts_s[name], from_s), stop) for name, stop in stops.items()}
 
-    def moment(self, line: Line) -> Moment:
-        """What no line says, of the moment of a line, from the samples that had come by then."""
+    def now(self, line: Line) -> Now:
+        """The state at the time of a line, with what the samples say that had come by then."""
         state, now_s = self.state, round(line.time_s, journal.TIME_DIGITS)
         bar = BarForce(state.rules.settings.bar_filter_hz)
         bar.zero_n = self._zero_n
@@ -217,9 +217,9 @@ class _Replay:
             bar.take(force.file.read(max(0, stop - round(force.opened.fs_hz)), stop)[:, 0], force.opened.fs_hz, now_s)
         devices = tuple(self._device(name, own, now_s) for name, own in sorted(self._streams.items()))
         resting_s = math.inf if state.command == "rest" else 0.0
-        return Moment(
-            now_s, bar.force_n, self._recent(now_s).steady, resting_s, any(own.state == "lost" for own in devices),
-            False, devices, saved(self._folder, line.number, "", True),
+        return Now(
+            state, now_s, bar.force_n, self._recent(now_s).steady, resting_s,
+            any(own.state == "lost" for own in devices), False, devices, saved(self._folder, line.number, "", True),
         )  # fmt: skip
 
     def _device(self, name: str, stream: StoredStream, now_s: float) -> DeviceView:

@@ -117,8 +117,8 @@ def run(
     >>> done.how, done.judged.verdict  # doctest: +SKIP
     ('completed', 'good')
     """
-    end = _recorded(study, participant, False, virtual, pages, shown, seen)
-    return _judged(study, participant, end, ended, progress)
+    end = _recorded(study, participant, False, virtual, pages, shown, seen, ended)
+    return end if end.how != "completed" else replace(end, judged=finish(study, participant, progress=progress))
 
 
 def resume(
@@ -141,22 +141,8 @@ def resume(
     --------
     >>> done = session.resume(study, "P03", virtual=session.Virtual(seed=1))  # doctest: +SKIP
     """
-    end = _recorded(study, participant, True, virtual, pages, shown, seen)
-    return _judged(study, participant, end, ended, progress)
-
-
-def _judged(
-    study: Study,
-    participant: str,
-    end: SessionEnd,
-    ended: Callable[[SessionEnd], None] | None,
-    progress: Progress,
-) -> SessionEnd:
-    if ended is not None:
-        ended(end)
-    if end.how != "completed":
-        return end
-    return replace(end, judged=finish(study, participant, progress=progress))
+    end = _recorded(study, participant, True, virtual, pages, shown, seen, ended)
+    return end if end.how != "completed" else replace(end, judged=finish(study, participant, progress=progress))
 
 
 def _recorded(
@@ -167,6 +153,7 @@ def _recorded(
     pages: Pages | None,
     shown: Callable[[Addresses], None] | None,
     seen: Callable[[OperatorState], None] | None,
+    ended: Callable[[SessionEnd], None] | None,
 ) -> SessionEnd:
     settings = settings_of(study, participant)
     if pages is None and virtual is None:
@@ -194,7 +181,10 @@ def _recorded(
     if person is not None and virtual is not None:
         virtual.keep_truth(person)
     assert over is not None
-    return SessionEnd(over.how, over.why, folder_of(study, participant))
+    end = SessionEnd(over.how, over.why, folder_of(study, participant))
+    if ended is not None:
+        ended(end)
+    return end
 
 
 def _loop_runs() -> bool:

@@ -48,8 +48,8 @@ class SessionDesk:
             self._operator = (number + 1, state)
 
     def _states(self) -> tuple[ParticipantState, OperatorState]:
-        state, moment = self.session.state, self.session.moment()
-        return participant_state(state, moment), operator_state(state, moment)
+        now = self.session.now()
+        return participant_state(now), operator_state(now)
 
     def run(self, clock: Clock, beside: Callable[[float], None] = lambda now_s: None) -> LoopTiming:
         """Turn until the session has ended. beside : called after each turn, as by an emulated operator."""

@@ -17,15 +17,16 @@ from emg2vsa.session.views import REQUESTS, DeviceView, Request
 
 
 @dataclass(frozen=True)
-class Moment:
-    """What is known of a moment beside the journal. now_s : on the session's clock.
+class Now:
+    """A state at a moment, with what is known of that beside the journal. time_s : on the session's clock.
 
     force_n : of the bar. steady : whether the force has been for half a second; None where none came. rest_until_s :
     end of the rest between two presses. lost : a device is. writing : a verdict is on its way to the disk. saved : how
     much is on the disk, in a sentence.
     """
 
-    now_s: float
+    state: SessionState
+    time_s: float
     force_n: float = 0.0
     steady: bool | None = None
     rest_until_s: float = 0.0
@@ -34,24 +35,16 @@ class Moment:
     devices: tuple[DeviceView, ...] = ()
     saved: str = ""
 
-
-@dataclass(frozen=True)
-class Now:
-    """A state at a moment, as the table asks for it."""
-
-    state: SessionState
-    moment: Moment
-
     @property
     def measuring(self) -> bool:
         """Whether the signal quality is being measured."""
         own = self.state.measuring
-        return own is not None and self.moment.now_s < own.until_s
+        return own is not None and self.time_s < own.until_s
 
     @property
     def judging(self) -> bool:
         """Whether a press, or the signal quality, waits for its judge, or a verdict for the disk."""
-        return self.state.judging or self.moment.writing or (self.state.measuring is not None and not self.measuring)
+        return self.state.judging or self.writing or (self.state.measuring is not None and not self.measuring)
 
     @property
     def rest_measured(self) -> bool:
@@ -61,12 +54,12 @@ class Now:
     @property
     def break_s(self) -> float:
         """Left of the break between specimens."""
-        return self.state.break_until_s - self.moment.now_s
+        return self.state.break_until_s - self.time_s
 
     @property
     def rest_s(self) -> float:
         """Left of the rest between presses."""
-        return self.moment.rest_until_s - self.moment.now_s
+        return self.rest_until_s - self.time_s
 
     @property
     def suggestion(self) -> str:
@@ -101,7 +94,7 @@ TABLE = (
         message="The session has ended."),
     Row("measuring", lambda now: now.measuring, dict.fromkeys(_MEASURE, "A measurement is under way."),
         message="The {now.state.measuring.step} is being measured."),
-    Row("lost", lambda now: now.moment.lost, dict.fromkeys(_MEASURE, "A device is lost.")
+    Row("lost", lambda now: now.lost, dict.fromkeys(_MEASURE, "A device is lost.")
         | {"placed": "The force sensor sends nothing.", "continue": "The device is still lost."} | _PAUSED,
         message="A device is lost."),
     Row("device", lambda now: now.state.paused == "device", _PAUSED, message="A device is lost."),
@@ -115,7 +108,7 @@ TABLE = (
         "contraction", "Ask the participant to tense the forearm for 3 s, then measure."),
     Row("pressing", lambda now: now.state.running is not None,
         _BUSY | _ABORT_FIRST, message="A press is under way."),
-    Row("writing", lambda now: now.moment.writing, _JUDGED, message="The verdict is being written to the disk."),
+    Row("writing", lambda now: now.writing, _JUDGED, message="The verdict is being written to the disk."),
     Row("judging", lambda now: now.judging, _JUDGED, message="The press is being judged."),
     Row("verdict", lambda now: now.state.presses.undecided is not None,
         {"start": "Press {now.state.presses.undecided.press.number} was rejected: repeat, accept or skip it first."},
@@ -137,12 +130,12 @@ TABLE = (
         {"measure-rest": "The signals are measured before a specimen is placed."}),
     Row("closed", lambda now: now.state.command not in ("rest", "ready") or now.state.running is not None,
         {"start": "START is not possible while the participant is told {now.state.command!r}."}),
-    Row("touched", lambda now: now.moment.force_n > now.state.rules.settings.ready_n,
-        {"start": "The force is {now.moment.force_n:.2f} N, above {now.state.rules.settings.ready_n:g} N. "
+    Row("touched", lambda now: now.force_n > now.state.rules.settings.ready_n,
+        {"start": "The force is {now.force_n:.2f} N, above {now.state.rules.settings.ready_n:g} N. "
          "Ask the participant to lift the finger, or place the specimen again to take a new zero."}),
     Row("resting", lambda now: now.rest_s > 0, {"start": "The rest lasts {now.rest_s:.1f} s longer."}),
-    Row("silent", lambda now: now.moment.steady is None, {"placed": "The force sensor sends nothing."}),
-    Row("unsteady", lambda now: now.moment.steady is False,
+    Row("silent", lambda now: now.steady is None, {"placed": "The force sensor sends nothing."}),
+    Row("unsteady", lambda now: now.steady is False,
         {"placed": "The force is not steady. Take all hands off the specimen."}),
     Row("idle", lambda now: now.state.running is None, {"abort": "No press is under way."}),
     Row("going on", lambda now: not now.state.paused and now.state.suggested is None

@@ -13,10 +13,11 @@ from collections import deque
 
 from emg2vsa import __version__
 from emg2vsa.errors import SettingError
-from emg2vsa.session import journal, legal, state
+from emg2vsa.session import journal, state
 from emg2vsa.session.bar_force import BarForce, RecentForce
 from emg2vsa.session.journal import Line
 from emg2vsa.session.judge_feed import JudgeFeed, how_judged
+from emg2vsa.session.legal import Now
 from emg2vsa.session.live_press import StayJudged, judge_attempt
 from emg2vsa.session.press_cycle import Attempt, PressCycle
 from emg2vsa.session.presses import Presses, Tried
@@ -85,7 +86,14 @@ class Session:
         for line in record.past:
             self.state = state.after(self.state, line)
         record.follow = self._follow
-        self._begin(changes)
+        self.write(
+            journal.Begun(
+                rules.participant, record.plan.study, f"emg2vsa {__version__}", platform.platform(), settings.ethics,
+                record.sitting > 1, changes,
+            )
+        )  # fmt: skip
+        for change in changes:
+            self._say(f"The study file has changed since the session began: {change}. The order stays.")
 
     def _follow(self, line: Line) -> None:
         if isinstance(line.event, journal.Judged):
@@ -171,15 +179,11 @@ class Session:
         contracting = measuring is not None and measuring.step == "contraction" and self.now_s < measuring.until_s
         return "start" if contracting else self.cycle.command
 
-    def now(self) -> legal.Now:
-        """What the table of what is legal is asked with."""
-        return legal.Now(self.state, self.moment())
-
-    def moment(self) -> legal.Moment:
-        """What no line of the journal says."""
+    def now(self) -> Now:
+        """The state, and what no line of the journal says."""
         own, record = (self.emg, self.force), self.record
-        return legal.Moment(
-            self.now_s, self.bar.force_n, self.recent.steady, self.cycle.rest_until_s,
+        return Now(
+            self.state, self.now_s, self.bar.force_n, self.recent.steady, self.cycle.rest_until_s,
             any(stream.lost_why for stream in own), bool(self._unsafe),
             (own[0].view(self.now_s), own[1].view(self.now_s)),
             saved(record.folder, record.lines, record.trouble, record.is_safe),
@@ -293,13 +297,10 @@ class Session:
         self.write(journal.Measuring("rest" if step == "rest" else "contraction"))
 
     def _take_signals(self, step: str, signals: tuple[SignalView, ...]) -> None:
-        levels = {
-            view.muscle: level
-            for view in signals
-            if (level := view.rest_v if step == "rest" else view.contraction_v) is not None
-        }
+        levels = {view.muscle: view.rest_v if step == "rest" else view.contraction_v for view in signals}
+        known = {muscle: level for muscle, level in levels.items() if level is not None}
         problems = tuple(problem for view in signals for problem in view.problems)
-        self.write(journal.QualityMeasured("rest" if step == "rest" else "contraction", levels, problems))
+        self.write(journal.QualityMeasured("rest" if step == "rest" else "contraction", known, problems))
 
     # specimens
 
@@ -355,17 +356,6 @@ class Session:
                 self.write(report)
 
     # what is told
-
-    def _begin(self, changes: tuple[str, ...]) -> None:
-        plan = self.record.plan
-        self.write(
-            journal.Begun(
-                plan.participant, plan.study, f"emg2vsa {__version__}", platform.platform(), self.settings.ethics,
-                self.record.sitting > 1, changes,
-            )
-        )  # fmt: skip
-        for change in changes:
-            self._say(f"The study file has changed since the session began: {change}. The order stays.")
 
     def write(self, event: journal.Event, time_s: float | None = None) -> None:
         """A line of the journal, from which the state goes on."""

@@ -203,7 +203,7 @@ def _signals(state: SessionState, event: journal.QualityMeasured) -> tuple[Signa
 def _fitted(state: SessionState, stay: PlannedPress) -> dict[str, Any]:
     """The fit on the specimen on the table once its presses are done, and the further press that it suggests."""
     rules, presses = state.rules, state.presses
-    own = [press for press in presses.in_order if (press.phase, press.specimen) == ("main", stay.specimen)]
+    own = presses.of_specimen(stay)
     if stay.phase != "main" or not {press.number for press in own} <= presses.done:
         return {"suggested": None}
     on_it = (tried for tried in presses.tried if tried.press.specimen == stay.specimen)

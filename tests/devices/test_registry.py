@@ -52,7 +52,8 @@ def test_every_kind_is_whole(role: str, name: str) -> None:
     assert fields(kind.settings)[0].name == "kind"
     assert get_args(get_type_hints(kind.settings)["kind"]) == (name,)
     assert issubclass(kind.settings, registry._loaded(ROLES[role].base))
-    assert all(callable(registry._loaded(each)) for each in (kind.open, kind.about, kind.facts) if each)
+    places = [registry._whole(each) for each in (kind.open, kind.about, kind.facts, kind.scan) if each]
+    assert all(callable(registry._loaded(each)) for each in places)
 
 
 @pytest.mark.parametrize("role", ROLES)

@@ -70,7 +70,7 @@ def test_an_emulated_run_that_the_computer_cut_short_is_no_result(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def cut_short(*given: object, started: object, effect: object) -> Ended:
+    def cut_short(*given: object, started: object, effect: object, actuator: object) -> Ended:
         folder = given[3]
         folder.mkdir()
         (folder / "ended.json").write_text(json.dumps({"how": on_disk}))

@@ -42,17 +42,23 @@ _OFF_ATTEMPTS = 10
 _ZERO_TOLERANCE_PULSES = 2
 _DRIFT_PULSES = 11
 """1 degree: a goal may follow a shaft that creeps while the torque is off."""
+_CREEP = 1
+"""Units of Profile Velocity."""
+_STILL_S, _STILL_PULSES, _STILL_LOOKS = 0.05, 1, 20
+"""A shaft that turns by no more in that time rests; it has so many of them to come to rest."""
 
 
 class Dynamixel(BoardBase):
     """One motor. As a context manager it switches the torque off at the end, however that comes."""
+
+    creep_deg_per_s = _CREEP * registers.VELOCITY_DEG_PER_S
 
     def __init__(self, line: ByteLine, settings: DynamixelSettings, *, clock: Clock) -> None:
         self.device_id, self.settings = settings.id, settings
         self.where = f"{line.name}, dynamixel {settings.id}"
         supposed = supposed_nm_per_rad(settings.model, settings.full_gain)
         self.joint = GainJoint(settings.full_stiffness_nm_per_rad or supposed, settings.full_gain)
-        self._line = line
+        self._line, self._clock = line, clock
         self._talk = Conversation(line, clock, settings.reply_s)
         self.counts = self._talk.counts
         self._unit_a = MOTORS[settings.model].current_unit_a
@@ -125,15 +131,14 @@ class Dynamixel(BoardBase):
         yield f"full stiffness {stiffness:g} N m/rad" if stiffness else "full stiffness not commissioned: no schedules"
 
     def activate(self) -> None:
-        """Values checked, watchdog set, torque on where the shaft is, all read back. DeviceError with the reason when
-        the motor, or one of its values, refuses; then the torque is not on."""
+        """Values checked, watchdog set, torque on where the shaft has come to rest, all read back. DeviceError with the
+        reason when the motor, or one of its values, refuses, or the shaft goes on turning; then the torque is not on.
+
+        What presses against the probe pushes the shaft back first, so that the torque begins without a load."""
         info = self.info()
         check_ready(info, self.settings, self.where)
-        low, high = usable = info.limits_deg()
-        at = self._get(registers.PRESENT_POSITION)
-        if not low <= _deg(at) <= high:
-            do = "Turn it there by hand with the power off: it counts its turns from power-on."
-            raise self._trouble(f"a shaft at {low:.2f} to {high:.2f} degrees", f"{_deg(at):.2f}", do)
+        usable = info.limits_deg()
+        self._check_within(self._get(registers.PRESENT_POSITION), usable)
         watchdog = round(self.settings.watchdog_s / registers.WATCHDOG_STEP_S)
         goal_current = int(self.settings.goal_current_a / self._unit_a)
         for item, value in (
@@ -150,6 +155,8 @@ class Dynamixel(BoardBase):
             (registers.PROFILE_VELOCITY, 0),
         ):
             self._set_and_read(item, value)
+        at = self._at_rest()
+        self._check_within(at, usable)
         self._set_and_read(registers.GOAL_POSITION, at, within=_DRIFT_PULSES)
         self._set_and_read(registers.WATCHDOG, watchdog)
         self._set_and_read(registers.TORQUE, ON)
@@ -194,6 +201,11 @@ class Dynamixel(BoardBase):
         item = registers.GOAL_POSITION
         if self._talk.write(self.device_id, item.address, item.data(self._goal(motors_deg[0]))) is None:
             raise self._silence(item)
+
+    def creep(self, motors_deg: Sequence[float]) -> None:
+        """Slowly, until the next activation."""
+        self._set(registers.PROFILE_VELOCITY, _CREEP)
+        self._set(registers.GOAL_POSITION, self._goal(motors_deg[0]))
 
     def watchdog_ran_out(self) -> bool:
         """Does the motor say that its watchdog has run out? Only 0 written to it clears that."""
@@ -274,6 +286,23 @@ class Dynamixel(BoardBase):
             do = "Correct the schedule, or the limits."
             raise self._trouble(f"a position of {low:.2f} to {high:.2f} degrees", f"{position_deg:g}", do)
         return round(position_deg / DEG_PER_PULSE) + ZERO_PULSE
+
+    def _at_rest(self) -> int:
+        """Where the shaft stands, once it does."""
+        at = self._get(registers.PRESENT_POSITION)
+        for _ in range(_STILL_LOOKS):
+            self._clock.sleep_until(self._clock.now_s() + _STILL_S)
+            before, at = at, self._get(registers.PRESENT_POSITION)
+            if abs(at - before) <= _STILL_PULSES:
+                return at
+        wanted = f"a shaft at rest within {_STILL_LOOKS * _STILL_S:g} s, its torque off"
+        raise self._trouble(wanted, "one that turns", "Look what turns it.")
+
+    def _check_within(self, pulses: int, usable_deg: tuple[float, float]) -> None:
+        low, high = usable_deg
+        if not low <= _deg(pulses) <= high:
+            do = "Turn it there by hand with the power off: it counts its turns from power-on."
+            raise self._trouble(f"a shaft at {low:.2f} to {high:.2f} degrees", f"{_deg(pulses):.2f}", do)
 
     def _ready(self) -> tuple[float, float]:
         if self._usable_deg is None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from emg2vsa.devices.addresses import no_address
 from emg2vsa.devices.dynamixel.driver import Dynamixel
 from emg2vsa.devices.dynamixel.settings import DynamixelSettings
@@ -19,3 +21,8 @@ def open_dynamixel(settings: DynamixelSettings, around: Around) -> Dynamixel:
         raise no_address("actuator.port", "the serial port of the motor", do)
     board = Dynamixel(SerialLine(settings.port, settings.baud), settings, clock=around.clock)
     return board.answering("Check power, cable, id and baud rate; emg2vsa rig scan lists who answers.")
+
+
+def about(board: Dynamixel) -> Iterator[str]:
+    """What the motor says of itself, in lines."""
+    return board.about()

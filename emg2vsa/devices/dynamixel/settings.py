@@ -56,7 +56,7 @@ class DynamixelSettings(ActuatorSettings):
 
 
 DYNAMIXEL = Kind(
-    "actuator", DynamixelSettings, open="emg2vsa.devices.dynamixel.opening:open_dynamixel",
-    about="emg2vsa.devices.dynamixel.driver:Dynamixel.about", scan="emg2vsa.devices.dynamixel.scan:answers",
+    "actuator", DynamixelSettings, open="dynamixel.opening:open_dynamixel", about="dynamixel.opening:about",
+    scan="dynamixel.scan:answers",
     joints=("dynamixel",), full_key="full_stiffness_nm_per_rad", export="emg2vsa.devices.dynamixel.joint:EXPORT",
 )  # fmt: skip

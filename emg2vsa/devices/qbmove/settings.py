@@ -60,8 +60,7 @@ class MotorSettings(_Board):
 
 
 QBMOVE = Kind(
-    "actuator", QbmoveSettings, open="emg2vsa.devices.qbmove.opening:open_qbmove",
-    about="emg2vsa.devices.qbmove.about:about", scan="emg2vsa.devices.qbmove.scan:answers",
-    joints=("qbmove-advanced", "qbmove-maker-pro"), full_key="max_preset_ticks",
+    "actuator", QbmoveSettings, open="qbmove.opening:open_qbmove", about="qbmove.about:about",
+    scan="qbmove.scan:answers", joints=("qbmove-advanced", "qbmove-maker-pro"), full_key="max_preset_ticks",
     export="emg2vsa.devices.qbmove.export:EXPORT",
 )  # fmt: skip

@@ -33,6 +33,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
         "window_n": (experiment.f_contact_n, experiment.f_max_n),
         "rate_hz": rig.devices.camera.rate_hz if rig.devices.camera else RATE_HZ,
         "percent": campaign.study.schedule.stiffness_percent,
+        "max_preset_ticks": campaign.study.schedule.max_preset_ticks,
     }
 
 
@@ -45,23 +46,24 @@ def run(given: Given) -> StiffnessEffect | None:
     from emg2vsa.contact_mechanics.camera_frames import FrameErrors
     from emg2vsa.contact_mechanics.stiffness_effect import AREA_NOISE, Bench, materials_of, stiffness_effect
     from emg2vsa.devices.qbmove.springs import SPRINGS, SpringJoint
+    from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
     from emg2vsa.schedules import Schedule
 
     used, world = given.settings, ContactWorld()
     steps: dict[str, dict[str, StiffnessSteps]] = {}
     schedules: tuple[Schedule, ...] = given.one("schedules") or ()
-    joint = schedules[0].limits.joint if schedules else None
-    if not isinstance(joint, SpringJoint):
-        return None
+    springs = SpringJoint(used["springs"], used["max_preset_ticks"] * DEG_PER_TICK)
     for schedule in schedules:
         own = steps.setdefault(schedule.condition, {})
+        if not isinstance(joint := schedule.limits.joint, SpringJoint):
+            return None
         own[schedule.specimen] = StiffnessSteps(schedule.step_force_n, joint.preset_rad(schedule.preset))
     by_stiffness = sorted(used["stiffness"].items(), key=lambda each: -each[1])
     stiffness = {name: each for name, each in by_stiffness if all(name in own for own in steps.values())}
     if len(stiffness) < 2:
         return None
     for percent in used["percent"]:
-        preset_rad = float(joint.preset_rad(joint.rounded(percent / 100)))
+        preset_rad = float(springs.preset_rad(springs.rounded(percent / 100)))
         steps[f"all-{percent:g}"] = dict.fromkeys(stiffness, StiffnessSteps.constant(preset_rad))
     skin = TabulatedWorld() if used["skin"] == "finite-elements" else world
     bench = Bench(

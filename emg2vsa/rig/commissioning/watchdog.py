@@ -2,7 +2,8 @@
 
 In the published firmware an expired watchdog clears a flag, and GET_ACTIVATE then answers 0; whether the bridge that
 drives the motors drops as well, the sources do not say. So the device is left in silence, asked, and then told to move:
-motors that follow a new reference are on, whatever the flag says.
+motors that follow a new reference are on, whatever the flag says. A device that refuses new references once its flag is
+set may still go on to the last one: it is left in silence on a slow way there.
 """
 
 from __future__ import annotations
@@ -67,8 +68,9 @@ def prove_watchdog(
     """
     board.activate()
     here, usable = board.measurements().motors_deg, board.usable(info)
-    low, high = usable.position_deg
-    sign = away_sign if low <= here[0] + away_sign * _MOVE_DEG <= high else -away_sign
+    silence_s, (low, high) = watchdog_s + _SILENCE_S, usable.position_deg
+    slow_deg = board.creep_deg_per_s * (silence_s + _SILENCE_S)
+    sign = away_sign if low <= here[0] + away_sign * max(_MOVE_DEG, slow_deg) <= high else -away_sign
     there = tuple(motor_deg + sign * _MOVE_DEG for motor_deg in here)
     try:
         before = _moved(board, clock, there, feed=True)
@@ -81,16 +83,19 @@ def prove_watchdog(
                 do=do,
             )
         _moved(board, clock, here, feed=True)
-        silence_s = watchdog_s + _SILENCE_S
         left_deg = board.measurements().motors_deg[0]
+        if slow_deg:
+            board.creep(tuple(motor_deg + sign * slow_deg for motor_deg in here))
         clock.sleep_until(clock.now_s() + silence_s)
-        on, drifted = board.ask_active(), abs(board.measurements().motors_deg[0] - left_deg)
+        on, drifted = board.ask_active(), sign * (board.measurements().motors_deg[0] - left_deg)
         after = _moved(board, clock, there, feed=False)
     finally:
         board.deactivate()
+    astray = drifted >= slow_deg + _MOVED_DEG or drifted <= -_MOVED_DEG
+    went_on = slow_deg > 0 and drifted >= board.creep_deg_per_s * (watchdog_s + _SILENCE_S / 2)
     verdict: Verdict = "motors off"
-    if on or after >= _MOVED_DEG or drifted >= _MOVED_DEG:
-        verdict = "no effect" if on else "ran away" if drifted >= _MOVED_DEG else "flag only"
+    if on or after >= _MOVED_DEG or astray or went_on:
+        verdict = "no effect" if on else "ran away" if astray else "flag only"
     return WatchdogProof(
         verdict, date, info.device_id, board.serial_number(), info.firmware, usable.full_preset, watchdog_s,
         silence_s, before, after,

@@ -41,6 +41,8 @@ class Seen:
     "How far a motor is outside of where it may be on the way to its command."
     spring_n: float | None = None
     "Force on the probe by the springs, when the motors were last read."
+    starting: bool = False
+    "The approach has just begun: inertia is part of that force."
     spring_rest_n: float | None = None
     "The same, with the probe retracted and at rest."
     felt_n: float = 0.0
@@ -143,7 +145,7 @@ def untrusted_force(moment: Moment, limits: GuardSettings) -> str | None:
         return None
     larger_n = max(abs(moment.seen.spring_n), abs(moment.seen.felt_n))
     limit_n = limits.spring_gap_n
-    if moment.phase in _INWARDS:
+    if moment.phase in _INWARDS and not moment.seen.starting:
         limit_n = min(limit_n, _GAP_AT_REST_N + _GAP_SHARE * larger_n)
     # the skin's friction holds probe and shaft, and the sensor feels it
     limit_n += limits.skin_friction * larger_n * math.sin(math.radians(moment.angle_deg))

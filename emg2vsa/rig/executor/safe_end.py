@@ -168,6 +168,8 @@ class _Escape:
             if self._failures == _SEND_ATTEMPTS:
                 raise _Pressing("the actuator takes no commands")
         self.tried(lambda: self._feel(position_deg))
+        if (pressing_n := self._pressing_n(position_deg)) > self._rig.guards.spring_n:
+            raise _Pressing(f"the motor presses with {pressing_n:.1f} N by its encoder")
         if self.felt_n is not None and self.felt_n > self._lowest_n + _RISE_N:
             if self._held and (self._tried or not self._obeys()):
                 raise _Pressing(f"the force grew to {self.felt_n:.2f} N")
@@ -238,6 +240,16 @@ class _Escape:
         held_nm = self._rig.guards.spring_rest_n * self._rig.lever_m
         held_rad = held_nm / float(joint.stiffness_nm_per_rad(self._preset))
         return _THERE_MM + math.degrees(held_rad) * self._rig.gear_mm_per_degree
+
+    def _pressing_n(self, position_deg: float) -> float:
+        """Force towards the specimen of a motor that gives way itself, by its encoder; 0 for any other. One whose
+        encoder has jumped drives on with all it has, and only torque off ends that."""
+        joint = self._actuator.joint
+        if joint is None or joint.targets_deg(0.0, self._preset):
+            return 0.0
+        found_nm = [0.0]
+        self.tried(lambda: found_nm.append(joint.torque_nm(self._actuator.measurements(), position_deg, self._preset)))
+        return -self._rig.push_sign * found_nm[-1] / self._rig.lever_m
 
     def _check(self, contact_n: float) -> None:
         depth_mm = self._rig.depth_at(self._actuator.position_deg())

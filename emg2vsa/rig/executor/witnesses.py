@@ -87,10 +87,9 @@ class Witnesses:
         seen.at_before, seen.at = seen.at, at
         seen.between_s, self._read_s = (self._sent_s or 0.0) - self._read_s, self._sent_s or 0.0
         spring_n = None
-        starts = motion.phase == "approach" and (self._sent_s or 0.0) - motion.since_s < (
-            self._joint.settles_s if self._joint else 0.0
-        )
-        if self._joint is not None and not starts:
+        if self._joint is not None:
+            begun_s = (self._sent_s or 0.0) - motion.since_s
+            seen.starting = motion.phase == "approach" and begun_s < self._joint.settles_s
             # pressing is positive; friction of the shaft over the lever is part of it, and so is the shaft's motion
             spring_n = -self._rig.push_sign * self._joint.torque_nm(at, *self._sent) / self._rig.lever_m
         if motion.phase == "load" and begins:

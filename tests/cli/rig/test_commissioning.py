@@ -16,6 +16,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.lab.person import Person
 from emg2vsa.lab.rig_lock import lock_path, rig_lock, rig_user
 from emg2vsa.rig.rig_settings import RigSettings
@@ -26,7 +27,7 @@ WRONG = """\
 [rig]
 push_axis = [1, 0, 0] # of the sensor
 push_sign = -1 # which way
-home_deg = 41.75
+home_ticks = 3800
 gear_mm_per_degree = 0.1
 
 """
@@ -71,12 +72,15 @@ def test_four_wrong_settings_are_found_and_mended(rig: Rig, served: SimpleNamesp
     assert [line.split()[0] for line in out.splitlines() if "WRONG" in line] == [
         "push_axis", "push_sign", "gear_mm_per_degree", "home_deg",
     ]  # fmt: skip
+    assert "Write push_axis, push_sign, gear_mm_per_degree, home_ticks into" in calliper[-1]
     written = served.path.read_text()
     assert "push_axis = [0.0, 0.0, 1.0] # of the sensor\npush_sign = 1 # which way\n" in written
     assert written.endswith(text)
     found = tomllib.loads(written)["rig"]
     assert found["gear_mm_per_degree"] == pytest.approx(0.2, rel=0.01)
-    assert RigSettings().depth_at(found["home_deg"]) == pytest.approx(0.0, abs=0.5)  # where it began, 2 mm above
+    assert "home_deg" not in found  # the unit of the file stays
+    home_deg = found["home_ticks"] * DEG_PER_TICK
+    assert RigSettings().depth_at(home_deg) == pytest.approx(0.0, abs=0.5)  # where it began, 2 mm above
     assert motors(served.bench) == MOTORS_OFF
 
     status, out, _ = rig("commission", served.path)
@@ -191,7 +195,7 @@ def test_the_watchdog_is_proven_and_the_proof_kept(rig: Rig, served: SimpleNames
     path.write_text(path.read_text().replace("watchdog_s = 5", "watchdog_s = 0.5", 1))
     status, out, err = rig("prove-watchdog", path, "--yes")
     assert status == 0, out + err
-    assert "motors off: the motors go off by themselves\n" in out
+    assert "motors off: the motors go off by themselves, or stop\n" in out
     proof = json.loads((path.parent / "rig.watchdog.json").read_text())["actuator"]
     assert (proof["verdict"], proof["firmware"], proof["device_id"]) == ("motors off", "QBMMP v6.1.0", 1)
 

@@ -44,7 +44,8 @@ def test_one_line_a_run(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
     assert 5.0 < float(modular.pop(-2)) < 10.5
     assert rigid == ["S1_0_high-stiffness", "2", *["0", "to", "75", "0", "to", "0", "0", "to", "5", "7.8"]]
     assert modular == [
-        "S1_0_modular", "2", "0", "to", "75", f"{presets.min():.4g}", "to", f"{presets.max():.4g}", "0", "to", "5", "7.8",
+        "S1_0_modular", "2",
+        *["0", "to", "75", f"{presets.min():.4g}", "to", f"{presets.max():.4g}", "0", "to", "5", "7.8"],
     ]  # fmt: skip
     assert len(lines) == 12
 
@@ -129,6 +130,4 @@ def test_a_schedule_for_another_model_is_refused(rig: Rig, rig_file: RigFile) ->
     status, _, err = rig("dry-run", path)
     assert status == 2
     assert f"schedule of S1, modular, limits.actuator: expected qbmove-advanced, the actuator of {path}, but " in err
-    assert (
-        "found qbmove-maker-pro. Set [schedule] actuator of the study to this one and export again, or correct" in err
-    )
+    assert "found qbmove-maker-pro. Set [schedule] actuator of the study to this one and export again, or" in err

@@ -37,7 +37,7 @@ def test_a_run_is_completed_told_and_recorded(rig: Rig, served: SimpleNamespace,
     assert lines[:4] == [
         f"folder: {folder}",
         "run: S1, 0 degrees, modular, 2 presses",
-        "device: QBMMP v6.1.0, positions -131.8 to 131.8 degrees, full stiffness 7.8 N m/rad",
+        "device: QBMMP v6.1.0, positions -131.8 to 131.8 degrees, full stiffness 7.78 N m/rad",
         "force: mean of 5 samples at 200 Hz: -3 dB at 18 Hz, delay 10 ms",
     ]
     unproven = "watchdog: the watchdog of this device (QBMMP v6.1.0) is not proven: emg2vsa rig prove-watchdog"

@@ -73,7 +73,8 @@ def activation(at: int = 2048, pwm_limit: int = 885, limits: tuple[int, int] = (
         *info({(36, 2): pwm_limit, (52, 4): limits[0], (48, 4): limits[1]}), read(132, 4, at),
         *written(64, 1, 0), *written(98, 1, 0), *written(84, 2, 800), *written(82, 2, 0), *written(80, 2, 0),
         *written(90, 2, 0), *written(88, 2, 0), *written(100, 2, pwm_limit), *written(102, 2, 185), *written(108, 4, 0),
-        *written(112, 4, 0), *written(116, 4, at), *written(98, 1, 25), *written(64, 1, 1),
+        *written(112, 4, 0), read(132, 4, at), read(132, 4, at), *written(116, 4, at),
+        *written(98, 1, 25), *written(64, 1, 1),
     ]  # fmt: skip
 
 

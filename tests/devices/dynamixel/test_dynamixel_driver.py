@@ -304,7 +304,9 @@ def test_the_driver_speaks_on_a_serial_port_as_well() -> None:
     with VirtualSerialPort(motor, lambda: motor.due_s - clock.now_s()) as port:
         line = SerialLine(port.name, 1_000_000)
         try:
-            settings = DynamixelSettings(kind="dynamixel", full_stiffness_nm_per_rad=20, reply_s=0.5, watchdog_s=2.5)
+            settings = DynamixelSettings(
+                kind="dynamixel", full_stiffness_nm_per_rad=20, d_gain=1500, reply_s=0.5, watchdog_s=2.5
+            )
             with Dynamixel(line, settings, clock=clock) as dynamixel:
                 dynamixel.activate()
                 dynamixel.command(3.0, 1.0)

@@ -39,7 +39,10 @@ def _driver(line: ByteLine, device: ActuatorEnd, place: Place, exact: bool) -> D
 
 
 def _table(place: Place) -> dict[str, Any]:
-    keys = ("kind", "id", "model", "full_gain", "d_gain", "full_stiffness_nm_per_rad", "goal_current_a", "watchdog_s")
+    keys = (
+        "kind", "id", "model", "full_gain", "d_gain", "full_stiffness_nm_per_rad", "goal_current_a", "watchdog_s",
+        "reply_s",
+    )  # fmt: skip
     return {key: value for key in keys if (value := getattr(place.settings, key)) is not None}
 
 
