@@ -1,7 +1,7 @@
 """Everything that goes wrong in the fault matrix of the Dynamixel, and how a run may end by it.
 
 A motor that gives way itself has no place where it ought to be: what the guard of the motors' way tells of a qbmove,
-here the springs tell, or the current, or a depth.
+here the springs tell, or the current, or a depth, or an encoder that stays the same while the force grows.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from benchmarks.rig.faults import (
     CURRENT,
     DISK_FAULTS,
     ENDINGS,
+    FOLLOWING,
     FORCE_FAULTS,
     LINE_FAULTS,
     LOOP_FAULTS,
@@ -62,7 +63,7 @@ def cap_n(goal_current_a: float) -> float:
     return XM430_W350.torque_constant_nm_per_a * goal_current_a / TRUE.lever_m
 
 
-STANDS = (SPRINGS, AT_REST, UNTRUSTED, CURRENT, NO_CONTACT, PAST_CONTACT, PRELOAD, TRAVEL, WAY_HOME)
+STANDS = (FOLLOWING, SPRINGS, AT_REST, UNTRUSTED, CURRENT, NO_CONTACT, PAST_CONTACT, PRELOAD, TRAVEL, WAY_HOME)
 """How a shaft is seen that does not go where it is told, or an encoder that does not tell where it is."""
 
 

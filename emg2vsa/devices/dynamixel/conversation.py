@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.dynamixel.registers import ALERT, CRC_ERROR
+from emg2vsa.devices.dynamixel.settings import ATTEMPTS
 from emg2vsa.devices.serial_line import ByteLine
 from emg2vsa.errors import DeviceError
 
-ATTEMPTS = 3
 _ID, _LENGTH, _ERROR, _DATA = 4, 5, 8, 9
 """Places in a status packet."""
 _PING_BYTES = 3
@@ -89,6 +89,8 @@ class Conversation:
         self.line, self.clock, self.counts = line, clock, LineCounts()
         self._port = SdkPort(line, clock, reply_s)
         self._handler, self._success = sdk.PacketHandler(2.0), sdk.COMM_SUCCESS
+        self._behind: set[int] = set()
+        "Motors from which a reply may still be under way."
 
     def read(self, device_id: int, address: int, count: int, attempts: int = ATTEMPTS) -> Status | None:
         """``count`` bytes of the control table; None after so many attempts."""
@@ -105,21 +107,40 @@ class Conversation:
 
     def ping(self, device_id: int, attempts: int) -> tuple[int, int] | None:
         """Model number and version of the firmware; None when nobody answers."""
-        request = [0, 0, 0, 0, device_id, 3, 0, 1, 0, 0]
-        status = self._ask(device_id, _PING_BYTES, attempts, lambda: self._handler.txPacket(self._port, request))
-        return (int.from_bytes(status.data[:2], "little"), status.data[2]) if status else None
+        for _ in range(attempts):
+            if data := self._ping(device_id):
+                return int.from_bytes(data[:2], "little"), data[2]
+        return None
 
     def _ask(self, device_id: int, count: int, attempts: int, send: Callable[[], object]) -> Status | None:
+        """A reply tells not to which question. So after one that did not come in time, a ping is asked first: its
+        answer is of another length than all others, and what comes before it is late. Without it the question is sent
+        all the same, as the motor may hear and not be heard, but no reply is believed."""
         for _ in range(attempts):
-            self._port.is_using = False  # a line that was gone for a moment has left it so
-            send()
-            self._port.setPacketTimeout(count)
-            self.counts.requests += 1
-            status = self._hear(device_id, count)
+            in_step = device_id not in self._behind or bool(self._ping(device_id))
+            self._send(send, count)
+            status = self._hear(device_id, count) if in_step else None
             if status and status.error != CRC_ERROR:
                 return status
+            self._behind.add(device_id)
             self.counts.lost += 1
         return None
+
+    def _ping(self, device_id: int) -> bytes | None:
+        request = [0, 0, 0, 0, device_id, 3, 0, 1, 0, 0]
+        self._send(lambda: self._handler.txPacket(self._port, request), _PING_BYTES)
+        while status := self._hear(device_id, _PING_BYTES):
+            if status.data:  # an error has none, and may be late
+                self._behind.discard(device_id)
+                return status.data
+        self.counts.lost += 1
+        return None
+
+    def _send(self, send: Callable[[], object], count: int) -> None:
+        self._port.is_using = False  # a line that was gone for a moment has left it so
+        send()
+        self._port.setPacketTimeout(count)
+        self.counts.requests += 1
 
     def _hear(self, device_id: int, count: int) -> Status | None:
         """The status packet of this motor with so many bytes of data, or with an error and none; others are late."""

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from emg2vsa.devices.device_settings import ActuatorSettings
-from emg2vsa.devices.registry import Kind
+from emg2vsa.devices.registry import Kind, Wrong
 from emg2vsa.settings import Ge, Le, Positive
 
 Model = Literal["xm430-w350", "xm430-w210", "xh430-w350", "xh430-w210", "xm540-w150", "xm540-w270"]
 Baud = Literal[9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000]
+ATTEMPTS = 3
+"Of each question."
 REPLY_S = 0.016
 """Three attempts of it, and a turn of the loop before them, name a dead motor within 60 ms."""
 
@@ -35,14 +38,14 @@ class DynamixelSettings(ActuatorSettings):
     full_stiffness_nm_per_rad: Positive | None = None
     """Stiffness of the joint at full_gain, N m/rad, as emg2vsa rig commission measures it: force over deflection
     against the sensor. Omitted: no schedule can run."""
-    goal_current_a: Positive = 0.5
+    goal_current_a: Annotated[float, Ge(0.02), Le(10)] = 0.5
     """Largest current of the motor, A, and so its largest torque; beyond it the joint is no spring. It is rounded down
     to steps of 2.69 mA and must not be above the motor's Current Limit (38)."""
     watchdog_s: Annotated[float, Ge(0.06), Le(2.54)] = 0.5
     """The motor stops when the program has been silent for so long, in steps of 20 ms. Whether it does is unknown until
     emg2vsa rig prove-watchdog has shown it on this very motor."""
-    reply_s: Positive = REPLY_S
-    "How long each of three attempts waits for a reply."
+    reply_s: Annotated[float, Ge(0.001), Le(0.8)] = REPLY_S
+    "How long each of three attempts waits for a reply; together not longer than watchdog_s."
 
     @property
     def full_preset(self) -> float | None:
@@ -55,8 +58,14 @@ class DynamixelSettings(ActuatorSettings):
         return "" if self.full_stiffness_nm_per_rad else "full_stiffness_nm_per_rad"
 
 
+def _wrong(settings: DynamixelSettings) -> Iterator[Wrong]:
+    if ATTEMPTS * settings.reply_s > settings.watchdog_s:
+        wanted = f"at most {settings.watchdog_s / ATTEMPTS:.3g}, so that {ATTEMPTS} attempts end before watchdog_s"
+        yield Wrong(("reply_s",), wanted, f"{settings.reply_s:g}")
+
+
 DYNAMIXEL = Kind(
-    "actuator", DynamixelSettings, open="dynamixel.opening:open_dynamixel", about="dynamixel.opening:about",
-    scan="dynamixel.scan:answers",
+    "actuator", DynamixelSettings, check=_wrong,
+    open="dynamixel.opening:open_dynamixel", about="dynamixel.opening:about", scan="dynamixel.scan:answers",
     joints=("dynamixel",), full_key="full_stiffness_nm_per_rad", export="emg2vsa.devices.dynamixel.joint:EXPORT",
 )  # fmt: skip

@@ -18,6 +18,8 @@ from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
 _GAP_AT_REST_N, _GAP_SHARE = 2.5, 0.3
 """Of a gap between springs and sensor while the probe goes in; without a fault it is at most 1.9 N and that share."""
+_UNMOVED_N = 2.0
+"""One step of the encoder is far less on any specimen that a motor of such steps can press."""
 _STEEPEST_RAD = math.radians(85)
 _LOADS = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 _INWARDS = ("approach", "contact", "load")
@@ -39,6 +41,8 @@ class Seen:
     "How long they have stayed the same; None of a sensor whose readings often do."
     astray_deg: float = 0.0
     "How far a motor is outside of where it may be on the way to its command."
+    unmoved_n: float = 0.0
+    "How much the felt force has grown while the encoder of a motor that gives way itself has stayed the same."
     spring_n: float | None = None
     "Force on the probe by the springs, when the motors were last read."
     starting: bool = False
@@ -179,8 +183,10 @@ def frozen_force(moment: Moment, limits: GuardSettings) -> str | None:
 
 
 def following(moment: Moment, limits: GuardSettings) -> str | None:
-    """A motor is not where its commands lead: jammed, without power or deaf, or its encoder is wrong."""
-    return _above(moment.seen.astray_deg, limits.following_deg, "degrees off the way to its command")
+    """A motor is not where its commands lead: jammed, without power or deaf, or its encoder is wrong. The encoder of
+    one that gives way itself moves while it presses; a specimen too stiff to show that looks like a frozen one."""
+    unmoved = _above(moment.seen.unmoved_n, _UNMOVED_N, "N more while the shaft's encoder stays the same")
+    return unmoved or _above(moment.seen.astray_deg, limits.following_deg, "degrees off the way to its command")
 
 
 def motor_current(moment: Moment, limits: GuardSettings) -> str | None:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.protocols import Actuator, ForceSample
+from emg2vsa.devices.protocols import Actuator, ForceSample, Measurements
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.executor.witnesses import mean_size
 from emg2vsa.rig.rig_settings import RigSettings
@@ -28,6 +28,8 @@ _BEYOND_MM, _UNFELT_MM, _PIECE_MM = 5.0, 1.0, 0.25
 """How far the probe may go behind a retracted position that is not free, how far of that without any fall of force,
 which friction may hide, and in what pieces."""
 _FALL_N, _RISEN_N = 0.1, 0.3
+_UNMOVED_MM = 1.0
+"""A free motor that gives way itself and does not go so far has a frozen encoder, and pulls away without an end."""
 _STUCK_S = 2.5
 """How much longer motors that have not obeyed while the probe presses are told to; then they go off where they are."""
 _REST_S = 0.05
@@ -92,11 +94,12 @@ class _Escape:
         self._depth_mm, self._preset, self._lowest_n = 0.0, 0.0, math.inf
         self._held = self._tried = False
         self._failures, self._off_mm = 0, math.inf
+        self._shaft_deg, self._shaft_from_mm, self._contact_n = math.nan, 0.0, math.inf
         self._vectors: deque[tuple[float, ...]] = deque(maxlen=max(1, round(2 * _REST_S * rig.rate_hz)))
 
     def retract(self, start: Start) -> bool:
         """Whether encoders and force say that it is retracted."""
-        self._preset, self._softest = start.preset, start.softest
+        self._preset, self._softest, self._contact_n = start.preset, start.softest, start.contact_n
         # the last steps of the encoders behind the retracted position are not worth a motion
         self._depth_mm = max(start.depth_mm, 0.0) if start.depth_mm > -_THERE_MM else start.depth_mm
         goal_mm = self._goal_mm = min(self._depth_mm, 0.0)
@@ -168,8 +171,7 @@ class _Escape:
             if self._failures == _SEND_ATTEMPTS:
                 raise _Pressing("the actuator takes no commands")
         self.tried(lambda: self._feel(position_deg))
-        if (pressing_n := self._pressing_n(position_deg)) > self._rig.guards.spring_n:
-            raise _Pressing(f"the motor presses with {pressing_n:.1f} N by its encoder")
+        self._judge_motor(position_deg)
         if self.felt_n is not None and self.felt_n > self._lowest_n + _RISE_N:
             if self._held and (self._tried or not self._obeys()):
                 raise _Pressing(f"the force grew to {self.felt_n:.2f} N")
@@ -241,15 +243,22 @@ class _Escape:
         held_rad = held_nm / float(joint.stiffness_nm_per_rad(self._preset))
         return _THERE_MM + math.degrees(held_rad) * self._rig.gear_mm_per_degree
 
-    def _pressing_n(self, position_deg: float) -> float:
-        """Force towards the specimen of a motor that gives way itself, by its encoder; 0 for any other. One whose
-        encoder has jumped drives on with all it has, and only torque off ends that."""
-        joint = self._actuator.joint
+    def _judge_motor(self, position_deg: float) -> None:
+        """_Pressing when a motor that gives way itself has a wrong encoder, and drives on with all it has: only torque
+        off ends that. By its encoder it presses on, or it pulls away and does not move though the probe is free."""
+        joint, at = self._actuator.joint, list[Measurements]()
         if joint is None or joint.targets_deg(0.0, self._preset):
-            return 0.0
-        found_nm = [0.0]
-        self.tried(lambda: found_nm.append(joint.torque_nm(self._actuator.measurements(), position_deg, self._preset)))
-        return -self._rig.push_sign * found_nm[-1] / self._rig.lever_m
+            return
+        if not self.tried(lambda: at.append(self._actuator.measurements())):
+            return
+        pressing_n = -self._rig.push_sign * joint.torque_nm(at[0], position_deg, self._preset) / self._rig.lever_m
+        if pressing_n > self._rig.guards.spring_n:
+            raise _Pressing(f"the motor presses with {pressing_n:.1f} N by its encoder")
+        if at[0].shaft_deg != self._shaft_deg:
+            self._shaft_deg, self._shaft_from_mm = at[0].shaft_deg, self._depth_mm
+        unmoved = self._shaft_from_mm - self._depth_mm > _UNMOVED_MM and not self._touches(self._contact_n)
+        if unmoved and -pressing_n > self._rig.guards.spring_rest_n:
+            raise _Pressing(f"the motor pulls away with {-pressing_n:.1f} N by its encoder, which does not move")
 
     def _check(self, contact_n: float) -> None:
         depth_mm = self._rig.depth_at(self._actuator.position_deg())

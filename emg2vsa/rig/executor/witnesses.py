@@ -33,6 +33,8 @@ class Witnesses:
         self._rig, self._joint = rig, joint
         self._motors, self._stillness, self._current = SlowMotors(at, joint, rig.guards), Stillness(), MeanCurrent()
         self._at, self._contact_mm, self._lowest_n = at, math.inf, math.inf
+        self._gives_way = joint is not None and not joint.targets_deg(0.0, 0.0)
+        self._unmoved_from_n: float | None = None
         self._sent = at.motors_deg[0], 0.0
         self._sent_s: float | None = None
         self._read_s = 0.0
@@ -83,7 +85,10 @@ class Witnesses:
     ) -> None:
         """Encoders and currents right after a command; ``felt_n`` : along the push axis in the same turn. ``motion`` :
         after the turn, whose phase ``begins`` with it or goes on."""
-        seen, self._at = self.seen, at
+        seen = self.seen
+        if self._unmoved_from_n is None or at.shaft_deg != self._at.shaft_deg or not self._gives_way:
+            self._unmoved_from_n = felt_n
+        seen.unmoved_n, self._at = felt_n - self._unmoved_from_n, at
         seen.at_before, seen.at = seen.at, at
         seen.between_s, self._read_s = (self._sent_s or 0.0) - self._read_s, self._sent_s or 0.0
         spring_n = None

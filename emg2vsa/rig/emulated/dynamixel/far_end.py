@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 from emg2vsa.devices.dynamixel.driver import Dynamixel
+from emg2vsa.devices.dynamixel.settings import Baud
 from emg2vsa.devices.serial_line import ByteLine
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.emulated.dynamixel import table as t
@@ -30,7 +31,8 @@ def _device(place: Place) -> DynamixelFirmware:
         model, place.world, place.clock, motor_id=settings.id, home_deg=_MIDDLE_DEG + place.rig.home_deg,
         loads=place.world.loads_nm, latency_s=place.latency_s,
     )  # fmt: skip
-    device.table.values |= {t.OPERATING_MODE: t.CURRENT_BASED_POSITION, t.RETURN_DELAY: 0}
+    baud = get_args(Baud).index(settings.baud)
+    device.table.values |= {t.OPERATING_MODE: t.CURRENT_BASED_POSITION, t.RETURN_DELAY: 0, t.BAUD_RATE: baud}
     return device
 
 
