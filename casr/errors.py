@@ -99,6 +99,11 @@ _LONGEST_SAID = 160
 
 def said_by(error: BaseException) -> str:
     """What foreign code says of what it could not do, as one short line: it may quote a file, whatever is in it."""
-    said = "".join(each if each.isprintable() else " " for each in f"{type(error).__name__}: {error}")
+    name = type(error).__name__
+    try:
+        said = f"{name}: {error}"
+    except Exception:  # its __str__ may be foreign too
+        said = name
+    said = "".join(each if each.isprintable() else " " for each in said)
     said = " ".join(said.split())
     return said if len(said) <= _LONGEST_SAID else said[: _LONGEST_SAID - 3] + "..."

@@ -6,7 +6,7 @@ of something of this project never takes its place.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -18,12 +18,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Plugin:
-    """An entry point of an installed distribution. ``str`` names it with its distribution and version."""
+    """An entry point of an installed distribution. ``str`` names it with its distribution and version.
+
+    rivals : other distributions with an entry point of its name.
+    """
 
     name: str
     distribution: str
     version: str
     entry: EntryPoint
+    rivals: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return f"{self.name} of {self.distribution} {self.version}"
@@ -51,7 +55,11 @@ def plugins(group: str) -> tuple[Plugin, ...]:
         for entry in entry_points(group=group)
         if entry.dist is not None
     ]
-    first: dict[str, Plugin] = {}
+    named: dict[str, list[Plugin]] = {}
     for plugin in sorted(found, key=lambda each: (each.distribution.lower(), each.name)):
-        first.setdefault(plugin.name, plugin)
-    return tuple(first.values())
+        named.setdefault(plugin.name, []).append(plugin)
+    return tuple(replace(first, rivals=tuple(map(_of, others))) for first, *others in named.values())
+
+
+def _of(plugin: Plugin) -> str:
+    return f"{plugin.distribution} {plugin.version}"

@@ -7,7 +7,7 @@ asked for, and its driver when it is opened. A kind of another package never tak
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import import_module
@@ -136,22 +136,36 @@ class Kind:
 
     def call(self, function: str, *given: Any) -> Any:
         """What one of its functions gives; nothing where there is none. PluginError where it fails."""
-        try:
+        with blamed(self.plugin, f"{function} of its Kind to do its work"):
             place = getattr(self, function)
             if self.plugin is None:
                 place = _whole(place)
             return _GIVES[function](_loaded(place)(*given) if place else ())
-        except UserError:
+
+
+@contextmanager
+def blamed(plugin: Plugin | None, wanted: str) -> Iterator[None]:
+    """What the code of another package raises inside becomes a PluginError; errors for the user stay."""
+    try:
+        yield
+    except UserError:
+        raise
+    except Exception as error:
+        if plugin is None:
             raise
-        except Exception as error:
-            if self.plugin is None:
-                raise
-            raise self.plugin.fault(f"{function} of its Kind to do its work", said_by(error)) from error
+        raise plugin.fault(wanted, said_by(error)) from error
+
+
+def _wrong(found: Any) -> Wrong:
+    path, *said = Wrong(*found)
+    if not (isinstance(path, (tuple, list)) and all(isinstance(key, (str, int)) for key in path)):
+        raise TypeError(f"{path!r} is no tuple of keys")
+    return Wrong(tuple(path), *map(str, said))
 
 
 _GIVES: dict[str, Callable[[Any], Any]] = {
     "open": lambda device: device,
-    "check": lambda found: tuple(Wrong(*each) for each in found),
+    "check": lambda found: tuple(map(_wrong, found)),
     "about": lambda lines: tuple(map(str, lines)),
     "facts": dict,
     "scan": tuple,
@@ -165,6 +179,11 @@ def kind_of(role: str, name: str) -> Kind | None:
         return ours
     kind = next((_of_plugin(each) for each in plugins(GROUP) if each.name == name), None)
     return kind if kind and kind.role == role else None
+
+
+def roles_of(name: str) -> list[str]:
+    """Roles that have a kind of this name."""
+    return [role for role in ROLES if kind_of(role, name)]
 
 
 def known(role: str, settings: Any) -> Kind:
@@ -186,15 +205,27 @@ def kinds(role: str) -> dict[str, Kind]:
 @cache
 def _of_plugin(plugin: Plugin) -> Kind:
     """What an entry point names. PluginError where it breaks the contract."""
+    if plugin.rivals:
+        found = f"it in {', '.join((f'{plugin.distribution} {plugin.version}', *plugin.rivals))}"
+        do = "Uninstall all but one of them."
+        raise PluginError(f"plugin {plugin.name}", wanted="a kind of one package", found=found, do=do)
     kind = plugin.load()
+    with blamed(plugin, "a Kind that can be read"):
+        return _kept(plugin, kind)
+
+
+def _kept(plugin: Plugin, kind: Any) -> Kind:
+    """The kind, which keeps to the contract."""
     if not isinstance(kind, Kind):
         raise plugin.fault("a Kind of emg2vsa.devices.registry", f"an object of type {type(kind).__name__}")
-    if kind.role not in ROLES:
+    if kind.role not in tuple(ROLES):
         raise plugin.fault(f"one of the roles {', '.join(ROLES)}", repr(kind.role))
     base = _loaded(ROLES[kind.role].base)
     if not (isinstance(kind.settings, type) and issubclass(kind.settings, base)):
         raise plugin.fault(f"settings that inherit from {base.__module__}.{base.__name__}", repr(kind.settings))
-    if (named := get_args(get_type_hints(kind.settings)["kind"])) != (plugin.name,):
+    with blamed(plugin, "settings whose annotations can be read"):
+        named = get_args(get_type_hints(kind.settings)["kind"])
+    if named != (plugin.name,):
         wanted = f'settings with kind: Literal["{plugin.name}"], as the entry point is called'
         raise plugin.fault(wanted, f"kind: {', '.join(map(repr, named)) or 'any text'}")
     return replace(kind, plugin=plugin)

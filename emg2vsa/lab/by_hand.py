@@ -141,7 +141,7 @@ def _condition(motor: bool) -> Condition:
 def home(file: RigFile, *, motor: bool = False) -> AtHome:
     """Move the probe slowly to its retracted position, home_deg; also one that stands pressed.
 
-    A force 0.5 N above that at the start ends the move. motor : the rigid motor instead of the qbmove. DeviceError :
+    A force 0.5 N above that at the start ends the move. motor : the rigid motor instead of the actuator. DeviceError :
     as `hand_rig`, or a device is lost.
     """
     with hand_rig(file, motor=motor) as (opened, hand):

@@ -55,7 +55,7 @@ def scan(
     file: RigFile | None = None, *, ports: Sequence[str] = (), kind: str = "qbmove", baud: int | None = None,
     ids: Sequence[int] = (), wait_s: float = 0.005, person: Person = NOBODY,
 ) -> tuple[DeviceState, ...]:  # fmt: skip
-    """Serial adapters as qbmoves have; who answers on ``ports`` and those of the rig file; its sensor and camera.
+    """Serial adapters as actuators have; who answers on ``ports`` and those of the rig file; its sensor and camera.
 
     kind : of actuator that is asked for on ``ports``. baud : of ``ports``; None: as the kind has it. ids : the only
     ones to ask; none: all that there are. wait_s : for each answer. SettingError : no such kind.
@@ -98,7 +98,7 @@ def _told(titled: Mapping[str, Callable[[], Lines]], person: Person) -> Iterator
 
 
 def _adapter() -> Lines:
-    yield "an adapter as qbmoves have; ask it with --port"
+    yield "an adapter as actuators have; ask it with --port"
 
 
 def scanned_kind(name: str) -> Kind:

@@ -90,7 +90,7 @@ class LossSettings:
 class RigSettings:
     """One rig. Depth is the travel of the probe from its retracted position towards the specimen, mm."""
 
-    gear_mm_per_degree: Positive = 0.2
+    gear_mm_per_degree: Annotated[float, Ge(0.001), Le(100)] = 0.2
     "Probe travel per degree of the output shaft."
     travel_mm: Positive = 15.0
     "As deep as the probe can go."

@@ -183,11 +183,12 @@ class _Reading(NamedTuple):
         self.problems.append(problem)
         return _FAULTY
 
-    def no_choice(self, choices: tuple[Any, ...], value: Any, at: KeyPath, more: str = "") -> Any:
+    def no_choice(self, choices: tuple[Any, ...], value: Any, at: KeyPath, more: str = "", found: str = "") -> Any:
         *most, last = map(repr, choices)
         wanted = f"{', '.join(most)} or {last}" if most else last
-        do = nearest(value, [each for each in choices if isinstance(each, str)]) if isinstance(value, str) else ""
-        return self.fault(Problem(at, wanted, shown(value), f"{do} {more}".strip()))
+        near = isinstance(value, str) and not found
+        do = nearest(value, [each for each in choices if isinstance(each, str)]) if near else ""
+        return self.fault(Problem(at, wanted, found or shown(value), f"{do} {more}".strip()))
 
     def one_of(self, kinds: tuple[Kind, ...], value: Any, at: KeyPath) -> Any:
         """The first kind that ``value`` is; else one problem that names them all."""
@@ -229,12 +230,16 @@ class _Reading(NamedTuple):
         name, place = given.get("kind", registry.ROLES[role].default), (*at, "kind")
         try:
             if isinstance(name, str) and (kind := registry.kind_of(role, name)) is not None:
-                return self.of_kind(kind, given, name, at)
+                with registry.blamed(kind.plugin, "settings that can be made"):
+                    return self.of_kind(kind, given, name, at)
         except PluginError as error:
             return self.fault(Problem(place, f"{error.wanted} from the {error.where}", error.found, error.do))
         if name is None:
             return self.fault(Problem(place, "a key 'kind'", "nothing"))
         known = registry.kinds(role)
+        if isinstance(name, str) and (others := registry.roles_of(name)):
+            others_said = f"{shown(name)}, which is of the role {' and '.join(others)}"
+            return self.no_choice(tuple(known), name, place, found=others_said)
         added = ", ".join(str(each.plugin) for each in known.values() if each.plugin)
         return self.no_choice(tuple(known), name, place, f"Of other packages: {added}." if added else "")
 

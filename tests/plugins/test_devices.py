@@ -19,6 +19,7 @@ import pytest
 
 from benchmarks.small_study import small_study
 from casr.errors import PluginError
+from casr.plugins import plugins
 from emg2vsa.cli import main
 from emg2vsa.devices import registry
 from emg2vsa.devices.clock import WallClock
@@ -335,7 +336,10 @@ def force_table(table: str) -> str:
     [
         ('kind = "lab-boxx"', "force.kind: expected 'net-ft', 'ni-daq' or 'lab-box', but found \"lab-boxx\". Did you "
                               "mean 'lab-box'? Of other packages: lab-box of lab-tools 1.0."),
-        ('kind = "lab-emg"', "force.kind: expected 'net-ft', 'ni-daq' or 'lab-box', but found \"lab-emg\". Did you"),
+        ('kind = "lab-emg"', "force.kind: expected 'net-ft', 'ni-daq' or 'lab-box', but found \"lab-emg\", which is of "
+                             "the role emg."),
+        ('kind = "lab-actuator"', "but found \"lab-actuator\", which is of the role actuator."),
+        ('kind = "qbmove"', "but found \"qbmove\", which is of the role actuator."),
         ('kind = "lab-box"', "force.port: expected a key 'port' with kind = 'lab-box', but found nothing."),
         ('kind = "lab-box"\nport = ""', "force.port: expected text that is not empty"),
         ('kind = "lab-box"\nport = "x"\nhost = "y"', "force.host: expected keys of this kind only ('host' is of "
@@ -393,6 +397,18 @@ BROKEN = {
                                                         "session-force from the plugin own",
     f"{HEAD}OWN = Kind('force', dict, open=print)": "expected settings that inherit from "
                                                    "emg2vsa.devices.device_settings.ForceSettings from",
+    f"{HEAD}OWN = Kind(['force'], Own, open=print)": "from the plugin own of lab-tools 1.0, but found ['force'].",
+    f"{HEAD}    y: 'Nope' = 1\nOWN = Kind('force', Own, open=print)": "expected settings whose annotations can be read "
+        "from the plugin own of lab-tools 1.0, but found NameError: name 'Nope' is not defined.",
+    f"{HEAD}    kind: Literal['own'] = 'own'\n    bias: bytes = b''\nOWN = Kind('force', Own, open=print)": "expected "
+        "settings that can be made from the plugin own of lab-tools 1.0, but found KeyError",
+    f"{HEAD}    def __post_init__(self): raise ValueError('odd')\nOWN = Kind('force', Own, open=print)":
+        "expected settings that can be made from the plugin own of lab-tools 1.0, but found ValueError: odd.",
+    f"{HEAD}class Mute(Exception):\n    def __str__(self): raise ValueError\ndef check(own): raise Mute\n"
+    "OWN = Kind('force', Own, open=print, check=check)": "expected check of its Kind to do its work from the plugin "
+        "own of lab-tools 1.0, but found Mute.",
+    f"{HEAD}OWN = Kind('force', Own, open=print, check=lambda own: [(3, 4, 5, 6)])": "expected check of its Kind to do "
+        "its work from the plugin own of lab-tools 1.0, but found TypeError: 3 is no tuple of keys.",
     HEAD.replace('"own"', '"other"') + "OWN = Kind('force', Own, open=print)": 'expected settings with kind: Literal['
         '"own"], as the entry point is called from the plugin own of lab-tools 1.0, but found kind: \'other\'',
     f"{HEAD}OWN = Kind('force', Own, open=print, check=lambda own: 1 / 0)": "expected check of its Kind to do its work "
@@ -407,7 +423,7 @@ BROKEN = {
 def test_a_package_that_breaks_the_contract_is_one_problem(install: Install, tmp_path: Path, code: str) -> None:
     install(code=code, entries=GROUPS)
     path = tmp_path / "rig.toml"
-    path.write_text(force_table('kind = "own"'))
+    path.write_text(force_table('kind = "own"\nbias = true'))
     with pytest.raises(StudyError) as caught:
         load_rig(path)
     assert BROKEN[code] in str(caught.value)
@@ -446,6 +462,23 @@ def test_the_command_says_one_line(install: Install, tmp_path: Path, capsys: pyt
     said = capsys.readouterr()
     assert "not usable: plugin own of lab-tools 1.0: expected open of its Kind" in said.out + said.err
     assert "Traceback" not in said.out + said.err
+
+
+def test_two_packages_with_one_kind_are_one_error_that_names_both(install: Install, tmp_path: Path) -> None:
+    folder = install(code=f"{HEAD}OWN = Kind('force', Own, open=print)", entries=GROUPS)
+    other = folder / "lab_more-2.0.dist-info"
+    other.mkdir()
+    (other / "METADATA").write_text("Metadata-Version: 2.1\nName: lab-more\nVersion: 2.0\n")
+    (other / "entry_points.txt").write_text("[emg2vsa.devices]\nown = lab_more:OWN\n")
+    plugins.cache_clear()
+    path = tmp_path / "rig.toml"
+    path.write_text(force_table('kind = "own"'))
+    with pytest.raises(StudyError) as caught:
+        load_rig(path)
+    assert "from the plugin own, but found it in lab-more 2.0, lab-tools 1.0. Uninstall all but one" in str(
+        caught.value
+    )
+    assert list(registry.kinds("force")) == ["net-ft", "ni-daq"]
 
 
 def test_a_plugin_never_takes_the_place_of_ours(install: Install) -> None:

@@ -325,6 +325,15 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             ],
         ),
         (
+            "[emulated]",
+            f"[rig]\ngear_mm_per_degree = 1e308\nmax_preset_ticks = {10**17}\nguards.following_ticks = 1e308",
+            [
+                "15: rig.gear_mm_per_degree: expected a number <= 100, but found 1e+308.",
+                "17: rig.guards.following_ticks: expected a number <= 6.6, but found 1.0986328125e+306. "
+                "following_ticks = 1e+308 is read as following_deg = 1.0986328125e+306.",
+            ],
+        ),
+        (
             "[emulated]", "[rig.guards]\nstale_s = 0.005\nforce = 3",
             [
                 "15: rig.guards.stale_s: expected more than a period of the loop, 0.005 s, but found 0.005.",

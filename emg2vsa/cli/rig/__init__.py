@@ -11,7 +11,7 @@ SUBCOMMANDS = (
 
 
 def add_to(commands: Commands) -> None:
-    summary = "The rig that presses specimens with a qbmove: look for it, ask it, let it run; or emulate it."
+    summary = "The rig that presses specimens with an actuator: look for it, ask it, let it run; or emulate it."
     parser = commands.add_parser(
         "rig",
         help=summary,

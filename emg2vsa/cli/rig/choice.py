@@ -31,7 +31,7 @@ def add_hand_command(
     """A command for a rig file and one of its two actuators. asks : it puts questions."""
     parser = add_command(commands, name, run, summary, epilog)
     add_rig(parser)
-    parser.add_argument("--motor", action="store_true", help="use the rigid motor of [motor] instead of the qbmove")
+    parser.add_argument("--motor", action="store_true", help="use the rigid motor of [motor] instead of the actuator")
     if asks:
         parser.add_argument("--yes", action="store_true", help="answer yes to every question (for scripts)")
     add_json(parser)

@@ -17,8 +17,8 @@ def add_to(commands: Commands) -> None:
         "parameters",
         run,
         "List the parameters of a device; set and store one; write them to a file.",
-        "A parameter is set, stored and read back; the motors must be off. Example: --backup old.json --set 13=1200. "
-        "Exit status 0: done; 1: not asked for.",
+        "A parameter is set, stored and read back; the motors must be off. Numbers are those of the kind: see the "
+        "list first. Example for a qbmove: --backup old.json --set 13=1200. Exit status 0: done; 1: not asked for.",
         asks=True,
     )
     parser.add_argument(

@@ -16,7 +16,7 @@ def add_to(commands: Commands) -> None:
         commands,
         "scan",
         run,
-        "List the serial adapters of qbmoves, and ask the devices that --port or a rig file names.",
+        "List the serial adapters of actuators, and ask the devices that --port or a rig file names.",
         "Each port takes about 3 s. The command changes nothing, and sends nothing to a port or address that you do "
         "not name. Exit status 0: adapters are present and every named device answers; 1: otherwise; 2: "
         "the rig file has problems, or another run or command is using the rig.",
@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     }
     devices = scan(file, **asked, person=person)
     if none := not any(not each.device.startswith("[") for each in devices):
-        person.say("no serial port with a qbmove's adapter; name another with --port")
+        person.say("no serial port with an actuator's adapter; name another with --port")
     result = {"devices": [asdict(each) for each in devices]}
     return finish(arguments, result, good=not none and all(each.usable for each in devices))
 

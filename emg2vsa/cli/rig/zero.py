@@ -1,4 +1,4 @@
-"""``emg2vsa rig zero``: motors and shaft are at zero where they stand."""
+"""``emg2vsa rig zero``: the actuator is at zero where it stands."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ def add_to(commands: Commands) -> None:
         commands,
         "zero",
         run,
-        "Make the present place of motors and shaft their zero, and store it in the device (SET_ZEROS).",
-        "The motors must be off, and the shaft at rest without load. home_deg of the rig file counts from this zero: "
-        "check it afterwards with emg2vsa rig commission. Exit status 0: the encoders read zero; 1: not asked for.",
+        "Make the present place of the actuator its zero, and store it in the device.",
+        "A qbmove takes it by SET_ZEROS, a Dynamixel as its Homing Offset. The motors must be off, the shaft at rest "
+        "without load. home_deg of the rig file counts from this zero: check it then with emg2vsa rig commission. "
+        "Exit status 0: the encoders read zero; 1: not asked for.",
         asks=True,
     )
 

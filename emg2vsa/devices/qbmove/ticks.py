@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -12,7 +13,7 @@ TICKS_PER_TURN = 32768
 DEG_PER_TICK = 360 / TICKS_PER_TURN
 """A fraction of a power of two: whole ticks to degrees and back lose nothing."""
 _MOST = 1e15
-"""What is no angle or current in any unit stays as it is."""
+"""What is no count of ticks stays as it is."""
 Keys = Mapping[str, tuple[str, float, type]]
 LOG_COLUMNS = LogColumns(
     ("position_ticks", "preset_ticks", "motor_1_ticks", "motor_2_ticks", "shaft_ticks", "current_1_ma", "current_2_ma"),
@@ -52,8 +53,8 @@ def in_ticks(table: Mapping[str, Any], keys: Keys = RIG_KEYS) -> dict[str, Any]:
 
 
 def in_degrees(table: Mapping[str, Any], keys: Keys = RIG_KEYS) -> dict[str, Any]:
-    """The reverse. Keys of today stay as they are, and so does what is no number, or a huge one: its reader refuses
-    it."""
+    """The reverse. Keys of today stay as they are, and so does what is no number, or none that a float
+    holds: its reader refuses it."""
     own: Keys = {old: (new, unit, float) for old, (new, unit, _) in keys.items()}
     return {own.get(key, (key,))[0]: _scaled(key, value, own, in_degrees, keys) for key, value in table.items()}
 
@@ -66,6 +67,6 @@ def _scaled(key: str, value: Any, own: Keys, inner: Callable[[Mapping[str, Any],
     if key not in own or not isinstance(value, (int, float)) or isinstance(value, bool):
         return value
     _, factor, kind = own[key]
-    if abs(value) > _MOST:
+    if abs(value) > (_MOST if kind is int else sys.float_info.max):
         return value
     return round(value * factor) if kind is int else round(value * factor, 12)

@@ -27,7 +27,7 @@ def test_scan_asks_no_port_that_is_not_named(rig: Rig, monkeypatch: pytest.Monke
     adapter = SimpleNamespace(device="/dev/no-such-adapter", vid=0x0403, manufacturer="")
     monkeypatch.setattr("emg2vsa.devices.qbmove.scan.list_ports.comports", lambda: [adapter])
     monkeypatch.setattr("emg2vsa.devices.serial_line.serial.Serial", lambda *args, **options: pytest.fail("opened"))
-    assert rig("scan")[:2] == (0, "/dev/no-such-adapter\n  an adapter as qbmoves have; ask it with --port\n")
+    assert rig("scan")[:2] == (0, "/dev/no-such-adapter\n  an adapter as actuators have; ask it with --port\n")
 
 
 def test_scan_with_a_rig_file_looks_for_all_its_devices(rig: Rig, served: SimpleNamespace) -> None:
@@ -49,7 +49,7 @@ def test_scan_of_a_silent_line(rig: Rig, served: SimpleNamespace) -> None:
 
 def test_scan_without_ports(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("emg2vsa.devices.qbmove.scan.list_ports.comports", list)
-    assert rig("scan")[:2] == (1, "no serial port with a qbmove's adapter; name another with --port\n")
+    assert rig("scan")[:2] == (1, "no serial port with an actuator's adapter; name another with --port\n")
 
 
 @pytest.mark.parametrize("wrong", ["-1", "256", "one"])
