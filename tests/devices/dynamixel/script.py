@@ -79,14 +79,17 @@ def activation(at: int = 2048, pwm_limit: int = 885, limits: tuple[int, int] = (
 
 
 OFF = [write(64, 1, 0), write(98, 1, 0), read(64, 1, 0), read(98, 1, 0)]
+PING_ONE, PONG = packet(1, PING), status(number(1020, 2) + bytes([46]))
 
 
 @contextmanager
-def scripted(*pairs: Pair, clock: VirtualClock | None = None, **named: Any) -> Iterator[Dynamixel]:
-    """The driver on such a line. named : settings."""
+def scripted(*pairs: Pair, clock: VirtualClock | None = None, pong: bytes = PONG, **named: Any) -> Iterator[Dynamixel]:
+    """The driver on such a line. pong : answer to each ping that no pair names. named : settings."""
     left = list(pairs)
 
     def device(data: bytes) -> bytes:
+        if data == PING_ONE and (not left or left[0][0] != PING_ONE):
+            return pong
         assert left, f"nothing more was to be sent, but {data.hex(' ')}"
         sent, answer = left.pop(0)
         assert data.hex(" ") == sent.hex(" ")

@@ -18,6 +18,8 @@ from emg2vsa.errors import DeviceError
 from tests.devices.dynamixel.script import (
     OFF,
     PING,
+    PING_ONE,
+    PONG,
     Pair,
     activation,
     asked,
@@ -309,11 +311,11 @@ def test_the_context_ends_with_torque_off_and_keeps_the_first_error() -> None:
 
 def test_a_mute_motor_takes_three_attempts_of_the_clock_s_time() -> None:
     clock = VirtualClock()
-    with scripted(*[(PRESENT, b"")] * 3, clock=clock) as motor:
+    with scripted(*[(PRESENT, b"")] * 3, clock=clock, pong=b"") as motor:
         with pytest.raises(DeviceError, match=r"expected a reply to Present Current.*none in 3 attempts of 0.016 s"):
             motor.measurements()
         assert clock.now_s() == pytest.approx(3 * REPLY_S)
-        assert (motor.counts.requests, motor.counts.lost, motor.counts.corrupt) == (3, 3, 0)
+        assert (motor.counts.requests, motor.counts.lost, motor.counts.corrupt) == (5, 5, 0)
 
 
 GOOD = reading(7, 0, 2048)[1]
@@ -323,7 +325,7 @@ GOOD = reading(7, 0, 2048)[1]
 def test_any_byte_lost_costs_one_attempt(at: int) -> None:
     with scripted((PRESENT, GOOD[:at] + GOOD[at + 1 :]), (PRESENT, GOOD)) as motor:
         assert motor.measurements().shaft_deg == 0
-        assert (motor.counts.requests, motor.counts.lost) == (2, 1)
+        assert (motor.counts.requests, motor.counts.lost) == (3, 1)
 
 
 @pytest.mark.parametrize("at", range(len(GOOD)))
@@ -332,7 +334,29 @@ def test_any_byte_changed_costs_one_attempt(at: int, mask: int) -> None:
     changed = bytes((*GOOD[:at], GOOD[at] ^ mask, *GOOD[at + 1 :]))
     with scripted((PRESENT, changed), (PRESENT, GOOD)) as motor:
         assert motor.measurements().shaft_deg == 0
-        assert (motor.counts.requests, motor.counts.lost) == (2, 1)
+        assert (motor.counts.requests, motor.counts.lost) == (3, 1)
+
+
+def test_a_reply_after_its_time_is_no_answer_to_the_next_question() -> None:
+    replies = iter((b"", status(bytes([5])) + PONG, status(bytes([0]))))
+    sent: list[bytes] = []
+
+    def device(data: bytes) -> bytes:
+        sent.append(data)
+        return next(replies)
+
+    clock = VirtualClock()
+    talk = Conversation(LoopbackLine("late", device, clock), clock, REPLY_S)
+    assert talk.read(1, 64, 1, attempts=1) is None
+    answer = talk.read(1, 98, 1, attempts=1)
+    assert answer is not None
+    assert answer.data == bytes([0])  # not 5, which came late
+    assert sent == [asked(64, 1), PING_ONE, asked(98, 1)]
+
+
+def test_a_ping_that_is_answered_by_an_error_alone_is_no_answer() -> None:
+    with scripted(pong=status(error=7)) as motor:
+        assert not motor.answers()
 
 
 def test_a_wrong_checksum_is_counted_as_corrupt() -> None:

@@ -46,12 +46,14 @@ def test_the_full_preset_is_the_measured_stiffness(rig_file: Files) -> None:
         ("full_stiffness_nm_per_rad = 0", "actuator.full_stiffness_nm_per_rad: expected a number > 0, but found 0."),
         ('full_stiffness_nm_per_rad = "stiff"',
          'actuator.full_stiffness_nm_per_rad: expected a number, but found "stiff".'),
-        ("goal_current_a = 0", "actuator.goal_current_a: expected a number > 0, but found 0."),
+        ("goal_current_a = 0", "actuator.goal_current_a: expected a number >= 0.02, but found 0."),
         ("goal_current = 0.4", "actuator.goal_current: expected a known key, but found 'goal_current'. "
          "Did you mean 'goal_current_a'?"),
         ("watchdog_s = 0.05", "actuator.watchdog_s: expected a number >= 0.06, but found 0.05."),
         ("watchdog_s = 3", "actuator.watchdog_s: expected a number <= 2.54, but found 3."),
-        ("reply_s = 0", "actuator.reply_s: expected a number > 0, but found 0."),
+        ("reply_s = 0", "actuator.reply_s: expected a number >= 0.001, but found 0."),
+        ("reply_s = 0.17", "actuator.reply_s: expected at most 0.167, so that 3 attempts end before watchdog_s, "
+         "but found 0.17."),
         ('generation = "v6"', "actuator.generation: expected keys of this kind only ('generation' is of 'qbmove'), "
          "but found 'generation' with kind = 'dynamixel'."),
         ('kind = "dynamixl"',
