@@ -30,6 +30,7 @@ from benchmarks.rig.dynamixel_faults import (
     cap_n,
     ends_in,
 )  # fmt: skip
+from benchmarks.rig.fault_bench import SPECIMEN
 from benchmarks.rig.fault_case import PHASES, TOP, WHOLE_RUN, Outcome, run_fault, run_rig
 from benchmarks.rig.faults import FORCE_FAULTS
 
@@ -38,6 +39,7 @@ LIMIT_N = TRUE.guards.force_n
 WRONG_N = 1.0
 """By so much the largest force that a completed run tells may be off; noise and the camera's turns make less."""
 LOWER_A = (0.3, 0.25)
+SOFTER = ("S3", "S5")
 ALL_PHASES = (*PHASES[:5], TOP, *PHASES[5:])
 RESULTS = "dynamixel_faults.json"
 
@@ -48,13 +50,16 @@ class Case(NamedTuple):
     fault: str
     phase: str
     goal_a: float = GOAL_A
+    specimen: str = SPECIMEN
 
 
 def cases() -> list[Case]:
-    """All of them: with lower caps those that may press harder."""
+    """All of them: with lower caps those that may press harder, and on softer specimens those of the motor, which
+    has further to go there."""
     usual = [Case(name, phase) for name in FAULTS for phase in ALL_PHASES] + [Case(n, WHOLE_RUN) for n in WRONG_RIGS]
     harder = [(name, phase) for name in (*MOTOR_FAULTS, *FORCE_FAULTS) for phase in ("load", TOP, "escape")]
-    return usual + [Case(*each, goal_a) for goal_a in LOWER_A for each in harder]
+    softer = [Case(name, phase, GOAL_A, soft) for soft in SOFTER for name, phase in harder if name in MOTOR_FAULTS]
+    return usual + [Case(*each, goal_a) for goal_a in LOWER_A for each in harder] + softer
 
 
 def carry_out(case: Case) -> dict[str, Any]:
@@ -67,7 +72,7 @@ def carry_out(case: Case) -> dict[str, Any]:
         else:
             fault = FAULTS[case.fault]
             wanted = ends_in(fault, case.phase)
-            outcome = run_fault(fault, case.phase, built(case.goal_a), folder, wanted, LIMIT_N)
+            outcome = run_fault(fault, case.phase, built(case.goal_a, specimen=case.specimen), folder, wanted, LIMIT_N)
     return case._asdict() | _row(outcome)
 
 
@@ -120,7 +125,7 @@ def main() -> None:
 def read(path: Path) -> dict[Case, dict[str, Any]]:
     """Rows of before; none without a file."""
     rows = json.loads(path.read_text(encoding="utf-8")) if path.exists() else []
-    return {Case(row["fault"], row["phase"], row["goal_a"]): row for row in rows}
+    return {Case(row["fault"], row["phase"], row["goal_a"], row["specimen"]): row for row in rows}
 
 
 def write(path: Path, rows: dict[Case, dict[str, Any]]) -> None:
@@ -132,24 +137,29 @@ def write(path: Path, rows: dict[Case, dict[str, Any]]) -> None:
 def _line(row: dict[str, Any]) -> str:
     ended = f"{row['ended']} {row['cause']}"
     fails = f"FAILS: {'; '.join(row['fails'])}" if row["fails"] else ""
-    return f"{row['fault']:<36}{row['phase']:<11}{row['goal_a']:>5} A{row['peak_n']:>6.1f} N  {ended:<30}{fails}"
+    place = f"{row['fault']:<36}{row['phase']:<11}{row['goal_a']:>5} A {row['specimen']}"
+    return f"{place}{row['peak_n']:>6.1f} N  {ended:<30}{fails}"
 
 
 def _sums(rows: Iterable[dict[str, Any]]) -> Iterator[str]:
-    by_cap: dict[float, list[dict[str, Any]]] = defaultdict(list)
-    for row in rows:
-        by_cap[row["goal_a"]].append(row)
-    for goal_a, own in by_cap.items():
+    for (goal_a, specimen), own in _groups(rows).items():
         worst = max(own, key=lambda row: float(row["peak_n"]))
         hard = sum(row["peak_n"] > LIMIT_N for row in own)
         passed = sum(not row["fails"] for row in own)
         yield (
-            f"goal_current_a = {goal_a:g}, at most {cap_n(goal_a):.1f} N by the motor: "
+            f"{specimen}, goal_current_a = {goal_a:g}, at most {cap_n(goal_a):.1f} N by the motor: "
             f"{len({row['fault'] for row in own})} faults, {len(own)} cases, {passed} passed; largest force "
             f"{worst['peak_n']:.1f} N ({worst['fault']}, {worst['phase']}), {hard} above {LIMIT_N:g} N; "
             f"{sum(any(row['lost']) for row in own)} lost data; "
             f"{sum(row['next_run'] == 'completed' for row in own)} next runs completed"
         )
+
+
+def _groups(rows: Iterable[dict[str, Any]]) -> dict[tuple[float, str], list[dict[str, Any]]]:
+    groups = defaultdict(list)
+    for row in rows:
+        groups[row["goal_a"], row["specimen"]].append(row)
+    return groups
 
 
 def _page(rows: list[dict[str, Any]]) -> Iterator[str]:
@@ -158,8 +168,8 @@ def _page(rows: list[dict[str, Any]]) -> Iterator[str]:
     yield "Made by `python -m benchmarks.dynamixel_faults --write benchmarks/results`; all cases stand in"
     yield f"{RESULTS}. **No real motor was tried.** An XM430-W350 is emulated from its e-Manual: P gain {GAIN}, D gain"
     yield f"{D_GAIN}, {FULL:.1f} N m/rad at the full gain, {GEAR_MM_PER_DEGREE} mm/degree, max_mm_per_s ="
-    yield f"{TRUE.max_mm_per_s:g}. One press on S1 to 7 N; the limit is guards.force_n = {LIMIT_N:g} N; force is the"
-    yield "world's own, every 5 ms, not the sensor's. A press without a fault makes 7.7 N. A case fails"
+    yield f"{TRUE.max_mm_per_s:g}. One press to 7 N; the limit is guards.force_n = {LIMIT_N:g} N; force is the"
+    yield "world's own, every 5 ms, not the sensor's. A press without a fault makes 7.7 N on S1. A case fails"
     yield "when the force is above the limit; when what ended.json says of the probe, of the torque or (completed"
     yield "runs) of the largest force is not true; when the cause is not one that fits; when data from before the fault"
     yield "are lost; when the motor goes on;"
@@ -172,15 +182,14 @@ def _page(rows: list[dict[str, Any]]) -> Iterator[str]:
     yield "lags by 100 ms is told by nothing: the press goes on for so long, and its record shows the force that came."
     yield ""
     yield from (f"- {line}" for line in _sums(rows))
-    for goal_a in dict.fromkeys(row["goal_a"] for row in rows):
+    for (goal_a, specimen), group in _groups(rows).items():
         own: dict[str, list[dict[str, Any]]] = defaultdict(list)
-        for row in rows:
-            if row["goal_a"] == goal_a:
-                own[row["fault"]].append(row)
-        yield f"\n## goal_current_a = {goal_a:g}\n"
+        for row in group:
+            own[row["fault"]].append(row)
+        yield f"\n## {specimen}, goal_current_a = {goal_a:g}\n"
         yield "| fault | cases | largest force N | in | most left N | ended by | torque left on | fails |"
         yield "|---|---|---|---|---|---|---|---|"
-        yield from (_summary(fault, group) for fault, group in own.items())
+        yield from (_summary(fault, each) for fault, each in own.items())
 
 
 def _summary(fault: str, rows: list[dict[str, Any]]) -> str:

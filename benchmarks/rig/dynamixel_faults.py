@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from benchmarks.rig.fault_bench import Built
+from benchmarks.rig.fault_bench import SPECIMEN, Built
 from benchmarks.rig.fault_case import TOP
 from benchmarks.rig.faults import (
     BLIND,
@@ -50,12 +50,12 @@ TRUE = RigSettings(gear_mm_per_degree=GEAR_MM_PER_DEGREE, full_preset=FULL, max_
 AT_REST = End("guard", "springs at rest")
 
 
-def built(goal_current_a: float = GOAL_A, told: RigSettings | None = None) -> Built:
+def built(goal_current_a: float = GOAL_A, told: RigSettings | None = None, specimen: str = SPECIMEN) -> Built:
     """The bench with a Dynamixel; what it may draw caps the force."""
     motor = DynamixelSettings(
         kind="dynamixel", full_gain=GAIN, d_gain=D_GAIN, full_stiffness_nm_per_rad=FULL, goal_current_a=goal_current_a
     )
-    return Built(actuator=motor, true=TRUE, told=told)
+    return Built(actuator=motor, true=TRUE, told=told, specimen=specimen)
 
 
 def cap_n(goal_current_a: float) -> float:

@@ -112,6 +112,7 @@ class Built:
     "None is a qbmove."
     true: RigSettings = field(default_factory=RigSettings)
     told: RigSettings | None = None
+    specimen: str = SPECIMEN
 
 
 class FaultBench:
@@ -127,7 +128,7 @@ class FaultBench:
         self.rig = built.told or built.true
         self.emulated = EmulatedRig(
             EmulatedSettings(world="elastic", gap_mm=GAP_MM, force_rate_hz=500),
-            SPECIMEN,
+            built.specimen,
             0.0,
             rigid=built.rigid,
             clock=self.clock,

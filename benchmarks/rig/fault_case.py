@@ -231,8 +231,8 @@ class _Watch:
 def _plan(built: Built, f_max_n: float = F_MAX_N, pause_s: float = PAUSE_S) -> RunPlan:
     changes: dict[str, Any] = {"f_max_n": f_max_n, "pause_s": pause_s}
     if built.actuator:
-        return dynamixel_plan(built.actuator, built.true.gear_mm_per_degree, 1, **changes)
-    return (rigid_plan if built.rigid else modular_plan)(1, specimen="S1", **changes)
+        return dynamixel_plan(built.actuator, built.true.gear_mm_per_degree, 1, built.specimen, **changes)
+    return (rigid_plan if built.rigid else modular_plan)(1, specimen=built.specimen, **changes)
 
 
 def _next_plan(built: Built) -> RunPlan:

@@ -33,15 +33,17 @@ def rigid_plan(repetitions: int, *, specimen: str = SPECIMEN, **changes: Any) ->
     return _plan(repetitions, specimen, RIGID, changes)
 
 
-def dynamixel_plan(actuator: DynamixelSettings, gear_mm_per_degree: float, repetitions: int, **changes: Any) -> RunPlan:
-    """As `modular_plan`, with this motor behind this gear, on the stiffest specimen."""
+def dynamixel_plan(
+    actuator: DynamixelSettings, gear_mm_per_degree: float, repetitions: int, specimen: str, **changes: Any
+) -> RunPlan:
+    """As `modular_plan`, with this motor behind this gear."""
     assert actuator.full_stiffness_nm_per_rad
     settings = ScheduleSettings(
         conditions=("modular",), actuator="dynamixel", full_stiffness_nm_per_rad=actuator.full_stiffness_nm_per_rad,
         gear_mm_per_degree=gear_mm_per_degree,
     )  # fmt: skip
-    plan = RunPlan("S1", 0.0, "modular", repetitions, _built("S1", settings), F_MAX_N)
-    return replace(plan, stiffness_n_per_mm=SPECIMENS["S1"], **changes)
+    plan = RunPlan(specimen, 0.0, "modular", repetitions, _built(specimen, settings), F_MAX_N)
+    return replace(plan, stiffness_n_per_mm=SPECIMENS[specimen], **changes)
 
 
 def _plan(repetitions: int, specimen: str, condition: Condition, changes: dict[str, Any]) -> RunPlan:

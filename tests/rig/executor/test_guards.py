@@ -78,6 +78,7 @@ TAN_0 = math.tan(FRICTION)
         ("frozen force", seen(still_mm=0.17), seen(still_mm=0.19)),
         ("frozen force", seen(still_s=0.19), seen(still_s=0.21)),
         ("following", seen(astray_deg=1.09), seen(astray_deg=1.11)),
+        ("following", seen(unmoved_n=1.9), seen(unmoved_n=2.1)),
         ("motor current", seen(current_a=1.5), seen(current_a=1.501)),
         ("lost device", {}, {"active": False}),
         ("overrun", {"late_s": 0.05}, {"late_s": 0.051}),
