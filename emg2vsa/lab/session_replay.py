@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,18 +12,18 @@ import numpy as np
 from emg2vsa.errors import DataError, SettingError
 from emg2vsa.session import journal
 from emg2vsa.session.bar_force import ZERO_S, BarForce, RecentForce
-from emg2vsa.session.journal import JOURNAL_FILE, Judged, Line, read_journal
+from emg2vsa.session.journal import JOURNAL_FILE, Judged, Line, gaps, read_journal
 from emg2vsa.session.judge_feed import JUDGED_VALUES, SETTLE_S, how_judged, judged_from_s, sample_at, timed
 from emg2vsa.session.legal import Now
 from emg2vsa.session.live_press import StayJudged, judge_attempt
 from emg2vsa.session.open_session import kept_settings, settings_of
 from emg2vsa.session.page_states import operator_state, participant_state
-from emg2vsa.session.plan import PLAN_FILE, changes, read_plan
-from emg2vsa.session.presses import Presses, Tried
+from emg2vsa.session.plan import PLAN_FILE, Plan, PlannedPress, changes, read_plan
+from emg2vsa.session.presses import Presses, Tried, planned_of
 from emg2vsa.session.raw_files import SampleFile
 from emg2vsa.session.record import saved
 from emg2vsa.session.recorded_stream import device_view
-from emg2vsa.session.session import TURN_S
+from emg2vsa.session.session import TURN_S, check_muscles
 from emg2vsa.session.state import Rules, after, begun
 from emg2vsa.session.stay_judge import Begin, JudgeAtOnce, JudgeStay, Samples
 from emg2vsa.session.stays import StoredStream
@@ -63,7 +63,7 @@ class ReplayedSession:
     """A session as its folder has it.
 
     line : number of the last line that was replayed. operator, participant : what the two pages showed after it.
-    presses : judged until then. notes : what is to be known of the replay, in sentences.
+    presses : judged until then. notes : what is to be known of the replay, in sentences. whole : no line is missing.
     """
 
     folder: Path
@@ -72,11 +72,12 @@ class ReplayedSession:
     participant: ParticipantState
     presses: tuple[ReplayedPress, ...]
     notes: tuple[str, ...]
+    whole: bool = True
 
     @property
     def same(self) -> bool:
-        """Every verdict is the one of the journal."""
-        return not any(press.differences for press in self.presses)
+        """The journal lacks no line, and every verdict is the one that it has."""
+        return self.whole and not any(press.differences for press in self.presses)
 
 
 def replay(study: Study, folder: Path, *, line: int | None = None) -> ReplayedSession:
@@ -93,7 +94,8 @@ def replay(study: Study, folder: Path, *, line: int | None = None) -> ReplayedSe
     Raises
     ------
     SettingError : the study has no [session] or not the session's participant; there is no such line.
-    DataError : there is no session; it is of another study; its plan, journal or samples are damaged or missing.
+    DataError : there is no session; it is of another study; its plan, journal or samples are damaged or missing, or do
+        not fit each other.
 
     Examples
     --------
@@ -115,20 +117,58 @@ def replay(study: Study, folder: Path, *, line: int | None = None) -> ReplayedSe
             folder / JOURNAL_FILE, wanted="the journal of a session", found="no whole line",
             do="Put the file back from a copy.",
         )  # fmt: skip
-    if line is not None and not 1 <= line <= lines[-1].number:
+    if line is not None and line not in {each.number for each in lines}:
         wanted = f"a line of {folder / JOURNAL_FILE}, 1 to {lines[-1].number}"
         raise SettingError("--line", wanted=wanted, found=str(line), do="Choose one of them.")
+    _check_plan(folder, plan, lines)
     table = _Replay(study, folder, Presses(plan.presses), plan.participant)
     presses = tuple(press for each in shown for press in table.take(each))
     torn = (folder / JOURNAL_FILE).stat().st_size - whole
-    notes = [f"The study file has changed since: {change}." for change in changes(plan.settings, kept_settings(study))]
+    missing = gaps(shown)
+    notes = [
+        *missing,
+        *(f"The study file has changed since: {change}." for change in changes(plan.settings, kept_settings(study))),
+    ]
     if torn > 0 and line is None:
         notes.append(f"The last {torn} bytes of the journal are no whole line; they are passed over.")
     if table.older:
         notes.append(_OLDER)
     now = table.now(shown[-1])
     number = shown[-1].number
-    return ReplayedSession(folder, number, operator_state(now), participant_state(now), presses, tuple(notes))
+    pages = operator_state(now), participant_state(now)
+    return ReplayedSession(folder, number, *pages, presses, tuple(notes), not missing)
+
+
+def _check_plan(folder: Path, plan: Plan, lines: Sequence[Line]) -> None:
+    """DataError where the journal was not written with this plan."""
+
+    def check(wanted: str, where: str, found: str) -> None:
+        if wanted != found:
+            raise DataError(
+                folder / PLAN_FILE, wanted=f"{wanted}, as {where}", found=found,
+                do=f"Put it and {JOURNAL_FILE} back from a copy; neither is ever changed.",
+            )  # fmt: skip
+
+    for place, press in enumerate(plan.presses, 1):
+        check(f"press {place} at place {place}", "every plan has it", f"press {press.number} at place {place}")
+    presses = {press.number: press for press in plan.presses}
+    for line in lines:
+        where = f"line {line.number} of {JOURNAL_FILE} says"
+        match line.event:
+            case journal.Begun(participant=participant, study=study):
+                check(f"participant {participant}", where, f"participant {plan.participant}")
+                check(f"study {study}", where, f"study {plan.study}")
+            case journal.PressAdded(number=number) as added:
+                check(f"{number - 1} presses until then", where, f"{len(presses)} presses until then")
+                presses[number] = planned_of(added, number)
+            case journal.PressBegun(press=number) as begins:
+                check(_in_words(planned_of(begins, number)), where, _in_words(presses.get(number)))
+
+
+def _in_words(press: PlannedPress | None) -> str:
+    if press is None:
+        return "no such press"
+    return f"press {press.number} ({press.phase}, {press.specimen}, repetition {press.repetition}, stay {press.stay})"
 
 
 class _Replay:
@@ -153,7 +193,7 @@ class _Replay:
             case journal.StreamOpened() as opened:
                 if (earlier := self._streams.get(opened.name)) is not None:
                     self._count_lost(opened.name, earlier.clock.report().missing)
-                self._streams[opened.name] = StoredStream(opened, SampleFile(self._folder / opened.file))
+                self._streams[opened.name] = StoredStream(opened, self._file(opened))
                 self._begin_stay(line.time_s)
             case journal.SamplesLost(stream=name, count=count):
                 self._count_lost(name, count)
@@ -167,6 +207,20 @@ class _Replay:
                 yield ReplayedPress(own.press.specimen, judged, self._again(own, judged, line.time_s))
         self.state = after(self.state, line)
 
+    def _file(self, opened: journal.StreamOpened) -> SampleFile:
+        """The samples of a stream, which are those that the journal tells of."""
+        file = SampleFile(self._folder / opened.file)
+        wanted, found = (
+            f"{own.kind} of {', '.join(own.channels)} in {own.unit} at {own.fs_hz:g} Hz" for own in (opened, file.info)
+        )
+        if wanted != found:
+            raise DataError(
+                file.path, wanted=f"{wanted}, as {JOURNAL_FILE} says", found=found, do="Put the file back from a copy."
+            )
+        if opened.name == "emg":
+            check_muscles(self._study, opened.channels)
+        return file
+
     def _count_lost(self, name: str, count: int) -> None:
         self._lost[name] = self._lost.get(name, 0) + count
 
@@ -175,6 +229,12 @@ class _Replay:
 
     def _again(self, tried: Tried, event: Judged, now_s: float) -> Judged:
         specimen, rules = tried.press.specimen, self.state.rules
+        for name in ("emg", "force"):
+            if name not in self._streams:
+                raise DataError(
+                    self._folder / JOURNAL_FILE, wanted=f"a line that opens {name} before press {event.press}",
+                    found="none", do="Put the file back from a copy; lines are never removed.",
+                )  # fmt: skip
         samples = event.samples or self._samples(tried, now_s)
         how = how_judged(self._study, rules.participant, specimen)
         self._judge.tell(Begin(rules.participant, specimen, how, {name: at for at, name in enumerate(rules.muscles)}))

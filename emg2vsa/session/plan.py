@@ -100,13 +100,18 @@ def read_plan(path: Path) -> Plan:
     """The plan in a file. DataError where there is none that can be read."""
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(content, dict):
+            raise ValueError("no table")
         presses = tuple(PlannedPress(**press) for press in content["presses"])
+        if any(type(n) is not int for press in presses for n in (press.number, press.repetition, press.stay)):
+            raise ValueError("a press whose number, repetition or stay is no whole number")
         return Plan(**{each.name: content[each.name] for each in fields(Plan)} | {"presses": presses})
     except (OSError, ValueError, KeyError, TypeError) as error:
         if not path.parent.exists():
             do = "Check the participant's code, or run the session first."
             raise DataError(path.parent, wanted="the folder of a session", found="none", do=do) from error
-        found = getattr(error, "strerror", None) or f"{type(error).__name__}: {error}"
+        told = f"no key {error}" if isinstance(error, KeyError) else str(error)
+        found = getattr(error, "strerror", None) or told
         raise DataError(
             path, wanted="the plan of a session", found=found,
             do="Put the file back from a copy. Without its plan a session cannot go on.",

@@ -150,10 +150,10 @@ class Presses:
             case journal.Checked(item=journal.PLACED):
                 return replace(self, placed_s=_as_written(line))
             case journal.PressAdded() as event:
-                return replace(self, planned=(*self.planned, _planned(event, event.number)))
+                return replace(self, planned=(*self.planned, planned_of(event, event.number)))
             case journal.PressBegun() as event:
                 begun = Tried(
-                    _planned(event, event.press), event.attempt, line.sitting, _as_written(line),
+                    planned_of(event, event.press), event.attempt, line.sitting, _as_written(line),
                     files=self.files, placed_s=self.placed_s,
                 )  # fmt: skip
                 return replace(self, tried=(*self.tried, begun))
@@ -265,7 +265,7 @@ def folded(lines: Iterable[Line], planned: tuple[PlannedPress, ...]) -> Presses:
     return presses
 
 
-def _planned(event: journal.PressBegun | journal.PressAdded, number: int) -> PlannedPress:
+def planned_of(event: journal.PressBegun | journal.PressAdded, number: int) -> PlannedPress:
     rest = {each.name: getattr(event, each.name) for each in fields(PlannedPress) if each.name != "number"}
     return PlannedPress(number, **rest)
 

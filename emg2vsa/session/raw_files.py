@@ -144,6 +144,8 @@ def _head(path: Path, content: bytes) -> tuple[StreamInfo, int]:
         if not content.startswith(_MAGIC):
             raise ValueError(f"that it begins with {content[: len(_MAGIC)]!r}")
         begin = len(_MAGIC) + _LENGTH.size
+        if len(content) < begin or len(content) < begin + _LENGTH.unpack_from(content, len(_MAGIC))[0] + _LENGTH.size:
+            raise ValueError("a head that is cut short or damaged")
         (length,) = _LENGTH.unpack_from(content, len(_MAGIC))
         text = content[begin : begin + length]
         (checksum,) = _LENGTH.unpack_from(content, begin + length)
@@ -151,7 +153,7 @@ def _head(path: Path, content: bytes) -> tuple[StreamInfo, int]:
             raise ValueError("a head that does not match its checksum")
         stated = json.loads(text)
         return StreamInfo(**{**stated, "channels": tuple(stated["channels"])}), begin + length + _LENGTH.size
-    except (ValueError, struct.error, TypeError, KeyError) as error:
+    except (ValueError, TypeError, KeyError) as error:
         raise DataError(
             path, wanted="a file of samples of a session", found=str(error) or "a damaged head",
             do="Put the file back from a copy, or remove it: its samples cannot be read.",

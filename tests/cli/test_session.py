@@ -135,7 +135,7 @@ def test_a_session_is_replayed_from_its_folder(study_file, capsys):
     line, operator, participant, _, press = capsys.readouterr().out.splitlines()
     assert line.endswith(f" of {folder}")
     assert operator == "operator:    The session has ended."
-    assert participant.startswith("participant: Finished.")
+    assert participant == "participant: Finished. Thank you!"
     assert press.split() == ["1", "1", "S1", "ok", "ok", "same"]
     assert main([*words, "--json", "--line", "5"]) == 0
     early = json.loads(capsys.readouterr().out)

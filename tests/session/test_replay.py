@@ -165,7 +165,7 @@ def older(folder):
             line = replace(line, event=replace(line.event, samples={}))
         document = json.loads(line_bytes(line))
         if document["kind"] not in ("measuring", "unchecked"):
-            content.append(line_bytes(line))
+            content.append(line_bytes(replace(line, number=len(content) + 1)))
     path.write_bytes(b"".join(content))
 
 
@@ -240,6 +240,74 @@ def test_what_cannot_be_rebuilt_is_told_in_one_sentence(play, tmp_path):
     refused(r"emg.samples: expected the samples \d+ to \d+ of press 1, but found samples to \d+\. Put the file back")
     samples.unlink()
     refused("emg.samples: expected a file of samples of a session, but found No such file")
+
+
+@pytest.fixture
+def played(play):
+    return play(session=FEW, most_presses=1)
+
+
+def test_a_journal_that_lacks_a_line_is_never_the_same_and_never_a_traceback(played):
+    path = played.folder / JOURNAL_FILE
+    lines = path.read_bytes().splitlines(keepends=True)
+    for left_out in range(1, len(lines)):
+        path.write_bytes(b"".join(lines[: left_out - 1] + lines[left_out:]))
+        try:
+            replayed = replay(played.study, played.folder)
+        except DataError as error:
+            assert left_out <= 2, error  # noqa: PT017
+            assert f"{JOURNAL_FILE}: expected a line that opens {('emg', 'force')[left_out - 1]}" in str(error)  # noqa: PT017
+            continue
+        assert not replayed.same
+        assert f"no line between {left_out - 1} and {left_out + 1}" in replayed.notes[0]
+        with pytest.raises(SettingError, match=f"but found {left_out}"):
+            replay(played.study, played.folder, line=left_out)
+
+
+EMG, FORCE = "sitting-1_emg.samples", "sitting-1_force.samples"
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        (lambda emg, force: (force, emg), f"{EMG}: expected emg of EDC, FDS in V at .*{JOURNAL_FILE} says, but f"),
+        (lambda emg, force: (force, force), f"{EMG}: expected emg of .* but found force of force in N at"),
+        (lambda emg, force: (emg, emg), f"{FORCE}: expected force of .* but found emg of"),
+        (lambda emg, force: (emg[:10], force), f"{EMG}: .* but found a head that is cut short"),
+        (lambda emg, force: (emg, force[:90]), f"{FORCE}: .* but found a head that is cut short"),
+    ],
+)  # fmt: skip
+def test_samples_that_are_not_those_of_the_journal_are_refused(played, change, match):
+    paths = [played.folder / name for name in (EMG, FORCE)]
+    for path, content in zip(paths, change(*(path.read_bytes() for path in paths)), strict=True):
+        path.write_bytes(content)
+    with pytest.raises(DataError, match=match):
+        replay(played.study, played.folder)
+
+
+def with_presses(change):
+    return lambda plan: plan | {"presses": change(plan["presses"])}
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        (with_presses(lambda own: []), r"press 1 \(main, .*, as line \d+ of journal.jsonl says, but found no"),
+        (with_presses(lambda own: own[::-1]), "expected press 1 at place 1, .* but found press"),
+        (with_presses(lambda own: own[1:]), "expected press 1 at place 1, .* but found press 2"),
+        (with_presses(lambda own: [each | {"specimen": "S9"} for each in own]), r"1 \(main, S3, .* press 1 \(main, S9"),
+        (with_presses(lambda own: [each | {"stay": "1"} for each in own]), "found a press whose number"),
+        (lambda plan: plan | {"participant": "P01"}, r"participant P03, as line 3 of .* found participant P01"),
+        (lambda plan: [plan], "expected the plan of a session, but found no table"),
+        (lambda plan: {}, "expected the plan of a session, but found no key 'presses'"),
+    ],
+)  # fmt: skip
+def test_a_plan_that_is_not_that_of_the_journal_is_refused(played, change, match):
+    path = played.folder / PLAN_FILE
+    path.write_text(json.dumps(change(json.loads(path.read_text()))))
+    for line in (None, 4):
+        with pytest.raises(DataError, match=f"{PLAN_FILE}: .*{match}"):
+            replay(played.study, played.folder, line=line)
 
 
 def test_a_session_is_rebuilt_while_it_runs(play):

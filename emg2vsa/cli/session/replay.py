@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 SUMMARY = "Rebuild a session from its folder: its pages, and every verdict judged again from the samples."
 EPILOG = """
 FOLDER is sourcedata/sub-CODE/TASK below the root of the recordings. It is read and never changed, also while the
-session runs. Exit status 0: every verdict is the one of the journal; 1: one is not; 2: study file or folder are
-unusable.
+session runs. Exit status 0: every verdict is the one of the journal; 1: one is not, or the journal lacks a line; 2:
+study file or folder are unusable.
 """
 OPTIONS = """\
 folder FOLDER  of the session, with plan.json and journal.jsonl
@@ -52,7 +52,8 @@ def lines(replayed: ReplayedSession) -> Iterator[str]:
     state, page = replayed.operator, replayed.participant
     yield f"line {replayed.line} of {replayed.folder}"
     yield f"operator:    {state.message}"
-    yield f"participant: {page.text} ({page.phase}, press {page.press} of {page.presses})"
+    where = f" ({page.phase}, press {page.press} of {page.presses})" if page.press else ""
+    yield f"participant: {page.text}{where}"
     yield from (f"note: {note}" for note in replayed.notes)
     row = "{:>5} {:>7} {:<8} {:<9} {:<9} {}"
     yield row.format("press", "attempt", "specimen", "journal", "replayed", "").rstrip()
