@@ -270,7 +270,7 @@ EMG, FORCE = "sitting-1_emg.samples", "sitting-1_force.samples"
 @pytest.mark.parametrize(
     ("change", "match"),
     [
-        (lambda emg, force: (force, emg), f"{EMG}: expected emg of EDC, FDS in V at .*{JOURNAL_FILE} says, but found"),
+        (lambda emg, force: (force, emg), f"{EMG}: expected emg of EDC, FDS in V at .*{JOURNAL_FILE} says, but f"),
         (lambda emg, force: (force, force), f"{EMG}: expected emg of .* but found force of force in N at"),
         (lambda emg, force: (emg, emg), f"{FORCE}: expected force of .* but found emg of"),
         (lambda emg, force: (emg[:10], force), f"{EMG}: .* but found a head that is cut short"),
@@ -295,7 +295,7 @@ def with_presses(change):
         (with_presses(lambda own: []), r"press 1 \(main, .*, as line \d+ of journal.jsonl says, but found no"),
         (with_presses(lambda own: own[::-1]), "expected press 1 at place 1, .* but found press"),
         (with_presses(lambda own: own[1:]), "expected press 1 at place 1, .* but found press 2"),
-        (with_presses(lambda own: [each | {"specimen": "S9"} for each in own]), r"\(main, S3, .* \(main, S9"),
+        (with_presses(lambda own: [each | {"specimen": "S9"} for each in own]), r"1 \(main, S3, .* press 1 \(main, S9"),
         (with_presses(lambda own: [each | {"stay": "1"} for each in own]), "found a press whose number"),
         (lambda plan: plan | {"participant": "P01"}, r"participant P03, as line 3 of .* found participant P01"),
         (lambda plan: [plan], "expected the plan of a session, but found no table"),
