@@ -58,7 +58,8 @@ def cases() -> list[Case]:
     has further to go there."""
     usual = [Case(name, phase) for name in FAULTS for phase in ALL_PHASES] + [Case(n, WHOLE_RUN) for n in WRONG_RIGS]
     harder = [(name, phase) for name in (*MOTOR_FAULTS, *FORCE_FAULTS) for phase in ("load", TOP, "escape")]
-    softer = [Case(name, phase, GOAL_A, soft) for soft in SOFTER for name, phase in harder if name in MOTOR_FAULTS]
+    moving = ("load", TOP, "retract")
+    softer = [Case(name, phase, GOAL_A, soft) for soft in SOFTER for name in MOTOR_FAULTS for phase in moving]
     return usual + [Case(*each, goal_a) for goal_a in LOWER_A for each in harder] + softer
 
 
