@@ -16,6 +16,7 @@ import pytest
 
 from emg2vsa.devices.clock import FastClock, WallClock
 from emg2vsa.devices.streams import Block
+from emg2vsa.devices.trigno import commands
 from emg2vsa.devices.trigno import driver as trigno
 from emg2vsa.devices.trigno.driver import Place, TrignoSource, places_of
 from emg2vsa.devices.trigno.settings import TrignoSettings
@@ -265,7 +266,7 @@ def test_another_server(greeting: bytes) -> None:
 
 
 def test_a_server_that_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(trigno, "REPLY_S", 0.1)
+    monkeypatch.setattr(commands, "REPLY_S", 0.1)
     assert "expected a reply to the greeting, but found none within" in started(
         WrittenServer(REPLIES, greeting=b"Delsys")
     )
