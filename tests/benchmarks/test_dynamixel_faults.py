@@ -18,6 +18,7 @@ from benchmarks.rig.fault_case import TOP, WHOLE_RUN
 WORST = [
     Case("encoder reads 90 degrees less", "escape"),
     Case("encoder frozen", TOP),
+    Case("encoder frozen", "load", specimen="S3"),
     Case("gear jammed", "load"),
     Case("force axis dead", "load"),
     Case("force lags 100 ms", "load"),
@@ -54,10 +55,12 @@ def test_what_is_there_is_not_done_again(
     monkeypatch.setattr(matrix, "PROCESSES", 1)
     monkeypatch.setattr(sys, "argv", ["dynamixel_faults", "gear jammed", "--phase", "load", "--write", str(tmp_path)])
     matrix.main()
-    assert capsys.readouterr().out.count("gear jammed") == 3 + 3  # at each goal current, and in its sum
+    assert capsys.readouterr().out.count("gear jammed") == 5 + 5  # at each goal current and on each specimen, and in its sum
     rows = json.loads((tmp_path / matrix.RESULTS).read_text())
-    assert [row["goal_a"] for row in rows] == [0.4, 0.3, 0.25]
+    assert [(row["goal_a"], row["specimen"]) for row in rows] == [
+        (0.4, "S1"), (0.3, "S1"), (0.25, "S1"), (0.4, "S3"), (0.4, "S5"),
+    ]  # fmt: skip
     assert "| gear jammed | 1 |" in (tmp_path / "dynamixel_faults.md").read_text()
     matrix.main()
-    assert capsys.readouterr().out.count("gear jammed") == 3
+    assert capsys.readouterr().out.count("gear jammed") == 5
     assert json.loads((tmp_path / matrix.RESULTS).read_text()) == rows
