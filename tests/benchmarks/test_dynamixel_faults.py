@@ -55,7 +55,9 @@ def test_what_is_there_is_not_done_again(
     monkeypatch.setattr(matrix, "PROCESSES", 1)
     monkeypatch.setattr(sys, "argv", ["dynamixel_faults", "gear jammed", "--phase", "load", "--write", str(tmp_path)])
     matrix.main()
-    assert capsys.readouterr().out.count("gear jammed") == 5 + 5  # at each goal current and on each specimen, and in its sum
+    assert (
+        capsys.readouterr().out.count("gear jammed") == 5 + 5
+    )  # at each goal current and on each specimen, and in its sum
     rows = json.loads((tmp_path / matrix.RESULTS).read_text())
     assert [(row["goal_a"], row["specimen"]) for row in rows] == [
         (0.4, "S1"), (0.3, "S1"), (0.25, "S1"), (0.4, "S3"), (0.4, "S5"),
