@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Any, Self
@@ -10,7 +11,7 @@ from emg2vsa.devices.protocols import LogColumns, Measurements, Parameter
 from emg2vsa.errors import DeviceError
 
 
-class BoardBase:
+class BoardBase(ABC):
     """Of an actuator of its own: `emg2vsa.devices.protocols.Board` but for what only its device knows.
 
     A device adds ``where``, ``close``, ``identify``, ``usable`` and the methods of an `Actuator`; it replaces what it
@@ -35,20 +36,21 @@ class BoardBase:
                 raise
             error.add_note(str(failure))
 
+    @abstractmethod
     def close(self) -> None:
         """Give the line back."""
 
+    @abstractmethod
     def deactivate(self) -> None:
         """As `Actuator`."""
-        raise NotImplementedError
 
+    @abstractmethod
     def is_active(self) -> bool:
         """As `Actuator`."""
-        raise NotImplementedError
 
+    @abstractmethod
     def command(self, position_deg: float, preset: float) -> None:
         """As `Actuator`."""
-        raise NotImplementedError
 
     def answers(self) -> bool:
         """Whether the device does."""
@@ -81,8 +83,13 @@ class BoardBase:
         self.command(motors_deg[0], 1.0)
 
     def creep(self, motors_deg: Sequence[float]) -> None:
-        """It keeps no speed by itself."""
-        raise NotImplementedError
+        """DeviceError: it keeps no speed by itself."""
+        raise DeviceError(
+            self.where,
+            wanted="a device that keeps a speed by itself",
+            found="one that does not",
+            do="Send it positions.",
+        )
 
     def parameters(self) -> Mapping[int, Parameter]:
         """It lists none."""

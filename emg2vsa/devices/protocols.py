@@ -218,6 +218,11 @@ class Joint(Protocol):
         """The nearest presets that the device can be sent; any shape."""
 
 
+def gives_way(joint: Joint | None) -> bool:
+    """Whether the motor itself does under load: no command tells where it will stand."""
+    return joint is not None and not joint.targets_deg(0.0, 0.0)
+
+
 class LogColumns(NamedTuple):
     """The columns of an actuator in log.csv: position and preset as commanded, motors 1 and 2, shaft, two currents.
 

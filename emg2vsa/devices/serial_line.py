@@ -7,6 +7,7 @@ import errno
 import os
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Protocol, TypeVar
 
@@ -34,6 +35,17 @@ class ByteLine(Protocol):
 
     def close(self) -> None:
         """Give the line back."""
+
+
+@dataclass
+class LineCounts:
+    """What has passed over a line so far."""
+
+    requests: int = 0
+    lost: int = 0
+    "Requests that no good reply followed in time."
+    corrupt: int = 0
+    "Replies with a wrong checksum."
 
 
 class SerialLine:

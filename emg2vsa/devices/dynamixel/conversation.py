@@ -10,30 +10,18 @@ new list, which txPacket never sees. The driver writes no such value, as all its
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, NamedTuple
 
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.dynamixel.registers import ALERT, CRC_ERROR
 from emg2vsa.devices.dynamixel.settings import ATTEMPTS
-from emg2vsa.devices.serial_line import ByteLine
+from emg2vsa.devices.serial_line import ByteLine, LineCounts
 from emg2vsa.errors import DeviceError
 
 _ID, _LENGTH, _ERROR, _DATA = 4, 5, 8, 9
 """Places in a status packet."""
 _PING_BYTES = 3
-
-
-@dataclass
-class LineCounts:
-    """What has passed over the line so far."""
-
-    requests: int = 0
-    lost: int = 0
-    "Requests that no good reply followed in time."
-    corrupt: int = 0
-    "Replies with a wrong checksum."
 
 
 class Status(NamedTuple):

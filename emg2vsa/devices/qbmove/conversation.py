@@ -2,25 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.qbmove.packets import Reply, Wanted, find_reply, flushing
-from emg2vsa.devices.serial_line import ByteLine
+from emg2vsa.devices.serial_line import ByteLine, LineCounts
 
 _QUIET_S = 0.05
 _TEXT_BYTES = 4096
-
-
-@dataclass
-class LineCounts:
-    """What has passed over the line so far."""
-
-    requests: int = 0
-    lost: int = 0
-    "Requests that no good reply followed in time."
-    corrupt: int = 0
-    "Replies with a wrong checksum."
 
 
 class Conversation:

@@ -16,7 +16,7 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.protocols import Devices, ForceSample, Joint
+from emg2vsa.devices.protocols import Devices, ForceSample, Joint, gives_way
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.rig_settings import RigSettings
 
@@ -253,8 +253,8 @@ class HandMotion:
     def _judge(self, felt_n: float, *, relaxing: bool) -> None:
         """``relaxing`` : springs may bear less than at the zero, and the motors draw what a pressed probe needs."""
         joint = self._actuator.joint
-        gives_way = joint is not None and not joint.targets_deg(self._at_deg, self.preset)  # its torque tells of it
-        behind_deg = 0.0 if gives_way else abs(self._actuator.position_deg() - self._at_deg)
+        # of a motor that gives way its torque tells it
+        behind_deg = 0.0 if gives_way(joint) else abs(self._actuator.position_deg() - self._at_deg)
         if behind_deg > _FOLLOWING_DEG:
             do = "Look for what holds the gear or the probe, and check the supply."
             found = f"{behind_deg:.1f} degrees behind"

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.protocols import Actuator, ForceSample, Measurements
+from emg2vsa.devices.protocols import Actuator, ForceSample, Measurements, gives_way
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.executor.witnesses import mean_size
 from emg2vsa.rig.rig_settings import RigSettings
@@ -237,7 +237,7 @@ class _Escape:
     def _there_mm(self) -> float:
         """So close to the retracted position is there; friction holds a motor that gives way itself further off."""
         joint = self._actuator.joint
-        if joint is None or joint.targets_deg(0.0, self._preset) or self._preset == 0:
+        if joint is None or not gives_way(joint) or self._preset == 0:
             return _THERE_MM
         held_nm = self._rig.guards.spring_rest_n * self._rig.lever_m
         held_rad = held_nm / float(joint.stiffness_nm_per_rad(self._preset))
@@ -247,7 +247,7 @@ class _Escape:
         """_Pressing when a motor that gives way itself has a wrong encoder, and drives on with all it has: only torque
         off ends that. By its encoder it presses on, or it pulls away and does not move though the probe is free."""
         joint, at = self._actuator.joint, list[Measurements]()
-        if joint is None or joint.targets_deg(0.0, self._preset):
+        if joint is None or not gives_way(joint):
             return
         if not self.tried(lambda: at.append(self._actuator.measurements())):
             return

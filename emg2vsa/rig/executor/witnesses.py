@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from emg2vsa.devices.protocols import ForceSample, Joint, Measurements
+from emg2vsa.devices.protocols import ForceSample, Joint, Measurements, gives_way
 from emg2vsa.rig.executor.guards import Seen
 from emg2vsa.rig.executor.motion import Motion, Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
@@ -33,7 +33,7 @@ class Witnesses:
         self._rig, self._joint = rig, joint
         self._motors, self._stillness, self._current = SlowMotors(at, joint, rig.guards), Stillness(), MeanCurrent()
         self._at, self._contact_mm, self._lowest_n = at, math.inf, math.inf
-        self._gives_way = joint is not None and not joint.targets_deg(0.0, 0.0)
+        self._gives_way = gives_way(joint)
         self._unmoved_from_n: float | None = None
         self._sent = at.motors_deg[0], 0.0
         self._sent_s: float | None = None
