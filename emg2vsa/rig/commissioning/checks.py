@@ -105,6 +105,9 @@ def _stiffness(
     mean = sum(w * each.full_nm_per_rad for w, each in zip(weights, measured, strict=True)) / sum(weights)
     full = [f"{each.full_nm_per_rad:.3g} by {100 * each.preset:.3g} %" for each in measured]
     remark = f"at the full gain {' and '.join(full)} N m/rad"
+    fulls = [each.full_nm_per_rad for each in measured]
+    if max(fulls) > (1 + _SAME_STIFFNESS) * min(fulls):
+        remark += "; they differ, so that the stiffness is not proportional to the gain"
     good = said is not None and math.isclose(mean, said, rel_tol=_SAME_STIFFNESS)
     found = said if good else float(f"{mean:.4g}")
     return Check(str(joint.measured_key), said, found, good, remark, table="actuator")

@@ -252,3 +252,11 @@ def test_a_shaft_that_is_turned_is_not_held() -> None:
         bench.devices.actuator.activate()
     assert bench.firmware.table.values[table.TORQUE_ENABLE] == 0
     assert math.isfinite(bench.firmware.motor.angle_rad)
+
+
+def test_a_stiffness_that_is_not_proportional_to_the_gain_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def measured(hand: object, rig: object, preset: float, *rest: object) -> MeasuredStiffness:
+        return MeasuredStiffness(preset, preset * (20.0 if preset > 0.5 else 18.9), 0.05, 30)
+
+    monkeypatch.setattr("emg2vsa.rig.commissioning.checks.measure_stiffness", measured)
+    assert "not proportional to the gain" in Bench().checked(20.0)[-1].remark
