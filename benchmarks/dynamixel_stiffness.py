@@ -50,9 +50,8 @@ def errors(noise: float, friction: float) -> Iterator[tuple[float, float] | None
 
 def main() -> None:
     """Print a row for each world."""
-    print(
-        "# Measured stiffness of an emulated Dynamixel\n\nMade by `python -m benchmarks.dynamixel_stiffness`. No real motor was measured.\n"
-    )
+    print("# Measured stiffness of an emulated Dynamixel\n")
+    print("Made by `python -m benchmarks.dynamixel_stiffness`. No real motor was measured.\n")
     print("| world | measured | refused | mean error, % | worst, % | twice the standard error holds the truth |")
     print("|---|---|---|---|---|---|")
     for name, factors in WORLDS.items():
