@@ -23,7 +23,7 @@ from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.fits import fit_trials
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ForceChannelSettings, WindowSettings
-from emg2vsa.synthetic.laboratory import Laboratory, simulate_session
+from emg2vsa.worlds.people.laboratory import Laboratory, simulate_session
 
 CLEAN = Laboratory()
 BEFORE = FilterSettings(mains="keep", rest_level="keep")

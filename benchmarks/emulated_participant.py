@@ -18,15 +18,15 @@ from multiprocessing.connection import Connection
 from emg2vsa.devices.clock import FastClock, VirtualClock, WallClock
 from emg2vsa.devices.netft.datagrams import UdpLine
 from emg2vsa.devices.netft.rdt import Command, parse_records, request_bytes
-from emg2vsa.rig.emulated.netft.server import RdtServer
-from emg2vsa.session.emulated.force_box import force_box
-from emg2vsa.session.emulated.participant import EmulatedParticipant
-from emg2vsa.session.emulated.person import Person, Response
-from emg2vsa.session.emulated.sensors import EmgSampler, ForceSampler
-from emg2vsa.session.emulated.trigno.base import FRAME_S
-from emg2vsa.session.emulated.trigno.server import TrignoServer
 from emg2vsa.session.views import Command as Told
 from emg2vsa.session.views import ForceMessage, ParticipantState
+from emg2vsa.worlds.far_ends.netft.server import RdtServer
+from emg2vsa.worlds.far_ends.trigno.base import FRAME_S
+from emg2vsa.worlds.far_ends.trigno.server import TrignoServer
+from emg2vsa.worlds.people.force_box import force_box
+from emg2vsa.worlds.people.participant import EmulatedParticipant
+from emg2vsa.worlds.people.person import Person, Response
+from emg2vsa.worlds.people.sensors import EmgSampler, ForceSampler
 
 MUSCLES = tuple(f"muscle {number}" for number in range(1, 17))
 PERSON = Person(

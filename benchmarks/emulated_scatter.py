@@ -29,11 +29,6 @@ from casr.spread import spread_rate
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.runs_calibration import calibrate_runs
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.rig.emulated.press_draws import PressDraws
-from emg2vsa.rig.emulated.settings import EmulatedSettings
-from emg2vsa.rig.emulated.truth import TrueLoading, read_truth
-from emg2vsa.rig.emulated.virtual_run import run_virtual
-from emg2vsa.rig.emulated.world import World
 from emg2vsa.rig.plan import RIGID, Condition
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.run_folders.presses import read_presses
@@ -41,6 +36,11 @@ from emg2vsa.run_scores import RunScores
 from emg2vsa.run_scores.measured import Measured
 from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import CalibrationSettings, RunSettings
+from emg2vsa.worlds.bench.press_draws import PressDraws
+from emg2vsa.worlds.bench.settings import EmulatedSettings
+from emg2vsa.worlds.bench.truth import TrueLoading, read_truth
+from emg2vsa.worlds.bench.virtual_run import run_virtual
+from emg2vsa.worlds.bench.world import World
 
 Cell = tuple[str, float, Condition]
 CELLS: tuple[Cell, ...] = (

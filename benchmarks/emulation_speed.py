@@ -38,9 +38,9 @@ from functools import partial
 from pathlib import Path
 import cv2
 from benchmarks.rig.plans import modular_plan, rigid_plan
-from emg2vsa.rig.emulated.controls import controlled, effect_of
-from emg2vsa.rig.emulated.settings import EmulatedSettings
-from emg2vsa.rig.emulated.virtual_run import run_virtual
+from emg2vsa.worlds.bench.controls import controlled, effect_of
+from emg2vsa.worlds.bench.settings import EmulatedSettings
+from emg2vsa.worlds.bench.virtual_run import run_virtual
 from emg2vsa.rig.rig_settings import RigSettings
 specimen, angle, condition, world, presses, profiled, folder = sys.argv[1:]
 make = rigid_plan if condition == "high-stiffness" else partial(modular_plan, condition=condition)

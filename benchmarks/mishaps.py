@@ -31,7 +31,7 @@ from emg2vsa.settings import (
     SimulationSettings,
     WindowSettings,
 )
-from emg2vsa.synthetic.recording import make_recording
+from emg2vsa.worlds.people.recording import make_recording
 
 Floats = NDArray[np.float64]
 RESULTS = Path(__file__).parent / "results" / "mishaps.md"

@@ -15,16 +15,17 @@ from functools import cache
 import numpy as np
 
 from casr.specimens import SPECIMENS
-from casr.synthetic import ContactWorld
-from casr.synthetic.tabulated import TabulatedWorld
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.cut_presses import cut_all, cut_forces, cut_rates, cut_travel
 from emg2vsa.calibration.online import OnlineCalibration
-from emg2vsa.contact_mechanics.geometry import PowerLaw, adhesive_force_n
-from emg2vsa.contact_mechanics.press_path import Drive, StiffnessSteps, simulate_presses
-from emg2vsa.contact_mechanics.relaxation import Relaxation, in_series
 from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS
+from emg2vsa.dome_contact import PowerLaw
 from emg2vsa.settings import CalibrationSettings
+from emg2vsa.worlds.contact.adhesion import adhesive_force_n
+from emg2vsa.worlds.contact.press_path import Drive, StiffnessSteps, simulate_presses
+from emg2vsa.worlds.contact.relaxation import Relaxation, in_series
+from emg2vsa.worlds.tactile import ContactWorld
+from emg2vsa.worlds.tactile.tabulated import TabulatedWorld
 
 KNOWN = ("S1", "S3", "S5")
 FRAME_HZ, ROW_HZ, SPEED_MM_PER_S = 20.0, 200.0, 5.0

@@ -43,8 +43,8 @@ import hashlib, json, sys, warnings
 from datetime import datetime, timezone
 from pathlib import Path
 from benchmarks.rig.plans import modular_plan
-from emg2vsa.rig.emulated.settings import EmulatedSettings
-from emg2vsa.rig.emulated.virtual_run import run_virtual
+from emg2vsa.worlds.bench.settings import EmulatedSettings
+from emg2vsa.worlds.bench.virtual_run import run_virtual
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.run_folders.presses import read_presses
 from emg2vsa.run_scores.score_run import score_run

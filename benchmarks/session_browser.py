@@ -39,15 +39,15 @@ from emg2vsa.devices.clock import WallClock
 from emg2vsa.fits import usable
 from emg2vsa.pipeline.run_study import run_study
 from emg2vsa.rig_file import load_rig
-from emg2vsa.session.emulated.far_end import Table
-from emg2vsa.session.emulated.mistakes import parse_mistakes
-from emg2vsa.session.emulated.participant import EmulatedParticipant
-from emg2vsa.session.emulated.person import person_of
-from emg2vsa.session.emulated.serve import serve
 from emg2vsa.session.journal import JOURNAL_FILE, Decided, Judged, PressBegun, read_journal
 from emg2vsa.session.views import ForceMessage, ParticipantState, ScreenReport
 from emg2vsa.session_settings import SessionTexts
 from emg2vsa.study_file import load_study
+from emg2vsa.worlds.people.far_end import Table
+from emg2vsa.worlds.people.mistakes import parse_mistakes
+from emg2vsa.worlds.people.participant import EmulatedParticipant
+from emg2vsa.worlds.people.person import person_of
+from emg2vsa.worlds.people.serve import serve
 
 PARTICIPANT = "P03"
 MISTAKES = "dips@12", "electrode-off:FDS@25", "early@33"
@@ -87,7 +87,7 @@ OPERATOR = """(() => {
 
 
 class ReadPage:
-    """The participant's page as its words and bar tell it: a `emg2vsa.session.emulated.participant.Page`.
+    """The participant's page as its words and bar tell it: a `emg2vsa.worlds.people.participant.Page`.
 
     reads : (time, force on the bar, true force, whether the word is that of a press), of every look.
     """

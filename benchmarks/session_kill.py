@@ -38,12 +38,12 @@ RESULT = Path(__file__).parent / "results" / "session_kill.md"
 def child(study_file: Path, participant: str, resume: bool, measure: bool, out: int) -> None:
     """A sitting; one line to ``out`` for each state and each verdict that a page would show."""
     from emg2vsa.devices.clock import FastClock
-    from emg2vsa.session.emulated.mistakes import parse_mistakes
-    from emg2vsa.session.emulated.operator import EmulatedOperator
-    from emg2vsa.session.emulated.simulated import simulate
     from emg2vsa.session.open_session import open_session
     from emg2vsa.session.views import Request
     from emg2vsa.study_file import load_study
+    from emg2vsa.worlds.people.mistakes import parse_mistakes
+    from emg2vsa.worlds.people.operator import EmulatedOperator
+    from emg2vsa.worlds.people.simulated import simulate
 
     study = load_study(study_file)
     clock = FastClock(SPEED)

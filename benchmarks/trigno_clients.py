@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.session.emulated.participant import EmulatedParticipant
-from emg2vsa.session.emulated.person import Person, Response
-from emg2vsa.session.emulated.trigno.server import Ports, TrignoServer
+from emg2vsa.worlds.far_ends.trigno.server import Ports, TrignoServer
+from emg2vsa.worlds.people.participant import EmulatedParticipant
+from emg2vsa.worlds.people.person import Person, Response
 
 SLOTS = {slot: "counter" if slot == 16 else f"muscle {slot}" for slot in range(1, 17)}
 PERSON = Person(

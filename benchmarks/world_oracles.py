@@ -17,21 +17,21 @@ import numpy as np
 
 from casr.specimens import SPECIMENS
 from emg2vsa.arrays import Floats
-from emg2vsa.contact_mechanics import (
+from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS, SpringJoint
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
+from emg2vsa.dome_contact import PowerLaw
+from emg2vsa.worlds.contact import (
     ELASTIC,
     ConvolvedForce,
     Drive,
-    PowerLaw,
     Relaxation,
     StiffnessSteps,
     Tilt,
     in_series,
     simulate_presses,
 )
-from emg2vsa.contact_mechanics.camera_frames import FrameErrors, frames_of, power_rates
-from emg2vsa.contact_mechanics.press_path import PressPaths
-from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS, SpringJoint
-from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
+from emg2vsa.worlds.contact.camera_frames import FrameErrors, frames_of, power_rates
+from emg2vsa.worlds.contact.press_path import PressPaths
 
 mp.mp.dps = 30
 NAMES = ("S1", "S2", "S3", "S5")
@@ -49,7 +49,7 @@ def main() -> None:
     print("| case | exact | reached |\n|---|---|---|")
     for row in (*power_limit(), *maxwell_ramp(), *force_ramp(), *relaxation(), *rigid_press(), *mindlin(), *cost()):
         print(f"| {' | '.join(row)} |")
-    print("\nHistory (unloading, Ting 1966) and 1500 elements: tests/contact_mechanics/test_history.py.\n")
+    print("\nHistory (unloading, Ting 1966) and 1500 elements: tests/worlds/contact/test_history.py.\n")
     print(
         "# Against the tables computed before\n\n"
         "Earlier value, then the difference of this package's in units of its last digit (0: the same digits). The row "

@@ -24,7 +24,7 @@ _NAMES = {
     "open_frames": "frame_files",
     "read_camera": "frame_files",
     "score": "public",
-    "simulate_press": "synthetic",
+    "simulate_press": "public",
 }
 """Public name to the module below this package that has it; loaded when it is first asked for."""
 __all__ = ["__version__", *_NAMES]

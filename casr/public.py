@@ -9,6 +9,7 @@ from typing import Any
 from casr.errors import SettingError
 from casr.frame_files import open_frames
 from casr.frames import FrameSequence
+from casr.made_worlds import made_worlds
 from casr.scored import Score, ScoreSettings
 from casr.scoring import score as score_frames
 
@@ -40,3 +41,9 @@ def score(press: str | PathLike[str] | FrameSequence, settings: ScoreSettings | 
         raise SettingError("score, press", wanted="a path or open frames", found=type(press).__name__, do=do)
     named: dict[str, Any] = {key: Path(value) if key in ("force", "camera") else value for key, value in files.items()}
     return score_frames(open_frames(Path(press), **named), settings)
+
+
+def simulate_press(settings: Any = None) -> Any:
+    """A rendered press with known contact area, flow and spread rate. settings : ``PressSettings`` of its world."""
+    worlds = made_worlds()
+    return worlds.simulate_press(worlds.PressSettings() if settings is None else settings)

@@ -12,12 +12,12 @@ import numpy as np
 from casr.atomic import write_text_atomic
 from casr.command_line import nearest
 from casr.specimens import SPECIMENS
-from casr.synthetic import REALISTIC, PressSettings, simulate_press, write_press
 from emg2vsa.errors import SettingError
 from emg2vsa.study_file import load_study
-from emg2vsa.synthetic import simulate_study
-from emg2vsa.synthetic.formats import write_csv
-from emg2vsa.synthetic.plan import plan_study
+from emg2vsa.worlds.people import simulate_study
+from emg2vsa.worlds.people.formats import write_csv
+from emg2vsa.worlds.people.plan import plan_study
+from emg2vsa.worlds.tactile import REALISTIC, PressSettings, simulate_press, write_press
 
 _CHANNELS = """
 [channels.emg.EDC] # extensor digitorum communis

@@ -27,7 +27,7 @@ from emg2vsa.settings import (
     WindowSettings,
 )
 from emg2vsa.study_file import load_study
-from emg2vsa.synthetic.recording import make_recording
+from emg2vsa.worlds.people.recording import make_recording
 
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -243,8 +243,8 @@ def _xdf_peers(path: Path) -> Iterator[Way]:
 def _film(folder: Path, n: int) -> tuple[Path, np.ndarray]:
     import cv2
 
-    from casr.synthetic.press import simulate_press
-    from casr.synthetic.settings import PressSettings, TimelineSettings
+    from emg2vsa.worlds.tactile.press import simulate_press
+    from emg2vsa.worlds.tactile.settings import PressSettings, TimelineSettings
 
     press = simulate_press(PressSettings(timeline=TimelineSettings(loading_s=max(1.0, n / 20))))
     frames = np.array([press.frames.read(i) for i in range(n)])

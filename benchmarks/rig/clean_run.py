@@ -14,13 +14,13 @@ from benchmarks.rig.logs import read_log
 from benchmarks.rig.plans import modular_plan, rigid_plan
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.protocols import Devices, ForceSample, ForceSensor
-from emg2vsa.rig.emulated.bench import EmulatedRig
-from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.expected import largest_force_n
 from emg2vsa.rig.plan import RIGID, Condition
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
 TORQUE_STEP_NM = 1 / 752

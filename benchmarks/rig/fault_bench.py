@@ -18,20 +18,20 @@ from emg2vsa.devices.dynamixel.settings import DynamixelSettings
 from emg2vsa.devices.protocols import Actuator, Devices
 from emg2vsa.devices.qbmove.packets import Command, frame
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.emulated.bench import EmulatedRig
-from emg2vsa.rig.emulated.camera.frames import CameraFaults
-from emg2vsa.rig.emulated.dynamixel import table
-from emg2vsa.rig.emulated.dynamixel.firmware import BOOT_S, DynamixelFirmware
-from emg2vsa.rig.emulated.dynamixel.framing import Instruction, packet
-from emg2vsa.rig.emulated.fault_words import put
-from emg2vsa.rig.emulated.faults import FaultyWire, WireLine
-from emg2vsa.rig.emulated.netft.faults import BoxFaults
-from emg2vsa.rig.emulated.qbmove.far_end import DEVICE_ID
-from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.bench.fault_words import put
+from emg2vsa.worlds.bench.faults import FaultyWire, WireLine
+from emg2vsa.worlds.bench.settings import EmulatedSettings
+from emg2vsa.worlds.far_ends.camera.frames import CameraFaults
+from emg2vsa.worlds.far_ends.dynamixel import table
+from emg2vsa.worlds.far_ends.dynamixel.firmware import BOOT_S, DynamixelFirmware
+from emg2vsa.worlds.far_ends.dynamixel.framing import Instruction, packet
+from emg2vsa.worlds.far_ends.netft.faults import BoxFaults
+from emg2vsa.worlds.far_ends.qbmove.far_end import DEVICE_ID
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
 SPECIMEN = "S1"

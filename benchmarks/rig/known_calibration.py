@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from casr.synthetic import TabulatedWorld
 from emg2vsa.calibration.cut_presses import cut_forces, cut_rates
 from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.settings import CalibrationSettings
+from emg2vsa.worlds.tactile import TabulatedWorld
 
 MOUNTING_SD_PERCENT = 2.5
 """The areas here are true ones, and those of a press that is judged come from its pins, which tell them to 2.5 %."""

@@ -11,9 +11,9 @@ import time
 
 from benchmarks.rig.plans import SPECIMEN
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.rig.emulated.bench import EmulatedRig
-from emg2vsa.rig.emulated.servers import EmulatedServers
-from emg2vsa.rig.emulated.settings import EmulatedSettings
+from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.bench.servers import EmulatedServers
+from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 
 def main() -> None:

@@ -17,7 +17,7 @@ from casr.frames import force_per_frame
 from casr.scored import ScoreSettings
 from casr.specimens import SPECIMENS
 from casr.stream import StreamScorer
-from casr.synthetic import PressSettings, TabulatedWorld, simulate_press
+from emg2vsa.worlds.tactile import PressSettings, TabulatedWorld, simulate_press
 
 EVERY = 50_000
 FORCE_NOISE_N = 0.01

@@ -10,10 +10,11 @@ from mpmath import mp, mpf
 
 from benchmarks.stress.case import Case, Found
 from benchmarks.stress.exact_curves import mpfs
-from emg2vsa.contact_mechanics.geometry import PowerLaw, adhesive_force_n
-from emg2vsa.contact_mechanics.relaxation import ConvolvedForce, Relaxation
 from emg2vsa.devices.qbmove.springs import MOTOR_LIMIT_TICKS, SPRINGS, SpringJoint
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, TICKS_PER_TURN
+from emg2vsa.dome_contact import PowerLaw
+from emg2vsa.worlds.contact.adhesion import adhesive_force_n
+from emg2vsa.worlds.contact.relaxation import ConvolvedForce, Relaxation
 
 
 def cases() -> Iterator[Case]:

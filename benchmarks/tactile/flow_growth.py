@@ -11,9 +11,9 @@ from benchmarks.tactile.metrics import percent_error
 from casr.camera import Camera
 from casr.flow.estimate import FlowSettings, FlowTracker
 from casr.flow.region import Region
-from casr.synthetic.appearance import Appearance, draw_surface
-from casr.synthetic.render import render
-from casr.synthetic.skin import TACTIP_127
+from emg2vsa.worlds.tactile.appearance import Appearance, draw_surface
+from emg2vsa.worlds.tactile.render import render
+from emg2vsa.worlds.tactile.skin import TACTIP_127
 
 RADII_PITCHES = (1.25, 1.6, 2.0, 3.0, 4.0)
 LOG_GROWTH, N_STEPS = 0.3, 10

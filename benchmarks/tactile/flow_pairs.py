@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.camera import Camera
-from casr.synthetic.appearance import Appearance, draw_surface
-from casr.synthetic.region import ContactEllipse, Points
-from casr.synthetic.render import render
-from casr.synthetic.skin import TACTIP_127, Skin
+from emg2vsa.worlds.tactile.appearance import Appearance, draw_surface
+from emg2vsa.worlds.tactile.region import ContactEllipse, Points
+from emg2vsa.worlds.tactile.render import render
+from emg2vsa.worlds.tactile.skin import TACTIP_127, Skin
 
 CONTACT_RADIUS_PX = 80.0
 "Edge of the contact of the benchmark."

@@ -18,8 +18,8 @@ from casr.flow.estimate import ENGINES, FlowSettings
 from casr.frames import FrameSequence
 from casr.scoring import Score, ScoreSettings, score
 from casr.spread import AREA_LAWS, RATE_RULES, contact_areas, spread_rate
-from casr.synthetic.press import SimulatedPress, simulate_press
-from casr.synthetic.settings import PressSettings
+from emg2vsa.worlds.tactile.press import SimulatedPress, simulate_press
+from emg2vsa.worlds.tactile.settings import PressSettings
 
 TRUE_AREA = "true area"
 "Stands for an area rule that knows A_c0: what is left is the error of the growth."

@@ -17,8 +17,8 @@ from benchmarks.tactile.world_scores import FORCES_N, LEAST_PITCHES, Found, Worl
 from benchmarks.tactile.worlds import named, world_named
 from casr.specimens import SPECIMENS
 from casr.stretch import unlike_others
-from casr.synthetic.settings import PressSettings
 from emg2vsa.calibration.laws import fit_law
+from emg2vsa.worlds.tactile.settings import PressSettings
 
 NEAR_PERCENT = 8.0
 UNLIKE = (

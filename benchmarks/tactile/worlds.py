@@ -13,7 +13,7 @@ import numpy as np
 from casr.dome.library import FAMILY, SHIPPED, Library, shipped, with_between
 from casr.dome.library import worlds as all_domes
 from casr.errors import SettingError
-from casr.synthetic import ContactWorld, TabulatedWorld, World
+from emg2vsa.worlds.tactile import ContactWorld, TabulatedWorld, World
 
 FULL_TABLES = Path(os.environ.get("EMG2VSA_TEST_DATA", Path(__file__).parents[3] / "shared" / "data")) / "contact_fem"
 STICK_FORCES_N = (0.1, 0.43, 1.0, 2.0)

@@ -9,6 +9,7 @@ from pathlib import Path
 from casr.cli.arguments import of_fields
 from casr.cli.values import TYPES, count
 from casr.command_line import Commands, add_command, add_json, add_options, print_json, whole_number
+from casr.made_worlds import made_worlds
 from casr.terminal import VOICE
 
 PRESSES = """
@@ -51,18 +52,16 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from casr.synthetic import Appearance
-    from casr.synthetic.plan import PressPlan, write_presses
-
-    out, look = arguments.out, Appearance(**of_fields(arguments, Appearance))
-    presses = PressPlan(**of_fields(arguments, PressPlan), appearance=look).presses()
+    worlds = made_worlds()
+    out, look = arguments.out, worlds.Appearance(**of_fields(arguments, worlds.Appearance))
+    presses = worlds.PressPlan(**of_fields(arguments, worlds.PressPlan), appearance=look).presses()
 
     def tell(done: int) -> None:
         if sys.stderr.isatty() and not VOICE.quiet:
             end = "\n" if done == len(presses) else ""
             print(f"\rsimulate: {done} of {len(presses)}", end=end, file=sys.stderr, flush=True)
 
-    made = write_presses(presses, out, tell, overwrite=arguments.overwrite)
+    made = worlds.write_presses(presses, out, tell, overwrite=arguments.overwrite)
     if arguments.json:
         print_json({"folder": str(out), "presses": made})
         return 0

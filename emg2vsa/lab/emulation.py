@@ -14,11 +14,11 @@ from typing import Any
 from casr.atomic import write_text_atomic
 from emg2vsa.devices.clock import WallClock, undisturbed
 from emg2vsa.errors import SettingError
-from emg2vsa.rig.emulated.bench import EmulatedRig
-from emg2vsa.rig.emulated.controls import ARTIFICIAL
-from emg2vsa.rig.emulated.fault_words import help_text, put
-from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig_file import RigFile
+from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.bench.controls import ARTIFICIAL
+from emg2vsa.worlds.bench.fault_words import help_text, put
+from emg2vsa.worlds.bench.servers import EmulatedServers
 
 _HEAD = "# Written by emg2vsa rig emulate, good for as long as it runs."
 

@@ -14,12 +14,12 @@ from emg2vsa.calibration_file import open_calibration
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.errors import SettingError
 from emg2vsa.lab.person import Person
-from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, KappaPlan, last_rows
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.record.new_folder import KAPPA_ABOUT_FILE
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run
+from emg2vsa.worlds.bench.bench import EmulatedRig
 
 _SAME_DEG = 1e-6
 

@@ -10,13 +10,13 @@ from emg2vsa.devices.device_settings import ForceSettings
 from emg2vsa.devices.rig_force.settings import RigForceSettings
 from emg2vsa.errors import SettingError
 from emg2vsa.rig_file import load_rig
-from emg2vsa.session.emulated.mistakes import Mistake, parse_mistakes
-from emg2vsa.session.emulated.participant import EmulatedParticipant
-from emg2vsa.session.emulated.simulated import simulate
 from emg2vsa.session.open_session import Makers
 from emg2vsa.session.open_sources import source_makers
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.study import Study
+from emg2vsa.worlds.people.mistakes import Mistake, parse_mistakes
+from emg2vsa.worlds.people.participant import EmulatedParticipant
+from emg2vsa.worlds.people.simulated import simulate
 
 
 @dataclass(frozen=True, kw_only=True)

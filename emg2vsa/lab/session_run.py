@@ -17,11 +17,11 @@ from emg2vsa.lab.session_devices import Virtual, devices
 from emg2vsa.lab.session_finish import SILENT, FinishedSession, finish
 from emg2vsa.pipeline.run_study import Progress
 from emg2vsa.session.desk import SessionDesk
-from emg2vsa.session.emulated.operator import EmulatedOperator
-from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.open_session import folder_of, open_session, settings_of
 from emg2vsa.session.views import OperatorState
 from emg2vsa.study import Study
+from emg2vsa.worlds.people.operator import EmulatedOperator
+from emg2vsa.worlds.people.participant import EmulatedParticipant
 
 if TYPE_CHECKING:
     from emg2vsa.live.server import Listening

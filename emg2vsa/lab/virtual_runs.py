@@ -10,9 +10,6 @@ from typing import Any
 
 from emg2vsa.errors import Emg2vsaError, SettingError
 from emg2vsa.process_pool import ProcessPool, WorkerDied
-from emg2vsa.rig.emulated.controls import ArtificialEffect, effect_of
-from emg2vsa.rig.emulated.settings import EmulatedSettings
-from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.executor.guards import changed_guards
 from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.kappa.live_kappa import KappaPlan
@@ -21,6 +18,9 @@ from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run, read_schedules
+from emg2vsa.worlds.bench.controls import ArtificialEffect, effect_of
+from emg2vsa.worlds.bench.settings import EmulatedSettings
+from emg2vsa.worlds.bench.virtual_run import run_virtual
 
 
 @dataclass(frozen=True)

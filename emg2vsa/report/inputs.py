@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.calibration.results import CalibrationResults
-from emg2vsa.contact_mechanics.stiffness_effect import StiffnessEffect
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.exemplary import Choice
 from emg2vsa.extraction import Trials
@@ -23,6 +22,7 @@ from emg2vsa.run_scores import RunScores
 from emg2vsa.schedules import Schedule
 from emg2vsa.study import Study
 from emg2vsa.truth import Truth
+from emg2vsa.worlds.contact.stiffness_effect import StiffnessEffect
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,13 @@ from dataclasses import fields, replace
 from pathlib import Path
 
 from emg2vsa.devices.rig_devices import DeviceSettings
-from emg2vsa.rig.emulated.controls import controlled, counterparts
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig_file.checks import problems_across
 from emg2vsa.rig_file.older_keys import with_todays_keys
 from emg2vsa.rig_file.tables import RigFile, RigTables
 from emg2vsa.study_file.problems import checked_tables
 from emg2vsa.study_file.toml_file import beside, placed, read_toml, reports_beside
+from emg2vsa.worlds.bench.controls import controlled, counterparts
 
 __all__ = ["RigFile", "load_rig"]
 

@@ -1,4 +1,4 @@
-"""Scores that the contact of ``casr.synthetic`` gives."""
+"""Scores that the contact of ``emg2vsa.worlds.tactile`` gives."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from casr.specimens import SPECIMENS
-from casr.synthetic import ContactWorld, casr_truth
 from emg2vsa.calibration.calibrate import Calibration
 from emg2vsa.calibration.left_out import left_out
 from emg2vsa.calibration.repeats import RepeatInterval, repeat_interval
+from emg2vsa.worlds.tactile import ContactWorld, casr_truth
 
 FORCES_N = np.linspace(0.5, 7, 131)
 

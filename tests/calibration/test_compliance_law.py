@@ -9,7 +9,6 @@ import pytest
 
 from casr.scoring import ScoreSettings, score
 from casr.specimens import SPECIMENS
-from casr.synthetic import ContactWorld, PressSettings, simulate_press
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.forms import HERTZ, eta_of, kappa_of, kappa_slope, specimen_share, x_of, x_slope
 from emg2vsa.calibration.laws import LAWS, fit_law
@@ -18,6 +17,7 @@ from emg2vsa.calibration.repeats import repeat_interval
 from emg2vsa.calibration.unknown import estimate
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import CalibrationSettings
+from emg2vsa.worlds.tactile import ContactWorld, PressSettings, simulate_press
 
 QUICK = CalibrationSettings(resamples=2)
 SKIN = ScoreSettings(quantity="skin")

@@ -7,7 +7,6 @@ import dataclasses
 import numpy as np
 import pytest
 
-from casr.synthetic import ContactWorld
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.left_out import left_out
 from emg2vsa.calibration.presses import far_off, without_outliers
@@ -16,6 +15,7 @@ from emg2vsa.calibration.runs_calibration import calibrate_runs
 from emg2vsa.calibration.serial import serial_correlation
 from emg2vsa.calibration.unknown import estimate
 from emg2vsa.settings import CalibrationSettings
+from emg2vsa.worlds.tactile import ContactWorld
 
 QUICK = CalibrationSettings(resamples=2)
 EXPERIMENTS = 2000

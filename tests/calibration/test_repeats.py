@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from casr.synthetic import ContactWorld
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.forms import (
     CASR_POWER,
@@ -20,6 +19,7 @@ from emg2vsa.calibration.presses import within
 from emg2vsa.calibration.repeats import _noise, by_kappa, by_mean_score, repeat_interval
 from emg2vsa.errors import DataError
 from emg2vsa.settings import CalibrationSettings
+from emg2vsa.worlds.tactile import ContactWorld
 
 EXPERIMENTS = 3000
 MEASURED = {0: (0.0189, 0.005, 0.0113, 0.0143), 30: (0.0227, 0.0265, 0.0091, 0.0276), 45: (0.03, 0.027, 0.035, 0.025)}

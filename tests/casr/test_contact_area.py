@@ -17,10 +17,10 @@ from casr.flow.region import Region
 from casr.pins import Pins, detect_pins, match_pins
 from casr.scored import ScoreSettings
 from casr.specimens import SPECIMENS
-from casr.synthetic.contact import ContactWorld
-from casr.synthetic.motion import lever, spread
-from casr.synthetic.region import ContactEllipse, Rim
-from casr.synthetic.skin import TACTIP_127
+from emg2vsa.worlds.tactile.contact import ContactWorld
+from emg2vsa.worlds.tactile.motion import lever, spread
+from emg2vsa.worlds.tactile.region import ContactEllipse, Rim
+from emg2vsa.worlds.tactile.skin import TACTIP_127
 
 CENTRE = (149.5, 149.5)
 RIM = Rim(CENTRE, 140.0)

@@ -7,7 +7,7 @@ import pytest
 
 from casr.frames import FrameSequence
 from casr.scoring import score
-from casr.synthetic import PressSettings, SimulatedFrames, simulate_press
+from emg2vsa.worlds.tactile import PressSettings, SimulatedFrames, simulate_press
 
 
 @pytest.mark.parametrize("dip_n", [0.5, 2.0])

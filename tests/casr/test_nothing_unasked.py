@@ -15,7 +15,7 @@ from casr.images import Grey
 from casr.pins import PinTracker
 from casr.scoring import ScoreSettings, score
 from casr.specimens import SPECIMENS
-from casr.synthetic import PressSettings, SimulatedPress, TabulatedWorld, simulate_press
+from emg2vsa.worlds.tactile import PressSettings, SimulatedPress, TabulatedWorld, simulate_press
 
 
 class Listed:

@@ -22,7 +22,7 @@ from casr.overlays.curves import area_curve, growth_curve
 from casr.overlays.motion import flow_picture, growth_between
 from casr.palette import RED
 from casr.scoring import Score, ScoreSettings, score
-from casr.synthetic import TACTIP_127, PressSettings, TimelineSettings, simulate_press
+from emg2vsa.worlds.tactile import TACTIP_127, PressSettings, TimelineSettings, simulate_press
 
 PINS_PX = TACTIP_127.pins_px((149.5, 149.5))
 

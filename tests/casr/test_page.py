@@ -12,7 +12,7 @@ from casr.frames import FrameSequence, force_per_frame
 from casr.page import Embedded, index_page, press_page
 from casr.page.wording import error_parts, growths, headline, interval, left_out, number, verdict
 from casr.scoring import Score, score
-from casr.synthetic import PressSettings, TimelineSettings, simulate_press
+from emg2vsa.worlds.tactile import PressSettings, TimelineSettings, simulate_press
 
 PICTURE = Embedded("A title", "What it shows & why.", "image/png", b"\x89PNG")
 EMPTY = {"meta", "img", "br", "path"}

@@ -17,7 +17,7 @@ from casr.scoring import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.spread import contact_areas
 from casr.stream import StreamScorer
-from casr.synthetic import ContactWorld, PressSettings, SimulatedPress, simulate_press
+from emg2vsa.worlds.tactile import ContactWorld, PressSettings, SimulatedPress, simulate_press
 
 Images = NDArray[np.uint8]
 Forces = NDArray[np.float64]

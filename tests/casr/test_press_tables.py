@@ -12,7 +12,7 @@ import pytest
 from casr.frames import FrameSequence, force_per_frame
 from casr.press_tables import frame_columns, frame_rows, frames_csv, pins_csv
 from casr.scoring import Score, score
-from casr.synthetic import PressSettings, TimelineSettings, simulate_press
+from emg2vsa.worlds.tactile import PressSettings, TimelineSettings, simulate_press
 
 
 @pytest.fixture(scope="module")

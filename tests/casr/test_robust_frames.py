@@ -23,7 +23,7 @@ from casr.pins import Pins, PinSettings
 from casr.scoring import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.stream import SKIPPED, StreamScorer
-from casr.synthetic import ContactWorld, PressSettings, Skin, TimelineSettings, simulate_press
+from emg2vsa.worlds.tactile import ContactWorld, PressSettings, Skin, TimelineSettings, simulate_press
 
 Images = NDArray[np.uint8]
 SKIN = ScoreSettings(quantity="skin")

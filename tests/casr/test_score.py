@@ -25,7 +25,7 @@ from casr.press_scorer import PressScorer
 from casr.scoring import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.spread import spread_rate
-from casr.synthetic import ContactWorld, PressSettings, SimulatedPress, World, simulate_press
+from emg2vsa.worlds.tactile import ContactWorld, PressSettings, SimulatedPress, World, simulate_press
 
 STUCK = ContactWorld()
 "The world in which the skin inside the contact grows as the contact does."

@@ -16,7 +16,7 @@ from casr.frames import FrameSequence, force_per_frame
 from casr.scoring import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.stream import StreamScorer, StreamState
-from casr.synthetic import ContactWorld, PressSettings, TabulatedWorld, TimelineSettings, World, simulate_press
+from emg2vsa.worlds.tactile import ContactWorld, PressSettings, TabulatedWorld, TimelineSettings, World, simulate_press
 
 Frames = tuple[NDArray[np.uint8], NDArray[np.float64]]
 BRISK = TimelineSettings(loading_s=1.5)

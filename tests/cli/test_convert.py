@@ -19,7 +19,7 @@ from emg2vsa.readers.front_door import read
 from emg2vsa.readers.roles import read_roles
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study_file import load_study
-from emg2vsa.synthetic.recording import make_recording
+from emg2vsa.worlds.people.recording import make_recording
 
 STUDY = """
 [study]

@@ -12,7 +12,7 @@ import pytest
 from emg2vsa.cli import main
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study_file import load_study
-from emg2vsa.synthetic.recording import make_recording
+from emg2vsa.worlds.people.recording import make_recording
 
 PEOPLE, SPECIMENS = ("ama", "bob"), {"hard": 40e-6, "soft": 20e-6}
 

@@ -17,12 +17,12 @@ from emg2vsa.pipeline.fingerprint import Fingerprints, Values
 from emg2vsa.pipeline.stage import Given, Stage
 from emg2vsa.pipeline.stages import emulation, runs
 from emg2vsa.pipeline.store import WrittenFiles, remove_left_files
-from emg2vsa.rig.emulated import virtual_run
-from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.guards import GUARDS
 from emg2vsa.rig.experiment import ExperimentSettings, Run
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.study_file import load_study
+from emg2vsa.worlds.bench import virtual_run
+from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 MEASURED = """
 [study]

@@ -154,5 +154,5 @@ def test_what_workers_load_from_the_start_is_there() -> None:
     for name in ORDER:
         for module in stage(name).loads:
             assert importlib.import_module(module).__name__ == module
-    assert {"emg2vsa.rig.emulated.virtual_run", "emg2vsa.run_scores.score_run"} <= set(_loads(ORDER))
+    assert {"emg2vsa.worlds.bench.virtual_run", "emg2vsa.run_scores.score_run"} <= set(_loads(ORDER))
     assert "emg2vsa.extraction.extract" not in _loads(ORDER[ORDER.index("emulation") :])

@@ -10,7 +10,7 @@ import pytest
 
 from emg2vsa.cli import main
 from emg2vsa.settings import SimulationSettings
-from emg2vsa.synthetic.recording import make_recording
+from emg2vsa.worlds.people.recording import make_recording
 
 STUDY = """
 [study]

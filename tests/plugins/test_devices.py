@@ -29,13 +29,13 @@ from emg2vsa.errors import DeviceError, StudyError
 from emg2vsa.lab.by_hand import jog
 from emg2vsa.lab.device_states import info
 from emg2vsa.lab.session_devices import devices
-from emg2vsa.rig.emulated.servers import VirtualSerialPort
 from emg2vsa.rig.open_rig import open_camera, open_force
 from emg2vsa.rig.rig_settings import GuardSettings
 from emg2vsa.rig_file import load_rig
 from emg2vsa.session.open_session import folder_of, open_session
 from emg2vsa.session.raw_files import SampleFile
 from emg2vsa.study_file import load_study
+from emg2vsa.worlds.bench.servers import VirtualSerialPort
 from tests.plugins.conftest import device_example
 
 if sys.platform != "win32":

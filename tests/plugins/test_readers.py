@@ -15,7 +15,7 @@ from emg2vsa.pipeline.plan import survey
 from emg2vsa.readers.front_door import open_recording, read
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study_file import load_study
-from emg2vsa.synthetic.recording import make_recording
+from emg2vsa.worlds.people.recording import make_recording
 
 Install = Callable[..., Path]
 

@@ -10,7 +10,7 @@ import pytest
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.survey import survey
 from emg2vsa.settings import SimulationSettings
-from emg2vsa.synthetic.recording import make_recording
+from emg2vsa.worlds.people.recording import make_recording
 
 MADE = make_recording(
     np.random.SeedSequence(1), SimulationSettings(repetitions=3), a_v=40e-6, b_v=20e-6, window_n=(0.5, 7)

@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from emg2vsa.contact_mechanics.stiffness_effect import StiffnessEffect
 from emg2vsa.discrimination import discriminate
 from emg2vsa.report.inputs import Runs, StudyResults
 from emg2vsa.report.section import rendered
@@ -17,6 +16,7 @@ from emg2vsa.report.sections.actuators import ACTUATORS
 from emg2vsa.report.sections.stiffness import STIFFNESS
 from emg2vsa.report.study_report import contents, numbers_and_tables
 from emg2vsa.settings import DiscriminationSettings
+from emg2vsa.worlds.contact.stiffness_effect import StiffnessEffect
 
 CONDITIONS = ("high-stiffness", "modular", "constant-min", "all-20")
 

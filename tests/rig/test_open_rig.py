@@ -23,11 +23,11 @@ from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.devices.serial_line import LoopbackLine, SerialLine
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.rig.emulated.bench import EmulatedRig
-from emg2vsa.rig.emulated.servers import EmulatedServers
-from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.open_rig import open_force, open_rig, within_device
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
+from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.bench.servers import EmulatedServers
+from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 WIDE = {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)}
 PATIENT = RigSettings(guards=GuardSettings(stale_s=2.0, camera_s=5.0))

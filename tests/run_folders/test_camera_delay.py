@@ -12,11 +12,11 @@ from emg2vsa.cli import main
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.protocols import Devices, Frame
 from emg2vsa.errors import RecordingError
-from emg2vsa.rig.emulated.bench import EmulatedRig
-from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.run_folders.camera_delay import SYSTEMATIC_S, measure_delay, shift_of
+from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 LATE_S = 0.043
 

@@ -14,12 +14,12 @@ from casr.frames import FrameSequence
 from casr.scored import Score, ScoreSettings
 from casr.scoring import score
 from casr.specimens import SPECIMENS
-from casr.synthetic import ContactWorld, PressSettings, simulate_press
-from casr.synthetic.settings import TimelineSettings
 from emg2vsa.run_scores import ALGORITHMS, RunScores
 from emg2vsa.run_scores.press import Press
 from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import PAPER, RECIPES, RunSettings
+from emg2vsa.worlds.tactile import ContactWorld, PressSettings, simulate_press
+from emg2vsa.worlds.tactile.settings import TimelineSettings
 
 PAPERS_STEPS = {"engine": "horn-schunck", "force_rule": "mean", "area_rule": "paper", "law": "paper", "rate": "paper"}
 TIP_MM2 = 1300.0

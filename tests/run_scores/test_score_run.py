@@ -12,11 +12,11 @@ from casr.errors import PassingError
 from casr.frames import FrameSequence
 from casr.scored import ScoreSettings
 from casr.scoring import score
-from casr.synthetic import PressSettings, SimulatedFrames, SimulatedPress, simulate_press
 from emg2vsa.run_scores import ALGORITHMS, PICTURED_N, RunScores
 from emg2vsa.run_scores.press import Press
 from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import RunSettings
+from emg2vsa.worlds.tactile import PressSettings, SimulatedFrames, SimulatedPress, simulate_press
 
 SETTINGS = RunSettings()
 

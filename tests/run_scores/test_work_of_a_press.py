@@ -14,9 +14,6 @@ from casr.frame_files import open_frames
 from casr.frames import FrameSequence
 from casr.pins import PinTracker
 from casr.specimens import SPECIMENS
-from casr.synthetic import PressSettings, simulate_press
-from casr.synthetic.settings import TimelineSettings
-from casr.synthetic.write import write_press
 from emg2vsa.pipeline.profile import StageProfile
 from emg2vsa.run_folders.presses import read_presses
 from emg2vsa.run_scores import RunScores
@@ -24,6 +21,9 @@ from emg2vsa.run_scores.counted_pins import counted_pins
 from emg2vsa.run_scores.press import Press
 from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import RunSettings
+from emg2vsa.worlds.tactile import PressSettings, simulate_press
+from emg2vsa.worlds.tactile.settings import TimelineSettings
+from emg2vsa.worlds.tactile.write import write_press
 
 
 class Counted:

@@ -9,14 +9,14 @@ import pytest
 
 from benchmarks.small_study import SIMULATED_SESSION, small_study
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.session.emulated.mistakes import parse_mistakes
-from emg2vsa.session.emulated.operator import EmulatedOperator
-from emg2vsa.session.emulated.participant import EmulatedParticipant
-from emg2vsa.session.emulated.simulated import simulate
 from emg2vsa.session.open_session import folder_of, open_session
 from emg2vsa.session.views import OperatorState
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
+from emg2vsa.worlds.people.mistakes import parse_mistakes
+from emg2vsa.worlds.people.operator import EmulatedOperator
+from emg2vsa.worlds.people.participant import EmulatedParticipant
+from emg2vsa.worlds.people.simulated import simulate
 
 STUDY = small_study(
     participants=["P01", "P03"], specimens=["S1", "S3"], task="press", simulation="seed = 5\n",

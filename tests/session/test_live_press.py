@@ -21,7 +21,7 @@ from emg2vsa.settings import (
     SimulationSettings,
     WindowSettings,
 )
-from emg2vsa.synthetic.recording import make_recording
+from emg2vsa.worlds.people.recording import make_recording
 
 SETTINGS = SessionSettings(emg=SimulatedEmgSettings(), force=SimulatedForceSettings())
 HOW = HowJudged(FilterSettings(), WindowSettings(), ForceChannelSettings(name="force"), FitSettings())

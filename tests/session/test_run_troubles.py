@@ -110,7 +110,7 @@ def test_two_processes_cannot_record_one_session_nor_begin_it_twice(play, study_
 
 def _sources(study):
     from emg2vsa.devices.clock import VirtualClock
-    from emg2vsa.session.emulated.simulated import simulate
+    from emg2vsa.worlds.people.simulated import simulate
 
     _, emg, force = simulate(study, study.session, "P03", VirtualClock())
     return (lambda: emg, lambda: force)
@@ -255,13 +255,13 @@ def test_the_page_of_the_participant_cannot_flood_the_journal(play):
 def test_a_server_that_drops_at_press_7_pauses_the_session_and_the_press_is_repeated(study_file):
     from emg2vsa.devices.clock import FastClock
     from emg2vsa.devices.trigno.driver import TrignoSource
-    from emg2vsa.session.emulated.operator import EmulatedOperator
-    from emg2vsa.session.emulated.simulated import simulate
-    from emg2vsa.session.emulated.trigno.server import TrignoServer
     from emg2vsa.session.journal import Judged, PressEnded
     from emg2vsa.session.open_session import folder_of
     from emg2vsa.session.raw_files import SampleFile
     from emg2vsa.study_file import load_study
+    from emg2vsa.worlds.far_ends.trigno.server import TrignoServer
+    from emg2vsa.worlds.people.operator import EmulatedOperator
+    from emg2vsa.worlds.people.simulated import simulate
 
     study = load_study(study_file("repetitions = 4"))
     clock = FastClock(4.0)

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from emg2vsa.devices.clock import FastClock
 from emg2vsa.errors import DeviceError
-from emg2vsa.session.emulated.participant import EmulatedParticipant
-from emg2vsa.session.emulated.person import Person, Response
-from emg2vsa.session.emulated.trigno.server import Ports, TrignoServer
+from emg2vsa.worlds.far_ends.trigno.server import Ports, TrignoServer
+from emg2vsa.worlds.people.participant import EmulatedParticipant
+from emg2vsa.worlds.people.person import Person, Response
 
 SPEED = 10.0
 SAMPLE, AUX, LEGACY_AUX = 64, 576, 192

@@ -25,7 +25,7 @@ OPTIONS = """\
 
 
 def add_to(commands: Commands) -> None:
-    from emg2vsa.session.emulated.mistakes import OF_HAND, OF_SENSOR
+    from emg2vsa.worlds.people.mistakes import OF_HAND, OF_SENSOR
 
     kinds = "; ".join(f"{kind}: {words}" for kind, words in (OF_HAND | OF_SENSOR).items())
     add_command(

@@ -13,10 +13,10 @@ from emg2vsa.settings import RIGID
 if TYPE_CHECKING:
     from emg2vsa.devices.device_settings import ActuatorSettings
     from emg2vsa.pipeline.campaign import Campaign
-    from emg2vsa.rig.emulated.controls import ArtificialEffect
-    from emg2vsa.rig.emulated.settings import EmulatedSettings
     from emg2vsa.rig.plan import RunPlan
     from emg2vsa.rig.rig_settings import RigSettings
+    from emg2vsa.worlds.bench.controls import ArtificialEffect
+    from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 STARTED = "2026-01-05T09:00:00+00:00"
 """Date of every emulated run: the same study gives the same bytes on any day."""
@@ -80,9 +80,9 @@ def run(given: Given) -> list[Path]:
     import shutil
 
     from emg2vsa.errors import DataError, SettingError
-    from emg2vsa.rig.emulated.controls import effect_of
     from emg2vsa.rig.experiment import plan_of
     from emg2vsa.rig.record.new_folder import EMULATED_FILE
+    from emg2vsa.worlds.bench.controls import effect_of
 
     assert given.folder is not None
     if changed := given.settings.get("changed_guards"):
@@ -126,8 +126,8 @@ def _record(
     from datetime import datetime
 
     from emg2vsa.errors import DeviceError
-    from emg2vsa.rig.emulated.virtual_run import run_virtual
     from emg2vsa.rig.record.new_folder import how_ended
+    from emg2vsa.worlds.bench.virtual_run import run_virtual
 
     try:
         started = datetime.fromisoformat(STARTED)
@@ -145,7 +145,7 @@ STAGE = Stage(
     of="emulated rig",
     needs=("schedules",),
     run=run,
-    loads=("emg2vsa.rig.emulated.virtual_run",),
+    loads=("emg2vsa.worlds.bench.virtual_run",),
     settings=settings,
     takes=takes,
     folder=folder,

@@ -89,7 +89,7 @@ def run(given: Given) -> RunScores:
 
 
 def _true_a_c0(given: Given, scores: RunScores) -> Floats:
-    from emg2vsa.rig.emulated.truth import true_areas_mm2
+    from emg2vsa.worlds.bench.truth import true_areas_mm2
 
     return true_areas_mm2(given.settings["folders"], [curve.first_n for curve in scores.curves])
 

@@ -8,8 +8,8 @@ from emg2vsa.pipeline.stage import Given, Stage
 from emg2vsa.settings import RIGID
 
 if TYPE_CHECKING:
-    from emg2vsa.contact_mechanics.stiffness_effect import StiffnessEffect
     from emg2vsa.pipeline.campaign import Campaign
+    from emg2vsa.worlds.contact.stiffness_effect import StiffnessEffect
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
@@ -41,13 +41,13 @@ def run(given: Given) -> StiffnessEffect | None:
     """None where fewer than two specimens have all schedules."""
     import numpy as np
 
-    from casr.synthetic import ContactWorld, TabulatedWorld
-    from emg2vsa.contact_mechanics import Drive, StiffnessSteps
-    from emg2vsa.contact_mechanics.camera_frames import FrameErrors
-    from emg2vsa.contact_mechanics.stiffness_effect import AREA_NOISE, Bench, materials_of, stiffness_effect
     from emg2vsa.devices.qbmove.springs import SPRINGS, SpringJoint
     from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
     from emg2vsa.schedules import Schedule
+    from emg2vsa.worlds.contact import Drive, StiffnessSteps
+    from emg2vsa.worlds.contact.camera_frames import FrameErrors
+    from emg2vsa.worlds.contact.stiffness_effect import AREA_NOISE, Bench, materials_of, stiffness_effect
+    from emg2vsa.worlds.tactile import ContactWorld, TabulatedWorld
 
     used, world = given.settings, ContactWorld()
     steps: dict[str, dict[str, StiffnessSteps]] = {}

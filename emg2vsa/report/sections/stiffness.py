@@ -9,13 +9,6 @@ import numpy as np
 
 from casr.errors import InputError
 from casr.spread import spread_rate
-from emg2vsa.contact_mechanics.stiffness_effect import (
-    LOSSY_SENSOR,
-    LOSSY_SPECIMENS,
-    PRESS_CV,
-    StiffnessEffect,
-    replicates_needed,
-)
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Claim, Quantities, Section
@@ -23,6 +16,13 @@ from emg2vsa.report.sections.actuators import CONTRAST_CLAIM, CONTRAST_PAPER, CO
 from emg2vsa.report.table import Cell, Column, Row, Table, rows_of
 from emg2vsa.report.wording import number, signed
 from emg2vsa.run_scores.product import PressCurve
+from emg2vsa.worlds.contact.stiffness_effect import (
+    LOSSY_SENSOR,
+    LOSSY_SPECIMENS,
+    PRESS_CV,
+    StiffnessEffect,
+    replicates_needed,
+)
 
 _HUMAN_LIKE = "modular"
 _ASSUMED, _LOSSY = 1, 2

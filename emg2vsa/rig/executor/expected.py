@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 
-from emg2vsa.contact_mechanics import PowerLaw
-from emg2vsa.contact_mechanics.tilt import SHEAR_OVER_NORMAL
+from emg2vsa.dome_contact import SHEAR_OVER_NORMAL, ElasticDome, PowerLaw
 from emg2vsa.rig.executor.witnesses import DEAD_S
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.specimen_contact import specimen_contact
 
 NOISE_N = 0.05
 """Of the force sensor, at most."""
@@ -27,7 +25,7 @@ def largest_force_n(plan: RunPlan, rig: RigSettings) -> float | None:
     """
     if plan.stiffness_n_per_mm is None:
         return None
-    contact = specimen_contact(plan.stiffness_n_per_mm)
+    contact = ElasticDome().on(plan.stiffness_n_per_mm)
     # a skin that sticks takes a part of the force, and resists the way along the surface too
     slope_n_per_mm = max(_slope(contact, plan, sticks=sticks) for sticks in (False, True))
     # two lags in series, of motors and shaft, go on by less than half the time of the slow motors of the guard
@@ -43,7 +41,7 @@ def most_past_contact_mm(plan: RunPlan, rig: RigSettings) -> float:
     if plan.stiffness_n_per_mm is None:
         return most_mm
     across = math.cos(math.radians(plan.angle_deg))
-    contact = specimen_contact(plan.stiffness_n_per_mm)
+    contact = ElasticDome().on(plan.stiffness_n_per_mm)
     first_mm, last_mm = (
         contact.depth_mm(force_n / across) / across for force_n in (plan.f_contact_n, BEYOND_LIMIT * rig.guards.force_n)
     )

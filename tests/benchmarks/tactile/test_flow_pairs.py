@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.tactile.flow_pairs import FlowPair, contact_pair, linear_pair
-from casr.synthetic import Appearance
+from emg2vsa.worlds.tactile import Appearance
 
 PAIRS = [contact_pair, linear_pair]
 

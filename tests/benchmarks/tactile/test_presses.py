@@ -14,8 +14,8 @@ from benchmarks.tactile.presses import failures, tables
 from casr.contact_area import RULES
 from casr.errors import SettingError
 from casr.flow.estimate import ENGINES
-from casr.synthetic.contact import ContactWorld
-from casr.synthetic.settings import PressSettings, TimelineSettings
+from emg2vsa.worlds.tactile.contact import ContactWorld
+from emg2vsa.worlds.tactile.settings import PressSettings, TimelineSettings
 
 BEST = ("pin-affine", TRUE_AREA, "ode", "power")
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from casr.cli import main
-from casr.synthetic import ContactWorld, PressSettings, simulate_press, write_press
+from emg2vsa.worlds.tactile import ContactWorld, PressSettings, simulate_press, write_press
 
 RIGID = 1e6
 

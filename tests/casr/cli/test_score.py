@@ -12,8 +12,8 @@ import pytest
 import tifffile
 
 from casr.cli import main
-from casr.synthetic import PressSettings, TimelineSettings, simulate_press, write_press
-from casr.synthetic.contact import ContactWorld
+from emg2vsa.worlds.tactile import PressSettings, TimelineSettings, simulate_press, write_press
+from emg2vsa.worlds.tactile.contact import ContactWorld
 
 Captured = pytest.CaptureFixture[str]
 

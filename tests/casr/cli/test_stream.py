@@ -16,7 +16,7 @@ import pytest
 
 from casr.cli import main
 from casr.frame_files import open_frames
-from casr.synthetic import PressSettings, TabulatedWorld, TimelineSettings, simulate_press, write_press
+from emg2vsa.worlds.tactile import PressSettings, TabulatedWorld, TimelineSettings, simulate_press, write_press
 
 Captured = pytest.CaptureFixture[str]
 

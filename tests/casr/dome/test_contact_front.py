@@ -20,7 +20,15 @@ from casr.errors import CameraError, PinsError
 from casr.front_spread import FORCE_ZERO_SD_N, front_doubt, front_spread
 from casr.scoring import score
 from casr.spread import SpreadRate, spread_rate
-from casr.synthetic import ContactWorld, PressSettings, Scene, TabulatedWorld, TimelineSettings, World, simulate_press
+from emg2vsa.worlds.tactile import (
+    ContactWorld,
+    PressSettings,
+    Scene,
+    TabulatedWorld,
+    TimelineSettings,
+    World,
+    simulate_press,
+)
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from casr.flow.estimate import FlowSettings, FlowTracker
 from casr.flow.region import Region
 from casr.frames import FrameSequence, force_per_frame
 from casr.scoring import ScoreSettings, score
-from casr.synthetic import PressSettings, TimelineSettings, simulate_press
+from emg2vsa.worlds.tactile import PressSettings, TimelineSettings, simulate_press
 
 REGION = Region.circle(100, 100, 30)
 

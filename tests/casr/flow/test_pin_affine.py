@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from casr.errors import PinsError
 from casr.flow.pin_affine import fit_affine
-from casr.synthetic import TACTIP_127
+from emg2vsa.worlds.tactile import TACTIP_127
 
 PINS = TACTIP_127.pins_px((149.5, 149.5))
 entries = st.floats(-0.3, 0.3)

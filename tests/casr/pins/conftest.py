@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from casr.camera import Camera
-from casr.synthetic import TACTIP_127, Appearance, Skin
-from casr.synthetic.appearance import draw_surface
-from casr.synthetic.render import render
+from emg2vsa.worlds.tactile import TACTIP_127, Appearance, Skin
+from emg2vsa.worlds.tactile.appearance import draw_surface
+from emg2vsa.worlds.tactile.render import render
 
 Points = NDArray[np.float64]
 Draw = Callable[..., NDArray[np.uint8]]

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from casr.pins import match_pins, pin_pitch_px
-from casr.synthetic import TACTIP_127
+from emg2vsa.worlds.tactile import TACTIP_127
 
 PINS = TACTIP_127.pins_px((149.5, 149.5))
 

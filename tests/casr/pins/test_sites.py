@@ -13,7 +13,7 @@ from casr.errors import PinsError
 from casr.pins import detect_pins, pins_in_doubt
 from casr.pins.lattice import NEIGHBOURS, at_border, nearest_pins
 from casr.pins.sites import lattice_kind, lattice_sites, on_lattice
-from casr.synthetic import TACTIP_127, Skin
+from emg2vsa.worlds.tactile import TACTIP_127, Skin
 
 HEXAGON = TACTIP_127.pins_px((149.5, 149.5))
 SQUARE = np.stack(np.meshgrid(np.arange(11) * 20.0, np.arange(9) * 20.0), axis=-1).reshape(-1, 2)

@@ -12,7 +12,7 @@ from benchmarks.tactile.flow_pairs import contact_pair
 from casr.errors import PinsError
 from casr.flow.pin_affine import fit_affine
 from casr.pins import PinTracker, detect_pins, match_pins
-from casr.synthetic import Skin
+from emg2vsa.worlds.tactile import Skin
 
 CENTRE = np.array([149.5, 149.5])
 SharedData = Callable[[str], Path]

@@ -9,9 +9,9 @@ from casr.camera import Camera
 from casr.pins import PinSettings, PinTracker, detect_pins, match_pins
 from casr.pins.pitch import guess_pitch_px
 from casr.pins.view import line_noise, noisy_share
-from casr.synthetic import TACTIP_127, Appearance, Skin
-from casr.synthetic.appearance import draw_surface
-from casr.synthetic.render import render
+from emg2vsa.worlds.tactile import TACTIP_127, Appearance, Skin
+from emg2vsa.worlds.tactile.appearance import draw_surface
+from emg2vsa.worlds.tactile.render import render
 
 DENSE = Skin(rings=10, pitch_px=12.4, pin_radius_px=2.8)
 

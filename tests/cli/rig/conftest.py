@@ -14,13 +14,13 @@ import pytest
 from emg2vsa.cli import main
 from emg2vsa.devices.clock import WallClock
 from emg2vsa.profiles import Profile, Profiles
-from emg2vsa.rig.emulated.bench import EmulatedRig
-from emg2vsa.rig.emulated.servers import EmulatedServers
-from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.schedule_files import write_schedule
 from emg2vsa.schedules import Schedule
 from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import ScheduleSettings
+from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.bench.servers import EmulatedServers
+from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 # a machine with other work must not trip the guards; held up for a second, the probe goes 8 mm on
 RIG = """\

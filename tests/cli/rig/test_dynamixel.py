@@ -11,12 +11,12 @@ import pytest
 
 from emg2vsa.devices.clock import WallClock
 from emg2vsa.lab.device_states import info
-from emg2vsa.rig.emulated.bench import EmulatedRig
-from emg2vsa.rig.emulated.servers import EmulatedServers
-from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig_file import load_rig
 from emg2vsa.schedule_files import write_schedule
 from emg2vsa.schedules.schedule import Limits
+from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.bench.servers import EmulatedServers
+from emg2vsa.worlds.bench.settings import EmulatedSettings
 from tests.cli.rig.conftest import make_schedules
 
 Rig = Callable[..., tuple[int, str, str]]

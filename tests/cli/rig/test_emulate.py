@@ -121,7 +121,7 @@ def test_a_control_that_needs_a_schedule_cannot_be_emulated_behind_ports(
 def test_on_windows_it_says_what_to_do(
     rig: Rig, rig_file: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("emg2vsa.rig.emulated.servers.sys", SimpleNamespace(platform="win32"))
+    monkeypatch.setattr("emg2vsa.worlds.bench.servers.sys", SimpleNamespace(platform="win32"))
     status, out, err = rig("emulate", rig_file())
     assert (status, out) == (2, "")
     assert "expected a system with virtual serial ports, but found Windows. Use emg2vsa rig run --virtual." in err

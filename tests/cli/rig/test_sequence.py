@@ -12,10 +12,10 @@ import pytest
 from emg2vsa.lab import virtual_runs
 from emg2vsa.lab.pressed import Pressed
 from emg2vsa.lab.pressing import Pressing
-from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.new_folder import good_presses, how_ended
+from emg2vsa.worlds.bench.virtual_run import run_virtual
 
 Rig = Callable[..., tuple[int, str, str]]
 ALL = ("--all", "--virtual", "--jobs", 1)

@@ -20,10 +20,10 @@ from emg2vsa.devices.rig_force.driver import RigForce
 from emg2vsa.devices.rig_force.settings import RigForceSettings
 from emg2vsa.devices.streams import Block, Source
 from emg2vsa.errors import DeviceError
-from emg2vsa.session.emulated.ni_daq.task import EmulatedNi
-from emg2vsa.session.emulated.participant import EmulatedParticipant
-from emg2vsa.session.emulated.person import Person, Response
 from emg2vsa.session.sample_clock import SampleClock
+from emg2vsa.worlds.far_ends.ni_daq.task import EmulatedNi
+from emg2vsa.worlds.people.participant import EmulatedParticipant
+from emg2vsa.worlds.people.person import Person, Response
 
 SETTINGS = NiEmgSettings(
     channels={"EDC": "Dev1/ai6", "FDS": "Dev1/ai7"},

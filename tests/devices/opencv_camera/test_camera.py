@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from casr.frame_files import open_frames
-from casr.synthetic import PressSettings, Scene
 from emg2vsa.devices.clock import VirtualClock, WallClock
 from emg2vsa.devices.opencv_camera.driver import FramePace, OpenCvCamera, fitted, lock_settings
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.emulated.camera.frames import EmulatedCamera, FrameTiming
-from emg2vsa.rig.emulated.camera.server import CameraServer
 from emg2vsa.rig.record.press_recorder import PressRecorder
+from emg2vsa.worlds.far_ends.camera.frames import EmulatedCamera, FrameTiming
+from emg2vsa.worlds.far_ends.camera.server import CameraServer
+from emg2vsa.worlds.tactile import PressSettings, Scene
 
 
 @pytest.mark.parametrize(

@@ -21,10 +21,10 @@ from emg2vsa.devices.trigno import driver as trigno
 from emg2vsa.devices.trigno.driver import Place, TrignoSource, places_of
 from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.session.emulated.participant import EmulatedParticipant
-from emg2vsa.session.emulated.person import Person, Response
-from emg2vsa.session.emulated.trigno.server import TrignoServer
 from emg2vsa.session.sample_clock import SampleClock
+from emg2vsa.worlds.far_ends.trigno.server import TrignoServer
+from emg2vsa.worlds.people.participant import EmulatedParticipant
+from emg2vsa.worlds.people.person import Person, Response
 
 GREETING = b"Delsys Trigno System Digital Protocol Version 3.6.0 \r\n\r\n"
 END = b"\r\n\r\n"

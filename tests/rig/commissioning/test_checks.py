@@ -15,9 +15,9 @@ from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.commissioning.checks import Check, check_rig
 from emg2vsa.rig.commissioning.hand_motion import HandMotion
-from emg2vsa.rig.emulated.bench import EmulatedRig
-from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 TRUE = RigSettings(home_deg=-300 * DEG_PER_TICK)
 SOFT = EmulatedSettings(gap_mm=4.0)

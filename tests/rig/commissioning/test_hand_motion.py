@@ -11,10 +11,10 @@ from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.protocols import Devices
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.commissioning.hand_motion import LIMIT_SHARE, HandMotion
-from emg2vsa.rig.emulated.bench import EmulatedRig
-from emg2vsa.rig.emulated.fault_words import put
-from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.bench.fault_words import put
+from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 RIG = RigSettings()
 MOST_N = LIMIT_SHARE * RIG.guards.force_n

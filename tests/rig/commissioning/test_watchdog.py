@@ -24,8 +24,8 @@ from emg2vsa.rig.commissioning.watchdog import (
     read_proofs,
     write_proof,
 )
-from emg2vsa.rig.emulated.qbmove.firmware import QbmoveFirmware
-from emg2vsa.rig.emulated.qbmove.switches import MAKER_PRO
+from emg2vsa.worlds.far_ends.qbmove.firmware import QbmoveFirmware
+from emg2vsa.worlds.far_ends.qbmove.switches import MAKER_PRO
 
 FULL_DEG = 3000 * DEG_PER_TICK
 

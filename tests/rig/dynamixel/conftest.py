@@ -11,11 +11,11 @@ import pytest
 
 from casr.specimens import SPECIMENS
 from emg2vsa.profiles import Profile, Profiles
-from emg2vsa.rig.emulated.dynamixel.models import XM430_W350
 from emg2vsa.schedule_files import write_schedule
 from emg2vsa.schedules import Schedule
 from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import ScheduleSettings
+from emg2vsa.worlds.far_ends.dynamixel.models import XM430_W350
 
 GAIN, GEAR = 800, 0.8
 FULL = XM430_W350.stiffness_nm_per_rad(GAIN)

@@ -19,12 +19,12 @@ from emg2vsa.rig.commissioning.checks import Check, check_rig
 from emg2vsa.rig.commissioning.hand_motion import HandMotion
 from emg2vsa.rig.commissioning.stiffness import MeasuredStiffness, measure_stiffness
 from emg2vsa.rig.commissioning.watchdog import WatchdogProof, prove_watchdog
-from emg2vsa.rig.emulated.bench import EmulatedRig
-from emg2vsa.rig.emulated.dynamixel import table
-from emg2vsa.rig.emulated.dynamixel.models import XM430_W350
-from emg2vsa.rig.emulated.fault_words import put
-from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.bench.fault_words import put
+from emg2vsa.worlds.bench.settings import EmulatedSettings
+from emg2vsa.worlds.far_ends.dynamixel import table
+from emg2vsa.worlds.far_ends.dynamixel.models import XM430_W350
 
 NOISE_N = EmulatedSettings().force_noise_n
 
@@ -176,13 +176,13 @@ def test_a_watchdog_that_is_forgotten_is_refused_before_the_torque_is_on() -> No
 
 def test_a_watchdog_of_no_effect_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """A motor that keeps the value, and never looks at it."""
-    monkeypatch.setattr("emg2vsa.rig.emulated.dynamixel.loop.Loop._watch", lambda loop: None)
+    monkeypatch.setattr("emg2vsa.worlds.far_ends.dynamixel.loop.Loop._watch", lambda loop: None)
     assert proof_of().verdict == "no effect"
 
 
 def test_a_motor_that_runs_away_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """As is reported of firmware with a homing offset: it stops at a place that is not its own."""
-    from emg2vsa.rig.emulated.dynamixel.control import Control
+    from emg2vsa.worlds.far_ends.dynamixel.control import Control
 
     halt = Control.halt
     monkeypatch.setattr(Control, "halt", lambda control, position: halt(control, position - 200))

@@ -14,7 +14,7 @@ from emg2vsa import rig
 from emg2vsa.cli import main
 from emg2vsa.lab.emulation import Emulation
 from emg2vsa.live.follow import Follower
-from emg2vsa.rig.emulated.dynamixel import table
+from emg2vsa.worlds.far_ends.dynamixel import table
 from tests.rig.dynamixel.conftest import FULL, Files
 
 # a machine with other work must not trip the guards

@@ -13,14 +13,14 @@ import pytest
 
 from benchmarks.rig.plans import modular_plan, rigid_plan
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.rig.emulated.bench import EmulatedRig
-from emg2vsa.rig.emulated.fault_words import put
-from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.control_cycle import ControlCycle
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
+from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.bench.fault_words import put
+from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
 

@@ -1,0 +1,201 @@
+"""The whole emulated rig: one world, and the far ends of the wires that share it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from emg2vsa.arrays import Floats
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.netft.config import parse_config
+from emg2vsa.devices.netft.datagrams import LoopbackDatagrams
+from emg2vsa.devices.netft.driver import NetFt
+from emg2vsa.devices.protocols import Devices
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.worlds.bench.controls import ArtificialEffect
+from emg2vsa.worlds.bench.far_end import Place, far_end_of
+from emg2vsa.worlds.bench.fault_plan import FaultPlan
+from emg2vsa.worlds.bench.faults import FaultyWire, WireLine
+from emg2vsa.worlds.bench.press_draws import PressDraws
+from emg2vsa.worlds.bench.probe import Touch
+from emg2vsa.worlds.bench.settings import EmulatedSettings
+from emg2vsa.worlds.bench.truth import TrueLoading
+from emg2vsa.worlds.bench.world import World
+from emg2vsa.worlds.far_ends.camera.frames import EmulatedCamera
+from emg2vsa.worlds.far_ends.netft.box import BoxSettings, RdtBox, configuration_page
+from emg2vsa.worlds.far_ends.netft.direct import DirectNetFt
+from emg2vsa.worlds.far_ends.netft.faults import BoxFaults
+from emg2vsa.worlds.tactile import ContactState
+
+_AWAY_MM = 1e6
+TORQUE_NOISE_NM_PER_N = 0.02
+"Noise of the torque over that of the force (guess)."
+
+
+class EmulatedRig:
+    """One specimen on the bench at one angle, and the devices around it, on ``clock``.
+
+    Parameters
+    ----------
+    emulated : the bench. specimen, angle_deg : what is on it. rigid : under the rigid motor, else under the actuator.
+    actuator : its settings; a qbmove where none are given.
+    rig : as the drivers are told, and as the bench is built; both actuators begin retracted, at its ``home_deg``.
+    run : name of the run; other names, other draws. plate : a flat plate presses, in place of the dome.
+    mounting : from 1; each has draws of its own. effect : artificial, of a control world.
+
+    Attributes
+    ----------
+    world : what is pressed. firmware : of the actuator. idle : of the other one, whose probe is not over the specimen.
+    end, idle_end : kinds of both. wire, box, camera : the ends that fail on demand: `FaultyWire`, and ``faults`` of the
+    two others.
+    plan : of faults that begin or end later.
+
+    Raises
+    ------
+    SettingError : the specimen is not known, or the contact would leave the image.
+    """
+
+    def __init__(
+        self,
+        emulated: EmulatedSettings,
+        specimen: str,
+        angle_deg: float,
+        rigid: bool,
+        clock: Clock,
+        *,
+        rig: RigSettings | None = None,
+        run: str = "",
+        plate: bool = False,
+        mounting: int = 1,
+        effect: ArtificialEffect | None = None,
+        mounted: str = "",
+        actuator: Any = None,
+    ) -> None:
+        self.rigid, self.clock, self.rig = rigid, clock, rig or RigSettings()
+        ends = far_end_of("motor"), far_end_of("qbmove" if actuator is None else actuator.kind)
+        self.end, idle_end = ends if rigid else reversed(ends)
+        springs = self.end.springs(emulated)
+        self._draws = PressDraws(
+            emulated, specimen, angle_deg, springs, self.rig, run, plate, mounting, effect, mounted
+        )
+        self._area_rng = np.random.default_rng(self._draws.sensor_seed)
+        self._press = 0
+        self._lock = threading.RLock()
+        self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
+        away = World(clock, replace(self._draws.world(0), gap_mm=_AWAY_MM, springs=idle_end.springs(emulated)))
+        latency_s = self._draws.preset_latency_s
+        self.place = Place(actuator, emulated, self.rig, self.world, clock, latency_s)
+        self.idle_place = self.place._replace(world=away)
+        self.firmware, self.idle = self.end.device(self.place), idle_end.device(self.idle_place)
+        self.idle_end = idle_end
+        self.plan = FaultPlan()
+        self.wire = FaultyWire(self.firmware, self.end.frames, clock, seed=self._draws.sensor_seed)
+        noise = emulated.force_noise_n, emulated.force_noise_n * TORQUE_NOISE_NM_PER_N
+        box = BoxSettings(rate_hz=emulated.force_rate_hz, noise=noise, seed=self._draws.sensor_seed)
+        self._force_zero_n = 0.0
+        self._mounting = _turned_to(self.rig.push_axis)
+        self._rotation = self._mounting.tolist()
+        self._upright = bool(np.array_equal(self._mounting, np.eye(3)))
+        self.box = RdtBox(self._wrenches, box)
+        self.box.faults = BoxFaults(seed=self._draws.sensor_seed)
+        self._seen = self._draws.seen(0)
+        self.camera = EmulatedCamera(self._seen.scene, self._contact, clock, timing=self._draws.frame_timing)
+        self._show()
+
+    def answer(self, data: bytes) -> bytes:
+        """What comes back over the actuator's wire; from any thread."""
+        with self._lock:
+            self._advance()
+            return self.wire(data)
+
+    def probe(self) -> tuple[float, float]:
+        """The probe's way down from where the shaft is at 0, mm, and its true force, N; from any thread."""
+        with self._lock:
+            self.firmware.advance()
+            now_s = self.clock.now_s()
+            return self.world.probe_mm(now_s), float(np.linalg.norm(self.world.force_n(now_s)))
+
+    def loadings(self) -> list[TrueLoading]:
+        """What is true of each press so far."""
+        with self._lock:
+            return [self._loading(*each) for each in enumerate(self.world.loadings) if each[1]]
+
+    def _loading(self, press: int, kept: list[tuple[float, Touch]]) -> TrueLoading:
+        seen = self._draws.seen(press)
+        areas = [seen.area_mm2(touch) for _, touch in kept]
+        return TrueLoading(np.array([force_n for force_n, _ in kept]), np.array(areas))
+
+    def interrupt(self, action: Callable[[], None]) -> None:
+        """Carry out ``action`` at the clock's time, while no device speaks; from any thread."""
+        with self._lock:
+            self.firmware.advance()
+            action()
+
+    def reset_actuator(self) -> None:
+        """Its power off and on; from any thread."""
+        with self._lock:
+            self.wire.reset()
+
+    def devices(self, *, exact: bool = True) -> Devices:
+        """The real drivers on lines within this process, force sensor and camera started.
+
+        exact : every turn of the loop is a conversation byte for byte, of which faults of the wire and of the box are
+        part. Else the drivers ask actuator and box themselves.
+        """
+        line = WireLine("emulated bus", self.answer, lambda: self.wire.due_s, self.clock)
+        box_line = LoopbackDatagrams("emulated box", self.box, self.clock)
+        page = parse_config(configuration_page(self.box))
+        board = self.end.driver(line, self.firmware, self.place, exact)
+        force: NetFt
+        if exact:
+            force = NetFt(box_line, page, self.clock)
+        else:
+            all_records = self.rig.record_full_rate_force
+            force = DirectNetFt(box_line, page, self.clock, box=self.box, all_records=all_records)
+        force.start()
+        self.camera.start()
+        return Devices(board.pressing(), force, self.camera)
+
+    def _advance(self) -> None:
+        self.firmware.advance()
+        self.plan.look(self.clock.now_s(), self.world.normal_force_n)
+
+    def _wrenches(self, times_s: Sequence[float]) -> list[Sequence[float]]:
+        """Force and torque on the sensor; its origin is on the line of the force."""
+        with self._lock:
+            self._advance()
+            return [self._turned(force_n) for force_n in self.world.forces_n(times_s)]
+
+    def _turned(self, force_n: Sequence[float]) -> Sequence[float]:
+        # plain numbers: three at a time are too few for arrays to pay
+        x, y, z = force_n
+        z += self._force_zero_n
+        if self._upright:
+            return [x, y, z, 0.0, 0.0, 0.0]
+        return [a * x + b * y + c * z for a, b, c in self._rotation] + [0.0, 0.0, 0.0]
+
+    def _contact(self, time_s: float) -> ContactState:
+        with self._lock:
+            self._advance()
+            if self.world.press != self._press:
+                self._press, self._seen = self.world.press, self._draws.seen(self.world.press)
+                self._show()
+            return self._seen.in_frame(self.world.touch(time_s), self._area_rng)
+
+    def _show(self) -> None:
+        self.camera.scene, self.camera.latency_s = self._seen.scene, self._seen.latency_s
+        self._force_zero_n = self._draws.force_zero_n(self._press)
+
+
+def _turned_to(axis: tuple[float, float, float]) -> Floats:
+    """(3, 3) rotation that takes z to ``axis`` (Rodrigues)."""
+    x, y, z = (float(part) for part in np.array(axis) / np.linalg.norm(axis))
+    if z < 0:  # by way of -axis, as 1 + z may be next to nothing
+        return _turned_to((-x, -y, -z)) @ np.diag([1.0, -1.0, -1.0])
+    cross = np.array([[0, 0, x], [0, 0, y], [-x, -y, 0]])
+    turned: Floats = np.eye(3) + cross + cross @ cross / (1 + z)
+    return turned

@@ -1,0 +1,163 @@
+"""Faults of the emulated rig by name, put on and off while it runs: at once, at a time, or at a force."""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import partial
+
+from emg2vsa.errors import SettingError
+from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.bench.fault import Fault, of_part
+
+
+def _drift(bench: EmulatedRig, n_per_s: float) -> None:
+    bench.box.faults.drifts_from_s, bench.box.faults.drift_n_per_s = bench.clock.now_s(), n_per_s
+
+
+_MS, _PERCENT = 1e-3, 1e-2
+_box, _camera = partial(of_part, "box.faults"), partial(of_part, "camera.faults")
+SENSOR_FAULTS = {
+    "gap": Fault("the next N datagrams of the force sensor are lost", _box("lose", int)),
+    "skip": Fault("the force sensor leaves out N internal samples", _box("skip", int)),
+    "trash": Fault("the next N datagrams are each followed by one of random numbers", _box("trash", int)),
+    "garbage": Fault("every datagram is followed by one of a random sequence", _box("garbage"), "switch"),
+    "thinned": Fault(
+        "N % of the datagrams are lost", _box("thinned", lambda n: n * _PERCENT), "amount", 50, 0, 0, 100
+    ),
+    "twice": Fault("every datagram comes twice", _box("doubled"), "switch"),
+    "shuffled": Fault("of N datagrams the oldest comes last", _box("shuffled", int), "amount", 4, 0, 2, 100),
+    "delayed": Fault("datagrams come N ms late", _box("late_s", lambda n: n * _MS), "amount", 20, 0, 0, 1000),
+    "lag": Fault("the force is that of N ms ago", _box("lag_s", lambda n: n * _MS), "amount", 20, 0, 0, 1000),
+    "cut": Fault("datagrams lack their last byte", _box("cut"), "switch"),
+    "replayed": Fault("the same datagram comes again and again", _box("replayed"), "switch"),
+    "stuck": Fault("the force stays as it is", _box("stuck"), "switch"),
+    "saturated": Fault("the force sensor says that it is saturated", _box("saturated"), "switch"),
+    "overflow": Fault("the force sensor sends its largest counts", _box("overflow"), "switch"),
+    "silent": Fault("the force sensor sends nothing", _box("mute"), "switch"),
+    "swapped": Fault("x and z of the force sensor are exchanged", _box("swapped"), "switch"),
+    "turned": Fault("z of the force sensor has the wrong sign", _box("turned"), "switch"),
+    "dead": Fault("z of the force sensor gives its noise only", _box("dead"), "switch"),
+    "gain": Fault("the force sensor gives N times the load", _box("gain", float), "amount", 0.2, 1, -100, 100),
+    "drift": Fault("z of the force sensor drifts by N N/s", _drift, "amount", -2, 0, -1000, 1000),
+    "push": Fault("somebody leans on the force sensor with N N", _box("push_n", float), "amount", 2, 0, -1000, 1000),
+    "drop": Fault("the next N frames are lost", _camera("drop", int)),
+    "dark": Fault("the camera gives no frames", _camera("mute"), "switch"),
+    "few-frames": Fault("of N frames only the first comes", _camera("kept_of", int), "amount", 2, 1, 1, 1000),
+    "old-frames": Fault(
+        "pictures show what was N ms before their time",
+        _camera("late_s", lambda n: n * _MS),
+        "amount", 400, 0, 0, 10000,
+    ),
+}  # fmt: skip
+"""Of force sensor and camera, by the name that is typed; those of an actuator stand beside its far end."""
+_ON_OFF = {"on": 1.0, "": 1.0, "off": 0.0}
+_LINE = re.compile(
+    r"(?P<name>\S+)(?: +(?!at |for )(?P<how>\S+))?(?: +at +(?P<at>\S+) +(?P<unit>s|N))?(?: +for +(?P<lasting>\S+) +s)?"
+)
+FORM = "NAME [NUMBER | on | off] [at NUMBER s | at NUMBER N] [for NUMBER s]"
+
+
+def put(bench: EmulatedRig, line: str) -> str:
+    """Put a fault on or off as ``line`` says; ``off`` alone ends all that last, and forgets all that are to come.
+
+    What was done or will be, in words. SettingError for anything else.
+
+    A line is `FORM`: a name of `faults_of`; how many, how much, on or off; ``at`` a time from now, s, or as soon as
+    the true force on the specimen is so large, N, else at once; ``for`` so long, else until it is put off.
+    """
+    line = " ".join(line.split())
+    if line == "off":
+        bench.interrupt(lambda: _all_off(bench))
+        return "all faults off"
+    parts = _LINE.fullmatch(line)
+    name = parts["name"] if parts else line.partition(" ")[0]
+    faults = faults_of(bench)
+    fault = faults.get(name)
+    if fault is None:
+        raise SettingError("fault", wanted=", ".join(faults), found=repr(name), do="Type help for what they do.")
+    if parts is None or (parts["lasting"] and not fault.lasts):
+        wanted = FORM if parts is None else "no end: it strikes and is over"
+        raise _no_fault(name, wanted, line)
+    value = _value(name, fault, parts["how"] or "")
+    at, lasting_s = _number(name, parts["at"], "at"), _number(name, parts["lasting"], "for")
+    said = fault.words.replace("N ", f"{value:g} ", 1)
+    state = " off" if fault.lasts and value == fault.neutral else " on" if fault.kind == "switch" else ""
+    said = f"{name}{state}: {said}"
+
+    def begin() -> None:
+        fault.strike(bench, value)
+        if lasting_s is not None:
+            bench.plan.at_time(bench.clock.now_s() + lasting_s, lambda: fault.strike(bench, fault.neutral))
+
+    def plan() -> None:
+        if at is None:
+            begin()
+        elif parts["unit"] == "s":
+            bench.plan.at_time(bench.clock.now_s() + at, begin)
+        else:
+            bench.plan.at_force(at, begin)
+
+    bench.interrupt(plan)
+    when = "" if at is None else f", at {at:g} {parts['unit']}"
+    return said + when + ("" if lasting_s is None else f", for {lasting_s:g} s")
+
+
+def _all_off(bench: EmulatedRig) -> None:
+    bench.plan.clear()
+    for lasting in filter(lambda fault: fault.lasts, faults_of(bench).values()):
+        lasting.strike(bench, lasting.neutral)
+
+
+def _value(name: str, fault: Fault, how: str) -> float:
+    if fault.kind == "switch":
+        if how in _ON_OFF:
+            return _ON_OFF[how]
+        raise _no_fault(name, "on or off", how)
+    if fault.kind == "count":
+        if not how or (how.isdecimal() and int(how) > 0):
+            return int(how or fault.usual)
+        raise _no_fault(name, "a whole number from 1", how)
+    if how == "off":
+        return fault.neutral
+    value = _float(how) if how else fault.usual
+    if value is None or not fault.least <= value <= fault.most:
+        raise _no_fault(name, f"off, or a number from {fault.least:g} to {fault.most:g}", how)
+    return value
+
+
+def _number(name: str, text: str | None, word: str) -> float | None:
+    if text is None:
+        return None
+    value = _float(text)
+    if value is None or value < 0:
+        raise _no_fault(name, f"a number from 0 after {word}", text)
+    return value
+
+
+def _float(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def _no_fault(name: str, wanted: str, found: str) -> SettingError:
+    return SettingError(f"fault {name}", wanted=wanted, found=repr(found), do="Type help for what it does.")
+
+
+def faults_of(bench: EmulatedRig) -> dict[str, Fault]:
+    """All of a bench by name: of its actuator, then of its sensors."""
+    return {**bench.end.faults, **SENSOR_FAULTS}
+
+
+def help_text(bench: EmulatedRig) -> str:
+    """The faults, one a line."""
+    forms = {"count": " [N]", "switch": " on|off", "amount": " N|off"}
+    rows = [
+        (name + (forms[f.kind] if f.kind != "count" or "N " in f.words else ""), f.words)
+        for name, f in faults_of(bench).items()
+    ]
+    rows += [("off", "every fault that lasts ends"), ("quit", "as Ctrl-C")]
+    return "\n".join([f"  {FORM}", *(f"  {form:<24}{words}" for form, words in rows)])

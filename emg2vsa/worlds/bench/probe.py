@@ -1,0 +1,166 @@
+"""The moving part of the rig: a cogwheel on the shaft drives the sensor down onto the specimen."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from emg2vsa.dome_contact import SHEAR_OVER_NORMAL
+from emg2vsa.worlds.bench.contact_history import ContactHistory
+from emg2vsa.worlds.bench.world_settings import WorldSettings
+from emg2vsa.worlds.contact import ELASTIC
+
+
+class PlateContact:
+    """Force of a flat plate on a specimen, F = kappa d: what stiffness by plate indentation means (paper, IV.B)."""
+
+    def __init__(self, stiffness_n_per_mm: float) -> None:
+        self._stiffness_n_per_mm = stiffness_n_per_mm
+
+    def force_n(self, depth_mm: float) -> float:
+        """As `PowerLaw`."""
+        return self._stiffness_n_per_mm * max(0.0, depth_mm)
+
+    def resistance(self, depth_mm: float) -> tuple[float, float]:
+        """As `PowerLaw`."""
+        return self.force_n(depth_mm), self._stiffness_n_per_mm if depth_mm > 0 else 0.0
+
+
+Force = tuple[float, float, float]
+
+
+class Touch(NamedTuple):
+    """A contact at one moment; all 0 without one.
+
+    normal_n : force along the normal of the surface. shear_n : along the surface, against the probe's way.
+    elastic_n : normal force of an elastic contact as deep and as large. sheared_mm : way of both bodies' surfaces
+    against each other's middle, less what has slid.
+    """
+
+    normal_n: float = 0.0
+    shear_n: float = 0.0
+    elastic_n: float = 0.0
+    sheared_mm: float = 0.0
+
+
+APART = Touch()
+_SAME_MM = 1e-7
+"Depths nearer to each other tell no slope."
+
+
+class Probe:
+    """Where the probe is with the shaft at an angle, and what pushes back. A larger angle is further down.
+
+    Elastic bodies without friction push back by the angle alone. Others remember: a step begins with ``begin``, is
+    looked at with ``torque_nm`` for any angle at its end, and ends with ``settle``.
+    """
+
+    def __init__(self, settings: WorldSettings) -> None:
+        self._contact = (
+            PlateContact(settings.stiffness_n_per_mm)
+            if settings.plate
+            else settings.contact.on(settings.stiffness_n_per_mm)
+        )
+        self._resistance = self._contact.resistance
+        self._mm_per_rad = math.degrees(settings.mm_per_degree)
+        self._mm2_per_rad2 = self._mm_per_rad**2
+        tilt_rad = math.radians(settings.angle_deg)
+        self._sin, self._cos = math.sin(tilt_rad), math.cos(tilt_rad)
+        # work along the axis is work along the normal: both the force and the indentation take a cosine
+        self._depth_mm_per_rad = self._cos * self._mm_per_rad
+        self._lever_m_per_rad = self._depth_mm_per_rad / 1000
+        self._stiffer = self._cos**2 + SHEAR_OVER_NORMAL * self._sin**2
+        self.touch_rad = settings.gap_mm / self._mm_per_rad
+        "Shaft angle at first contact."
+        self.remembers = settings.relaxation != ELASTIC or settings.skin_friction > 0
+        "Whether the force depends on more than the angle."
+        self._history = ContactHistory(
+            settings.relaxation,
+            friction=settings.skin_friction,
+            mount_n_per_mm=settings.mount_n_per_mm,
+            friction_drop=settings.friction_drop,
+        )
+        self._step_s, self._begun = 0.0, False
+        "Whether the history has begun that step: it need not while nothing is touched."
+        self._at_rad, self._elastic_n, self._touch = self.touch_rad, 0.0, APART
+
+    def position_mm(self, shaft_rad: float) -> float:
+        """Way down from where the shaft is at 0."""
+        return shaft_rad * self._mm_per_rad
+
+    def above_mm(self, shaft_rad: float) -> float:
+        """Way down from there to first contact."""
+        return (self.touch_rad - shaft_rad) * self._mm_per_rad
+
+    def elastic_touch(self, shaft_rad: float) -> Touch:
+        """The contact of elastic bodies without friction."""
+        normal_n = self._contact.force_n(self._depth_mm(shaft_rad))
+        return Touch(normal_n, 0.0, normal_n, 0.0)
+
+    def force_n(self, touch: Touch) -> Force:
+        """Force on the specimen: x the way its surface falls off, y, and z down the probe's axis, so pressing is +."""
+        normal_n, shear_n = touch.normal_n, touch.shear_n
+        return normal_n * self._sin - shear_n * self._cos, 0.0, self.along_n(normal_n, shear_n)
+
+    def along_n(self, normal_n: float, shear_n: float) -> float:
+        """Of both forces, that down the probe's axis, N."""
+        return normal_n * self._cos + shear_n * self._sin
+
+    def begin(self, step_s: float) -> None:
+        """A step of that length begins where the last one has ended."""
+        self._step_s, self._begun = step_s, False
+
+    def torque_nm(self, shaft_rad: float) -> tuple[float, float]:
+        """What holds the shaft back at the end of the step, N m, and its growth, N m/rad. The tilted guide takes the
+        force across it."""
+        depth_mm = (shaft_rad - self.touch_rad) * self._depth_mm_per_rad
+        if depth_mm <= 0:
+            return 0.0, 0.0
+        elastic_n, growth_n_per_mm = self._resistance(depth_mm)
+        if not self.remembers:
+            return elastic_n * self._lever_m_per_rad, growth_n_per_mm * self._depth_mm_per_rad * self._lever_m_per_rad
+        history = self._history if self._begun else self._in_step()
+        turned_rad = shaft_rad - self._at_rad
+        deeper_mm = turned_rad * self._depth_mm_per_rad
+        slope = (elastic_n - self._elastic_n) / deeper_mm if not -_SAME_MM <= deeper_mm <= _SAME_MM else growth_n_per_mm
+        normal_n, shear_n = history.forces(elastic_n, slope, turned_rad * self._mm_per_rad * self._sin)
+        if normal_n <= 0:
+            return 0.0, 0.0
+        # of a contact that sticks to a rigid mount: what a solver goes by need not be exact
+        growth_nm = growth_n_per_mm / history.beta * self._stiffer * self._mm2_per_rad2 / 1000
+        return (normal_n * self._cos + shear_n * self._sin) * self._mm_per_rad / 1000, growth_nm
+
+    def settle(self, shaft_rad: float) -> Touch:
+        """The step ends with the shaft there; the contact then. It ends where nothing pushes back any more; one that
+        the probe has left altogether is forgotten, so that the next is a first one."""
+        if not self.remembers:
+            return self.elastic_touch(shaft_rad)
+        depth_mm = (shaft_rad - self.touch_rad) * self._depth_mm_per_rad
+        if depth_mm <= 0:
+            if self._at_rad > self.touch_rad:
+                self._history.reset()
+            self._at_rad, self._elastic_n, self._touch = self.touch_rad, 0.0, APART
+            return APART
+        elastic_n, growth_n_per_mm = self._resistance(depth_mm)
+        history = self._history if self._begun else self._in_step()
+        turned_rad = shaft_rad - self._at_rad
+        deeper_mm = turned_rad * self._depth_mm_per_rad
+        slope = (elastic_n - self._elastic_n) / deeper_mm if not -_SAME_MM <= deeper_mm <= _SAME_MM else growth_n_per_mm
+        normal_n, shear_n = history.advance(elastic_n, slope, turned_rad * self._mm_per_rad * self._sin)
+        self._at_rad, self._elastic_n = shaft_rad, elastic_n
+        self._touch = Touch(normal_n, shear_n, elastic_n, history.way_mm) if normal_n > 0 else APART
+        return self._touch
+
+    def load_nm(self, shaft_rad: float) -> float:
+        """What holds the shaft back now that it has settled there, N m."""
+        if not self.remembers:
+            return self.torque_nm(shaft_rad)[0]
+        return self.along_n(self._touch.normal_n, self._touch.shear_n) * self._mm_per_rad / 1000
+
+    def _in_step(self) -> ContactHistory:
+        self._history.begin(self._step_s)
+        self._begun = True
+        return self._history
+
+    def _depth_mm(self, shaft_rad: float) -> float:
+        return (shaft_rad - self.touch_rad) * self._depth_mm_per_rad

@@ -1,0 +1,305 @@
+"""Presses without the rig's devices: drive, springs, contact and tilt stepped together, many presses at once.
+
+The drive comes down at an even speed from first contact on, until the force along its axis has come by an end. A rigid
+motor moves the probe with it. Springs stand between drive and probe otherwise; their preset follows a schedule by
+force, late by the device's latency and no faster than its motors turn.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from emg2vsa.arrays import Floats
+from emg2vsa.devices.qbmove.springs import Springs
+from emg2vsa.dome_contact import PowerLaw
+from emg2vsa.errors import DataError
+from emg2vsa.worlds.contact.adhesion import adhesive_force_n
+from emg2vsa.worlds.contact.relaxation import ConvolvedForce, Relaxation
+from emg2vsa.worlds.contact.tilt import Shear, area_share, forces_n
+
+_NEWTON = 40
+_SOLVED_MM = 1e-12
+_RESTING_MM = 1e-9
+_GRID = 260
+"Forces to which a straight line of area on force is fitted, the middles of even steps."
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """What moves the probe.
+
+    Parameters
+    ----------
+    springs : between motors and probe; None is a rigid motor.
+    speed_mm_per_s : of the drive along its axis. mm_per_degree : of the probe per turn of the shaft.
+    friction_nm : Coulomb friction of the shaft.
+    preset_latency_s : from a force to the preset that it asks for. motor_rad_per_s : how fast a preset changes.
+    """
+
+    springs: Springs | None = None
+    speed_mm_per_s: float = 5.0
+    mm_per_degree: float = 0.2
+    friction_nm: float = 0.01
+    preset_latency_s: float = 0.015
+    motor_rad_per_s: float = 3.75
+
+
+@dataclass(frozen=True, eq=False)
+class StiffnessSteps:
+    """Presets by force: ``presets_rad`` (K,) between ``edges_n`` (K + 1,). Loading never goes back a step."""
+
+    edges_n: Floats
+    presets_rad: Floats
+
+    @classmethod
+    def constant(cls, preset_rad: float) -> StiffnessSteps:
+        """The same at every force."""
+        return cls(np.array([0.0, math.inf]), np.array([preset_rad]))
+
+    def preset_rad(self, force_n: float) -> float:
+        """Preset at a force; below the first edge that of the first step, above the last that of the last."""
+        return float(self.presets_rad[self._step(force_n)])
+
+    def next_n(self, force_n: float) -> float:
+        """Force at which the next step begins; infinite in the last one."""
+        step = self._step(force_n) + 1
+        return float(self.edges_n[step]) if step < self.presets_rad.size else math.inf
+
+    def _step(self, force_n: float) -> int:
+        return min(max(int(self.edges_n.searchsorted(force_n, side="right")) - 1, 0), self.presets_rad.size - 1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tilt:
+    """Angle of the probe's axis against the normal of the surface, and what a shear force meets (`Shear`)."""
+
+    angle_deg: float = 0.0
+    friction: float = 0.0
+    mount_n_per_mm: float = math.inf
+    friction_drop: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class PressPaths:
+    """P presses from first contact on, NaN after the first sample at which a press has come by its end.
+
+    time_s is (T,), all others (T, P): ``force_n`` along the axis; ``normal_n`` and ``shear_n`` of the contact;
+    ``convolved_n``, the normal force convolved, which area and depth follow; ``area_mm2`` as seen along the axis;
+    ``preset_rad`` of the springs.
+    """
+
+    time_s: Floats
+    force_n: Floats
+    normal_n: Floats
+    shear_n: Floats
+    convolved_n: Floats
+    area_mm2: Floats
+    preset_rad: Floats
+
+    def at_forces(self, values: Floats, force_n: Sequence[float] | Floats) -> Floats:
+        """(N, P) ``values`` (T, P) where the force along the axis first comes by ``force_n`` (N,)."""
+        found = np.empty((len(force_n), self.force_n.shape[1]))
+        for p in range(found.shape[1]):
+            known = np.isfinite(self.force_n[:, p])
+            found[:, p] = np.interp(force_n, np.maximum.accumulate(self.force_n[known, p]), values[known, p])
+        return found
+
+    def duration_s(self, low_n: float = 0.5, high_n: float = 7.0) -> Floats:
+        """(P,) from one force to the other."""
+        times = np.broadcast_to(self.time_s[:, None], self.force_n.shape)
+        first, last = self.at_forces(times, [low_n, high_n])
+        return np.asarray(last - first)
+
+    def slope_mm2_per_n(self, low_n: float = 0.5, high_n: float = 7.0) -> Floats:
+        """(P,) slope of the straight line of area on force; all forces between the two count alike."""
+        force_n = low_n + (high_n - low_n) * (np.arange(_GRID) + 0.5) / _GRID
+        off_n = force_n - force_n.mean()
+        return np.asarray(off_n @ self.at_forces(self.area_mm2, force_n) / (off_n @ off_n))
+
+
+def simulate_presses(
+    contacts: Sequence[PowerLaw],
+    relaxation: Relaxation | Sequence[Relaxation],
+    drive: Drive,
+    steps: Sequence[StiffnessSteps] = (),
+    *,
+    tilt: Tilt | None = None,
+    adhesion_mj_per_m2: float = 0.0,
+    f_max_n: float = 7.0,
+    step_s: float = 1e-3,
+    longest_mm: float = 25.0,
+) -> PressPaths:
+    """One press on each of the ``contacts`` (P,), springs with the ``steps`` (P,) of each; one ``relaxation``, or (P,).
+
+    Time goes in steps of ``step_s``, each exact for a force that grows evenly within it. DataError where springs have
+    no steps, or a press does not come to ``f_max_n`` within ``longest_mm`` of the ramp.
+    """
+    longest_s = longest_mm / drive.speed_mm_per_s
+    presses = _Presses(contacts, relaxation, drive, steps, tilt or Tilt(), step_s)
+    rows = [presses.row()]
+    while not (ended := presses.force_n >= f_max_n).all():
+        if len(rows) * step_s > longest_s:
+            raise DataError(
+                "simulated press", wanted=f"{f_max_n:g} N within {longest_s:g} s",
+                found=f"{presses.force_n[~ended].min():.3g} N", do="Press for longer, faster or less hard.",
+            )  # fmt: skip
+        presses.step()
+        rows.append(presses.row())
+    table = np.array(rows)
+    came_by = np.cumsum(table[:, 0] >= f_max_n, axis=0) > 1
+    table[np.broadcast_to(came_by[:, None], table.shape)] = np.nan
+    force_n, normal_n, shear_n, convolved_n, preset_rad = np.moveaxis(table, 1, 0)
+    adhering_n = adhesive_force_n(convolved_n, adhesion_mj_per_m2)
+    areas = [contact.area_mm2(adhering_n[:, p]) for p, contact in enumerate(contacts)]
+    seen = presses.cosine * area_share(shear_n, normal_n, presses.tilt.friction)
+    area_mm2 = np.stack(areas, axis=1) * seen
+    time_s = np.arange(len(rows), dtype=np.float64) * step_s
+    return PressPaths(time_s, force_n, normal_n, shear_n, convolved_n, area_mm2, preset_rad)
+
+
+class _Presses:
+    """Where all presses are."""
+
+    def __init__(
+        self,
+        contacts: Sequence[PowerLaw],
+        relaxation: Relaxation | Sequence[Relaxation],
+        drive: Drive,
+        steps: Sequence[StiffnessSteps],
+        tilt: Tilt,
+        step_s: float,
+    ) -> None:
+        if drive.springs is not None and len(steps) != len(contacts):
+            raise DataError(
+                "simulated presses", wanted=f"the stiffness of springs for each of {len(contacts)} presses",
+                found=str(len(steps)), do="Give one schedule for each press.",
+            )  # fmt: skip
+        self.drive, self.tilt, self._step_s, self._steps = drive, tilt, step_s, steps
+        self._laws = _ElasticLaws(contacts)
+        self._mm_per_rad = math.degrees(drive.mm_per_degree)
+        self._tilt_rad = math.radians(tilt.angle_deg)
+        self.cosine, self._sine = math.cos(self._tilt_rad), math.sin(self._tilt_rad)
+        zero = np.zeros(len(contacts))
+        self._normal = ConvolvedForce(relaxation, zero)
+        self._shear = Shear(
+            relaxation, zero, friction=tilt.friction, mount_n_per_mm=tilt.mount_n_per_mm,
+            friction_drop=tilt.friction_drop,
+        )  # fmt: skip
+        self._alpha_n, self._beta = zero, zero + 1
+        self.force_n, self._way_mm, self._convolved_n, self._count = zero, zero, zero, 0
+        self._preset_rad = np.array([step.preset_rad(0.0) for step in steps]) if drive.springs else zero * np.nan
+        self._commanded = [self._preset_rad]
+        self._next_n = np.array([step.next_n(0.0) for step in steps])
+        self._last_mm = np.full(zero.shape, drive.speed_mm_per_s * step_s)
+        self._start_rad = self._balanced_rad()
+
+    def row(self) -> tuple[Floats, ...]:
+        return self.force_n, self._normal.force_n, self._shear.force_n, self._convolved_n, self._preset_rad
+
+    def step(self) -> None:
+        """One step of time."""
+        self._count += 1
+        drive_mm = self.drive.speed_mm_per_s * self._count * self._step_s
+        self._alpha_n, self._beta = self._normal.alpha_beta(self._step_s)
+        way_mm = self._probe_mm(drive_mm)
+        normal_n, shear_way_mm, slope = self._contact(way_mm)
+        if self._sine:
+            self._shear.advance(self._step_s, shear_way_mm, slope, normal_n)
+        self._convolved_n = self._normal.advance(self._step_s, normal_n)
+        self._way_mm = way_mm
+        self.force_n = forces_n(normal_n, self._shear.force_n, self._tilt_rad)[1]
+
+    def _contact(self, way_mm: Floats) -> tuple[Floats, Floats, Floats]:
+        """Normal force at a way of the probe along its axis, its way along the surface, slope of the elastic force."""
+        elastic_n, slope = self._laws.resistance(way_mm * self.cosine)
+        normal_n = (elastic_n - self._alpha_n) / self._beta
+        if not self._sine:
+            return normal_n, np.zeros_like(way_mm), slope
+        deeper_mm = (way_mm - self._way_mm) * self.cosine
+        rests = np.abs(deeper_mm) <= _RESTING_MM
+        slope = np.where(rests, slope, (elastic_n - self._convolved_n) / np.where(rests, 1.0, deeper_mm))
+        return normal_n, (way_mm - self._way_mm) * self._sine, slope
+
+    def _axis_n(self, way_mm: Floats) -> Floats:
+        normal_n, shear_way_mm, slope = self._contact(way_mm)
+        if not self._sine:
+            return normal_n
+        shear_n = self._shear.after(self._step_s, shear_way_mm, slope, normal_n)
+        return forces_n(normal_n, shear_n, self._tilt_rad)[1]
+
+    def _probe_mm(self, drive_mm: float) -> Floats:
+        """Where springs and contact are in balance, by secants."""
+        if self.drive.springs is None:
+            return np.full(self.force_n.shape, drive_mm)
+        self._set_presets()
+        angle_rad = self._start_rad + drive_mm / self._mm_per_rad
+
+        def missing_nm(way_mm: Floats) -> Floats:
+            pull_nm = self._pull_nm(angle_rad - way_mm / self._mm_per_rad)
+            return pull_nm - self.drive.friction_nm - self._axis_n(way_mm) * self._mm_per_rad / 1000
+
+        # from where an even motion would have it, and from a little before
+        way_mm, before_mm = self._way_mm + self._last_mm, self._way_mm + 0.9 * self._last_mm
+        before_nm = missing_nm(before_mm)
+        for _ in range(_NEWTON):
+            now_nm = missing_nm(way_mm)
+            rise = now_nm - before_nm
+            change_mm = np.where(rise == 0, 0.0, -now_nm * (way_mm - before_mm) / np.where(rise == 0, 1.0, rise))
+            before_mm, before_nm, way_mm = way_mm, now_nm, way_mm + change_mm
+            if np.abs(change_mm).max() < _SOLVED_MM:
+                break
+        self._last_mm = way_mm - self._way_mm
+        return np.asarray(way_mm)
+
+    def _pull_nm(self, ahead_rad: Floats) -> Floats:
+        """Torque of the springs on the shaft, with the middle of the motors so far ahead of it."""
+        springs = self.drive.springs
+        assert springs is not None
+        first, second = ahead_rad + self._preset_rad, ahead_rad - self._preset_rad
+        return np.asarray(
+            springs.k1_nm * np.sinh(springs.a1_per_rad * first) + springs.k2_nm * np.sinh(springs.a2_per_rad * second)
+        )
+
+    def _balanced_rad(self) -> Floats:
+        """How far ahead the middle of the motors is when the probe comes to the surface: against friction alone."""
+        springs = self.drive.springs
+        if springs is None:
+            return self._preset_rad
+        ahead = np.zeros(self.force_n.shape)
+        for _ in range(_NEWTON):
+            stiffness = springs.a1_per_rad * springs.k1_nm * np.cosh(
+                springs.a1_per_rad * (ahead + self._preset_rad)
+            ) + springs.a2_per_rad * springs.k2_nm * np.cosh(springs.a2_per_rad * (ahead - self._preset_rad))
+            ahead = ahead - (self._pull_nm(ahead) - self.drive.friction_nm) / stiffness
+        return ahead
+
+    def _set_presets(self) -> None:
+        """Commands of the force so far, and what the motors have made of older ones."""
+        commanded = self._commanded[-1]
+        if (stepped := np.flatnonzero(self.force_n >= self._next_n)).size:
+            commanded = commanded.copy()
+            for p in stepped.tolist():
+                force_n = float(self.force_n[p])
+                commanded[p], self._next_n[p] = self._steps[p].preset_rad(force_n), self._steps[p].next_n(force_n)
+        self._commanded.append(commanded)
+        late = round(self.drive.preset_latency_s / self._step_s)
+        wanted = self._commanded[max(0, len(self._commanded) - 1 - late)]
+        most = self.drive.motor_rad_per_s * self._step_s
+        self._preset_rad = self._preset_rad + np.clip(wanted - self._preset_rad, -most, most)
+
+
+class _ElasticLaws:
+    """Elastic forces of many power laws at once."""
+
+    def __init__(self, contacts: Sequence[PowerLaw]) -> None:
+        self._per_mm = np.array([contact.per_mm for contact in contacts])
+        self._power = np.array([contact.power for contact in contacts])
+
+    def resistance(self, depth_mm: Floats) -> tuple[Floats, Floats]:
+        deep_mm = np.maximum(depth_mm, 1e-12)
+        force_n = (self._per_mm * deep_mm) ** self._power
+        return force_n, self._power * force_n / deep_mm

@@ -1,0 +1,231 @@
+"""An ATI Net F/T box or Ethernet Axia up to its sockets: requests in, records out as time goes on, and its page.
+
+Behaviour after ATI manuals 9620-05 and 9610-05: one client, the newest request wins; rates are whole fractions of 7000
+a second; bias is not answered. The noise is a guess.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from operator import gt, truediv
+
+from emg2vsa.devices.netft.rdt import LARGEST_BUFFER, Command, Record, parse_request, record_bytes
+from emg2vsa.worlds.bench.settings import INTERNAL_RATE_HZ
+from emg2vsa.worlds.far_ends.netft.faults import BoxFaults, Client, FaultyPost
+from emg2vsa.worlds.far_ends.netft.noise import MOST_COUNT, NO_LOAD, NoisyCounts
+
+NETBOX_SATURATED = 0x80020000
+AXIA_OUT_OF_RANGE = 0xC0000000
+Wrenches = Callable[[Sequence[float]], Sequence[Sequence[float]]]
+"""(R,) times, s, that never go back, to (R, 6) force, N, and torque, N·m, on the sensor at these times."""
+
+
+@dataclass(frozen=True)
+class BoxSettings:
+    """How the box is set up.
+
+    rate_hz : records a second asked for; the box takes the next whole fraction of 7000 that is not below.
+    counts_per_force, counts_per_torque, force_unit, torque_unit : scales and units as on the box's page.
+    n_per_unit, nm_per_unit : size of these units, N and N·m.
+    buffer : records a datagram in buffered mode, 1 to 40.
+    rating : largest force and torque along x, y, z in these units; beyond, the status says so. Mini45 SI-145-5.
+    noise : standard deviation of force and torque in these units.
+    axia : an Ethernet Axia, else a Net F/T box.
+    """
+
+    rate_hz: float = 1000.0
+    counts_per_force: int = 1_000_000
+    counts_per_torque: int = 1_000_000
+    force_unit: str = "N"
+    torque_unit: str = "Nm"
+    n_per_unit: float = 1.0
+    nm_per_unit: float = 1.0
+    buffer: int = 10
+    rating: tuple[float, ...] = (145.0, 145.0, 290.0, 5.0, 5.0, 5.0)
+    noise: tuple[float, float] = (0.005, 0.0001)
+    axia: bool = False
+    seed: int = 0
+
+    @cached_property
+    def divisor(self) -> int:
+        """Internal samples from record to record."""
+        return max(1, math.floor(INTERNAL_RATE_HZ / self.rate_hz))
+
+
+@dataclass
+class _Stream:
+    client: Client
+    left: float
+    per_datagram: int
+    next_s: float
+    rdt_sequence: int = 0
+    last_s: float = 0.0
+    waiting: list[bytes] = field(default_factory=list)
+
+
+class RdtBox:
+    """The box.
+
+    Parameters
+    ----------
+    wrenches : on the sensor, asked once for all records that are due.
+    settings : how it is set up.
+    """
+
+    def __init__(self, wrenches: Wrenches, settings: BoxSettings | None = None) -> None:
+        self.settings = s = settings or BoxSettings()
+        self.faults = BoxFaults()
+        self._wrenches = wrenches
+        # plain numbers: six at a time are too few for arrays to pay
+        self._size = [s.n_per_unit] * 3 + [s.nm_per_unit] * 3
+        self._noisy = NoisyCounts(s.noise, (s.counts_per_force, s.counts_per_torque), s.seed)
+        self._alarm = AXIA_OUT_OF_RANGE if s.axia else NETBOX_SATURATED
+        self._bias: Sequence[float] = NO_LOAD
+        self._judged: Sequence[float] = NO_LOAD
+        "The load of the record before."
+        self._beyond = False
+        "Whether that load is beyond the rating."
+        self._skipped = 0
+        self._stream: _Stream | None = None
+        self._post = FaultyPost()
+        self._counts: tuple[int, ...] = (0,) * 6
+
+    @property
+    def next_s(self) -> float:
+        """Time of the next record, s; inf when nothing streams and nothing is on its way."""
+        return min(self._stream.next_s if self._stream else math.inf, self._post.due_s)
+
+    def request(self, data: bytes, client: Client, time_s: float) -> None:
+        """A datagram came for RDT; ``client`` takes the datagrams for its sender."""
+        parsed = parse_request(data)
+        if parsed is None:
+            return
+        self.run_until(time_s)
+        command, count = parsed
+        if command == Command.STOP:
+            self._stream = None
+        elif command in (Command.STREAM, Command.BUFFERED):
+            per_datagram = min(self.settings.buffer, LARGEST_BUFFER) if command == Command.BUFFERED else 1
+            first = math.floor(time_s * INTERNAL_RATE_HZ) + 1
+            self._stream = _Stream(client, count or math.inf, per_datagram, first / INTERNAL_RATE_HZ)
+            self._post.forget()
+        elif command == Command.BIAS:
+            (self._bias,) = self._loads([time_s])
+
+    def run_until(self, time_s: float) -> None:
+        """Send every record that is due."""
+        stream = self._stream
+        for record, at_s in self.records_until(time_s):
+            assert stream is not None
+            stream.waiting.append(record_bytes(record))
+            if len(stream.waiting) == stream.per_datagram:
+                self._send(stream, at_s)
+        if stream and stream.waiting and not stream.left:
+            self._send(stream, stream.last_s)
+        self._post.deliver(time_s)
+
+    def newest_until(self, time_s: float) -> tuple[Record, float] | None:
+        """Of the records that are due the newest, and when it is measured, s; nobody looks at those before it."""
+        stream = self._stream
+        if stream is None:
+            return None
+        due, next_s, last_s, tick, divisor = 0, stream.next_s, 0.0, 0, self.settings.divisor
+        while next_s <= time_s + 1e-9 and due < stream.left:
+            due, last_s, tick = due + 1, next_s, round(next_s * INTERNAL_RATE_HZ)
+            next_s = (tick + divisor) / INTERNAL_RATE_HZ
+        if not due:
+            return None
+        stream.next_s, stream.last_s, stream.left = next_s, last_s, stream.left - due
+        if not stream.left:
+            self._stream = None
+        if not self.faults.stuck:
+            self._noisy.skip(due - 1)
+        stream.rdt_sequence += due - 1
+        return self._measured(stream, [tick], self._loads((last_s,)))[0], last_s
+
+    def records_until(self, time_s: float) -> list[tuple[Record, float]]:
+        """Every record that is due, and when it is measured, s. Who takes them here gets no datagrams of them."""
+        if (stream := self._stream) is None:
+            return []
+        times_s, ticks, next_s, divisor = [], [], stream.next_s, self.settings.divisor
+        while next_s <= time_s + 1e-9 and stream.left:
+            times_s.append(next_s)
+            ticks.append(round(next_s * INTERNAL_RATE_HZ))
+            stream.left -= 1
+            next_s = (ticks[-1] + divisor) / INTERNAL_RATE_HZ
+        if not times_s:
+            return []
+        stream.next_s, stream.last_s = next_s, times_s[-1]
+        if not stream.left:
+            self._stream = None
+        return list(zip(self._measured(stream, ticks, self._loads(times_s)), times_s, strict=True))
+
+    def reading(self, time_s: float) -> tuple[int, tuple[int, ...]]:
+        """Status word and the six counts at a time."""
+        return self._read(self._loads([time_s])[0])
+
+    def _read(self, load: Sequence[float]) -> tuple[int, tuple[int, ...]]:
+        faults = self.faults
+        if load is not self._judged:
+            self._judged, self._beyond = load, True in map(gt, map(abs, load), self.settings.rating)
+        if not faults.stuck:
+            self._counts = self._noisy.of(load, self._bias)
+        if faults.overflow:
+            self._counts = (MOST_COUNT,) * 6
+        return self._alarm if faults.saturated or self._beyond else 0, self._counts
+
+    def _loads(self, times_s: Sequence[float]) -> list[Sequence[float]]:
+        """Six loads in the box's units at each time, before bias."""
+        faults = self.faults
+        lag_s = faults.lag_s
+        wrenches = self._wrenches([max(0.0, time_s - lag_s) for time_s in times_s] if lag_s else times_s)
+        strange, adds = faults.strange, bool(faults.push_n or faults.drift_n_per_s)
+        return [
+            list(map(truediv, faults.felt(wrench, time_s) if strange else wrench, self._size))
+            if adds or any(wrench)
+            else NO_LOAD
+            for wrench, time_s in zip(wrenches, times_s, strict=True)
+        ]
+
+    def _measured(self, stream: _Stream, ticks: list[int], loads: list[Sequence[float]]) -> list[Record]:
+        """Records of internal samples ``ticks`` under these loads."""
+        self._skipped, self.faults.skip = self._skipped + self.faults.skip, 0
+        number, skipped, records, read = stream.rdt_sequence, self._skipped, [], self._read
+        for tick, load in zip(ticks, loads, strict=True):
+            number = (number + 1) % 2**32
+            records.append(Record(number, (tick + skipped) % 2**32, *read(load)))
+        stream.rdt_sequence = number
+        return records
+
+    def _send(self, stream: _Stream, time_s: float) -> None:
+        self._post.send(b"".join(stream.waiting), time_s, stream.client, self.faults)
+        stream.waiting.clear()
+
+
+def configuration_page(box: RdtBox) -> bytes:
+    """netftapi2.xml: the tags of a live box that clients look at, in its order."""
+    s = box.settings
+    tags: dict[str, object] = {
+        "runstat": "0x00000000",
+        "runrate": INTERNAL_RATE_HZ,
+        "cfgnam": "emulated",
+        "cfgcalsel": 0,
+        "cfgcalsn": "FT00000",
+        "scfgfu": s.force_unit,
+        "scfgtu": s.torque_unit,
+        "cfgcpf": s.counts_per_force,
+        "cfgcpt": s.counts_per_torque,
+        "cfgmr": ";".join(f"{rating:g}" for rating in s.rating),
+        "setcfgsel": 0,
+        "setbias": "0;0;0;0;0;0",
+        "comrdte": "Enabled",
+        "comrdtrate": INTERNAL_RATE_HZ // s.divisor,
+        "comrdtbsiz": s.buffer,
+    }
+    if s.axia:
+        tags = {"prodname": "Ethernet Axia"} | tags
+    lines = "\n".join(f"<{tag}>{text}</{tag}>" for tag, text in tags.items())
+    return f'<?xml version="1.0"?><netft>\n{lines}\n</netft>'.encode("ascii")

@@ -1,0 +1,102 @@
+"""Probe on specimen: the published laws, the camera's contact, the tilt."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from casr.specimens import SPECIMENS
+from emg2vsa.dome_contact import ElasticDome
+from emg2vsa.errors import SettingError
+from emg2vsa.worlds.bench.probe import Probe
+from emg2vsa.worlds.bench.world_settings import WorldSettings
+from emg2vsa.worlds.tactile import ContactWorld
+
+KAPPAS = list(SPECIMENS.values())
+
+
+@pytest.mark.parametrize("kappa", KAPPAS)
+def test_with_the_radius_law_of_hertz_the_force_is_hertz(kappa: float) -> None:
+    contact = ContactWorld(exponent=1 / 3)
+    pressed = contact.on(kappa)
+    for depth_mm in (0.01, 0.5, 4.0):
+        hertz_n = 4 / 3 * contact.modulus_mpa(kappa) * math.sqrt(contact.tip_radius_mm) * depth_mm**1.5
+        assert pressed.force_n(depth_mm) == pytest.approx(hertz_n, rel=1e-12)
+
+
+@pytest.mark.parametrize("exponent", [0.2, 0.25, 1 / 3])
+@pytest.mark.parametrize("kappa", KAPPAS)
+def test_the_force_grows_by_the_contact_that_the_camera_shows(kappa: float, exponent: float) -> None:
+    contact = ContactWorld(exponent=exponent)
+    pressed = contact.on(kappa)
+    for depth_mm in (0.1, 1.0, 5.0):
+        by_area = 2 * contact.modulus_mpa(kappa) * float(contact.radius_mm(pressed.force_n(depth_mm), kappa))
+        by_difference = (pressed.force_n(depth_mm + 1e-5) - pressed.force_n(depth_mm - 1e-5)) / 2e-5
+        assert pressed.resistance(depth_mm)[1] == pytest.approx(by_area, rel=1e-12)
+        assert by_difference == pytest.approx(by_area, rel=1e-6)
+
+
+def test_without_contact_there_is_exactly_no_force() -> None:
+    pressed = ElasticDome().on(3.35)
+    assert [pressed.force_n(depth) for depth in (-1e9, -1.0, -1e-12, 0.0)] == [0.0] * 4
+    assert pressed.resistance(0.0) == pressed.resistance(-1.0) == (0.0, 0.0)
+
+
+def test_softer_specimens_push_back_less() -> None:
+    forces = [ElasticDome().on(kappa).force_n(2.0) for kappa in sorted(KAPPAS)]
+    assert np.all(np.diff(forces) > 0)
+
+
+def probe(**settings: Any) -> Probe:
+    return Probe(WorldSettings(**settings))
+
+
+def test_the_gear_moves_the_probe() -> None:
+    down = probe(mm_per_degree=0.2, gap_mm=4.0)
+    assert down.position_mm(math.radians(90)) == pytest.approx(18.0)
+    assert down.touch_rad == pytest.approx(math.radians(20))
+    assert down.elastic_touch(math.radians(19.999)).normal_n == 0.0 < down.elastic_touch(math.radians(20.001)).normal_n
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 30.0, 45.0])
+def test_the_force_stands_on_the_surface(angle_deg: float) -> None:
+    tilted = probe(angle_deg=angle_deg, mm_per_degree=0.2, gap_mm=4.0)
+    touch = tilted.elastic_touch(math.radians(30))
+    (along_x, along_y, along_z), normal_n = tilted.force_n(touch), touch.normal_n
+    assert math.degrees(math.atan2(along_x, along_z)) == pytest.approx(angle_deg)
+    assert (along_y, math.hypot(along_x, along_z)) == (0.0, pytest.approx(normal_n))
+    # 2 mm down the axis are so much along the normal
+    depth_mm = 2.0 * math.cos(math.radians(angle_deg))
+    assert normal_n == pytest.approx(ElasticDome().on(3.35).force_n(depth_mm))
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 30.0, 45.0])
+def test_the_work_of_the_shaft_is_kept_in_the_contact(angle_deg: float) -> None:
+    tilted = probe(angle_deg=angle_deg)
+    touch, deep = tilted.touch_rad, tilted.touch_rad + 0.4
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    angles = touch + (nodes + 1) / 2 * (deep - touch)
+    work_j = (
+        (deep - touch) / 2 * sum(weight * tilted.torque_nm(at)[0] for at, weight in zip(angles, weights, strict=True))
+    )
+    depth_mm = 0.4 * math.degrees(0.2) * math.cos(math.radians(angle_deg))
+    # F = (k d)^(4/3) over d
+    assert work_j == pytest.approx(tilted.elastic_touch(deep).normal_n * depth_mm / 1000 / (1 + 4 / 3), rel=1e-6)
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 45.0])
+def test_the_torque_grows_as_it_says(angle_deg: float) -> None:
+    tilted = probe(angle_deg=angle_deg)
+    for above in (0.01, 0.3, 1.0):
+        at = tilted.touch_rad + above
+        by_difference = (tilted.torque_nm(at + 1e-6)[0] - tilted.torque_nm(at - 1e-6)[0]) / 2e-6
+        assert tilted.torque_nm(at)[1] == pytest.approx(by_difference, rel=1e-6)
+
+
+@pytest.mark.parametrize("angle_deg", [90.0, -1.0, math.nan])
+def test_an_angle_that_cannot_be_is_refused(angle_deg: float) -> None:
+    with pytest.raises(SettingError, match=r"^angle_deg: expected 0 to below 90 degrees"):
+        WorldSettings(angle_deg=angle_deg)

@@ -1,0 +1,120 @@
+"""The convolved force against closed forms of the hereditary integral."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from emg2vsa.dome_contact import PowerLaw
+from emg2vsa.errors import SettingError
+from emg2vsa.worlds.contact import ELASTIC, ConvolvedForce, Relaxation, in_series
+from emg2vsa.worlds.contact.relaxation import TAUS_S
+from tests.worlds.contact.history_keeping import convolved_force_n, maxwell
+
+
+def compliance(body: Relaxation, time_s: float | np.ndarray) -> np.ndarray:
+    """J at times after a step of force."""
+    branches = zip(body.branches, body.taus_s, strict=True)
+    return np.asarray(body.instant - sum(each * np.expm1(-time_s / tau) for each, tau in branches))
+
+
+SHARES = [0.01, 0.03, 0.12, 0.3, 0.6]
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_the_share_relaxes_between_a_tenth_and_ten_seconds(share: float) -> None:
+    early, late = Relaxation.of_share(share).modulus([0.1, 10.0])
+    assert 1 - late / early == pytest.approx(share, rel=1e-9)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_the_compliance_is_1_after_a_second_and_its_inverse_is_the_modulus(share: float) -> None:
+    body = Relaxation.of_share(share)
+    assert compliance(body, 1.0) == pytest.approx(1.0, rel=1e-14)
+    assert compliance(body, 0.0) == pytest.approx(1 / body.modulus(0.0), rel=1e-12)
+    assert compliance(body, 1e5) == pytest.approx(1 / body.modulus(1e5), rel=1e-9)
+    # a step of depth: the force that relaxes gives that depth again
+    time_s = np.concatenate([[0.0], np.geomspace(1e-5, 20, 4000)])
+    assert convolved_force_n(body, time_s, body.modulus(time_s))[1:] == pytest.approx(1.0, abs=2e-6)
+
+
+@pytest.mark.parametrize("slope_n_per_s", [0.5, 20.0])
+@pytest.mark.parametrize("step_s", [0.001, 0.005, 0.1])
+def test_a_ramp_of_force_is_exact(slope_n_per_s: float, step_s: float) -> None:
+    """g = J0 c t + sum of J_k c (t - tau_k (1 - exp(-t / tau_k)))."""
+    body = in_series([(2.5, Relaxation.of_share(0.15)), (1.3, Relaxation.of_share(0.3))])
+    time_s = np.arange(0, 1 + step_s / 2, step_s)
+    exact = body.instant * time_s
+    for branch, tau in zip(body.branches, body.taus_s, strict=True):
+        exact = exact + branch * (time_s + tau * np.expm1(-time_s / tau))
+    got = convolved_force_n(body, time_s, slope_n_per_s * time_s)
+    assert got == pytest.approx(slope_n_per_s * exact, rel=1e-12, abs=1e-14)
+
+
+def test_an_elastic_contact_follows_the_force_to_the_last_bit() -> None:
+    rng = np.random.default_rng(18)
+    time_s, force_n = np.cumsum(rng.uniform(0.001, 0.01, 300)), rng.uniform(0, 7, 300)
+    assert Relaxation.of_share(0.0) is ELASTIC
+    assert in_series([(2.5, ELASTIC), (1.3, ELASTIC)]) == ELASTIC
+    assert np.array_equal(convolved_force_n(ELASTIC, time_s, force_n), force_n)
+    assert ConvolvedForce(ELASTIC, 0.0).alpha_beta(0.001) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize(("step_s", "within"), [(0.005, 3e-6), (0.001, 1.1e-7)])
+def test_a_ramp_of_depth_on_a_maxwell_body_is_dawsons_function(step_s: float, within: float) -> None:
+    long_mpa, arm_mpa, tau_s, speed, end_s, radius = 0.3, 0.1, 0.3, 5.0, 0.4, 20.0
+    # 6.108172512 of the formula in the module's source; the same by 30 digits of mpmath
+    exact_n = 6.108172512
+    body, after_1_s_mpa = maxwell(long_mpa, arm_mpa, tau_s)
+    contact = PowerLaw(after_1_s_mpa, radius, 1 / 3)
+    state = ConvolvedForce(body, 0.0)
+    for k in range(1, round(end_s / step_s) + 1):
+        alpha, beta = state.alpha_beta(step_s)
+        state.advance(step_s, (contact.force_n(speed * k * step_s) - alpha) / beta)
+    assert state.force_n == pytest.approx(exact_n, rel=within)
+
+
+def test_the_present_step_is_that_of_alpha_and_beta() -> None:
+    state = ConvolvedForce(Relaxation.of_share(0.3), 0.0)
+    for force_n in (0.5, 2.0, 1.5):
+        alpha, beta = state.alpha_beta(0.02)
+        assert state.advance(0.02, force_n) == pytest.approx(alpha + beta * force_n, rel=1e-14)
+        assert state.convolved_n == pytest.approx(alpha + beta * force_n, rel=1e-14)
+
+
+def test_rest_decays_exactly_however_it_is_cut() -> None:
+    one, many = (ConvolvedForce(Relaxation.of_share(0.3), 0.0) for _ in range(2))
+    for state in (one, many):
+        state.advance(0.5, 7.0)
+    one.rest(2.0)
+    for _ in range(1000):
+        many.rest(0.002)
+    assert one.convolved_n == pytest.approx(many.convolved_n, rel=1e-11)
+    one.reset()
+    assert one.convolved_n == 0.0
+
+
+def test_many_contacts_at_once_are_each_alone() -> None:
+    body, forces = Relaxation.of_share(0.2), np.array([[0.5, 1.0], [3.0, 2.0], [7.0, 0.0]])
+    together = ConvolvedForce(body, np.zeros(2))
+    got = np.array([together.advance(0.01, row) for row in forces])
+    for p in range(2):
+        alone = ConvolvedForce(body, 0.0)
+        assert np.array_equal(got[:, p], [alone.advance(0.01, force) for force in forces[:, p].tolist()])
+
+
+def test_bodies_in_series_add_their_compliances() -> None:
+    sensor, specimen = Relaxation.of_share(0.15), Relaxation.of_share(0.04)
+    both = in_series([(2.5, sensor), (10 / 5.32, specimen)])
+    time_s = np.array([0.001, 0.1, 1.0, 30.0])
+    alone = (2.5 * compliance(sensor, time_s) + 10 / 5.32 * compliance(specimen, time_s)) / (2.5 + 10 / 5.32)
+    assert compliance(both, time_s) == pytest.approx(alone, rel=1e-14)
+    assert both.taus_s == TAUS_S
+
+
+@pytest.mark.parametrize("share", [-0.01, 0.81, math.nan, math.inf])
+def test_a_share_that_cannot_be_is_refused(share: float) -> None:
+    with pytest.raises(SettingError, match=r"relaxation: expected a share of the force, 0 to 0\.8, but found"):
+        Relaxation.of_share(share)

@@ -1,0 +1,104 @@
+"""The sessions of many laboratories: what they hold is what was asked for, and the analysis finds it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from emg2vsa.errors import SettingError
+from emg2vsa.extraction.extract import extract_trials
+from emg2vsa.fits import fit_trials
+from emg2vsa.recordings import Channel
+from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ForceChannelSettings, WindowSettings
+from emg2vsa.worlds.people.laboratory import Laboratory, activity_v, simulate_session
+
+
+def analysed(laboratory: Laboratory, seed: int = 1, **filters):
+    session = simulate_session(laboratory, seed)
+    emg = {f"M{i}": Channel("E", row, "V", laboratory.fs_hz, 0.0, "") for i, row in enumerate(session.emg_v)}
+    force = Channel("F", session.force_n, "N", laboratory.force_fs_hz, 0.0, "")
+    return extract_trials(
+        emg, force, participant="P", specimen="S", filters=FilterSettings(**filters),
+        cocontraction=CocontractionSettings(), window=WindowSettings(), force_channel=ForceChannelSettings(name="F"),
+    )  # fmt: skip
+
+
+def slope(trials) -> float:
+    return float(fit_trials(trials, FitSettings(), WindowSettings()).b_v.mean())
+
+
+def test_the_same_seed_gives_the_same_session_and_no_press_is_refused() -> None:
+    one, two = simulate_session(Laboratory(), 3), simulate_session(Laboratory(), 3)
+    np.testing.assert_array_equal(one.emg_v, two.emg_v)
+    np.testing.assert_array_equal(one.force_n, two.force_n)
+    with pytest.raises(SettingError, match="one press or more"):
+        simulate_session(Laboratory(presses=0), 3)
+
+
+@pytest.mark.parametrize("carrier", ["60/120", "laplacian", "units-15"])
+def test_the_mean_rectified_emg_is_the_law(carrier) -> None:
+    laboratory = Laboratory(carrier=carrier, noise_v=1e-12)
+    trials = analysed(laboratory, rest_level="keep", mains="keep")
+    truth = activity_v(trials.force_n, laboratory)
+    assert trials.activity.mean() == pytest.approx(truth.mean(), rel=0.03)
+
+
+@pytest.mark.parametrize("ramp", ["linear", "exponential", "saturating", "plateaus", "stairs", "sawtooth", "tremor"])
+def test_every_way_of_pressing_is_found_and_good(ramp) -> None:
+    trials = analysed(Laboratory(ramp=ramp))
+    assert trials.verdict.tolist() == ["ok"] * 10, trials.reasons
+
+
+@pytest.mark.parametrize(
+    "disturbance",
+    [
+        {"noise_v": 5e-6},
+        {"hum_v": 5e-6, "hum_harmonics": (1.0, 0.5, 0.5)},
+        {"drift_n_per_min": 3.0},
+        {"drift_n_per_min": -3.0},
+    ],
+)
+def test_disturbances_leave_the_slope(disturbance) -> None:
+    """Beside the same session without them: the carrier's own chance is the same in both."""
+    clean, disturbed = analysed(Laboratory()), analysed(replace(Laboratory(), **disturbance))
+    assert disturbed.verdict.tolist() == ["ok"] * 10, disturbed.reasons
+    assert slope(disturbed) == pytest.approx(slope(clean), rel=0.012)
+
+
+def test_what_is_kept_is_told_with_its_size() -> None:
+    clean = analysed(Laboratory())
+    noisy = analysed(Laboratory(noise_v=10e-6), rest_level="keep")
+    seen = slope(noisy) / slope(clean) - 1
+    assert -0.1 < seen < -0.04
+    assert np.mean(noisy.floor_bias) == pytest.approx(seen, abs=0.02)
+    assert all("noise at rest lowers b by about" in reason for reason in noisy.reasons)
+    corrected = analysed(Laboratory(noise_v=10e-6))
+    assert slope(corrected) == pytest.approx(slope(clean), rel=0.02)
+    assert all("the rest level that was subtracted raises b by" in reason for reason in corrected.reasons)
+
+
+def test_a_delay_is_told_with_its_size_or_taken_out() -> None:
+    clean, late = analysed(Laboratory()), analysed(Laboratory(delay_s=0.06))
+    assert late.lag_s == pytest.approx(0.06, abs=0.01)
+    seen = slope(late) / slope(clean) - 1
+    assert -0.12 < seen < -0.06
+    assert np.mean(late.lag_bias) == pytest.approx(seen, abs=0.02)
+    assert all("force follows EMG by 6" in reason for reason in late.reasons)
+    aligned = analysed(Laboratory(delay_s=0.06), align="lag")
+    assert slope(aligned) == pytest.approx(slope(clean), rel=0.01)
+    assert aligned.verdict.tolist() == ["ok"] * 10
+    assert dict(aligned.delay.parts)["force after EMG, estimated"] == aligned.lag_s
+    one = analysed(Laboratory(delay_s=0.06, presses=1), align="lag")
+    assert one.lag_s == pytest.approx(0.06, abs=0.02)
+    assert np.isnan(one.lag_se_s)
+    assert "lag: not certain, force is not moved" in one.notes
+
+
+def test_a_zero_that_jumps_is_told_of_the_press_and_rejects_it() -> None:
+    trials = analysed(Laboratory(step_n=0.4))
+    moved = [i for i, reason in enumerate(trials.reasons) if "the zero of force moves by 0.4" in reason]
+    assert 1 <= len(moved) <= 2
+    assert all(trials.verdict[i] == "rejected" for i in moved)
+    assert np.nanmax(trials.zero_shift_n) == pytest.approx(0.4, abs=0.03)

@@ -1,0 +1,119 @@
+"""The world of finite elements against the whole tables, and what it refuses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from casr.camera import Camera, Sensor
+from casr.dome.library import SHIPPED
+from casr.dome.tables import read_table
+from casr.errors import SettingError
+from emg2vsa.worlds.tactile import PressSettings, Scene, TabulatedWorld, simulate_press
+
+FORCES_N = np.array([0.3, 0.5, 1.0, 2.0, 3.0, 4.5])
+CASES = [(1.1, "stick"), (5.3, "stick"), (20.0, "stick"), (1.1, "frictionless"), (5.3, "frictionless")]
+
+
+def scene(world: TabulatedWorld | None = None, **settings: float) -> Scene:
+    return Scene(PressSettings(world=world or TabulatedWorld(), **{"centre_sd_mm": 0.0, **settings}))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("kappa", "friction"), CASES)
+def test_radius_and_pins_are_those_of_the_whole_table(
+    kappa: float, friction: str, shared_data: Callable[[str], Path]
+) -> None:
+    table = read_table(shared_data(f"contact_fem/A_k{kappa:g}_{friction}.npz"))
+    seen = scene(TabulatedWorld(friction=friction), stiffness_n_per_mm=kappa)
+    steps = [int(np.argmin(np.abs(table.force_n - force))) for force in FORCES_N]
+    found = seen.settings.world.radius_mm(table.force_n[steps], kappa)
+    np.testing.assert_allclose(found, table.contact_radius_mm[steps], rtol=0.01)
+    # pins as levers on the skin of 19 mm, seen by a pinhole whose distance is that to the tip of the pin at the pole
+    camera, length_mm, inner_mm = seen.settings.camera, 3.0, 19.0
+    angle = np.deg2rad(np.arange(0.0, 45.0, 1.5))
+    behind_mm = camera.depth_mm - (inner_mm - length_mm)
+
+    def px(r: np.ndarray, z: np.ndarray) -> np.ndarray:
+        return camera.fx_px * r / (behind_mm + z)
+
+    tip_mm = inner_mm - length_mm
+    rest = np.column_stack(
+        [camera.cx_px + px(tip_mm * np.sin(angle), tip_mm * np.cos(angle)), 0 * angle + camera.cy_px]
+    )
+    for step in steps:
+        u_r, u_z, tilt = (np.interp(inner_mm * angle, table.s_mm, table.motion[step, :, k]) for k in range(3))
+        r = inner_mm * np.sin(angle) + u_r - length_mm * np.sin(angle - tilt)
+        z = inner_mm * np.cos(angle) + u_z - length_mm * np.cos(angle - tilt)
+        moved = seen.skin.moved_px(rest, seen.skin.state(float(table.force_n[step])))
+        np.testing.assert_allclose(moved[:, 0], camera.cx_px + px(r, z), rtol=0, atol=0.1)
+        np.testing.assert_allclose(moved[:, 1], camera.cy_px, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("friction", ["stick", "frictionless"])
+def test_contacts_grow_with_force_and_with_softness(friction: str) -> None:
+    world = TabulatedWorld(friction=friction)
+    force = np.geomspace(0.01, 7.0, 60)
+    radii = np.array([world.radius_mm(force, kappa) for kappa in (1.0, 1.11, 2.0, 3.35, 5.32, 7.63, 20.0, 200.0)])
+    assert (np.diff(radii, axis=1) > 0).all()
+    assert (np.diff(radii, axis=0) < 0).all()
+    assert world.radius_mm(0.0, 3.35) == 0
+
+
+def test_a_press_and_its_world_agree_on_radii() -> None:
+    """To the last bit: below, between and beyond the forces of the tables."""
+    skin = scene(stiffness_n_per_mm=3.35).skin
+    for force_n in [0.0, *np.geomspace(1e-4, 50.0, 40).tolist()]:
+        assert skin.state(force_n).radius_mm == float(TabulatedWorld().radius_mm(force_n, 3.35))
+
+
+def test_pins_move_without_jumps_and_rest_at_no_force() -> None:
+    seen = scene(angle_deg=30.0)
+    force = np.concatenate([[0.0], np.geomspace(1e-6, 7, 300)])
+    steps = np.diff([seen.pins_px(each) for each in force.tolist()], axis=0)
+    assert np.abs(steps).max() < 1.0
+    np.testing.assert_array_equal(seen.pins_px(-0.1), seen.rest_px)
+
+
+def test_a_tilt_turns_the_same_field_about_the_centre() -> None:
+    flat, tilted = scene(), scene(angle_deg=30.0)
+    assert tilted.area_mm2(2.0) == pytest.approx(flat.area_mm2(2.0), rel=1e-12)
+    middle_mm = (tilted.contact(2.0).centre_px[0] - 149.5) / 6
+    assert middle_mm == pytest.approx(16 * np.sin(np.deg2rad(30)), rel=0.1)
+
+
+def test_the_first_skin_hardly_stretches_while_the_contact_grows() -> None:
+    truth = simulate_press(PressSettings(stiffness_n_per_mm=5.32)).truth
+    assert truth.log_growth.sum() > np.log(3.5)
+    assert 0 < truth.skin_log_growth.sum() < 0.2
+    assert truth.world == "tabulated, stick"
+    assert any("turned about the dome's centre" in each for each in truth.assumptions)
+    assert any("above 5 N" in each for each in truth.assumptions)
+
+
+def test_a_softer_specimen_than_the_tables_know_is_refused() -> None:
+    assert TabulatedWorld().radius_mm(1.0, 0.89) > 0
+    with pytest.raises(SettingError, match=r"0\.88 N/mm or more"):
+        scene(stiffness_n_per_mm=0.85)
+
+
+def test_another_dome_is_pressed_by_its_name_and_a_labs_own_by_its_folder(shared_data: Callable[[str], Path]) -> None:
+    soft, stiff = (TabulatedWorld(dome=dome, tables=SHIPPED).radius_mm(2.0, 3.35) for dome in ("C", "G"))
+    assert soft > stiff
+    full = TabulatedWorld(tables=str(shared_data("contact_fem")))
+    assert full.radius_mm(2.0, 3.35) == pytest.approx(TabulatedWorld().radius_mm(2.0, 3.35), rel=0.002)
+
+
+@pytest.mark.parametrize("wrong", [{"friction": "glue"}, {"dome": "Z"}, {"tables": "nowhere/at/all"}])
+def test_a_world_without_tables_is_refused(wrong: dict[str, str]) -> None:
+    with pytest.raises(SettingError):
+        TabulatedWorld(**wrong)
+
+
+@pytest.mark.parametrize("sensor", [Sensor(), Sensor(pin_length_mm=3.0, dome_radius_mm=25.0)])
+def test_a_sensor_that_is_not_the_dome_is_refused(sensor: Sensor) -> None:
+    with pytest.raises(SettingError, match="pin_length_mm"):
+        Scene(replace(PressSettings(), camera=Camera(sensor=sensor)))
