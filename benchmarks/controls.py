@@ -22,12 +22,18 @@ from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.discrimination.contrast import Contrast, contrasts
 from emg2vsa.discrimination.run_table import RunTable
 from emg2vsa.dome_contact import PowerLaw
+from emg2vsa.stiffness_effect import StiffnessEffect
 from emg2vsa.worlds.bench.controls import ArtificialEffect
 from emg2vsa.worlds.bench.settings import RELAXATION, EmulatedSettings
-from emg2vsa.worlds.contact import Drive, Relaxation, StiffnessSteps
-from emg2vsa.worlds.contact.camera_frames import FrameErrors, frames_of, power_rates
-from emg2vsa.worlds.contact.press_path import simulate_presses
-from emg2vsa.worlds.contact.stiffness_effect import Bench, Material, StiffnessEffect, stiffness_effect
+from emg2vsa.worlds.contact import Drive, Relaxation, StiffnessSteps, simulate_presses
+from emg2vsa.worlds.contact.stiffness_effect import (
+    Bench,
+    FrameErrors,
+    Material,
+    frames_of,
+    power_rates,
+    stiffness_effect,
+)
 from emg2vsa.worlds.tactile import ContactWorld
 
 RESULTS = Path(__file__).resolve().parent / "results"

@@ -74,9 +74,8 @@ print(json.dumps({"cost_s": cost_s, "rows": ended.rows, "files": files, "own": o
 """
 PARTS = {
     "contact and shaft": (
-        "contact_mechanics/",
+        "worlds/contact/",
         "probe.py",
-        "contact_history.py",
         "actuator_joint.py",
         "/world.py",
         "steps.py",

@@ -21,9 +21,7 @@ from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS
 from emg2vsa.dome_contact import PowerLaw
 from emg2vsa.settings import CalibrationSettings
-from emg2vsa.worlds.contact.adhesion import adhesive_force_n
-from emg2vsa.worlds.contact.press_path import Drive, StiffnessSteps, simulate_presses
-from emg2vsa.worlds.contact.relaxation import Relaxation, in_series
+from emg2vsa.worlds.contact import Drive, Relaxation, StiffnessSteps, adhesive_force_n, in_series, simulate_presses
 from emg2vsa.worlds.tactile import ContactWorld
 from emg2vsa.worlds.tactile.tabulated import TabulatedWorld
 
@@ -179,7 +177,9 @@ class Bench:
         late_s = mounting.delay_s + own.press_delay_s * rng.standard_normal()
         seen_s = at_s + late_s + own.frame_delay_s * rng.standard_normal(at_s.size)
         mean, sd = own.adhesion_mj_per_m2
-        seen_n = adhesive_force_n(np.interp(seen_s, time_s, _FORCE_N), max(mean + sd * rng.standard_normal(), 0.0))
+        seen_n = np.vectorize(adhesive_force_n)(
+            np.interp(seen_s, time_s, _FORCE_N), max(mean + sd * rng.standard_normal(), 0.0)
+        )
         scale = mounting.area * (1 + own.landing * rng.standard_normal())
         area = scale * np.exp(np.interp(np.log(seen_n), np.log(_FORCE_N), log_area))
         area *= 1 + own.frame_area * rng.standard_normal(at_s.size)

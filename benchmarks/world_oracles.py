@@ -22,16 +22,16 @@ from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.dome_contact import PowerLaw
 from emg2vsa.worlds.contact import (
     ELASTIC,
+    ContactHistory,
     ConvolvedForce,
     Drive,
     Relaxation,
     StiffnessSteps,
-    Tilt,
     in_series,
     simulate_presses,
 )
-from emg2vsa.worlds.contact.camera_frames import FrameErrors, frames_of, power_rates
 from emg2vsa.worlds.contact.press_path import PressPaths
+from emg2vsa.worlds.contact.stiffness_effect import FrameErrors, frames_of, power_rates
 
 mp.mp.dps = 30
 NAMES = ("S1", "S2", "S3", "S5")
@@ -78,9 +78,9 @@ def ramp(end: float, seconds: float = 0.3) -> tuple[Floats, Floats]:
 
 
 def convolved_force_n(relaxation: Relaxation, time_s: Floats, force_n: Floats) -> list[float]:
-    state = ConvolvedForce(relaxation, 0.0)
+    state = ConvolvedForce([relaxation])
     steps = np.diff(time_s, prepend=time_s[0]).tolist()
-    return [state.advance(step, force) for step, force in zip(steps, force_n.tolist(), strict=True)]
+    return [float(state.advance(step, force)[0]) for step, force in zip(steps, force_n[:, None], strict=True)]
 
 
 def maxwell_ramp() -> Iterator[Row]:
@@ -106,11 +106,11 @@ def maxwell_ramp() -> Iterator[Row]:
     body = Relaxation(instant / after_1_s, (creep / after_1_s,), (creep_s,))
     law = PowerLaw(1 / after_1_s, RADIUS, 1 / 3)
     for step_s in (5e-3, 1e-3, 2e-4):
-        state = ConvolvedForce(body, 0.0)
+        state = ConvolvedForce([body])
         for k in range(1, round(0.4 / step_s) + 1):
             alpha, beta = state.alpha_beta(step_s)
             state.advance(step_s, (law.force_n(SPEED * k * step_s) - alpha) / beta)
-        error = abs(float(state.force_n / by_dawson - 1))
+        error = abs(float(state.force_n[0] / by_dawson - 1))
         yield f"the same in steps of {1e3 * step_s:g} ms", mp.nstr(by_dawson, 10), f"{error:.2e}"
 
 
@@ -180,21 +180,26 @@ def mindlin() -> Iterator[Row]:
     worst = 0.0
     for angle in (10.0, 30.0, 45.0):
         for body in (ELASTIC, default_body("S1"), Relaxation.of_share(0.6)):
-            paths = simulate_presses(
-                [contact("S1")], body, Drive(), tilt=Tilt(angle_deg=angle, friction=1e6), step_s=5e-3
-            )
-            ratio = paths.shear_n[1:, 0] / paths.normal_n[1:, 0]
-            worst = max(worst, float(np.nanmax(np.abs(ratio / (2 / 3 * math.tan(math.radians(angle))) - 1))))
+            history = ContactHistory(body, friction=1e6, friction_drop=0.0, mount_n_per_mm=math.inf)
+            law, before_n, deeper_mm = contact("S1"), 0.0, SPEED * 5e-3 * math.cos(math.radians(angle))
+            for k in range(1, 100):
+                history.begin(5e-3)
+                elastic_n = law.force_n(k * deeper_mm)
+                slope = (elastic_n - before_n) / deeper_mm
+                normal_n, shear_n = history.advance(elastic_n, slope, deeper_mm * math.tan(math.radians(angle)))
+                before_n = elastic_n
+                worst = max(worst, abs(shear_n / normal_n / (2 / 3 * math.tan(math.radians(angle))) - 1))
     yield "oblique path that sticks, 10 to 45°, three bodies", "Q/P = (2/3) tan θ", f"{worst:.0e}"
 
 
 def cost() -> Iterator[Row]:
-    state, best, count = ConvolvedForce(default_body("S2"), 0.0), math.inf, 20_000
+    best, count = math.inf, 20_000
+    history = ContactHistory(default_body("S2"), friction=0.6, friction_drop=0.0, mount_n_per_mm=math.inf)
     for _ in range(5):
         start = time.process_time()
         for k in range(count):
-            state.alpha_beta(1e-3)
-            state.advance(1e-3, 1e-4 * k)
+            history.begin(1e-3)
+            history.advance(1e-4 * k, 1.0, 0.0)
         best = min(best, (time.process_time() - start) / count)
     yield "one step, sensor and specimen, plain Python", "at most 15 µs", f"{1e6 * best:.1f} µs"
 

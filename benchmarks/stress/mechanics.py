@@ -13,8 +13,7 @@ from benchmarks.stress.exact_curves import mpfs
 from emg2vsa.devices.qbmove.springs import MOTOR_LIMIT_TICKS, SPRINGS, SpringJoint
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, TICKS_PER_TURN
 from emg2vsa.dome_contact import PowerLaw
-from emg2vsa.worlds.contact.adhesion import adhesive_force_n
-from emg2vsa.worlds.contact.relaxation import ConvolvedForce, Relaxation
+from emg2vsa.worlds.contact import ConvolvedForce, Relaxation, adhesive_force_n
 
 
 def cases() -> Iterator[Case]:
@@ -129,7 +128,7 @@ def _adhesion(adhesion: float, force: float, bound: float) -> Case:
         "contact_mechanics.adhesive_force_n",
         f"{adhesion:g} mJ/m2, {force:g} N",
         (np.array([force]),),
-        lambda x: Found({"force": adhesive_force_n(x[0], adhesion)}),
+        lambda x: Found({"force": adhesive_force_n(float(x[0]), adhesion)}),
         exact,
         bound,
     )
@@ -170,10 +169,10 @@ def convolved_case(step_s: float, steps: int, bound: float, smoke: bool) -> Case
     body = Relaxation.of_share(0.4)
 
     def ours(x: np.ndarray) -> Found:
-        contact = ConvolvedForce(body, 0.0)
+        contact = ConvolvedForce([body])
         for i in range(steps):
-            found = contact.advance(step_s, float(x[0]) * (i + 1) / steps)
-        return Found({"force": found})
+            found = contact.advance(step_s, x * (i + 1) / steps)
+        return Found({"force": found[0]})
 
     def exact(x: np.ndarray) -> dict[str, Any]:
         total_s, force = mpf(step_s) * steps, mpfs(x)[0]

@@ -11,13 +11,13 @@ from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.lab.session_devices import Virtual, rig_force
 from emg2vsa.session.open_session import settings_of
 from emg2vsa.study import Study
+from emg2vsa.worlds.far_ends.serve import serve
+from emg2vsa.worlds.far_ends.table import Served, Table
 from emg2vsa.worlds.far_ends.trigno.server import START_DELAY_S
-from emg2vsa.worlds.people.far_end import Served, Table
 from emg2vsa.worlds.people.operator import EmulatedOperator
 from emg2vsa.worlds.people.page_follower import FollowedOperator, FollowedPage
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.person import person_of
-from emg2vsa.worlds.people.serve import serve
 
 _OPERATOR_S = 0.1
 _HELP = """  page URL               obey the participant's page at this address

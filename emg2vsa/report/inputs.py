@@ -20,9 +20,9 @@ from emg2vsa.profiles import Profiles
 from emg2vsa.report.failures import Failure
 from emg2vsa.run_scores import RunScores
 from emg2vsa.schedules import Schedule
+from emg2vsa.stiffness_effect import StiffnessEffect
 from emg2vsa.study import Study
 from emg2vsa.truth import Truth
-from emg2vsa.worlds.contact.stiffness_effect import StiffnessEffect
 
 
 @dataclass(frozen=True)

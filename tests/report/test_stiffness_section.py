@@ -16,7 +16,7 @@ from emg2vsa.report.sections.actuators import ACTUATORS
 from emg2vsa.report.sections.stiffness import STIFFNESS
 from emg2vsa.report.study_report import contents, numbers_and_tables
 from emg2vsa.settings import DiscriminationSettings
-from emg2vsa.worlds.contact.stiffness_effect import StiffnessEffect
+from emg2vsa.stiffness_effect import StiffnessEffect
 
 CONDITIONS = ("high-stiffness", "modular", "constant-min", "all-20")
 

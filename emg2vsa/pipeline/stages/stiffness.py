@@ -9,7 +9,7 @@ from emg2vsa.settings import RIGID
 
 if TYPE_CHECKING:
     from emg2vsa.pipeline.campaign import Campaign
-    from emg2vsa.worlds.contact.stiffness_effect import StiffnessEffect
+    from emg2vsa.stiffness_effect import StiffnessEffect
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
@@ -45,8 +45,7 @@ def run(given: Given) -> StiffnessEffect | None:
     from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
     from emg2vsa.schedules import Schedule
     from emg2vsa.worlds.contact import Drive, StiffnessSteps
-    from emg2vsa.worlds.contact.camera_frames import FrameErrors
-    from emg2vsa.worlds.contact.stiffness_effect import AREA_NOISE, Bench, materials_of, stiffness_effect
+    from emg2vsa.worlds.contact.stiffness_effect import AREA_NOISE, Bench, FrameErrors, materials_of, stiffness_effect
     from emg2vsa.worlds.tactile import ContactWorld, TabulatedWorld
 
     used, world = given.settings, ContactWorld()

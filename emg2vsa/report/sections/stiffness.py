@@ -16,7 +16,7 @@ from emg2vsa.report.sections.actuators import CONTRAST_CLAIM, CONTRAST_PAPER, CO
 from emg2vsa.report.table import Cell, Column, Row, Table, rows_of
 from emg2vsa.report.wording import number, signed
 from emg2vsa.run_scores.product import PressCurve
-from emg2vsa.worlds.contact.stiffness_effect import (
+from emg2vsa.stiffness_effect import (
     LOSSY_SENSOR,
     LOSSY_SPECIMENS,
     PRESS_CV,

@@ -18,8 +18,7 @@ from emg2vsa.worlds.bench.controls import ArtificialEffect
 from emg2vsa.worlds.bench.probe import Touch
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 from emg2vsa.worlds.bench.world_settings import WorldSettings
-from emg2vsa.worlds.contact import Relaxation, adhesive_force_of_one_n, area_share_of_one, in_series
-from emg2vsa.worlds.contact.relaxation import specimen_share
+from emg2vsa.worlds.contact import Relaxation, adhesive_force_n, area_share, in_series, specimen_share
 from emg2vsa.worlds.far_ends.camera.frames import FrameTiming
 from emg2vsa.worlds.tactile import Appearance, ContactState, ContactWorld, Drawn, PressSettings, Scene, TabulatedWorld
 
@@ -82,11 +81,11 @@ class SeenPress:
         if touch.normal_n <= 0:
             return self._apart
         # bodies of s times the modulus under s times the force have the same contact
-        elastic_n = adhesive_force_of_one_n(touch.elastic_n, self.adhesion_mj_per_m2) / self.modulus
+        elastic_n = adhesive_force_n(touch.elastic_n, self.adhesion_mj_per_m2) / self.modulus
         if self.effect:
             elastic_n = self._as_large_n(elastic_n, area_factor * self.effect.factor(touch.normal_n))
         state = self.scene.skin.state(elastic_n)
-        left = math.sqrt(area_share_of_one(touch.shear_n, touch.normal_n, self.friction))
+        left = math.sqrt(area_share(touch.shear_n, touch.normal_n, self.friction))
         pulled_mm = (1 - self.specimen) * touch.sheared_mm
         return ContactState(radius_mm=left * state.radius_mm, normal_n=state.normal_n, tangential_mm=pulled_mm)
 

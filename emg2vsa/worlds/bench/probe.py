@@ -6,9 +6,8 @@ import math
 from typing import NamedTuple
 
 from emg2vsa.dome_contact import SHEAR_OVER_NORMAL
-from emg2vsa.worlds.bench.contact_history import ContactHistory
 from emg2vsa.worlds.bench.world_settings import WorldSettings
-from emg2vsa.worlds.contact import ELASTIC
+from emg2vsa.worlds.contact import ELASTIC, ContactHistory
 
 
 class PlateContact:

@@ -29,7 +29,7 @@ class WorldSettings:
     turns_to_push : which way the shaft turns to move the probe down, 1 or -1.
     relaxation : of sensor and specimen in series; the elastic one remembers nothing.
     skin_friction, friction_drop, mount_n_per_mm : between skin and specimen, and the sensor's mount across the probe's
-        axis, as ``emg2vsa.worlds.contact.Shear`` has them; friction 0 is a skin that slides freely.
+        axis, as ``emg2vsa.worlds.contact.ContactHistory`` has them; friction 0 is a skin that slides freely.
     plate : a flat plate presses, in place of the dome of the tactile sensor.
     gap_mm : from the probe with the shaft at 0 to first contact, along the probe's axis (guess).
     """

@@ -1,4 +1,4 @@
-"""Presses without the rig's devices: drive, springs, contact and tilt stepped together, many presses at once.
+"""Presses without the rig's devices: drive, springs and contact stepped together, many presses at once.
 
 The drive comes down at an even speed from first contact on, until the force along its axis has come by an end. A rigid
 motor moves the probe with it. Springs stand between drive and probe otherwise; their preset follows a schedule by
@@ -17,13 +17,10 @@ from emg2vsa.arrays import Floats
 from emg2vsa.devices.qbmove.springs import Springs
 from emg2vsa.dome_contact import PowerLaw
 from emg2vsa.errors import DataError
-from emg2vsa.worlds.contact.adhesion import adhesive_force_n
 from emg2vsa.worlds.contact.relaxation import ConvolvedForce, Relaxation
-from emg2vsa.worlds.contact.tilt import Shear, area_share, forces_n
 
 _NEWTON = 40
-_SOLVED_MM = 1e-12
-_RESTING_MM = 1e-9
+_SOLVED_MM = _LEAST_MM = 1e-12
 _GRID = 260
 "Forces to which a straight line of area on force is fitted, the middles of even steps."
 
@@ -73,29 +70,16 @@ class StiffnessSteps:
         return min(max(int(self.edges_n.searchsorted(force_n, side="right")) - 1, 0), self.presets_rad.size - 1)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Tilt:
-    """Angle of the probe's axis against the normal of the surface, and what a shear force meets (`Shear`)."""
-
-    angle_deg: float = 0.0
-    friction: float = 0.0
-    mount_n_per_mm: float = math.inf
-    friction_drop: float = 0.0
-
-
 @dataclass(frozen=True, eq=False)
 class PressPaths:
     """P presses from first contact on, NaN after the first sample at which a press has come by its end.
 
-    time_s is (T,), all others (T, P): ``force_n`` along the axis; ``normal_n`` and ``shear_n`` of the contact;
-    ``convolved_n``, the normal force convolved, which area and depth follow; ``area_mm2`` as seen along the axis;
-    ``preset_rad`` of the springs.
+    time_s is (T,), all others (T, P): ``force_n`` of the contact; ``convolved_n``, which area and depth follow;
+    ``area_mm2`` of the contact; ``preset_rad`` of the springs.
     """
 
     time_s: Floats
     force_n: Floats
-    normal_n: Floats
-    shear_n: Floats
     convolved_n: Floats
     area_mm2: Floats
     preset_rad: Floats
@@ -127,8 +111,6 @@ def simulate_presses(
     drive: Drive,
     steps: Sequence[StiffnessSteps] = (),
     *,
-    tilt: Tilt | None = None,
-    adhesion_mj_per_m2: float = 0.0,
     f_max_n: float = 7.0,
     step_s: float = 1e-3,
     longest_mm: float = 25.0,
@@ -139,7 +121,7 @@ def simulate_presses(
     no steps, or a press does not come to ``f_max_n`` within ``longest_mm`` of the ramp.
     """
     longest_s = longest_mm / drive.speed_mm_per_s
-    presses = _Presses(contacts, relaxation, drive, steps, tilt or Tilt(), step_s)
+    presses = _Presses(contacts, relaxation, drive, steps, step_s)
     rows = [presses.row()]
     while not (ended := presses.force_n >= f_max_n).all():
         if len(rows) * step_s > longest_s:
@@ -152,13 +134,10 @@ def simulate_presses(
     table = np.array(rows)
     came_by = np.cumsum(table[:, 0] >= f_max_n, axis=0) > 1
     table[np.broadcast_to(came_by[:, None], table.shape)] = np.nan
-    force_n, normal_n, shear_n, convolved_n, preset_rad = np.moveaxis(table, 1, 0)
-    adhering_n = adhesive_force_n(convolved_n, adhesion_mj_per_m2)
-    areas = [contact.area_mm2(adhering_n[:, p]) for p, contact in enumerate(contacts)]
-    seen = presses.cosine * area_share(shear_n, normal_n, presses.tilt.friction)
-    area_mm2 = np.stack(areas, axis=1) * seen
+    force_n, convolved_n, preset_rad = np.moveaxis(table, 1, 0)
+    area_mm2 = np.stack([contact.area_mm2(column) for contact, column in zip(contacts, convolved_n.T, strict=True)], 1)
     time_s = np.arange(len(rows), dtype=np.float64) * step_s
-    return PressPaths(time_s, force_n, normal_n, shear_n, convolved_n, area_mm2, preset_rad)
+    return PressPaths(time_s, force_n, convolved_n, area_mm2, preset_rad)
 
 
 class _Presses:
@@ -170,7 +149,6 @@ class _Presses:
         relaxation: Relaxation | Sequence[Relaxation],
         drive: Drive,
         steps: Sequence[StiffnessSteps],
-        tilt: Tilt,
         step_s: float,
     ) -> None:
         if drive.springs is not None and len(steps) != len(contacts):
@@ -178,17 +156,13 @@ class _Presses:
                 "simulated presses", wanted=f"the stiffness of springs for each of {len(contacts)} presses",
                 found=str(len(steps)), do="Give one schedule for each press.",
             )  # fmt: skip
-        self.drive, self.tilt, self._step_s, self._steps = drive, tilt, step_s, steps
-        self._laws = _ElasticLaws(contacts)
+        self.drive, self._step_s, self._steps = drive, step_s, steps
+        self._per_mm = np.array([contact.per_mm for contact in contacts])
+        self._power = np.array([contact.power for contact in contacts])
         self._mm_per_rad = math.degrees(drive.mm_per_degree)
-        self._tilt_rad = math.radians(tilt.angle_deg)
-        self.cosine, self._sine = math.cos(self._tilt_rad), math.sin(self._tilt_rad)
         zero = np.zeros(len(contacts))
-        self._normal = ConvolvedForce(relaxation, zero)
-        self._shear = Shear(
-            relaxation, zero, friction=tilt.friction, mount_n_per_mm=tilt.mount_n_per_mm,
-            friction_drop=tilt.friction_drop,
-        )  # fmt: skip
+        bodies = [relaxation] * len(contacts) if isinstance(relaxation, Relaxation) else relaxation
+        self._convolved = ConvolvedForce(bodies)
         self._alpha_n, self._beta = zero, zero + 1
         self.force_n, self._way_mm, self._convolved_n, self._count = zero, zero, zero, 0
         self._preset_rad = np.array([step.preset_rad(0.0) for step in steps]) if drive.springs else zero * np.nan
@@ -198,38 +172,21 @@ class _Presses:
         self._start_rad = self._balanced_rad()
 
     def row(self) -> tuple[Floats, ...]:
-        return self.force_n, self._normal.force_n, self._shear.force_n, self._convolved_n, self._preset_rad
+        return self.force_n, self._convolved_n, self._preset_rad
 
     def step(self) -> None:
         """One step of time."""
         self._count += 1
         drive_mm = self.drive.speed_mm_per_s * self._count * self._step_s
-        self._alpha_n, self._beta = self._normal.alpha_beta(self._step_s)
-        way_mm = self._probe_mm(drive_mm)
-        normal_n, shear_way_mm, slope = self._contact(way_mm)
-        if self._sine:
-            self._shear.advance(self._step_s, shear_way_mm, slope, normal_n)
-        self._convolved_n = self._normal.advance(self._step_s, normal_n)
-        self._way_mm = way_mm
-        self.force_n = forces_n(normal_n, self._shear.force_n, self._tilt_rad)[1]
+        self._alpha_n, self._beta = self._convolved.alpha_beta(self._step_s)
+        self._way_mm = self._probe_mm(drive_mm)
+        self.force_n = self._resisting_n(self._way_mm)
+        self._convolved_n = self._convolved.advance(self._step_s, self.force_n)
 
-    def _contact(self, way_mm: Floats) -> tuple[Floats, Floats, Floats]:
-        """Normal force at a way of the probe along its axis, its way along the surface, slope of the elastic force."""
-        elastic_n, slope = self._laws.resistance(way_mm * self.cosine)
-        normal_n = (elastic_n - self._alpha_n) / self._beta
-        if not self._sine:
-            return normal_n, np.zeros_like(way_mm), slope
-        deeper_mm = (way_mm - self._way_mm) * self.cosine
-        rests = np.abs(deeper_mm) <= _RESTING_MM
-        slope = np.where(rests, slope, (elastic_n - self._convolved_n) / np.where(rests, 1.0, deeper_mm))
-        return normal_n, (way_mm - self._way_mm) * self._sine, slope
-
-    def _axis_n(self, way_mm: Floats) -> Floats:
-        normal_n, shear_way_mm, slope = self._contact(way_mm)
-        if not self._sine:
-            return normal_n
-        shear_n = self._shear.after(self._step_s, shear_way_mm, slope, normal_n)
-        return forces_n(normal_n, shear_n, self._tilt_rad)[1]
+    def _resisting_n(self, way_mm: Floats) -> Floats:
+        """Force at a way of the probe, at the end of the step."""
+        elastic_n = (self._per_mm * np.maximum(way_mm, _LEAST_MM)) ** self._power
+        return np.asarray((elastic_n - self._alpha_n) / self._beta)
 
     def _probe_mm(self, drive_mm: float) -> Floats:
         """Where springs and contact are in balance, by secants."""
@@ -240,7 +197,7 @@ class _Presses:
 
         def missing_nm(way_mm: Floats) -> Floats:
             pull_nm = self._pull_nm(angle_rad - way_mm / self._mm_per_rad)
-            return pull_nm - self.drive.friction_nm - self._axis_n(way_mm) * self._mm_per_rad / 1000
+            return pull_nm - self.drive.friction_nm - self._resisting_n(way_mm) * self._mm_per_rad / 1000
 
         # from where an even motion would have it, and from a little before
         way_mm, before_mm = self._way_mm + self._last_mm, self._way_mm + 0.9 * self._last_mm
@@ -290,16 +247,3 @@ class _Presses:
         wanted = self._commanded[max(0, len(self._commanded) - 1 - late)]
         most = self.drive.motor_rad_per_s * self._step_s
         self._preset_rad = self._preset_rad + np.clip(wanted - self._preset_rad, -most, most)
-
-
-class _ElasticLaws:
-    """Elastic forces of many power laws at once."""
-
-    def __init__(self, contacts: Sequence[PowerLaw]) -> None:
-        self._per_mm = np.array([contact.per_mm for contact in contacts])
-        self._power = np.array([contact.power for contact in contacts])
-
-    def resistance(self, depth_mm: Floats) -> tuple[Floats, Floats]:
-        deep_mm = np.maximum(depth_mm, 1e-12)
-        force_n = (self._per_mm * deep_mm) ** self._power
-        return force_n, self._power * force_n / deep_mm

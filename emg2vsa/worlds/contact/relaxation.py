@@ -18,7 +18,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -107,92 +106,53 @@ def specimen_share(stiffness_mpa: float, sensor_mpa: float) -> float:
     return sensor_mpa / (sensor_mpa + stiffness_mpa)
 
 
-Number = TypeVar("Number", float, Floats)
-
-
-class ConvolvedForce(Generic[Number]):
-    """F_c of one contact while its force goes on, or of many at once: ``zero`` is 0.0, or zeros (P,) for P contacts.
+class ConvolvedForce:
+    """F_c of P contacts, each between bodies of its own, while their forces (P,) go on.
 
     A step is: ``alpha_beta(dt)``, from which F_c = alpha + beta F for any force F at its end; solve for F; ``advance``.
     Elastic bodies have alpha 0 and beta 1, so F_c is F to the last bit.
     """
 
-    def __init__(self, relaxation: Relaxation | Sequence[Relaxation], zero: Number) -> None:
-        """``relaxation`` : of the bodies of all contacts, or one of each contact."""
-        of_each = [relaxation] if isinstance(relaxation, Relaxation) else relaxation
-        self._taus_s = tuple(sorted({tau for each in of_each for tau in each.taus_s}))
-        by_tau = [dict(zip(each.taus_s, each.branches, strict=True)) for each in of_each]
-        self._zero: Number = zero
-        self._instant: Number = _of_contacts(zero, [each.instant for each in of_each])
-        self._branches: list[Number] = [
-            _of_contacts(zero, [each.get(tau, 0.0) for each in by_tau]) for tau in self._taus_s
-        ]
-        self._step_s = -1.0
-        self._weights: list[tuple[float, Number, Number]] = []
-        self._ahead: tuple[Number, Number] | None = None
-        "Alpha and beta of a step of that length, until the state changes: a solver asks for them many times."
-        self.reset()
+    def __init__(self, bodies: Sequence[Relaxation]) -> None:
+        self._taus_s = sorted({tau for body in bodies for tau in body.taus_s})
+        by_tau = [dict(zip(body.taus_s, body.branches, strict=True)) for body in bodies]
+        self._instant = np.array([body.instant for body in bodies])
+        self._branches = [np.array([each.get(tau, 0.0) for each in by_tau]) for tau in self._taus_s]
+        self._step_s, self._weights = -1.0, list[tuple[float, Floats, Floats]]()
+        self.force_n = np.zeros(len(bodies))
+        self._states = [self.force_n] * len(self._branches)
 
-    def reset(self) -> None:
-        """Forget the past: the next contact is a first one."""
-        self.force_n: Number = self._zero
-        self._states: list[Number] = [self._zero] * len(self._branches)
-        self._ahead = None
-
-    @property
-    def convolved_n(self) -> Number:
-        """F_c now."""
-        total: Number = self._instant * self.force_n
-        for z in self._states:
-            total = total + z
-        return total
-
-    def alpha_beta(self, step_s: float) -> tuple[Number, Number]:
+    def alpha_beta(self, step_s: float) -> tuple[Floats, Floats]:
         """F_c = alpha + beta F, that long from now, where F grows evenly from the present force to F."""
         self._weigh(step_s)
-        if self._ahead is not None:
-            return self._ahead
-        alpha, beta, old_n = self._zero, self._instant, self.force_n
+        alpha, beta = np.zeros(self.force_n.size), self._instant
         for z, (left, from_old, from_new) in zip(self._states, self._weights, strict=True):
-            alpha = alpha + (left * z + from_old * old_n)
+            alpha = alpha + (left * z + from_old * self.force_n)
             beta = beta + from_new
-        self._ahead = alpha, beta
-        return self._ahead
+        return alpha, beta
 
-    def advance(self, step_s: float, force_n: Number) -> Number:
+    def advance(self, step_s: float, force_n: Floats) -> Floats:
         """Go on to ``force_n``, that long from now; F_c there."""
         self._weigh(step_s)
-        self._ahead = None
-        old_n, total = self.force_n, self._instant * force_n
-        states = self._states
+        total = self._instant * force_n
         for k, (left, from_old, from_new) in enumerate(self._weights):
-            z = left * states[k] + from_old * old_n + from_new * force_n
-            states[k] = z
-            total = total + z
+            self._states[k] = left * self._states[k] + from_old * self.force_n + from_new * force_n
+            total = total + self._states[k]
         self.force_n = force_n
         return total
 
-    def rest(self, duration_s: float) -> None:
-        """Go on without a force for any time, from now: what is left of the dent decays exactly."""
-        self.force_n, self._ahead = self._zero, None
-        self._states = [math.exp(-duration_s / tau) * z for z, tau in zip(self._states, self._taus_s, strict=True)]
-
     def _weigh(self, step_s: float) -> None:
-        """Weights of a branch over a step: of its state, of the force at the start and of that at the end."""
-        if step_s == self._step_s:
-            return
-        weights = []
-        for branch, tau_s in zip(self._branches, self._taus_s, strict=True):
-            share = step_s / tau_s
-            gone = -math.expm1(-share)
-            mean = gone / share if share > 0 else 1.0
-            weights.append((1 - gone, branch * (mean - (1 - gone)), branch * (1 - mean)))
-        self._step_s, self._weights, self._ahead = step_s, weights, None
+        if step_s != self._step_s:
+            self._step_s = step_s
+            parts = [shares_of_step(step_s / tau_s) for tau_s in self._taus_s]
+            self._weights = [
+                (left, branch * old, branch * new)
+                for (left, old, new), branch in zip(parts, self._branches, strict=True)
+            ]
 
 
-def _of_contacts(zero: Number, values: list[float]) -> Number:
-    """One value for all, or those of each contact, in the form of ``zero``."""
-    if isinstance(zero, float):
-        (value,) = values
-        return value
-    return np.asarray(zero + np.array(values), dtype=np.float64)
+def shares_of_step(share: float) -> tuple[float, float, float]:
+    """Of a branch's state and of the force at start and end of a step of ``share`` of its time: e, w0 and w1 above."""
+    gone = -math.expm1(-share)
+    mean = gone / share if share > 0 else 1.0
+    return 1 - gone, mean - (1 - gone), 1 - mean

@@ -1,11 +1,8 @@
-"""What the stiffness of the drive does to the spread rates of specimens, where nothing but mechanics can do it.
-
-Three ways are kept apart: creep of sensor and specimen, through how long a press lasts; equation (2) as printed, a sum
-over frames, through how many there are; and errors of timing, through how fast the force grows.
-"""
+"""Presses under all conditions, and a camera's few frames of them, for what stiffness can do by mechanics alone."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -15,7 +12,7 @@ from casr.spread import spread_rate
 from emg2vsa.arrays import Floats
 from emg2vsa.dome_contact import PowerLaw
 from emg2vsa.errors import DataError
-from emg2vsa.worlds.contact.camera_frames import FrameErrors, frames_of, power_rates
+from emg2vsa.stiffness_effect import LOSSY_SENSOR, LOSSY_SPECIMENS, StiffnessEffect
 from emg2vsa.worlds.contact.press_path import Drive, PressPaths, StiffnessSteps, simulate_presses
 from emg2vsa.worlds.contact.relaxation import Relaxation, in_series, specimen_share
 
@@ -24,6 +21,21 @@ _PHASES = 40
 "Presses over which a sum over frames is averaged: each begins at another time between two frames."
 _DRAWS = 2000
 _SEED = 18
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrameErrors:
+    """Standard deviations of normal errors; 0 is none.
+
+    area_share : of the area of a frame, as a share. force_n : of the force of a frame.
+    latency_sd_s : of the delay of frames from press to press, about one that is corrected. jitter_s : from frame to
+    frame.
+    """
+
+    area_share: float = 0.0
+    force_n: float = 0.0
+    latency_sd_s: float = 0.0
+    jitter_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -35,14 +47,8 @@ class Material:
     specimens: Mapping[str, float]
 
 
-LOSSY_SENSOR, LOSSY_SPECIMENS = 0.30, 0.10
-"Shares of a sensor that creeps as much as soft printed skin may, on specimens that creep alike."
 AREA_NOISE = 0.01
 "Standard deviation of the area of one frame, as a share (assumption)."
-PRESS_CV = 0.03
-"Of the spread rate from press to press (assumption; the emulated bench has 3 to 5 %)."
-_FOUND, _MISSED = 1.959964, 0.841621
-"Normal quantiles of 5 % on both sides and of a power of 80 %."
 
 
 def materials_of(sensor: float, specimens: Mapping[str, float]) -> tuple[Material, Material, Material]:
@@ -52,15 +58,6 @@ def materials_of(sensor: float, specimens: Mapping[str, float]) -> tuple[Materia
         Material("assumed", sensor, specimens),
         Material("lossy sensor", LOSSY_SENSOR, dict.fromkeys(specimens, LOSSY_SPECIMENS)),
     )
-
-
-def replicates_needed(difference: Floats, sd: float) -> Floats:
-    """In each of four cells, for a difference of two contrasts at 5 % and a power of 80 %; each score has that ``sd``.
-
-    Logarithms: a contrast is that of a ratio of two scores. Infinite for no difference.
-    """
-    with np.errstate(divide="ignore"):
-        return np.asarray(4 * ((_FOUND + _MISSED) * sd / np.asarray(difference, dtype=np.float64)) ** 2)
 
 
 @dataclass(frozen=True)
@@ -81,44 +78,6 @@ class Bench:
     steps: Mapping[str, Mapping[str, StiffnessSteps]]
     window_n: tuple[float, float]
     rate_hz: float
-
-
-@dataclass(frozen=True, eq=False)
-class StiffnessEffect:
-    """Of K specimens, the stiffest first, and C conditions, the rigid motor first.
-
-    duration_s : (K, C) between the forces of the window, elastic bodies. slope : (M, K, C) true spread rate, mm2/N, in
-    M materials. frame_sum : (K, C) equation (2) as printed, elastic bodies; frame_sum_swapped, slope_swapped : (K, C)
-    the same and the slope with the schedules of the specimens in reverse order.
-    timing_cv : (2, C) CV of the spread rate of the pair with errors of timing; timing_d : (C,) d' of the pair.
-    specimen_share : (K,) of the compliance of specimen and sensor. area_power : (K,) ln of area per ln of force.
-    """
-
-    specimens: tuple[str, ...]
-    conditions: tuple[str, ...]
-    materials: tuple[str, ...]
-    pair: tuple[str, str]
-    duration_s: Floats
-    slope: Floats
-    frame_sum: Floats
-    frame_sum_swapped: Floats
-    slope_swapped: Floats
-    timing_cv: Floats
-    timing_d: Floats
-    specimen_share: Floats
-    area_power: Floats
-
-    def creep_exponent(self, share: float, condition: int) -> float:
-        """n of a creep t^n of the softest specimen alone that would raise its contrast to the stiffest by ``share``
-        under a condition against the rigid motor: ln A grows by its power of force, times its share of the compliance,
-        times n, with ln of the duration. Infinite where a press does not last longer."""
-        longer = float(np.log(self.duration_s[-1, condition] / self.duration_s[-1, 0]))
-        per_n = self.area_power[-1] * self.specimen_share[-1] * longer
-        return float(np.log1p(share) / per_n) if per_n > 0 else np.inf
-
-    def contrast(self, slopes: Floats, specimen: int = -1) -> Floats:
-        """(..., C) logarithm of the ratio of a specimen, the softest unless said, to the stiffest; of (..., K, C)."""
-        return np.asarray(np.log(slopes[..., specimen, :] / slopes[..., 0, :]))
 
 
 def stiffness_effect(bench: Bench, materials: Sequence[Material], errors: FrameErrors, rigid: str) -> StiffnessEffect:
@@ -196,12 +155,12 @@ class _Pressed:
     def frame_sums(self) -> Floats:
         """(K, C) mean of equation (2) as printed over presses that begin at other times between two frames."""
         firsts = (np.arange(_PHASES) + 0.5) / _PHASES / self._bench.rate_hz
-        return self._table(
-            [
-                np.array([self._frame_sum(*self._frames(run, p, firsts, FrameErrors())) for p in range(_presses(run))])
-                for run in self._runs
-            ]
-        )
+        rng, no_errors = np.random.default_rng(_SEED), FrameErrors()
+        sums = [
+            [self._frame_sum(*self._frames(run, p, firsts, no_errors, rng)) for p in range(_presses(run))]
+            for run in self._runs
+        ]
+        return self._table([np.array(each) for each in sums])
 
     def seen_rates(self, specimens: int, errors: FrameErrors) -> Floats:
         """(specimens, C, draws) spread rates of the first ones by the power law, as frames with errors give them."""
@@ -225,14 +184,8 @@ class _Pressed:
         return replace(paths, area_mm2=np.stack(columns, axis=1))
 
     def _frames(
-        self,
-        run: PressPaths,
-        press: int,
-        firsts: Floats,
-        errors: FrameErrors,
-        rng: np.random.Generator | None = None,
+        self, run: PressPaths, press: int, firsts: Floats, errors: FrameErrors, rng: np.random.Generator
     ) -> tuple[Floats, Floats]:
-        rng = rng or np.random.default_rng(_SEED)
         bench = self._bench
         return frames_of(run, press, firsts, errors, rng, rate_hz=bench.rate_hz, window_n=bench.window_n)
 
@@ -251,3 +204,50 @@ class _Pressed:
 
 def _presses(run: PressPaths) -> int:
     return int(run.force_n.shape[1])
+
+
+def frames_of(
+    paths: PressPaths,
+    press: int,
+    first_s: Floats,
+    errors: FrameErrors,
+    rng: np.random.Generator,
+    *,
+    rate_hz: float = 20.0,
+    window_n: tuple[float, float] = (0.5, 7.0),
+) -> tuple[Floats, Floats]:
+    """(D, T) forces and areas of the frames of a press seen D times; NaN where the force is outside the window.
+
+    The first frame of each comes ``first_s`` (D,) after contact. A frame shows the contact as it was before its time
+    stamp by the delay.
+    """
+    known = np.isfinite(paths.force_n[:, press])
+    time_s, force, area = paths.time_s[known], paths.force_n[known, press], paths.area_mm2[known, press]
+    stamps_s = first_s[:, None] + np.arange(math.ceil(time_s[-1] * rate_hz)) / rate_hz
+    late_s = rng.normal(0, errors.latency_sd_s, (first_s.size, 1))
+    late_s = late_s + rng.normal(0, errors.jitter_s, stamps_s.shape)
+    forces = np.interp(stamps_s, time_s, force) + rng.normal(0, errors.force_n, stamps_s.shape)
+    areas = np.interp(stamps_s - late_s, time_s, area) * (1 + rng.normal(0, errors.area_share, stamps_s.shape))
+    seen = (stamps_s <= time_s[-1]) & (forces >= window_n[0]) & (forces <= window_n[1]) & (areas > 0)
+    return np.where(seen, forces, np.nan), np.where(seen, areas, np.nan)
+
+
+def power_rates(
+    force_n: Floats, area_mm2: Floats, window_n: tuple[float, float] = (0.5, 7.0), *, by_force: bool = True
+) -> Floats:
+    """(D,) mean rate over the window, mm2/N, of the power law through each press: a line of ln area on ln force.
+
+    A frame weighs its force, as in ``casr.spread`` (which also draws areas far off towards the line), or all frames
+    weigh alike. force_n, area_mm2 : (D, T) as of `frames_of`. NaN with fewer than two frames.
+    """
+    seen = np.isfinite(force_n)
+    x, y = np.log(np.where(seen, force_n, 1.0)), np.log(np.where(seen, area_mm2, 1.0))
+    weights = np.where(seen, force_n if by_force else 1.0, 0.0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        weights = weights / weights.sum(axis=1, keepdims=True)
+        middle_x, middle_y = (weights * x).sum(axis=1), (weights * y).sum(axis=1)
+        off = x - middle_x[:, None]
+        power = (weights * off * y).sum(axis=1) / (weights * off**2).sum(axis=1)
+        level = np.exp(middle_y - power * middle_x)
+        low, high = window_n
+        return np.asarray(level * (high**power - low**power) / (high - low))

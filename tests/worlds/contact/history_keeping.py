@@ -28,9 +28,8 @@ def maxwell(long_mpa: float, arm_mpa: float, tau_s: float) -> tuple[Relaxation, 
 
 def convolved_force_n(relaxation: Relaxation, time_s: Floats, force_n: Floats) -> Floats:
     """The convolved force of one that goes straight from sample to sample; before the first it was 0."""
-    state = ConvolvedForce(relaxation, 0.0)
-    steps = np.diff(time_s, prepend=time_s[0]).tolist()
-    return np.array([state.advance(step, force) for step, force in zip(steps, force_n.tolist(), strict=True)])
+    state, steps = ConvolvedForce([relaxation]), np.diff(time_s, prepend=time_s[0]).tolist()
+    return np.concatenate([state.advance(step, force) for step, force in zip(steps, force_n[:, None], strict=True)])
 
 
 class ElementRow:

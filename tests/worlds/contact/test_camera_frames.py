@@ -8,7 +8,7 @@ import pytest
 from casr.spread import spread_rate
 from emg2vsa.dome_contact import PowerLaw
 from emg2vsa.worlds.contact import ELASTIC, Drive, simulate_presses
-from emg2vsa.worlds.contact.camera_frames import FrameErrors, frames_of, power_rates
+from emg2vsa.worlds.contact.stiffness_effect import FrameErrors, frames_of, power_rates
 
 LAW = PowerLaw(0.2624)
 PATHS = simulate_presses([LAW], ELASTIC, Drive())
@@ -30,12 +30,17 @@ def test_frames_without_errors_lie_on_the_press() -> None:
     assert power_rates(force, area) == pytest.approx((LAW.area_mm2(7.0) - LAW.area_mm2(0.5)) / 6.5, rel=1e-4)
 
 
-def test_a_delay_shows_an_earlier_contact() -> None:
-    force, area = frames(FrameErrors(latency_s=0.02))
-    seen = np.isfinite(force)
-    stamps = np.interp(force[seen], PATHS.force_n[:-1, 0], PATHS.time_s[:-1])
-    earlier = np.interp(stamps - 0.02, PATHS.time_s, PATHS.force_n[:, 0])
-    assert area[seen] == pytest.approx(LAW.area_mm2(earlier), rel=2e-3)
+def test_a_delay_shows_an_earlier_contact_of_one_press_and_jitter_that_of_a_frame() -> None:
+    clean, _ = frames(FrameErrors())
+    late = {}
+    for name in ("latency_sd_s", "jitter_s"):
+        force, area = frames(FrameErrors(**{name: 0.005}))
+        assert np.array_equal(force, clean, equal_nan=True)
+        shown_s = np.interp(area, LAW.area_mm2(PATHS.force_n[:-1, 0]), PATHS.time_s[:-1])
+        late[name] = np.interp(force, PATHS.force_n[:-1, 0], PATHS.time_s[:-1]) - shown_s
+    assert np.nanstd(late["latency_sd_s"]) == pytest.approx(0.005, rel=0.15)
+    assert np.nanmedian(np.nanstd(late["latency_sd_s"], axis=1)) < 1e-6
+    assert np.nanmean(np.nanstd(late["jitter_s"], axis=1)) == pytest.approx(0.005, rel=0.15)
 
 
 def test_the_rates_are_those_of_casr() -> None:

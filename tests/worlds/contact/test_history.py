@@ -38,14 +38,14 @@ def forces(name: str, time_s: float) -> float:
 @pytest.mark.parametrize("exponent", [0.25, 1 / 3])
 def test_in_first_loading_the_area_is_that_of_1500_elements(name: str, exponent: float) -> None:
     body, after_1_s_mpa = maxwell(LONG, ARM, TAU)
-    law, state = PowerLaw(after_1_s_mpa, exponent=exponent), ConvolvedForce(body, 0.0)
+    law, state = PowerLaw(after_1_s_mpa, exponent=exponent), ConvolvedForce([body])
     row = ElementRow(LONG, ARM, TAU, exponent=exponent, widest_mm=1.1 * float(law.radius_mm(8.5)))
     step_s, ratios, guess_mm = 0.004, [], 0.05
     for k in range(1, 126):
         force_n = forces(name, k * step_s)
         guess_mm = row.depth_for(step_s, force_n, max(guess_mm, row.depth_mm * 1.001))
         row.advance(step_s, guess_mm)
-        area_mm2 = float(law.area_mm2(state.advance(step_s, force_n)))
+        area_mm2 = float(law.area_mm2(state.advance(step_s, np.array([force_n])))[0])
         if force_n > 0.5:
             ratios.append(area_mm2 / (math.pi * row.radius_mm(row.depth_mm) ** 2))
     assert np.array(ratios) == pytest.approx(1.0, abs=1e-4)

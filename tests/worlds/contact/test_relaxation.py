@@ -59,7 +59,7 @@ def test_an_elastic_contact_follows_the_force_to_the_last_bit() -> None:
     assert Relaxation.of_share(0.0) is ELASTIC
     assert in_series([(2.5, ELASTIC), (1.3, ELASTIC)]) == ELASTIC
     assert np.array_equal(convolved_force_n(ELASTIC, time_s, force_n), force_n)
-    assert ConvolvedForce(ELASTIC, 0.0).alpha_beta(0.001) == (0.0, 1.0)
+    assert ConvolvedForce([ELASTIC]).alpha_beta(0.001) == (0.0, 1.0)
 
 
 @pytest.mark.parametrize(("step_s", "within"), [(0.005, 3e-6), (0.001, 1.1e-7)])
@@ -69,40 +69,22 @@ def test_a_ramp_of_depth_on_a_maxwell_body_is_dawsons_function(step_s: float, wi
     exact_n = 6.108172512
     body, after_1_s_mpa = maxwell(long_mpa, arm_mpa, tau_s)
     contact = PowerLaw(after_1_s_mpa, radius, 1 / 3)
-    state = ConvolvedForce(body, 0.0)
+    state = ConvolvedForce([body])
     for k in range(1, round(end_s / step_s) + 1):
         alpha, beta = state.alpha_beta(step_s)
         state.advance(step_s, (contact.force_n(speed * k * step_s) - alpha) / beta)
-    assert state.force_n == pytest.approx(exact_n, rel=within)
+    assert state.force_n == pytest.approx([exact_n], rel=within)
 
 
-def test_the_present_step_is_that_of_alpha_and_beta() -> None:
-    state = ConvolvedForce(Relaxation.of_share(0.3), 0.0)
-    for force_n in (0.5, 2.0, 1.5):
-        alpha, beta = state.alpha_beta(0.02)
-        assert state.advance(0.02, force_n) == pytest.approx(alpha + beta * force_n, rel=1e-14)
-        assert state.convolved_n == pytest.approx(alpha + beta * force_n, rel=1e-14)
-
-
-def test_rest_decays_exactly_however_it_is_cut() -> None:
-    one, many = (ConvolvedForce(Relaxation.of_share(0.3), 0.0) for _ in range(2))
-    for state in (one, many):
-        state.advance(0.5, 7.0)
-    one.rest(2.0)
-    for _ in range(1000):
-        many.rest(0.002)
-    assert one.convolved_n == pytest.approx(many.convolved_n, rel=1e-11)
-    one.reset()
-    assert one.convolved_n == 0.0
-
-
-def test_many_contacts_at_once_are_each_alone() -> None:
-    body, forces = Relaxation.of_share(0.2), np.array([[0.5, 1.0], [3.0, 2.0], [7.0, 0.0]])
-    together = ConvolvedForce(body, np.zeros(2))
-    got = np.array([together.advance(0.01, row) for row in forces])
-    for p in range(2):
-        alone = ConvolvedForce(body, 0.0)
-        assert np.array_equal(got[:, p], [alone.advance(0.01, force) for force in forces[:, p].tolist()])
+def test_many_contacts_at_once_are_each_alone_and_as_alpha_and_beta_say() -> None:
+    bodies = [Relaxation.of_share(0.2), Relaxation.of_share(0.3), ELASTIC]
+    together, alone = ConvolvedForce(bodies), [ConvolvedForce([body]) for body in bodies]
+    for step_s, row in ((0.01, [0.5, 1.0, 2.0]), (0.01, [3.0, 2.0, 1.0]), (0.02, [7.0, 0.0, 0.5])):
+        forces = np.array(row)
+        alpha, beta = together.alpha_beta(step_s)
+        got = together.advance(step_s, forces)
+        assert got == pytest.approx(alpha + beta * forces, rel=1e-14)
+        assert got.tolist() == [float(one.advance(step_s, forces[k : k + 1])[0]) for k, one in enumerate(alone)]
 
 
 def test_bodies_in_series_add_their_compliances() -> None:

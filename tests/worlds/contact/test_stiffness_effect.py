@@ -9,15 +9,9 @@ from casr.specimens import SPECIMENS
 from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS
 from emg2vsa.dome_contact import PowerLaw
 from emg2vsa.errors import DataError
+from emg2vsa.stiffness_effect import StiffnessEffect, replicates_needed
 from emg2vsa.worlds.contact import Drive, StiffnessSteps
-from emg2vsa.worlds.contact.camera_frames import FrameErrors
-from emg2vsa.worlds.contact.stiffness_effect import (
-    Bench,
-    StiffnessEffect,
-    materials_of,
-    replicates_needed,
-    stiffness_effect,
-)
+from emg2vsa.worlds.contact.stiffness_effect import Bench, FrameErrors, materials_of, stiffness_effect
 
 NAMES = ("S1", "S2", "S5")
 EDGES = np.array([0.5, 1.4, 2.9, 4.4, 7.0])

@@ -25,12 +25,11 @@ from emg2vsa.session.views import ForceMessage, OperatorState, ParticipantState,
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.worlds.far_ends.netft.server import RdtServer
 from emg2vsa.worlds.far_ends.ni_daq.task import EmulatedNi
-from emg2vsa.worlds.people.far_end import Table
-from emg2vsa.worlds.people.force_box import force_box
+from emg2vsa.worlds.far_ends.serve import force_box, serve
+from emg2vsa.worlds.far_ends.table import Table
 from emg2vsa.worlds.people.page_follower import FollowedOperator, FollowedPage
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.person import Person, Response
-from emg2vsa.worlds.people.serve import serve
 
 PERSON = Person(
     name="P03", responses={"S1": Response(42e-6, 20e-6, 7.63)}, muscle_share={"EDC": 0.4, "FDS": 0.6}, seed=(3,)

@@ -11,7 +11,7 @@ from typing import Any, Self
 from emg2vsa.devices.clock import WallClock
 from emg2vsa.devices.lsl.settings import LslEmgSettings, LslForceSettings
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.worlds.people.far_end import Served, Table
+from emg2vsa.worlds.far_ends.table import Served, Table
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.sensors import EmgSampler, ForceSampler
 

@@ -19,8 +19,8 @@ from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.trigno.driver import places_of
 from emg2vsa.devices.trigno.settings import COMMAND_PORT, TrignoSettings
 from emg2vsa.errors import DeviceError
+from emg2vsa.worlds.far_ends.table import Served, Table, check_here
 from emg2vsa.worlds.far_ends.trigno.base import END, FRAME_S, GREETING, SLOTS, TrignoBase
-from emg2vsa.worlds.people.far_end import Served, Table, check_here
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.sensors import EmgSampler
 
