@@ -12,6 +12,7 @@ from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from benchmarks.bench.record import keep
 from benchmarks.rig.clean_run import Clean, clean_run
 from casr.specimens import SPECIMENS
 from emg2vsa.rig.plan import RIGID, Condition
@@ -29,7 +30,7 @@ def main() -> None:
     text = "\n".join(_page([(case, _carried_out(seed, *case)) for seed, case in enumerate(_cases())]))
     print(text)
     if path:
-        path.write_text(f"{text}\n", encoding="utf-8")
+        keep(path, text)
 
 
 def _cases() -> Iterator[tuple[str, Condition, float, float]]:

@@ -1,6 +1,6 @@
 """Control worlds with known answers: is nothing found where nothing is, and found what is there?
 
-``python -m benchmarks.controls`` prints the tables of ``benchmarks/results/controls.md``. Spread rates come from the
+``python -m benchmarks.controls`` prints the tables of ``benchmarks/results/controls.json``. Spread rates come from the
 true slopes of press mechanics (power law, the demo study's profiles), with the scatter of presses and mountings that
 frames showed (``control_scatter.json``, from ``benchmarks.control_runs --scatter``). Whole experiments from frames are
 those of ``benchmarks.control_runs``, kept in ``control_runs.jsonl``.

@@ -16,6 +16,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
+from benchmarks.bench.record import keep
 from benchmarks.rig.dynamixel_faults import (
     D_GAIN,
     FAULTS,
@@ -41,7 +42,7 @@ WRONG_N = 1.0
 LOWER_A = (0.3, 0.25)
 SOFTER = ("S3", "S5")
 ALL_PHASES = (*PHASES[:5], TOP, *PHASES[5:])
-RESULTS = "dynamixel_faults.json"
+RESULTS = "dynamixel_fault_cases.json"
 
 
 class Case(NamedTuple):
@@ -98,7 +99,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("faults", nargs="*", metavar="FAULT", help=", ".join((*FAULTS, *WRONG_RIGS)))
     parser.add_argument("--phase", nargs="+", choices=(*ALL_PHASES, WHOLE_RUN), default=(*ALL_PHASES, WHOLE_RUN))
-    parser.add_argument("--write", type=Path, metavar="FOLDER", help=f"{RESULTS} and dynamixel_faults.md there")
+    parser.add_argument("--write", type=Path, metavar="FOLDER", help=f"{RESULTS} and dynamixel_faults.json there")
     parser.add_argument("--again", action="store_true", help="do again what FOLDER has")
     arguments = parser.parse_args()
     wanted = [
@@ -120,7 +121,7 @@ def main() -> None:
     print("\n".join(_sums(rows.values())))
     if path is not None:
         write(path, rows)
-        path.with_suffix(".md").write_text("\n".join(_page(list(rows.values()))) + "\n", encoding="utf-8")
+        keep(arguments.write / "dynamixel_faults.json", "\n".join(_page(list(rows.values()))))
 
 
 def read(path: Path) -> dict[Case, dict[str, Any]]:

@@ -1,6 +1,6 @@
 """Bias of b, its spread and the coverage of its 95 % interval, condition by condition, on simulated sessions.
 
-``python -m benchmarks.emg_bias_coverage [SESSIONS] > benchmarks/results/emg_bias_coverage.md``: two processes, some
+``python -m benchmarks.emg_bias_coverage [SESSIONS]``, kept by ``benchmarks.bench.record``: two processes, some
 minutes. Before: the rest level and the hum stay in the envelope. After: the defaults; ``lag``: with align = "lag".
 The disturbed conditions use the seeds of the clean one, so that the noise of the carrier is the same in all: what a
 disturbance adds is known far better than the bias itself, and stands in a column of its own.

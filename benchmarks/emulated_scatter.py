@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import f_oneway
 
+from benchmarks.bench.record import keep
 from benchmarks.rig.plans import modular_plan, rigid_plan
 from casr.specimens import SPECIMENS
 from casr.spread import spread_rate
@@ -96,7 +97,7 @@ def main() -> None:
     text = "\n".join(_page(scored))
     print(text)
     if path:
-        path.write_text(f"{text}\n", encoding="utf-8")
+        keep(path, text)
 
 
 @dataclass(frozen=True)

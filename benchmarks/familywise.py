@@ -1,6 +1,6 @@
 """Familywise error of the pairwise table that ``emg2vsa stats --block`` prints, where no specimen differs.
 
-``python -m benchmarks.familywise [STUDIES] > benchmarks/results/familywise.md``: some minutes. Studies of 14
+``python -m benchmarks.familywise [STUDIES]``, kept by ``benchmarks.bench.record``: some minutes. Studies of 14
 participants, 5 specimens and 10 repetitions; the SD of repetitions is 1.
 """
 

@@ -16,6 +16,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
+from benchmarks.bench.record import keep
 from benchmarks.rig.fault_case import MOST_N, PHASES, STALL_N, WHOLE_RUN, Outcome, run_case, run_wrong
 from benchmarks.rig.faults import FAULTS, FORCE_FAULTS, MOTOR_FAULTS, WRONG_RIGS
 
@@ -44,7 +45,7 @@ def main() -> None:
     parser.add_argument("faults", nargs="*", metavar="FAULT", help=", ".join((*FAULTS, *WRONG_RIGS)))
     parser.add_argument("--phase", nargs="+", choices=(*PHASES, WHOLE_RUN), default=(*PHASES, WHOLE_RUN))
     parser.add_argument("--actuator", nargs="+", choices=("qbmove", "rigid"), default=("qbmove", "rigid"))
-    parser.add_argument("--write", type=Path, metavar="FOLDER", help="fault_matrix.csv and fault_matrix.md there")
+    parser.add_argument("--write", type=Path, metavar="FOLDER", help="fault_matrix.csv and fault_matrix.json there")
     arguments = parser.parse_args()
     wanted = [
         case
@@ -64,7 +65,7 @@ def main() -> None:
             writer = csv.writer(table, lineterminator="\n")
             writer.writerow(HEAD.split(","))
             writer.writerows(_cells(case, outcome) for case, outcome in rows)
-        (arguments.write / "fault_matrix.md").write_text("\n".join(_page(rows)) + "\n")
+        keep(arguments.write / "fault_matrix.json", "\n".join(_page(rows)))
 
 
 def cases() -> list[Case]:

@@ -5,7 +5,7 @@ without and with ``--calibration``, so that whatever else the computer does meet
 ended.json; rows that are missing those of presses.csv; latencies, from the exposure of a frame to its row in
 kappa.csv, those of kappa.csv.
 
-    python -m benchmarks.live_kappa benchmarks/results/live_kappa.md --pairs 6
+    python -m benchmarks.live_kappa benchmarks/results/live_kappa.json --pairs 6
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.bench.record import keep
 from benchmarks.rig.known_calibration import known_calibration
 from emg2vsa.calibration_file import write_calibration
 
@@ -77,7 +78,7 @@ def main() -> None:
         runs = [
             (one_run(rig, number, None), one_run(rig, number, calibration)) for number in range(1, arguments.pairs + 1)
         ]
-    arguments.out.write_text(report(runs), encoding="utf-8")
+    keep(arguments.out, report(runs))
     print(arguments.out.read_text(encoding="utf-8"))
 
 

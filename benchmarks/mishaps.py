@@ -4,7 +4,7 @@ Every mishap spoils the same simulated recordings of eight presses on one specim
 through reading, presses, fits and the verdict on the session. ``b`` is the mean slope of the presses that would be
 used, over that of the clean recording.
 
-    python -m benchmarks.mishaps            # writes benchmarks/results/mishaps.md
+    python -m benchmarks.mishaps            # writes benchmarks/results/mishaps.json
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
+from benchmarks.bench.record import keep
 from emg2vsa.errors import SignalError
 from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.extraction.remedies import remedy_of
@@ -34,7 +35,7 @@ from emg2vsa.settings import (
 from emg2vsa.worlds.people.recording import make_recording
 
 Floats = NDArray[np.float64]
-RESULTS = Path(__file__).parent / "results" / "mishaps.md"
+RESULTS = Path(__file__).parent / "results" / "mishaps.json"
 PRESSES = 8
 SETTINGS = SimulationSettings(
     repetitions=PRESSES, muscle_share={"EDC": 0.6, "FDS": 0.4}, emg_noise_v=1e-6, mains_v=0.0, force_offset_n=0.0
@@ -391,5 +392,5 @@ def table(seeds: range) -> list[str]:
 if __name__ == "__main__":
     lines = "\n".join(table(range(3)))
     head = "# Mishaps\n\nMade by `python -m benchmarks.mishaps`; three recordings of eight presses each.\n\n"
-    RESULTS.write_text(head + lines + "\n")
+    keep(RESULTS, head + lines)
     print(lines)

@@ -4,7 +4,7 @@ Three conditions that differ in how long a press takes (presets of 20, 50 and 80
 costs; every condition and every new mounting draws its own error. A fixed plan presses one condition in one mounting,
 or mounts anew before every press.
 
-    python -m benchmarks.next_press     # writes benchmarks/results/next_press.md
+    python -m benchmarks.next_press     # writes benchmarks/results/next_press.json
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.bench.record import keep
 from benchmarks.press_curves import DEFAULT, Bench, Mounting, World, power_law, relaxing
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.cut_presses import cut_rates
@@ -24,7 +25,7 @@ from emg2vsa.calibration.next_press import Belief, Done, belief, next_press
 from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.settings import CalibrationSettings
 
-RESULTS = Path(__file__).parent / "results" / "next_press.md"
+RESULTS = Path(__file__).parent / "results" / "next_press.json"
 KAPPA, CONFIDENCE = 5.32, 0.95
 MOST = 24
 "Presses after which an experiment gives up."
@@ -162,7 +163,7 @@ def main(count: int = EXPERIMENTS) -> None:
         print(line, flush=True)
         lines.append(line)
     lines += ["", f"Made in {time.perf_counter() - start:.0f} s."]
-    RESULTS.write_text("\n".join(lines) + "\n")
+    keep(RESULTS, "\n".join(lines))
 
 
 if __name__ == "__main__":

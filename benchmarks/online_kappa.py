@@ -4,12 +4,13 @@ Every experiment calibrates anew on S1, S3 and S5 and presses two unknown specim
 the estimator does not describe (``press_curves``). Coverage at the stop stands beside that of the same presses carried
 to their end.
 
-    python -m benchmarks.online_kappa            # writes benchmarks/results/online_kappa.md
+    python -m benchmarks.online_kappa            # writes benchmarks/results/online_kappa.json
     python -m benchmarks.online_kappa frames 3   # presses of the emulated rig, from frames: appended to it
 """
 
 from __future__ import annotations
 
+import json
 import sys
 import tempfile
 import time
@@ -19,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.bench.record import keep, markdown
 from benchmarks.press_curves import DEFAULT, LOW, WORLDS, Bench, Scatter
 from emg2vsa.calibration.online import (
     AREA,
@@ -33,7 +35,7 @@ from emg2vsa.cli import main as cli
 from emg2vsa.rig.kappa.live_kappa import KappaRow, last_rows
 from emg2vsa.settings import CalibrationSettings
 
-RESULTS = Path(__file__).parent / "results" / "online_kappa.md"
+RESULTS = Path(__file__).parent / "results" / "online_kappa.json"
 UNKNOWN = {"S2": 5.32, "2.2 N/mm": 2.2}
 EXPERIMENTS = 60
 SPARE = 1.2
@@ -234,8 +236,8 @@ def frames_section(seeds: int) -> list[str]:
 
 
 def append_frames(seeds: int) -> None:
-    before = RESULTS.read_text().split(f"\n{FRAMES_TITLE}")[0].rstrip("\n")
-    RESULTS.write_text("\n".join([before, "", *frames_section(seeds)]) + "\n")
+    before = markdown(json.loads(RESULTS.read_text())).split(f"\n{FRAMES_TITLE}")[0].rstrip("\n")
+    keep(RESULTS, "\n".join([before, "", *frames_section(seeds)]))
 
 
 def main(count: int = EXPERIMENTS) -> None:
@@ -254,7 +256,7 @@ def main(count: int = EXPERIMENTS) -> None:
         lines += table(setting, count)
         print("\n".join(lines[-20:]), flush=True)
     lines.append(f"Made in {time.perf_counter() - start:.0f} s.")
-    RESULTS.write_text("\n".join(lines) + "\n")
+    keep(RESULTS, "\n".join(lines))
 
 
 if __name__ == "__main__":

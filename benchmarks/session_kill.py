@@ -22,6 +22,7 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
+from benchmarks.bench.record import keep
 from benchmarks.small_study import SIMULATED_SESSION, small_study
 
 PRESSES = 6
@@ -32,7 +33,7 @@ AFTER_S = {
     "judging": 0.1, "writing": 0.005, "deciding": 0.03, "pause": 0.1,
 }  # fmt: skip
 "The states in which it is killed, and the longest time after their beginning, on the wall."
-RESULT = Path(__file__).parent / "results" / "session_kill.md"
+RESULT = Path(__file__).parent / "results" / "session_kill.json"
 
 
 def child(study_file: Path, participant: str, resume: bool, measure: bool, out: int) -> None:
@@ -242,7 +243,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=3600.0, help="no further kill after so long")
     arguments = parser.parse_args()
     text = run(arguments.kills, arguments.seed, arguments.seconds)
-    RESULT.write_text(text, encoding="utf-8")
+    keep(RESULT, text)
     print(text)
 
 

@@ -24,7 +24,9 @@ from pathlib import Path
 
 import numpy as np
 
-RESULT = Path(__file__).parent / "results" / "session_load.md"
+from benchmarks.bench.record import keep
+
+RESULT = Path(__file__).parent / "results" / "session_load.json"
 MUSCLES = tuple(f"M{n:02d}" for n in range(1, 17))
 EMG_HZ, FORCE_HZ = 2000.0, 200.0
 SPECIMENS = tuple(f"S{n:02d}" for n in range(1, 41))
@@ -207,7 +209,7 @@ def main() -> None:
     rows = "\n".join(f"| {name} | {value} | {virtual[name]} |" for name, value in real.items())
     head = " ".join((__doc__ or "").partition("Run:")[0].split())
     text = f"# The load of a session\n\n{head}\n\n| | on the wall | virtual |\n|---|---|---|\n{rows}\n"
-    RESULT.write_text(text, encoding="utf-8")
+    keep(RESULT, text)
     print(text)
 
 

@@ -3,7 +3,7 @@
 Sessions of ten presses over every carrier, ramp and pair of rates that the method claims to hold for
 (``emg2vsa.worlds.people.laboratory``), with 1 uV of noise and nothing wrong.
 
-    python -m benchmarks.verdict_thresholds     # writes benchmarks/results/verdict_thresholds.md
+    python -m benchmarks.verdict_thresholds     # writes benchmarks/results/verdict_thresholds.json
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.bench.record import keep
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.fits import Fits, fit_trials
@@ -27,7 +28,7 @@ from emg2vsa.settings import (
 )
 from emg2vsa.worlds.people.laboratory import Laboratory, simulate_session
 
-RESULTS = Path(__file__).parent / "results" / "verdict_thresholds.md"
+RESULTS = Path(__file__).parent / "results" / "verdict_thresholds.json"
 BASE = Laboratory()
 CLEAN: dict[str, Laboratory] = {
     **{f"carrier {name}": replace(BASE, carrier=name)
@@ -101,5 +102,5 @@ def table(sessions: int) -> list[str]:
 if __name__ == "__main__":
     text = "\n".join(table(5))
     head = "# False alarms on clean sessions\n\nMade by `python -m benchmarks.verdict_thresholds`.\n\n"
-    RESULTS.write_text(head + text + "\n")
+    keep(RESULTS, head + text)
     print(text)

@@ -1,6 +1,6 @@
 """The contact mechanics against closed forms, other arithmetic, and the tables of an earlier computation.
 
-``python -m benchmarks.world_oracles > benchmarks/results/world_oracles.md``: half a minute. Exact values come from
+``python -m benchmarks.world_oracles``, kept by ``benchmarks.bench.record``: half a minute. Exact values come from
 mpmath with 30 digits: formulas, quadrature of the hereditary integral, numerical inversion of Laplace transforms. The
 tables at the end were computed before this package, by another program; the bench is theirs: power law 1/4, profiles
 from the simulated truth of studies/palpation.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import posixpath
 import re
 from pathlib import Path
@@ -9,6 +10,12 @@ from pathlib import Path
 from sphinx.application import Sphinx
 
 import emg2vsa
+from benchmarks.bench.plots import write_plots
+from benchmarks.bench.record import RESULTS, is_record, markdown
+from benchmarks.bench.run import read_area
+from benchmarks.bench.tables import tables as area_tables
+from benchmarks.mutation.table import tables as mutation_tables
+from benchmarks.stress.table import tables as stress_tables
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -60,5 +67,37 @@ def _offer_files_outside(app: Sphinx, name: str, source: list[str]) -> None:
     source[0] = _OUTSIDE.sub(offered, source[0])
 
 
+MADE = ROOT / "docs" / "benchmarks" / "made"
+"""Plots and pages that the site makes of JSON; not kept in git."""
+_TABLES = re.compile(r"<!-- tables: (\S+) -->")
+
+
+def _make_evidence(app: Sphinx) -> None:
+    """A page for every record of a benchmark."""
+    MADE.mkdir(exist_ok=True)
+    for file in sorted(RESULTS.glob("*.json")):
+        record = json.loads(file.read_text(encoding="utf-8"))
+        if is_record(record):
+            (MADE / f"{file.stem}.md").write_text(markdown(record), encoding="utf-8")
+
+
+def _show_tables(app: Sphinx, name: str, source: list[str]) -> None:
+    """Tables and plots of a benchmark in place of the mark that its page ends with."""
+    source[0] = _TABLES.sub(lambda mark: _tables(mark[1]), source[0])
+
+
+def _tables(file: str) -> str:
+    if file == "mutation":
+        return mutation_tables([json.loads(path.read_text()) for path in sorted(RESULTS.glob("mutation_*.json"))])
+    path = ROOT / "docs" / "benchmarks" / file
+    if file == "stress.json":
+        return stress_tables(json.loads(path.read_text(encoding="utf-8")))
+    area = read_area(path)
+    plots = {of: [f"made/{name}" for name in names] for of, names in write_plots(area, MADE).items()}
+    return area_tables(area, plots)
+
+
 def setup(app: Sphinx) -> None:
+    app.connect("builder-inited", _make_evidence)
+    app.connect("source-read", _show_tables)
     app.connect("source-read", _offer_files_outside)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -47,16 +46,6 @@ def test_every_module_that_is_named_is_there(page: Path) -> None:
     places = (ROOT, ROOT / "emg2vsa", ROOT / "casr", ROOT / "emg2vsa" / "pipeline")
     left = {name for name in files if not any((place / name).exists() for place in places)}
     assert {name for name in left if not (ROOT / name[:-3] / "__main__.py").exists()} == set()
-
-
-@pytest.mark.parametrize("package", ["emg2vsa", "casr"])
-def test_the_table_of_layers_is_the_contract(package: str) -> None:
-    tools = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]
-    (contract,) = [one for one in tools["importlinter"]["contracts"] if one.get("containers") == [package]]
-    tables = re.findall(r"(?:^\|.*\n)+", ARCHITECTURE, flags=re.M)
-    rows = [row.split("|")[1] for row in tables[["emg2vsa", "casr"].index(package)].splitlines()[2:]]
-    written = [set(re.findall(r"`(\w+)`", row)) for row in rows]
-    assert written == [set(layer.split(" | ")) for layer in contract["layers"]]
 
 
 def test_the_page_shows_every_stage_and_lists_every_decision() -> None:

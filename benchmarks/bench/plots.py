@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -53,6 +54,16 @@ def write_plots(area: AreaResult, folder: Path) -> dict[str, list[str]]:
                 _write(growth_plot(family, cases[0].size_unit, grown), folder / name)
                 written.setdefault(family, []).append(name)
     return written
+
+
+def write_picture(area: AreaResult, folder: Path) -> str:
+    """The one plot that the page of an area shows: of its first family by size, else of its first case."""
+    with tempfile.TemporaryDirectory() as made:
+        names = [name for group in write_plots(area, Path(made)).values() for name in group]
+        grown = [name for name in names if name.startswith(f"{area.name}-growth-")]
+        for name in (grown or names)[:1]:
+            write_bytes_atomic(folder / f"{area.name}.svg", (Path(made) / name).read_bytes())
+    return f"{area.name}.svg" if names else ""
 
 
 def pareto_plot(case: CaseResult, points: Sequence[Row]) -> Figure:

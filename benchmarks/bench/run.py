@@ -40,8 +40,9 @@ def bench(
 ) -> None:
     """Measure areas, all if none is named, and print their tables.
 
-    out : where pages, plots and JSON go. Without it a full run of whole areas writes ``docs/benchmarks``, and any other
-    run writes nothing there. SettingError for an unknown area or a folder that cannot be written, before anything runs.
+    out : where pages, pictures and JSON go. Without it a full run of whole areas writes ``docs/benchmarks``, and any
+    other run writes nothing there. SettingError for an unknown area, or for a folder that cannot be written, before
+    anything runs.
     """
     chosen = chosen_areas(names)
     size = "smoke" if smoke else "full"
@@ -96,16 +97,13 @@ def check_writable(folder: Path, option: str) -> None:
 
 
 def write_area(result: AreaResult, folder: Path) -> None:
-    """Page, plots and JSON of an area, and the index of all areas whose JSON is in the folder."""
-    from benchmarks.bench.plots import write_plots
+    """Page, picture and JSON of an area, and the index of all areas whose JSON is in the folder."""
+    from benchmarks.bench.plots import write_picture
 
-    for old in folder.glob(f"{result.name}-*.svg"):
-        old.unlink()
-    plots = write_plots(result, folder)
-    write_text_atomic(folder / f"{result.name}.md", page(result, plots))
+    write_text_atomic(folder / f"{result.name}.md", page(result, write_picture(result, folder)))
     _write_json(folder / f"{result.name}.json", to_json(result))
     known = [folder / f"{name}.json" for name in NAMES]
-    write_text_atomic(folder / "README.md", index(_read(path) for path in known if path.exists()))
+    write_text_atomic(folder / "README.md", index(read_area(path) for path in known if path.exists()))
 
 
 def _compare(chosen: Sequence[str], options: dict[str, Any], revision: str, json_file: Path | None) -> None:
@@ -135,7 +133,8 @@ def _write_json(path: Path, value: object) -> None:
     write_text_atomic(path, json.dumps(finite(value), indent=1) + "\n")
 
 
-def _read(path: Path) -> AreaResult:
+def read_area(path: Path) -> AreaResult:
+    """What `write_area` kept."""
     try:
         return from_json(json.loads(path.read_text()))
     except (ValueError, KeyError, TypeError) as error:

@@ -19,15 +19,27 @@ HOW_MEASURED = (
 HEAD = ("#", "library", "way", "work", "CPU ms", "ratio", "error", "digits", "peak MB")
 
 
-def page(area: AreaResult, plots: Mapping[str, Sequence[str]]) -> str:
-    """The page of an area. plots : file names of the plots of a case, and of a family of cases."""
+TABLES = "<!-- tables: {} -->"
+"""Stands in a page for what the documentation site makes of a JSON file beside it."""
+
+
+def page(area: AreaResult, picture: str = "") -> str:
+    """The page of an area: question, answer and one picture. The site adds `tables` where the page ends."""
     lines = [
         f"# {area.name}", "", area.question, "",
-        f"Written by `emg2vsa tools bench {area.name}`; do not edit.", "",
-        f"**How measured.** {HOW_MEASURED} {HOW if _has_memory(area) else ''}".rstrip(), "",
-        f"**On what.** {provenance(area)}", "",
-        f"**What it means.** {area.meaning}", "",
+        f"Written by `emg2vsa tools bench {area.name}`; do not edit. All tables are in `{area.name}.json`; the "
+        "documentation site shows them here. How it is timed: [benchmarks](README.md).", "",
+        f"**Answer.** {_answer(area)}{area.meaning}", "",
+        *([f"![{area.name}: time against size or error]({picture})", ""] if picture else []),
+        TABLES.format(f"{area.name}.json"),
     ]  # fmt: skip
+    return "\n".join(lines) + "\n"
+
+
+def tables(area: AreaResult, plots: Mapping[str, Sequence[str]]) -> str:
+    """Provenance and every table. plots : file names of the plots of a case, and of a family of cases."""
+    memory = f" {HOW}" if any(row.peak_mb is not None for case in area.cases for row in case.rows) else ""
+    lines = [f"**On what.** {provenance(area)}{memory}", ""]
     families: set[str] = set()
     for case in area.cases:
         lines += [f"## {case.name}", "", *case_lines(case), ""]
@@ -135,8 +147,13 @@ def _headline(area: AreaResult) -> tuple[str, ...]:
     return case.name, number(ours.median_ms), f"{peer.label} ({peer.work})", ratio_text(peer.ratio), own, error
 
 
-def _has_memory(area: AreaResult) -> bool:
-    return any(row.peak_mb is not None for case in area.cases for row in case.rows)
+def _answer(area: AreaResult) -> str:
+    case, ms, peer, ratio, own, error = _headline(area)
+    if not case:
+        return ""
+    unit = area.cases[0].error_unit
+    beside = f"; {peer} takes {ratio} times that, with an error of {error or 'unknown size'}" if ratio else ""
+    return f"{case}: {ms} ms of processor time, error {own} ({unit}){beside}. "
 
 
 def _last_of(area: AreaResult, family: str) -> CaseResult:

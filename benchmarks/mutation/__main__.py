@@ -23,7 +23,7 @@ from typing import Any
 
 from benchmarks.mutation.nearest import LineMap, files_for, read_line_map
 from benchmarks.mutation.sample import Chosen, sample
-from benchmarks.mutation.table import table
+from benchmarks.mutation.table import page
 from benchmarks.mutation.trial import export, failed_tests, run_tests, tried
 
 TREE = Path(__file__).resolve().parents[2]
@@ -42,7 +42,7 @@ def main(words: Sequence[str] | None = None) -> int:
     arguments = parser.parse_args(words)
     try:
         if arguments.table:
-            print(table([json.loads(path.read_text(encoding="utf-8")) for path in arguments.table]))
+            print(page([json.loads(path.read_text(encoding="utf-8")) for path in arguments.table]))
             return 0
         if arguments.count < 1:
             raise ValueError(f"--count: expected 1 mutant or more, but found {arguments.count}. Give a larger number.")

@@ -19,10 +19,14 @@ def wilson(successes: int, n: int) -> tuple[float, float]:
     return (middle - spread) / (n + z**2), (middle + spread) / (n + z**2)
 
 
-def table(samples: list[dict[str, Any]]) -> str:
-    """Markdown of the results of ``python -m benchmarks.mutation``, one section a sample."""
-    judged = json.loads(JUDGED.read_text(encoding="utf-8"))
-    out = [HEAD, _rates(samples, judged)]
+def page(samples: list[dict[str, Any]]) -> str:
+    """The rates of the results of ``python -m benchmarks.mutation``; the documentation site adds `tables`."""
+    return f"{HEAD}\n{_rates(samples, _judged())}\n\n<!-- tables: mutation -->\n"
+
+
+def tables(samples: list[dict[str, Any]]) -> str:
+    """Every mutant, one section a sample."""
+    judged, out = _judged(), []
     for each in samples:
         survivors = [row for row in each["mutants"] if row["state"] == "survived"]
         out += [f"\n## {_named(each)}: survivors\n", "| place | change | what it is |", "|---|---|---|"]
@@ -32,6 +36,11 @@ def table(samples: list[dict[str, Any]]) -> str:
             end = f"killed by `{row['by']}`" if row["state"] == "killed" else row["state"]
             out.append(f"| {_place(row)} | {row['kind']} | {_change(row)} | {end.replace('|', chr(92) + '|')} |")
     return "\n".join(out)
+
+
+def _judged() -> dict[str, str]:
+    found: dict[str, str] = json.loads(JUDGED.read_text(encoding="utf-8"))
+    return found
 
 
 HEAD = """# Small wrong changes that the tests notice

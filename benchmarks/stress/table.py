@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from benchmarks.stress.case import FEW_DIGITS, Row
 from casr.atomic import write_text_atomic
 
-_HEAD = (
+HEAD = (
     "# Digits under stress\n\n"
     "Made by `emg2vsa tools bench stress`. One row is a function in a world that is hard for it. Truth: the same "
     "formula in 50 digits\nof the same doubles.\n\n"
@@ -34,30 +35,34 @@ def text(rows: Sequence[Row]) -> str:
     return "\n".join(lines)
 
 
-def markdown(rows: Sequence[Row]) -> str:
-    """The page; a section a function."""
+def page(rows: Sequence[Row]) -> str:
+    """What the columns mean, and how many rows hold; the site adds `tables`."""
     kept = sum(row.verdict == "kept" for row in rows)
     said = sum(row.verdict == "says so" for row in rows)
-    parts = [_HEAD, f"{len(rows)} rows: {kept} kept, {said} say so, {len(rows) - kept - said} broken.\n"]
-    function = ""
-    for row in rows:
-        if row.function != function:
-            function = row.function
+    parts = [HEAD, f"{len(rows)} rows: {kept} kept, {said} say so, {len(rows) - kept - said} broken.\n"]
+    functions = len({row.function for row in rows})
+    parts += [f"{functions} functions; the tables are in `stress.json`, and on the documentation site here.\n"]
+    return "\n".join(parts) + "\n<!-- tables: stress.json -->\n"
+
+
+def tables(record: Sequence[Mapping[str, Any]]) -> str:
+    """Every row of ``stress.json`` as Markdown; a section a function."""
+    parts, function = [], ""
+    for row in record:
+        if row["function"] != function:
+            function = row["function"]
             parts.append(
                 f"\n## {function}\n\n| world | worst number | digits | allowed | bound | verdict | what it says |\n"
                 "|---|---|---:|---:|---:|---|---|\n"
             )
-        verdict = {"says so": "*says so*", "broken": "**broken**"}.get(row.verdict, row.verdict)
-        said_here = row.said.replace("|", "\\|").replace("\n", " ")
-        parts.append(
-            f"| {row.world} | {row.worst} | {row.digits:.1f} | {row.allowed:.1f} | {row.bound:.1f} | {verdict} | "
-            f"{said_here} |\n"
-        )
+        said_here = row["said"].replace("|", "\\|").replace("\n", " ")
+        numbers = " | ".join(f"{row[name]:.1f}" for name in ("digits", "allowed", "bound"))
+        parts.append(f"| {row['world']} | {row['worst']} | {numbers} | {row['verdict']} | {said_here} |\n")
     return "".join(parts)
 
 
 def write(rows: Sequence[Row], folder: Path) -> None:
     """``stress.md`` and ``stress.json`` in the folder, each whole or not at all."""
-    write_text_atomic(folder / "stress.md", markdown(rows))
+    write_text_atomic(folder / "stress.md", page(rows))
     record = [{name: value for name, value in asdict(row).items() if name != "seconds"} for row in rows]
     write_text_atomic(folder / "stress.json", json.dumps(record, indent=1, ensure_ascii=False) + "\n")

@@ -17,6 +17,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.bench.record import keep
 from casr.frames import FrameSequence, loading_phase
 from casr.pins import PinTracker
 from casr.press_forces import press_forces
@@ -94,13 +95,13 @@ def main() -> None:
     """Print the counts by the force of the first frame."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("runs", type=Path, metavar="RUNS", help="folder of the runs")
-    parser.add_argument("--write", type=Path, metavar="FILE", help="the same as Markdown there")
+    parser.add_argument("--write", type=Path, metavar="FILE", help="a record of it there")
     arguments = parser.parse_args()
     found = [each for folder in sorted(arguments.runs.glob("*_*_*")) for each in counted(folder)]
     text = "\n".join(_page(found))
     print(text)
     if arguments.write:
-        arguments.write.write_text(f"{text}\n", encoding="utf-8")
+        keep(arguments.write, text)
 
 
 def _page(found: list[Counted]) -> Iterator[str]:

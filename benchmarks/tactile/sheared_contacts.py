@@ -16,6 +16,7 @@ from unittest.mock import patch
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.bench.record import keep
 from benchmarks.tactile.worlds import named, world_named
 from casr.contact_area import library_front as pulled
 from casr.contact_area.follow import contact_front
@@ -40,12 +41,12 @@ SHEARED_MM = 0.8
 def main() -> None:
     """Print both tables."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", type=Path, metavar="FILE", help="the same as Markdown there")
+    parser.add_argument("--write", type=Path, metavar="FILE", help="a record of it there")
     path = parser.parse_args().write
     text = "\n".join(_page())
     print(text)
     if path:
-        path.write_text(f"{text}\n", encoding="utf-8")
+        keep(path, text)
 
 
 def _depth(at: Points, state: ContactState, scene: Scene) -> Points:

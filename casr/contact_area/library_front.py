@@ -28,7 +28,7 @@ SHEARED_MISFIT = 0.06
 """From here on friction on a slope is asked whether it pulls the contact along the surface, and believed where that
 halves the misfit. Presses of the emulated rig at 0 degrees stay below; at 45 degrees 0.09 to 0.15 become 0.04 to 0.06,
 and CASR is then within 5 % of the true mean rate. Where nothing pulls it has never acted
-(benchmarks/results/sheared_contacts.md)."""
+(benchmarks/results/sheared_contacts)."""
 SD_PER_MISFIT = 4.0
 "Relative standard error of an area per misfit above that: 0.05 more came with areas 20 % off on a wrong dome."
 PIN_LENGTH_SD_MM, DEPTH_SHARE_SD = 0.1, 0.01

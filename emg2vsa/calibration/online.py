@@ -11,7 +11,7 @@ presses, known stiffnesses, mountings, angle and law (``repeats``), widened wher
 A press may stop early for two reasons. The interval is as narrow as wanted, at two forces in a row. Or the rest of the
 press is expected to narrow it by less than a tenth: that depends on the calibration and the estimate alone, so it is
 tabulated beforehand. The first reason looks at a width that grows with the estimate, so a press that seems soft stops
-first; benchmarks/results/online_kappa.md has the coverage at the stop.
+first; benchmarks/results/online_kappa has the coverage at the stop.
 """
 
 from __future__ import annotations

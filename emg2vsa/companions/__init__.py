@@ -1,0 +1,1 @@
+"""The tests that a referee asks for beside those of the paper."""

@@ -78,7 +78,7 @@ class BlockTests:
         """p (1, q) of every pair, Holm's over the q pairs, by name of the test.
 
         Paired t first: each pair has its own SD of differences. The mixed model takes one for all pairs, and finds too
-        many where some specimens scatter more than others (benchmarks/results/familywise.md).
+        many where some specimens scatter more than others (benchmarks/results/familywise).
         """
         contrasts = {} if self.contrasts is None else {"Mixed-model contrasts": self.contrasts.p}
         tests = {"Paired t": self.paired.t.p, "Signed ranks": self.paired.signed_rank_p} | contrasts

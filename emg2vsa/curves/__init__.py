@@ -1,0 +1,1 @@
+"""Fits of curves with errors: logarithmic, exponential, straight lines."""

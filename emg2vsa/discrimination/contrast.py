@@ -4,7 +4,7 @@ Presses of one mounting share its errors, so a press is no replicate: the mounti
 condition) the mean of ln CASR of every mounting counts once. A change of contrast between two conditions is a sum over
 four cells, each mounted on its own; its standard error comes from the scatter of their mountings, pooled:
 t with sum(M - 1) degrees of freedom. The scatter is taken as equal in the four cells; the false alarms where it is not
-are in benchmarks/results/controls.md. Where the cells differ in their number of mountings, or a mounting has less than
+are in benchmarks/results/controls. Where the cells differ in their number of mountings, or a mounting has less than
 half the presses of another, equal scatter would raise false alarms: each cell then has a scatter of its own, with the
 degrees of freedom of Welch and Satterthwaite, or those that cells of equal scatter would have if these are fewer. Where
 one of the four was mounted once, the SD from mounting to mounting is

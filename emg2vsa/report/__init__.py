@@ -1,0 +1,1 @@
+"""The report: pages, tables, ``results.json`` and ``numbers.tex``, made of results alone."""

@@ -1,0 +1,1 @@
+"""Tests, intervals and models as arithmetic: every function takes arrays and gives an outcome."""

@@ -108,7 +108,7 @@ def test_the_truth_of_people_is_found(people: Path) -> None:
 def test_the_reference_finds_the_stiffness_of_the_new_specimen() -> None:
     """Seven of the nine designs' 95 % intervals hold it, or more; fewer come by chance in 1 % of such references.
 
-    What the intervals hold over many mountings is in ``benchmarks/results/emulated_scatter.md``. A median error of 3 %
+    What the intervals hold over many mountings is in ``benchmarks/results/emulated_scatter``. A median error of 3 %
     at most is that of presses which differ by 2 % in the world that the law came from (tests/calibration/test_repeats).
     """
     found = results(REFERENCE)

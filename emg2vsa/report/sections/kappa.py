@@ -44,9 +44,9 @@ def _name(results: StudyResults, algorithm: str) -> str:
 
 
 ADVANCING_FRONT_ERROR = 0.096
-"""Median error of κ from one press in the world whose contact is a front alone (benchmarks/results/press_worlds.md)."""
+"""Median error of κ from one press in the world whose contact is a front alone (benchmarks/results/press_worlds)."""
 LAW_ERRORS = (-0.086, 0.108)
-"""Least and largest median error of κ by the true CASR, over simulated sensors: benchmarks/results/press_worlds.md."""
+"""Least and largest median error of κ by the true CASR, over simulated sensors: benchmarks/results/press_worlds."""
 
 
 def _found(results: StudyResults) -> CalibrationResults:
