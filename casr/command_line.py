@@ -40,7 +40,13 @@ Written by `python -m {name}.cli.reference`; do not edit. The same text is in `{
 
 Results go to the standard output; progress, notes and complaints to the error stream. With `--json` the standard output
 holds one JSON value; an error is one too, with the keys `error` and `status`, beside its text on the error stream.
+Every command takes `-h` (help), `-q` (leave out progress and notes) and `-v` (say more: reasons, and where in the
+program an error arose); they are left out below, and so is the text of `--json`.
 """
+_OF_ALL = re.compile(
+    r"^  (?:-h, --help|-q, --quiet|-v, --verbose|--json) .*\n(?: {8,}.*\n)*|\noptions:\n(?=\n)| \[-[hqv]\]", re.M
+)
+"""Options of every command in its help, and the heading where there are no others."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,7 +143,7 @@ class Program:
         parts = []
         for parser in parsers_of(self.parser()):
             parser.formatter_class = partial(argparse.HelpFormatter, width=PAGE_COLUMNS)  # type: ignore[assignment]
-            parts.append(f"\n## `{parser.prog}`\n\n```text\n{parser.format_help()}```\n")
+            parts.append(f"\n## `{parser.prog}`\n\n```text\n{_OF_ALL.sub('', parser.format_help())}```\n")
         return PAGE_HEAD.format(name=self.name, inputs=inputs) + "".join(parts)
 
 
