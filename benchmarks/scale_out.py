@@ -1,8 +1,8 @@
-"""What shards and a cluster cost beside one process: CPU seconds per recording, files, ledger; all results compared.
+"""What a cluster costs beside one process: CPU seconds per recording, files, ledger; all results compared.
 
-Run with ``python -m benchmarks.scale_out [--participants 30 60] [--shards 4 16]``. Participants are simulated, five
-recordings each, and brought to their fits: by one process, by shards one after the other, and by a Dask cluster of this
-computer where the extra is installed. CPU times are those of processes and their children.
+Run with ``python -m benchmarks.scale_out [--participants 30 60]``. Participants are simulated, five recordings each,
+and brought to their fits: by one process, and by a Dask cluster of this computer where the extra is installed. CPU
+times are those of processes and their children.
 """
 
 from __future__ import annotations
@@ -37,38 +37,26 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--participants", type=int, nargs="+", default=[30, 60])
-    parser.add_argument("--shards", type=int, nargs="+", default=[4, 16])
     parser.add_argument("--memories", type=int, metavar="STEPS", help="only read a ledger and fingerprints of so many")
     arguments = parser.parse_args()
     if arguments.memories:
         _memories(arguments.memories)
         return
-    print("| recordings | way | CPU s | CPU ms a recording | nothing to do: CPU s | last run: CPU s | same bytes |")
-    print("|---:|---|---:|---:|---:|---:|---|")
+    print("| recordings | way | CPU s | CPU ms a recording | nothing to do: CPU s | same bytes |")
+    print("|---:|---|---:|---:|---:|---|")
+    ways = [("--jobs", "1")] + ([("--cluster", "local:2")] if importlib.util.find_spec("distributed") else [])
     for count in arguments.participants:
         with tempfile.TemporaryDirectory() as name:
             study, wanted = _simulated(Path(name), count), ""
-            ways = [("one process", 0), *((f"{n} shards", n) for n in arguments.shards)]
-            ways += [("--cluster local:2", -1)] if importlib.util.find_spec("distributed") else []
-            for way, shards in ways:
+            for way in ways:
                 shutil.rmtree(study.parent / ".emg2vsa", ignore_errors=True)
-                spent, idle, last = _brought_to_fits(study, shards)
-                found = _digest(study)
+                spent, idle, found = _cpu_s(study, *way), _cpu_s(study, *way), _digest(study)
                 wanted = wanted or found
-                row = (
-                    f"| {5 * count} | {way} | {spent:.1f} | {spent / (5 * count) * 1e3:.0f} | {idle:.2f} | {last:.2f} "
+                each_ms, same = spent / (5 * count) * 1e3, "yes" if found == wanted else "NO"
+                print(
+                    f"| {5 * count} | {' '.join(way)} | {spent:.1f} | {each_ms:.0f} | {idle:.2f} | {same} |", flush=True
                 )
-                print(f"{row}| {'yes' if found == wanted else 'NO'} |", flush=True)
             _store(study, count)
-
-
-def _brought_to_fits(study: Path, shards: int) -> tuple[float, float, float]:
-    """CPU seconds of all processes together, of one of them when nothing is left to do, and of a whole run after it."""
-    each: list[tuple[str, ...]] = [("--cluster", "local:2")] if shards < 0 else [("--jobs", "1")]
-    if shards > 0:
-        each = [("--jobs", "1", "--shard", f"{number}/{shards}") for number in range(1, shards + 1)]
-    spent = sum(_cpu_s(study, *options) for options in each)
-    return spent, _cpu_s(study, *each[0]), _cpu_s(study, "--jobs", "1")
 
 
 def _store(study: Path, count: int) -> None:

@@ -23,6 +23,7 @@ from casr.terminal import VOICE, coloured, note
 
 Group = argparse._ActionsContainer  # a parser or a group of its options
 Types = Mapping[str, Any] | None
+Names = Sequence[str] | Mapping[str, str]
 Commands = Any  # argparse gives its collection of sub-parsers no public type
 
 PAGE_COLUMNS = 100
@@ -57,7 +58,7 @@ class Program:
     ----------
     name : as typed. Module ``<name>.cli.<command>`` adds its parser in ``add_to(commands)``, with its work as ``run``.
     version, description, epilog : for ``--version`` and ``--help``; the exit statuses are added to the epilog.
-    commands : in the order of the help.
+    commands : as for `add_subcommands`.
     stopped : what Ctrl-C leaves, said after it.
     extras : library to the extra of the package that installs it.
     moved : an older spelling to the one of today, each of one or two words. The older one still runs, and says so.
@@ -67,7 +68,7 @@ class Program:
     version: str
     description: str
     epilog: str
-    commands: tuple[str, ...]
+    commands: Names
     stopped: str
     extras: Mapping[str, str] = field(default_factory=dict)
     moved: Mapping[str, str] = field(default_factory=dict)
@@ -160,7 +161,10 @@ def _print_error(status: int, **parts: object) -> None:
 
 
 class SubCommands(argparse._SubParsersAction):  # type: ignore[type-arg]
-    """Sub-commands, imported when they are asked for, and all of them for the help. modules : name to module."""
+    """Sub-commands, imported when they are asked for, and all of them for the help.
+
+    modules : name to the module whose ``add_to`` adds it, perhaps with others, in the order of the help.
+    """
 
     modules: Mapping[str, str] = {}
 
@@ -176,7 +180,8 @@ class SubCommands(argparse._SubParsersAction):  # type: ignore[type-arg]
 
     def _get_subactions(self) -> Any:
         self.load()
-        return super()._get_subactions()
+        order = list(self.modules)
+        return sorted(super()._get_subactions(), key=lambda action: order.index(action.dest))
 
 
 class Parser(argparse.ArgumentParser):
@@ -224,21 +229,26 @@ def parsers_of(whole: argparse.ArgumentParser) -> Iterator[argparse.ArgumentPars
     for action in whole._actions:
         if isinstance(action, SubCommands):
             action.load()
-            for command in action.choices.values():
-                yield from parsers_of(command)
+            for name in action.modules:
+                yield from parsers_of(action.choices[name])
 
 
-def add_group(commands: Commands, name: str, summary: str, package: str, names: Sequence[str], epilog: str = "") -> Any:
-    """A command whose own commands are the modules of a package; its parser."""
+def add_group(commands: Commands, name: str, summary: str, package: str, names: Names, epilog: str = "") -> Any:
+    """A command whose own commands are in the modules of a package; its parser."""
     parser = commands.add_parser(name, help=summary, description=summary, epilog=epilog or None)
     add_subcommands(parser, package, names)
     return parser
 
 
-def add_subcommands(parser: argparse.ArgumentParser, package: str, names: Sequence[str]) -> None:
-    """Let the module ``<package>.<name>`` of each name, with _ for -, add its parser when it is asked for."""
+def add_subcommands(parser: argparse.ArgumentParser, package: str, names: Names) -> None:
+    """Let a module of the package add the parser of each name when it is asked for.
+
+    names : in the order of the help; or each name to its module, where several share one. Otherwise the module has the
+    name of its command.
+    """
     commands: Any = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", action=SubCommands)
-    commands.modules = {name: f"{package}.{name.replace('-', '_')}" for name in names}
+    of = names if isinstance(names, Mapping) else {name: name for name in names}
+    commands.modules = {name: f"{package}.{module}" for name, module in of.items()}
 
 
 def add_command(

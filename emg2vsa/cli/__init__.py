@@ -1,4 +1,4 @@
-"""The command ``emg2vsa``: one file per sub-command, heavy modules loaded only by the one that runs."""
+"""The command ``emg2vsa``: heavy modules are loaded only by the sub-command that runs."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ PROGRAM = Program(
     version=emg2vsa.__version__,
     description="From palpation EMG and force to stiffness schedules of a variable stiffness actuator.",
     epilog="Try: emg2vsa tools simulate studies/palpation/study.toml, then emg2vsa run studies/palpation/study.toml.",
-    commands=(
-        "new", "inspect", "check", "run", "status", "report", "fit", "schedule", "stats", "session", "rig", "verify",
-        "tools",
-    ),
+    commands={
+        "new": "recordings", "inspect": "recordings", "check": "check", "run": "run", "status": "run",
+        "report": "report", "fit": "recordings", "schedule": "schedule", "stats": "stats", "session": "session",
+        "rig": "rig", "verify": "report", "tools": "tools",
+    },
     stopped="What was finished is kept; the same command goes on from there.",
     extras=dict.fromkeys(("scipy", "pandas", "matplotlib", "edfio", "ezc3d", "jinja2", "serial"), "study"),
     moved={name: f"tools {name}" for name in TOOLS},

@@ -56,8 +56,7 @@ def _studies(arguments: argparse.Namespace) -> tuple[Study, Study, Path | None]:
 
 def _watch(arguments: argparse.Namespace, study: Study, whole: Study, below: Path | None) -> int:
     from emg2vsa.cli.progress import progress
-    from emg2vsa.pipeline.judged_sessions import as_json, counted, is_bad, told
-    from emg2vsa.pipeline.landings import Awaited
+    from emg2vsa.pipeline.judged_sessions import Awaited, as_json, counted, is_bad, told
 
     def say(text: str) -> None:
         print(f"emg2vsa: {text}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""``emg2vsa report``: update the report and list its files."""
+"""``emg2vsa report`` and ``verify``: the report of a study with the authors' package, and that package recomputed."""
 
 from __future__ import annotations
 
@@ -8,26 +8,40 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from casr.command_line import Commands, add_command, add_options, answer
-from emg2vsa.cli.arguments import COUNT, ON_STUDY, STUDY, jobs_of, say_not_used, study_of
+from casr.command_line import JSON, Commands, add_command, add_options, answer
+from emg2vsa.cli.arguments import COUNT, JOBS, ON_STUDY, STUDY, jobs_of, say_not_used, study_of
 from emg2vsa.errors import SettingError
 
-SUMMARY = "Update the report of a study and list its files. Only steps that are out of date run."
+REPORT_SUMMARY = "Update the report of a study and list its files. Only steps that are out of date run."
 PACKAGE = """
 --paper  write the authors' package: LaTeX tables, numbers, figures and an archive
 --out DIR  folder of the package (default: paper/ in the report of the study)
 --published DATE  date of publication to write into the archive, YYYY-MM-DD
 --licence TEXT  licence of the archive, as an address or a sentence
 """
+VERIFY_SUMMARY = "Recompute every number of an authors' package from its data and say which differ."
+VERIFY = """
+The package's files are held against its manifest, its macros against its numbers, and its numbers, tables and schedules
+against those that its study file gives on the data. Nothing is written beside them. Exit status 0: everything agrees;
+1: a number differs, or a file was changed; 2: the package cannot be verified, or not all of it, as data are missing.
+"""
+VERIFY_OPTIONS = f"""
+package PACKAGE  folder that emg2vsa report STUDY --paper wrote, or its archive
+--data FOLDER  folder of the study file, from which it names its data (default: found in or beside the package)
+--keys GLOB = *  compare only numbers with such keys, for example 'fit.*'
+--work DIR  recompute in DIR and keep it (default: temporary)
+{JOBS}{JSON}
+"""
 
 
 def add_to(commands: Commands) -> None:
-    parser = add_command(commands, "report", run, SUMMARY, "", STUDY)
+    parser = add_command(commands, "report", report, REPORT_SUMMARY, "", STUDY)
     add_options(parser.add_argument_group("authors' package"), PACKAGE, {"DATE": _date})
     add_options(parser, ON_STUDY, COUNT)
+    add_command(commands, "verify", verify, VERIFY_SUMMARY, VERIFY, VERIFY_OPTIONS, COUNT | {"PACKAGE": Path})
 
 
-def run(arguments: argparse.Namespace) -> int:
+def report(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
     from emg2vsa.deposit.crate import UNLICENSED, UNPUBLISHED, Publication
     from emg2vsa.deposit.package import write_package
@@ -73,3 +87,16 @@ def _date(text: str) -> str:
         return datetime.date.fromisoformat(text).isoformat()
     except ValueError:
         raise argparse.ArgumentTypeError(f"expected a date as 2026-01-31, but found {text!r}") from None
+
+
+def verify(arguments: argparse.Namespace) -> int:
+    from emg2vsa.cli.progress import progress
+    from emg2vsa.deposit.verification import verify_package
+    from emg2vsa.deposit.verification_words import as_json, lines
+
+    found = verify_package(
+        arguments.package, data=arguments.data, work=arguments.work, keys=arguments.keys, jobs=jobs_of(arguments),
+        progress=progress(quiet=arguments.json),
+    )  # fmt: skip
+    answer(arguments.json, as_json(found), lines(found))
+    return found.status

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from emg2vsa.rig.experiment import Run
     from emg2vsa.rig_file import RigFile
 
+MOVED = "runs-virtual-0.1.0"
+
 
 @dataclass(frozen=True)
 class Campaign:
@@ -108,6 +110,24 @@ def left_virtual_runs(study: Study) -> tuple[Path, ...]:
     if source is None or source.rig is None or source.root == before or not before.is_dir():
         return ()
     return left_by_emulator(before)
+
+
+def move_virtual_runs(study: Study) -> Path | None:
+    """Move them to a folder of their own; that folder, None where there is nothing to move.
+
+    DataError : a run of that name is there already.
+    """
+    found, target = left_virtual_runs(study), study.path.parent / MOVED
+    for folder in found:
+        if (target / folder.name).exists():
+            do = "Move or delete one of the two folders."
+            raise DataError(
+                target / folder.name, wanted="a name that no run has yet", found="a run of this name", do=do
+            )
+    for folder in found:
+        target.mkdir(exist_ok=True)
+        folder.rename(target / folder.name)
+    return target if found else None
 
 
 def _measured(study: Study, source: RunsSource) -> Campaign:

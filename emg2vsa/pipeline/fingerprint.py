@@ -13,7 +13,7 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -51,29 +51,13 @@ def state_of(path: str | Path) -> State | None:
 class Fingerprints:
     """What was computed from files, remembered between runs in one JSON file. Nothing is lost with it but time.
 
-    warn : is told when the memory was damaged. beside : further memories, which are read only.
+    warn : is told when the memory was damaged.
     """
 
-    def __init__(
-        self, memory: Path, warn: Callable[[str], None] = lambda text: None, *, beside: Iterable[Path] = ()
-    ) -> None:
+    def __init__(self, memory: Path, warn: Callable[[str], None] = lambda text: None) -> None:
         self._memory = memory
         self._known = _read(memory, warn)
-        self._further = tuple(beside)
-        self._beside: dict[str, list[Any]] = {}
-        for path in self._further:
-            self._beside |= _read(path, warn)
         self._changed = False
-
-    def take_in(self) -> None:
-        """Take over what the further memories hold, and remove them."""
-        if self._further:
-            self._known |= self._beside
-            self._changed = True
-            self.save()
-            for path in self._further:
-                path.unlink(missing_ok=True)
-            self._further, self._beside = (), {}
 
     def save(self) -> None:
         """Write the memory back if it changed; where nothing may be written, the next program reads the files again."""
@@ -100,10 +84,9 @@ class Fingerprints:
         """
         if state is None:
             return None
-        for memory in (self._known, self._beside):
-            known = memory.get(path)
-            if known is not None and tuple(known[0]) == state:
-                return known[1]
+        known = self._known.get(path)
+        if known is not None and tuple(known[0]) == state:
+            return known[1]
         value, state = _steady(path, state, compute)
         if state is not None:
             settled = min(abs(time.time_ns() - moment) for moment in state[1:3]) > _SETTLED_NS
@@ -115,7 +98,7 @@ class Fingerprints:
         """What ``look`` finds of the installed libraries and plugins, until a folder of libraries changes."""
         libraries = (path for path in sys.path if path.endswith("-packages") or _holds_distributions(path))
         folders = [[path, found[1]] for path in libraries if (found := state_of(path)) is not None]
-        known = self._known.get(_INSTALLED) or self._beside.get(_INSTALLED)
+        known = self._known.get(_INSTALLED)
         if known is None or known[0] != folders:
             known = [folders, look()]
             self._known[_INSTALLED] = known
@@ -124,7 +107,6 @@ class Fingerprints:
 
     def forget(self, path: str | Path) -> None:
         """Read the file anew next time, whatever its state says."""
-        self._beside.pop(str(path), None)
         self._changed |= self._known.pop(str(path), None) is not None
 
 

@@ -15,13 +15,12 @@ from pathlib import Path
 from typing import Any
 
 from casr.atomic import write_bytes_atomic
-from emg2vsa.pipeline.fingerprint import Part, digest, state_of
+from emg2vsa.pipeline.fingerprint import Part, digest
 
 KEPT_RESULTS = 2
 """Results kept of a step: the current one and the one before, so that a setting can be tried and taken back."""
 
 LEDGER_FILE = "ledger.jsonl"
-SHARD_FILES = "ledger.shard-*.jsonl"
 
 
 @dataclass(frozen=True)
@@ -56,20 +55,10 @@ _SHARED = ("settings", "code", "libraries")
 
 
 class Ledger:
-    """The newest entries of every step.
+    """The newest entries of every step. warn : is told what could not be read."""
 
-    warn : is told what could not be read. shard : name of the shard that writes, into a file of its own. Files of
-    shards are read after the ledger, into which ``compact`` takes them.
-    """
-
-    def __init__(
-        self, folder: Path, warn: Callable[[str], None] = lambda text: None, *, shard: str | None = None
-    ) -> None:
-        self._path = folder / (LEDGER_FILE if shard is None else f"ledger.{shard}.jsonl")
-        self._shards = sorted(folder.glob(SHARD_FILES), key=_when_written)
-        if shard is not None:  # others of the same number have other steps
-            others = f"{shard[shard.rindex('-of-') :]}.jsonl"
-            self._shards = [path for path in self._shards if path == self._path or not path.name.endswith(others)]
+    def __init__(self, folder: Path, warn: Callable[[str], None] = lambda text: None) -> None:
+        self._path = folder / LEDGER_FILE
         self._entries: dict[str, list[Entry]] = {}
         self._parts: dict[str, Part] = {}
         self._lines = 0
@@ -78,14 +67,12 @@ class Ledger:
         """Whether it holds lines of version 0.1.0, which are not used."""
         self.damaged = 0
         """Number of lines that were left out."""
-        for path in (folder / LEDGER_FILE, *self._shards):
-            before = self.damaged
-            self._read(path)
-            if damaged := self.damaged - before:
-                lines = f"{damaged} line{'s' if damaged != 1 else ''}"
-                warn(f"{path} is damaged: {lines} left out. What they told of is done again.")
+        self._read()
+        if self.damaged:
+            lines = f"{self.damaged} line{'s' if self.damaged != 1 else ''}"
+            warn(f"{self._path} is damaged: {lines} left out. What they told of is done again.")
         if self.old:
-            warn(f"{self._path.parent} holds results of version 0.1.0. They are not used; everything runs once more.")
+            warn(f"{folder} holds results of version 0.1.0. They are not used; everything runs once more.")
 
     def last(self, step: str) -> Entry | None:
         """How the step ended when it last ran."""
@@ -125,18 +112,15 @@ class Ledger:
         self._keep(entry)
 
     def compact(self, force: bool = False) -> None:
-        """Write the kept entries anew where shards have some, or replaced, damaged or old lines are half of the file.
+        """Write the kept entries anew where replaced, damaged or old lines are half of the file.
 
-        Only the holder of the study's lock may: no shard writes meanwhile.
+        Only the holder of the study's lock may.
         """
         needless = self._lines > 2 * len(self._entries) + 2 * len(self._written) + 16
-        if force or self.old or self.damaged or self._shards or needless:
+        if force or self.old or self.damaged or needless:
             lines = list(self._all_lines())
             write_bytes_atomic(self._path, b"".join(lines))
             self._lines, self.old, self.damaged = len(lines), False, 0
-            for path in self._shards:
-                path.unlink(missing_ok=True)
-            self._shards = []
 
     def _all_lines(self) -> Iterator[bytes]:
         self._written = set()
@@ -152,22 +136,20 @@ class Ledger:
         others = [other for other in self._entries.get(entry.step, ()) if other.key != entry.key]
         self._entries[entry.step] = [entry, *others][:KEPT_RESULTS]
 
-    def _read(self, path: Path) -> None:
+    def _read(self) -> None:
         try:
-            data = path.read_bytes()
+            data = self._path.read_bytes()
         except FileNotFoundError:
             return
         except OSError:
             self.damaged += 1
             return
         *lines, unfinished = data.split(b"\n")
-        written: set[str] = set()
         for line in lines:
-            self._read_line(line, written)
-        if path == self._path:
-            self._lines, self._written = len(lines) + bool(unfinished), written
+            self._read_line(line)
+        self._lines = len(lines) + bool(unfinished)
 
-    def _read_line(self, line: bytes, written: set[str]) -> None:
+    def _read_line(self, line: bytes) -> None:
         if not line:
             return
         body, seal = line[:-_SEAL_BYTES], line[-_SEAL_BYTES:]
@@ -180,7 +162,7 @@ class Ledger:
             fields = json.loads(line)
             if "part" in fields:
                 self._parts[fields["part"]] = Part(fields["part"], fields["value"])
-                written.add(fields["part"])
+                self._written.add(fields["part"])
             else:
                 self._keep(self._entry(fields))
         except (ValueError, TypeError, KeyError, RecursionError):
@@ -191,12 +173,6 @@ class Ledger:
         settings, code, libraries = (self._parts[given[name]] for name in _SHARED)
         parts = Parts(settings, given["files"], given["inputs"], code, libraries)
         return Entry(**{name: value for name, value in fields.items() if name not in ("parts", "sum")}, parts=parts)
-
-
-def _when_written(path: Path) -> tuple[int, str]:
-    """Order of the files of shards: two may tell of one step, if the number of shards changed. The newer one counts."""
-    state = state_of(path)
-    return (0 if state is None else state[1]), path.name
 
 
 _SEAL_BYTES = len(b',"sum":"0123456789abcdef"}')

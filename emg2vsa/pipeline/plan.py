@@ -14,7 +14,6 @@ from emg2vsa.pipeline.code import Code, Reached
 from emg2vsa.pipeline.fingerprint import Fingerprints, Values, digest, state_of
 from emg2vsa.pipeline.fingerprint import State as FileState
 from emg2vsa.pipeline.ledger import Entry, Ledger, Parts, differences
-from emg2vsa.pipeline.shard import Shard
 from emg2vsa.pipeline.stage import Given, Stage, value_of
 from emg2vsa.pipeline.stage_order import inputs, items, module_of, needs_runs, stage
 from emg2vsa.pipeline.store import Store, WrittenFiles, remove_left_files
@@ -57,17 +56,14 @@ class Step:
 class StepPlan:
     """The state of all steps so far; the one place that knows keys.
 
-    reading : nothing is recorded, and results below count for stages that write files too. shard : only its steps are
-    looked up; those of the whole study count as they last ended, unless something is known to have changed.
+    reading : nothing is recorded, and results below count for stages that write files too.
     """
 
-    def __init__(
-        self, found: Campaign, store: Store, warn: Callable[[str], None], *, reading: bool, shard: Shard | None = None
-    ) -> None:
-        self.campaign, self.store, self._reading, self._shard = found, store, reading, shard
-        self.ledger = Ledger(store.folder, warn, shard=None if shard is None else shard.name)
+    def __init__(self, found: Campaign, store: Store, warn: Callable[[str], None], *, reading: bool) -> None:
+        self.campaign, self.store, self._reading = found, store, reading
+        self.ledger = Ledger(store.folder, warn)
         self._below = None if store.below is None else Ledger(store.below)
-        self.prints = memory_of_files(store.folder, warn, shard)
+        self.prints = memory_of_files(store.folder, warn)
         self._code, self._values = Code(self.prints), Values()
         self.steps: dict[str, Step] = {}
         self._of: dict[str, list[Step]] = {}
@@ -80,18 +76,9 @@ class StepPlan:
     def add_stage(self, name: str) -> list[Step]:
         """Every step of a stage, given the steps of the stages before it."""
         reached = self._code.reached(module_of(name))
-        own = (item for item in items(self.campaign, name) if self._is_own(name, item))
-        self._of[name] = added = [self._step(name, item, reached) for item in own]
+        self._of[name] = added = [self._step(name, item, reached) for item in items(self.campaign, name)]
         self.steps.update((step.id, step) for step in added)
         return added
-
-    def _is_own(self, name: str, item: str) -> bool:
-        """Whether the step is looked up here."""
-        return self._shard is None or stage(name).per == "study" or self._shard.has(self.campaign, name, item)
-
-    def runs_here(self, step: Step) -> bool:
-        """Whether the step is to run: a stale one, of whose inputs all are known."""
-        return step.status == "stale" and bool(step.key) and (self._shard is None or stage(step.stage).per != "study")
 
     def done(self, name: str, of: Iterable[str] | None = None) -> tuple[Path, ...]:
         """Results of a stage that are there, in the study's order; of all items, or of these."""
@@ -190,8 +177,8 @@ class StepPlan:
         for need, other in inputs(self.campaign, name, item):
             one = self.steps.get(f"{need}/{other}")
             if one is None:
-                unknown += [f"{need}/{other}"] if not self._is_own(need, other) else []
-            elif one.status in DONE:
+                continue
+            if one.status in DONE:
                 known[one.id] = one.result
             elif one.status in REFUSED:
                 known[one.id] = f"failed {digest(self._portable(one.message))}"
@@ -214,8 +201,6 @@ class StepPlan:
             reasons = () if last is None else tuple(differences(last.parts, parts, unknown))
             step.status = "stale" if reasons or last is None else "waits"
             step.reasons = reasons or (("never ran",) if last is None else tuple(f"input {one}" for one in unknown))
-            if self._shard is not None and own.per == "study" and step.status == "waits" and last is not None:
-                self._take_last(step, own, last)
         else:
             self._look_up(step, own)
         return step
@@ -244,12 +229,6 @@ class StepPlan:
             step.reasons = (trouble,)
         else:
             step.reasons = ("never ran",) if last is None else tuple(differences(last.parts, step.parts)) or (_AGAIN,)
-
-    def _take_last(self, step: Step, own: Stage, last: Entry) -> None:
-        """Let a step of which no change is known stand as it ended, where its result is there."""
-        path = self.store.path(step.id, last.key)
-        if last.status == "done" and not self._trouble(path, last, own, step.item):
-            step.status, step.reasons, step.result, step.at = "fresh", (), last.result, path
 
     def _trouble(self, path: Path, entry: Entry, own: Stage, item: str) -> str:
         """What is wrong with a stored result, "" where nothing is."""
@@ -315,19 +294,15 @@ def open_step_plan(
     *,
     below: Path | None = None,
     reading: bool = False,
-    shard: Shard | None = None,
 ) -> StepPlan:
     """The plan of a study, with its runs looked up where one of the ``stages`` needs them. Raises as ``campaign``."""
     found = campaign(study) if needs_runs(tuple(stages)) else Campaign(study)
-    return StepPlan(found, Store(study.results, below), warn, reading=reading, shard=shard)
+    return StepPlan(found, Store(study.results, below), warn, reading=reading)
 
 
-def memory_of_files(results: Path, warn: Callable[[str], None], shard: Shard | None = None) -> Fingerprints:
-    """The fingerprints beside the results: of shards beside those of all, or the other way round."""
-    whole = results / "fingerprints.json"
-    if shard is not None:
-        return Fingerprints(results / f"fingerprints.{shard.name}.json", warn, beside=[whole])
-    return Fingerprints(whole, warn, beside=sorted(results.glob("fingerprints.shard-*.json")))
+def memory_of_files(results: Path, warn: Callable[[str], None]) -> Fingerprints:
+    """The fingerprints beside the results."""
+    return Fingerprints(results / "fingerprints.json", warn)
 
 
 def survey(study: Study, stages: Sequence[str], warn: Callable[[str], None], *, below: Path | None = None) -> StepPlan:

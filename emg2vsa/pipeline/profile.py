@@ -2,18 +2,80 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import re
+import sys
+import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from casr.counts import COUNTED
-from emg2vsa.pipeline.plan import Step, StepPlan
-from emg2vsa.pipeline.spent import Spent
+from casr.counts import COUNTED, counting
 
+if TYPE_CHECKING:
+    from emg2vsa.pipeline.plan import Step, StepPlan
+
+if sys.platform != "win32":
+    import resource
+
+_STATUS = Path("/proc/self/status")
 _TOLD = ("setting", "library")
 """Reasons that stand for many steps as they are. Of others the name differs from step to step, and the kind is told."""
 _MOST_REASONS = 6
+
+
+@dataclass
+class Spent:
+    """What a step took in its process.
+
+    cpu_s : CPU seconds of the process and of the child processes that ended meanwhile, all threads. wall_s : seconds
+    by the clock. peak_mb : largest resident memory, MB; None where the system does not tell. counts : by the names of
+    ``casr.counts.COUNTED``.
+    """
+
+    cpu_s: float = 0.0
+    wall_s: float = 0.0
+    peak_mb: float | None = None
+    counts: Mapping[str, int] = field(default_factory=dict)
+
+
+@contextlib.contextmanager
+def measured() -> Iterator[Spent]:
+    """What is done inside; the numbers are there when it has ended, by an error too."""
+    spent, before_s, since_s = Spent(), _cpu_s(), time.perf_counter()
+    _forget_peak()
+    with counting() as counts:
+        try:
+            yield spent
+        finally:
+            spent.cpu_s, spent.wall_s = _cpu_s() - before_s, time.perf_counter() - since_s
+            spent.peak_mb, spent.counts = _peak_mb(), counts
+
+
+def _cpu_s() -> float:
+    ended = os.times()
+    return time.process_time() + ended.children_user + ended.children_system
+
+
+def _forget_peak() -> None:
+    """Linux counts the peak anew from here, so that it is the step's and not that of a step before it."""
+    if sys.platform == "linux":
+        with contextlib.suppress(OSError):
+            Path("/proc/self/clear_refs").write_text("5")
+
+
+def _peak_mb() -> float | None:
+    """Since ``_forget_peak`` on Linux; elsewhere since the process began, or not known."""
+    if sys.platform == "linux":
+        with contextlib.suppress(OSError):
+            found = re.search(r"VmHWM:\s+(\d+) kB", _STATUS.read_text())
+            return int(found[1]) * 1024 / 1e6 if found else None
+    if sys.platform != "win32":
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
+    return None
 
 
 @dataclass
@@ -21,10 +83,10 @@ class StageProfile:
     """One stage.
 
     computed, failed, fresh, left : steps that ran and gave a result, that ran and gave none, whose stored result holds,
-    and that did not run: an input or their own last try failed, or a shard leaves them to another command, as it leaves
-    every step of the whole study. reasons : why steps ran, to how many of them. cpu_s, wall_s : sums over its steps.
-    slowest_s, slowest : wall seconds of the slowest step, and its item. peak_mb : of the process that held most memory
-    during a step; None where the system does not tell. counts : sums, by the names of ``casr.counts.COUNTED``.
+    and that did not run: an input or their own last try failed. reasons : why steps ran, to how many of them. cpu_s,
+    wall_s : sums over its steps. slowest_s, slowest : wall seconds of the slowest step, and its item. peak_mb : of the
+    process that held most memory during a step; None where the system does not tell. counts : sums, by the names of
+    ``casr.counts.COUNTED``.
     """
 
     computed: int = 0
@@ -85,20 +147,11 @@ class Profile:
     def as_json(self) -> list[dict[str, Any]]:
         """The numbers of each stage, in the order of the run; seconds with six decimals."""
         return [
-            {
-                "stage": name,
-                "computed": own.computed,
-                "failed": own.failed,
-                "fresh": own.fresh,
-                "left": own.left,
-                "reasons": dict(own.reasons.most_common()),
-                "cpu_s": round(own.cpu_s, 6),
-                "wall_s": round(own.wall_s, 6),
-                "slowest_s": round(own.slowest_s, 6),
-                "slowest": own.slowest,
-                "peak_mb": None if own.peak_mb is None else round(own.peak_mb, 1),
-                "counts": own.counted,
-            }
+            {"stage": name}
+            | vars(own)
+            | {each: round(getattr(own, each), 6) for each in ("cpu_s", "wall_s", "slowest_s")}
+            | {"peak_mb": None if own.peak_mb is None else round(own.peak_mb, 1)}
+            | {"reasons": dict(own.reasons.most_common()), "counts": own.counted}
             for name, own in self.stages.items()
         ]
 

@@ -1,4 +1,4 @@
-"""Run what is stale, stage by stage; keep going when something fails; leave what is fresh alone."""
+"""Run what is stale, stage by stage; keep going when something fails; leave what is fresh alone. Remove what is old."""
 
 from __future__ import annotations
 
@@ -9,15 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from casr.one_thread import one_thread
-from emg2vsa.pipeline.lock import shard_lock, study_lock
+from emg2vsa.pipeline.lock import study_lock
 from emg2vsa.pipeline.places import check_places, locked_places
-from emg2vsa.pipeline.plan import Step, StepPlan, open_step_plan
-from emg2vsa.pipeline.pool import Workers
+from emg2vsa.pipeline.plan import Step, StepPlan, open_step_plan, survey
 from emg2vsa.pipeline.profile import Profile
-from emg2vsa.pipeline.shard import Shard
-from emg2vsa.pipeline.stage_order import module_of, stage
+from emg2vsa.pipeline.stage_order import ORDER, PART_REPORTS, module_of, stage
 from emg2vsa.pipeline.store import Store
-from emg2vsa.pipeline.tasks import Ended, Task
+from emg2vsa.pipeline.tasks import Ended, Task, Workers
 from emg2vsa.study import Study
 
 if TYPE_CHECKING:
@@ -50,15 +48,12 @@ def run_study(
     wait: bool = True,
     below: Path | None = None,
     cluster: ClusterWorkers | None = None,
-    shard: Shard | None = None,
     profile: Profile | None = None,
 ) -> StepPlan:
     """Bring the ``stages`` of a study up to date and say how every step ended.
 
     wait : for another run of the same study to end. below : results of the same study elsewhere, read and not written.
-    cluster : workers that take the place of ``jobs`` processes. shard : run its steps only, beside other shards; steps
-    of the whole study do not run, and recordings and runs that need one that is not done are left.
-    profile : is told what every step took.
+    cluster : workers that take the place of ``jobs`` processes. profile : is told what every step took.
 
     Raises
     ------
@@ -69,19 +64,12 @@ def run_study(
     one_thread()  # workers inherit it
     with ExitStack() as held:
         for folder in locked_places(study, stages):
-            held.enter_context(
-                study_lock(folder, wait=wait, say=progress.say)
-                if shard is None
-                else shard_lock(folder, shard, wait=wait, say=progress.say)
-            )
-        if shard is None:
-            Store(study.results).sweep()
+            held.enter_context(study_lock(folder, wait=wait, say=progress.say))
+        Store(study.results).sweep()
         workers: Workers | ClusterWorkers = Workers(jobs) if cluster is None else cluster
         held.enter_context(workers)
-        plan = open_step_plan(study, stages, progress.say, below=below, shard=shard)
-        if shard is None:
-            plan.ledger.compact()
-            plan.prints.take_in()
+        plan = open_step_plan(study, stages, progress.say, below=below)
+        plan.ledger.compact()
         ran: set[str] = set()
         for last in range(_TRIES - 1, -1, -1):
             plan.steps.clear()
@@ -94,8 +82,7 @@ def run_study(
         for step in ran:  # a later round finds fresh what an earlier one made
             plan.steps[step].status = "done" if plan.steps[step].status == "fresh" else plan.steps[step].status
             plan.store.keep_only(step, plan.ledger.keys(step))
-        if shard is None:
-            plan.ledger.compact()
+        plan.ledger.compact()
         if profile is not None:
             profile.end(plan)
     return plan
@@ -113,7 +100,7 @@ def _run_stage(
     looked up again. Workers are started for the stages after it as well."""
     name = stages[0]
     steps = plan.add_stage(name)
-    stale = {step.id: step for step in steps if plan.runs_here(step)}
+    stale = {step.id: step for step in steps if step.status == "stale" and step.key}
     if not stale:
         return False
     progress.begin(name, len(stale))
@@ -147,3 +134,28 @@ def _task(plan: StepPlan, step: Step, profiled: bool) -> Task:
     store = plan.store
     store.claim(step.id).unlink(missing_ok=True)  # left by a killed process: nobody else may be at this step
     return Task(step.id, plan.given(step), store.unfinished(step.id, step.key), store.claim(step.id), profiled)
+
+
+def clean(study: Study, *, wait: bool, say: Callable[[str], None]) -> tuple[int, int]:
+    """Remove stored results that no key of the study as it is now needs; their number and size in bytes.
+
+    The result of a step whose key is not known yet, as an input is stale, is kept. Recordings, runs and reports are
+    never touched. Raises as ``survey`` and ``study_lock``.
+    """
+    with study_lock(study.results, wait=wait, say=say):
+        plan = survey(study, (*ORDER, *PART_REPORTS), say)
+        plan.store.sweep()
+        removed = size = 0
+        for step_id in list(plan.store.stored_steps()):
+            step = plan.steps.get(step_id)
+            kept = [] if step is None else [step.key] if step.key else plan.ledger.keys(step_id)[:1]
+            for path in plan.store.results(step_id):
+                if path.stem not in kept:
+                    size += path.stat().st_size
+                    path.unlink()
+                    removed += 1
+        for step_id in set(plan.ledger.steps()) - set(plan.steps):
+            plan.ledger.drop(step_id)
+        plan.store.drop_empty_folders()
+        plan.ledger.compact(force=True)
+    return removed, size

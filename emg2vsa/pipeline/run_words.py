@@ -1,22 +1,21 @@
-"""What a run of a study has to say at its end: of its steps, of its report, and of what a shard left to others."""
+"""What a run of a study has to say at its end: of its steps and of its report."""
 
 from __future__ import annotations
 
 import signal
 import threading
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from emg2vsa.pipeline.plan import DONE, Step, StepPlan
-from emg2vsa.pipeline.shard import Shard
-from emg2vsa.pipeline.stage_order import ORDER, REPORTS, stage
+from emg2vsa.pipeline.plan import StepPlan
+from emg2vsa.pipeline.stage_order import REPORTS, stage
 
 
-def outcome(plan: StepPlan, shard: Shard | None, seconds: float) -> tuple[dict[str, Any], list[str]]:
-    """The end of a run, or of a shard of one: for programs, and in lines."""
+def outcome(plan: StepPlan, seconds: float) -> tuple[dict[str, Any], list[str]]:
+    """The end of a run: for programs, and in lines."""
     failures, said, not_scored = plan.failures(), notes(plan), rejected(plan)
     ran = [step.id for step in plan.steps.values() if step.status == "done"]
     fresh = sum(step.status == "fresh" for step in plan.steps.values())
@@ -28,18 +27,16 @@ def outcome(plan: StepPlan, shard: Shard | None, seconds: float) -> tuple[dict[s
         "notes": said,
         "rejected_presses": not_scored,
         "seconds": round(seconds, 3),
+        "report": str(page_of(plan)),
     }
-    left = left_of(plan)
-    of_shard = {"left": [step.id for step in left], "needs": missing_for(plan, left)} if shard else {}
-    part = f", shard {shard.number} of {shard.of}" if shard else ""
     lines = [
         *(f"note: {note}" for note in said),
         *(f"{of['run']}: {of['message']}" for of in not_scored),
-        f"{plan.study.name}{part}: {len(ran)} step{'s' if len(ran) != 1 else ''} run, {fresh} fresh, {len(failures)} "
+        f"{plan.study.name}: {len(ran)} step{'s' if len(ran) != 1 else ''} run, {fresh} fresh, {len(failures)} "
         f"refused or failed, {seconds:.1f} s",
-        *([rest_in_words(plan)] if shard else report_lines(plan)),
+        *report_lines(plan),
     ]
-    return told | (of_shard if shard else {"report": str(page_of(plan))}), lines
+    return told, lines
 
 
 def notes(plan: StepPlan) -> list[str]:
@@ -79,37 +76,6 @@ def report_lines(plan: StepPlan) -> Iterator[str]:
     yield f"Report: {page}"
     for name, message in why.items():
         yield f"  {stage(name).gives} missing from it: {message}"
-
-
-def left_of(plan: StepPlan) -> list[Step]:
-    """Steps of a shard that did not run, as a step of the whole study that they need is not done."""
-    return [step for step in plan.steps.values() if step.item != "study" and step.status in ("stale", "waits")]
-
-
-def missing_for(plan: StepPlan, left: Sequence[Step]) -> list[str]:
-    """Stages of the whole study that these steps need and that are not done."""
-    needs = {need for step in left for need in stage(step.stage).needs if stage(need).per == "study"}
-    return [name for name in ORDER if name in needs and plan.steps[f"{name}/study"].status not in DONE]
-
-
-def rest_in_words(plan: StepPlan) -> str:
-    """What a shard left, and what to do when all shards have ended."""
-    left = left_of(plan)
-    run = f"emg2vsa run {plan.study.path}"
-    if not left:
-        return f"This shard is done. When all shards are: {run}"
-    counts = ", ".join(f"{name} {count}" for name, count in Counter(step.stage for step in left).items())
-    missing = missing_for(plan, left)
-    if not missing:
-        return f"Not run: {counts}. Run this shard again."
-    then = f"When all shards have ended: {run} --only {missing[-1]}, then the shards again."
-    return f"Not run: {counts}. They need {missing[-1]}. {then}"
-
-
-def to_try_again(plan: StepPlan) -> bool:
-    """Whether a step of the shard failed by something else than its input, such as a full disk."""
-    failed = (plan.ledger.last(step.id) for step in plan.steps.values() if step.status == "failed")
-    return any(entry is None or not entry.final for entry in failed)
 
 
 @contextmanager

@@ -35,13 +35,14 @@ REPORTS = ("report", *PART_REPORTS)
 
 def stage(name: str) -> Stage:
     """The stage of that name, imported when it is first asked for."""
-    found: Stage = importlib.import_module(module_of(name)).STAGE
+    module = importlib.import_module(module_of(name))
+    found: Stage = module.PART_STAGES[name] if name in PART_REPORTS else module.STAGE
     return found
 
 
 def module_of(name: str) -> str:
     """Module that declares the stage; the code of its results is what this module reaches."""
-    return f"emg2vsa.pipeline.stages.{name}"
+    return f"emg2vsa.pipeline.stages.{'report' if name in PART_REPORTS else name}"
 
 
 def stages_for(wanted: str | None) -> tuple[str, ...]:

@@ -1,17 +1,19 @@
-"""Carrying out one step, here or in a worker process: whatever goes wrong stays with the step."""
+"""Carrying out steps, here or in worker processes: whatever goes wrong stays with the step."""
 
 from __future__ import annotations
 
 import traceback
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from casr.errors import PassingError, UserError
 from emg2vsa import artifacts
-from emg2vsa.pipeline.spent import Spent, measured
+from emg2vsa.pipeline.profile import Spent, measured
 from emg2vsa.pipeline.stage import Given
 from emg2vsa.pipeline.stage_order import stage
 from emg2vsa.pipeline.store import ClaimedElsewhere, claimed, written_files
+from emg2vsa.process_pool import ProcessPool, WorkerDied
 
 
 @dataclass(frozen=True)
@@ -78,3 +80,39 @@ class Task:
             product = written_files(self.given.folder, product)
         artifacts.save(self.unfinished, product)
         return declared.says(product)
+
+
+OnEnd = Callable[[Ended], None]
+
+
+class Workers(ProcessPool):
+    """What a worker has loaded for one stage serves the next."""
+
+    def run(self, tasks: Sequence[Task], on_end: OnEnd, *, alone: int = 1, load: Sequence[str] = ()) -> None:
+        """Run all tasks, and report each as it ends.
+
+        alone : up to so many run in this process, as starting workers would take longer. load : modules that the
+        workers have in common, of all that they will do; only the first use of them counts.
+        """
+        if len(tasks) <= alone:
+            for task in tasks:
+                on_end(task())
+            return
+        for task in self._side_by_side(tasks, on_end, load):
+            # some process died: one at a time, so that the task that kills it is known
+            if self._side_by_side([task], on_end, load):
+                died = f"{WorkerDied()}. Run again with --jobs 1 if memory is short."
+                on_end(Ended(task.step, "failed", died))
+
+    def _side_by_side(self, tasks: Sequence[Task], on_end: OnEnd, load: Sequence[str]) -> list[Task]:
+        """The tasks that were not done because a process died."""
+        died = []
+        for i, result in self.ended(tasks, load):
+            try:
+                ended = result()
+            except WorkerDied:
+                tasks[i].claim.unlink(missing_ok=True)
+                died.append(tasks[i])
+            else:
+                on_end(ended)
+        return died

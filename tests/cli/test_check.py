@@ -12,8 +12,7 @@ from types import SimpleNamespace
 import pytest
 
 from emg2vsa.cli import main
-from emg2vsa.pipeline.judged_sessions import told
-from emg2vsa.pipeline.landings import landings
+from emg2vsa.pipeline.judged_sessions import landings, told
 from emg2vsa.session_verdict import SessionVerdict, SpecimenVerdict
 from emg2vsa.study import RecordingEntry
 
@@ -136,7 +135,7 @@ def test_files_of_a_pattern_are_seen_as_they_land(
         if look % 4 == 0:
             (tmp_path / "raw" / files[look // 4]).write_text("no table")
 
-    monkeypatch.setattr("emg2vsa.pipeline.landings.time.sleep", wait)
+    monkeypatch.setattr("emg2vsa.pipeline.judged_sessions.time.sleep", wait)
     assert main(["check", str(tmp_path / "study.toml"), "--watch", str(tmp_path / "raw")]) == 1
     said = capsys.readouterr()
     assert said.out.count("UNREADABLE") == len(files)

@@ -15,7 +15,7 @@ import emg2vsa
 from casr.specimens import SPECIMENS
 from emg2vsa import fit, read, stats
 from emg2vsa.cli import main
-from emg2vsa.cli.tools.sample import NAMES
+from emg2vsa.cli.tools.data import NAMES
 from emg2vsa.errors import SettingError
 from emg2vsa.sample_data import SAMPLES, write_sample
 from emg2vsa.study_file import load_study, missing_files

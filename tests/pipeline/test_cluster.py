@@ -22,13 +22,12 @@ import pytest
 from benchmarks.small_study import small_study
 from emg2vsa.cli import main
 from emg2vsa.errors import DataError
-from emg2vsa.pipeline import cluster_worker
-from emg2vsa.pipeline.cluster import ClusterWorkers
-from emg2vsa.pipeline.cluster_worker import Asked, digest_of, facts_here
+from emg2vsa.pipeline import cluster
+from emg2vsa.pipeline.cluster import Asked, ClusterWorkers, digest_of, facts_here
+from emg2vsa.pipeline.lock import holder
 from emg2vsa.pipeline.tasks import Ended
 from emg2vsa.study_file import load_study
 from tests.pipeline.test_pool import DEEDS, soon
-from tests.pipeline.test_shards import outcome
 
 pytest.importorskip("distributed", reason="the extra for clusters is not installed")
 PEOPLE = ("trials", "fits", "pages")
@@ -112,6 +111,14 @@ def deeds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list
     return lambda *names: list(module.deeds(names))
 
 
+def outcome(study: Path) -> dict[str, bytes]:
+    """Every stored result and every written file of a study; no locks, which tell of processes."""
+    loaded = load_study(study)
+    parts = (loaded.results / "store", loaded.reports, study.parent / "runs-virtual")
+    files = (path for part in parts for path in part.rglob("*") if path.is_file() and not path.name.startswith("."))
+    return {path.relative_to(study.parents[2]).as_posix(): path.read_bytes() for path in files}
+
+
 @pytest.mark.slow
 def test_a_cluster_gives_what_one_process_gives_and_a_task_that_kills_workers_is_one_failure(
     small: Path, deeds: Callable[..., list[Any]], capsys: pytest.CaptureFixture[str]
@@ -173,7 +180,7 @@ def test_a_scheduler_that_is_stopped_ends_the_run(small: Path, scheduler: Schedu
         assert f"{scheduler.address}: expected a Dask scheduler with workers until the end, but found that it" in told
         assert "does not answer within 4 s" in told
         assert "what was finished is kept" in told
-    assert not (small.parent / ".emg2vsa" / "small" / ".lock.whole").exists()
+    assert holder(small.parent / ".emg2vsa" / "small") == ""
 
 
 def has_worker(address: str) -> bool:
@@ -207,7 +214,7 @@ def test_a_recording_replaced_while_it_waits_fails_its_step_alone(
             if not seen:
                 return Done(task())
             recording.write_text("a newer one")
-            return Done(cluster_worker.Refused({}, str(recording)))
+            return Done(cluster.Refused({}, str(recording)))
 
     class Done:
         def __init__(self, result: object) -> None:
@@ -264,11 +271,11 @@ def test_facts_tell_what_differs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     mark = tmp_path / "mark"
     mark.write_text("token")
     here = facts_here(mark, ("numpy", "no-such-thing"))
-    assert here[cluster_worker.MARK] == "token"
+    assert here[cluster.MARK] == "token"
     assert here["no-such-thing"] == "absent"
     assert here["code of emg2vsa/pipeline/run_study.py"]
     assert here["code of casr/atomic.py"]
-    assert facts_here(tmp_path / "none", ())[cluster_worker.MARK] == "unreadable (No such file or directory)"
+    assert facts_here(tmp_path / "none", ())[cluster.MARK] == "unreadable (No such file or directory)"
     workers = ClusterWorkers(load_study_of(tmp_path), ("trials",), address="tcp://1.2.3.4:5")
     workers._facts = {"emg2vsa": "0.2.0", "numpy": "2.0", "a": "1", "b": "2"}
     error = workers._refuse({f"w{i}": {"emg2vsa": "0.1.0", "b": "2"} for i in range(5)})
@@ -295,17 +302,17 @@ def test_a_worker_that_came_later_or_sees_another_file_carries_out_nothing(
     mark, file = tmp_path / "mark", tmp_path / "file"
     mark.write_text("token")
     file.write_text("four")
-    facts = facts_here(mark, ()) | {cluster_worker.AT_A_TIME: "1"}
+    facts = facts_here(mark, ()) | {cluster.AT_A_TIME: "1"}
     (task,) = deeds("ok")
     task.claim.parent.mkdir()
     task.claim.write_text("of a worker that died")
-    size_and_time = cluster_worker.size_and_time(file)
-    refused = cluster_worker.attempt(task, {}, Asked(mark, (), "another"))
-    assert refused == cluster_worker.Refused(facts)
+    size_and_time = cluster.size_and_time(file)
+    refused = cluster.attempt(task, {}, Asked(mark, (), "another"))
+    assert refused == cluster.Refused(facts)
     asked = Asked(mark, (), digest_of(facts))
-    assert cluster_worker.attempt(task, {str(file): (3, 1)}, asked) == cluster_worker.Refused(facts, str(file))
+    assert cluster.attempt(task, {str(file): (3, 1)}, asked) == cluster.Refused(facts, str(file))
     assert task.claim.exists()
-    assert cluster_worker.attempt(task, {str(file): size_and_time}, asked) == Ended(task.step, "done", str(os.getpid()))
+    assert cluster.attempt(task, {str(file): size_and_time}, asked) == Ended(task.step, "done", str(os.getpid()))
     assert not task.claim.exists()
 
 

@@ -16,11 +16,10 @@ from typing import Any
 
 import pytest
 
-from emg2vsa.pipeline.pool import Workers
 from emg2vsa.pipeline.run_study import _loads
 from emg2vsa.pipeline.stage_order import ORDER, stage
 from emg2vsa.pipeline.store import claimed
-from emg2vsa.pipeline.tasks import Ended
+from emg2vsa.pipeline.tasks import Ended, Workers
 
 DEEDS = """
 import os, time
@@ -28,9 +27,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from emg2vsa import artifacts
 from emg2vsa.errors import DataError, PassingError
-from emg2vsa.pipeline.pool import Workers
 from emg2vsa.pipeline.stage import Given
-from emg2vsa.pipeline.tasks import Task
+from emg2vsa.pipeline.tasks import Task, Workers
 
 class Deed(Task):
     def _make(self):

@@ -13,8 +13,7 @@ import pytest
 from benchmarks.small_study import small_study
 from casr.counts import COUNTED, count, counting
 from emg2vsa.cli import main
-from emg2vsa.pipeline.profile import kind_of
-from emg2vsa.pipeline.spent import measured
+from emg2vsa.pipeline.profile import kind_of, measured
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ from casr.decoder_process import end_child
 from casr.errors import said_by
 from emg2vsa.errors import RecordingError
 from emg2vsa.pipeline.fingerprint import MISSING, Fingerprints
-from emg2vsa.pipeline.pool import Workers
+from emg2vsa.pipeline.tasks import Workers
 from emg2vsa.readers.front_door import open_recording
 
 

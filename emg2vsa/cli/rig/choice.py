@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from casr.command_line import Commands, add_command, add_json, answer, whole_number
+from casr.command_line import Commands, Types, add_command, answer, whole_number
 from casr.terminal import note
 
 if TYPE_CHECKING:
@@ -17,34 +17,29 @@ if TYPE_CHECKING:
     from emg2vsa.rig_file import RigFile
     from emg2vsa.rig_file.plans import Run
 
-CONDITIONS = ("high-stiffness", "modular", "constant-min", "constant-mean", "constant-max")
+RIG = "rig RIG  rig file, for example studies/palpation/rig.toml\n"
+CHOICE = """
+--specimen NAME...  only this specimen; may be repeated
+--angle DEG...  only this angle in degrees; may be repeated
+--condition {high-stiffness,modular,constant-min,constant-mean,constant-max}...  only this condition; may be repeated
+--mounting N...  only this mounting, from 1; may be repeated
+"""
+"""Which runs."""
+TYPES = {"RIG": Path, "RUN": Path, "DEG": float, "N": whole_number}
 
 
-def add_rig(parser: argparse.ArgumentParser) -> None:
-    """The rig file."""
-    parser.add_argument("rig", type=Path, metavar="RIG", help="rig file, for example studies/palpation/rig.toml")
-
-
-def add_hand_command(
-    commands: Commands, name: str, run: Any, summary: str, epilog: str, *, asks: bool = False
+def add_rig_command(
+    commands: Commands, name: str, run: Any, summary: str, epilog: str, options: str, types: Types = None, **more: Any
 ) -> argparse.ArgumentParser:
-    """A command for a rig file and one of its two actuators. asks : it puts questions."""
-    parser = add_command(commands, name, run, summary, epilog)
-    add_rig(parser)
-    parser.add_argument("--motor", action="store_true", help="use the rigid motor of [motor] instead of the actuator")
-    if asks:
-        parser.add_argument("--yes", action="store_true", help="answer yes to every question (for scripts)")
-    add_json(parser)
-    return parser
+    """``add_command`` with the words for values that rig commands share."""
+    return add_command(commands, name, run, summary, epilog, options, TYPES | dict(types or {}), **more)
 
 
-def add_choice(parser: argparse.ArgumentParser) -> None:
-    """Which runs."""
-    add = partial(parser.add_argument, action="append", default=[])
-    add("--specimen", metavar="NAME", help="only this specimen; may be repeated")
-    add("--angle", type=float, metavar="DEG", help="only this angle in degrees; may be repeated")
-    add("--condition", choices=CONDITIONS, help="only this condition; may be repeated")
-    add("--mounting", type=whole_number, metavar="N", help="only this mounting, from 1; may be repeated")
+def file_of(arguments: argparse.Namespace) -> RigFile:
+    """The rig file. StudyError as ``load_rig``."""
+    from emg2vsa.rig_file import load_rig
+
+    return load_rig(arguments.rig)
 
 
 def runs_chosen(arguments: argparse.Namespace, file: RigFile) -> tuple[Run, ...]:
@@ -85,3 +80,17 @@ def _asked(question: str) -> str | None:
         return input().strip()
     except EOFError:
         return None
+
+
+def width(text: str) -> float:
+    """``5`` or ``5%`` as 0.05."""
+    try:
+        percent = float(text.removesuffix("%").strip())
+    except ValueError:
+        percent = float("nan")
+    low, high = 0.5, 100.0
+    if not low <= percent <= high:
+        raise argparse.ArgumentTypeError(
+            f"expected a percentage of kappa from {low:g} to {high:g}, such as 5, but found {text!r}"
+        )
+    return percent / 100

@@ -3,43 +3,66 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from casr.command_line import Commands, add_command, add_json
+from casr.command_line import Commands, add_json, add_options
 from emg2vsa.cli.arguments import add_jobs, jobs_of
-from emg2vsa.cli.rig.choice import add_choice, add_rig, finish, person_of, runs_chosen
-from emg2vsa.cli.rig.kappa_options import add_kappa, judging_of
-from emg2vsa.cli.rig.run_options import add_run_options, check_for, check_options
+from emg2vsa.cli.rig.choice import CHOICE, RIG, add_rig_command, file_of, finish, person_of, runs_chosen, width
+
+if TYPE_CHECKING:
+    from emg2vsa.rig_file import RigFile
+
+SUMMARY = """\
+Press one specimen at one angle under one condition, or all of them with --all. Without a choice, list the runs."""
+EPILOG = """
+Before anything moves, the command checks the run against the rig file and against the limits of the device. Ctrl-C, a
+signal, a file named stop in the folder of the run, or a guard ends a run: the probe is retracted, the motors are
+switched off, and ended.json says why. A second Ctrl-C does not wait for the control loop. Exit status 0: completed, or
+listed; 1: ended otherwise; 2: unusable rig file, schedule or device, nothing has moved.
+"""
+OPTIONS = f"""
+{RIG}{CHOICE}
+--out DIR  folder of the runs (default: the folder of the rig file; emulated runs go into another folder beside it)
+--repetitions N  number of presses (default: those that the run still lacks). With --adaptive: the largest number of
+  presses (default: [experiment] repetitions for each calibration)
+--all  do all chosen runs one after the other: place the specimen, press Enter; continues a stopped sequence and repeats
+  rejected presses
+--order {{random,listed}}  with --all: random order, or as the rig file lists the runs (default: [experiment] order);
+  order.json keeps it
+--seed N  with --all: seed of the random order (default: [experiment] seed)
+--yes  with --all: ask no questions (for scripts)
+--plate NAME...  indent this specimen with a flat plate, as [plate] says, for emg2vsa tools stiffness; may be repeated
+--virtual  use an emulated rig, faster than real time; no device is opened
+"""
+KAPPA = """
+--calibration FILE...  judge the stiffness of the specimen while it is pressed, by this calibration of emg2vsa run;
+  repeat it for other angles and conditions. kappa.csv in the folder of the run has a row for each frame
+--stop-at PERCENT  with --calibration: end the loading of a press when the 95 %% interval of kappa reaches no more than
+  this share of kappa to either side, or when the rest of the press would narrow it by less than a tenth. Such a press
+  counts as done, and is marked as stopped
+--adaptive  with --calibration and one --specimen: choose stiffness preset, angle and number of presses of each next run
+  as emg2vsa rig next does, until --stop-at is reached or no press would narrow the interval by a tenth. Judged presses
+  of the specimen in the folder of the runs count along. The command asks where an angle or a mounting must be changed
+  by hand
+--camera FILE  with --calibration: camera.toml of the tactile camera (default: camera.toml beside the rig file; an
+  emulated rig has its own)
+"""
 
 
 def add_to(commands: Commands) -> None:
-    parser = add_command(
-        commands,
-        "run",
-        run,
-        "Press one specimen at one angle under one condition, or all of them with --all. Without a choice, list the "
-        "runs.",
-        "Before anything moves, the command checks the run against the rig file and against the limits of the "
-        "device. Ctrl-C, a signal, a file named stop in the folder of the run, or a guard ends a run: the "
-        "probe is retracted, the motors are switched off, and ended.json says why. A second Ctrl-C does "
-        "not wait for the control loop. Exit status 0: completed, or listed; 1: ended otherwise; 2: "
-        "unusable rig file, schedule or device, nothing has moved.",
-    )
-    add_rig(parser)
-    add_choice(parser)
-    add_run_options(parser)
-    add_kappa(parser.add_argument_group("kappa while the finger presses"))
+    parser = add_rig_command(commands, "run", run, SUMMARY, EPILOG, OPTIONS, seed={"type": int})
+    add_options(parser.add_argument_group("kappa while the finger presses"), KAPPA, {"PERCENT": width})
     add_jobs(parser)
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    check_options(arguments)
-    from emg2vsa.rig_file import load_rig
+    _check_options(arguments)
 
-    file = load_rig(arguments.rig)
-    check_for(arguments, file)
+    file = file_of(arguments)
+    _check_for(arguments, file)
     from emg2vsa.cli.rig import run_words as words
+    from emg2vsa.lab.judging import Judging
 
     virtual, presses = arguments.virtual, arguments.repetitions
     root = arguments.out or (file.virtual_runs if virtual else file.runs)
@@ -48,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
         from emg2vsa.lab.plate_runs import plates
 
         return words.plates(arguments, plates(file, arguments.plate, **where), root)
-    where["judging"] = judging_of(arguments)
+    where["judging"] = Judging(tuple(arguments.calibration), arguments.stop_at, arguments.camera)
     if arguments.adaptive:
         from emg2vsa.lab.adaptive_runs import adaptive
 
@@ -67,3 +90,50 @@ def run(arguments: argparse.Namespace) -> int:
 
     one = press(file, *runs[0], presses=presses, **where)
     return finish(arguments, one.document(), good=one.completed)
+
+
+def _check_options(arguments: argparse.Namespace) -> None:
+    """SettingError for options that do not go together, whatever the rig file says."""
+    for name in ("order", "seed"):
+        if getattr(arguments, name) is not None and not arguments.all:
+            _refuse(f"--{name}", "--all beside this option", "one run", "Add --all, or leave it out.")
+    for name in ("all", "plate"):
+        if arguments.adaptive and getattr(arguments, name):
+            _refuse("--adaptive", "no other choice of runs", f"--{name}", "Leave out one of the two.")
+    if arguments.all and arguments.repetitions:
+        do = "Leave it out: a sequence makes the presses that [experiment] repetitions asks for."
+        _refuse("--repetitions", "one run", "--all", do)
+
+
+def _check_for(arguments: argparse.Namespace, file: RigFile) -> None:
+    """SettingError for options that do not go with the way of pressing, or with the order of the rig file."""
+    listed = (arguments.order or file.experiment.order) == "listed"
+    if arguments.seed is not None and (listed or arguments.seed < 0):
+        do = "Choose --order random and a seed from 0."
+        _refuse("--seed", "a seed for a random order", str(arguments.seed), do)
+    if arguments.plate and arguments.calibration:
+        do = "Leave out --calibration: a plate has no pins."
+        _refuse("--calibration", "presses of the tactile sensor", "--plate", do)
+    chosen = arguments.specimen or arguments.angle or arguments.condition or arguments.repetitions
+    if arguments.plate and (arguments.all or chosen):
+        do = "Leave the others out: [plate] says how its trials go."
+        _refuse("--plate", "--plate alone", "a choice of runs beside it", do)
+    if not arguments.adaptive:
+        return
+    fixed = "the calibrations say which {}s there are"
+    told = {"angle": fixed, "condition": fixed, "mounting": "every new mounting gets the next number"}
+    for name, why in told.items():
+        if given := getattr(arguments, name):
+            do = f"Leave it out: {why.format(name)}."
+            _refuse(f"--{name}", "no choice of runs beside --adaptive", str(given[0]), do)
+    if len(arguments.specimen) != 1:
+        _refuse("--specimen", "one specimen", ", ".join(arguments.specimen) or "none", "Name the unknown specimen.")
+    if not arguments.calibration:
+        do = "Add --calibration FILE for every angle and condition that may be pressed."
+        _refuse("--adaptive", "--calibration beside this option", "none", do)
+
+
+def _refuse(option: str, wanted: str, found: str, do: str) -> None:
+    from emg2vsa.errors import SettingError
+
+    raise SettingError(option, wanted=wanted, found=found, do=do)

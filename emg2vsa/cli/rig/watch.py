@@ -9,21 +9,14 @@ from pathlib import Path
 from casr.command_line import Commands, add_command, add_json
 from emg2vsa.cli.arguments import add_port, web_pages
 
-_PORT = 8420
+EPILOG = "Only this computer can open the page, and only with its whole address. Ctrl-C ends the page, not the run."
 
 
 def add_to(commands: Commands) -> None:
-    parser = add_command(
-        commands,
-        "watch",
-        run,
-        "Show a run in the browser while it runs, with a stop button.",
-        "Only this computer can open the page, and only with its whole address. Ctrl-C ends the page, not the run.",
-    )
-    parser.add_argument(
-        "folder", type=Path, metavar="FOLDER", help="folder of a run, or a folder of runs, of which the newest is shown"
-    )
-    add_port(parser, _PORT)
+    folder = "folder FOLDER  folder of a run, or a folder of runs, of which the newest is shown\n"
+    summary = "Show a run in the browser while it runs, with a stop button."
+    parser = add_command(commands, "watch", run, summary, EPILOG, folder)
+    add_port(parser, 8420)
     add_json(parser)
 
 

@@ -1,14 +1,13 @@
-"""``emg2vsa session``: a participant's session; one file per sub-command."""
+"""``emg2vsa session``: a participant's session."""
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 from typing import Any
 
 from casr.command_line import Commands, add_group
 
-SUBCOMMANDS = ("run", "finish", "replay", "emulate")
+SUBCOMMANDS = {"run": "live", "finish": "recorded", "replay": "recorded", "emulate": "live"}
 PARTICIPANT = "--participant CODE  a code of [participants]: P03\n"
 REQUIRED = {"required": True}
 
@@ -33,13 +32,3 @@ def add_to(commands: Commands) -> None:
         return parse(["run", *words] if is_study else words, namespace)
 
     parser.parse_known_args = parse_known_args
-
-
-def check_virtual(arguments: argparse.Namespace) -> None:
-    """SettingError for an option of an emulated participant without --virtual."""
-    from emg2vsa.errors import SettingError
-
-    for option in ("no_page", "mistake", "speed", "seed", "truth"):
-        if not arguments.virtual and getattr(arguments, option) != arguments.parser.get_default(option):
-            name, wanted = f"--{option.replace('_', '-')}", "--virtual beside this option"
-            raise SettingError(name, wanted=wanted, found="real devices", do=f"Leave {name} out.")

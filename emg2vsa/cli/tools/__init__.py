@@ -1,10 +1,13 @@
-"""``emg2vsa tools``: what is needed now and then; one file per sub-command."""
+"""``emg2vsa tools``: what is needed now and then."""
 
 from __future__ import annotations
 
 from casr.command_line import Commands, add_group
 
-SUBCOMMANDS = ("convert", "sample", "simulate", "clean", "power", "design", "stiffness", "bench", "completion")
+SUBCOMMANDS = {
+    "convert": "data", "sample": "data", "simulate": "data", "clean": "upkeep", "power": "sizes", "design": "sizes",
+    "stiffness": "upkeep", "bench": "upkeep", "completion": "upkeep",
+}  # fmt: skip
 
 
 def add_to(commands: Commands) -> None:

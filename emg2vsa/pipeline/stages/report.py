@@ -1,9 +1,12 @@
-"""Report: everything that was found, in one folder; a stage that failed leaves its section saying why."""
+"""Report: everything that was found, in one folder; a stage that failed leaves its section saying why.
+
+``emg2vsa run --human-only`` and ``--casr-only`` write what they found into a folder of their own inside it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +21,8 @@ NOT_SHOWN = ("path", "results", "reports", "data", "task", "runs", "runs_source"
 
 How a session is run makes recordings, and what they hold counts.
 """
+PEOPLE, RIG = "people", "rig"
+"""Folders of the reports of one part, in that of the whole report."""
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
@@ -46,12 +51,8 @@ def folder(campaign: Campaign, item: str) -> Path:
     return campaign.study.reports
 
 
-def run(given: Given) -> list[Path]:
-    return write(given, "participants")
-
-
-def write(given: Given, pages: str) -> list[Path]:
-    """Write the report; ``pages``: folder of the participants' pages, from that of the report."""
+def run(given: Given, pages: str = "participants") -> list[Path]:
+    """Write the report; ``pages``: folder of the participants' pages, from that of the report; "" links to none."""
     from emg2vsa.calibration_file import file_name, write_calibration
     from emg2vsa.report.study_report import write_study_report
     from emg2vsa.schedule_files import write_schedule
@@ -68,7 +69,7 @@ def write(given: Given, pages: str) -> list[Path]:
 
 
 def results_of(given: Given, pages: str = "") -> StudyResults:
-    """All products of the study; of stages that failed none. pages : as for ``write``; "" links to none."""
+    """All products of the study; of stages that failed none. pages : as for ``run``."""
     from emg2vsa.fits import concatenate
     from emg2vsa.report.failures import Failure
     from emg2vsa.report.inputs import People, Runs, StudyResults, without_samples
@@ -114,25 +115,24 @@ def _provenance(given: Given) -> dict[str, str]:
 
 
 STAGE = Stage(
-    per="study",
-    of="report",
+    per="study", of="report", run=run, settings=settings, files=files, folder=folder, tells_failures=True,
     needs=(
-        "trials",
-        "fits",
-        "pages",
-        "hypotheses",
-        "exemplary",
-        "profiles",
-        "schedules",
-        "stiffness",
-        "emulation",
-        "runs",
-        "discrimination",
-        "calibration",
+        "trials", "fits", "pages", "hypotheses", "exemplary", "profiles", "schedules", "stiffness", "emulation", "runs",
+        "discrimination", "calibration",
     ),
-    run=run,
-    settings=settings,
-    files=files,
-    folder=folder,
-    tells_failures=True,
-)
+)  # fmt: skip
+PART_STAGES = {
+    "people_report": replace(
+        STAGE,
+        run=lambda given: run(given, "../participants"),
+        folder=lambda campaign, item: campaign.study.reports / PEOPLE,
+        needs=("trials", "fits", "pages", "hypotheses", "exemplary", "profiles", "schedules"),
+    ),
+    "rig_report": replace(
+        STAGE,
+        run=lambda given: run(given, ""),
+        folder=lambda campaign, item: campaign.study.reports / RIG,
+        needs=tuple(need for need in STAGE.needs if need not in ("pages", "hypotheses")),
+    ),
+}
+"""What people do, without the runs of a rig; and those runs, with the schedules behind them."""

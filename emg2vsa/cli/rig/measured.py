@@ -1,0 +1,85 @@
+"""``emg2vsa rig commission`` and ``camera-delay``: settings of the rig file that the rig itself tells, measured."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from casr.command_line import JSON, Commands
+from emg2vsa.cli.rig.by_hand import ASKS
+from emg2vsa.cli.rig.choice import add_rig_command, file_of, finish, person_of
+
+if TYPE_CHECKING:
+    from emg2vsa.rig.commissioning.checks import Check
+
+COMMISSION = """
+What is wrong is written into the rig file after a question; comments stay. With --yes nobody looks: the direction is
+searched, and the gear, which needs a calliper, is not checked. Exit status 0: all right, or written; 1: something is
+wrong and not written; 2: not finished.
+"""
+REACH = "--reach-deg DEG = 45  farthest that the shaft may turn to reach the pad (default 45)\n"
+CAMERA_DELAY = """
+The pins move when the force rises, and the frames show it later by the delay. The command needs at least three presses,
+each from before contact to 2 N. It moves nothing. Exit status 0: measured; 2: not possible.
+"""
+RUNS = f"runs RUN...  folder of a run, or a rig file to use all its runs\n{JSON}"
+
+
+def add_to(commands: Commands) -> None:
+    summary = (
+        "Check push_axis, push_sign, gear, home and depth by a touch of 0.5 N on a soft pad, and correct the rig file."
+    )
+    add_rig_command(commands, "commission", commission, summary, COMMISSION, ASKS + REACH)
+    summary = "Measure the delay of the camera from presses, and print the line delay_s for the rig file."
+    add_rig_command(commands, "camera-delay", camera_delay, summary, CAMERA_DELAY, RUNS)
+
+
+def commission(arguments: argparse.Namespace) -> int:
+    from emg2vsa.lab.commissioning import check_settings, mend_settings
+
+    file, person = file_of(arguments), person_of(arguments)
+    checks = check_settings(file, reach_deg=arguments.reach_deg, motor=arguments.motor, person=person)
+    if checks is None:
+        return 1
+    width = 2 + max(len(check.key) for check in checks)
+    person.say(f"{'setting':<{width}}{'rig file':<18}{'found':<18}{'':<8}")
+    for check in checks:
+        person.say(_row(check, width))
+    good = mend_settings(file, checks, person)
+    return finish(arguments, {"checks": [asdict(check) for check in checks], "good": good}, good=good)
+
+
+def _row(check: Check, width: int) -> str:
+    verdict = "-" if check.found is None else "right" if check.good else "WRONG"
+    return f"{check.key:<{width}}{_text(check.said):<18}{_text(check.found):<18}{verdict:<8}{check.remark}"
+
+
+def _text(value: object) -> str:
+    if isinstance(value, tuple):
+        return ", ".join(f"{part:g}" for part in value)
+    return "" if value is None else f"{value:g}"
+
+
+def camera_delay(arguments: argparse.Namespace) -> int:
+    from emg2vsa.lab import camera_delay as lab
+    from emg2vsa.run_folders.camera_delay import SYSTEMATIC_S
+
+    found = lab.camera_delay(arguments.runs)
+    unchanged = abs(found.delay_s - found.set_s) <= found.half_width_s + SYSTEMATIC_S
+    interval = f"95 % interval of half width {_ms(found.half_width_s)}"
+    return finish(
+        arguments,
+        found,
+        *(f"left out: {why}" for why in found.left_out),
+        f"presses: {len(found.by_press_s)}, of {_ms(min(found.by_press_s))} to {_ms(max(found.by_press_s))}",
+        f"delay: {_ms(found.delay_s)}, {interval}, and up to {_ms(SYSTEMATIC_S)} of the method",
+        f"set when they were recorded: {_ms(found.set_s)}",
+        "what is set lies within that: nothing to change"
+        if unchanged
+        else f"for the rig file, in [camera]:\ndelay_s = {max(0.0, found.delay_s):.4f}",
+    )
+
+
+def _ms(seconds: float) -> str:
+    return f"{1e3 * seconds:.1f} ms"
