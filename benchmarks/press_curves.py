@@ -22,8 +22,7 @@ from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS
 from emg2vsa.dome_contact import PowerLaw
 from emg2vsa.settings import CalibrationSettings
 from emg2vsa.worlds.contact import Drive, Relaxation, StiffnessSteps, adhesive_force_n, in_series, simulate_presses
-from emg2vsa.worlds.tactile import ContactWorld
-from emg2vsa.worlds.tactile.tabulated import TabulatedWorld
+from emg2vsa.worlds.tactile import ContactWorld, TabulatedWorld
 
 KNOWN = ("S1", "S3", "S5")
 FRAME_HZ, ROW_HZ, SPEED_MM_PER_S = 20.0, 200.0, 5.0

@@ -243,8 +243,7 @@ def _xdf_peers(path: Path) -> Iterator[Way]:
 def _film(folder: Path, n: int) -> tuple[Path, np.ndarray]:
     import cv2
 
-    from emg2vsa.worlds.tactile.press import simulate_press
-    from emg2vsa.worlds.tactile.settings import PressSettings, TimelineSettings
+    from emg2vsa.worlds.tactile import PressSettings, TimelineSettings, simulate_press
 
     press = simulate_press(PressSettings(timeline=TimelineSettings(loading_s=max(1.0, n / 20))))
     frames = np.array([press.frames.read(i) for i in range(n)])

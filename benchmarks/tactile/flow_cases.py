@@ -17,7 +17,7 @@ from benchmarks.tactile.metrics import root_mean_square, worst
 from benchmarks.tactile.ours import dense, on_pins
 from benchmarks.tactile.peers import dense_peers, pin_peers
 from casr.flow.estimate import ENGINES, FlowSettings, FlowTracker
-from emg2vsa.worlds.tactile.skin import TACTIP_127
+from emg2vsa.worlds.tactile import TACTIP_127
 
 MOTIONS_PX = (0.25, 1.0, 3.0, 6.0)
 SEEDS, SLOW_SEEDS = 12, 3

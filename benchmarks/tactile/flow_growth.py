@@ -11,9 +11,7 @@ from benchmarks.tactile.metrics import percent_error
 from casr.camera import Camera
 from casr.flow.estimate import FlowSettings, FlowTracker
 from casr.flow.region import Region
-from emg2vsa.worlds.tactile.appearance import Appearance, draw_surface
-from emg2vsa.worlds.tactile.render import render
-from emg2vsa.worlds.tactile.skin import TACTIP_127
+from emg2vsa.worlds.tactile import TACTIP_127, Appearance, draw_surface, drawn, exposed
 
 RADII_PITCHES = (1.25, 1.6, 2.0, 3.0, 4.0)
 LOG_GROWTH, N_STEPS = 0.3, 10
@@ -46,7 +44,7 @@ def growing_contact(radius_px: float, seed: int, *, power: int, look: Appearance
     for step in range(N_STEPS + 1):
         stretch = np.expm1(LOG_GROWTH / 2 * step / N_STEPS) * inverse ** (power + 1)
         pins = centre + from_centre * (1 + stretch[:, None])
-        frames.append(render(pins, surface, TACTIP_127, noise_grey=look.noise_grey, rng=noise[step]))
+        frames.append(exposed(drawn(pins, surface, TACTIP_127), look.noise_grey, noise[step]))
     return GrowingContact(frames, Region.circle(float(centre[0]), float(centre[1]), radius_px))
 
 

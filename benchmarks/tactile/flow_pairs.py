@@ -9,10 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.camera import Camera
-from emg2vsa.worlds.tactile.appearance import Appearance, draw_surface
-from emg2vsa.worlds.tactile.region import ContactEllipse, Points
-from emg2vsa.worlds.tactile.render import render
-from emg2vsa.worlds.tactile.skin import TACTIP_127, Skin
+from emg2vsa.worlds.tactile import TACTIP_127, Appearance, ContactEllipse, Points, Skin, draw_surface, drawn, exposed
 
 CONTACT_RADIUS_PX = 80.0
 "Edge of the contact of the benchmark."
@@ -89,8 +86,8 @@ def _pair(
     surface = draw_surface(appearance, first_skin, camera, sensor, press)
     rest = first_skin.pins_px(middle)
     moved, speckles = (points + displacement(points - centre) for points in (rest, surface.speckle_px))
-    first = render(rest, surface, first_skin, noise_grey=appearance.noise_grey, rng=noise[0])
-    second = render(moved, surface, second_skin, speckle_px=speckles, noise_grey=appearance.noise_grey, rng=noise[1])
+    first = exposed(drawn(rest, surface, first_skin), appearance.noise_grey, noise[0])
+    second = exposed(drawn(moved, surface, second_skin, speckles), appearance.noise_grey, noise[1])
     rows, columns = np.mgrid[: camera.height_px, : camera.width_px]
     flow = displacement(np.stack([columns, rows], axis=-1) - centre)
     mask = surface.visible > 0

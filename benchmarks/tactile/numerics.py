@@ -18,7 +18,7 @@ from casr.flow.estimate import ENGINES, FlowSettings, FlowTracker
 from casr.flow.horn_schunck import HornSchunckSettings, horn_schunck
 from casr.flow.region import Region
 from casr.images import Grey
-from emg2vsa.worlds.tactile.appearance import Appearance
+from emg2vsa.worlds.tactile import Appearance
 
 RIM_MOTION_PX = 1.0
 ALPHAS = (1e-3, 1.0, 3.0, 10.0, 30.0, 60.0, 100.0, 300.0, 1e4)

@@ -16,9 +16,7 @@ from casr.flow.estimate import ENGINES, FlowSettings
 from casr.frames import FrameSequence
 from casr.pins import Pins
 from casr.scoring import Score, ScoreSettings, score
-from emg2vsa.worlds.tactile.contact import ContactWorld
-from emg2vsa.worlds.tactile.press import SimulatedPress, simulate_press
-from emg2vsa.worlds.tactile.settings import PressSettings, TimelineSettings
+from emg2vsa.worlds.tactile import ContactWorld, PressSettings, SimulatedPress, TimelineSettings, simulate_press
 
 SPECIMENS_N_PER_MM = (1.11, 3.35, 7.63)
 ANGLES_DEG = (0.0, 30.0, 45.0)

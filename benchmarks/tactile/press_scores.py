@@ -18,8 +18,7 @@ from casr.flow.estimate import ENGINES, FlowSettings
 from casr.frames import FrameSequence
 from casr.scoring import Score, ScoreSettings, score
 from casr.spread import AREA_LAWS, RATE_RULES, contact_areas, spread_rate
-from emg2vsa.worlds.tactile.press import SimulatedPress, simulate_press
-from emg2vsa.worlds.tactile.settings import PressSettings
+from emg2vsa.worlds.tactile import PressSettings, SimulatedPress, simulate_press
 
 TRUE_AREA = "true area"
 "Stands for an area rule that knows A_c0: what is left is the error of the growth."

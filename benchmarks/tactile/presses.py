@@ -20,8 +20,7 @@ from benchmarks.tactile.press_scores import CHAINS, PressScores, scored
 from benchmarks.tactile.table import Cell, Table
 from casr.contact_area import RULES
 from casr.flow.estimate import ENGINES
-from emg2vsa.worlds.tactile.contact import ContactWorld
-from emg2vsa.worlds.tactile.settings import PressSettings
+from emg2vsa.worlds.tactile import ContactWorld, PressSettings
 
 
 def run_presses(n_repetitions: int, n_jobs: int) -> list[Table]:

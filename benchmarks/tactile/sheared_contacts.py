@@ -22,10 +22,7 @@ from casr.contact_area import library_front as pulled
 from casr.contact_area.follow import contact_front
 from casr.contact_area.front import ContactFront
 from casr.specimens import SPECIMENS
-from emg2vsa.worlds.tactile.region import Points
-from emg2vsa.worlds.tactile.scene import Scene
-from emg2vsa.worlds.tactile.settings import PressSettings
-from emg2vsa.worlds.tactile.world import ContactState
+from emg2vsa.worlds.tactile import ContactState, Points, PressSettings, Scene
 
 Way = Callable[[Points, Points, ContactState, Scene, float], Points]
 """Motion by a shear that is added, px: of pins at rest at (N, 2), now at (N, 2), in a state; its size in mm."""

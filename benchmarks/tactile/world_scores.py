@@ -18,8 +18,7 @@ from casr.front_spread import FrontSpread
 from casr.scored import SkinSpread
 from casr.scoring import Score, score
 from casr.stretch import Stretch, stretch_of
-from emg2vsa.worlds.tactile.press import SimulatedPress, simulate_press
-from emg2vsa.worlds.tactile.settings import PressSettings
+from emg2vsa.worlds.tactile import PressSettings, SimulatedPress, simulate_press
 
 FORCES_N = (0.5, 1.0, 2.0, 4.0)
 LEAST_PITCHES = 2.0

@@ -18,7 +18,7 @@ from benchmarks.tactile.worlds import named, world_named
 from casr.specimens import SPECIMENS
 from casr.stretch import unlike_others
 from emg2vsa.calibration.laws import fit_law
-from emg2vsa.worlds.tactile.settings import PressSettings
+from emg2vsa.worlds.tactile import PressSettings
 
 NEAR_PERCENT = 8.0
 UNLIKE = (

@@ -17,10 +17,7 @@ from casr.flow.region import Region
 from casr.pins import Pins, detect_pins, match_pins
 from casr.scored import ScoreSettings
 from casr.specimens import SPECIMENS
-from emg2vsa.worlds.tactile.contact import ContactWorld
-from emg2vsa.worlds.tactile.motion import lever, spread
-from emg2vsa.worlds.tactile.region import ContactEllipse, Rim
-from emg2vsa.worlds.tactile.skin import TACTIP_127
+from emg2vsa.worlds.tactile import TACTIP_127, ContactEllipse, ContactWorld, Rim, lever, spread
 
 CENTRE = (149.5, 149.5)
 RIM = Rim(CENTRE, 140.0)

@@ -12,8 +12,7 @@ from casr.frames import FrameSequence, force_per_frame
 from casr.scoring import Score, score
 from casr.specimens import SPECIMENS
 from casr.stretch import Stretch, stretch_of, unlike_others
-from emg2vsa.worlds.tactile import PressSettings, TimelineSettings, simulate_press
-from emg2vsa.worlds.tactile.contact import ContactWorld
+from emg2vsa.worlds.tactile import ContactWorld, PressSettings, TimelineSettings, simulate_press
 
 
 @cache

@@ -12,8 +12,7 @@ from benchmarks.tactile.algorithm_1 import first_contact, mask_centroids, select
 from casr.contact_area import initial_area
 from casr.pins import PinTracker
 from casr.specimens import SPECIMENS
-from emg2vsa.worlds.tactile import PressSettings, simulate_press
-from emg2vsa.worlds.tactile.settings import TimelineSettings
+from emg2vsa.worlds.tactile import PressSettings, TimelineSettings, simulate_press
 
 QUICK = TimelineSettings(loading_s=1.0)
 PRESSES = list(product(("S1", "S3", "S5"), (0.0, 45.0), range(5)))

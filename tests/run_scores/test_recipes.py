@@ -18,8 +18,7 @@ from emg2vsa.run_scores import ALGORITHMS, RunScores
 from emg2vsa.run_scores.press import Press
 from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import PAPER, RECIPES, RunSettings
-from emg2vsa.worlds.tactile import ContactWorld, PressSettings, simulate_press
-from emg2vsa.worlds.tactile.settings import TimelineSettings
+from emg2vsa.worlds.tactile import ContactWorld, PressSettings, TimelineSettings, simulate_press
 
 PAPERS_STEPS = {"engine": "horn-schunck", "force_rule": "mean", "area_rule": "paper", "law": "paper", "rate": "paper"}
 TIP_MM2 = 1300.0

@@ -21,9 +21,7 @@ from emg2vsa.run_scores.counted_pins import counted_pins
 from emg2vsa.run_scores.press import Press
 from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import RunSettings
-from emg2vsa.worlds.tactile import PressSettings, simulate_press
-from emg2vsa.worlds.tactile.settings import TimelineSettings
-from emg2vsa.worlds.tactile.write import write_press
+from emg2vsa.worlds.tactile import PressSettings, TimelineSettings, simulate_press, write_press
 
 
 class Counted:

@@ -1,16 +1,23 @@
-"""What the camera sees besides pin positions: brightness, texture, dirt, glare, missing pins, noise."""
+"""What the camera sees: pins on a hexagonal grid inside a round mask, brightness, texture, dirt, glare and read noise.
+
+Of the read noise of each pixel 16 random bits choose one of as many equally likely normal numbers, at a third of what
+drawing them costs. Mean and standard deviation are those of a normal distribution, the largest of the numbers is 4.3
+standard deviations: of a frame of 90 000 pixels one or two would be beyond. A camera's image is rounded to whole grey
+levels, a thousand times coarser than the table.
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cache
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from casr.camera import Camera
-from casr.errors import SettingError
-from emg2vsa.worlds.tactile.skin import Skin
+from emg2vsa.worlds.tactile.world import check
 
 SPECKLE_PX = 2.2
 "Standard deviation of a speckle of the texture, px."
@@ -20,6 +27,59 @@ DIRT_PX = 2.0
 "Correlation length of the dirt on the lens, px."
 GLARE_RADIUS_PX = (4.0, 9.0)
 "Range of the radius of a reflection, px."
+EDGE_REACH = 5.5
+"A pin is drawn this many edge widths beyond its radius; what is left there is below 0.03 grey levels."
+EDGE_SLOPE = math.sqrt(2 / math.pi)
+"Makes the steepest point of tanh that of a step blurred by a Gaussian."
+SPECKLE_REACH = 3.0
+"A speckle is drawn this many standard deviations far."
+_BITS = 16
+_REACH, _POINTS = 6.0, 24_001
+
+
+@dataclass(frozen=True, kw_only=True)
+class Skin:
+    """Layout of the pins in the image, px.
+
+    Parameters
+    ----------
+    rings : hexagonal rings around the central pin: 6 give 127 pins, 10 give 331.
+    pitch_px : distance of neighbouring pins; 19.84 in frames of a real 127-pin sensor.
+    pin_radius_px, edge_px : radius of a pin at half brightness, and the standard deviation of its blurred edge.
+    mask_radius_px : beyond it the camera sees black.
+    """
+
+    rings: int = 6
+    pitch_px: float = 20.0
+    pin_radius_px: float = 4.5
+    edge_px: float = 1.0
+    mask_radius_px: float = 140.0
+
+    def __post_init__(self) -> None:
+        sizes = (self.pitch_px, self.pin_radius_px, self.edge_px, self.mask_radius_px)
+        fits = self.rings >= 1 and all(0 < size < math.inf for size in sizes)
+        check(fits, "skin", "sizes above 0, a ring or more", repr(self), "Correct the skin.")
+        outermost_px = self.rings * self.pitch_px
+        check(
+            outermost_px + self.pin_radius_px <= self.mask_radius_px, "skin.pitch_px",
+            f"{self.rings} rings of pins inside the mask of {self.mask_radius_px:g} px",
+            f"an outermost pin at {outermost_px:g} px", "Take a smaller pitch or a larger mask.",
+        )  # fmt: skip
+
+    @property
+    def n_pins(self) -> int:
+        """Number of pins."""
+        return 1 + 3 * self.rings * (self.rings + 1)
+
+    def pins_px(self, centre_px: tuple[float, float]) -> NDArray[np.float64]:
+        """(n_pins, 2) positions at rest, row by row from the top, the central pin at ``centre_px``."""
+        reach = range(-self.rings, self.rings + 1)
+        grid = [(column + row / 2, row) for row in reach for column in reach if abs(row + column) <= self.rings]
+        return np.array(grid) * (self.pitch_px, self.pitch_px * math.sqrt(3) / 2) + centre_px
+
+
+TACTIP_127 = Skin()
+"The sensor of the paper: 127 pins."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,13 +108,9 @@ class Appearance:
 
     def __post_init__(self) -> None:
         levels = np.array([self.background_grey, *self.pin_grey, self.noise_grey, self.texture_grey, self.dirt_grey])
-        if not ((levels >= 0) & (levels <= 255)).all() or min(self.n_glare, self.n_missing) < 0:
-            raise SettingError(
-                "appearance",
-                wanted="grey levels from 0 to 255 and numbers of 0 or more",
-                found=repr(self),
-                do="Correct the appearance.",
-            )
+        fits = bool(((levels >= 0) & (levels <= 255)).all()) and min(self.n_glare, self.n_missing) >= 0
+        wanted = "grey levels from 0 to 255 and numbers of 0 or more"
+        check(fits, "appearance", wanted, repr(self), "Correct the appearance.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,3 +172,99 @@ def _texture(
     at = np.column_stack([np.cos(angle), np.sin(angle)]) * distance[:, None] + (camera.cx_px, camera.cy_px)
     one_rms = SPECKLE_PX * np.sqrt(np.pi) / SPECKLE_SPACING_PX
     return at, (rng.standard_normal(n_speckles) * rms_grey / one_rms).astype(np.float32)
+
+
+def drawn(
+    pins_px: NDArray[np.float64], surface: Surface, skin: Skin, speckle_px: NDArray[np.float64] | None = None
+) -> NDArray[np.float32]:
+    """(H, W) grey levels before the camera's noise, exact below the pixel: every spot is its profile at its distance.
+
+    Parameters
+    ----------
+    pins_px : (n_pins, 2) positions; pins move rigidly, their shape stays.
+    surface : what does not depend on the positions.
+    speckle_px : (S, 2) the texture's positions where the skin has moved; those of ``surface`` by default.
+    """
+    grey = surface.static_grey.copy()
+    _add_pins(grey, pins_px, surface.pin_grey, skin)
+    if surface.speckle_grey.size:
+        _add_speckles(grey, surface.speckle_px if speckle_px is None else speckle_px, surface.speckle_grey)
+    grey *= surface.visible
+    return grey
+
+
+def exposed(grey: NDArray[np.float32], noise_grey: float, rng: np.random.Generator | None) -> NDArray[np.uint8]:
+    """(H, W) uint8 frame of what was `drawn`, which stays as it is."""
+    if noise_grey > 0 and rng is not None:
+        noise = read_noise(grey.shape, rng)
+        noise *= np.float32(noise_grey)
+        grey = np.add(grey, noise, out=noise)
+        np.rint(grey, out=grey)
+    else:
+        grey = np.rint(grey)
+    return np.clip(grey, 0, 255, out=grey).astype(np.uint8)
+
+
+def _add_pins(
+    image: NDArray[np.float32], at_px: NDArray[np.float64], brightness: NDArray[np.float32], skin: Skin
+) -> None:
+    """Add each pin: a disc with a soft edge, 1/2 at its radius."""
+    corner, dx, dy = _windows(at_px, skin.pin_radius_px + EDGE_REACH * skin.edge_px)
+    distance = np.sqrt(dy[:, :, None] ** 2 + dx[:, None, :] ** 2)
+    steep = np.float32(EDGE_SLOPE / skin.edge_px)
+    spots = np.tanh((np.float32(skin.pin_radius_px) - distance) * steep)
+    spots += 1
+    spots *= (brightness / 2)[:, None, None]
+    _add(image, corner, spots)
+
+
+def _add_speckles(image: NDArray[np.float32], at_px: NDArray[np.float64], brightness: NDArray[np.float32]) -> None:
+    """Add each speckle, a Gaussian."""
+    corner, dx, dy = _windows(at_px, SPECKLE_REACH * SPECKLE_PX)
+    narrow = np.float32(-0.5 / SPECKLE_PX**2)
+    across, down = np.exp(narrow * dx**2), np.exp(narrow * dy**2) * brightness[:, None]
+    _add(image, corner, down[:, :, None] * across[:, None, :])
+
+
+def _windows(
+    at_px: NDArray[np.float64], reach_px: float
+) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
+    """First pixel of each spot's window, and the distances of its columns and rows from the spot."""
+    half = math.ceil(reach_px)
+    pixel = np.rint(at_px).astype(np.int64)
+    steps = np.arange(-half, half + 1)
+    offset = ((pixel - at_px)[:, :, None] + steps).astype(np.float32)
+    return pixel - half, offset[:, 0], offset[:, 1]
+
+
+def _add(image: NDArray[np.float32], corner: NDArray[np.int64], spots: NDArray[np.float32]) -> None:
+    """Add the windows to the image, one after the other; what lies outside is dropped."""
+    size, (height, width) = spots.shape[1], image.shape
+    whole = image.flags.c_contiguous and bool(np.all((corner >= 0) & (corner <= (width - size, height - size))))
+    if whole:
+        # in the order of the spots too, so that the sums come out the same, at half the cost of a slice for each
+        steps = np.arange(size)[:, None] * width + np.arange(size)
+        at = (corner[:, 1] * width + corner[:, 0])[:, None, None] + steps
+        np.add.at(image.reshape(-1), at.reshape(-1), spots.reshape(-1))
+        return
+    for (x, y), spot in zip(corner.tolist(), spots, strict=True):
+        part = image[max(y, 0) : max(y + size, 0), max(x, 0) : max(x + size, 0)]
+        part += spot[max(-y, 0) :, max(-x, 0) :][: part.shape[0], : part.shape[1]]
+
+
+def read_noise(shape: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float32]:
+    """(H, W) independent draws of mean 0 and standard deviation 1, from the bits of ``rng``."""
+    size = math.prod(shape)
+    words = rng.integers(2**64, size=-(-size * _BITS // 64), dtype=np.uint64).astype("<u8", copy=False)
+    return _table().take(words.view("<u2")[:size]).reshape(shape)
+
+
+@cache
+def _table() -> NDArray[np.float32]:
+    """Quantiles in the middle of equal shares of the normal distribution, scaled to a standard deviation of 1."""
+    z = np.linspace(-_REACH, _REACH, _POINTS)
+    below = [math.erfc(-each / math.sqrt(2)) / 2 for each in z.tolist()]
+    shares = (np.arange(2**_BITS) + 0.5) / 2**_BITS
+    quantiles = np.interp(shares, below, z)
+    table: NDArray[np.float32] = (quantiles / quantiles.std()).astype(np.float32)
+    return table

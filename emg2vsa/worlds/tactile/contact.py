@@ -1,4 +1,7 @@
-"""The world in which a contact sticks and then stretches: an elastic dome on a specimen of known stiffness."""
+"""The world in which a contact sticks and then stretches: an elastic dome on a specimen of known stiffness.
+
+Pins lever outward at first contact, then the contact stretches the skin along rays from its centre.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from casr.errors import SettingError
 from emg2vsa.dome_contact import ElasticDome
-from emg2vsa.worlds.tactile.motion import lever, sheared, spread
-from emg2vsa.worlds.tactile.region import ContactEllipse, Points, Rim, rim_distance
-from emg2vsa.worlds.tactile.world import ContactState, Pressing
+from emg2vsa.worlds.tactile.world import (
+    ContactEllipse,
+    ContactState,
+    Points,
+    Pressing,
+    Rim,
+    check,
+    rim_distance,
+    sheared,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,13 +42,11 @@ class ContactWorld(ElasticDome):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.lever_ratio >= 1 or self.exponent > 1:
-            raise SettingError(
-                "lever_ratio, exponent",
-                wanted="a ratio below 1 and an exponent of at most 1",
-                found=f"{self.lever_ratio!r}, {self.exponent!r}",
-                do="Correct the contact.",
-            )
+        check(
+            self.lever_ratio < 1 and self.exponent <= 1, "lever_ratio, exponent",
+            "a ratio below 1 and an exponent of at most 1", f"{self.lever_ratio!r}, {self.exponent!r}",
+            "Correct the contact.",
+        )  # fmt: skip
 
     @property
     def name(self) -> str:
@@ -101,13 +108,9 @@ class StickSkin:
         """The largest radius, mm: it leaves ``RIM_GAP_PX`` along every ray."""
         radius_mm = self._radius_mm(peak_n)
         peak = self.contact(ContactState(radius_mm, peak_n))
-        if peak.gap_px(self._rim) < RIM_GAP_PX:
-            raise SettingError(
-                "press",
-                wanted=f"a contact that stays {RIM_GAP_PX:g} px inside the rim",
-                found=f"{peak.gap_px(self._rim):.1f} px at {peak_n:g} N",
-                do="Press less hard, less tilted or a stiffer specimen.",
-            )
+        gap_px, do = peak.gap_px(self._rim), "Press less hard, less tilted or a stiffer specimen."
+        wanted = f"a contact that stays {RIM_GAP_PX:g} px inside the rim"
+        check(gap_px >= RIM_GAP_PX, "press", wanted, f"{gap_px:.1f} px at {peak_n:g} N", do)
         to_edge = peak.polygon_px() - self._centre_px
         to_rim = rim_distance(to_edge, peak, self._rim) - RIM_GAP_PX
         return radius_mm * float((to_rim / np.hypot(*to_edge.T)).min())
@@ -149,3 +152,56 @@ class StickSkin:
     def skin_growth(self, before: ContactState, after: ContactState) -> float:
         first, last = (max(each.radius_mm, self._stuck.radius_mm) for each in (before, after))
         return 2 * float(np.log(last / first))
+
+
+def lever(rest_px: Points, contact: ContactEllipse, rim: Rim, ratio: float) -> Points:
+    """Pin tips where the dome is flattened over ``contact``.
+
+    A pin of length ``ratio`` R stands square on the skin, so its tip goes outward by ``ratio`` R times the change of
+    slope of the surface: r/R inside the contact, (2/(pi R)) (r asin(a/r) - a sqrt(1 - a^2/r^2)) outside (Hertz; Johnson
+    1985, section 3.4), with r on the skin. At rest tips lean inward and show r (1 - ratio); inside the contact they are
+    parallel and show r itself. Outside the displacement also fades, to nothing at the rim.
+
+    Parameters
+    ----------
+    rest_px : (N, 2) tips at rest.
+
+    Returns
+    -------
+    (N, 2) tips in contact.
+    """
+    from_centre = np.asarray(rest_px) - contact.centre_px
+    depth = contact.depth(rest_px) / (1 - ratio)
+    outside = depth > 1
+    inverse = 1 / np.where(outside, depth, 1.0)
+    levelled = (2 / np.pi) * (np.arcsin(inverse) - inverse * np.sqrt(1 - inverse**2))
+    distance = np.hypot(from_centre[..., 0], from_centre[..., 1])
+    rim_px = rim_distance(from_centre, contact, rim)
+    fade = np.clip((rim_px - distance) / (rim_px - distance * inverse), 0.0, 1.0)
+    gain = np.where(outside, levelled * fade, 1.0) * ratio / (1 - ratio)
+    return np.asarray(rest_px + from_centre * gain[..., None])
+
+
+def spread(points_px: Points, before: ContactEllipse, after: ContactEllipse, rim: Rim) -> Points:
+    """Points of the skin after the contact, a piece of skin, grew from ``before`` to ``after``.
+
+    Along each ray from the centre, with b the edge before, s b the edge after and m the rim, a distance rho becomes
+    s rho inside. Outside, the skin between edge and rim is squeezed evenly, m - rho' = (m - rho) (m - s b) / (m - b),
+    and the rim rests. Maps compose exactly, and the inverse is the map with the contacts exchanged. (A squeeze of equal
+    areas, m^2 - rho^2 in place of m - rho, crowds pins just outside the edge until they merge.)
+
+    Parameters
+    ----------
+    points_px : (..., 2) points; those at or beyond the rim stay.
+    before, after : contacts of one centre and one shape, inside the rim.
+    """
+    stretch = after.semi_axes_px[0] / before.semi_axes_px[0]
+    from_centre = np.asarray(points_px, dtype=np.float64) - before.centre_px
+    depth = before.depth(points_px)
+    outside = depth > 1
+    distance = np.where(outside, np.hypot(from_centre[..., 0], from_centre[..., 1]), 1.0)
+    edge = distance / np.where(outside, depth, 1.0)
+    rim_px = rim_distance(from_centre, before, rim)
+    moved = rim_px - (rim_px - distance) * (rim_px - stretch * edge) / (rim_px - edge)
+    gain = np.where(outside, np.where(distance < rim_px, moved / distance, 1.0), stretch)
+    return np.asarray(before.centre_px + from_centre * gain[..., None])

@@ -8,16 +8,11 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from casr.dome.library import DEFAULT_WORLD, SHIPPED, Library, read_library, shipped
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView, PinsAroundAxis
 from casr.errors import SettingError
-from emg2vsa.worlds.tactile.motion import sheared
-from emg2vsa.worlds.tactile.region import ContactEllipse, Points
-from emg2vsa.worlds.tactile.world import ContactState, Pressing
-
-Array = NDArray[np.float64]
+from emg2vsa.worlds.tactile.world import Array, ContactEllipse, ContactState, Points, Pressing, sheared
 
 _OUTLINE = 360
 _SOFTER = 0.8
@@ -96,18 +91,22 @@ class TabulatedWorld:
 
     def radius_mm(self, force_n: Array | float, stiffness_n_per_mm: float) -> Array:
         """Contact radius at forces."""
-        force, _, _ = self.solution(stiffness_n_per_mm)
-        log_radius = np.log(tabulated(self.tables).radius_mm)
-        return _radius(np.log(force), log_radius, np.asarray(force_n, dtype=np.float64))
+        log_force, log_radius = np.log(self.solution(stiffness_n_per_mm)[0]), np.log(tabulated(self.tables).radius_mm)
+        forces = np.asarray(force_n, dtype=np.float64)
+        return np.array([_radius(log_force, log_radius, each) for each in forces.ravel().tolist()]).reshape(
+            forces.shape
+        )
 
 
-def _radius(log_force: Array, log_radius: Array, force_n: Array) -> Array:
-    """At forces, between rows of the tables along a power law; below the first one along it to 0."""
-    with np.errstate(divide="ignore"):
-        asked = np.log(np.maximum(force_n, 0.0))
-    start = (log_radius[1] - log_radius[0]) / (log_force[1] - log_force[0])
-    below = log_radius[0] + start * (np.minimum(asked, log_force[0]) - log_force[0])
-    return np.exp(np.where(asked < log_force[0], below, np.interp(asked, log_force, log_radius)))
+def _radius(log_force: Array, log_radius: Array, force_n: float) -> float:
+    """At a force, between rows of the tables along a power law; below the first one along it to 0."""
+    if force_n <= 0:
+        return 0.0
+    asked = np.log(force_n)
+    if asked < log_force[0]:
+        start = (log_radius[1] - log_radius[0]) / (log_force[1] - log_force[0])
+        return float(np.exp(log_radius[0] + start * (asked - log_force[0])))
+    return float(np.exp(np.interp(asked, log_force, log_radius)))
 
 
 class TabulatedSkin:
@@ -137,17 +136,8 @@ class TabulatedSkin:
         self._first = self.state(pressing.start_n)
 
     def state(self, force_n: float) -> ContactState:
-        return ContactState(radius_mm=self._radius_factor * self._radius_at(force_n), normal_n=force_n)
-
-    def _radius_at(self, force_n: float) -> float:
-        """As `_radius`, of one force: frames and the truth of a press ask for thousands."""
-        if force_n <= 0:
-            return 0.0
-        asked, log_force = np.log(force_n), self._log_force
-        if asked < log_force[0]:
-            start = (self._log_radius[1] - self._log_radius[0]) / (log_force[1] - log_force[0])
-            return float(np.exp(self._log_radius[0] + start * (asked - log_force[0])))
-        return float(np.exp(np.interp(asked, log_force, self._log_radius)))
+        radius_mm = _radius(self._log_force, self._log_radius, force_n)
+        return ContactState(radius_mm=self._radius_factor * radius_mm, normal_n=force_n)
 
     def area_mm2(self, state: ContactState) -> float:
         return math.pi * state.radius_mm**2

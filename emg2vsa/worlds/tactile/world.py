@@ -1,12 +1,79 @@
-"""What a world of the simulator is: how the skin moves, and how large the contact is, in a state of the contact."""
+"""What a world of the simulator is: how the skin moves, and how large the contact is, in a state of the contact.
+
+The contact is an ellipse in the image; rays from its centre lead over its edge to the rim of the mask.
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from casr.camera import Camera
-from emg2vsa.worlds.tactile.region import ContactEllipse, Points
+from casr.errors import SettingError
+
+Array = NDArray[np.float64]
+Points = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Rim:
+    """The mask's edge, which never moves: centre and radius, px."""
+
+    centre_px: tuple[float, float]
+    radius_px: float
+
+
+@dataclass(frozen=True)
+class ContactEllipse:
+    """A contact in the image.
+
+    Parameters
+    ----------
+    centre_px : (x, y).
+    semi_axes_px : along x and y; a tilted contact is foreshortened along x.
+    """
+
+    centre_px: tuple[float, float]
+    semi_axes_px: tuple[float, float]
+
+    @property
+    def area_px2(self) -> float:
+        """Area of the ellipse, px^2."""
+        return math.pi * self.semi_axes_px[0] * self.semi_axes_px[1]
+
+    def polygon_px(self, n_points: int = 720) -> Points:
+        """(n_points, 2) outline."""
+        angle = np.linspace(0, 2 * np.pi, n_points, endpoint=False)
+        return np.column_stack([np.cos(angle), np.sin(angle)]) * self.semi_axes_px + self.centre_px
+
+    def depth(self, points_px: Points) -> NDArray[np.float64]:
+        """(N,) distance from the centre over the distance of the edge in that direction; 1 is the edge."""
+        from_centre = np.asarray(points_px) - self.centre_px
+        return np.hypot(from_centre[..., 0] / self.semi_axes_px[0], from_centre[..., 1] / self.semi_axes_px[1])
+
+    def gap_px(self, rim: Rim, n_points: int = 720) -> float:
+        """Least distance between the ellipse and the rim, px; negative where it reaches beyond."""
+        outward = np.hypot(*(self.polygon_px(n_points) - rim.centre_px).T)
+        return float(rim.radius_px - outward.max())
+
+
+def rim_distance(from_centre_px: Points, contact: ContactEllipse, rim: Rim) -> NDArray[np.float64]:
+    """(...) distance from the contact's centre to the rim through each point, px.
+
+    ``from_centre_px`` is relative to the contact's centre; at the centre itself the direction is taken along x.
+    """
+    x, y = from_centre_px[..., 0], from_centre_px[..., 1]
+    length = np.hypot(x, y)
+    away = length > 0
+    scale = 1 / np.where(away, length, 1.0)
+    ex, ey = np.where(away, x * scale, 1.0), y * scale
+    cx, cy = contact.centre_px[0] - rim.centre_px[0], contact.centre_px[1] - rim.centre_px[1]
+    along = cx * ex + cy * ey
+    return np.asarray(np.sqrt(along**2 + rim.radius_px**2 - cx**2 - cy**2) - along)
 
 
 @dataclass(frozen=True)
@@ -80,3 +147,27 @@ class World(Protocol):
 
     def press(self, pressing: Pressing) -> PressedSkin:
         """The skin of one press."""
+
+
+def sheared(depth: Points, left: Points) -> Points:
+    """Share of a contact's sideways way that the skin at a distance from its middle goes along.
+
+    Skin that sticks goes along from when it touched, and by (2/pi) asin(a/r) before, as an elastic half-space about a
+    sheared disc of radius a (Johnson 1985, section 3.7). The way grows like a^3, as the depth does where a grows like
+    the force^(1/4); integrated over the growth that is 1 - 4 x^3 / (3 pi) inside, with x the distance over the radius.
+
+    Parameters
+    ----------
+    depth : (N,) x. left : (N,) what is left of the way from the contact's edge to where the skin is clamped; the skin
+        goes along by so much less.
+    """
+    inside, x = np.minimum(depth, 1.0), np.maximum(depth, 1.0)
+    missed = (2 * x**3 - (2 * x**2 + 1) * np.sqrt(x**2 - 1)) / 3
+    outside = (2 / np.pi) * (np.arcsin(1 / x) - missed) * np.clip(left, 0.0, 1.0)
+    return np.asarray(np.where(depth > 1, outside, 1 - 4 * inside**3 / (3 * np.pi)))
+
+
+def check(fits: bool, what: str, wanted: str, found: str, do: str) -> None:
+    """SettingError unless it fits."""
+    if not fits:
+        raise SettingError(what, wanted=wanted, found=found, do=do)

@@ -16,7 +16,7 @@ def test_choices_are_those_of_the_modules() -> None:
     from casr.frames import FORCE_RULES
     from casr.scored import QUANTITIES
     from casr.spread import AREA_LAWS, RATE_RULES
-    from emg2vsa.worlds.tactile.plan import SCATTERS
+    from emg2vsa.worlds.tactile import SCATTERS
 
     wanted = {
         "score": {
@@ -38,8 +38,7 @@ def test_what_is_not_given_is_the_default_of_the_modules() -> None:
     """Of scoring, of pins and of simulated presses; the window of the mean rate too."""
     from casr.cli.arguments import of_fields, score_settings
     from casr.scored import ScoreSettings
-    from emg2vsa.worlds.tactile import Appearance
-    from emg2vsa.worlds.tactile.plan import PressPlan
+    from emg2vsa.worlds.tactile import Appearance, PressPlan
 
     parser = PROGRAM.parser()
     assert score_settings(parser.parse_args(["score", "x"])) == ScoreSettings()

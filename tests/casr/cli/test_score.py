@@ -12,8 +12,7 @@ import pytest
 import tifffile
 
 from casr.cli import main
-from emg2vsa.worlds.tactile import PressSettings, TimelineSettings, simulate_press, write_press
-from emg2vsa.worlds.tactile.contact import ContactWorld
+from emg2vsa.worlds.tactile import ContactWorld, PressSettings, TimelineSettings, simulate_press, write_press
 
 Captured = pytest.CaptureFixture[str]
 

@@ -17,8 +17,7 @@ from casr.flow.estimate import ENGINES, LOST_PERCENT, FlowSettings, FlowStep, Fl
 from casr.flow.region import Region
 from casr.flow.step import notes_by_frame
 from casr.specimens import SPECIMENS
-from emg2vsa.worlds.tactile import Appearance, ContactEllipse, ContactWorld, PressSettings, simulate_press
-from emg2vsa.worlds.tactile.skin import TACTIP_127
+from emg2vsa.worlds.tactile import TACTIP_127, Appearance, ContactEllipse, ContactWorld, PressSettings, simulate_press
 
 WORST = {"pin-affine": 0.003, "horn-schunck": 0.10, "dis": 0.16}
 "Share of the total log growth; the smallest contact, of stiff specimens at 45 degrees, is the hardest for dense flow."

@@ -9,9 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from casr.camera import Camera
-from emg2vsa.worlds.tactile import TACTIP_127, Appearance, Skin
-from emg2vsa.worlds.tactile.appearance import draw_surface
-from emg2vsa.worlds.tactile.render import render
+from emg2vsa.worlds.tactile import TACTIP_127, Appearance, Skin, draw_surface, drawn, exposed
 
 Points = NDArray[np.float64]
 Draw = Callable[..., NDArray[np.uint8]]
@@ -32,6 +30,6 @@ def draw() -> Draw:
     def frame(pins_px: Points, *, skin: Skin = TACTIP_127, noise_grey: float = 2.0) -> NDArray[np.uint8]:
         seeds = np.random.default_rng(1), np.random.default_rng(2)
         surface = draw_surface(Appearance(), skin, Camera(), *seeds)
-        return render(pins_px, surface, skin, noise_grey=noise_grey, rng=noise)
+        return exposed(drawn(pins_px, surface, skin), noise_grey, noise)
 
     return frame

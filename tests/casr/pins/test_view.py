@@ -9,9 +9,7 @@ from casr.camera import Camera
 from casr.pins import PinSettings, PinTracker, detect_pins, match_pins
 from casr.pins.pitch import guess_pitch_px
 from casr.pins.view import line_noise, noisy_share
-from emg2vsa.worlds.tactile import TACTIP_127, Appearance, Skin
-from emg2vsa.worlds.tactile.appearance import draw_surface
-from emg2vsa.worlds.tactile.render import render
+from emg2vsa.worlds.tactile import TACTIP_127, Appearance, Skin, draw_surface, drawn, exposed
 
 DENSE = Skin(rings=10, pitch_px=12.4, pin_radius_px=2.8)
 
@@ -24,7 +22,7 @@ def frame(scale=1.0, noise_grey=2.0, skin=TACTIP_127, size=(300, 300), moved_px=
     large = Skin(rings=skin.rings, **{name: scale * getattr(skin, name) for name in lengths})
     surface = draw_surface(Appearance(), large, camera, np.random.default_rng(1), np.random.default_rng(2))
     pins = large.pins_px((camera.cx_px, camera.cy_px)) + moved_px
-    return pins, render(pins, surface, large, noise_grey=noise_grey, rng=np.random.default_rng(seed))
+    return pins, exposed(drawn(pins, surface, large), noise_grey, np.random.default_rng(seed))
 
 
 @pytest.mark.parametrize(

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from casr.errors import SettingError
 from casr.specimens import SPECIMENS
 from emg2vsa.worlds.tactile import ContactWorld, casr_truth
 
@@ -68,14 +65,3 @@ def test_truth_of_a_straight_line() -> None:
 def test_paper_rule_by_hand() -> None:
     # (2) with F_0 = 0: (14 - 10) / (1 - 0) + (20 - 14) / (3 - 1)
     assert casr_truth([10, 14, 20], [0.5, 1.0, 3.0], rule="paper") == pytest.approx(7.0, rel=1e-12)
-
-
-def test_unknown_rule() -> None:
-    with pytest.raises(SettingError, match="slope or paper"):
-        casr_truth([1, 2], [1, 2], rule="ols")
-
-
-@pytest.mark.parametrize("wrong", [{"tip_radius_mm": 0}, {"sensor_modulus_mpa": math.nan}, {"lever_ratio": 1.0}])
-def test_world_that_makes_no_sense(wrong: dict[str, float]) -> None:
-    with pytest.raises(SettingError):
-        ContactWorld(**wrong)

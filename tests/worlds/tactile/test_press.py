@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casr.errors import SettingError
 from casr.frames import FrameSequence, force_per_frame, loading_phase
 from casr.specimens import SPECIMENS
 from casr.spread import spread_rate
@@ -160,24 +159,3 @@ def test_a_long_press_needs_no_memory(press: SimulatedPress) -> None:
     assert peak < 10e6
     with pytest.raises(IndexError):
         long.read(100_000)
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"stiffness_n_per_mm": 0.0},
-        {"angle_deg": 90.0},
-        {"seed": -1},
-        {"repetition": -1},
-        {"centre_sd_mm": -0.1},
-    ],
-)
-def test_press_that_makes_no_sense(wrong: dict[str, float]) -> None:
-    with pytest.raises(SettingError):
-        simulate_press(PressSettings(**wrong))
-
-
-@pytest.mark.parametrize("wrong", [{"peak_n": 0.4}, {"loading_s": 0.0}, {"rest_frames": 0}, {"rounding_s": 2.0}])
-def test_timeline_that_makes_no_sense(wrong: dict[str, float]) -> None:
-    with pytest.raises(SettingError):
-        TimelineSettings(**wrong)

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import math
+
 import cv2
 import numpy as np
 import pytest
 
 from casr.camera import Camera
-from casr.errors import SettingError
-from emg2vsa.worlds.tactile import TACTIP_127, Appearance, ContactWorld, PressSettings, Scene, Skin
-from emg2vsa.worlds.tactile.appearance import draw_surface
-from emg2vsa.worlds.tactile.motion import spread
-from emg2vsa.worlds.tactile.render import render
+from emg2vsa.worlds.tactile import (
+    TACTIP_127,
+    Appearance,
+    ContactWorld,
+    PressSettings,
+    Scene,
+    Skin,
+    draw_surface,
+    drawn,
+    exposed,
+    read_noise,
+    spread,
+)
 
 QUIET = Appearance(noise_grey=0.0)
 CENTRE = (149.5, 149.5)
@@ -45,7 +55,7 @@ def test_pins_lie_on_a_hexagonal_grid(skin: Skin, n_pins: int) -> None:
 def test_rendered_centroids_are_the_positions() -> None:
     shifted = TACTIP_127.pins_px(CENTRE) + np.random.default_rng(0).uniform(-0.5, 0.5, (127, 2))
     surface = draw_surface(QUIET, TACTIP_127, Camera(), *np.random.default_rng(1).spawn(2))
-    error = _centroids(render(shifted, surface, TACTIP_127), shifted, 20.0) - shifted
+    error = _centroids(exposed(drawn(shifted, surface, TACTIP_127), 0.0, None), shifted, 20.0) - shifted
     assert np.sqrt((error**2).sum(axis=1).mean()) < 0.005
 
 
@@ -54,7 +64,7 @@ def test_half_brightness_at_the_pin_radius_and_full_inside() -> None:
     pins = skin.pins_px((150.0, 150.0))
     pins[np.arange(7) != 3] = -100.0
     surface = draw_surface(Appearance(pin_grey=(120.0, 120.0)), skin, Camera(), *np.random.default_rng(1).spawn(2))
-    image = render(pins, surface, skin)
+    image = exposed(drawn(pins, surface, skin), 0.0, None)
     assert image[150, 150] == 140
     assert image[150, 156] == image[144, 150] == 80
     assert image[150, 166] == 20
@@ -66,7 +76,7 @@ def test_spots_over_the_border_are_cut_not_wrapped() -> None:
     surface = draw_surface(QUIET, skin, Camera(), *np.random.default_rng(1).spawn(2))
     at = skin.pins_px(CENTRE)
     at[:6] = [[0, 0], [-3, 200], [302, 100], [200, 303], [-40, -40], [400, 150]]
-    image = render(at, surface, skin).astype(int)
+    image = exposed(drawn(at, surface, skin), 0.0, None).astype(int)
     assert min(image[0, 0], image[200, 0], image[100, 299], image[299, 200]) > 60
     assert image[200, 299] == image[100, 0] == 20
 
@@ -131,13 +141,40 @@ def test_missing_pins_are_dark_and_the_same_in_all_presses_of_a_sensor() -> None
     assert (scenes[0].surface.pin_grey != scenes[1].surface.pin_grey).any()
 
 
-@pytest.mark.parametrize("wrong", [{"noise_grey": -1.0}, {"n_missing": -1}, {"background_grey": 300.0}])
-def test_appearance_that_makes_no_sense(wrong: dict[str, float]) -> None:
-    with pytest.raises(SettingError):
-        Appearance(**wrong)
+NOISE_SHAPE = (301, 299)
+N = math.prod(NOISE_SHAPE)
 
 
-@pytest.mark.parametrize("wrong", [{"rings": 0}, {"pitch_px": 30.0}, {"edge_px": 0.0}])
-def test_skin_that_makes_no_sense(wrong: dict[str, float]) -> None:
-    with pytest.raises(SettingError):
-        Skin(**wrong)
+def noise(seed: int, bits: type[np.random.BitGenerator] = np.random.PCG64) -> np.ndarray:
+    return read_noise(NOISE_SHAPE, np.random.Generator(bits(seed)))
+
+
+@pytest.mark.parametrize("bits", [np.random.PCG64, np.random.MT19937])
+def test_it_is_normal(bits: type[np.random.BitGenerator]) -> None:
+    """Moments within four of their standard errors, and as many beyond each of several limits as there should be.
+
+    The bits come from a generator of 64 bits at a time, and from one of 32.
+    """
+    drawn = noise(1, bits).astype(np.float64).ravel()
+    assert abs(drawn.mean()) < 4 / math.sqrt(N)
+    assert abs(drawn.std() - 1) < 4 / math.sqrt(2 * N)
+    assert abs((drawn**3).mean()) < 4 * math.sqrt(15 / N)
+    assert abs((drawn**4).mean() - 3) < 4 * math.sqrt(96 / N)
+    for limit in (-3.0, -1.5, -0.2, 0.4, 1.0, 2.5):
+        expected = math.erfc(-limit / math.sqrt(2)) / 2
+        assert abs(np.mean(drawn < limit) - expected) < 4 * math.sqrt(expected * (1 - expected) / N)
+    assert 3.9 < np.abs(drawn).max() < 4.4
+
+
+def test_pixels_and_frames_are_independent() -> None:
+    first, second = noise(1), noise(2)
+    pairs = [(first, second), (first[:, 1:], first[:, :-1]), (first[1:], first[:-1]), (first[:, 4:], first[:, :-4])]
+    for one, other in pairs:
+        assert abs(np.mean(one * other)) < 4 / math.sqrt(one.size)
+        assert abs(np.mean(one**2 * other**2) - 1) < 4 * math.sqrt(8 / one.size)
+
+
+def test_the_same_seed_gives_the_same_noise() -> None:
+    assert noise(7).dtype == np.float32
+    assert np.array_equal(noise(7), noise(7))
+    assert not np.array_equal(noise(7), noise(8))
