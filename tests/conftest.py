@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from functools import cache
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from hypothesis import HealthCheck, settings
 
 from emg2vsa.held_lock import taken
 from emg2vsa.run_scores import ContactPicture, FirstContact, PressCurve, RunScores
+from tests.lateness import LIMIT_MS, Watched, lateness_ms
 
 settings.register_profile("busy computer", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("busy computer")
@@ -39,6 +40,28 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put the files of LONGEST first, and keep the order of all else."""
     place = {ROOT / "tests" / name: row for row, name in enumerate(LONGEST)}
     items.sort(key=lambda item: place.get(item.path, len(place)))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """A test that keeps real time needs a machine that does."""
+    if item.get_closest_marker("realtime") and (late_ms := lateness_ms()) > LIMIT_MS:
+        pytest.skip(f"the machine is late by {late_ms:.1f} ms before the test; at most {LIMIT_MS:g} ms are allowed")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
+    """Nor does a test of real time fail where the machine was late meanwhile."""
+    if not item.get_closest_marker("realtime"):
+        return (yield)
+    watched = Watched()
+    try:
+        with watched:
+            return (yield)
+    except (Exception, pytest.fail.Exception):
+        if (late_ms := max(watched.latest_ms, lateness_ms())) > LIMIT_MS:
+            pytest.skip(f"failed, and the machine was late by {late_ms:.1f} ms; at most {LIMIT_MS:g} ms are allowed")
+        raise
 
 
 @pytest.fixture

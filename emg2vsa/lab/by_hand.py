@@ -1,4 +1,4 @@
-"""Moves, zeros and parameters of a rig by hand: one user at a time, and the motors go off however it ends."""
+"""Moves, zeros and parameters of a rig by hand, and motors off: one user at a time, and they go off however it ends."""
 
 from __future__ import annotations
 
@@ -13,12 +13,14 @@ from typing import Any
 
 from casr.atomic import write_text_atomic
 from emg2vsa.devices.clock import WallClock
+from emg2vsa.devices.device_settings import ActuatorSettings
 from emg2vsa.devices.protocols import Board, Identity, Measurements, Parameter
-from emg2vsa.errors import SettingError
+from emg2vsa.devices.qbmove.settings import MotorSettings
+from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.lab.device_states import angles, shown
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.real_press import SAID
-from emg2vsa.lab.rig_lock import rig_lock
+from emg2vsa.lab.rig_lock import end_user, rig_lock, stop_unnamed_run
 from emg2vsa.rig.commissioning.hand_motion import (
     FASTEST_DEG_PER_S,
     LIMIT_SHARE,
@@ -28,7 +30,8 @@ from emg2vsa.rig.commissioning.hand_motion import (
 from emg2vsa.rig.commissioning.watchdog import WatchdogProof, prove_watchdog, write_proof
 from emg2vsa.rig.open_rig import OpenRig, board_settings, open_board, open_force, open_rig
 from emg2vsa.rig.plan import RIGID, Condition
-from emg2vsa.rig_file import RigFile
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig_file import RigFile, load_rig
 
 _SIGNALS = ("SIGTERM", "SIGHUP", "SIGQUIT")
 _RISE_N = 0.5
@@ -276,3 +279,39 @@ def proven_watchdog(file: RigFile, *, motor: bool = False, person: Person = NOBO
     person.say(f"moved by one command: {proof.moved_before_deg:.2f} degrees before, {proof.moved_after_deg:.2f} after")
     person.say(f"{proof.verdict}: {SAID[proof.verdict]}\nwritten: {path}")
     return proof
+
+
+@dataclass(frozen=True)
+class Off:
+    """device : table of the rig file. problem : why its motors are not known to be off; "" where they are.
+    at : angles of motors and shaft."""
+
+    device: str
+    problem: str
+    at: Measurements | None
+
+
+def off(rig_file: str | Path, person: Person = NOBODY) -> tuple[Off, ...]:
+    """Switch the motors off in any state, and end the process that uses the rig: asked first, ended when silent.
+
+    The lock needs no more of the rig file than its name: a file with problems keeps no run going. StudyError : the file
+    cannot be read; DeviceError : somebody else's process uses the rig.
+    """
+    end_user(Path(rig_file), person.warn)
+    file = load_rig(rig_file)
+    stop_unnamed_run(file.runs, person.warn)
+    boards = {"actuator": file.devices.actuator, "motor": file.devices.motor}
+    return tuple(board_off(name, board, person) for name, board in boards.items() if board)
+
+
+def board_off(name: str, settings: ActuatorSettings | MotorSettings, person: Person = NOBODY) -> Off:
+    """Switch the motors of one device off, and ask it. SettingError where ``settings`` name no port."""
+    try:
+        with closing(open_board(settings, RigSettings(), WallClock())) as board:
+            board.deactivate()
+            at = board.measurements()
+    except DeviceError as error:
+        person.say(f"[{name}] NOT confirmed off: {error}")
+        return Off(name, str(error), None)
+    person.say(f"[{name}] motors off; {angles(at)}")
+    return Off(name, "", at)

@@ -1,4 +1,4 @@
-"""A run that was carried out: where it is recorded, how it ended, and its log."""
+"""A run that was carried out: where it is recorded, its log, and how it ended, for people."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from emg2vsa.devices.clock import LoopTiming
 from emg2vsa.errors import RecordingError
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.new_folder import PLAN_FILE
 from emg2vsa.rig.record.run_log import read_log
-from emg2vsa.rig.rig_settings import axis_of
+from emg2vsa.rig.rig_settings import RigSettings, axis_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -57,3 +58,37 @@ class Pressed:
     def document(self) -> dict[str, Any]:
         """For JSON."""
         return {"folder": str(self.folder), "ended": asdict(self.ended)}
+
+
+def told(ended: Ended, repetitions: int, folder: Path, rig: RigSettings) -> str:
+    """How, cause and why, presses done, where motors and files were left, and the timing of the control loop."""
+    lines = [summary(ended, repetitions)]
+    probe = "probe retracted" if ended.retracted else "probe NOT retracted"
+    lines.append(f"left: {probe}, motors {'off' if ended.deactivated else 'NOT confirmed off'}")
+    lines += [f"note: {note}" for note in ended.notes]
+    if ended.peak_force_n:
+        lines.append(f"largest force: {ended.peak_force_n:.2f} N")
+    lines.append(f"recorded: {folder / 'log.csv'} (rows: {ended.rows})")
+    if ended.timing:
+        lines += _table(ended.timing, rig)
+    return "\n".join(lines)
+
+
+def summary(ended: Ended, repetitions: int) -> str:
+    """The same in one line."""
+    presses = f"{ended.repetitions_done} of {repetitions} presses, {ended.time_s:.1f} s"
+    if ended.how == "completed":
+        return f"completed: {presses}"
+    where = f"{ended.phase} of press {ended.repetition}" if ended.repetition else ended.phase
+    why = "" if ended.how == "stopped" else f" ({ended.why})"
+    return f"{ended.how}: {ended.cause} in {where}{why}; {presses}"
+
+
+def _table(timing: LoopTiming, rig: RigSettings) -> list[str]:
+    errors_ms = [1e3 * value for value in (timing.median_s, timing.p99_s, timing.p999_s, timing.largest_s)]
+    return [
+        f"{'control loop':<22}{'turns':>8}{'median':>9}{'99 %':>9}{'99.9 %':>9}{'largest':>9}{'overruns':>10}",
+        f"{f'off {1e3 * rig.period_s:g} ms by, ms':<22}{timing.turns:>8}"
+        + "".join(f"{value:>9.3f}" for value in errors_ms)
+        + f"{timing.overruns:>10}",
+    ]

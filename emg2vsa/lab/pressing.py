@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
-from emg2vsa.errors import SettingError
+from emg2vsa.errors import DataError, InputError, SettingError
 from emg2vsa.lab.judging import WHOLE_PRESSES, Judging
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.pressed import Pressed
 from emg2vsa.lab.real_press import press_for_real
-from emg2vsa.lab.same_presses import check_same_presses
 from emg2vsa.lab.virtual_runs import emulated_of, virtual_job
+from emg2vsa.rig.executor.dry_run import DryRun
+from emg2vsa.rig.executor.dry_run import dry_run as tried
 from emg2vsa.rig.executor.plan_limits import check_plan, is_count
 from emg2vsa.rig.kappa.live_kappa import KappaPlan
 from emg2vsa.rig.plan import Condition, RunPlan
-from emg2vsa.rig.record.new_folder import new_folder, presses_left
+from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE, folders_of, good_presses, new_folder, presses_left
+from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig_file import RigFile, load_rig
-from emg2vsa.rig_file.plans import Run, chosen_runs, plans_of
+from emg2vsa.rig_file.plans import Run, chosen_runs, ordered, plans_of
+from emg2vsa.schedules.document import document_of
 
 load = load_rig
 UNSAFE = (
@@ -127,3 +132,83 @@ def pressing_of(
             raise SettingError(name, wanted="a whole number from 1", found=repr(count), do=f"Choose other {name}.")
     usual = file.virtual_runs if virtual else file.runs
     return Pressing(file, usual if folder is None else Path(folder), virtual, person)
+
+
+_PLAN_KEYS = ("f_max_n", "f_contact_n", "contact_s", "ramp_mm_per_s", "travel_mm", "lead_s")
+_RIG_KEYS = ("gear_mm_per_degree", "push_sign", "push_axis", "filter_samples")
+_TOLD = ("force_to_n", "activity_v", "stiffness_percent", "stiffness_nm_per_rad")
+"""Of a step; what is left says when it begins, and what the actuator is sent."""
+
+
+def check_same_presses(runs: Path, name: str, plan: RunPlan, rig: RigSettings, *, emulated: bool) -> None:
+    """Presses that are scored together are made in the same way.
+
+    DataError : a folder of run ``name`` that has presses, made by a rig of the same kind, was pressed with another
+    force, speed, schedule, gear, direction or filter than ``plan`` and ``rig`` now say; what its plan.json does not
+    tell, as that of version 0.1.0, is not compared.
+    """
+    schedule = None if plan.schedule is None else document_of(plan.schedule)
+    now = _made_with({"plan": asdict(replace(plan, schedule=None)) | {"schedule": schedule}, "rig": asdict(rig)})
+    for folder in folders_of(runs, name):
+        if not folder.exists():
+            return
+        if (folder / EMULATED_FILE).is_file() != emulated or not good_presses(folder):
+            continue
+        for key, before in _pressed_with(folder / PLAN_FILE).items():
+            if key in now and before != (today := now[key]):
+                do = "Take the earlier setting again, or move the folder away and begin anew, or choose another --out."
+                wanted = f"{key} = {_brief(today)}, as the rig file and its schedules say now"
+                raise DataError(folder / PLAN_FILE, wanted=wanted, found=_brief(before), do=do)
+
+
+def _made_with(document: Mapping[str, Any]) -> dict[str, Any]:
+    plan, rig = document["plan"], document["rig"]
+    made = {key: plan[key] for key in _PLAN_KEYS if key in plan} | {key: rig[key] for key in _RIG_KEYS if key in rig}
+    schedule = plan.get("schedule") or {}
+    if "actuator" in (limits := schedule.get("limits", {})):
+        made["actuator of the schedule"] = limits["actuator"]
+    if steps := schedule.get("steps"):
+        made |= {f"{key} of the schedule": [step[key] for step in steps] for key in steps[0] if key not in _TOLD}
+    return {key: list(value) if isinstance(value, tuple) else value for key, value in made.items()}
+
+
+def _pressed_with(path: Path) -> dict[str, Any]:
+    """What a plan.json says of how it was pressed; nothing where it cannot be read."""
+    try:
+        return _made_with(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        return {}
+
+
+def _brief(value: object) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def dry_run(file: RigFile, runs: Sequence[Run] = ()) -> dict[Run, DryRun | str]:
+    """What each run would send, or why it is not possible, in the order of the experiment. No device is opened.
+
+    runs : none: all of the experiment. ScheduleError : a schedule is absent, or for another actuator.
+    """
+    runs = runs or file.experiment.all_runs()
+    plans = dict(zip(runs, plans_of(file, runs), strict=True))
+    told: dict[Run, DryRun | str] = {}
+    for run in ordered(file.experiment).runs:
+        if run in plans:
+            try:
+                told[run] = tried(plans[run], file.rig)
+            except InputError as error:
+                told[run] = str(error)
+    return told
+
+
+def limits(file: RigFile) -> dict[str, str]:
+    """Of the rig file, in words."""
+    rig = file.rig
+    way_deg = rig.position_at(rig.travel_mm) - rig.home_deg
+    return {
+        "positions": "{:.6g} to {:.6g} degrees".format(*rig.position_deg),
+        "presets": "{:g} to {:g} % of the full one".format(*rig.stiffness_percent),
+        "travel": f"{rig.travel_mm:g} mm, {way_deg:+.6g} degrees from home",
+        "force": f"{rig.guards.force_n:g} N, {rig.guards.force_rate_n_per_s:g} N/s",
+    }

@@ -18,9 +18,9 @@ from casr.frame_files.folder import CAMERA_FILE
 from emg2vsa.devices.clock import Clock, WallClock, undisturbed
 from emg2vsa.devices.joints import joint_of
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.lab.ending import told
 from emg2vsa.lab.judging import say_kappa, say_reachable
 from emg2vsa.lab.person import Person, Say
+from emg2vsa.lab.pressed import told
 from emg2vsa.lab.rig_lock import rig_lock
 from emg2vsa.rig.commissioning.watchdog import WatchdogProof, proof_document, read_proofs
 from emg2vsa.rig.executor.execute import execute

@@ -1,4 +1,4 @@
-"""The runs of an experiment in their order: on the devices one by one, on the emulated rig side by side."""
+"""The runs of an experiment in their order, and plates: on the devices one by one, else on the emulated rig."""
 
 from __future__ import annotations
 
@@ -8,17 +8,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from emg2vsa.errors import SettingError
-from emg2vsa.lab.ending import summary
 from emg2vsa.lab.judging import WHOLE_PRESSES, Judging, say_kappa, say_reachable
 from emg2vsa.lab.person import NOBODY, Person
-from emg2vsa.lab.pressed import Pressed
+from emg2vsa.lab.pressed import Pressed, summary
 from emg2vsa.lab.pressing import Pressing, pressing_of
 from emg2vsa.lab.virtual_runs import VirtualJob, carried_out, virtual_job
 from emg2vsa.rig.executor.guards import laxer_guards
+from emg2vsa.rig.executor.plan_limits import check_plan
+from emg2vsa.rig.experiment import plate_plan
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig_file import RigFile
-from emg2vsa.rig_file.plans import Run
-from emg2vsa.rig_file.sequence import Order, RunOrder, ordered, run_order
+from emg2vsa.rig_file.plans import Order, Run, RunOrder, ordered, run_order
+from emg2vsa.study_file.problems import nearest
 
 DONE_BEFORE = "done before"
 _ROUNDS = 3
@@ -75,6 +76,43 @@ def sequence(
     if virtual:
         return _side_by_side(pressing, todo, drawn, judging, presses, jobs)
     return _in_order(pressing, todo, drawn, judging)
+
+
+def plates(
+    file: RigFile, specimens: Sequence[str], *, folder: str | Path | None = None, virtual: bool = False,
+    person: Person = NOBODY,
+) -> tuple[Pressed, ...]:  # fmt: skip
+    """The trials that each specimen still lacks, in ``<folder>-plate/<specimen>``; what was pressed now.
+
+    The last one was not left safe where the probe stayed on the specimen, or the motors on: it ends the others.
+    SettingError : a specimen that the experiment has not, or a plan that breaks a limit. Else as `press`.
+    """
+    pressing, trials = pressing_of(file, folder, virtual, person), file.plate.trials
+    known = file.experiment.specimens
+    plans = {name: plate_plan(file.plate, file.experiment, name) for name in specimens}
+    for name, plan in plans.items():
+        if name not in known:
+            do = nearest(name, known, "Add it to [experiment], or choose another.")
+            raise SettingError(f"{file.path}, --plate", wanted=", ".join(known), found=name, do=do)
+        check_plan(plan, file.rig)
+    bare = replace(file, devices=replace(file.devices, camera=None))
+    own = replace(pressing, file=bare, root=pressing.root.with_name(f"{pressing.root.name}-plate"))
+    pressed: list[Pressed] = []
+    for name, plan in plans.items():
+        own.check_same(name, plan)
+        if not (left := own.missing(name, trials)):
+            person.warn(f"{name}: done before")
+            continue
+        if not virtual:
+            person.answer(
+                f"Put the flat plate on the rigid motor and {name} under it, {left} trials. Enter: press it. "
+            )
+        pressed.append(one := own.press(replace(plan, repetitions=left), own.folder(name, trials)))
+        person.warn(f"{name}: {summary(one.ended, left)}")
+        own.warn_unless_safe(one)
+        if not one.left_safe:
+            break
+    return tuple(pressed)
 
 
 def _in_order(pressing: Pressing, todo: tuple[Run, ...], order: RunOrder, judging: Judging) -> RunsDone:

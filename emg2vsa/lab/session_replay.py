@@ -14,10 +14,9 @@ from emg2vsa.session import journal
 from emg2vsa.session.bar_force import ZERO_S, BarForce, RecentForce
 from emg2vsa.session.journal import JOURNAL_FILE, Judged, Line, gaps, read_journal
 from emg2vsa.session.judge_feed import JUDGED_VALUES, SETTLE_S, how_judged, judged_from_s, sample_at, timed
-from emg2vsa.session.legal import Now
+from emg2vsa.session.legal import Now, operator_state, participant_state
 from emg2vsa.session.live_press import StayJudged, judge_attempt
 from emg2vsa.session.open_session import kept_settings, settings_of
-from emg2vsa.session.page_states import operator_state, participant_state
 from emg2vsa.session.plan import PLAN_FILE, Plan, PlannedPress, changes, read_plan
 from emg2vsa.session.presses import Presses, Tried, planned_of
 from emg2vsa.session.raw_files import SampleFile

@@ -9,11 +9,10 @@ In Python::
     done = session.run(study, "P03", virtual=session.Virtual(seed=1, mistakes=("dips@12",)))
     done.how, done.judged.verdict               # how it ended, and how good its recordings are
 
-Data flow: ``sources`` hand over blocks of samples on one clock; ``session`` (its turn, 200 a second) appends them to
-``raw_files``, moves on from command to command, and judges each press. Everything that happens is a line of the
-``journal``; ``state`` is a fold over these lines, ``legal`` the table of what it allows, ``page_states`` what pages
-show of it. ``dataset`` turns a folder of raw files and its journal into BIDS-EMG. ``emulated`` holds the far ends of
-the wires and the simulated participant.
+Data flow: the sources of ``open_session`` hand over blocks of samples on one clock; ``session`` (its turn, 200 a
+second) appends them to ``raw_files``, moves on from command to command, and judges each press. Everything that happens
+is a line of the ``journal``; ``state`` is a fold over these lines, ``legal`` the table of what it allows and what pages
+show of it. ``dataset`` turns a folder of raw files and its journal into BIDS-EMG.
 """
 
 from __future__ import annotations
@@ -22,14 +21,14 @@ from casr.lazy_names import lazy_names
 
 _NAMES = {
     "Addresses": ".lab.session_run",
-    "Emulation": ".lab.session_emulate",
+    "Emulation": ".lab.session_devices",
     "FinishedSession": ".lab.session_finish",
     "ReplayedPress": ".lab.session_replay",
     "ReplayedSession": ".lab.session_replay",
     "Pages": ".lab.session_run",
     "SessionEnd": ".lab.session_run",
     "Virtual": ".lab.session_devices",
-    "emulate": ".lab.session_emulate",
+    "emulate": ".lab.session_devices",
     "finish": ".lab.session_finish",
     "replay": ".lab.session_replay",
     "resume": ".lab.session_run",

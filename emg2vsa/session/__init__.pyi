@@ -1,6 +1,6 @@
+from emg2vsa.lab.session_devices import Emulation as Emulation
 from emg2vsa.lab.session_devices import Virtual as Virtual
-from emg2vsa.lab.session_emulate import Emulation as Emulation
-from emg2vsa.lab.session_emulate import emulate as emulate
+from emg2vsa.lab.session_devices import emulate as emulate
 from emg2vsa.lab.session_finish import FinishedSession as FinishedSession
 from emg2vsa.lab.session_finish import finish as finish
 from emg2vsa.lab.session_replay import ReplayedPress as ReplayedPress

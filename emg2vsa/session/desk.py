@@ -1,13 +1,14 @@
-"""What the pages see of a running session: its newest views, and its ear."""
+"""What the pages see of a running session: its newest views, and its ear for what the operator asks for."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from emg2vsa.devices.clock import Beat, Clock, LoopTiming
-from emg2vsa.session.operator_requests import ask
-from emg2vsa.session.page_states import operator_state, participant_state
+from emg2vsa.session import journal
+from emg2vsa.session.legal import meant, operator_state, participant_state, refusal
 from emg2vsa.session.session import TURN_S, Session
+from emg2vsa.session.state import NO_QUALITY, goes_on
 from emg2vsa.session.views import (
     ForceMessage,
     OperatorState,
@@ -77,9 +78,70 @@ class SessionDesk:
         return self.session.traces.after(after)
 
     def ask(self, request: Request) -> str:
-        """Take a command: "" when taken, else why not."""
-        return ask(self.session, request)
+        """Take a command: "" when taken, else why not, in a sentence."""
+        session = self.session
+        with session.lock:
+            refused = refusal(session.now(), request)
+            if not refused:
+                _carry_out(session, request)
+                session.changes += 1
+            return refused
 
     def screen(self, report: ScreenReport) -> None:
         """Keep what the participant's page says of itself."""
         self.session.screen(report)
+
+
+def _carry_out(session: Session, request: Request) -> None:
+    state, text = session.state, request.text.strip()
+    match request.name:
+        case "measure-rest" | "measure-contraction":
+            session.measure(request.name.removeprefix("measure-"))
+        case "check" if state.checklist[request.item]:
+            session.write(journal.Unchecked(request.item))
+        case "check":
+            session.write(journal.Checked(request.item, state.wanted.specimen if state.wanted else ""))
+        case "placed":
+            session.place()
+        case "start":
+            session.cycle.start(session.now_s, session.recent.mean_n - session.bar.zero_n)
+            session.bar.restart_peak()
+            assert session.cycle.attempt is not None
+            session.press_begun(session.cycle.attempt)
+        case "abort":
+            if (attempt := session.cycle.give_up(session.now_s, "aborted", "")) is not None:
+                session.over(attempt)
+        case "accept" | "repeat" | "skip":
+            _decide(session, request)
+        case "note":
+            tried = meant(state, request)
+            session.write(journal.Noted(text, *(tried.key if tried else ())))
+        case "pause":
+            session.write(journal.Paused("operator"))
+        case "continue" if state.paused:
+            session.write(journal.Continued())
+        case "continue":
+            session.write(journal.Told(goes_on(state.suggested.specimen) if state.suggested else NO_QUALITY))
+        case "end":
+            session.closing = True
+
+
+def _decide(session: Session, request: Request) -> None:
+    state, text = session.state, request.text.strip()
+    if (tried := meant(state, request)) is not None:
+        key = tried.key
+    elif state.suggested is not None:
+        session.write(journal.Told(goes_on(state.suggested.specimen)))
+        return
+    else:  # a press that is not begun is skipped
+        press = state.wanted
+        assert press is not None
+        session.write(begun := state.presses.begin(press))
+        key = begun.press, begun.attempt
+        session.write(journal.PressEnded(*key, session.now_s, session.now_s, "aborted"))
+    decision: journal.Decision = request.name  # type: ignore[assignment]
+    if text:
+        session.write(journal.Noted(text, *key))
+    before = session.state
+    session.write(journal.Decided(*key, decision, "operator", text))
+    session.tell_suggestion(before)

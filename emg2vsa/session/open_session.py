@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.device_settings import ForceSettings
+from emg2vsa.devices.registry import Around, known
+from emg2vsa.devices.streams import Source
 from emg2vsa.errors import SettingError
 from emg2vsa.session.dataset import refuse_foreign
 from emg2vsa.session.desk import SessionDesk
-from emg2vsa.session.open_sources import Maker
 from emg2vsa.session.plan import Plan, changes, draw_presses, planned
 from emg2vsa.session.record import new_session, resume_session, session_folder
 from emg2vsa.session.recorded_stream import RecordedStream
@@ -22,8 +25,32 @@ from emg2vsa.session.stay_judge import JudgeAtOnce, JudgeBeside
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.study import Study
 
+LOST_S = 1.0
+"A force sensor of which nothing comes for so long is lost; nobody is hurt by a bar that stands still for less."
+
+Maker = Callable[[], Source]
+"""Opens a device anew, not started: when the session begins, and whenever the device was lost."""
 Makers = tuple[Maker, Maker]
 """Of the source of the EMG, and of that of the force."""
+
+
+def source_makers(
+    settings: SessionSettings, muscles: Sequence[str], clock: Clock, *, rig_force: ForceSettings | None = None
+) -> Makers:
+    """Of EMG and force. They raise SettingError and DeviceError as the kinds of the devices do.
+
+    Parameters
+    ----------
+    muscles : roles of the study; the EMG has them in this order.
+    rig_force : table [force] of the rig file that session.force.rig names.
+    """
+    emg = settings.emg
+    if channels := getattr(emg, "channels", None):  # of whatever kind
+        emg = replace(emg, channels={role: channels[role] for role in muscles if role in channels})  # type: ignore[call-arg]
+    others = {"emg": emg, "session-force": settings.force} | ({"force": rig_force} if rig_force else {})
+    around = Around(clock, LOST_S, others=others)
+    force = settings.force
+    return partial(known("emg", emg).opened, emg, around), partial(known("session-force", force).opened, force, around)
 
 
 def settings_of(study: Study, participant: str) -> SessionSettings:

@@ -6,7 +6,7 @@ import dataclasses
 from pathlib import Path
 
 from emg2vsa.devices.clock import LoopTiming
-from emg2vsa.lab.ending import summary, told
+from emg2vsa.lab.pressed import summary, told
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
 

@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
-from emg2vsa.live.audience import Audience
 from emg2vsa.live.follow import Follower
 from emg2vsa.live.server import TOKEN_HEADER, application
-from emg2vsa.live.watch_routes import watch_routes
+from emg2vsa.live.watch_routes import Audience, watch_routes
 from emg2vsa.rig.executor.stop_requests import StopRequests
 from emg2vsa.rig.record.press_recorder import PressRecorder
 

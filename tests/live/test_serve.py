@@ -85,7 +85,7 @@ def test_a_port_that_is_taken(taken):
 
 @pytest.mark.parametrize("library", ["starlette", "uvicorn"])
 def test_without_the_extra_the_command_says_what_to_install(tmp_path, capsys, monkeypatch, library):
-    pages = library, "emg2vsa.live", "emg2vsa.lab.watch"  # to be imported anew, whoever did so before
+    pages = library, "emg2vsa.live"  # to be imported anew, whoever did so before
     for name in [name for name in sys.modules if name.startswith(pages)]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, library, None)

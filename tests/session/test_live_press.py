@@ -10,9 +10,9 @@ import pytest
 from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
 from emg2vsa.recordings import Channel
 from emg2vsa.session.journal import PressEnded
-from emg2vsa.session.live_fit import specimen_fit
 from emg2vsa.session.live_press import FoundPress, HowJudged, StayJudged, judge_attempt, judge_stay
 from emg2vsa.session.press_cycle import Attempt
+from emg2vsa.session.state import specimen_fit
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.settings import (
     FilterSettings,

@@ -19,7 +19,7 @@ from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettin
 from emg2vsa.devices.trigno.driver import TrignoSource
 from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.errors import DeviceError, InputError, SettingError
-from emg2vsa.session.open_sources import source_makers
+from emg2vsa.session.open_session import source_makers
 from emg2vsa.session_settings import EmgSettings, SessionForceSettings, SessionSettings
 
 MUSCLES = ("EDC", "FDS")

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
 from emg2vsa.session import journal
 from emg2vsa.session.journal import Line
-from emg2vsa.session.legal import TABLE, Now, refusal, shown
-from emg2vsa.session.page_states import operator_state, participant_state
+from emg2vsa.session.legal import TABLE, Now, operator_state, participant_state, refusal, shown
 from emg2vsa.session.plan import draw_presses
 from emg2vsa.session.presses import Presses
 from emg2vsa.session.state import NO_QUALITY, Rules, after, begun, goes_on

@@ -95,8 +95,8 @@ def prove_watchdog(arguments: argparse.Namespace) -> int:
 def off(arguments: argparse.Namespace) -> int:
     from emg2vsa.devices.qbmove.settings import QbmoveSettings
     from emg2vsa.errors import SettingError
-    from emg2vsa.lab.motors_off import board_off
-    from emg2vsa.lab.motors_off import off as motors_off
+    from emg2vsa.lab.by_hand import board_off
+    from emg2vsa.lab.by_hand import off as motors_off
 
     if bool(arguments.rig) == bool(arguments.port):
         do = "Name one of them."

@@ -62,10 +62,10 @@ def _text(value: object) -> str:
 
 
 def camera_delay(arguments: argparse.Namespace) -> int:
-    from emg2vsa.lab import camera_delay as lab
+    from emg2vsa.lab.commissioning import camera_delay as measured
     from emg2vsa.run_folders.camera_delay import SYSTEMATIC_S
 
-    found = lab.camera_delay(arguments.runs)
+    found = measured(arguments.runs)
     unchanged = abs(found.delay_s - found.set_s) <= found.half_width_s + SYSTEMATIC_S
     interval = f"95 % interval of half width {_ms(found.half_width_s)}"
     return finish(

@@ -45,9 +45,9 @@ def add_to(commands: Commands) -> None:
 
 
 def dry_run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.lab.dry_runs import dry_run, limits
+    from emg2vsa.lab.pressing import dry_run, limits
     from emg2vsa.rig.executor.guards import laxer_guards
-    from emg2vsa.rig_file.sequence import ordered
+    from emg2vsa.rig_file.plans import ordered
 
     file = file_of(arguments)
     order, bounds = ordered(file.experiment), limits(file)
@@ -91,7 +91,7 @@ def _table(name: str, found: DryRun) -> str:
 
 
 def next_press(arguments: argparse.Namespace) -> int:
-    from emg2vsa.lab.next_press import next_presses
+    from emg2vsa.lab.adaptive_runs import next_presses
 
     found = next_presses(arguments.calibration, arguments.done, arguments.presses, arguments.stop_at)
     names, chosen = found.calibrations, found.chosen

@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
     root = arguments.out or (file.virtual_runs if virtual else file.runs)
     where: dict[str, Any] = {"folder": root, "virtual": virtual, "person": person_of(arguments)}
     if arguments.plate:
-        from emg2vsa.lab.plate_runs import plates
+        from emg2vsa.lab.sequence import plates
 
         return words.plates(arguments, plates(file, arguments.plate, **where), root)
     where["judging"] = Judging(tuple(arguments.calibration), arguments.stop_at, arguments.camera)

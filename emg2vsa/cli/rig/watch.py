@@ -22,7 +22,7 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     with web_pages("rig watch"):
-        from emg2vsa.lab.watch import watch
+        from emg2vsa.live.watch_routes import watch
     folder: Path = arguments.folder.resolve()
 
     def ready(address: str) -> None:

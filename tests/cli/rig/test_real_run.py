@@ -28,9 +28,19 @@ def ended_of(folder: Path) -> dict[str, Any]:
 
 
 @pytest.mark.realtime
-def test_a_run_is_completed_told_and_recorded(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
+def test_a_run_after_one_that_was_ended_is_completed_told_and_recorded(
+    rig: Rig, served: SimpleNamespace, tmp_path: Path
+) -> None:
+    served.bench.box.faults.saturated = True
+    status, out, _ = rig("run", served.path, *ONE)
+    assert status == 1
+    assert "\nguard: untrusted force in home (" in out
+    assert "0 of 2 presses" in out
+    assert ended_of(tmp_path / "runs" / "S1_0_modular")["cause"] == "untrusted force"
+
+    served.bench.box.faults.saturated = False
     status, out, err = rig("run", served.path, *ONE)
-    folder = tmp_path / "runs" / "S1_0_modular"
+    folder = tmp_path / "runs" / "S1_0_modular-2"
     assert status == 0, out + err
     assert "guard: rig.guards.force_n = 50 protects less than 10, the default" in out.splitlines()
     lines = [line for line in out.splitlines() if not line.startswith("guard: ")]
@@ -57,30 +67,6 @@ def test_a_run_is_completed_told_and_recorded(rig: Rig, served: SimpleNamespace,
     assert f"{folder}: expected a run that is still to do, but found one with all its presses." in err
 
 
-@pytest.mark.realtime
-def test_an_ended_run_is_kept_and_the_next_gets_another_folder(
-    rig: Rig, served: SimpleNamespace, tmp_path: Path
-) -> None:
-    served.bench.box.faults.saturated = True
-    status, out, _ = rig("run", served.path, *ONE, "--repetitions", 1)
-    assert status == 1
-    assert "\nguard: untrusted force in home (" in out
-    assert "0 of 1 presses" in out
-    served.bench.box.faults.saturated = False
-    assert rig("run", served.path, *ONE, "--repetitions", 1)[0] == 0
-    assert ended_of(tmp_path / "runs" / "S1_0_modular")["cause"] == "untrusted force"
-    assert ended_of(tmp_path / "runs" / "S1_0_modular-2")["how"] == "completed"
-
-
-@pytest.mark.realtime
-def test_a_trial_of_fewer_presses_can_be_repeated_and_is_kept(
-    rig: Rig, served: SimpleNamespace, tmp_path: Path
-) -> None:
-    for name in ("S1_0_modular", "S1_0_modular-2"):
-        assert rig("run", served.path, *ONE, "--repetitions", 1)[0] == 0
-        assert ended_of(tmp_path / "runs" / name)["repetitions_done"] == 1
-
-
 def test_a_device_that_is_absent_is_told_and_nothing_is_recorded(
     rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
 ) -> None:
@@ -90,7 +76,6 @@ def test_a_device_that_is_absent_is_told_and_nothing_is_recorded(
     assert not (tmp_path / "runs").exists()
 
 
-@pytest.mark.realtime
 def test_a_schedule_beyond_the_device_moves_nothing(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
     served.bench.firmware._shadow.max_stiffness = 2 * 2000
     status, _, err = rig("run", served.path, *ONE)

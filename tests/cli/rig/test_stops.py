@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
 import subprocess
 import sys
 import threading
@@ -58,20 +56,22 @@ def test_the_stop_file_ends_a_run_with_its_text(rig: Rig, served: SimpleNamespac
     assert ended_of(folder)["cause"] == "seen enough"
 
 
-@pytest.mark.parametrize(("number", "cause"), [(signal.SIGTERM, "SIGTERM"), (signal.SIGINT, "Ctrl-C")])
-def test_a_signal_ends_a_process_safely(
-    number: signal.Signals, cause: str, served: SimpleNamespace, tmp_path: Path
-) -> None:
+def test_a_signal_ends_a_process_safely(served: SimpleNamespace, tmp_path: Path) -> None:
     folder = tmp_path / "runs" / "S1_0_modular"
     command = [sys.executable, "-m", "emg2vsa.cli", "rig", "run", str(served.path), *ONE, "--repetitions", "500"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         wait_for_presses(folder)
-        os.kill(process.pid, number)
+        process.terminate()
         out, err = process.communicate(timeout=30)
     assert process.returncode == 1, err
-    assert f"\nstopped: {cause} in " in out
+    assert "\nstopped: SIGTERM in " in out
     ended = ended_of(folder)
-    assert (ended["how"], ended["cause"], ended["retracted"], ended["deactivated"]) == ("stopped", cause, True, True)
+    assert (ended["how"], ended["cause"], ended["retracted"], ended["deactivated"]) == (
+        "stopped",
+        "SIGTERM",
+        True,
+        True,
+    )
     rows = read_log(folder / "log.csv")
     assert len(rows) == ended["rows"]
     assert rows[-1].position_deg == 0

@@ -27,7 +27,7 @@ force_rate_n_per_s = 3000
 
 [actuator]
 watchdog_s = 2.5
-reply_s = 0.5
+reply_s = 0.8
 """
 Command = Callable[..., tuple[int, str, str]]
 
@@ -56,7 +56,6 @@ def torque(served: Emulation) -> int:
     return int(firmware.table.values[table.TORQUE_ENABLE])  # type: ignore[attr-defined]
 
 
-@pytest.mark.realtime
 def test_the_written_file_names_the_motor(served: tuple[Emulation, Path]) -> None:
     emulation, path = served
     actuator = tomllib.loads(path.read_text())["actuator"]
@@ -68,7 +67,6 @@ def test_the_written_file_names_the_motor(served: tuple[Emulation, Path]) -> Non
     assert emulation.actuator == "dynamixel (xm430-w350)"
 
 
-@pytest.mark.realtime
 def test_info_and_scan(served: tuple[Emulation, Path], command: Command) -> None:
     emulation, path = served
     status, out, _ = command("info", path)
@@ -98,18 +96,14 @@ def test_commission_measures_the_stiffness_and_writes_it(served: tuple[Emulation
 
 @pytest.mark.realtime
 @pytest.mark.slow
-def test_the_watchdog_is_proven(served: tuple[Emulation, Path], command: Command) -> None:
+def test_the_watchdog_is_proven_and_a_run_of_two_presses_is_recorded_and_watched(
+    served: tuple[Emulation, Path], command: Command
+) -> None:
     emulation, path = served
     status, out, err = command("prove-watchdog", path, "--yes")
     assert status == 0, out + err
     assert json.loads(path.with_name("served.watchdog.json").read_text())["actuator"]["verdict"] == "motors off"
     assert torque(emulation) == 0
-
-
-@pytest.mark.realtime
-@pytest.mark.slow
-def test_a_run_of_two_presses_is_recorded_and_watched(served: tuple[Emulation, Path], command: Command) -> None:
-    emulation, path = served
     one = "--specimen", "S1", "--angle", 0, "--condition", "modular"
     status, out, err = command("run", path, *one)
     assert status == 0, out + err
@@ -129,7 +123,6 @@ def test_a_run_of_two_presses_is_recorded_and_watched(served: tuple[Emulation, P
     assert set(curves["measured_preset"]) == {None}
 
 
-@pytest.mark.realtime
 def test_off_ends_a_torque_that_was_left_on(served: tuple[Emulation, Path], command: Command) -> None:
     emulation, path = served
     bench = emulation.servers.bench

@@ -163,7 +163,6 @@ def test_help_names_every_fault(bench: EmulatedRig) -> None:
     assert all(f"  {name}" in help_text(bench) for name in (*faults_of(bench), "off", "quit"))
 
 
-@pytest.mark.realtime
 def test_a_press_in_real_time(plan: Callable[..., RunPlan], tmp_path: Path) -> None:
     """The rigid motor over real ports; a machine with other work must not trip the guards."""
     guards = GuardSettings(force_n=250, force_rate_n_per_s=1e5, stale_s=2, late_s=2, camera_s=10)

@@ -147,7 +147,6 @@ def test_ports_of_the_box_that_are_taken_are_named() -> None:
         RdtServer(box, WallClock(), rdt_port=server.rdt_port)
 
 
-@pytest.mark.realtime
 def test_lsl_streams_say_what_they_are(
     tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -169,8 +168,8 @@ def test_lsl_streams_say_what_they_are(
         channel = inlet.info(5.0).desc().child("channels").child("channel")
         assert (channel.child_value("label"), channel.child_value("unit")) == ("ch7", "V")
         samples, stamps = [], []
-        end_s = time.monotonic() + 1.0
-        while time.monotonic() < end_s:
+        end_s = time.monotonic() + 30.0
+        while len(samples) <= 1500 and time.monotonic() < end_s:
             chunk, times = inlet.pull_chunk(0.1)
             samples += chunk
             stamps += times
