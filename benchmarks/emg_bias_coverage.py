@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import signal
 
+from benchmarks.laboratory import Laboratory, simulate_session
 from emg2vsa.arrays import Floats
 from emg2vsa.curves.force_bins import bin_edges
 from emg2vsa.curves.press_fits import fit_presses
@@ -23,7 +24,6 @@ from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.fits import fit_trials
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ForceChannelSettings, WindowSettings
-from emg2vsa.worlds.people.laboratory import Laboratory, simulate_session
 
 CLEAN = Laboratory()
 BEFORE = FilterSettings(mains="keep", rest_level="keep")

@@ -43,8 +43,8 @@ def child(study_file: Path, participant: str, resume: bool, measure: bool, out: 
     from emg2vsa.session.views import Request
     from emg2vsa.study_file import load_study
     from emg2vsa.worlds.people.mistakes import parse_mistakes
-    from emg2vsa.worlds.people.operator import EmulatedOperator
-    from emg2vsa.worlds.people.simulated import simulate
+    from emg2vsa.worlds.people.pages import EmulatedOperator
+    from emg2vsa.worlds.people.sensors import simulate
 
     study = load_study(study_file)
     clock = FastClock(SPEED)

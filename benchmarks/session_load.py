@@ -87,10 +87,10 @@ def play(minutes: float, longest_s: float, at_once: bool) -> dict[str, str]:
     from emg2vsa.session.open_session import folder_of, open_session
     from emg2vsa.session.raw_files import SampleFile
     from emg2vsa.study_file import load_study
-    from emg2vsa.worlds.people.operator import EmulatedOperator
+    from emg2vsa.worlds.people.pages import EmulatedOperator
     from emg2vsa.worlds.people.participant import EmulatedParticipant
     from emg2vsa.worlds.people.person import person_of
-    from emg2vsa.worlds.people.simulated import simulated_emg, simulated_force
+    from emg2vsa.worlds.people.sensors import simulated_emg, simulated_force
 
     if at_once and hasattr(os, "nice"):
         os.nice(10)

@@ -1,7 +1,7 @@
 """False alarms on clean sessions: which limits may be set so that of 1000 good presses at most 10 are doubted.
 
 Sessions of ten presses over every carrier, ramp and pair of rates that the method claims to hold for
-(``emg2vsa.worlds.people.laboratory``), with 1 uV of noise and nothing wrong.
+(``benchmarks.laboratory``), with 1 uV of noise and nothing wrong.
 
     python -m benchmarks.verdict_thresholds     # writes benchmarks/results/verdict_thresholds.json
 """
@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.bench.record import keep
+from benchmarks.laboratory import Laboratory, simulate_session
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.fits import Fits, fit_trials
@@ -26,7 +27,6 @@ from emg2vsa.settings import (
     ForceChannelSettings,
     WindowSettings,
 )
-from emg2vsa.worlds.people.laboratory import Laboratory, simulate_session
 
 RESULTS = Path(__file__).parent / "results" / "verdict_thresholds.json"
 BASE = Laboratory()

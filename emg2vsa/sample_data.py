@@ -14,9 +14,9 @@ from casr.command_line import nearest
 from casr.specimens import SPECIMENS
 from emg2vsa.errors import SettingError
 from emg2vsa.study_file import load_study
-from emg2vsa.worlds.people import simulate_study
 from emg2vsa.worlds.people.formats import write_csv
 from emg2vsa.worlds.people.plan import plan_study
+from emg2vsa.worlds.people.study import simulate_study
 from emg2vsa.worlds.tactile import REALISTIC, PressSettings, simulate_press, write_press
 
 _CHANNELS = """

@@ -20,11 +20,10 @@ from emg2vsa.worlds.far_ends.serve import serve
 from emg2vsa.worlds.far_ends.table import Served, Table
 from emg2vsa.worlds.far_ends.trigno.server import START_DELAY_S
 from emg2vsa.worlds.people.mistakes import Mistake, parse_mistakes
-from emg2vsa.worlds.people.operator import EmulatedOperator
-from emg2vsa.worlds.people.page_follower import FollowedOperator, FollowedPage
+from emg2vsa.worlds.people.pages import EmulatedOperator, FollowedOperator, FollowedPage
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.person import person_of
-from emg2vsa.worlds.people.simulated import simulate
+from emg2vsa.worlds.people.sensors import simulate
 
 
 @dataclass(frozen=True, kw_only=True)

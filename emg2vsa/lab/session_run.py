@@ -20,7 +20,7 @@ from emg2vsa.session.desk import SessionDesk
 from emg2vsa.session.open_session import folder_of, open_session, settings_of
 from emg2vsa.session.views import OperatorState
 from emg2vsa.study import Study
-from emg2vsa.worlds.people.operator import EmulatedOperator
+from emg2vsa.worlds.people.pages import EmulatedOperator
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 
 if TYPE_CHECKING:

@@ -114,7 +114,7 @@ def test_a_stopped_session_tells_how_it_goes_on(study_file, capsys, monkeypatch)
     def stop(self, now_s):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("emg2vsa.worlds.people.operator.EmulatedOperator.turn", stop)
+    monkeypatch.setattr("emg2vsa.worlds.people.pages.EmulatedOperator.turn", stop)
     words = [str(study_file), "--participant", "P03", "--virtual", "--no-page"]
     assert main(["session", *words]) == 1
     first, again, finish = capsys.readouterr().out.splitlines()

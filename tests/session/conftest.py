@@ -14,9 +14,9 @@ from emg2vsa.session.views import OperatorState
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
 from emg2vsa.worlds.people.mistakes import parse_mistakes
-from emg2vsa.worlds.people.operator import EmulatedOperator
+from emg2vsa.worlds.people.pages import EmulatedOperator
 from emg2vsa.worlds.people.participant import EmulatedParticipant
-from emg2vsa.worlds.people.simulated import simulate
+from emg2vsa.worlds.people.sensors import simulate
 
 STUDY = small_study(
     participants=["P01", "P03"], specimens=["S1", "S3"], task="press", simulation="seed = 5\n",

@@ -8,7 +8,7 @@ import pytest
 from emg2vsa.recordings import Channel
 from emg2vsa.session.quality import measured
 from emg2vsa.settings import FilterSettings
-from emg2vsa.worlds.people.carrier import emg_carrier
+from emg2vsa.worlds.people.signals import emg_carrier
 
 FS_HZ = 1000.0
 

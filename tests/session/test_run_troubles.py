@@ -110,7 +110,7 @@ def test_two_processes_cannot_record_one_session_nor_begin_it_twice(play, study_
 
 def _sources(study):
     from emg2vsa.devices.clock import VirtualClock
-    from emg2vsa.worlds.people.simulated import simulate
+    from emg2vsa.worlds.people.sensors import simulate
 
     _, emg, force = simulate(study, study.session, "P03", VirtualClock())
     return (lambda: emg, lambda: force)
@@ -260,8 +260,8 @@ def test_a_server_that_drops_at_press_7_pauses_the_session_and_the_press_is_repe
     from emg2vsa.session.raw_files import SampleFile
     from emg2vsa.study_file import load_study
     from emg2vsa.worlds.far_ends.trigno.server import TrignoServer
-    from emg2vsa.worlds.people.operator import EmulatedOperator
-    from emg2vsa.worlds.people.simulated import simulate
+    from emg2vsa.worlds.people.pages import EmulatedOperator
+    from emg2vsa.worlds.people.sensors import simulate
 
     study = load_study(study_file("repetitions = 4"))
     clock = FastClock(4.0)

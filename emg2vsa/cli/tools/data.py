@@ -79,8 +79,8 @@ def simulate(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import counter
     from emg2vsa.errors import SettingError
     from emg2vsa.study_file import load_study, missing_files
-    from emg2vsa.worlds.people import simulate_study
     from emg2vsa.worlds.people.plan import format_of
+    from emg2vsa.worlds.people.study import simulate_study
 
     study = load_study(arguments.study)
     if study.simulation is None:

@@ -14,10 +14,10 @@ from emg2vsa.bids.tables import Column, described
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study import Study
-from emg2vsa.worlds.people.carrier import AMPLIFIER_BAND_HZ
+from emg2vsa.worlds.people.formats import StoredChannel, stored_channels
 from emg2vsa.worlds.people.plan import PlannedRecording
 from emg2vsa.worlds.people.recording import SyntheticRecording
-from emg2vsa.worlds.people.stored import StoredChannel, stored_channels
+from emg2vsa.worlds.people.signals import AMPLIFIER_BAND_HZ
 
 _MADE = "Synthetic recordings with known truth."
 _ELECTRODE_MM = 10

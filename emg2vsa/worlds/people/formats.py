@@ -1,4 +1,7 @@
-"""A recording as plain CSV, as a table of Delsys EMGworks, or as C3D."""
+"""A recording as a file stores it: as plain CSV, as a table of Delsys EMGworks, or as C3D.
+
+Name, gain, unit and sign of each channel are those that the study tells the reader to undo.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +9,66 @@ import csv
 import io
 import os
 import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import ezc3d
 import numpy as np
+from numpy.typing import NDArray
 
 from casr.atomic import write_text_atomic
+from emg2vsa.errors import SettingError
+from emg2vsa.settings import EmgChannelSettings, ForceChannelSettings
 from emg2vsa.worlds.people.plan import PlannedRecording
 from emg2vsa.worlds.people.recording import SyntheticRecording
-from emg2vsa.worlds.people.stored import StoredChannel, number_rows, stored_channels
 
+FloatArray = NDArray[np.float64]
+
+VOLTS = {"V": 1.0, "mV": 1e-3, "uV": 1e-6}
+NEWTONS = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605, "kgf": 9.80665, "gf": 9.80665e-3}
 SAMPLES_PER_FRAME = 10
 "Analog samples of a C3D frame: the format counts frames in 16 bits, and a minute at 1 kHz holds 60 000 samples."
+
+
+@dataclass(frozen=True)
+class StoredChannel:
+    """One channel of a file. samples : (n,) in ``unit``, "" where there is none. muscle : None for force."""
+
+    name: str
+    samples: FloatArray
+    unit: str
+    muscle: str | None
+
+
+def stored_channels(planned: PlannedRecording, recording: SyntheticRecording, emg_unit: str) -> list[StoredChannel]:
+    """EMG channels, then force. emg_unit : unit of EMG where the study does not name one."""
+    channels = planned.channels
+    emg = [_stored_emg(muscle, recording.emg_v[muscle], setting, emg_unit) for muscle, setting in channels.emg.items()]
+    return [*emg, _stored_force(recording.force_n, channels.force)]
+
+
+def _stored_emg(muscle: str, emg_v: FloatArray, setting: EmgChannelSettings, default_unit: str) -> StoredChannel:
+    unit = setting.unit or default_unit
+    scale = VOLTS[unit] / setting.gain
+    return StoredChannel(setting.name, emg_v / scale, unit, muscle)
+
+
+def _stored_force(force_n: FloatArray, setting: ForceChannelSettings) -> StoredChannel:
+    if setting.newtons_per_unit is not None:
+        unit, newtons = setting.unit or "", setting.newtons_per_unit
+    else:
+        unit = setting.unit or "N"
+        if unit not in NEWTONS:
+            raise SettingError(
+                f"force channel {setting.name!r}, unit",
+                wanted="N, mN, kN, lbf, kgf or gf, or newtons_per_unit",
+                found=repr(unit),
+                do="Declare newtons_per_unit.",
+            )
+        newtons = NEWTONS[unit]
+    scale = setting.sign * newtons
+    return StoredChannel(setting.name, force_n / scale, unit, None)
 
 
 def write_csv(folder: Path, planned: PlannedRecording, recording: SyntheticRecording) -> Path:
@@ -29,10 +80,18 @@ def write_csv(folder: Path, planned: PlannedRecording, recording: SyntheticRecor
     time_s = np.arange(recording.force_n.size) / recording.fs_hz
     header = io.StringIO()
     csv.writer(header, lineterminator="\n").writerow(["time [s]", *map(_heading, channels)])
-    rows = number_rows([time_s, *(channel.samples for channel in channels)], ["%.9g"] * (len(channels) + 1))
+    rows = _rows([time_s, *(channel.samples for channel in channels)], ["%.9g"] * (len(channels) + 1))
     path = folder / f"{planned.participant}_{planned.specimen}.csv"
     write_text_atomic(path, header.getvalue() + rows)
     return path
+
+
+def _rows(columns: Sequence[FloatArray], formats: Sequence[str]) -> str:
+    """CSV rows of equally long columns, each with its printf format, lines ended by a line feed."""
+    table = np.column_stack(columns)
+    line = ",".join(formats) + "\n"
+    text: str = line * table.shape[0] % tuple(table.ravel().tolist())
+    return text
 
 
 def _heading(channel: StoredChannel) -> str:
@@ -52,7 +111,7 @@ def write_emgworks(folder: Path, planned: PlannedRecording, recording: Synthetic
     header = ",".join(f'X[s],"{channel.name}"' for channel in channels)
     columns = [column for channel in channels for column in (time_s, channel.samples)]
     path = folder / f"{planned.participant}_{planned.specimen}.csv"
-    write_text_atomic(path, f"{header}\n{number_rows(columns, ['%.7g'] * len(columns))}")
+    write_text_atomic(path, f"{header}\n{_rows(columns, ['%.7g'] * len(columns))}")
     return path
 
 

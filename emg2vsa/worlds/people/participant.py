@@ -1,8 +1,8 @@
 """An emulated participant: presses the specimen as the page tells it, late as people are, with mistakes on plan.
 
 Finger, specimen and muscles are one world on one clock. The world goes on in steps of 5 ms: what the page shows then,
-what the hand makes of it, where the finger is, what the specimen's stiffness makes of that, and how active the muscles
-are. Sensors ask for what was between the steps.
+what the hand makes of it, where the finger is, and what the specimen's stiffness makes of that. Sensors ask for the
+force between the steps, and for how active the muscles were.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import math
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 from casr.atomic import write_text_atomic
 from emg2vsa.session.views import ForceMessage, ParticipantState
 from emg2vsa.worlds.people.mistakes import OF_HAND, Mistake
-from emg2vsa.worlds.people.person import Person, Response
-from emg2vsa.worlds.people.recording import spread
+from emg2vsa.worlds.people.person import Person, cocontraction_v, spread
 
 FloatArray = NDArray[np.float64]
 
@@ -130,8 +129,8 @@ class EmulatedParticipant:
         self._told_s = -math.inf
         self._steps = 0
         # one more step lies ahead, so that there is always something to interpolate to
-        self._history = np.zeros((_KEPT_STEPS, 2))
-        self._history[:, 1] = person.rest_v
+        self._history = np.zeros((_KEPT_STEPS, 4))
+        self._history[:, 1:3] = person.usual.a_v, person.usual.b_v
         self._advance_to(0)
 
     def watch(self, page: Page) -> None:
@@ -152,11 +151,13 @@ class EmulatedParticipant:
 
     def force_n(self, times_s: FloatArray) -> FloatArray:
         """(n,) true force at rising times; the world goes on to the last of them."""
-        return self._between(times_s - self.person.electromechanical_delay_s, 0, times_s)
+        return np.asarray(self._between(times_s - self.person.electromechanical_delay_s, times_s)[0])
 
     def cocontraction_v(self, times_s: FloatArray) -> FloatArray:
         """(n,) true mean rectified EMG, summed over muscles, at rising times; the world goes on to the last of them."""
-        return self._between(times_s, 1, times_s)
+        force_n, a_v, b_v, effort = self._between(times_s, times_s)
+        pressing_v = cocontraction_v(force_n, a_v, b_v, self.person.lower_n, self.person.rest_v)
+        return np.asarray(pressing_v + effort * (self.person.contraction_v - pressing_v))
 
     def afflicted(self, start_s: float, end_s: float) -> list[Affliction]:
         """What is wrong with the sensors at some time of an interval."""
@@ -169,25 +170,25 @@ class EmulatedParticipant:
             responses = {name: response._asdict() for name, response in self.person.responses.items()}
             presses = [{k: _or_none(v) for k, v in asdict(press).items()} for press in self.presses]
             wrong = [{k: _or_none(v) for k, v in asdict(each).items()} for each in self.afflictions]
-        shares = self.person.muscle_share
         return {
-            "participant": self.person.name, "specimens": responses, "muscle_share": shares, "presses": presses,
-            "sensors_wrong": wrong,
+            "participant": self.person.name, "specimens": responses, "muscle_share": self.person.muscle_share,
+            "presses": presses, "sensors_wrong": wrong,
         }  # fmt: skip
 
     def write_truth(self, path: Path) -> None:
         """The truth as JSON."""
         write_text_atomic(path, json.dumps(self.truth(), indent=2) + "\n")
 
-    def _between(self, at_s: FloatArray, column: int, until_s: FloatArray) -> FloatArray:
+    def _between(self, at_s: FloatArray, until_s: FloatArray) -> FloatArray:
+        """(4, n) force, a, b and effort of a maximum contraction at some times."""
         if not at_s.size:
-            return np.zeros(0)
+            return np.zeros((4, 0))
         with self._lock:
             self.advance(float(until_s[-1]))
             first, last = math.floor(at_s[0] / STEP_S), max(0, math.ceil(at_s[-1] / STEP_S))
             steps = np.arange(max(first, self._steps - _KEPT_STEPS + 1, 0), min(last, self._steps) + 1)
-            values: FloatArray = np.interp(at_s, steps * STEP_S, self._history[steps % _KEPT_STEPS, column])
-            return values
+            kept = self._history[steps % _KEPT_STEPS].T
+            return np.array([np.interp(at_s, steps * STEP_S, values) for values in kept])
 
     # one step
 
@@ -199,7 +200,8 @@ class EmulatedParticipant:
             while self._due and self._due[0][0] <= time_s:
                 self._due.popleft()[1](time_s)
             force_n = self._move(time_s)
-            self._history[self._steps % _KEPT_STEPS] = force_n, self._activity_v(force_n)
+            a_v, b_v = self._on_table.a_v * self._scale, self._on_table.b_v * self._scale
+            self._history[self._steps % _KEPT_STEPS] = force_n, a_v, b_v, self._contraction()
             if self._press is not None:
                 self._keep_truth(time_s, force_n)
 
@@ -238,8 +240,7 @@ class EmulatedParticipant:
     def _meet(self, glance: _Glance, time_s: float) -> None:
         """The next press is near: its planned mistake, and an end of the last one's."""
         self._mistake = ""
-        now = [_over(each, time_s) if each.end_s == math.inf else each for each in self.afflictions]
-        self.afflictions = now
+        self.afflictions = [replace(each, end_s=min(each.end_s, time_s)) for each in self.afflictions]
         for mistake in self._planned_for(glance):
             self._mistake = mistake.kind
             if mistake.kind not in OF_HAND:
@@ -314,25 +315,11 @@ class EmulatedParticipant:
         wobble = 1 + WOBBLE_SHARE * math.sin(math.tau * self._wobble_hz * time_s + self._wobble)
         return self._rate_n_per_s * begun * wobble
 
-    def _activity_v(self, force_n: float) -> float:
-        person, response = self.person, self._on_table
-        goal = 1.0 if self._state == "contract" else 0.0
-        if self._effort != goal:
-            way = STEP_S / CONTRACTION_S
-            self._effort = min(1.0, self._effort + way) if goal else max(0.0, self._effort - way)
-        pressing_v = self._pressing_v(response, force_n)
-        return pressing_v + self._effort * (person.contraction_v - pressing_v)
-
-    def _pressing_v(self, response: Response, force_n: float) -> float:
-        """Equation (6), v = a + b ln F; below its end a power of F of the same value and slope there, down to rest."""
-        person = self.person
-        a_v, b_v, rest_v = response.a_v * self._scale, response.b_v * self._scale, person.rest_v
-        if force_n >= person.join_n:
-            return a_v + b_v * math.log(force_n)
-        if force_n <= 0:
-            return rest_v
-        over_v = a_v + b_v * math.log(person.join_n) - rest_v
-        return float(rest_v + over_v * (force_n / person.join_n) ** (b_v / over_v))
+    def _contraction(self) -> float:
+        """Effort of a maximum contraction, 0 to 1, a step later."""
+        way = STEP_S / CONTRACTION_S * (1 if self._state == "contract" else -1)
+        self._effort = min(1.0, max(0.0, self._effort + way))
+        return self._effort
 
     def _keep_truth(self, time_s: float, force_n: float) -> None:
         press = self._press
@@ -359,10 +346,6 @@ class EmulatedParticipant:
     def _later(self, time_s: float, act: Callable[[float], None]) -> None:
         self._due.append((time_s, act))
         self._due = deque(sorted(self._due, key=lambda each: each[0]))
-
-
-def _over(affliction: Affliction, time_s: float) -> Affliction:
-    return Affliction(affliction.kind, affliction.muscle, affliction.start_s, time_s)
 
 
 def _or_none(value: object) -> object:

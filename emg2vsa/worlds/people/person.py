@@ -1,17 +1,25 @@
-"""Who is emulated: specimens with their true coefficients, and the habits of a hand."""
+"""Who is simulated: specimens with their true coefficients, what muscles do at a force, and the habits of a hand."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa.errors import SettingError
+from emg2vsa.settings import SimulationSettings
 from emg2vsa.study import Study
-from emg2vsa.worlds.people.recording import JOIN_SHARE, REST_SHARE, check_coefficients, spread
 
+FloatArray = NDArray[np.float64]
+Level = TypeVar("Level", float, FloatArray)
+
+JOIN_SHARE = 0.6
+"The logarithm ends at this share of the lower force of the window (0.3 N of 0.5 N)."
+REST_SHARE = 0.2
+"Rest tone, as a share of the co-contraction where the logarithm ends."
 USUAL_STIFFNESS_N_PER_MM = 3.0
 "Of a specimen whose stiffness the study does not say."
 
@@ -59,14 +67,9 @@ class Person:
         object.__setattr__(self, "usual", Response(a_v, b_v, USUAL_STIFFNESS_N_PER_MM))
 
     @property
-    def join_n(self) -> float:
-        """Force at which the logarithm ends."""
-        return JOIN_SHARE * self.lower_n
-
-    @property
     def rest_v(self) -> float:
         """Tone of the resting muscles: one for all specimens, for a hand at rest does not know what lies before it."""
-        return REST_SHARE * min(r.a_v + r.b_v * math.log(self.join_n) for r in self.responses.values())
+        return REST_SHARE * min(logarithm_end(r.a_v, r.b_v, self.lower_n)[1] for r in self.responses.values())
 
     @property
     def contraction_v(self) -> float:
@@ -95,10 +98,7 @@ def person_of(study: Study, participant: str) -> Person:
             do="Choose one of these, or add the code to [participants].",
         )
     index = study.participants.index(participant)
-    # the draw of emg2vsa.worlds.people.plan, so that both tell the same truth of a participant
-    rng = np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=(index,)))
-    factor = float(spread(rng, settings.participant_sd, 1)[0])
-    lower_n = study.window.force_n[0]
+    factor, lower_n = participant_factor(settings, index)[0], study.window.force_n[0]
     responses = {}
     for specimen in study.specimens:
         a_v, b_v = settings.a_v[specimen.name] * factor, settings.b_v[specimen.name] * factor
@@ -116,3 +116,49 @@ def person_of(study: Study, participant: str) -> Person:
         mains_hz=settings.mains_hz,
         force_noise_n=settings.force_noise_n,
     )
+
+
+def participant_factor(settings: SimulationSettings, index: int) -> tuple[float, np.random.Generator]:
+    """By what a and b of participant number ``index`` differ from those of the study; and the draws that follow."""
+    # a seed is an address, so a recording does not depend on how many others there are
+    rng = np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=(index,)))
+    return float(spread(rng, settings.participant_sd, 1)[0]), rng
+
+
+def spread(rng: np.random.Generator, relative_sd: float, n: int) -> FloatArray:
+    """``n`` factors around 1; a wide spread is cut at 0.1, for a co-contraction stays positive."""
+    factors: FloatArray = np.maximum(1 + relative_sd * rng.standard_normal(n), 0.1)
+    return factors
+
+
+def cocontraction_v(
+    force_n: FloatArray, a_v: Level, b_v: Level, lower_n: float, rest_v: float | None = None
+) -> FloatArray:
+    """Equation (6), v = a + b ln F, for F >= 0.6 ``lower_n``; below, a power of F, equal in value and slope there.
+
+    force_n : (n,) true force, not negative. a_v, b_v : of all, or (n,). rest_v : at zero force; None: a fifth of the
+    joint value. Returns (n,) volts.
+    """
+    join_n, join_v = logarithm_end(a_v, b_v, lower_n)
+    at_rest = REST_SHARE * join_v if rest_v is None else rest_v
+    exponent = b_v / (join_v - at_rest)
+    below = at_rest + (join_v - at_rest) * (np.minimum(force_n, join_n) / join_n) ** exponent
+    return np.where(force_n >= join_n, a_v + b_v * np.log(np.maximum(force_n, join_n)), below)
+
+
+def logarithm_end(a_v: Level, b_v: Level, lower_n: float) -> tuple[float, Level]:
+    """Force and co-contraction at which the logarithm ends."""
+    join_n = JOIN_SHARE * lower_n
+    return join_n, a_v + b_v * math.log(join_n)
+
+
+def check_coefficients(where: str, a_v: float, b_v: float, lower_n: float) -> None:
+    """Refuse a logarithm that is not rising, or not positive where it ends."""
+    join_n, join_v = logarithm_end(a_v, b_v, lower_n)
+    if not (b_v > 0 and join_v > 0):
+        raise SettingError(
+            where,
+            wanted=f"b_v > 0 and a_v + b_v ln({join_n:g} N) > 0, so that EMG rises with force and stays positive",
+            found=f"a_v = {a_v:g}, b_v = {b_v:g}, which give {join_v:.3g} V at {join_n:g} N",
+            do="Raise a_v or lower b_v.",
+        )

@@ -12,8 +12,8 @@ import numpy as np
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import ChannelSettings, SimulationSettings, WindowSettings
 from emg2vsa.study import RecordingEntry, Study
-from emg2vsa.worlds.people.presses import longest_record_s
-from emg2vsa.worlds.people.recording import SyntheticRecording, check_coefficients, make_recording, spread
+from emg2vsa.worlds.people.person import check_coefficients, participant_factor
+from emg2vsa.worlds.people.recording import SyntheticRecording, longest_record_s, make_recording
 
 FIRST_SESSION = datetime(2026, 1, 5, 9, 0, 0)
 "The first participant's first recording; the others follow, one participant a day. No clock is read."
@@ -65,9 +65,7 @@ def plan_study(study: Study) -> tuple[SimulationSettings, tuple[PlannedRecording
 
 def _session(study: Study, settings: SimulationSettings, index: int, slot: timedelta) -> list[PlannedRecording]:
     """The recordings of one participant, specimens in the study's order."""
-    # a seed is an address, so a recording does not depend on how many others there are
-    rng = np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=(index,)))
-    factor = float(spread(rng, settings.participant_sd, 1)[0])
+    factor, rng = participant_factor(settings, index)
     places = np.argsort(rng.random(len(study.specimens))).argsort().tolist()
     participant = study.participants[index]
     entries = {entry.specimen: entry for entry in study.recordings if entry.participant == participant}

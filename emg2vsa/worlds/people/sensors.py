@@ -1,16 +1,21 @@
-"""What sensors make of an emulated participant: EMG with its carrier, noise and hum, and a force with noise."""
+"""What sensors measure of an emulated participant, and sources of kind "simulated" on them, within the process."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import bilinear_zpk, freqz_sos, sosfilt, zpk2sos
 
-from emg2vsa.worlds.people.carrier import AMPLIFIER_BAND_HZ, MUSCLE_HIGH_HZ, MUSCLE_LOW_HZ
-from emg2vsa.worlds.people.participant import Affliction, EmulatedParticipant
+from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.streams import Block, StreamCounts, StreamInfo
+from emg2vsa.session_settings import SessionSettings
+from emg2vsa.study import Study
+from emg2vsa.worlds.people.mistakes import Mistake
+from emg2vsa.worlds.people.participant import EmulatedParticipant
+from emg2vsa.worlds.people.person import person_of
+from emg2vsa.worlds.people.signals import Electrode, Faults, ForceSensor
 
 FloatArray = NDArray[np.float64]
 
@@ -18,38 +23,23 @@ LIFTED_V, LIFTED_NOISE_V, HUM_V = 1.5e-3, 60e-6, 30e-6
 "Mains hum and noise, rms, of an electrode in the air; hum of a bad ground."
 OFFSET_N, TOO_LARGE = 0.25, 500.0
 "Zero error of the force; factor of EMG that is clipped."
-_EDGE = 0.45
-"Largest corner of a filter as a share of the rate."
-_EMG, _FORCE, _PHASE = 1, 2, 3
+EMG_RANGE_V, EMG_HZ = 11e-3, 1000.0
+FORCE_HZ, FORCE_RANGE_N = 1000.0, 290.0
+_FACTS = {"model": "emulated participant"}
+_EMG, _FORCE = 1, 2
 "Streams of random numbers of one seed; 0 are the hand's."
-
-
-def carrier_filter(fs_hz: float) -> FloatArray:
-    """Second-order sections that turn white noise of variance 1 into EMG with a mean rectified value of 1.
-
-    Power spectrum of `emg2vsa.worlds.people.carrier.muscle_spectrum`, by the bilinear transform of its poles and zeros.
-    """
-
-    def warped(hz: float) -> float:
-        return 2 * fs_hz * math.tan(math.pi * min(hz, _EDGE * fs_hz) / fs_hz)
-
-    low, high = warped(MUSCLE_LOW_HZ), warped(MUSCLE_HIGH_HZ)
-    band = [warped(hz) for hz in AMPLIFIER_BAND_HZ]
-    turn = np.exp(1j * math.pi * np.array([0.75, -0.75]))
-    poles = np.concatenate([[-low, -high, -high], band[0] * turn, band[1] * turn])
-    sos: FloatArray = zpk2sos(*bilinear_zpk(np.zeros(3), poles, 1.0, fs_hz))
-    _, response = freqz_sos(sos, 1 << 14)
-    sos[0, :3] *= math.sqrt(math.pi / 2) / math.sqrt(float(np.mean(np.abs(response) ** 2)))
-    return sos
 
 
 class Sampler:
     """Takes samples of the participant at ``fs_hz``, the first at ``start_s``. taken : samples so far."""
 
-    def __init__(self, participant: EmulatedParticipant, fs_hz: float, start_s: float, stream: int) -> None:
+    def __init__(self, participant: EmulatedParticipant, fs_hz: float, start_s: float) -> None:
         self._participant, self.fs_hz, self._start_s, self.taken = participant, fs_hz, start_s, 0
-        seed, *key = participant.person.seed
-        self._rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(*key, stream)))
+        self._person = participant.person
+
+    def _rng(self, *stream: int) -> np.random.Generator:
+        seed, *key = self._person.seed
+        return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(*key, *stream)))
 
     def due(self, time_s: float) -> int:
         """Samples measured by a time and not yet taken."""
@@ -79,54 +69,46 @@ class EmgSampler(Sampler):
         muscles: Sequence[str],
         fs_hz: float,
         *,
-        range_v: float = 11e-3,
+        range_v: float = EMG_RANGE_V,
         start_s: float = 0.0,
     ) -> None:
-        super().__init__(participant, fs_hz, start_s, _EMG)
-        self._muscles, self._range_v = tuple(muscles), range_v
-        self._shares = np.array([participant.person.muscle_share.get(muscle, 0.0) for muscle in muscles])
-        self._sos = carrier_filter(fs_hz)
-        self._state = np.zeros((len(self._sos), 2, len(muscles)))
-        self._phases = math.tau * np.arange(len(muscles)) / 7
+        super().__init__(participant, fs_hz, start_s)
+        self._muscles, self._range_v, person = tuple(muscles), range_v, self._person
+        of_emg = Faults(person.emg_noise_v, person.mains_v, person.mains_hz)
+        self._electrodes = [Electrode(self._rng(_EMG, k), fs_hz, of_emg) for k in range(len(muscles))]
 
     def take(self, n: int) -> FloatArray:
         """(n, muscles) the next samples, V."""
         times_s = self._next_times_s(n)
         if not n:
             return np.zeros((0, len(self._muscles)))
-        person = self._participant.person
-        white = self._rng.standard_normal((n, 2, len(self._muscles)))
-        carrier, self._state = sosfilt(self._sos, white[:, 0], axis=0, zi=self._state)
-        emg_v: FloatArray = self._participant.cocontraction_v(times_s)[:, None] * self._shares * carrier
-        hum = math.sqrt(2) * np.sin(math.tau * person.mains_hz * times_s[:, None] + self._phases)
-        emg_v += person.mains_v * hum + person.emg_noise_v * white[:, 1]
-        for wrong in self._participant.afflicted(times_s[0], times_s[-1] + 1 / self.fs_hz):
-            during = (times_s >= wrong.start_s) & (times_s < wrong.end_s)
-            emg_v[during] = self._afflicted(wrong, emg_v[during], hum[during], white[during, 1])
+        level_v = self._participant.cocontraction_v(times_s)
+        afflictions = self._participant.afflicted(times_s[0], times_s[-1] + 1 / self.fs_hz)
+        emg_v = np.empty((n, len(self._muscles)))
+        for column, (muscle, electrode) in enumerate(zip(self._muscles, self._electrodes, strict=True)):
+            channel_v, hum, white = electrode.take(self._person.muscle_share.get(muscle, 0.0) * level_v)
+            for wrong in afflictions:
+                during = (times_s >= wrong.start_s) & (times_s < wrong.end_s)
+                if wrong.kind == "mains":
+                    channel_v = np.where(during, channel_v + HUM_V * math.sqrt(2) * hum, channel_v)
+                elif wrong.kind == "clipping":
+                    channel_v = np.where(during, channel_v * TOO_LARGE, channel_v)
+                elif (wrong.kind, wrong.muscle) == ("electrode-off", muscle):
+                    channel_v = np.where(during, LIFTED_V * math.sqrt(2) * hum + LIFTED_NOISE_V * white, channel_v)
+            emg_v[:, column] = channel_v
         return np.clip(emg_v, -self._range_v, self._range_v, out=emg_v)
-
-    def _afflicted(self, wrong: Affliction, emg_v: FloatArray, hum: FloatArray, white: FloatArray) -> FloatArray:
-        if wrong.kind == "mains":
-            return emg_v + HUM_V * hum
-        if wrong.kind == "clipping":
-            return emg_v * TOO_LARGE
-        if wrong.kind == "electrode-off":
-            columns = [column for column, muscle in enumerate(self._muscles) if muscle == wrong.muscle]
-            emg_v[:, columns] = LIFTED_V * hum[:, columns] + LIFTED_NOISE_V * white[:, columns]
-        return emg_v
 
 
 class ForceSampler(Sampler):
     """The force sensor under the specimen, sample by sample; pressing is positive."""
 
     def __init__(self, participant: EmulatedParticipant, fs_hz: float, *, start_s: float = 0.0) -> None:
-        super().__init__(participant, fs_hz, start_s, _FORCE)
+        super().__init__(participant, fs_hz, start_s)
+        self._sensor = ForceSensor(self._rng(_FORCE), fs_hz, noise_n=self._person.force_noise_n)
 
     def take(self, n: int) -> FloatArray:
         """(n, 1) the next samples, N."""
-        times_s = self._next_times_s(n)
-        force_n = felt_n(self._participant, times_s)
-        return (force_n + self._participant.person.force_noise_n * self._rng.standard_normal(n))[:, None]
+        return self._sensor.take(felt_n(self._participant, self._next_times_s(n)))[:, None]
 
 
 def felt_n(participant: EmulatedParticipant, times_s: FloatArray) -> FloatArray:
@@ -137,3 +119,59 @@ def felt_n(participant: EmulatedParticipant, times_s: FloatArray) -> FloatArray:
             if wrong.kind == "sensor-offset":
                 force_n = force_n + OFFSET_N * ((times_s >= wrong.start_s) & (times_s < wrong.end_s))
     return force_n
+
+
+class SimulatedSource:
+    """A `emg2vsa.devices.streams.Source` on a sampler. ``delay_s`` : from the body to arrival."""
+
+    def __init__(self, sampler: EmgSampler | ForceSampler, info: StreamInfo, clock: Clock) -> None:
+        self._sampler, self._info, self._clock = sampler, info, clock
+
+    @property
+    def info(self) -> StreamInfo:
+        return self._info
+
+    def start(self) -> None:
+        """What was before the start is not handed over."""
+        self._sampler.take(self._sampler.due(self._clock.now_s() - self._info.delay_s))
+        self._skipped = self._sampler.taken
+
+    def read(self) -> list[Block]:
+        now_s = self._clock.now_s()
+        due = self._sampler.due(now_s - self._info.delay_s)
+        if not due:
+            return []
+        first = self._sampler.taken - self._skipped
+        return [Block(self._sampler.take(due), first, now_s)]
+
+    def counts(self) -> StreamCounts:
+        return StreamCounts(self._sampler.taken - self._skipped)
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+
+def simulated_emg(
+    participant: EmulatedParticipant, muscles: Sequence[str], fs_hz: float, clock: Clock, delay_s: float = 0.0
+) -> SimulatedSource:
+    """The EMG of some muscles."""
+    info = StreamInfo("emg", tuple(muscles), "V", fs_hz, EMG_RANGE_V, delay_s, _FACTS)
+    return SimulatedSource(EmgSampler(participant, muscles, fs_hz), info, clock)
+
+
+def simulated_force(
+    participant: EmulatedParticipant, clock: Clock, fs_hz: float = FORCE_HZ, delay_s: float = 0.0
+) -> SimulatedSource:
+    """The force."""
+    info = StreamInfo("force", ("force",), "N", fs_hz, FORCE_RANGE_N, delay_s, _FACTS)
+    return SimulatedSource(ForceSampler(participant, fs_hz), info, clock)
+
+
+def simulate(
+    study: Study, settings: SessionSettings, participant: str, clock: Clock, mistakes: Iterable[Mistake] = ()
+) -> tuple[EmulatedParticipant, SimulatedSource, SimulatedSource]:
+    """The participant, the source of the EMG and that of the force. SettingError as `person_of`."""
+    person = EmulatedParticipant(person_of(study, participant), mistakes=mistakes, range_n=settings.force_n)
+    fs_hz = getattr(settings.emg, "fs_hz", EMG_HZ)  # of whatever kind; others tell their rate when they are there
+    emg = simulated_emg(person, tuple(person.person.muscle_share), fs_hz, clock, settings.emg.delay_s)
+    return person, emg, simulated_force(person, clock, delay_s=settings.force.delay_s)

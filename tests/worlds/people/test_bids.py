@@ -15,7 +15,7 @@ import pytest
 
 from emg2vsa.errors import SettingError
 from emg2vsa.study import Study
-from emg2vsa.worlds.people import simulate_study
+from emg2vsa.worlds.people.study import simulate_study
 
 Make = Callable[..., Study]
 KNOWN_WARNINGS = {"TOO_FEW_AUTHORS", "JSON_KEY_RECOMMENDED"}

@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from emg2vsa.worlds.people.carrier import around, below, emg_carrier, gaussian_noise, muscle_spectrum
+from emg2vsa.worlds.people.signals import (
+    Electrode,
+    Faults,
+    ForceSensor,
+    around,
+    below,
+    emg_carrier,
+    gaussian_noise,
+    muscle_spectrum,
+)
 
 FS_HZ, N = 1000.0, 400_000
 
@@ -54,3 +63,25 @@ def test_ends_of_a_drift_do_not_meet() -> None:
     rng = np.random.default_rng(5)
     ends = np.array([gaussian_noise(rng, 1000, FS_HZ, below(5.0))[[0, -1]] for _ in range(200)])
     assert np.std(ends[:, 0] - ends[:, 1]) > 0.5
+
+
+def test_a_stream_goes_on_from_page_to_page() -> None:
+    """The same for any blocks; its second page is as its first but for the draws."""
+
+    def taken(sizes: list[int]) -> tuple[np.ndarray, np.ndarray]:
+        electrode = Electrode(np.random.default_rng(6), FS_HZ, Faults(1e-6, 2e-6, 50.0), page=4000)
+        sensor = ForceSensor(np.random.default_rng(7), FS_HZ, noise_n=0.02, offset_n=0.3, page=4000)
+        emg = np.concatenate([electrode.take(np.full(size, 30e-6))[0] for size in sizes])
+        return emg, np.concatenate([sensor.take(np.ones(size)) for size in sizes])
+
+    (emg_v, force_n), (again_v, again_n) = taken([12_000]), taken([1, 3999, 4001, 3999])
+    np.testing.assert_array_equal(emg_v, again_v)
+    np.testing.assert_array_equal(force_n, again_n)
+    for page in emg_v.reshape(3, 4000):
+        assert np.mean(np.abs(page)) == pytest.approx(30e-6, rel=0.08)
+    assert not np.array_equal(emg_v[:4000], emg_v[4000:8000])
+    assert np.mean(force_n) == pytest.approx(1.3, abs=0.01)
+    tone = np.exp(-2j * np.pi * 50.0 * np.arange(12_000) / FS_HZ)
+    quiet = Electrode(np.random.default_rng(6), FS_HZ, Faults(0.0, 2e-6, 50.0), page=4000)
+    hum_v = quiet.take(np.zeros(12_000))[0]
+    assert np.sqrt(2) * abs(np.mean(hum_v * tone)) == pytest.approx(2e-6, rel=0.02)

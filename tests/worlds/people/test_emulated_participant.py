@@ -19,14 +19,12 @@ from emg2vsa.devices.clock import FastClock, VirtualClock
 from emg2vsa.errors import SettingError
 from emg2vsa.session.views import Command, ForceMessage, ParticipantState
 from emg2vsa.study_file import load_study
-from emg2vsa.worlds.people.carrier import muscle_spectrum
 from emg2vsa.worlds.people.mistakes import parse_mistakes
 from emg2vsa.worlds.people.participant import EmulatedParticipant, TruePress
 from emg2vsa.worlds.people.person import Person, Response, person_of
-from emg2vsa.worlds.people.sensors import EmgSampler, carrier_filter
-from emg2vsa.worlds.people.simulated import SimulatedSource, simulated_emg, simulated_force
+from emg2vsa.worlds.people.sensors import EmgSampler, SimulatedSource, simulated_emg, simulated_force
 
-PALPATION = Path(__file__).parents[2] / "studies" / "palpation" / "study.toml"
+PALPATION = Path(__file__).parents[3] / "studies" / "palpation" / "study.toml"
 PERSON = Person(
     name="P03",
     responses={"S1": Response(42e-6, 20e-6, 7.63), "S5": Response(16e-6, 7e-6, 1.11)},
@@ -197,24 +195,13 @@ def test_the_same_seed_gives_the_same_samples_however_they_are_taken() -> None:
 
     once = taken([2700])
     assert np.array_equal(once, taken([27] * 100))
-    assert np.abs(once[:, 2]).max() < 10e-6
+    assert np.abs(once[:, 2]).max() < 20e-6
 
 
 def test_two_sessions_of_one_seed_are_one() -> None:
     first, second = Table(["dips@1"]), Table(["dips@1"])
     assert first.one_press() == second.one_press()
     assert np.array_equal(np.concatenate(first.emg), np.concatenate(second.emg))
-
-
-@pytest.mark.parametrize("fs_hz", [1000.0, 1925.93, 2000.0])
-def test_the_carrier_has_a_mean_rectified_value_of_one_and_the_spectrum_of_emg(fs_hz: float) -> None:
-    carrier = signal.sosfilt(carrier_filter(fs_hz), np.random.default_rng(1).standard_normal(400_000))
-    assert np.abs(carrier).mean() == pytest.approx(1.0, abs=0.01)
-    frequency_hz, power = signal.welch(carrier, fs_hz, nperseg=1024)
-    wanted = muscle_spectrum(frequency_hz)
-    below, wanted_below = np.cumsum(power) / power.sum(), np.cumsum(wanted) / wanted.sum()
-    # of the power below any frequency; the bilinear transform bends the spectrum near half the rate
-    assert np.max(np.abs(below - wanted_below)) < (0.03 if fs_hz > 1500 else 0.06)
 
 
 def test_emg_holds_a_and_b() -> None:

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings
 from emg2vsa.study import Study
-from emg2vsa.worlds.people import simulate_study
 from emg2vsa.worlds.people.plan import plan_study
 from emg2vsa.worlds.people.recording import SyntheticRecording
+from emg2vsa.worlds.people.study import simulate_study
 
 Make = Callable[..., Study]
 ODD_CHANNELS = ChannelSettings(

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from emg2vsa.settings import SimulationSettings
-from emg2vsa.worlds.people.presses import INITIAL_REST_S, longest_record_s, make_presses, smooth_step
+from emg2vsa.worlds.people.recording import INITIAL_REST_S, longest_record_s, make_presses, smooth_step
 
 WINDOW_N = (0.5, 7.0)
 SETTINGS = SimulationSettings(repetitions=10)

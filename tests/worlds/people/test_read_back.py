@@ -11,8 +11,8 @@ import pytest
 from emg2vsa.readers.roles import read_roles
 from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings
 from emg2vsa.study import Study
-from emg2vsa.worlds.people import Format, simulate_study
 from emg2vsa.worlds.people.plan import plan_study
+from emg2vsa.worlds.people.study import Format, simulate_study
 
 Make = Callable[..., Study]
 RELATIVE_ERROR = {"bids": 2e-7, "csv": 6e-9, "emgworks": 6e-7, "c3d": 7e-8}

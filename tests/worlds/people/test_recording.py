@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from emg2vsa.settings import SimulationSettings
-from emg2vsa.worlds.people.recording import SyntheticRecording, make_recording
+from emg2vsa.worlds.people.recording import RecordingStream, SyntheticRecording, make_recording
 
 SETTINGS = SimulationSettings(repetitions=3)
 CLEAN = replace(SETTINGS, emg_noise_v=0.0, mains_v=0.0, force_noise_n=0.0, force_offset_n=0.0)
@@ -113,6 +113,18 @@ def test_one_seed_object_gives_the_same_recording_every_time() -> None:
     seed = np.random.SeedSequence(9)
     first, second = (make_recording(seed, SETTINGS, a_v=A_V, b_v=B_V, window_n=WINDOW_N).emg_v["EDC"] for _ in range(2))
     np.testing.assert_array_equal(first, second)
+
+
+@pytest.mark.parametrize("size", [1, 777, 10_000])
+def test_a_recording_is_its_collected_stream(size: int) -> None:
+    settings = replace(SETTINGS, repetitions=1, fs_hz=200.0)
+    given = {"a_v": A_V, "b_v": B_V, "window_n": WINDOW_N, "force_delay_s": 0.05}
+    whole = make_recording(np.random.SeedSequence(11), settings, **given)
+    stream = RecordingStream(np.random.SeedSequence(11), settings, **given)
+    blocks = [stream.take(size) for _ in range(-(-stream.samples // size) + 1)]
+    np.testing.assert_array_equal(np.concatenate([force_n for _, force_n in blocks]), whole.force_n)
+    for muscle, emg_v in whole.emg_v.items():
+        np.testing.assert_array_equal(np.concatenate([emg[muscle] for emg, _ in blocks]), emg_v)
 
 
 def test_the_force_window_is_followed() -> None:

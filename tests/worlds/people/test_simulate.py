@@ -10,8 +10,8 @@ import pytest
 
 from emg2vsa.errors import SettingError
 from emg2vsa.study import Study
-from emg2vsa.worlds.people import WRITERS, Format, simulate_study
 from emg2vsa.worlds.people.plan import plan_study
+from emg2vsa.worlds.people.study import WRITERS, Format, simulate_study
 
 Make = Callable[..., Study]
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.laboratory import Laboratory, activity_v, simulate_session
 from emg2vsa.errors import SettingError
 from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.fits import fit_trials
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ForceChannelSettings, WindowSettings
-from emg2vsa.worlds.people.laboratory import Laboratory, activity_v, simulate_session
 
 
 def analysed(laboratory: Laboratory, seed: int = 1, **filters):
