@@ -1,4 +1,9 @@
-"""Trials out of continuous recordings: pairing in time, verdicts, hostile input, real files."""
+"""Trials out of continuous recordings: pairing in time, verdicts, hostile input, real files.
+
+Levels of maximum contractions: what was put in is found, and too short a recording is refused.
+
+One level for a whole session: the largest envelope of each muscle in its trials that were not rejected.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +14,9 @@ import pytest
 from scipy import signal
 
 from emg2vsa.errors import SettingError, SignalError
+from emg2vsa.extraction.contractions import contraction_levels_v
 from emg2vsa.extraction.extract import _rests_differ
+from emg2vsa.fits import in_session
 from emg2vsa.settings import PAPER, CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
 from emg2vsa.signals.filters import one_pass_band_hz
 from emg2vsa.signals.pairing import Instants
@@ -264,3 +271,74 @@ def test_rests_differ_by_tone_and_not_by_noise() -> None:
     assert _rests_differ(toned, resting, 1000.0)
     alone = Instants(np.array([0]), np.array([500]), 1, np.ones(1, np.bool_))
     assert not _rests_differ(toned, alone, 1000.0)
+
+
+def contraction(channel, level_v, seconds=6.0, held_s=2.0, seed=0):
+    n = round(seconds * 1000)
+    held = np.abs(np.arange(n) / 1000 - seconds / 2) < held_s / 2
+    return channel(np.where(held, level_v, 2e-6) * np.random.default_rng(seed).standard_normal(n))
+
+
+def test_the_largest_held_level_of_all_recordings(channel):
+    parts = [
+        {"EDC": contraction(channel, 4e-4), "FDS": contraction(channel, 1e-4, seed=1)},
+        {"EDC": contraction(channel, 2e-4, seed=2), "FDS": contraction(channel, 3e-4, seed=3)},
+    ]
+    levels = contraction_levels_v(parts, FilterSettings(band_hz=(10.0, 499.0)))
+    # mean rectified value of white noise through most of the band, the largest of a few half seconds
+    assert levels["EDC"] == pytest.approx(4e-4 * np.sqrt(2 / np.pi), rel=0.1)
+    assert levels["FDS"] == pytest.approx(3e-4 * np.sqrt(2 / np.pi), rel=0.1)
+
+
+def test_one_peak_is_no_contraction(channel):
+    levels = contraction_levels_v([{"EDC": contraction(channel, 4e-4, held_s=0.05)}], FilterSettings())
+    assert levels["EDC"] < 0.25 * 4e-4
+
+
+def test_too_short_a_recording(channel):
+    with pytest.raises(SignalError, match="at least"):
+        contraction_levels_v([{"EDC": channel(np.ones(20))}], FilterSettings())
+
+
+SESSION_MAX = CocontractionSettings(normalise="session-max")
+
+
+def test_the_largest_envelope_of_each_muscle_counts_as_one(by_hand):
+    alone = in_session(by_hand, [by_hand], SESSION_MAX)
+    assert alone.activity == pytest.approx([1 / 4 + 10 / 20, 2 / 4 + 1, 90 / 4 + 90 / 20, 99 / 4 + 99 / 20, 1.5, 1.25])
+    assert alone.activity_unit == "1"
+    assert alone.notes[0] == "a note"
+    assert alone.notes[1].endswith("EDC 4 uV, FDS 20 uV")
+    assert alone.envelopes_v is by_hand.envelopes_v
+
+
+def test_recordings_of_a_session_share_their_level(by_hand):
+    louder = replace(by_hand, specimen="S2", envelopes_v=2 * by_hand.envelopes_v)
+    first, second = (in_session(part, [by_hand, louder], SESSION_MAX) for part in (by_hand, louder))
+    assert second.activity == pytest.approx(2 * first.activity)
+    assert second.activity == pytest.approx(in_session(by_hand, [by_hand], SESSION_MAX).activity)
+
+
+def test_order_of_muscles_and_recordings_does_not_matter(by_hand):
+    turned = replace(by_hand, muscles=("FDS", "EDC"), envelopes_v=3 * by_hand.envelopes_v[::-1])
+    expected = in_session(by_hand, [by_hand, turned], SESSION_MAX).activity
+    assert np.array_equal(in_session(by_hand, [turned, by_hand], SESSION_MAX).activity, expected)
+    assert in_session(turned, [by_hand, turned], SESSION_MAX).activity == pytest.approx(3 * expected)
+
+
+def test_a_recording_without_the_muscle_or_without_presses_sets_no_level(by_hand):
+    alone = in_session(by_hand, [by_hand], SESSION_MAX).activity
+    other = replace(by_hand, muscles=("EDC", "FCR"), envelopes_v=by_hand.envelopes_v * [[0.5], [100]])
+    empty = replace(by_hand, verdict=by_hand.verdict[:0], offsets=np.zeros(1, np.int64), envelopes_v=np.empty((2, 0)))
+    assert np.array_equal(in_session(by_hand, [by_hand, other, empty], SESSION_MAX).activity, alone)
+
+
+def test_a_session_of_rejected_trials_only_gives_zero_not_infinity(by_hand):
+    rejected = replace(by_hand, verdict=np.full(3, "rejected"))
+    assert not in_session(rejected, [rejected], SESSION_MAX).activity.any()
+
+
+def test_volts_stay_volts_where_nothing_is_normalised(by_hand):
+    same = in_session(by_hand, [by_hand], CocontractionSettings())
+    assert np.array_equal(same.activity, by_hand.activity)
+    assert same.activity_unit == "V"

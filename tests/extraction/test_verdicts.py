@@ -1,14 +1,26 @@
-"""Each verdict provoked, and its reason: on EMG, on force, and on the sign of the force."""
+"""Each verdict provoked, and its reason: on EMG, on force, and on the sign of the force.
+
+Presses that say the same are named once.
+
+Every reason has a remedy, and the page for coordinators lists them all.
+"""
 
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from emg2vsa.extraction.reasons import grouped, most_frequent
+from emg2vsa.extraction.remedies import REMEDIES, remedy_of
 from emg2vsa.settings import ForceChannelSettings, WindowSettings
+from scripts.reasons import table
 
 FS_HZ = 1000.0
 RISE = [(0, 0), (2.6, 7.6), (2.9, 7.6), (3.6, 0)]
@@ -219,3 +231,65 @@ def test_quality_is_of_the_samples_under_the_kernel_to_the_last(one_press, offse
         return samples
 
     assert ("EDC misses 1 samples" in one_press(lost).reasons[0]) is counts
+
+
+def test_equal_reasons_are_one_line_with_the_range_of_their_numbers():
+    said = [
+        (1, "rejected", "lasted 0.33 s, shorter than 0.5 s; EDC is -0.6 dB over rest"),
+        (2, "rejected", "lasted 0.28 s, shorter than 0.5 s; EDC is -2.8 dB over rest"),
+        (3, "ok", ""),
+        (4, "rejected", "lasted 2e-05 s, shorter than 0.5 s; EDC is 0.1 dB over rest"),
+        (5, "warned", "mains is 38 % of the power of EDC"),
+    ]
+    assert grouped(said) == [
+        "presses 1-2, 4 rejected: lasted 2e-05 to 0.33 s, shorter than 0.5 s; EDC is -2.8 to 0.1 dB over rest",
+        "press 5 warned: mains is 38 % of the power of EDC",
+    ]
+
+
+def test_names_with_numbers_and_verdicts_stay_apart():
+    said = [(1, "rejected", "EMG 1 is flat"), (2, "rejected", "EMG 2 is flat"), (3, "warned", "EMG 2 is flat")]
+    assert len(grouped(said)) == 3
+    assert grouped([(1, "rejected", "EMG 2 misses 3 samples"), (2, "rejected", "EMG 2 misses 40 samples")]) == [
+        "presses 1-2 rejected: EMG 2 misses 3 to 40 samples"
+    ]
+
+
+@given(st.lists(st.tuples(st.sampled_from(["warned", "rejected"]), st.integers(-99, 99)), max_size=12))
+def test_every_press_is_named_once(said):
+    lines = grouped([(i, verdict, f"EDC is {n} dB over rest") for i, (verdict, n) in enumerate(said, 1)])
+    named = []
+    for line in lines:
+        for part in line.split(maxsplit=1)[1].split(" warned")[0].split(" rejected")[0].split(", "):
+            first, _, last = part.partition("-")
+            named += range(int(first), int(last or first) + 1)
+    assert sorted(named) == list(range(1, len(said) + 1))
+
+
+def test_the_most_frequent_kinds_are_counted_with_the_range_of_their_numbers():
+    said = ["EDC is flat", "force falls on 3.4 % of its path", "FDS is flat", "force falls on 3.6 % of its path"]
+    assert most_frequent(said, 2) == ["force falls on 3.4 to 3.6 % of its path (2)", "EDC is flat (1)"]
+    assert most_frequent([], 5) == []
+
+
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "how-to" / "coordinator.md"
+
+
+def test_examples_are_found_by_their_own_pattern_first():
+    for remedy in REMEDIES:
+        first = next(each for each in REMEDIES if re.fullmatch(each.found, remedy.example))
+        assert first is remedy, remedy.example
+        assert remedy.means
+
+
+def test_the_cause_goes_before_what_follows_from_it():
+    line = "presses 1-2, 4 rejected: its fit explains too little (adjusted R2 -0.05); EDC has spikes: 2 samples far"
+    assert "plugs" in remedy_of(line)
+    assert "3 s" in remedy_of("press 1 rejected: lasted 0.42 s, shorter than 0.5 s; record begins at 5.81 N")
+    assert remedy_of("a reason that nobody has written") == ""
+
+
+def test_the_page_for_coordinators_has_the_tables_of_the_code():
+    page = PAGE.read_text(encoding="utf-8")
+    for rejects in (True, None, False):
+        assert table(rejects) in page, "run python scripts/reasons.py"

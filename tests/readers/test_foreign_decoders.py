@@ -1,4 +1,7 @@
-"""Decoders of binary recordings that crash, never end or flood the memory; and a seeded sample of flipped bytes."""
+"""Decoders of binary recordings that crash, never end or flood the memory; and a seeded sample of flipped bytes.
+
+The parsers of emg2vsa's own under changed bytes; the hour's run is ``python -m benchmarks.fuzz_readers``.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +9,15 @@ import errno
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from benchmarks.corrupted_files import flipped, good_files
+from benchmarks.fuzz_readers import FOUND, Tally, tried
+from benchmarks.made_recordings import MADE
 from casr.decoder_process import child_pid, end_child
 from emg2vsa.errors import PassingError, RecordingError
 from emg2vsa.pipeline.stage import Given
@@ -195,3 +201,21 @@ def test_flipped_bytes_are_read_or_refused(tmp_path: Path) -> None:
         assert tally.outcomes["other exception"] == 0, tally.examples
         assert tally.peak_mb < 1000
         assert tally.slowest_s < 60
+
+
+TRIES = 60
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_nothing_but_a_refusal_comes_of_changed_bytes(tmp_path: Path, name: str) -> None:
+    tally = tried(name, iter([*FOUND.get(name, ()), *range(TRIES)]), tmp_path, Tally(name))
+    assert not tally.failed
+    assert tally.outcomes["read"] > 0
+    assert tally.outcomes["refused"] > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MADE)
+def test_nothing_but_a_refusal_comes_of_ten_seconds_of_changed_bytes(tmp_path: Path, name: str) -> None:
+    tally = tried(name, range(10**6, 10**7), tmp_path, Tally(name), until=time.monotonic() + 10)
+    assert not tally.failed

@@ -1,11 +1,17 @@
-"""Spelling of units and their factors."""
+"""Spelling of units and their factors.
+
+The clock found in time stamps.
+"""
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from emg2vsa.errors import RecordingError
+from emg2vsa.readers.timing import even_clock
 from emg2vsa.readers.units import si_factor, split_unit
 
 
@@ -56,3 +62,59 @@ def test_unit_in_a_label(label: str, expected: tuple[str, str | None]) -> None:
 def test_any_label_is_split_without_error_and_keeps_its_name(label: str) -> None:
     name, _ = split_unit(label)
     assert label.strip().startswith(name)
+
+
+def clock(time: np.ndarray, resolution_s: float = 0.0) -> tuple[float, float]:
+    return even_clock(time, "x.csv, time", lambda row: f"line {row + 2}", resolution_s)
+
+
+@given(st.floats(1.0, 20000.0), st.integers(3, 4000), st.floats(-100.0, 1000.0), st.integers(0, 2**32 - 1))
+def test_rate_and_start_come_back_whatever_the_jitter(fs: float, n: int, start: float, seed: int) -> None:
+    jitter = np.random.default_rng(seed).uniform(-0.2, 0.2, n) / fs
+    jitter[[0, -1]] = 0.0
+    fs_hz, start_s = clock(start + np.arange(n) / fs + jitter)
+    assert fs_hz == pytest.approx(fs, rel=1e-7)
+    assert start_s == pytest.approx(start, abs=1e-9)
+
+
+def test_stamps_rounded_to_a_tenth_of_a_millisecond_do_not_bend_the_rate() -> None:
+    fs = 1925.925926  # every step is 0.5 or 0.6 ms, so the median step would say 2000 Hz
+    assert clock(np.round(np.arange(20000) / fs, 4))[0] == pytest.approx(fs, rel=1e-5)
+
+
+def test_stamps_with_seven_digits_beyond_a_thousand_seconds() -> None:
+    fs = 1925.925926
+    time = np.array([float(f"{i / fs:.7g}") for i in range(1930000, 1960000)])
+    assert (np.diff(time) == 0).any()
+    assert clock(time, resolution_s=1e-3)[0] == pytest.approx(fs, rel=1e-4)
+    with pytest.raises(RecordingError, match="same stamp again"):
+        clock(time)
+
+
+@pytest.mark.parametrize(
+    ("fault", "message"),
+    [
+        (lambda t: np.insert(t, 5, t[4]), r"line 7: .*same stamp again"),
+        (lambda t: np.delete(t, [10, 11]), r"line 12: .*a gap of 0.003 s after 0.009 s"),
+        (lambda t: t[::-1], r"line 3: .*a step back"),
+        (lambda t: np.where(np.arange(t.size) == 3, np.nan, t), r"line 5: expected a time stamp"),
+        (lambda t: t[:1], r"at least two"),
+    ],
+)
+def test_faults_are_named_with_their_line(fault, message: str) -> None:
+    with pytest.raises(RecordingError, match=message):
+        clock(fault(np.arange(100) / 1000.0))
+
+
+@pytest.mark.parametrize(("fs_hz", "digits"), [(1000.0, 3), (1259.259, 4), (2000.0, 4), (2148.148, 4)])
+@pytest.mark.parametrize("lost", [1, 27])
+def test_samples_lost_in_the_middle_of_rounded_stamps_are_found(fs_hz: float, digits: int, lost: int) -> None:
+    whole = np.round(np.arange(20000) / fs_hz, digits)
+    assert clock(whole)[0] == pytest.approx(fs_hz, rel=1e-5)
+    with pytest.raises(RecordingError, match=r"line 9002: .*found a gap of .*\(1 gaps\)"):
+        clock(np.delete(whole, slice(9000, 9000 + lost)))
+
+
+def test_a_rate_that_drifts_is_refused() -> None:
+    with pytest.raises(RecordingError, match="evenly spaced"):
+        clock(np.cumsum(np.linspace(1e-3, 1.2e-3, 1000)))

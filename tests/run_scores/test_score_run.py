@@ -1,22 +1,33 @@
-"""Presses scored as a run: every algorithm from one pass, and a bad press stops no other."""
+"""Presses scored as a run: every algorithm from one pass, and a bad press stops no other.
+
+The kinesthetic cue of a press.
+
+n of Algorithm 1 against a second implementation, written from the paper's text.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
+from benchmarks.tactile.algorithm_1 import first_contact, mask_centroids, selected_pins
 from casr.contact_area import initial_area
 from casr.errors import PassingError
 from casr.frames import FrameSequence
+from casr.pins import PinTracker
 from casr.scored import ScoreSettings
 from casr.scoring import score
+from casr.specimens import SPECIMENS
 from emg2vsa.run_scores import ALGORITHMS, PICTURED_N, RunScores
-from emg2vsa.run_scores.press import Press
+from emg2vsa.run_scores.press import Press, indentation_slope
 from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import RunSettings
 from emg2vsa.worlds.tactile import PressSettings, SimulatedFrames, SimulatedPress, simulate_press
+from emg2vsa.worlds.tactile import TimelineSettings
 
 SETTINGS = RunSettings()
 
@@ -179,3 +190,65 @@ def test_the_most_frequent_reason_counts_alike_what_differs_by_press_and_number(
 def test_a_run_without_a_scored_press_has_the_unit_of_its_camera():
     assert scored(replace(press(None, 1, "cut off"), area_unit="px2")).area_unit == "px2"
     assert scored(press(None, 1, "cut off")).area_unit == "mm2"
+
+
+STEP_MM = 360 / 4096 * 0.2  # of the encoder through the gear
+
+
+def test_slope_of_a_linear_press_in_spite_of_the_encoders_steps():
+    depth = np.arange(0, 3, 0.025)
+    force = 2.5 * depth
+    slope = indentation_slope(force, np.round((4 + depth) / STEP_MM) * STEP_MM, from_n=0.5)
+    assert slope == pytest.approx(2.5, rel=5e-3)
+
+
+def test_without_a_log_or_a_way_in_there_is_no_slope():
+    assert np.isnan(indentation_slope(np.empty(0), np.empty(0), 0.5))
+    force = np.linspace(0, 7, 50)
+    assert np.isnan(indentation_slope(force, np.full(50, 2.0), 0.5))
+    assert np.isnan(indentation_slope(np.full(50, 0.1), np.linspace(0, 1, 50), 0.5))
+
+
+QUICK = TimelineSettings(loading_s=1.0)
+PRESSES = list(product(("S1", "S3", "S5"), (0.0, 45.0), range(5)))
+
+Pair = tuple[NDArray[np.uint8], NDArray[np.uint8]]
+
+
+@pytest.fixture(scope="module")
+def pairs() -> list[Pair]:
+    """The static frame and the first in contact of 30 presses."""
+    return [
+        first_contact(
+            simulate_press(
+                PressSettings(
+                    stiffness_n_per_mm=SPECIMENS[specimen], angle_deg=angle, repetition=repetition, timeline=QUICK
+                )
+            ).sequence()
+        )
+        for specimen, angle, repetition in PRESSES
+    ]
+
+
+def test_n_is_that_of_a_second_implementation(pairs: list[Pair]) -> None:
+    rng = np.random.default_rng(3)
+    found, again, apart = [], [], []
+    for rest, contact in pairs:
+        tracker = PinTracker()
+        pins, moved = tracker.start(rest), tracker.step(contact)
+        found.append(initial_area(pins, moved, rule="paper").selected.size)
+        seen = moved[np.isfinite(moved).all(axis=1)]
+        again.append(selected_pins(rng.permutation(pins.centroids_px), rng.permutation(seen)))
+        apart.append(selected_pins(mask_centroids(rest), mask_centroids(contact)) - found[-1])
+    assert found == again
+    assert min(found) < 10 < 20 < max(found)
+    # a mask of its own moves centroids by a tenth of a pixel, and whole pixels turn that into a pin more or less; into
+    # several in a press whose pins move alike, by just the threshold
+    assert np.median(apart) == 0
+    assert np.count_nonzero(np.abs(apart) <= 1) >= 27
+
+
+def test_pins_that_move_by_more_than_half_a_pitch_find_no_other_partner() -> None:
+    rest = np.array([[10.0, 10.0], [30.0, 10.0], [50.0, 10.0]])
+    moved = rest + np.array([[0.0, 2.0], [0.0, 3.0], [12.0, 0.0]])
+    assert selected_pins(rest, moved[::-1]) == 2

@@ -1,4 +1,9 @@
-"""Filters do what they say: edges, delays, memory, and the Nyquist rule aloud."""
+"""Filters do what they say: edges, delays, memory, and the Nyquist rule aloud.
+
+Amplitude and phase of sines in pieces equal the sum that defines them.
+
+Products in parts: equal to the product at once, whatever the sizes, and never shared among threads.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +15,10 @@ from scipy import signal
 
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import FilterSettings
+from emg2vsa.signals import products
 from emg2vsa.signals.filters import band_pass, default_pad_samples, force_low_pass, gain, group_delay_samples
+from emg2vsa.signals.products import times
+from emg2vsa.signals.sines import BLOCK, sine_phasors
 from emg2vsa.signals.windowed import filter_record
 
 
@@ -135,3 +143,74 @@ def test_practical_filters_are_built():
         assert force_low_pass(FilterSettings(), fs_hz) is not None
     assert band_pass(FilterSettings(), 50_000.0) is not None
     assert force_low_pass(FilterSettings(force_cutoff_hz=0.05), 1000.0) is not None
+
+
+FS_HZ = 1000.0
+
+
+def plainly(samples: np.ndarray, begin: int, end: int, hz: np.ndarray) -> np.ndarray:
+    """Phasors (h,) by a sum over every sample of the piece."""
+    size = end - begin
+    window = np.array([np.sin(np.pi * (i + 0.5) / size) ** 2 for i in range(size)])
+    turning = np.exp(-2j * np.pi / FS_HZ * np.outer(np.arange(size), hz))
+    return 2 / window.sum() * (window * samples[begin:end]) @ turning
+
+
+@pytest.mark.parametrize(
+    "pieces", [[(0, 500)], [(7, 8)], [(0, BLOCK), (1, BLOCK), (5, 6 + BLOCK)], [(3, 2003), (9, 99)]]
+)
+def test_equal_to_the_sum_over_samples(pieces):
+    channels = np.random.default_rng(0).standard_normal((2, 2010))
+    hz = np.array([0.0, 49.93, 250.5, 499.9])
+    got = sine_phasors(tuple(channels), pieces, hz, FS_HZ)
+    assert got.shape == (2, len(pieces), hz.size)
+    for m, row in enumerate(channels):
+        for i, piece in enumerate(pieces):
+            np.testing.assert_allclose(got[m, i], plainly(row, *piece, hz), rtol=0, atol=1e-13)
+
+
+def test_a_sine_shows_its_amplitude_and_its_phase_at_the_first_sample():
+    at = np.arange(5000) / FS_HZ
+    wave = 3.0 * np.cos(2 * np.pi * 50.2 * at + 0.7)
+    ((found,),) = sine_phasors((wave,), [(1000, 3000)], np.array([50.2]), FS_HZ)
+    assert abs(found[0]) == pytest.approx(3.0, rel=1e-4)
+    assert np.angle(found[0] * np.exp(-2j * np.pi * 50.2)) == pytest.approx(0.7, abs=1e-4)
+
+
+def test_no_pieces_and_no_sines():
+    wave = np.ones(100)
+    assert sine_phasors((wave,), [], np.array([50.0]), FS_HZ).shape == (1, 0, 1)
+    assert sine_phasors((wave,), [(0, 50)], np.empty(0), FS_HZ).shape == (1, 1, 0)
+
+
+SIZES = [
+    (1, 1, 1, 1), (2, 0, 5, 3), (2, 3, 5, 0), (1, 51, 80, 64), (2, 48, 80, 64), (3, 97, 80, 64), (2, 5000, 64, 8),
+    (1, 6000, 4, 4), (1, 40, 300, 200), (1, 3, 9000, 7), (2, 20, 5000, 1), (1, 1, 4096, 3), (1, 2, 4097, 2),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("m", "n", "p", "q"), SIZES)
+def test_it_is_the_product(m: int, n: int, p: int, q: int) -> None:
+    rng = np.random.default_rng(n)
+    rows, matrix = rng.standard_normal((m, n + 1, p + 3))[:, 1:, :p], rng.standard_normal((p, q))
+    expected = np.einsum("mnp,pq->mnq", rows.astype(np.longdouble), matrix.astype(np.longdouble))
+    size = np.einsum("mnp,pq->mnq", np.abs(rows), np.abs(matrix))
+    assert (np.abs(times(rows, matrix) - expected) <= 1e-15 * np.sqrt(p) * size + 1e-300).all()
+
+
+@pytest.mark.parametrize(("m", "n", "p", "q"), SIZES)
+def test_no_part_is_large_enough_to_be_shared(monkeypatch: pytest.MonkeyPatch, m: int, n: int, p: int, q: int) -> None:
+    asked: list[tuple[int, int, int]] = []
+    plain = np.matmul
+
+    def watched(left: np.ndarray, right: np.ndarray, out: np.ndarray) -> np.ndarray:
+        asked.append((left.shape[-2], *right.shape))
+        return plain(left, right, out=out)
+
+    monkeypatch.setattr(products.np, "matmul", watched)
+    times(np.ones((m, n, p)), np.ones((p, q)))
+    for rows, long, wide in asked:
+        assert rows * long * wide <= 65_536 * 4
+        assert long * wide <= 2304 * 4
+        assert long <= 10_000
+        assert wide > 1 or rows * long <= 2304 * 4

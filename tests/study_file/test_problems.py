@@ -1,14 +1,24 @@
-"""What is said of faulty keys: all at once, each with its line, what was wanted and what was found."""
+"""What is said of faulty keys: all at once, each with its line, what was wanted and what was found.
+
+Lines of keys, against tomllib for which keys there are and against the text for where they stand.
+
+Files that an editor or ill will wrote.
+"""
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from emg2vsa.errors import StudyError
 from emg2vsa.study_file import load_study
+from emg2vsa.study_file.problems import KeyPath, shown
+from emg2vsa.study_file.toml_file import key_lines, line_of, placed, read_toml
 
 Problems = Callable[[str], list[str]]
 
@@ -222,3 +232,113 @@ def test_a_bad_spread_of_mountings(small: str, problems: Problems, line: str, sa
 def test_steps_of_scoring_that_do_not_go_together(small: str, problems: Problems, lines: str, said: str) -> None:
     (problem,) = problems(f"{small}[runs]\n{lines}\n")
     assert problem.partition(": ")[2].startswith(said)
+
+
+ROOT = Path(__file__).resolve().parents[2]
+
+AWKWARD = '''\
+# [not.a.table]
+top = 1
+[a]
+x = """
+[no]
+key = 2
+""" # ]
+y.z = [1, # one
+  "two]", { q = 1 },
+  [3.5, 2020-01-01T00:00:00Z] ]
+"quoted = key" = 'a = [b'
+lit = \'\'\'
+[neither]
+\'\'\'
+[[s]]
+n = "\\"1"
+[s.w]
+k = 1e3
+[[s]]
+n = "2"
+[[s.f]]
+u = 1
+[[s.f]]
+u = { v = [1], "w.w" = 2 }
+'''
+
+
+def leaves(value: object, path: KeyPath = ()) -> set[KeyPath]:
+    """Paths of everything in a TOML document but its root."""
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    return {p for key, inner in items for p in ({(*path, key)} | leaves(inner, (*path, key)))}
+
+
+@pytest.mark.parametrize("text", [AWKWARD, *(p.read_text() for p in sorted(ROOT.glob("studies/*/study.toml")))])
+def test_every_key_that_tomllib_finds_has_a_line(text: str) -> None:
+    assert set(key_lines(text)) == leaves(tomllib.loads(text))
+
+
+def test_awkward_lines() -> None:
+    lines = key_lines(AWKWARD)
+    assert lines["top",] == 2
+    assert lines["a", "x"] == 4
+    assert lines["a", "y", "z"] == 8
+    assert lines["a", "y", "z", 1] == 9
+    assert lines["a", "y", "z", 3, 1] == 10
+    assert lines["a", "quoted = key"] == 11
+    assert lines["s", 0, "w", "k"] == 18
+    assert lines["s", 1] == 19
+    assert lines["s", 1, "f", 1, "u", "w.w"] == 24
+
+
+def test_a_missing_key_is_placed_at_its_table() -> None:
+    lines = key_lines(AWKWARD)
+    assert line_of(("s", 1, "stiffness"), lines) == 19
+    assert line_of(("nowhere", "at", "all"), lines) == 1
+
+
+KEYS = st.text("abc=#[]'. ", min_size=1, max_size=4)
+VALUES = st.recursive(
+    st.sampled_from(["1", "2.5", "true", '"a#]b"', "'}='", '"""x\n[y]\n"""', "1979-05-27"]),
+    lambda inner: st.lists(inner, max_size=3).map(lambda items: "[\n" + ", # c\n".join(items) + "]"),
+    max_leaves=6,
+)
+
+
+@given(st.dictionaries(KEYS, VALUES, min_size=1, max_size=5))
+def test_keys_of_any_value_are_found_where_they_stand(table: dict[str, str]) -> None:
+    text, expected = "", {}
+    for key, value in table.items():
+        expected[key,] = text.count("\n") + 1
+        text += f'"{key}" = {value}\n'
+    lines = key_lines(text)
+    assert {path: line for path, line in lines.items() if len(path) == 1} == expected
+    assert set(lines) == leaves(tomllib.loads(text))
+
+
+def test_a_byte_order_mark_as_windows_writes_it_is_no_fault(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_bytes(b"\xef\xbb\xbf[study]\r\nname = 'x'\r\n")
+    assert read_toml(path, "a study file") == ("[study]\nname = 'x'\n", {"study": {"name": "x"}})
+
+
+def test_dotted_keys_without_end_are_shown_as_what_they_are(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text(f"title = [{{{'.'.join('a' * 5000)} = 1}}]\n")
+    assert shown(read_toml(path, "a study file")[1]["title"]) == "tables within tables by the hundred"
+
+
+@pytest.mark.parametrize("opening", ["[", "{a="])
+@pytest.mark.parametrize("step", [9, pytest.param(1, marks=pytest.mark.slow)])
+def test_no_depth_of_brackets_ends_in_anything_but_an_error_with_a_place(
+    tmp_path: Path, opening: str, step: int
+) -> None:
+    path = tmp_path / "study.toml"
+    closing = "]" if opening == "[" else "}"
+    seen = set()
+    for depth in range(250, 520, step):  # there is a depth that tomllib still reads, and the search for lines did not
+        path.write_text("[study]\ny = " + opening * depth + "1" + closing * depth)
+        try:
+            text, _ = read_toml(path, "a study file")
+        except StudyError as error:
+            seen.add(str(error))
+        else:
+            seen.add(str(placed(path, text, ())))
+    assert seen == {"", f"{path}: expected valid TOML, but found brackets within brackets by the hundred."}
