@@ -2,6 +2,13 @@
 
 CASR: does it tell the known specimens apart, and do softer ones have the larger? Does that of the new specimen lie
 between those of its neighbours in stiffness, and apart from both?
+
+Old and new vision algorithm side by side, on the same presses: initial area and CASR (paper, VI.A).
+
+What moves area and CASR: condition, angle, specimen, and do they act together (paper, section VI)?
+
+The model is of logarithms: an angle or a condition multiplies the scores, and their scatter grows with their level.
+Specimens are the known ones. Conditions that were pressed at some angles only leave cells empty (`stats.factorial`).
 """
 
 from __future__ import annotations
@@ -15,18 +22,117 @@ from numpy.typing import NDArray
 from emg2vsa.arrays import Floats
 from emg2vsa.companions.groups import GroupTests, NormalityTests, group_tests, normality_of
 from emg2vsa.companions.pairs import PairTests, pair_tests
-from emg2vsa.discrimination.algorithms import AlgorithmComparison, compare_algorithms
 from emg2vsa.discrimination.area import AreaByAngle, AreaBySpecimen, area_by_angle, area_by_specimen
 from emg2vsa.discrimination.conditions import ConditionComparison, compare_conditions
 from emg2vsa.discrimination.contrast import Contrast, contrasts
-from emg2vsa.discrimination.factors import Factors, factors_of
 from emg2vsa.discrimination.run_table import RunTable, mean_of, run_table
+from emg2vsa.discrimination.separation import Gaps, closest_pair, gaps_of, pressed_everywhere, repetition_cv
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import RunScores
 from emg2vsa.settings import DiscriminationSettings
+from emg2vsa.statistics.factorial import Factorial, factorial
 from emg2vsa.statistics.kruskal import RankPairs, dunn, kruskal
 from emg2vsa.statistics.mann_whitney import mann_whitney
 from emg2vsa.statistics.multiplicity import adjust
+
+
+@dataclass(frozen=True)
+class AlgorithmComparison:
+    """Of A algorithms in D designs; (A, D) unless said, over the ``specimens`` pressed in every design.
+
+    names : (A,), the one that is tested first, then the old one. area : (A, D, S) mean A_c0. area_ratio : to that of
+    the first, mean of presses. area_error, area_error_sd : A_c0 over its truth less 1, mean and SD of presses; NaN
+    where nobody knows the truth. area_cv, casr_cv : SD of repeated presses over their mean. gaps : of the ``pair`` of
+    specimens that lies closest, A D of them, algorithm by algorithm.
+    """
+
+    names: tuple[str, ...]
+    specimens: tuple[str, ...]
+    area: Floats
+    area_ratio: Floats
+    area_error: Floats
+    area_error_sd: Floats
+    area_cv: Floats
+    casr_cv: Floats
+    pair: tuple[str, str]
+    gaps: Gaps
+
+    def gap(self, algorithm: int, design: int) -> tuple[float, float, float]:
+        """The gap with its interval."""
+        i = algorithm * self.area_ratio.shape[1] + design
+        return float(self.gaps.gap[i]), float(self.gaps.low[i]), float(self.gaps.high[i])
+
+
+def compare_algorithms(table: RunTable, settings: DiscriminationSettings) -> AlgorithmComparison:
+    """All algorithms that the runs were scored with."""
+    names = tuple(dict.fromkeys((table.algorithm, settings.old_algorithm, *table.casr)))
+    names = tuple(name for name in names if name in table.casr)
+    used = pressed_everywhere(table.casr[names[0]])
+    area = np.stack([table.a_c0[name][:, used] for name in names])
+    casr = np.stack([table.casr[name][:, used] for name in names])
+    a, d, s, r = area.shape
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = (area / area[0]).reshape(a, d, s * r)
+        error = (area / table.true_a_c0[:, used] - 1).reshape(a, d, s * r)
+    mean_error = mean_of(error)
+    specimens = tuple(table.specimens[i] for i in used)
+    pair = closest_pair(casr[0])
+    return AlgorithmComparison(
+        names=names,
+        specimens=specimens,
+        area=mean_of(area),
+        area_ratio=mean_of(ratio),
+        area_error=mean_error,
+        area_error_sd=np.sqrt(mean_of((error - mean_error[..., None]) ** 2)),
+        area_cv=repetition_cv(area),
+        casr_cv=repetition_cv(casr),
+        pair=(specimens[pair], specimens[pair + 1]),
+        gaps=gaps_of(casr[:, :, pair : pair + 2].reshape(a * d, 2, r), 1 - settings.alpha),
+    )
+
+
+@dataclass(frozen=True)
+class Factors:
+    """area, casr : the models of ln(score), None where they cannot be fitted. not_positive : presses left out of each,
+    whose score has no logarithm. constant : factors with one level only.
+    """
+
+    area: Factorial | None
+    casr: Factorial | None
+    not_positive: tuple[int, int]
+    constant: tuple[str, ...]
+
+
+def factors_of(table: RunTable, settings: DiscriminationSettings) -> Factors:
+    """Scores of the algorithm of ``table``; the area is that at the force where loading begins."""
+    area, casr = (scores[table.algorithm][:, table.known] for scores in (table.start_area, table.casr))
+    d, s, r = area.shape
+    specimens = np.array([table.specimens[i] for i in table.known])
+    levels = {
+        "condition": np.repeat(table.conditions, s * r),
+        "angle": np.repeat([f"{angle:g}" for angle in table.angles_deg.tolist()], s * r),
+        "specimen": np.tile(np.repeat(specimens, r), d),
+    }
+    varied = {name: names for name, names in levels.items() if np.unique(names).size > 1}
+    models = [_model(scores.ravel(), varied, 1 - settings.alpha) for scores in (area, casr)]
+    return Factors(
+        area=models[0][0],
+        casr=models[1][0],
+        not_positive=(models[0][1], models[1][1]),
+        constant=tuple(name for name in levels if name not in varied),
+    )
+
+
+def _model(scores: Floats, levels: dict[str, np.ndarray], confidence: float) -> tuple[Factorial | None, int]:
+    """None where the scores that are left cover no two levels of every factor, or leave no scatter within cells."""
+    with np.errstate(invalid="ignore"):
+        positive = scores > 0
+    left_out = int(np.count_nonzero(np.isfinite(scores) & ~positive))
+    if any(np.unique(names[positive]).size < 2 for names in levels.values()):
+        return None, left_out
+    logs = np.log(scores[positive])
+    found = factorial(logs, {name: names[positive].tolist() for name, names in levels.items()}, confidence)
+    return (found if found.error_df > 0 else None), left_out
 
 
 @dataclass(frozen=True)

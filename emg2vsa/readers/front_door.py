@@ -18,10 +18,9 @@ from casr.decoder_child import Limits
 from casr.decoder_process import DecoderFailed, DecoderLost, InChild
 from casr.errors import said_by
 from emg2vsa.errors import Emg2vsaError, PassingError, RecordingError, UnsupportedError
-from emg2vsa.readers.formats import READERS, Reader, head_of, reader_of
+from emg2vsa.readers.formats import READERS, Reader, head_of, reader_of, refused
 from emg2vsa.readers.opened import Contents, OpenRecording, StoredChannel, to_si, usable
 from emg2vsa.readers.plugin_readers import Noted, plugin_reader
-from emg2vsa.readers.refused import refused
 from emg2vsa.recordings import ChannelInfo, Recording, no_such_channel
 from emg2vsa.settings import ReadingSettings
 

@@ -17,8 +17,8 @@ from emg2vsa.errors import SettingError
 from emg2vsa.settings import FilterSettings
 from emg2vsa.signals import products
 from emg2vsa.signals.filters import band_pass, default_pad_samples, force_low_pass, gain, group_delay_samples
+from emg2vsa.signals.hum import BLOCK, sine_phasors
 from emg2vsa.signals.products import times
-from emg2vsa.signals.sines import BLOCK, sine_phasors
 from emg2vsa.signals.windowed import filter_record
 
 
