@@ -31,7 +31,8 @@ from emg2vsa.signals.pairing import (
     rest_instants,
     rest_samples,
 )
-from emg2vsa.signals.plausibility import Signals, force_unit_doubt, plausibility
+from emg2vsa.signals.plausibility import force_unit_doubt, plausibility
+from emg2vsa.signals.press_signals import Signals
 from emg2vsa.signals.quality import ratio_db, window_means
 from emg2vsa.signals.rest import Rest
 from emg2vsa.signals.verdicts import judge

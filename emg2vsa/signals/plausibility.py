@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from emg2vsa.arrays import Floats, Ints, median, quantiles
+from emg2vsa.arrays import Floats, median, quantiles
+from emg2vsa.signals.press_signals import Signals, by_press, correlation, pieces_of, volts
 from emg2vsa.signals.quality import MAINS_HZ
+from emg2vsa.signals.spikes import Profile, beats_of, bursts_of, contacts_of, repeated_of, spikes_of
 
 LEVEL_V = (1e-6, 5e-3)
 "Envelope of surface EMG during a press."
@@ -50,14 +52,6 @@ LARGE_LAG_S = 0.3
 "Force and EMG that are further apart cannot be compared press by press."
 FOLLOWS = 0.25
 "Correlation of a muscle's envelope with ln F, median of the presses."
-BURST_S, BURST, CONTACT = 0.1, 3.0, 0.5
-"Length of a burst, its level over that of the other presses, and excess at contact over the level at half the force."
-SPIKE_SD, SPIKE_HEIGHT = 15.0, 3.0
-"A sample this far from its two neighbours' mean, in robust SDs of the press and over its loud parts, is no EMG."
-BEAT_S, BEAT_LEVEL, BEATS, BEAT_RATE_HZ, BEAT_SPREAD = 0.03, 4.0, 5, (0.7, 3.3), 0.25
-"Heart beats at rest: length, height over the median, how many at least, how often, and spread of their intervals."
-PACKET, TWICE = 12, 0.005
-"Samples in a row that no signal repeats by chance, and the share of such that is remarked."
 FORCE_UNITS = {"lbf": 4.448222, "kgf": 9.80665, "gf": 1 / 101.97162, "mN": 1e-3, "kN": 1e3}
 "Newtons in a unit that force may have been stored in."
 PEAK_RANGE = (0.95, 1.5)
@@ -79,37 +73,14 @@ class Plausibility:
     of_press: tuple[tuple[str, ...], ...]
 
 
-@dataclass(frozen=True)
-class Signals:
-    """What is looked at: raw samples (n,) in volts by muscle at ``fs_hz``, and where the presses and the rests are.
-
-    presses, rests : (p, 2), (r, 2) first and last-plus-one sample. rest_v : (m,) envelopes at rest, NaN if unknown.
-    force_n : (N,) and envelopes_v : (m, N) of the
-    presses, evenly sampled at ``envelope_fs_hz`` and cut by ``offsets`` (p + 1,).
-    lag_s : force follows EMG so late.
-    """
-
-    muscles: tuple[str, ...]
-    samples: tuple[Floats, ...]
-    fs_hz: float
-    presses: Ints
-    rests: Ints
-    rest_v: Floats
-    force_n: Floats
-    envelopes_v: Floats
-    envelope_fs_hz: float
-    offsets: Ints
-    lag_s: float = 0.0
-
-
 def plausibility(signals: Signals) -> Plausibility:
     """What is implausible about the EMG of a recording; nothing of one without presses."""
-    stored = [_pieces(x, signals.presses, 8) for x in signals.samples]
+    stored = [pieces_of(x, signals.presses, 8) for x in signals.samples]
     n_presses = len(signals.offsets) - 1
     if n_presses == 0 or not stored or not stored[0]:
         return Plausibility("", (), ((),) * n_presses)
     signals, wandering = _settled(signals, stored)
-    pieces = [_pieces(x, signals.presses, 8) for x in signals.samples] if wandering else stored
+    pieces = [pieces_of(x, signals.presses, 8) for x in signals.samples] if wandering else stored
     found = [_spectra(of, signals.fs_hz) for of in pieces]
     hz, spectra = found[0][0], [each for _, each in found]
     pairs = list(_correlations(signals, hz, spectra))
@@ -118,24 +89,20 @@ def plausibility(signals: Signals) -> Plausibility:
     faults = [*not_raw.values(), *_levels(signals, not_raw), *_copies(pairs)]
     if faults:
         return Plausibility("; ".join(faults), (), ((),) * n_presses)
-    beats, spikes = dict(_beats(signals)), [dict(_spikes(signals, press)) for press in range(n_presses)]
-    profiles = [_Profile.of(signals, muscle) for muscle in range(len(signals.muscles))]
-    contacts = dict(_contacts(signals, profiles)) if abs(signals.lag_s) < LARGE_LAG_S else {}
+    beats, spikes = dict(beats_of(signals)), [dict(spikes_of(signals, press)) for press in range(n_presses)]
+    profiles = [Profile.of(signals, muscle) for muscle in range(len(signals.muscles))]
+    contacts = dict(contacts_of(signals, profiles)) if abs(signals.lag_s) < LARGE_LAG_S else {}
     explained = {muscle for told in (beats, contacts, *spikes) for muscle in told}
     remarks = (
         *wandering, *_rate(signals), *_crosstalk(pairs), *_ratios(signals), *_saturated(signals, pieces),
-        *_fading(signals), *contacts.values(), *beats.values(), *_repeated(signals, stored),
+        *_fading(signals), *contacts.values(), *beats.values(), *repeated_of(signals, stored),
         *(said for muscle, said in _deaf(signals) if muscle not in explained and abs(signals.lag_s) < LARGE_LAG_S),
     )  # fmt: skip
     of_press = []
     for press, own in enumerate(spikes):
-        bursts = [said for muscle, said in _bursts(signals, profiles, press) if muscle not in explained]
+        bursts = [said for muscle, said in bursts_of(signals, profiles, press) if muscle not in explained]
         of_press.append((*own.values(), *bursts))
     return Plausibility("", remarks, tuple(of_press))
-
-
-def _pieces(x: Floats, bounds: Ints, at_least: int) -> list[Floats]:
-    return [x[i:j] for i, j in bounds.tolist() if j - i >= at_least]
 
 
 def _settled(signals: Signals, stored: Sequence[Sequence[Floats]]) -> tuple[Signals, list[str]]:
@@ -155,10 +122,10 @@ def _settled(signals: Signals, stored: Sequence[Sequence[Floats]]) -> tuple[Sign
             continue
         sections = signal.butter(2, HIGH_PASS_HZ, "highpass", fs=signals.fs_hz, output="sos")
         fast = np.asarray(signal.sosfiltfilt(sections, samples[m]), dtype=np.float64)
-        resting = _pieces(fast, signals.rests, round(BLOCK_S * signals.fs_hz))
+        resting = pieces_of(fast, signals.rests, round(BLOCK_S * signals.fs_hz))
         if not resting:
             continue
-        hz, pressing = _spectra(_pieces(fast, signals.presses, 8), signals.fs_hz)
+        hz, pressing = _spectra(pieces_of(fast, signals.presses, 8), signals.fs_hz)
         above, broad, rest = (
             float(np.mean(np.sum(each[:, hz >= corner_hz].real ** 2 + each[:, hz >= corner_hz].imag ** 2, axis=1)))
             for each, corner_hz in (
@@ -167,7 +134,7 @@ def _settled(signals: Signals, stored: Sequence[Sequence[Floats]]) -> tuple[Sign
         )  # fmt: skip
         if broad > BROAD * above and above > RISES * rest:
             samples[m] = fast
-            said.append(f"the baseline of {muscle} wanders by {_volts(wanders_v)}; it was removed")
+            said.append(f"the baseline of {muscle} wanders by {volts(wanders_v)}; it was removed")
     return (replace(signals, samples=tuple(samples)) if said else signals), said
 
 
@@ -207,16 +174,9 @@ def _levels(signals: Signals, besides: Collection[str]) -> Iterator[str]:
             continue
         if power > 0:
             unit = {3: "mV", 6: "uV"}[power]
-            yield f"{muscle} is {_volts(level_v)} during a press; is its unit {unit}, or its gain 10^{power}?"
+            yield f"{muscle} is {volts(level_v)} during a press; is its unit {unit}, or its gain 10^{power}?"
         else:
-            yield f"{muscle} is {_volts(level_v)} during a press; is its unit larger by 10^{-power}, or its gain 1?"
-
-
-def _volts(level_v: float) -> str:
-    for scale, unit in ((1.0, "V"), (1e-3, "mV"), (1e-6, "uV"), (1e-9, "nV")):
-        if level_v >= scale:
-            return f"{level_v / scale:.2g} {unit}" if level_v < 99.5 * scale else f"{level_v / scale:.0f} {unit}"
-    return f"{level_v:.1g} V"
+            yield f"{muscle} is {volts(level_v)} during a press; is its unit larger by 10^{-power}, or its gain 1?"
 
 
 def _not_raw(
@@ -227,8 +187,8 @@ def _not_raw(
         share = shares[m]
         if share < EMG_SHARE:
             follows = [
-                _correlation(piece, np.interp(np.linspace(0, 1, piece.size), np.linspace(0, 1, force.size), force))
-                for piece, force in zip(pieces[m], _cut(signals.force_n, signals.offsets), strict=False)
+                correlation(piece, np.interp(np.linspace(0, 1, piece.size), np.linspace(0, 1, force.size), force))
+                for piece, force in zip(pieces[m], by_press(signals.force_n, signals.offsets), strict=False)
                 if force.size > 1
             ]
             low = f"{100 * (1 - share):.0f} % of the power of {muscle} lies below {EMG_ABOVE_HZ:g} Hz"
@@ -320,12 +280,12 @@ def _saturated(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator
             shoulder, tail = quantiles(side, 0.95, 0.9995)
             tails.append(tail / shoulder if shoulder > 0 else np.inf)
         if min(tails) < TAIL:
-            yield f"{muscle} has no sample far above {_volts(float(np.quantile(np.abs(late), 0.95)))}; is it saturated?"
+            yield f"{muscle} has no sample far above {volts(float(np.quantile(np.abs(late), 0.95)))}; is it saturated?"
 
 
 def _fading(signals: Signals) -> Iterator[str]:
     """A trend of the muscle's level over the presses that the other muscles do not share."""
-    levels = np.log(np.maximum([[piece.mean() for piece in _cut(row, signals.offsets) if piece.size]
+    levels = np.log(np.maximum([[piece.mean() for piece in by_press(row, signals.offsets) if piece.size]
                                 for row in signals.envelopes_v], 1e-12))  # fmt: skip
     n = levels.shape[1]
     if n < FADE_PRESSES:
@@ -345,150 +305,11 @@ def _fading(signals: Signals) -> Iterator[str]:
 def _deaf(signals: Signals) -> Iterator[tuple[str, str]]:
     for muscle, row in zip(signals.muscles, signals.envelopes_v, strict=True):
         r = [
-            _correlation(v, np.log(np.maximum(force_n, 1e-3)))
-            for v, force_n in zip(_cut(row, signals.offsets), _cut(signals.force_n, signals.offsets), strict=True)
+            correlation(v, np.log(np.maximum(force_n, 1e-3)))
+            for v, force_n in zip(
+                by_press(row, signals.offsets), by_press(signals.force_n, signals.offsets), strict=True
+            )
             if v.size > 10
         ]
         if r and (typical := median(np.array(r))) < FOLLOWS:
             yield muscle, f"{muscle} does not rise with force (r = {typical:.2f})"
-
-
-@dataclass(frozen=True)
-class _Profile:
-    """Level of one muscle by force: (B,) middle of each bin; (p, B) mean of each press; (B,) median of the presses."""
-
-    ln_force: Floats
-    v: Floats
-    typical_v: Floats
-
-    @staticmethod
-    def of(signals: Signals, muscle: int) -> _Profile:
-        inside = signals.force_n[signals.force_n > 0]
-        low, high = (float(inside.min()), float(inside.max())) if inside.size else (0.5, 1.0)
-        edges = np.linspace(np.log(low), np.log(max(high, low * 1.01)), 13)
-        rows = []
-        for v, force_n in zip(
-            _cut(signals.envelopes_v[muscle], signals.offsets), _cut(signals.force_n, signals.offsets), strict=True
-        ):
-            which = np.clip(np.searchsorted(edges, np.log(np.maximum(force_n, low)), side="right") - 1, 0, 11)
-            counts = np.bincount(which, minlength=12)
-            sums = np.bincount(which, v, minlength=12)
-            rows.append(np.where(counts > 0, sums / np.maximum(counts, 1), np.nan))
-        each = np.array(rows)
-        typical = np.array([median(c[np.isfinite(c)]) if np.isfinite(c).any() else np.nan for c in each.T])
-        return _Profile((edges[1:] + edges[:-1]) / 2, each, typical)
-
-
-def _contacts(signals: Signals, profiles: Sequence[_Profile]) -> Iterator[tuple[str, str]]:
-    """More EMG where the press begins than its curve from twice that force on allows."""
-    for muscle, profile in zip(signals.muscles, profiles, strict=True):
-        known = np.isfinite(profile.typical_v)
-        above = known & (profile.ln_force > profile.ln_force[0] + np.log(2.2))
-        begin = known & (profile.ln_force < profile.ln_force[0] + 0.5)
-        if np.count_nonzero(above) < 4 or not begin.any():
-            continue
-        slope, level = np.polyfit(profile.ln_force[above], profile.typical_v[above], 1)
-        middle = median(profile.typical_v[above])
-        excess = profile.typical_v[begin] - np.maximum(level + slope * profile.ln_force[begin], 0)
-        if middle > 0 and float(excess.max()) > CONTACT * middle:
-            yield muscle, f"{muscle} is {_volts(float(excess.max()))} above its curve at contact; does its cable move?"
-
-
-def _bursts(signals: Signals, profiles: Sequence[_Profile], press: int) -> Iterator[tuple[str, str]]:
-    cut = slice(signals.offsets[press], signals.offsets[press + 1])
-    size = max(1, round(BURST_S * signals.envelope_fs_hz))
-    if len(signals.offsets) < 4 or cut.stop - cut.start < 2 * size:
-        return
-    force = np.log(np.maximum(signals.force_n[cut], 1e-3))
-    for muscle, row, profile in zip(signals.muscles, signals.envelopes_v, profiles, strict=True):
-        known = np.isfinite(profile.typical_v) & (profile.typical_v > 0)
-        if np.count_nonzero(known) < 4:
-            continue
-        own = profile.v[press, known] / profile.typical_v[known]
-        own = own[np.isfinite(own)]
-        if own.size == 0:
-            continue
-        expected = np.interp(force, profile.ln_force[known], profile.typical_v[known]) * median(own)
-        total = np.cumsum(np.concatenate(([0.0], row[cut])))
-        ratio = float(np.max((total[size:] - total[:-size]) / size / expected[size // 2 :][: total.size - size]))
-        if ratio > BURST:
-            yield muscle, f"{muscle} has a burst of {ratio:.1f} times its level"
-
-
-def _spikes(signals: Signals, press: int) -> Iterator[tuple[str, str]]:
-    begin, end = signals.presses[press].tolist()
-    for muscle, samples in zip(signals.muscles, signals.samples, strict=True):
-        x = samples[begin:end]
-        if x.size < 50:
-            continue
-        bend = np.abs(x[1:-1] - (x[2:] + x[:-2]) / 2)
-        typical = median(bend) / 0.6745
-        if not float(bend.max()) > SPIKE_SD * typical:
-            continue
-        # the potentials of few motor units stand out as well, but not from the loudest hundredth of the press
-        loud = SPIKE_HEIGHT * float(np.quantile(np.abs(x - median(x)), 0.99))
-        far = np.flatnonzero(bend > max(SPIKE_SD * typical, loud)) if typical > 0 else np.empty(0, np.int64)
-        # a spike bends three samples; a burst of noise many in a row
-        near = [np.count_nonzero(bend[max(i - 10, 0) : i + 11] > 0.4 * SPIKE_SD * typical) for i in far[:200].tolist()]
-        n = sum(count <= 3 for count in near)
-        if n:
-            yield muscle, f"{muscle} has spikes: {n} samples far from their neighbours"
-
-
-def _beats(signals: Signals) -> Iterator[tuple[str, str]]:
-    """Heart beats: peaks of the rectified signal at rest, as regular as a pulse."""
-    size = max(1, round(BEAT_S * signals.fs_hz))
-    for muscle, samples in zip(signals.muscles, signals.samples, strict=True):
-        n, seconds = 0, 0.0
-        intervals: list[float] = []
-        for begin, end in signals.rests.tolist():
-            piece = samples[begin:end]
-            if piece.size < 20 * size:
-                continue
-            total = np.cumsum(np.abs(piece - median(piece)))
-            smooth = (total[size:] - total[:-size]) / size
-            high = smooth > BEAT_LEVEL * median(smooth)
-            at = np.flatnonzero(high)
-            seconds += piece.size / signals.fs_hz
-            if at.size == 0:
-                continue
-            groups = np.split(at, np.flatnonzero(np.diff(at) > 0.2 * signals.fs_hz) + 1)
-            peaks = [int(group[np.argmax(smooth[group])]) for group in groups]
-            n += len(peaks)
-            intervals += (np.diff(peaks) / signals.fs_hz).tolist()
-        if n < BEATS or len(intervals) < BEATS - 2 or not BEAT_RATE_HZ[0] <= n / seconds <= BEAT_RATE_HZ[1]:
-            continue
-        spread = np.array(intervals)
-        if float(np.std(spread)) < BEAT_SPREAD * float(np.mean(spread)):
-            yield muscle, f"{muscle} shows the heart at rest, {60 / median(spread):.0f} beats a minute"
-
-
-def _repeated(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator[str]:
-    """Stretches of samples that occur twice, as when a wireless link sends a packet again."""
-    weights = np.random.default_rng(0).uniform(1, 2, PACKET // 2)
-    for muscle, of in zip(signals.muscles, pieces, strict=True):
-        joined = np.concatenate(of)
-        n = joined.size - PACKET + 1
-        if n < 2:
-            continue
-        print_of = np.zeros(n)
-        changes = np.zeros(n, dtype=np.int8)
-        for k, weight in enumerate(weights.tolist()):
-            every_other = joined[2 * k : 2 * k + n]
-            print_of += weight * every_other
-            changes += every_other != joined[2 * k + 1 : 2 * k + 1 + n]
-        own = np.sort(print_of[changes > PACKET // 4])
-        share = np.count_nonzero(own[1:] == own[:-1]) / n
-        if share > TWICE:
-            yield f"{muscle} has {100 * share:.1f} % of its samples twice; did the link send packets again?"
-
-
-def _cut(values: Floats, offsets: Ints) -> list[Floats]:
-    return [values[i:j] for i, j in zip(offsets[:-1].tolist(), offsets[1:].tolist(), strict=True)]
-
-
-def _correlation(x: Floats, y: Floats) -> float:
-    n = min(x.size, y.size)
-    x, y = x[:n] - x[:n].mean(), y[:n] - y[:n].mean()
-    norm = float(np.sqrt((x @ x) * (y @ y)))
-    return float(x @ y) / norm if norm > 0 else 0.0

@@ -1,0 +1,156 @@
+"""What is no EMG within EMG: spikes, bursts, jumps at contact, heart beats, packets that were sent again.
+
+Each says which muscle shows it and how much. Limits were set on simulated mishaps and on clean signals of many kinds
+(benchmarks/mishaps.py, benchmarks/verdict_thresholds.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from emg2vsa.arrays import Floats, median
+from emg2vsa.signals.press_signals import Signals, by_press, volts
+
+BURST_S, BURST, CONTACT = 0.1, 3.0, 0.5
+"Length of a burst, its level over that of the other presses, and excess at contact over the level at half the force."
+SPIKE_SD, SPIKE_HEIGHT = 15.0, 3.0
+"A sample this far from its two neighbours' mean, in robust SDs of the press and over its loud parts, is no EMG."
+BEAT_S, BEAT_LEVEL, BEATS, BEAT_RATE_HZ, BEAT_SPREAD = 0.03, 4.0, 5, (0.7, 3.3), 0.25
+"Heart beats at rest: length, height over the median, how many at least, how often, and spread of their intervals."
+PACKET, TWICE = 12, 0.005
+"Samples in a row that no signal repeats by chance, and the share of such that is remarked."
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Level of one muscle by force: (B,) middle of each bin; (p, B) mean of each press; (B,) median of the presses."""
+
+    ln_force: Floats
+    v: Floats
+    typical_v: Floats
+
+    @staticmethod
+    def of(signals: Signals, muscle: int) -> Profile:
+        inside = signals.force_n[signals.force_n > 0]
+        low, high = (float(inside.min()), float(inside.max())) if inside.size else (0.5, 1.0)
+        edges = np.linspace(np.log(low), np.log(max(high, low * 1.01)), 13)
+        rows = []
+        for v, force_n in zip(
+            by_press(signals.envelopes_v[muscle], signals.offsets),
+            by_press(signals.force_n, signals.offsets),
+            strict=True,
+        ):
+            which = np.clip(np.searchsorted(edges, np.log(np.maximum(force_n, low)), side="right") - 1, 0, 11)
+            counts = np.bincount(which, minlength=12)
+            sums = np.bincount(which, v, minlength=12)
+            rows.append(np.where(counts > 0, sums / np.maximum(counts, 1), np.nan))
+        each = np.array(rows)
+        typical = np.array([median(c[np.isfinite(c)]) if np.isfinite(c).any() else np.nan for c in each.T])
+        return Profile((edges[1:] + edges[:-1]) / 2, each, typical)
+
+
+def contacts_of(signals: Signals, profiles: Sequence[Profile]) -> Iterator[tuple[str, str]]:
+    """More EMG where the press begins than its curve from twice that force on allows."""
+    for muscle, profile in zip(signals.muscles, profiles, strict=True):
+        known = np.isfinite(profile.typical_v)
+        above = known & (profile.ln_force > profile.ln_force[0] + np.log(2.2))
+        begin = known & (profile.ln_force < profile.ln_force[0] + 0.5)
+        if np.count_nonzero(above) < 4 or not begin.any():
+            continue
+        slope, level = np.polyfit(profile.ln_force[above], profile.typical_v[above], 1)
+        middle = median(profile.typical_v[above])
+        excess = profile.typical_v[begin] - np.maximum(level + slope * profile.ln_force[begin], 0)
+        if middle > 0 and float(excess.max()) > CONTACT * middle:
+            yield muscle, f"{muscle} is {volts(float(excess.max()))} above its curve at contact; does its cable move?"
+
+
+def bursts_of(signals: Signals, profiles: Sequence[Profile], press: int) -> Iterator[tuple[str, str]]:
+    cut = slice(signals.offsets[press], signals.offsets[press + 1])
+    size = max(1, round(BURST_S * signals.envelope_fs_hz))
+    if len(signals.offsets) < 4 or cut.stop - cut.start < 2 * size:
+        return
+    force = np.log(np.maximum(signals.force_n[cut], 1e-3))
+    for muscle, row, profile in zip(signals.muscles, signals.envelopes_v, profiles, strict=True):
+        known = np.isfinite(profile.typical_v) & (profile.typical_v > 0)
+        if np.count_nonzero(known) < 4:
+            continue
+        own = profile.v[press, known] / profile.typical_v[known]
+        own = own[np.isfinite(own)]
+        if own.size == 0:
+            continue
+        expected = np.interp(force, profile.ln_force[known], profile.typical_v[known]) * median(own)
+        total = np.cumsum(np.concatenate(([0.0], row[cut])))
+        ratio = float(np.max((total[size:] - total[:-size]) / size / expected[size // 2 :][: total.size - size]))
+        if ratio > BURST:
+            yield muscle, f"{muscle} has a burst of {ratio:.1f} times its level"
+
+
+def spikes_of(signals: Signals, press: int) -> Iterator[tuple[str, str]]:
+    begin, end = signals.presses[press].tolist()
+    for muscle, samples in zip(signals.muscles, signals.samples, strict=True):
+        x = samples[begin:end]
+        if x.size < 50:
+            continue
+        bend = np.abs(x[1:-1] - (x[2:] + x[:-2]) / 2)
+        typical = median(bend) / 0.6745
+        if not float(bend.max()) > SPIKE_SD * typical:
+            continue
+        # the potentials of few motor units stand out as well, but not from the loudest hundredth of the press
+        loud = SPIKE_HEIGHT * float(np.quantile(np.abs(x - median(x)), 0.99))
+        far = np.flatnonzero(bend > max(SPIKE_SD * typical, loud)) if typical > 0 else np.empty(0, np.int64)
+        # a spike bends three samples; a burst of noise many in a row
+        near = [np.count_nonzero(bend[max(i - 10, 0) : i + 11] > 0.4 * SPIKE_SD * typical) for i in far[:200].tolist()]
+        n = sum(count <= 3 for count in near)
+        if n:
+            yield muscle, f"{muscle} has spikes: {n} samples far from their neighbours"
+
+
+def beats_of(signals: Signals) -> Iterator[tuple[str, str]]:
+    """Heart beats: peaks of the rectified signal at rest, as regular as a pulse."""
+    size = max(1, round(BEAT_S * signals.fs_hz))
+    for muscle, samples in zip(signals.muscles, signals.samples, strict=True):
+        n, seconds = 0, 0.0
+        intervals: list[float] = []
+        for begin, end in signals.rests.tolist():
+            piece = samples[begin:end]
+            if piece.size < 20 * size:
+                continue
+            total = np.cumsum(np.abs(piece - median(piece)))
+            smooth = (total[size:] - total[:-size]) / size
+            high = smooth > BEAT_LEVEL * median(smooth)
+            at = np.flatnonzero(high)
+            seconds += piece.size / signals.fs_hz
+            if at.size == 0:
+                continue
+            groups = np.split(at, np.flatnonzero(np.diff(at) > 0.2 * signals.fs_hz) + 1)
+            peaks = [int(group[np.argmax(smooth[group])]) for group in groups]
+            n += len(peaks)
+            intervals += (np.diff(peaks) / signals.fs_hz).tolist()
+        if n < BEATS or len(intervals) < BEATS - 2 or not BEAT_RATE_HZ[0] <= n / seconds <= BEAT_RATE_HZ[1]:
+            continue
+        spread = np.array(intervals)
+        if float(np.std(spread)) < BEAT_SPREAD * float(np.mean(spread)):
+            yield muscle, f"{muscle} shows the heart at rest, {60 / median(spread):.0f} beats a minute"
+
+
+def repeated_of(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator[str]:
+    """Stretches of samples that occur twice, as when a wireless link sends a packet again."""
+    weights = np.random.default_rng(0).uniform(1, 2, PACKET // 2)
+    for muscle, of in zip(signals.muscles, pieces, strict=True):
+        joined = np.concatenate(of)
+        n = joined.size - PACKET + 1
+        if n < 2:
+            continue
+        print_of = np.zeros(n)
+        changes = np.zeros(n, dtype=np.int8)
+        for k, weight in enumerate(weights.tolist()):
+            every_other = joined[2 * k : 2 * k + n]
+            print_of += weight * every_other
+            changes += every_other != joined[2 * k + 1 : 2 * k + 1 + n]
+        own = np.sort(print_of[changes > PACKET // 4])
+        share = np.count_nonzero(own[1:] == own[:-1]) / n
+        if share > TWICE:
+            yield f"{muscle} has {100 * share:.1f} % of its samples twice; did the link send packets again?"
