@@ -26,8 +26,7 @@ from emg2vsa.run_scores import ALGORITHMS, PICTURED_N, RunScores
 from emg2vsa.run_scores.press import Press, indentation_slope
 from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import RunSettings
-from emg2vsa.worlds.tactile import PressSettings, SimulatedFrames, SimulatedPress, simulate_press
-from emg2vsa.worlds.tactile import TimelineSettings
+from emg2vsa.worlds.tactile import PressSettings, SimulatedFrames, SimulatedPress, TimelineSettings, simulate_press
 
 SETTINGS = RunSettings()
 
