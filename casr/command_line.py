@@ -44,9 +44,7 @@ holds one JSON value; an error is one too, with the keys `error` and `status`, b
 Every command takes `-h` (help), `-q` (leave out progress and notes) and `-v` (say more: reasons, and where in the
 program an error arose); they are left out below, and so is the text of `--json`.
 """
-_OF_ALL = re.compile(
-    r"^  (?:-h, --help|-q, --quiet|-v, --verbose|--json) .*\n(?: {8,}.*\n)*|\noptions:\n(?=\n)| \[-[hqv]\]", re.M
-)
+_OF_ALL = re.compile(r"^  (?:-h, --help|-q, --quiet|-v, --verbose|--json) .*\n(?: {8,}.*\n)*|\noptions:\n(?=\n)", re.M)
 """Options of every command in its help, and the heading where there are no others."""
 
 
@@ -144,8 +142,18 @@ class Program:
         parts = []
         for parser in parsers_of(self.parser()):
             parser.formatter_class = partial(argparse.HelpFormatter, width=PAGE_COLUMNS)  # type: ignore[assignment]
-            parts.append(f"\n## `{parser.prog}`\n\n```text\n{_OF_ALL.sub('', parser.format_help())}```\n")
+            text = parser.format_help().replace(parser.format_usage(), _short_usage(parser), 1)
+            parts.append(f"\n## `{parser.prog}`\n\n```text\n{_OF_ALL.sub('', text)}```\n")
         return PAGE_HEAD.format(name=self.name, inputs=inputs) + "".join(parts)
+
+
+def _short_usage(parser: argparse.ArgumentParser) -> str:
+    """The usage without the options that the page lists beneath it."""
+    shown = [action for action in parser._actions if action.required or not action.option_strings]
+    formatter = parser._get_formatter()
+    formatter.add_usage(None, shown, [])
+    json_too = " [--json]" if "--json" in parser._option_string_actions else ""
+    return f"{formatter.format_help().rstrip()} [OPTIONS]{json_too}\n"
 
 
 def _parts(error: UserError) -> dict[str, object]:
