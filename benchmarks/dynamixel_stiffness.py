@@ -19,7 +19,7 @@ from emg2vsa.rig.commissioning.stiffness import measure_stiffness
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.bench.bench import EmulatedRig
 from emg2vsa.worlds.bench.settings import EmulatedSettings
-from emg2vsa.worlds.far_ends.dynamixel.models import XM430_W350
+from emg2vsa.worlds.far_ends.dynamixel.table import XM430_W350
 
 WORLDS = {"as emulated": (1.0, 1.0), "noise x 5": (5.0, 1.0), "friction x 2": (1.0, 2.0)}
 """Factors of the sensor's noise and of the gear's friction."""

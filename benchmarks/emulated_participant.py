@@ -20,10 +20,10 @@ from emg2vsa.devices.netft.datagrams import UdpLine
 from emg2vsa.devices.netft.rdt import Command, parse_records, request_bytes
 from emg2vsa.session.views import Command as Told
 from emg2vsa.session.views import ForceMessage, ParticipantState
-from emg2vsa.worlds.far_ends.netft.server import RdtServer
+from emg2vsa.worlds.far_ends.netft_server import RdtServer
 from emg2vsa.worlds.far_ends.serve import force_box
-from emg2vsa.worlds.far_ends.trigno.base import FRAME_S
-from emg2vsa.worlds.far_ends.trigno.server import TrignoServer
+from emg2vsa.worlds.far_ends.trigno_base import FRAME_S
+from emg2vsa.worlds.far_ends.trigno_server import TrignoServer
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.person import Person, Response
 from emg2vsa.worlds.people.sensors import EmgSampler, ForceSampler

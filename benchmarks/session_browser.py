@@ -43,8 +43,7 @@ from emg2vsa.session.journal import JOURNAL_FILE, Decided, Judged, PressBegun, r
 from emg2vsa.session.views import ForceMessage, ParticipantState, ScreenReport
 from emg2vsa.session_settings import SessionTexts
 from emg2vsa.study_file import load_study
-from emg2vsa.worlds.far_ends.serve import serve
-from emg2vsa.worlds.far_ends.table import Table
+from emg2vsa.worlds.far_ends.serve import Table, serve
 from emg2vsa.worlds.people.mistakes import parse_mistakes
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.person import person_of

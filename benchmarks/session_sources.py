@@ -122,9 +122,9 @@ def clocks(tries: int, duration_s: float = 70.0) -> None:
 
 def serve(pipe: Connection) -> None:
     """The emulated devices: 16 sensors and a box, until the pipe says so."""
-    from emg2vsa.worlds.far_ends.netft.server import RdtServer
+    from emg2vsa.worlds.far_ends.netft_server import RdtServer
     from emg2vsa.worlds.far_ends.serve import force_box
-    from emg2vsa.worlds.far_ends.trigno.server import TrignoServer
+    from emg2vsa.worlds.far_ends.trigno_server import TrignoServer
     from emg2vsa.worlds.people.participant import EmulatedParticipant
     from emg2vsa.worlds.people.person import Person, Response
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.worlds.far_ends.trigno.server import Ports, TrignoServer
+from emg2vsa.worlds.far_ends.trigno_server import Ports, TrignoServer
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.person import Person, Response
 

@@ -41,7 +41,7 @@ from benchmarks.rig.faults import (
 )
 from emg2vsa.devices.dynamixel.settings import DynamixelSettings
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.worlds.far_ends.dynamixel.models import XM430_W350
+from emg2vsa.worlds.far_ends.dynamixel.table import XM430_W350
 
 GAIN, D_GAIN, GEAR_MM_PER_DEGREE, GOAL_A = 800, 1500, 0.8, 0.4
 FULL = XM430_W350.stiffness_nm_per_rad(GAIN)

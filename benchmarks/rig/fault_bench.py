@@ -23,14 +23,14 @@ from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.bench.bench import EmulatedRig
-from emg2vsa.worlds.bench.fault_words import put
-from emg2vsa.worlds.bench.faults import FaultyWire, WireLine
+from emg2vsa.worlds.bench.faults import put
 from emg2vsa.worlds.bench.settings import EmulatedSettings
-from emg2vsa.worlds.far_ends.camera.frames import CameraFaults
+from emg2vsa.worlds.far_ends.camera import CameraFaults
 from emg2vsa.worlds.far_ends.dynamixel import table
 from emg2vsa.worlds.far_ends.dynamixel.firmware import BOOT_S, DynamixelFirmware
-from emg2vsa.worlds.far_ends.dynamixel.framing import Instruction, packet
-from emg2vsa.worlds.far_ends.netft.faults import BoxFaults
+from emg2vsa.worlds.far_ends.dynamixel.packets import Instruction, packet
+from emg2vsa.worlds.far_ends.faults import FaultyWire, WireLine
+from emg2vsa.worlds.far_ends.netft_faults import BoxFaults
 from emg2vsa.worlds.far_ends.qbmove.far_end import DEVICE_ID
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)

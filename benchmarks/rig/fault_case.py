@@ -19,7 +19,7 @@ from benchmarks.rig.plans import dynamixel_plan, modular_plan, rigid_plan
 from emg2vsa.errors import ScheduleError, SettingError
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.worlds.far_ends.qbmove.motor_board import MOTOR_TORQUE_NM
+from emg2vsa.worlds.far_ends.qbmove.far_end import MOTOR_TORQUE_NM
 
 PHASES = ("activation", "home", "approach", "contact", "load", "retract", "pause", "escape")
 TOP = "top"

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 from benchmarks.rig.fault_bench import Built, FaultBench, Strike
 from emg2vsa.devices.netft import rdt
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.worlds.bench.fault_words import put
+from emg2vsa.worlds.bench.faults import put
 
 
 class End(NamedTuple):

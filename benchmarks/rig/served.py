@@ -11,8 +11,7 @@ import time
 
 from benchmarks.rig.plans import SPECIMEN
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.worlds.bench.bench import EmulatedRig
-from emg2vsa.worlds.bench.servers import EmulatedServers
+from emg2vsa.worlds.bench.bench import EmulatedRig, EmulatedServers
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 

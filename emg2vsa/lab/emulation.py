@@ -15,10 +15,9 @@ from casr.atomic import write_text_atomic
 from emg2vsa.devices.clock import WallClock, undisturbed
 from emg2vsa.errors import SettingError
 from emg2vsa.rig_file import RigFile
-from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.bench.bench import EmulatedRig, EmulatedServers
 from emg2vsa.worlds.bench.controls import ARTIFICIAL
-from emg2vsa.worlds.bench.fault_words import help_text, put
-from emg2vsa.worlds.bench.servers import EmulatedServers
+from emg2vsa.worlds.bench.faults import help_text, put
 
 _HEAD = "# Written by emg2vsa rig emulate, good for as long as it runs."
 

@@ -16,9 +16,8 @@ from emg2vsa.rig_file import load_rig
 from emg2vsa.session.open_session import Makers, settings_of, source_makers
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.study import Study
-from emg2vsa.worlds.far_ends.serve import serve
-from emg2vsa.worlds.far_ends.table import Served, Table
-from emg2vsa.worlds.far_ends.trigno.server import START_DELAY_S
+from emg2vsa.worlds.far_ends.serve import Served, Table, serve
+from emg2vsa.worlds.far_ends.trigno_server import START_DELAY_S
 from emg2vsa.worlds.people.mistakes import Mistake, parse_mistakes
 from emg2vsa.worlds.people.pages import EmulatedOperator, FollowedOperator, FollowedPage
 from emg2vsa.worlds.people.participant import EmulatedParticipant

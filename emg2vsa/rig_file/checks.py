@@ -8,12 +8,13 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from emg2vsa.devices.device_settings import LARGEST_PRESS_BYTES, CameraSettings
+from emg2vsa.devices.netft.rdt import INTERNAL_RATE_HZ
 from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings
 from emg2vsa.rig.plan import RIGID
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.study_file.problems import KeyPath, Problem, nearest, shown
 from emg2vsa.worlds.bench.controls import ARTIFICIAL, contradictions
-from emg2vsa.worlds.bench.settings import INTERNAL_RATE_HZ, VISCOELASTIC_KEYS, EmulatedSettings
+from emg2vsa.worlds.bench.settings import VISCOELASTIC_KEYS, EmulatedSettings
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 

@@ -14,7 +14,7 @@ from emg2vsa.devices.rig_force.settings import RigForceSettings
 from emg2vsa.devices.streams import Block
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.session.sample_clock import SampleClock
-from emg2vsa.worlds.far_ends.netft.box import BoxSettings, RdtBox, configuration_page
+from emg2vsa.worlds.far_ends.netft_box import BoxSettings, RdtBox, configuration_page
 
 RATE_HZ = 1000.0
 

@@ -19,7 +19,7 @@ from emg2vsa.devices.qbmove.opening import open_qbmove
 from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
 from emg2vsa.worlds.far_ends.dynamixel.far_end import FAR_END as dynamixel
 from emg2vsa.worlds.far_ends.qbmove.far_end import FAR_END as qbmove
-from emg2vsa.worlds.far_ends.qbmove.motor_board import FAR_END as motor
+from emg2vsa.worlds.far_ends.qbmove.far_end import FAR_END as motor
 
 factories: list[Callable[..., Board]] = [
     open_qbmove, open_dynamixel, Qbmove, Dynamixel, qbmove.driver, motor.driver, dynamixel.driver,

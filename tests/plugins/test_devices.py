@@ -35,7 +35,7 @@ from emg2vsa.rig_file import load_rig
 from emg2vsa.session.open_session import folder_of, open_session
 from emg2vsa.session.raw_files import SampleFile
 from emg2vsa.study_file import load_study
-from emg2vsa.worlds.bench.servers import VirtualSerialPort
+from emg2vsa.worlds.far_ends.ports import VirtualSerialPort
 from tests.plugins.conftest import device_example
 
 if sys.platform != "win32":

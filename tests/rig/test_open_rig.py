@@ -25,8 +25,7 @@ from emg2vsa.devices.serial_line import LoopbackLine, SerialLine
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.open_rig import open_force, open_rig, within_device
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
-from emg2vsa.worlds.bench.bench import EmulatedRig
-from emg2vsa.worlds.bench.servers import EmulatedServers
+from emg2vsa.worlds.bench.bench import EmulatedRig, EmulatedServers
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 WIDE = {"position_deg": (-20000 * DEG_PER_TICK, 20000 * DEG_PER_TICK)}

@@ -118,9 +118,9 @@ def test_an_extra_that_is_not_installed(
 def test_emg_and_gauges_on_one_card_are_one_task(
     channels: str, tasks: int, cal_file: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from emg2vsa.worlds.far_ends.ni_daq.task import EmulatedNi
     from emg2vsa.worlds.people.participant import EmulatedParticipant
     from emg2vsa.worlds.people.person import Person, Response
+    from tests.devices.ni_daq.emulated_card import EmulatedNi
 
     clock, made = VirtualClock(), []
     person = Person(name="P1", responses={"S1": Response(42e-6, 20e-6, 7.6)}, muscle_share={"EDC": 0.4, "FDS": 0.6})

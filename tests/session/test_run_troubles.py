@@ -259,7 +259,7 @@ def test_a_server_that_drops_at_press_7_pauses_the_session_and_the_press_is_repe
     from emg2vsa.session.open_session import folder_of
     from emg2vsa.session.raw_files import SampleFile
     from emg2vsa.study_file import load_study
-    from emg2vsa.worlds.far_ends.trigno.server import TrignoServer
+    from emg2vsa.worlds.far_ends.trigno_server import TrignoServer
     from emg2vsa.worlds.people.pages import EmulatedOperator
     from emg2vsa.worlds.people.sensors import simulate
 

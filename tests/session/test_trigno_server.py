@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from emg2vsa.devices.clock import FastClock
 from emg2vsa.errors import DeviceError
-from emg2vsa.worlds.far_ends.trigno.server import Ports, TrignoServer
+from emg2vsa.worlds.far_ends.trigno_server import Ports, TrignoServer
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.person import Person, Response
 

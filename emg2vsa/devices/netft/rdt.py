@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 from emg2vsa.devices.protocols import SensorStatus
 
+INTERNAL_RATE_HZ = 7000
+"Of a box's samples; it sends every one, or every second, third, ..."
 LARGEST_BUFFER = 40
 "Records that one datagram carries at most in buffered mode."
 

@@ -1,11 +1,12 @@
-"""The whole emulated rig: one world, and the far ends of the wires that share it."""
+"""The whole emulated rig: one world, the far ends of the wires that share it, and ports that lead to them."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -15,22 +16,27 @@ from emg2vsa.devices.netft.config import parse_config
 from emg2vsa.devices.netft.datagrams import LoopbackDatagrams
 from emg2vsa.devices.netft.driver import NetFt
 from emg2vsa.devices.protocols import Devices
+from emg2vsa.errors import SettingError
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.bench.controls import ArtificialEffect
-from emg2vsa.worlds.bench.far_end import Place, far_end_of
-from emg2vsa.worlds.bench.fault_plan import FaultPlan
-from emg2vsa.worlds.bench.faults import FaultyWire, WireLine
 from emg2vsa.worlds.bench.press_draws import PressDraws
 from emg2vsa.worlds.bench.probe import Touch
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 from emg2vsa.worlds.bench.truth import TrueLoading
 from emg2vsa.worlds.bench.world import World
-from emg2vsa.worlds.far_ends.camera.frames import EmulatedCamera
-from emg2vsa.worlds.far_ends.netft.box import BoxSettings, RdtBox, configuration_page
-from emg2vsa.worlds.far_ends.netft.direct import DirectNetFt
-from emg2vsa.worlds.far_ends.netft.faults import BoxFaults
+from emg2vsa.worlds.far_ends.actuator_end import FarEnd, Place
+from emg2vsa.worlds.far_ends.camera import CameraServer, EmulatedCamera
+from emg2vsa.worlds.far_ends.dynamixel.far_end import DYNAMIXEL
+from emg2vsa.worlds.far_ends.faults import FaultPlan, FaultyWire, WireLine
+from emg2vsa.worlds.far_ends.netft_box import BoxSettings, RdtBox, configuration_page
+from emg2vsa.worlds.far_ends.netft_faults import BoxFaults
+from emg2vsa.worlds.far_ends.netft_server import DirectNetFt, RdtServer
+from emg2vsa.worlds.far_ends.ports import VirtualSerialPort
+from emg2vsa.worlds.far_ends.qbmove.far_end import QBMOVE, RIGID_MOTOR
 from emg2vsa.worlds.tactile import ContactState
 
+ACTUATORS = {"qbmove": QBMOVE, "dynamixel": DYNAMIXEL}
+"By kind."
 _AWAY_MM = 1e6
 TORQUE_NOISE_NM_PER_N = 0.02
 "Noise of the torque over that of the force (guess)."
@@ -76,9 +82,9 @@ class EmulatedRig:
         actuator: Any = None,
     ) -> None:
         self.rigid, self.clock, self.rig = rigid, clock, rig or RigSettings()
-        ends = far_end_of("motor"), far_end_of("qbmove" if actuator is None else actuator.kind)
-        self.end, idle_end = ends if rigid else reversed(ends)
-        springs = self.end.springs(emulated)
+        ends = RIGID_MOTOR, _far_end_of("qbmove" if actuator is None else actuator.kind)
+        self.end, self.idle_end = ends if rigid else reversed(ends)
+        springs, idle_springs = (end.springs(emulated.springs) for end in (self.end, self.idle_end))
         self._draws = PressDraws(
             emulated, specimen, angle_deg, springs, self.rig, run, plate, mounting, effect, mounted
         )
@@ -86,12 +92,11 @@ class EmulatedRig:
         self._press = 0
         self._lock = threading.RLock()
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
-        away = World(clock, replace(self._draws.world(0), gap_mm=_AWAY_MM, springs=idle_end.springs(emulated)))
+        away = World(clock, replace(self._draws.world(0), gap_mm=_AWAY_MM, springs=idle_springs))
         latency_s = self._draws.preset_latency_s
-        self.place = Place(actuator, emulated, self.rig, self.world, clock, latency_s)
+        self.place = Place(actuator, emulated.springs, self.rig, self.world, clock, latency_s)
         self.idle_place = self.place._replace(world=away)
-        self.firmware, self.idle = self.end.device(self.place), idle_end.device(self.idle_place)
-        self.idle_end = idle_end
+        self.firmware, self.idle = self.end.device(self.place), self.idle_end.device(self.idle_place)
         self.plan = FaultPlan()
         self.wire = FaultyWire(self.firmware, self.end.frames, clock, seed=self._draws.sensor_seed)
         noise = emulated.force_noise_n, emulated.force_noise_n * TORQUE_NOISE_NM_PER_N
@@ -189,6 +194,38 @@ class EmulatedRig:
     def _show(self) -> None:
         self.camera.scene, self.camera.latency_s = self._seen.scene, self._seen.latency_s
         self._force_zero_n = self._draws.force_zero_n(self._press)
+
+
+class EmulatedServers:
+    """Serves ``bench``, which must be on a wall clock, within a with statement, at addresses that any program can open.
+
+    port : name of the serial port of the actuator that presses; idle_port : of the other one. force : host and ports of
+    the force sensor's box. camera_url : where the camera's pictures are.
+    """
+
+    def __init__(self, bench: EmulatedRig) -> None:
+        self.bench = bench
+        serial = VirtualSerialPort(bench.answer, lambda: bench.wire.due_s - bench.clock.now_s())
+        self.force = RdtServer(bench.box, bench.clock)
+        camera, idle = CameraServer(bench.camera), VirtualSerialPort(bench.idle)
+        self.port, self.idle_port, self.camera_url = serial.name, idle.name, camera.url
+        self._servers, self._open = (serial, idle, self.force, camera), ExitStack()
+
+    def __enter__(self) -> Self:
+        for server in self._servers:
+            self._open.enter_context(server)
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._open.close()
+
+
+def _far_end_of(kind: str) -> FarEnd:
+    if kind not in ACTUATORS:
+        do = "Run it on the device itself, or name another kind under [actuator]."
+        wanted = f"one that can be emulated: {', '.join(ACTUATORS)}"
+        raise SettingError("actuator.kind", wanted=wanted, found=kind, do=do)
+    return ACTUATORS[kind]
 
 
 def _turned_to(axis: tuple[float, float, float]) -> Floats:

@@ -1,160 +1,163 @@
-"""Faults on a line, on demand: bytes lost or changed on either way, commands that do not arrive, answers that come
-late, twice or under another id, a device that falls silent or loses power."""
+"""Faults of the emulated rig by name, put on and off while it runs: at once, at a time, or at a force."""
 
 from __future__ import annotations
 
 import math
-import random
-from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Literal, Protocol
+import re
+from collections.abc import Mapping
+from functools import partial
 
-from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.serial_line import LoopbackLine
-
-Way = Literal["to device", "to host"]
-Spoil = Callable[[bytes], bytes]
+from emg2vsa.errors import SettingError
+from emg2vsa.worlds.bench.bench import EmulatedRig
+from emg2vsa.worlds.far_ends.faults import Fault, of_part, percent, thousandth
 
 
-class Frames(Protocol):
-    """What a fault must know of an actuator's packets."""
-
-    @property
-    def position_commands(self) -> frozenset[int]:
-        """That tell it where to go."""
-
-    @property
-    def watchdog_commands(self) -> frozenset[int]:
-        """That set its watchdog."""
-
-    def without(self, data: bytes, commands: frozenset[int]) -> bytes:
-        """``data`` but for the packets of ``commands``; what is no whole packet stays as it is."""
-
-    def renamed(self, data: bytes, shift: int) -> bytes:
-        """An answer under another id, which is not found out by its checksum."""
+def _drift(bench: EmulatedRig, n_per_s: float) -> None:
+    bench.box.faults.drifts_from_s, bench.box.faults.drift_n_per_s = bench.clock.now_s(), n_per_s
 
 
-class Device(Protocol):
-    """The far end of a line."""
+_box, _camera = partial(of_part, "box.faults"), partial(of_part, "camera.faults")
+SENSOR_FAULTS = {
+    "gap": Fault("the next N datagrams of the force sensor are lost", _box("lose", int)),
+    "skip": Fault("the force sensor leaves out N internal samples", _box("skip", int)),
+    "trash": Fault("the next N datagrams are each followed by one of random numbers", _box("trash", int)),
+    "garbage": Fault("every datagram is followed by one of a random sequence", _box("garbage"), "switch"),
+    "thinned": Fault(
+        "N % of the datagrams are lost", _box("thinned", percent), "amount", 50, 0, 0, 100
+    ),
+    "twice": Fault("every datagram comes twice", _box("doubled"), "switch"),
+    "shuffled": Fault("of N datagrams the oldest comes last", _box("shuffled", int), "amount", 4, 0, 2, 100),
+    "delayed": Fault("datagrams come N ms late", _box("late_s", thousandth), "amount", 20, 0, 0, 1000),
+    "lag": Fault("the force is that of N ms ago", _box("lag_s", thousandth), "amount", 20, 0, 0, 1000),
+    "cut": Fault("datagrams lack their last byte", _box("cut"), "switch"),
+    "replayed": Fault("the same datagram comes again and again", _box("replayed"), "switch"),
+    "stuck": Fault("the force stays as it is", _box("stuck"), "switch"),
+    "saturated": Fault("the force sensor says that it is saturated", _box("saturated"), "switch"),
+    "overflow": Fault("the force sensor sends its largest counts", _box("overflow"), "switch"),
+    "silent": Fault("the force sensor sends nothing", _box("mute"), "switch"),
+    "swapped": Fault("x and z of the force sensor are exchanged", _box("swapped"), "switch"),
+    "turned": Fault("z of the force sensor has the wrong sign", _box("turned"), "switch"),
+    "dead": Fault("z of the force sensor gives its noise only", _box("dead"), "switch"),
+    "gain": Fault("the force sensor gives N times the load", _box("gain", float), "amount", 0.2, 1, -100, 100),
+    "drift": Fault("z of the force sensor drifts by N N/s", _drift, "amount", -2, 0, -1000, 1000),
+    "push": Fault("somebody leans on the force sensor with N N", _box("push_n", float), "amount", 2, 0, -1000, 1000),
+    "drop": Fault("the next N frames are lost", _camera("drop", int)),
+    "dark": Fault("the camera gives no frames", _camera("mute"), "switch"),
+    "few-frames": Fault("of N frames only the first comes", _camera("kept_of", int), "amount", 2, 1, 1, 1000),
+    "old-frames": Fault(
+        "pictures show what was N ms before their time",
+        _camera("late_s", thousandth),
+        "amount", 400, 0, 0, 10000,
+    ),
+}  # fmt: skip
+"""Of force sensor and camera, by the name that is typed; those of an actuator stand beside its far end."""
+_ON_OFF = {"on": 1.0, "": 1.0, "off": 0.0}
+_LINE = re.compile(
+    r"(?P<name>\S+)(?: +(?!at |for )(?P<how>\S+))?(?: +at +(?P<at>\S+) +(?P<unit>s|N))?(?: +for +(?P<lasting>\S+) +s)?"
+)
+FORM = "NAME [NUMBER | on | off] [at NUMBER s | at NUMBER N] [for NUMBER s]"
 
-    def __call__(self, data: bytes) -> bytes: ...
 
-    def reset(self) -> None: ...
+def put(bench: EmulatedRig, line: str) -> str:
+    """Put a fault on or off as ``line`` says; ``off`` alone ends all that last, and forgets all that are to come.
 
-    @property
-    def due_s(self) -> float:
-        """When the next answer comes that is on its way; inf for none."""
+    What was done or will be, in words. SettingError for anything else.
 
-
-@dataclass(frozen=True)
-class _Fault:
-    way: Way
-    spoil: Spoil
-
-
-class FaultyWire:
-    """A device behind a wire that fails when told to. Each fault strikes the next bytes of its way, once.
-
-    ``clock`` is needed for answers that come late, ``seed`` for bytes that are lost or wrong by chance.
+    A line is `FORM`: a name of `faults_of`; how many, how much, on or off; ``at`` a time from now, s, or as soon as
+    the true force on the specimen is so large, N, else at once; ``for`` so long, else until it is put off.
     """
+    line = " ".join(line.split())
+    if line == "off":
+        bench.interrupt(lambda: _all_off(bench))
+        return "all faults off"
+    parts = _LINE.fullmatch(line)
+    name = parts["name"] if parts else line.partition(" ")[0]
+    faults = faults_of(bench)
+    fault = faults.get(name)
+    if fault is None:
+        raise SettingError("fault", wanted=", ".join(faults), found=repr(name), do="Type help for what they do.")
+    if parts is None or (parts["lasting"] and not fault.lasts):
+        wanted = FORM if parts is None else "no end: it strikes and is over"
+        raise _no_fault(name, wanted, line)
+    value = _value(name, fault, parts["how"] or "")
+    at, lasting_s = _number(name, parts["at"], "at"), _number(name, parts["lasting"], "for")
+    said = fault.words.replace("N ", f"{value:g} ", 1)
+    state = " off" if fault.lasts and value == fault.neutral else " on" if fault.kind == "switch" else ""
+    said = f"{name}{state}: {said}"
 
-    def __init__(self, device: Device, frames: Frames, clock: Clock | None = None, seed: int = 0) -> None:
-        self._device, self.frames, self._clock = device, frames, clock
-        self._chance = random.Random(seed)
-        self._faults: list[_Fault] = []
-        self._coming: deque[tuple[float, bytes]] = deque()
-        self.mute = self.deaf = self.noisy = self.doubled = False
-        """While True: mute, the device hears but nothing of it comes back; deaf, nothing reaches it; noisy, one byte of
-        every answer is wrong; doubled, every answer comes twice."""
-        self.ignored: frozenset[int] = frozenset()
-        "Commands of which no frame reaches the device, while all others do."
-        self.id_shift = 0
-        "Added to the id of every answer."
-        self.late_s = self.lost_share = self.wrong_share = 0.0
-        "How late answers come; which share of the bytes of both ways gets lost, or has a wrong bit."
+    def begin() -> None:
+        fault.strike(bench, value)
+        if lasting_s is not None:
+            bench.plan.at_time(bench.clock.now_s() + lasting_s, lambda: fault.strike(bench, fault.neutral))
 
-    def __call__(self, data: bytes) -> bytes:
-        if not self._failing:
-            return self._device(data)
-        heard = b"" if self.deaf else self._carry("to device", data)
-        if self.ignored:
-            heard = self.frames.without(heard, self.ignored)
-        answer = self._carry("to host", self._device(heard))
-        if self.noisy:
-            answer = answer[:-1] + bytes(byte ^ 1 for byte in answer[-1:])
-        if self.id_shift:
-            answer = self.frames.renamed(answer, self.id_shift)
-        if self.doubled:
-            answer += answer
-        if self.mute:
-            answer = b""
-        if self._clock is None:
-            return answer
-        now_s = self._clock.now_s()
-        if answer:
-            self._coming.append((now_s + self.late_s, answer))
-        arrived = b""
-        while self._coming and self._coming[0][0] <= now_s:
-            arrived += self._coming.popleft()[1]
-        return arrived
+    def plan() -> None:
+        if at is None:
+            begin()
+        elif parts["unit"] == "s":
+            bench.plan.at_time(bench.clock.now_s() + at, begin)
+        else:
+            bench.plan.at_force(at, begin)
 
-    @property
-    def _failing(self) -> bool:
-        return bool(
-            self._faults or self._coming or self.deaf or self.mute or self.noisy or self.doubled or self.ignored
-            or self.id_shift or self.late_s or self.lost_share or self.wrong_share
-        )  # fmt: skip
-
-    @property
-    def due_s(self) -> float:
-        """When the next late answer comes; inf when none is on its way."""
-        own_s = self._coming[0][0] if self._coming else math.inf
-        return min(own_s, self._device.due_s)
-
-    def lose(self, way: Way, at: int, count: int = 1) -> None:
-        """Drop ``count`` bytes from the index ``at`` on, which may be negative."""
-        self._faults.append(_Fault(way, lambda data: data[:at] + data[at:][count:]))
-
-    def corrupt(self, way: Way, at: int, mask: int = 0xFF) -> None:
-        """Turn the bits of ``mask`` in one byte, so far as there is one."""
-
-        def spoil(data: bytes) -> bytes:
-            return data[:at] + bytes(byte ^ mask for byte in data[at:][:1]) + data[at:][1:]
-
-        self._faults.append(_Fault(way, spoil))
-
-    def reset(self) -> None:
-        """Power off and on."""
-        self._device.reset()
-
-    def _carry(self, way: Way, data: bytes) -> bytes:
-        if self.lost_share:
-            data = bytes(byte for byte in data if self._chance.random() >= self.lost_share)
-        if self.wrong_share:
-            data = bytes(byte ^ self._wrong_bit() for byte in data)
-        struck = next((fault for fault in self._faults if fault.way == way), None) if data else None
-        if struck is None:
-            return data
-        self._faults.remove(struck)
-        return struck.spoil(data)
-
-    def _wrong_bit(self) -> int:
-        return 1 << self._chance.randrange(8) if self._chance.random() < self.wrong_share else 0
+    bench.interrupt(plan)
+    when = "" if at is None else f", at {at:g} {parts['unit']}"
+    return said + when + ("" if lasting_s is None else f", for {lasting_s:g} s")
 
 
-class WireLine(LoopbackLine):
-    """A line within this process that also waits for answers which come late.
+def _all_off(bench: EmulatedRig) -> None:
+    bench.plan.clear()
+    for lasting in filter(lambda fault: fault.lasts, faults_of(bench).values()):
+        lasting.strike(bench, lasting.neutral)
 
-    ``device`` is what bytes are given to, ``due_s`` tells when its next late answer comes."""
 
-    def __init__(self, name: str, device: Callable[[bytes], bytes], due_s: Callable[[], float], clock: Clock) -> None:
-        super().__init__(name, device, clock)
-        self._ask, self._due_s, self._time = device, due_s, clock
+def _value(name: str, fault: Fault, how: str) -> float:
+    if fault.kind == "switch":
+        if how in _ON_OFF:
+            return _ON_OFF[how]
+        raise _no_fault(name, "on or off", how)
+    if fault.kind == "count":
+        if not how or (how.isdecimal() and int(how) > 0):
+            return int(how or fault.usual)
+        raise _no_fault(name, "a whole number from 1", how)
+    if how == "off":
+        return fault.neutral
+    value = _float(how) if how else fault.usual
+    if value is None or not fault.least <= value <= fault.most:
+        raise _no_fault(name, f"off, or a number from {fault.least:g} to {fault.most:g}", how)
+    return value
 
-    def read(self, count: int, timeout_s: float) -> bytes:
-        end_s = self._time.now_s() + timeout_s
-        while len(self._unread) < count and (due_s := self._due_s()) <= end_s:
-            self._time.sleep_until(due_s)
-            self._unread += self._ask(b"")
-        return super().read(count, max(0.0, end_s - self._time.now_s()))
+
+def _number(name: str, text: str | None, word: str) -> float | None:
+    if text is None:
+        return None
+    value = _float(text)
+    if value is None or value < 0:
+        raise _no_fault(name, f"a number from 0 after {word}", text)
+    return value
+
+
+def _float(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def _no_fault(name: str, wanted: str, found: str) -> SettingError:
+    return SettingError(f"fault {name}", wanted=wanted, found=repr(found), do="Type help for what it does.")
+
+
+def faults_of(bench: EmulatedRig) -> Mapping[str, Fault]:
+    """All of a bench by name: of its actuator, then of its sensors."""
+    return {**bench.end.faults, **SENSOR_FAULTS}
+
+
+def help_text(bench: EmulatedRig) -> str:
+    """The faults, one a line."""
+    forms = {"count": " [N]", "switch": " on|off", "amount": " N|off"}
+    rows = [
+        (name + (forms[f.kind] if f.kind != "count" or "N " in f.words else ""), f.words)
+        for name, f in faults_of(bench).items()
+    ]
+    rows += [("off", "every fault that lasts ends"), ("quit", "as Ctrl-C")]
+    return "\n".join([f"  {FORM}", *(f"  {form:<24}{words}" for form, words in rows)])

@@ -15,11 +15,10 @@ from emg2vsa.devices.qbmove.springs import Springs
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.bench.controls import ArtificialEffect
-from emg2vsa.worlds.bench.probe import Touch
+from emg2vsa.worlds.bench.probe import Touch, WorldSettings
 from emg2vsa.worlds.bench.settings import EmulatedSettings
-from emg2vsa.worlds.bench.world_settings import WorldSettings
 from emg2vsa.worlds.contact import Relaxation, adhesive_force_n, area_share, in_series, specimen_share
-from emg2vsa.worlds.far_ends.camera.frames import FrameTiming
+from emg2vsa.worlds.far_ends.camera import FrameTiming
 from emg2vsa.worlds.tactile import Appearance, ContactState, ContactWorld, Drawn, PressSettings, Scene, TabulatedWorld
 
 _OF_SENSOR, _OF_MOUNTING, _OF_FIRST_PRESS = range(3)

@@ -11,8 +11,6 @@ from typing import Annotated, Any, Literal, Self
 from casr.specimens import SPECIMENS
 from emg2vsa.settings import Ge, Gt, Le, Positive
 
-INTERNAL_RATE_HZ = 7000
-"Of the force sensor's box; it sends every record, or every second, third, ..."
 Share = Annotated[float, Ge(0), Le(0.75)]
 "Of a force, that a body loses between 0.1 and 10 s after a step of its depth; creep by a power law comes to 0.77."
 RELAXATION = {"S1": 0.03, "S2": 0.04, "S3": 0.06, "S4": 0.06, "S5": 0.12}

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from emg2vsa.devices.clock import Clock
 from emg2vsa.errors import DeviceError
 from emg2vsa.worlds.bench.actuator_joint import Joint, Motors, RigidJoint, SpringJoint
-from emg2vsa.worlds.bench.probe import APART, Force, Probe, Touch
-from emg2vsa.worlds.bench.world_settings import WorldSettings
+from emg2vsa.worlds.bench.probe import APART, Force, Probe, Touch, WorldSettings
 
 _REMEMBERED = 60_000
 """Points kept at least: a minute of motion in steps of 1 ms, and any length of rest."""

@@ -1,24 +1,96 @@
-"""The devices that a study's [session] names, emulated where it says that they are, for one emulated participant."""
+"""What stands at an emulated participant's table: the devices that a study's [session] names, where it says that they
+are, for programs that run elsewhere."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from emg2vsa.devices.clock import FastClock, WallClock
+from emg2vsa.devices.device_settings import ForceSettings
+from emg2vsa.devices.lsl.settings import LslEmgSettings, LslForceSettings
 from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.rig_force.settings import RigForceSettings
+from emg2vsa.devices.trigno.driver import places_of
+from emg2vsa.devices.trigno.settings import COMMAND_PORT, TrignoSettings
 from emg2vsa.errors import SettingError
-from emg2vsa.worlds.far_ends.lsl.outlets import served_streams
-from emg2vsa.worlds.far_ends.netft.box import BoxSettings, RdtBox
-from emg2vsa.worlds.far_ends.netft.server import RdtServer
-from emg2vsa.worlds.far_ends.table import Served, Table, check_here, elsewhere
-from emg2vsa.worlds.far_ends.trigno.server import served_trigno
+from emg2vsa.session_settings import SessionSettings
+from emg2vsa.worlds.far_ends.lsl import LslOutlets
+from emg2vsa.worlds.far_ends.netft_box import BoxSettings, RdtBox
+from emg2vsa.worlds.far_ends.netft_server import RdtServer
+from emg2vsa.worlds.far_ends.trigno_server import ANY_PORTS, Ports, TrignoServer
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.sensors import felt_n
 
 TORQUE_NOISE_NM = 1e-4
+_LOOPBACK = ("127.0.0.1", "localhost", "::1")
+
+
+@dataclass(frozen=True)
+class Table:
+    """Where a participant sits. force : the [force] of the rig file, where session.force.kind is rig."""
+
+    participant: EmulatedParticipant
+    settings: SessionSettings
+    force: ForceSettings | None
+    clock: FastClock | WallClock
+    start_delay_s: float
+
+
+@dataclass(frozen=True)
+class Served:
+    """What stands where. lines : for people, a line each. addresses : the same for programs, "emg", "force" or "lsl" to
+    its parts. trigno : None where the EMG is no Trigno's."""
+
+    lines: tuple[str, ...] = ()
+    addresses: dict[str, dict[str, object]] = field(default_factory=dict)
+    trigno: TrignoServer | None = None
+
+
+def check_here(where: str, host: str | None, found: str) -> None:
+    """SettingError where a device is not on this computer."""
+    if host not in _LOOPBACK:
+        raise elsewhere(where, found)
+
+
+def elsewhere(where: str, found: str) -> SettingError:
+    do = 'Emulate with a copy of the file that has host = "127.0.0.1" (of a box: kind = "net-ft", http_port = 8080).'
+    return SettingError(where, wanted="a network device on this computer", found=found, do=do)
+
+
+@contextmanager
+def served_trigno(at: Table) -> Iterator[Served]:
+    """The system where the study says. SettingError where that is another computer; DeviceError for a port in use."""
+    emg = at.settings.emg
+    assert isinstance(emg, TrignoSettings)
+    check_here("session.emg.host", emg.host, emg.host)
+    slots = {place.sensor: muscle for muscle, place in places_of(emg.channels).items()}
+    usual = Ports() if emg.command_port == COMMAND_PORT else ANY_PORTS
+    ports = usual._replace(command=emg.command_port, emg=emg.emg_port)
+    with TrignoServer(
+        at.participant, slots, at.clock, ports=ports, start_delay_s=at.start_delay_s, delay_s=emg.delay_s
+    ) as server:
+        said = ", ".join(f"{name} {port}" for name, port in server.ports._asdict().items()).replace("_", " ")
+        address: dict[str, object] = {"kind": "trigno", "hosts": ["127.0.0.1", "::1"], "ports": server.ports._asdict()}
+        yield Served((f"EMG: Trigno server at 127.0.0.1 and ::1, ports {said}",), {"emg": address}, server)
+
+
+@contextmanager
+def served_streams(at: Table) -> Iterator[Served]:
+    """Both streams, whichever of them the session takes. SettingError on a clock that is not LSL's."""
+    if not isinstance(at.clock, WallClock):
+        do = "Leave --speed out; LSL stamps samples with the computer's own clock."
+        raise SettingError("--speed", wanted="1 with streams of LSL", found="another speed", do=do)
+    emg = at.settings.emg if isinstance(at.settings.emg, LslEmgSettings) else None
+    force = at.settings.force if isinstance(at.settings.force, LslForceSettings) else LslForceSettings()
+    labels = emg.channels if emg else {muscle: muscle for muscle in at.participant.person.muscle_share}
+    names = emg.stream if emg else None, force.stream
+    outlets = LslOutlets(at.participant, labels, at.clock, force_label=force.channel or "force", names=names)
+    with outlets:
+        yield Served((f"LSL streams: {' and '.join(outlets.names)}",), {"lsl": {"streams": list(outlets.names)}})
 
 
 @contextmanager

@@ -18,8 +18,7 @@ from emg2vsa.schedule_files import write_schedule
 from emg2vsa.schedules import Schedule
 from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import ScheduleSettings
-from emg2vsa.worlds.bench.bench import EmulatedRig
-from emg2vsa.worlds.bench.servers import EmulatedServers
+from emg2vsa.worlds.bench.bench import EmulatedRig, EmulatedServers
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 # a machine with other work must not trip the guards; held up for a second, the probe goes 8 mm on

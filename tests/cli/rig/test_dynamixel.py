@@ -14,8 +14,7 @@ from emg2vsa.lab.device_states import info
 from emg2vsa.rig_file import load_rig
 from emg2vsa.schedule_files import write_schedule
 from emg2vsa.schedules.schedule import Limits
-from emg2vsa.worlds.bench.bench import EmulatedRig
-from emg2vsa.worlds.bench.servers import EmulatedServers
+from emg2vsa.worlds.bench.bench import EmulatedRig, EmulatedServers
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 from tests.cli.rig.conftest import make_schedules
 

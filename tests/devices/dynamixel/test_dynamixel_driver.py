@@ -13,12 +13,12 @@ from emg2vsa.devices.dynamixel.scan import answers
 from emg2vsa.devices.dynamixel.settings import DynamixelSettings
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.errors import DeviceError
-from emg2vsa.worlds.bench.faults import FaultyWire, WireLine
-from emg2vsa.worlds.bench.servers import VirtualSerialPort
 from emg2vsa.worlds.far_ends.dynamixel import table
 from emg2vsa.worlds.far_ends.dynamixel.firmware import DynamixelFirmware
-from emg2vsa.worlds.far_ends.dynamixel.framing import DynamixelFrames
-from emg2vsa.worlds.far_ends.dynamixel.models import XM430_W350
+from emg2vsa.worlds.far_ends.dynamixel.packets import DynamixelFrames
+from emg2vsa.worlds.far_ends.dynamixel.table import XM430_W350
+from emg2vsa.worlds.far_ends.faults import FaultyWire, WireLine
+from emg2vsa.worlds.far_ends.ports import VirtualSerialPort
 
 FULL_NM_PER_RAD = XM430_W350.stiffness_nm_per_rad(800)
 UNCERTAIN_NM = XM430_W350.friction_nm + FULL_NM_PER_RAD * math.radians(360 / 4096)

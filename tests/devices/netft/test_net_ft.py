@@ -10,7 +10,7 @@ from emg2vsa.devices.netft.config import NetFtConfig, parse_config
 from emg2vsa.devices.netft.datagrams import Datagram, LoopbackDatagrams
 from emg2vsa.devices.netft.driver import SPARE_DATAGRAMS, NetFt
 from emg2vsa.errors import DeviceError
-from emg2vsa.worlds.far_ends.netft.box import BoxSettings, RdtBox, configuration_page
+from emg2vsa.worlds.far_ends.netft_box import BoxSettings, RdtBox, configuration_page
 
 LOAD = np.array([1.0, -2.0, 3.0, 0.1, -0.2, 0.3])
 

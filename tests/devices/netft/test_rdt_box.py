@@ -20,8 +20,8 @@ from emg2vsa.devices.netft.rdt import Command, parse_records, request_bytes
 from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.registry import Around
 from emg2vsa.errors import DeviceError
-from emg2vsa.worlds.far_ends.netft.box import BoxSettings, RdtBox, configuration_page
-from emg2vsa.worlds.far_ends.netft.server import RdtServer
+from emg2vsa.worlds.far_ends.netft_box import BoxSettings, RdtBox, configuration_page
+from emg2vsa.worlds.far_ends.netft_server import RdtServer
 
 LOAD = np.array([1.0, -2.0, 3.0, 0.1, -0.2, 0.3])
 QUIET = {"noise": (0.0, 0.0), "counts_per_force": 1000, "counts_per_torque": 10}

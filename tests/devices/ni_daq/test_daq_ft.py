@@ -14,9 +14,9 @@ from emg2vsa.devices.ni_daq.inputs import BUFFER_S, NiInputs
 from emg2vsa.devices.ni_daq.settings import NiGaugeSettings
 from emg2vsa.devices.registry import Around
 from emg2vsa.errors import DeviceError
-from emg2vsa.worlds.far_ends.ni_daq.task import EmulatedNi
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.person import Person, Response
+from tests.devices.ni_daq.emulated_card import EmulatedNi
 
 CALIBRATION = GaugeCalibration("FT1", np.diag([1.0, 2, 3, 4, 5, 6]), (-10.0, 10.0))
 

@@ -21,9 +21,9 @@ from emg2vsa.devices.rig_force.settings import RigForceSettings
 from emg2vsa.devices.streams import Block, Source
 from emg2vsa.errors import DeviceError
 from emg2vsa.session.sample_clock import SampleClock
-from emg2vsa.worlds.far_ends.ni_daq.task import EmulatedNi
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.person import Person, Response
+from tests.devices.ni_daq.emulated_card import EmulatedNi
 
 SETTINGS = NiEmgSettings(
     channels={"EDC": "Dev1/ai6", "FDS": "Dev1/ai7"},

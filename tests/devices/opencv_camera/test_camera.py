@@ -14,8 +14,7 @@ from emg2vsa.devices.clock import VirtualClock, WallClock
 from emg2vsa.devices.opencv_camera.driver import FramePace, OpenCvCamera, fitted, lock_settings
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.record.press_recorder import PressRecorder
-from emg2vsa.worlds.far_ends.camera.frames import EmulatedCamera, FrameTiming
-from emg2vsa.worlds.far_ends.camera.server import CameraServer
+from emg2vsa.worlds.far_ends.camera import CameraServer, EmulatedCamera, FrameTiming
 from emg2vsa.worlds.tactile import PressSettings, Scene
 
 

@@ -9,9 +9,9 @@ import pytest
 
 from casr.specimens import SPECIMENS
 from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.worlds.bench.probe import WorldSettings
 from emg2vsa.worlds.bench.world import World
-from emg2vsa.worlds.bench.world_settings import WorldSettings
-from emg2vsa.worlds.far_ends.qbmove.motor_board import MOTOR_SPEED_RAD_PER_S, motor_board
+from emg2vsa.worlds.far_ends.qbmove.far_end import MOTOR_SPEED_RAD_PER_S, motor_board
 
 ACTIVATE, DEACTIVATE = "3a3a 01 03 80 03 83", "3a3a 01 03 80 00 80"
 GO_TO_4000, GO_TO_0 = "3a3a 01 06 82 0fa0 0000 2d", "3a3a 01 06 82 0000 0000 82"

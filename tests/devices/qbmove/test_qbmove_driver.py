@@ -16,11 +16,10 @@ from emg2vsa.devices.qbmove.settings import REPLY_S
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
-from emg2vsa.worlds.bench.faults import FaultyWire
-from emg2vsa.worlds.far_ends.qbmove.firmware import QbmoveFirmware
-from emg2vsa.worlds.far_ends.qbmove.frames import QbmoveFrames
-from emg2vsa.worlds.far_ends.qbmove.switches import ADVANCED, MAKER_PRO, Switches
-from emg2vsa.worlds.far_ends.qbmove.v7 import ADVANCED_V7, MAKER_PRO_V7, QbmoveFirmwareV7
+from emg2vsa.worlds.far_ends.faults import FaultyWire
+from emg2vsa.worlds.far_ends.qbmove.firmware import QbmoveFirmware, QbmoveFrames
+from emg2vsa.worlds.far_ends.qbmove.memory import ADVANCED, MAKER_PRO, Switches
+from tests.devices.qbmove.firmware_v7 import ADVANCED_V7, MAKER_PRO_V7, QbmoveFirmwareV7
 
 TICK_RAD = 2 * math.pi / 32768
 FAST_ADVANCED = replace(ADVANCED, max_pwm_rate=10)

@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.qbmove.packets import lrc
 from emg2vsa.worlds.far_ends.qbmove.firmware import QbmoveFirmware
-from emg2vsa.worlds.far_ends.qbmove.memory import Memory, slots
-from emg2vsa.worlds.far_ends.qbmove.switches import ADVANCED, MAKER_PRO, Switches
+from emg2vsa.worlds.far_ends.qbmove.memory import ADVANCED, MAKER_PRO, Memory, Switches, slots
 
 PING, PONG = "3a3a 01 02 00 00", "3a3a 01 02 00 00"
 ACTIVATE, IS_ACTIVE = "3a3a 01 03 80 03 83", "3a3a 01 02 81 81"

@@ -13,10 +13,10 @@ from emg2vsa.devices.qbmove.scan import answers
 from emg2vsa.devices.qbmove.settings import BAUD, Generation
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.errors import DeviceError
-from emg2vsa.worlds.bench.servers import VirtualSerialPort
+from emg2vsa.worlds.far_ends.ports import VirtualSerialPort
 from emg2vsa.worlds.far_ends.qbmove.firmware import QbmoveFirmware
-from emg2vsa.worlds.far_ends.qbmove.switches import MAKER_PRO
-from emg2vsa.worlds.far_ends.qbmove.v7 import MAKER_PRO_V7, QbmoveFirmwareV7
+from emg2vsa.worlds.far_ends.qbmove.memory import MAKER_PRO
+from tests.devices.qbmove.firmware_v7 import MAKER_PRO_V7, QbmoveFirmwareV7
 
 
 class Free:

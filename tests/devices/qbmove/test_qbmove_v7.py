@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.worlds.far_ends.qbmove.v7 import ADVANCED_V7, MAKER_PRO_V7, QbmoveFirmwareV7
+from tests.devices.qbmove.firmware_v7 import ADVANCED_V7, MAKER_PRO_V7, QbmoveFirmwareV7
 
 
 class Free:

@@ -13,9 +13,9 @@ from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
+from emg2vsa.worlds.bench.probe import WorldSettings
 from emg2vsa.worlds.bench.world import World
-from emg2vsa.worlds.bench.world_settings import WorldSettings
-from emg2vsa.worlds.far_ends.qbmove.motor_board import motor_board
+from emg2vsa.worlds.far_ends.qbmove.far_end import motor_board
 
 MM_PER_TICK = DEG_PER_TICK * 0.2
 INACTIVE = bytes.fromhex("3a3a 01 03 81 00 81")

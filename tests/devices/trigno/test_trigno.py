@@ -22,7 +22,7 @@ from emg2vsa.devices.trigno.driver import Place, TrignoSource, places_of
 from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.session.sample_clock import SampleClock
-from emg2vsa.worlds.far_ends.trigno.server import TrignoServer
+from emg2vsa.worlds.far_ends.trigno_server import TrignoServer
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.person import Person, Response
 

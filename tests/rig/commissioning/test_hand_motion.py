@@ -13,7 +13,7 @@ from emg2vsa.errors import DeviceError
 from emg2vsa.rig.commissioning.hand_motion import LIMIT_SHARE, HandMotion
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.bench.bench import EmulatedRig
-from emg2vsa.worlds.bench.fault_words import put
+from emg2vsa.worlds.bench.faults import put
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 RIG = RigSettings()

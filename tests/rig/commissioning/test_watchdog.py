@@ -25,7 +25,7 @@ from emg2vsa.rig.commissioning.watchdog import (
     write_proof,
 )
 from emg2vsa.worlds.far_ends.qbmove.firmware import QbmoveFirmware
-from emg2vsa.worlds.far_ends.qbmove.switches import MAKER_PRO
+from emg2vsa.worlds.far_ends.qbmove.memory import MAKER_PRO
 
 FULL_DEG = 3000 * DEG_PER_TICK
 

@@ -15,7 +15,7 @@ from emg2vsa.schedule_files import write_schedule
 from emg2vsa.schedules import Schedule
 from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import ScheduleSettings
-from emg2vsa.worlds.far_ends.dynamixel.models import XM430_W350
+from emg2vsa.worlds.far_ends.dynamixel.table import XM430_W350
 
 GAIN, GEAR = 800, 0.8
 FULL = XM430_W350.stiffness_nm_per_rad(GAIN)

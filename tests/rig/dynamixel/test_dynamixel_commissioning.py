@@ -21,10 +21,10 @@ from emg2vsa.rig.commissioning.stiffness import MeasuredStiffness, measure_stiff
 from emg2vsa.rig.commissioning.watchdog import WatchdogProof, prove_watchdog
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.bench.bench import EmulatedRig
-from emg2vsa.worlds.bench.fault_words import put
+from emg2vsa.worlds.bench.faults import put
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 from emg2vsa.worlds.far_ends.dynamixel import table
-from emg2vsa.worlds.far_ends.dynamixel.models import XM430_W350
+from emg2vsa.worlds.far_ends.dynamixel.table import XM430_W350
 
 NOISE_N = EmulatedSettings().force_noise_n
 
@@ -176,7 +176,7 @@ def test_a_watchdog_that_is_forgotten_is_refused_before_the_torque_is_on() -> No
 
 def test_a_watchdog_of_no_effect_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """A motor that keeps the value, and never looks at it."""
-    monkeypatch.setattr("emg2vsa.worlds.far_ends.dynamixel.loop.Loop._watch", lambda loop: None)
+    monkeypatch.setattr("emg2vsa.worlds.far_ends.dynamixel.motor.Loop._watch", lambda loop: None)
     assert proof_of().verdict == "no effect"
 
 

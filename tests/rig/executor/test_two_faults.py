@@ -19,7 +19,7 @@ from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.worlds.bench.bench import EmulatedRig
-from emg2vsa.worlds.bench.fault_words import put
+from emg2vsa.worlds.bench.faults import put
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)

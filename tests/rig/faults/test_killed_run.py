@@ -21,8 +21,7 @@ from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.opencv_camera.settings import OpenCvSettings
 from emg2vsa.devices.qbmove.settings import QbmoveSettings
 from emg2vsa.devices.rig_devices import DeviceSettings
-from emg2vsa.worlds.bench.bench import EmulatedRig
-from emg2vsa.worlds.bench.servers import EmulatedServers
+from emg2vsa.worlds.bench.bench import EmulatedRig, EmulatedServers
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 PATIENCE_S = 60.0

@@ -25,10 +25,9 @@ from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.press_counts import BUSY
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
-from emg2vsa.worlds.bench.bench import EmulatedRig
-from emg2vsa.worlds.bench.fault_words import faults_of, help_text, put
+from emg2vsa.worlds.bench.bench import EmulatedRig, EmulatedServers
+from emg2vsa.worlds.bench.faults import faults_of, help_text, put
 from emg2vsa.worlds.bench.press_draws import PressDraws
-from emg2vsa.worlds.bench.servers import EmulatedServers
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 MAKER_PRO = SPRINGS["qbmove-maker-pro"]

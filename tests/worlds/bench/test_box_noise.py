@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from emg2vsa.worlds.far_ends.netft.noise import LEAST_COUNT, MOST_COUNT, NO_LOAD, NoisyCounts
+from emg2vsa.worlds.far_ends.netft_box import LEAST_COUNT, MOST_COUNT, NO_LOAD, NoisyCounts
 
 NOISE, PER_UNIT = (0.005, 0.0001), (1_000_000, 2_000_000)
 PRESSED, FAR_OUT = [0.3, -0.1, 2.5, 0.01, 0.0, -0.02], [0.0, 0.0, 5000.0, 0.0, -3000.0, 0.0]

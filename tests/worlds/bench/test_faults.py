@@ -12,9 +12,9 @@ from emg2vsa.devices.protocols import Devices
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.bench.bench import EmulatedRig
-from emg2vsa.worlds.bench.fault_words import faults_of, put
+from emg2vsa.worlds.bench.faults import faults_of, put
 from emg2vsa.worlds.bench.settings import EmulatedSettings
-from emg2vsa.worlds.far_ends.qbmove.motor_board import MOTOR_CURRENT_MA, MOTOR_TORQUE_NM
+from emg2vsa.worlds.far_ends.qbmove.far_end import MOTOR_CURRENT_MA, MOTOR_TORQUE_NM
 
 RIG = RigSettings()
 LEVER_M = 0.2 * math.degrees(1) / 1000

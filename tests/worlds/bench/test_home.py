@@ -19,7 +19,7 @@ from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.bench.bench import EmulatedRig
-from emg2vsa.worlds.bench.fault_words import put
+from emg2vsa.worlds.bench.faults import put
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 ENCODER_MM = 8 * DEG_PER_TICK * 0.2

@@ -24,7 +24,7 @@ from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 from emg2vsa.worlds.bench.virtual_run import run_virtual
-from emg2vsa.worlds.far_ends.camera.frames import EmulatedCamera
+from emg2vsa.worlds.far_ends.camera import EmulatedCamera
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
 RIG = RigSettings()

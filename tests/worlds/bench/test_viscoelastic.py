@@ -21,14 +21,13 @@ from emg2vsa.errors import DataError
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.bench.press_draws import PressDraws
-from emg2vsa.worlds.bench.probe import APART, Touch
+from emg2vsa.worlds.bench.probe import APART, Touch, WorldSettings
 from emg2vsa.worlds.bench.settings import EmulatedSettings, relaxation_at
 from emg2vsa.worlds.bench.truth import TRUTH_FILE, TrueLoading, read_truth, true_areas_mm2, truth_text
 from emg2vsa.worlds.bench.virtual_run import run_virtual
 from emg2vsa.worlds.bench.world import World
-from emg2vsa.worlds.bench.world_settings import WorldSettings
 from emg2vsa.worlds.contact import Relaxation
-from emg2vsa.worlds.far_ends.camera.frames import EmulatedCamera
+from emg2vsa.worlds.far_ends.camera import EmulatedCamera
 from emg2vsa.worlds.tactile import ContactWorld, Scene
 from tests.worlds.contact.history_keeping import maxwell
 

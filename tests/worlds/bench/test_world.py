@@ -15,10 +15,10 @@ from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
+from emg2vsa.worlds.bench.probe import WorldSettings
 from emg2vsa.worlds.bench.world import World
-from emg2vsa.worlds.bench.world_settings import WorldSettings
 from emg2vsa.worlds.far_ends.qbmove.firmware import QbmoveFirmware
-from emg2vsa.worlds.far_ends.qbmove.switches import MAKER_PRO
+from emg2vsa.worlds.far_ends.qbmove.memory import MAKER_PRO
 
 SPEED_RAD_PER_S = 0.5
 "About 5 mm/s through the gear."

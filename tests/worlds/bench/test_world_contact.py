@@ -11,8 +11,7 @@ import pytest
 from casr.specimens import SPECIMENS
 from emg2vsa.dome_contact import ElasticDome
 from emg2vsa.errors import SettingError
-from emg2vsa.worlds.bench.probe import Probe
-from emg2vsa.worlds.bench.world_settings import WorldSettings
+from emg2vsa.worlds.bench.probe import Probe, WorldSettings
 from emg2vsa.worlds.tactile import ContactWorld
 
 KAPPAS = list(SPECIMENS.values())

@@ -11,8 +11,7 @@ from emg2vsa.devices.joints import joint_of
 from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS, unloaded_deflection_rad
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.worlds.bench.actuator_joint import RigidJoint, SpringJoint
-from emg2vsa.worlds.bench.probe import Probe
-from emg2vsa.worlds.bench.world_settings import WorldSettings
+from emg2vsa.worlds.bench.probe import Probe, WorldSettings
 
 LIMIT_RAD = 15000 * RAD_PER_TICK
 FREE = Probe(WorldSettings(gap_mm=1e6))

@@ -24,13 +24,12 @@ from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.session.views import ForceMessage, OperatorState, ParticipantState, PressView, Request, TraceMessage
 from emg2vsa.session_settings import SessionSettings
-from emg2vsa.worlds.far_ends.netft.server import RdtServer
-from emg2vsa.worlds.far_ends.ni_daq.task import EmulatedNi
-from emg2vsa.worlds.far_ends.serve import force_box, serve
-from emg2vsa.worlds.far_ends.table import Table
+from emg2vsa.worlds.far_ends.netft_server import RdtServer
+from emg2vsa.worlds.far_ends.serve import Table, force_box, serve
 from emg2vsa.worlds.people.pages import FollowedOperator, FollowedPage
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.person import Person, Response
+from tests.devices.ni_daq.emulated_card import EmulatedNi
 
 PERSON = Person(
     name="P03", responses={"S1": Response(42e-6, 20e-6, 7.63)}, muscle_share={"EDC": 0.4, "FDS": 0.6}, seed=(3,)
@@ -158,7 +157,7 @@ def test_lsl_streams_say_what_they_are(
     )
     monkeypatch.setenv("LSLAPICFG", str(config))
     pylsl = pytest.importorskip("pylsl")
-    from emg2vsa.worlds.far_ends.lsl.outlets import LslOutlets
+    from emg2vsa.worlds.far_ends.lsl import LslOutlets
 
     clock = WallClock()
     with LslOutlets(EmulatedParticipant(PERSON), {"EDC": "ch7", "FDS": "ch9"}, clock) as outlets:

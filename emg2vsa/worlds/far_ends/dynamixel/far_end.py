@@ -2,30 +2,34 @@
 
 from __future__ import annotations
 
+import math
+from functools import partial
 from typing import Any, get_args
 
 from emg2vsa.devices.dynamixel.driver import Dynamixel
 from emg2vsa.devices.dynamixel.settings import Baud
-from emg2vsa.devices.serial_line import ByteLine
 from emg2vsa.errors import SettingError
-from emg2vsa.worlds.bench.far_end import ActuatorEnd, FarEnd, Place
-from emg2vsa.worlds.bench.wire_faults import WIRE_FAULTS
+from emg2vsa.worlds.far_ends.actuator_end import FarEnd, Place
 from emg2vsa.worlds.far_ends.dynamixel import table as t
-from emg2vsa.worlds.far_ends.dynamixel.faults import MOTOR_FAULTS
 from emg2vsa.worlds.far_ends.dynamixel.firmware import DynamixelFirmware
-from emg2vsa.worlds.far_ends.dynamixel.framing import DynamixelFrames
-from emg2vsa.worlds.far_ends.dynamixel.models import MODELS
+from emg2vsa.worlds.far_ends.dynamixel.motor import RATED_V, MotorFaults
+from emg2vsa.worlds.far_ends.dynamixel.packets import DynamixelFrames
+from emg2vsa.worlds.far_ends.faults import WIRE_FAULTS, Fault, Strike, finite, of_part
 
 _MIDDLE_DEG = 180.0
 """What the encoder reads where the joint's angle is 0."""
+_KEYS = (
+    "kind", "id", "model", "full_gain", "d_gain", "full_stiffness_nm_per_rad", "goal_current_a", "watchdog_s",
+    "reply_s",
+)  # fmt: skip
 
 
 def _device(place: Place) -> DynamixelFirmware:
-    settings, model = place.settings, MODELS.get(place.settings.model.upper())
+    settings, model = place.settings, t.MODELS.get(place.settings.model.upper())
     if model is None:
         do = "Choose one of these, or use the motor itself."
         raise SettingError(
-            "actuator.model", wanted=", ".join(name.lower() for name in MODELS), found=settings.model, do=do
+            "actuator.model", wanted=", ".join(name.lower() for name in t.MODELS), found=settings.model, do=do
         )
     device = DynamixelFirmware(
         model, place.world, place.clock, motor_id=settings.id, home_deg=_MIDDLE_DEG + place.rig.home_deg,
@@ -36,22 +40,52 @@ def _device(place: Place) -> DynamixelFirmware:
     return device
 
 
-def _driver(line: ByteLine, device: ActuatorEnd, place: Place, exact: bool) -> Dynamixel:
-    return Dynamixel(line, place.settings, clock=place.clock)
-
-
 def _table(place: Place) -> dict[str, Any]:
-    keys = (
-        "kind", "id", "model", "full_gain", "d_gain", "full_stiffness_nm_per_rad", "goal_current_a", "watchdog_s",
-        "reply_s",
-    )  # fmt: skip
-    return {key: value for key in keys if (value := getattr(place.settings, key)) is not None}
+    return {key: value for key in _KEYS if (value := getattr(place.settings, key)) is not None}
 
 
-FAR_END = FarEnd(
-    springs=lambda emulated: None,
+def _freeze(bench: Any, on: float) -> None:
+    bench.firmware.motor.freeze(bool(on))
+
+
+def _hardware(bit: int) -> Strike:
+    def strike(bench: Any, on: float) -> None:
+        faults: MotorFaults = bench.firmware.motor.faults
+        faults.hardware_error = faults.hardware_error | bit if on else faults.hardware_error & ~bit
+
+    return strike
+
+
+_of_motor = partial(of_part, "firmware.motor.faults")
+MOTOR_FAULTS = {
+    "jam": Fault("the motor does not move, whatever it pulls", _of_motor("jammed"), "switch"),
+    "brown-out": Fault("the supply breaks down, the electronics live on", _of_motor("unsupplied"), "switch"),
+    "weak": Fault("the motor does no more than N N m", _of_motor("torque_nm", finite), "amount", 0.1, math.inf, 0),
+    "frozen-shaft": Fault("the encoder stays as it is", _freeze, "switch"),
+    "jumped-shaft": Fault(
+        "the encoder reads N degrees more", _of_motor("jumped_deg", float), "amount", 90, 0, -360, 360
+    ),
+    "current": Fault("the current reads N mA more", _of_motor("current_ma", float), "amount", 2000, 0, -2e4, 2e4),
+    "flag-only": Fault("an expired watchdog says so, and the motor goes on", _of_motor("flag_only"), "switch"),
+    "no-watchdog": Fault("a watchdog that is set is acknowledged and forgotten", _of_motor("deaf_watchdog"), "switch"),
+    "hot": Fault(
+        "the motor has N degrees C",
+        _of_motor("temperature_c", float),
+        "amount",
+        90,
+        MotorFaults.temperature_c,
+        -20,
+        125,
+    ),
+    "supply": Fault("the supply has N V", _of_motor("supply_v", float), "amount", 17, RATED_V, 5, 30),
+    "overload": Fault("the motor says that it is overloaded", _hardware(0x20), "switch"),
+    "shock": Fault("the motor says that its electronics had a shock", _hardware(0x10), "switch"),
+    "broken-encoder": Fault("the motor says that its encoder is broken", _hardware(0x08), "switch"),
+}
+DYNAMIXEL = FarEnd(
+    springs=lambda name: None,
     device=_device,
-    driver=_driver,
+    driver=lambda line, device, place, exact: Dynamixel(line, place.settings, clock=place.clock),
     table=_table,
     faults=WIRE_FAULTS | MOTOR_FAULTS,
     frames=DynamixelFrames(),

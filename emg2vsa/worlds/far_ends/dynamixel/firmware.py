@@ -1,41 +1,44 @@
 """A Dynamixel of the X series, to the byte, as the ROBOTIS e-Manual describes it. The firmware is not public.
 
-Guesses, as the e-Manual is silent: a boot takes 0.3 s, in which nothing is heard; after it the goal is where the shaft
-is; torque on keeps the goal that was written before, so the shaft goes there; a change of the operating mode puts the
-goal where the shaft is; a change of id is answered under the old one; only instructions for a motor, or for all, feed
-its watchdog; an unknown option is a Data Range Error; the shadow id does nothing.
+It is alone on its bus, and answers a packet after its Return Delay Time on the clock. Bytes take no time on the bus, and
+the baud rate is not emulated. Guesses, as the e-Manual is silent: a boot takes 0.3 s, in which nothing is heard; after
+it the goal is where the shaft is; torque on keeps the goal that was written before, so the shaft goes there; a change of
+the operating mode puts the goal where the shaft is; only instructions for a motor, or for all, feed its watchdog.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
+import math
+from collections import deque
 
 from emg2vsa.devices.clock import Clock
+from emg2vsa.worlds.far_ends.actuator_end import Loads, Shaft, no_loads
 from emg2vsa.worlds.far_ends.dynamixel import table as t
-from emg2vsa.worlds.far_ends.dynamixel.bus import Bus
-from emg2vsa.worlds.far_ends.dynamixel.framing import ALERT, Error, Instruction
-from emg2vsa.worlds.far_ends.dynamixel.loop import Loop
-from emg2vsa.worlds.far_ends.dynamixel.models import DynamixelModel
-from emg2vsa.worlds.far_ends.dynamixel.motor import Motor
-from emg2vsa.worlds.far_ends.qbmove.loop import Loads, Shaft, no_loads
+from emg2vsa.worlds.far_ends.dynamixel.motor import Loop, Motor
+from emg2vsa.worlds.far_ends.dynamixel.packets import (
+    ALERT,
+    BROADCAST_ID,
+    Error,
+    Instruction,
+    Packet,
+    PacketParser,
+    packet,
+)
 
 BOOT_S = 0.3
 _RETURN_DELAY_S = 2e-6
-_CLEAR_TURNS = b"\x01\x44\x58\x4c\x22"
-_KEPT = {0xFF: (), 0x01: (t.DEVICE_ID,), 0x02: (t.DEVICE_ID, t.BAUD_RATE)}
-"""Option of Factory Reset, and what is not reset."""
+_ROUNDING_S = 1e-9
 
 
 class DynamixelFirmware:
-    """One motor, alone on its bus unless it is given to a `Bus`. A reset keeps EEPROM and forgets RAM.
+    """One motor. A reset keeps EEPROM and forgets RAM.
 
     Answers come after the Return Delay Time, 0.5 ms from the factory: `due_s` tells when, and a call without bytes
     fetches them."""
 
     def __init__(
         self,
-        model: DynamixelModel,
+        model: t.DynamixelModel,
         shaft: Shaft,
         clock: Clock,
         *,
@@ -50,18 +53,30 @@ class DynamixelFirmware:
         self.table = t.ControlTable(model)
         self.table.values[t.DEVICE_ID] = motor_id
         self._loop = Loop(self.table, Motor(model, home_deg), shaft, loads, clock, latency_s)
-        self._bus = Bus(clock, (self,))
-        self._registered: tuple[int, bytes] | None = None
+        self._parser = PacketParser()
+        self._coming: deque[tuple[float, bytes]] = deque()
         self._listens_from_s = clock.now_s()
 
     def __call__(self, data: bytes) -> bytes:
         """Hear ``data`` at the clock's time, and answer as far as answers are due."""
-        return self._bus(data)
+        self.advance()
+        now_s = self._clock.now_s()
+        for heard in self._parser.feed(data, now_s):
+            if now_s < self._listens_from_s:
+                continue
+            device_id, delay_s = self.table.values[t.DEVICE_ID], self.table.values[t.RETURN_DELAY] * _RETURN_DELAY_S
+            if heard.device_id in (device_id, BROADCAST_ID) and (answer := self._answer(heard)):
+                at_s = max(now_s, self._coming[-1][0]) if self._coming else now_s
+                self._coming.append((at_s + delay_s, packet(device_id, Instruction.STATUS, answer)))
+        arrived = b""
+        while self._coming and self._coming[0][0] <= now_s + _ROUNDING_S:
+            arrived += self._coming.popleft()[1]
+        return arrived
 
     @property
     def due_s(self) -> float:
         """When the next answer comes; inf when none is on its way."""
-        return self._bus.due_s
+        return self._coming[0][0] if self._coming else math.inf
 
     def advance(self) -> None:
         """Run the control loop up to the clock, for those who look at the world and not at the bus."""
@@ -70,12 +85,14 @@ class DynamixelFirmware:
     def reset(self) -> None:
         """Power off and on."""
         self.advance()
-        self._boot()
+        self._coming.clear()
+        self.table.reset(lambda address: address >= t.RAM)
+        self._listens_from_s = self._clock.now_s() + BOOT_S
+        self._loop.restart()
 
     def angles_rad(self) -> tuple[float, float]:
         """Where the motor is, as its shaft is told."""
-        self.advance()
-        return self._loop.motor.angle_rad, 0.0
+        return self.motor.angle_rad, 0.0
 
     @property
     def motor(self) -> Motor:
@@ -83,145 +100,61 @@ class DynamixelFirmware:
         self.advance()
         return self._loop.motor
 
-    @property
-    def device_id(self) -> int:
-        return self.table.values[t.DEVICE_ID]
+    def _answer(self, heard: Packet) -> bytes:
+        """Error byte and parameters of the status packet; no bytes where there is none. What is for all is answered
+        where it is a ping."""
+        instruction, parameters, for_all = heard.instruction, heard.parameters, heard.device_id == BROADCAST_ID
+        error, data, values = Error.INSTRUCTION, b"", self.table.values
+        if not heard.intact:
+            error = Error.CRC
+        elif instruction == Instruction.STATUS:
+            return b""
+        else:
+            self._loop.heard()
+            if instruction == Instruction.PING:
+                error, data = Error.NONE, values[t.MODEL_NUMBER].to_bytes(2, "little") + bytes((values[t.FIRMWARE],))
+            elif instruction == Instruction.READ and not for_all:
+                error, data = self._read(parameters)
+            elif instruction == Instruction.WRITE:
+                error = self._write(parameters)
+        if for_all and not (heard.intact and instruction == Instruction.PING):
+            return b""
+        return bytes((error | (ALERT if values[t.HARDWARE_ERROR] else 0),)) + data
 
-    @property
-    def return_delay_s(self) -> float:
-        return self.table.values[t.RETURN_DELAY] * _RETURN_DELAY_S
-
-    @property
-    def listens(self) -> bool:
-        return self._clock.now_s() >= self._listens_from_s
-
-    @property
-    def answers_reads(self) -> bool:
-        return self.table.values[t.STATUS_LEVEL] >= 1
-
-    def heard(self) -> None:
-        self._loop.heard()
-
-    def obey(self, instruction: int, parameters: bytes, broadcast: bool) -> bytes:
-        if instruction == Instruction.PING:
-            known = self.table.read(t.MODEL_NUMBER, t.FIRMWARE + 1)[1]
-            return bytes((self._error(Error.NONE), *known[:2], known[t.FIRMWARE]))
-        if instruction == Instruction.READ:
-            if broadcast or len(parameters) != 4:
-                return self._told(Error.LENGTH)
-            error, data = self.read(*(int.from_bytes(parameters[k : k + 2], "little") for k in (0, 2)))
-            return bytes((error,)) + data if self.answers_reads else b""
-        handlers: dict[int, Callable[[], Error]] = {
-            Instruction.WRITE: partial(self._write, parameters),
-            Instruction.REG_WRITE: partial(self._register, parameters),
-            Instruction.ACTION: self._act,
-            Instruction.FACTORY_RESET: partial(self._reset_table, parameters, broadcast),
-            Instruction.REBOOT: self._reboot,
-            Instruction.CLEAR: partial(self._clear, parameters),
-        }
-        handler = handlers.get(instruction)
-        # what is written may change the level at once
-        level = self.table.values[t.STATUS_LEVEL]
-        error = handler() if handler else Error.INSTRUCTION
-        return bytes((self._error(error),)) if level == 2 else b""
-
-    def spoilt(self) -> bytes:
-        return self._told(Error.CRC)
-
-    def read(self, address: int, size: int) -> tuple[int, bytes]:
+    def _read(self, parameters: bytes) -> tuple[Error, bytes]:
+        if len(parameters) != 4:
+            return Error.LENGTH, b""
         self._loop.protect()
         self.table.values.update(self._loop.measured())
-        error, data = self.table.read(address, size)
-        return self._error(error), data
-
-    def write(self, address: int, data: bytes) -> Error:
-        error, changes = self.table.check(address, data)
-        return error or self._take(changes)
-
-    def _told(self, error: Error) -> bytes:
-        return bytes((self._error(error),)) if self.table.values[t.STATUS_LEVEL] == 2 else b""
-
-    def _error(self, number: Error) -> int:
-        return number | (ALERT if self.table.values[t.HARDWARE_ERROR] else 0)
-
-    def _take(self, changes: dict[int, int]) -> Error:
-        """Values that may be written."""
-        values = self.table.values
-        if t.BUS_WATCHDOG in changes and self._loop.motor.faults.deaf_watchdog:
-            del changes[t.BUS_WATCHDOG]
-        torque = changes.pop(t.TORQUE_ENABLE, None)
-        values.update(changes)
-        if t.OPERATING_MODE in changes:
-            changes |= self._new_mode()
-        self._loop.change(changes)
-        if torque == 0:
-            values[t.TORQUE_ENABLE] = 0
-        by_goal = values[t.DRIVE_MODE] & t.TORQUE_ON_BY_GOAL and not changes.keys().isdisjoint(t.GOALS)
-        if torque or by_goal:
-            return Error.NONE if self._loop.switch_on() else Error.RESULT_FAIL
-        return Error.NONE
-
-    def _new_mode(self) -> dict[int, int]:
-        """Gains, profile, goals and limits are as after a start (e-Manual, Operating Mode)."""
-        values = self.table.values
-        self.table.reset(lambda address: t.VELOCITY_I <= address < t.BUS_WATCHDOG)
-        if values[t.OPERATING_MODE] == t.POSITION:
-            self._loop.forget_turns()
-        position = self._loop.position()
-        values |= {
-            t.PROFILE_VELOCITY: 0, t.PROFILE_ACCELERATION: 0, t.GOAL_VELOCITY: 0, t.GOAL_POSITION: position,
-            t.GOAL_PWM: values[t.PWM_LIMIT], t.GOAL_CURRENT: values[t.CURRENT_LIMIT],
-        }  # fmt: skip
-        self._loop.control.restart(position)
-        return dict(values)
+        return self.table.read(int.from_bytes(parameters[:2], "little"), int.from_bytes(parameters[2:], "little"))
 
     def _write(self, parameters: bytes) -> Error:
         if len(parameters) < 3:
             return Error.LENGTH
         return self.write(int.from_bytes(parameters[:2], "little"), parameters[2:])
 
-    def _register(self, parameters: bytes) -> Error:
-        if len(parameters) < 3:
-            return Error.LENGTH
-        address, data = int.from_bytes(parameters[:2], "little"), parameters[2:]
-        error, _ = self.table.check(address, data)
-        if not error:
-            self._registered, self.table.values[t.REGISTERED] = (address, data), 1
-        return error
-
-    def _act(self) -> Error:
-        if self._registered is None:
-            return Error.INSTRUCTION
-        (address, data), self._registered = self._registered, None
-        self.table.values[t.REGISTERED] = 0
-        return self.write(address, data)
-
-    def _reset_table(self, parameters: bytes, broadcast: bool) -> Error:
-        """Not all of all motors at once (firmware 42 on); a reboot follows."""
-        option = parameters[0] if len(parameters) == 1 else None
-        if option not in _KEPT or (broadcast and option == 0xFF):
-            return Error.RANGE
-        self.table.reset(lambda address: address not in _KEPT[option])
-        return self._reboot()
-
-    def _reboot(self) -> Error:
-        """Answered before the device goes."""
-        self._boot()
+    def write(self, address: int, data: bytes) -> Error:
+        """As if a packet had come that writes one item."""
+        error, value = self.table.check(address, data)
+        values = self.table.values
+        if error or (address == t.BUS_WATCHDOG and self._loop.motor.faults.deaf_watchdog):
+            return error
+        if address == t.TORQUE_ENABLE and value:
+            return Error.NONE if self._loop.switch_on() else Error.RESULT_FAIL
+        values[address] = value
+        if address == t.OPERATING_MODE:
+            self._begin_mode()
+        elif address != t.TORQUE_ENABLE:
+            self._loop.change({address: value})
         return Error.NONE
 
-    def _boot(self) -> None:
-        self.table.reset(lambda address: address >= t.RAM)
-        self._registered = None
-        self._listens_from_s = self._clock.now_s() + BOOT_S
-        self._loop.restart()
-
-    def _clear(self, parameters: bytes) -> Error:
-        if parameters != _CLEAR_TURNS:
-            return Error.RANGE
-        if self._loop.measured()[t.MOVING]:
-            return Error.RESULT_FAIL
-        self._loop.forget_turns()
-        position = self.table.values[t.GOAL_POSITION] = self._loop.position()
-        self._loop.change({t.GOAL_POSITION: position})
-        self._loop.control.restart(position)
-        return Error.NONE
+    def _begin_mode(self) -> None:
+        """Gains, profile and goals are as after a start (e-Manual, Operating Mode)."""
+        values = self.table.values
+        self.table.reset(lambda address: t.POSITION_D <= address < t.BUS_WATCHDOG)
+        values |= {
+            t.PROFILE_VELOCITY: 0, t.PROFILE_ACCELERATION: 0, t.GOAL_POSITION: self._loop.position(),
+            t.GOAL_PWM: values[t.PWM_LIMIT], t.GOAL_CURRENT: values[t.CURRENT_LIMIT],
+        }  # fmt: skip
+        self._loop.stand()
+        self._loop.change(dict(values))

@@ -9,14 +9,28 @@ which stays stable as long as the stiffest spring at the shaft turns it by less 
 from __future__ import annotations
 
 import math
+from collections import deque
 from dataclasses import dataclass
 
-from emg2vsa.worlds.far_ends.dynamixel.models import PULSES_PER_RAD, PULSES_PER_TURN, DynamixelModel
+from emg2vsa.devices.clock import Clock
+from emg2vsa.worlds.far_ends.actuator_end import Loads, Shaft
+from emg2vsa.worlds.far_ends.dynamixel import table as t
+from emg2vsa.worlds.far_ends.dynamixel.table import CURRENT_UNIT_A, PULSES_PER_RAD, PULSES_PER_TURN, DynamixelModel
 
 STEP_S = 1e-3
 RATED_V = 12.0
 UNSUPPLIED_V = 5.0
 """What the electronics still live on while the bridge no longer works (guess)."""
+_VOLTAGE, _HEAT, _OVERLOAD = 0x01, 0x04, 0x20
+"""Bits of Hardware Error Status and of Shutdown."""
+_FULL = 0.95
+"""Of the stall current: what counts as overload (guess) ..."""
+_OVERLOADED_MS = 1000
+"""... after such a time (guess)."""
+_NEVER_MS = 1 << 62
+_VELOCITY_UNIT_RAD_PER_S = 0.229 * 2 * math.pi / 60
+_RATE = 0.229 * PULSES_PER_TURN / 60_000
+"""Pulses in a millisecond, of one unit of velocity."""
 
 
 @dataclass
@@ -43,15 +57,14 @@ class MotorFaults:
 
 
 class Motor:
-    """``angle_rad``, ``speed_rad_per_s``, ``current_a``: of the shaft, in the world's direction. ``duty``: of the
-    supply that the model is rated for."""
+    """``angle_rad``, ``speed_rad_per_s``, ``current_a``: of the shaft, in the world's direction."""
 
     def __init__(self, model: DynamixelModel, home_deg: float) -> None:
         """``home_deg``: what the encoder reads with the shaft at 0."""
         self.model, self.faults = model, MotorFaults()
         self._home_rad = math.radians(home_deg)
         self._frozen: int | None = None
-        self.angle_rad = self.speed_rad_per_s = self.current_a = self.duty = self.load_nm = 0.0
+        self.angle_rad = self.speed_rad_per_s = self.current_a = self.load_nm = 0.0
 
     @property
     def volts(self) -> float:
@@ -71,18 +84,16 @@ class Motor:
         """Speed as the firmware takes it from the encoder; that it does so without error or delay is a guess."""
         return self.speed_rad_per_s if self._frozen is None else 0.0
 
-    def step(self, on: bool, wanted_a: float | None, duty: float, most_duty: float) -> bool:
-        """A step with a wanted current, or with a duty where that is None; True when the shaft stands still after it.
-
-        ``most_duty``: of the supply, at most 1."""
+    def step(self, wanted_a: float | None, most_duty: float) -> bool:
+        """A step with a wanted current, or with the bridge off where that is None; True when the shaft stands still
+        after it. ``most_duty``: of the supply that the model is rated for, at most 1."""
         model, faults = self.model, self.faults
         emf = self.speed_rad_per_s / model.no_load_rad_per_s
-        self.current_a = self.duty = 0.0
-        if on and not faults.unsupplied:
+        self.current_a = 0.0
+        if wanted_a is not None and not faults.unsupplied:
             most_duty *= self.volts / RATED_V
-            duty = duty if wanted_a is None else wanted_a / model.stall_current_a + emf
-            self.duty = max(-most_duty, min(most_duty, duty))
-            self.current_a = model.stall_current_a * (self.duty - emf)
+            duty = max(-most_duty, min(most_duty, wanted_a / model.stall_current_a + emf))
+            self.current_a = model.stall_current_a * (duty - emf)
         torque_nm = model.torque_constant_nm_per_a * self.current_a
         if faults.torque_nm is not None:
             torque_nm = max(-faults.torque_nm, min(faults.torque_nm, torque_nm))
@@ -96,3 +107,178 @@ class Motor:
 
     def _pulses(self) -> int:
         return math.floor((self.angle_rad + self._home_rad) * PULSES_PER_RAD + 1e-9)
+
+
+class Loop:
+    """The 1 kHz loop of one motor against a clock: goals, watchdog, protection, motor and world, turn by turn, by the
+    values of its table. ``latency_s``: from a goal or gain that is written until the motor knows of it.
+
+    Source: ROBOTIS e-Manual, Position PID Gain, What is the Profile. Every operating mode acts as Current-based Position
+    Control, the only one in which the driver switches the torque on, with a profile that is a step or rectangular. The
+    integral, both feedforward gains, Profile Acceleration and the bits of Drive Mode are kept and do nothing, as the driver
+    sets them to 0. That P and D are per pulse and per pulse in a millisecond, and that they put out units of current, is a
+    guess.
+
+    The world is asked in every turn while the shaft moves or bears a load, as a load may grow steeply with the angle.
+    """
+
+    def __init__(
+        self, table: t.ControlTable, motor: Motor, shaft: Shaft, loads: Loads, clock: Clock, latency_s: float
+    ) -> None:
+        self._table, self._shaft, self._loads, self._clock = table, shaft, loads, clock
+        self.motor = motor
+        self._now_ms = int(clock.now_s() * 1000)
+        self._latency_ms = round(latency_s * 1000)
+        self._coming: deque[tuple[int, dict[int, int]]] = deque()
+        self._acting = dict(table.values)
+        self._heard_ms = self._full_ms = self._whole = 0
+        self._meet_world()
+        self.restart()
+
+    def restart(self) -> None:
+        """Power comes back: RAM is at its defaults, the encoder knows its place within a turn."""
+        self._shut_down, self._full_ms = False, 0
+        self._halted = False
+        "Stopped by the watchdog: until a goal is written."
+        self._coming.clear()
+        self._whole = self.motor.pulses() // PULSES_PER_TURN * PULSES_PER_TURN
+        values = self._table.values
+        values[t.GOAL_PWM], values[t.GOAL_CURRENT] = values[t.PWM_LIMIT], values[t.CURRENT_LIMIT]
+        values[t.GOAL_POSITION] = self.position()
+        self._acting.update(values)
+        self.stand()
+
+    def stand(self) -> None:
+        """From a standstill here: the trajectory begins where the shaft is."""
+        self._trajectory = self._held = self._aim = float(self.position())
+        self._rate = self._most_rate = 0.0
+
+    def position(self) -> int:
+        """Present Position. A homing offset beyond 1024 does nothing in Position Control Mode."""
+        values = self._table.values
+        offset = values[t.HOMING_OFFSET]
+        if values[t.OPERATING_MODE] == t.POSITION and abs(offset) > 1024:
+            offset = 0
+        return self.motor.pulses() - self._whole + offset
+
+    def heard(self) -> None:
+        """An instruction came."""
+        self._heard_ms = self._now_ms
+
+    def switch_on(self) -> bool:
+        """Torque on; False after a shutdown, which only a reboot ends. What has been commanded holds."""
+        if self._shut_down:
+            return False
+        values = self._table.values
+        if not values[t.TORQUE_ENABLE]:
+            values[t.TORQUE_ENABLE] = 1
+            self._coming.clear()
+            self._acting.update(values)
+            self.stand()
+        return True
+
+    def change(self, changes: dict[int, int]) -> None:
+        """Goals, gains or settings have been written."""
+        self._coming.append((self._now_ms + self._latency_ms, changes))
+        self._take_over()
+
+    def advance(self) -> None:
+        """Run up to the clock."""
+        until_ms = int(self._clock.now_s() * 1000 + 1e-6)
+        while self._now_ms < until_ms:
+            self._watch()
+            self._take_over()
+            rests = self._turn()
+            self._now_ms += 1
+            if rests:
+                next_ms = min(self._expires_ms, self._coming[0][0] if self._coming else _NEVER_MS)
+                self._now_ms = max(self._now_ms, min(until_ms, next_ms))
+            self._meet_world()
+
+    def measured(self) -> dict[int, int]:
+        """What the table says of the motor now."""
+        motor = self.motor
+        return {
+            t.PRESENT_CURRENT: round((motor.current_a + motor.faults.current_ma / 1000) / CURRENT_UNIT_A),
+            t.PRESENT_VELOCITY: round(motor.seen_rad_per_s() / _VELOCITY_UNIT_RAD_PER_S),
+            t.PRESENT_POSITION: self.position(),
+            t.PRESENT_VOLTAGE: round(motor.volts * 10),
+            t.PRESENT_TEMPERATURE: round(motor.faults.temperature_c),
+        }
+
+    def protect(self) -> None:
+        """Errors of the hardware stay until a reboot; those of the Shutdown mask switch off."""
+        values, motor = self._table.values, self.motor
+        bits = motor.faults.hardware_error
+        if not values[t.MIN_VOLTAGE] <= motor.volts * 10 <= values[t.MAX_VOLTAGE]:
+            bits |= _VOLTAGE
+        if motor.faults.temperature_c > values[t.TEMPERATURE_LIMIT]:
+            bits |= _HEAT
+        if self._full_ms >= _OVERLOADED_MS:
+            bits |= _OVERLOAD
+        values[t.HARDWARE_ERROR] |= bits
+        if bits & values[t.SHUTDOWN]:
+            self._shut_down = True
+            values[t.TORQUE_ENABLE] = 0
+
+    def _watch(self) -> None:
+        if self._now_ms < self._expires_ms:
+            return
+        self._table.values[t.BUS_WATCHDOG] = t.WATCHDOG_ERROR
+        if not self.motor.faults.flag_only:
+            self._coming.clear()
+            self._halted = True
+            self.stand()
+
+    @property
+    def _expires_ms(self) -> int:
+        values = self._table.values
+        watched = values[t.TORQUE_ENABLE] and 0 < values[t.BUS_WATCHDOG] < t.WATCHDOG_ERROR
+        return self._heard_ms + values[t.BUS_WATCHDOG] * t.WATCHDOG_UNIT_MS if watched else _NEVER_MS
+
+    def _take_over(self) -> None:
+        while self._coming and self._coming[0][0] <= self._now_ms:
+            changes = self._coming.popleft()[1]
+            self._acting.update(changes)
+            if t.GOAL_POSITION in changes:
+                self._halted = False
+
+    def _turn(self) -> bool:
+        """One millisecond; True when more of them would change nothing."""
+        self.protect()
+        motor, acting = self.motor, self._acting
+        on = bool(self._table.values[t.TORQUE_ENABLE])
+        wanted_a = None
+        if on:
+            wanted_a = self._current() * CURRENT_UNIT_A
+        else:
+            self.stand()
+        stands = motor.step(wanted_a, acting[t.PWM_LIMIT] / t.PWM_MOST)
+        full = abs(motor.current_a) >= _FULL * motor.model.stall_current_a
+        self._full_ms = self._full_ms + 1 if full else 0
+        return stands and (not on or (self._trajectory == self._aim and not self._full_ms and not motor.load_nm))
+
+    def _current(self) -> float:
+        """That pulls the shaft to its trajectory, units of 2.69 mA."""
+        acting = self._acting
+        self._follow(self._held if self._halted else acting[t.GOAL_POSITION])
+        most = min(abs(acting[t.GOAL_CURRENT]), acting[t.CURRENT_LIMIT])
+        error = self._trajectory - self.position()
+        slowness = self._rate - self.motor.seen_rad_per_s() * PULSES_PER_RAD * STEP_S
+        wanted = acting[t.POSITION_P] / 128 * error + acting[t.POSITION_D] / 16 * slowness
+        return max(-most, min(most, wanted))
+
+    def _follow(self, goal: float) -> None:
+        """The next millisecond of the profile, which is made when the goal changes."""
+        if goal != self._aim:
+            self._aim, self._most_rate = goal, self._acting[t.PROFILE_VELOCITY] * _RATE
+        left = self._aim - self._trajectory
+        self._rate = math.copysign(self._most_rate, left)
+        self._trajectory += self._rate
+        if not self._most_rate or (self._aim - self._trajectory) * left <= 0:
+            self._trajectory, self._rate = self._aim, 0.0
+
+    def _meet_world(self) -> None:
+        angles_rad = self.motor.angle_rad, 0.0
+        self._shaft.shaft_rad(self._now_ms / 1000, angles_rad)
+        self.motor.load_nm = self._loads(angles_rad)[0]

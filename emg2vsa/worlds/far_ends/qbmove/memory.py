@@ -1,4 +1,5 @@
-"""What a qbmove remembers: ``memInit`` and ``get_param_list`` of command_processing.c (v6.1), in the wire's direction.
+"""What a qbmove remembers, in what Maker Pro and Advanced differ, and what both write at length: the parameter list
+(``get_param_list``) and the ASCII of GET_INFO (``infoPrepare``) of command_processing.c (v6.1).
 
 The Advanced counts its encoders the other way round and turns signs on their way out; here everything keeps the sign it
 has on the wire. Ticks are internal ones, 65536 to a turn.
@@ -7,7 +8,7 @@ has on the wire. Ticks are internal ones, 65536 to a turn.
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 FIXED_POINT = 65536
@@ -16,7 +17,8 @@ INTERNAL_PER_TICK = 2
 """At resolution 1, that of the factory."""
 CONTROL_MODES = ("Position", "PWM", "Current", "Position and current", "Deflection", "Deflection and current")
 INPUT_MODES = ("Usb", "Encoder 3")
-
+FORMATS = {0: "B", 2: "B", 3: "h", 5: "i", 7: "f"}
+"Of a parameter's type."
 _SINGLE = {
     1: "device_id",
     4: "startup",
@@ -26,6 +28,14 @@ _SINGLE = {
     13: "current_limit_ma",
     14: "max_pwm_rate",
 }
+_SHAFT_DRIVES, _STARTS_ON = 1, 3
+_SLOT_BYTES, _MENU_BYTES, _LIST_BYTES = 50, 150, 1199
+"""The list without command and checksum."""
+_MENUS = (
+    b"0 -> Usb\n1 -> Shaft's position controls the motors\n",
+    b"0 -> Position\n1 -> PWM\n2 -> Current\n3 -> Position-Current\n4 -> Deflection\n5 -> Deflection-Current\n",
+    b"0 -> Deactivate [NO]\n1 -> Activate [YES]\n",
+)
 
 
 @dataclass
@@ -51,37 +61,102 @@ class Memory:
     max_stiffness: int = 6000
     watchdog_counts: int = 0
 
+    def limited(self, ticks: int, motor: int) -> int:
+        """Clamped to the position limits of motor 0 or 1, when those are on."""
+        low, high = self.limits[2 * motor : 2 * motor + 2]
+        return max(low, min(high, ticks)) if self.limits_active else ticks
+
 
 def fixed(*gains: float) -> list[int]:
     """Gains in fixed point, as a C cast truncates them."""
     return [int(gain * FIXED_POINT) for gain in gains]
 
 
-def slots(memory: Memory) -> list[tuple[int, bytes, str]]:
-    """Type, values as bytes and text of each parameter, 1 to 14."""
-    shift = memory.resolutions
-    limits = [limit >> shift[k // 2] for k, limit in enumerate(memory.limits)]
-    offsets = [offset >> bits for offset, bits in zip(memory.offsets, shift, strict=True)]
+@dataclass(frozen=True, kw_only=True)
+class Switches:
+    """In what one model differs from the other, as their sources of generation 6 do."""
+
+    version: str
+    counts_backwards: bool
+    "Encoders count against the wire: offsets and references are negated on the way in."
+    parameters: int
+    watchdog_counts: int
+    "At the factory, and after each start."
+    position_gains: tuple[float, float, float]
+    current_gains: tuple[float, float, float]
+    pwm_limit: int
+    supply_mv: int = 24000
+    motor_speed_rad_per_s: float
+    stall_torque_nm: float
+    "Load at which a motor stops."
+    stall_current_ma: float
+    "What it draws there at full PWM."
+    max_pwm_rate: int = 0
+    both_motors_or_none: bool
+    "ACTIVATE with any bit switches both on."
+
+    def factory(self, zeros_ticks: tuple[int, int, int] = (0, 0, 0)) -> Memory:
+        """Settings as they leave it; ``zeros_ticks``: what motor 1, motor 2 and shaft read where they begin."""
+        return Memory(
+            offsets=[ticks * INTERNAL_PER_TICK for ticks in zeros_ticks],
+            position_pid=fixed(*self.position_gains),
+            current_pid=fixed(*self.current_gains),
+            watchdog_counts=self.watchdog_counts,
+            max_pwm_rate=self.max_pwm_rate,
+        )
+
+
+MAKER_PRO = Switches(
+    version="QBMMP v6.1.0",
+    counts_backwards=False,
+    parameters=13,
+    watchdog_counts=0,
+    position_gains=(0.1, 0.0, 0.8),
+    current_gains=(5.0, 0.0, 0.0),
+    pwm_limit=43,  # the firmware's table at 24 V, for a motor of 8 V
+    motor_speed_rad_per_s=3.75,  # nickparnenzini/qbmove_plugin, qbmove_project.pdf
+    # of the same source: 8 V over 2.3 ohm, 0.8 N m/A, less 0.8 N m of friction
+    stall_torque_nm=2.0,
+    stall_current_ma=3480.0,
+    both_motors_or_none=False,
+)
+ADVANCED = Switches(
+    version="QBADV v6.1.6",
+    counts_backwards=True,
+    parameters=14,
+    watchdog_counts=122,  # 5 s: the factory setting is the longest; which period runs before the first SET is unknown
+    position_gains=(-0.1, 0.0, -0.8),
+    current_gains=(3.0, 0.0, 0.0),
+    pwm_limit=100,
+    motor_speed_rad_per_s=6.0,  # default of the Gazebo plugin of NMMI, a simulation's number
+    stall_torque_nm=6.0,  # of the same
+    stall_current_ma=7500.0,  # 0.8 N m/A as in the Maker Pro: a guess
+    both_motors_or_none=True,
+)
+
+
+def slots(memory: Memory) -> list[tuple[int, Sequence[float], str]]:
+    """Type, values and text of each parameter, 1 to 14."""
     yes_no = (" NO", " YES")
     return [
-        (2, bytes((memory.device_id,)), "1 - Device ID:"),
-        (7, _floats(gain / FIXED_POINT for gain in memory.position_pid), "2 - Position PID [P, I, D]:"),
-        (7, _floats(gain / FIXED_POINT for gain in memory.current_pid), "3 - Current PID [P, I, D]:"),
-        (0, bytes((memory.startup,)), "4 - Startup Activation:" + yes_no[memory.startup != 0] + "\0\3"),
-        (0, bytes((memory.input_mode,)), f"5 - Input mode: {INPUT_MODES[memory.input_mode]}\0\1"),
-        (0, bytes((memory.control_mode,)), f"6 - Control mode: {CONTROL_MODES[memory.control_mode]}\0\2"),
-        (2, bytes(memory.resolutions), "7 - Resolutions:"),
-        (3, struct.pack(">3h", *offsets), "8 - Measurement Offsets:"),
-        (7, _floats(memory.multipliers), "9 - Multipliers:"),
-        (0, bytes((memory.limits_active,)), "10 - Pos. limit active:" + yes_no[memory.limits_active != 0] + "\0\3"),
-        (5, struct.pack(">4i", *limits), "11 - Pos. limits [inf, sup]:"),
-        (5, struct.pack(">2i", *memory.max_steps), "12 - Max steps [neg, pos]:"),
-        (3, struct.pack(">h", memory.current_limit_ma), "13 - Current limit:"),
-        (2, bytes((memory.max_pwm_rate,)), "14 - Max PWM rate:"),
+        (2, (memory.device_id,), "1 - Device ID:"),
+        (7, [gain / FIXED_POINT for gain in memory.position_pid], "2 - Position PID [P, I, D]:"),
+        (7, [gain / FIXED_POINT for gain in memory.current_pid], "3 - Current PID [P, I, D]:"),
+        (0, (memory.startup,), "4 - Startup Activation:" + yes_no[memory.startup != 0] + "\0\3"),
+        (0, (memory.input_mode,), f"5 - Input mode: {INPUT_MODES[memory.input_mode]}\0\1"),
+        (0, (memory.control_mode,), f"6 - Control mode: {CONTROL_MODES[memory.control_mode]}\0\2"),
+        (2, memory.resolutions, "7 - Resolutions:"),
+        (3, _offsets(memory), "8 - Measurement Offsets:"),
+        (7, memory.multipliers, "9 - Multipliers:"),
+        (0, (memory.limits_active,), "10 - Pos. limit active:" + yes_no[memory.limits_active != 0] + "\0\3"),
+        (5, _limits(memory), "11 - Pos. limits [inf, sup]:"),
+        (5, memory.max_steps, "12 - Max steps [neg, pos]:"),
+        (3, (memory.current_limit_ma,), "13 - Current limit:"),
+        (2, (memory.max_pwm_rate,), "14 - Max PWM rate:"),
     ]
 
 
-def set_slot(memory: Memory, number: int, values: tuple[float, ...]) -> None:
+def set_slot(memory: Memory, number: int, values: Sequence[float]) -> None:
     """What GET_PARAM_LIST does with an index above 0."""
     whole = [int(value) for value in values]
     match number:
@@ -104,5 +179,71 @@ def set_slot(memory: Memory, number: int, values: tuple[float, ...]) -> None:
             setattr(memory, _SINGLE[number], whole[0])
 
 
-def _floats(values: Iterable[float]) -> bytes:
-    return b"".join(struct.pack(">f", value) for value in values)
+def parameter_list(memory: Memory, count: int, list_bytes: int = _LIST_BYTES) -> bytes:
+    """Count, slots and menus: the payload after the command, without checksum, filled with zeros to its length.
+
+    Zeros stand too where the firmware copies nine bytes from beyond its last menu.
+    """
+    body = bytes((count,))
+    for kind, values, text in slots(memory)[:count]:
+        packed = struct.pack(f">{len(values)}{FORMATS[kind]}", *values)
+        body += (bytes((kind, len(values))) + packed + text.encode("ascii")).ljust(_SLOT_BYTES, b"\0")
+    body += b"".join(menu.ljust(_MENU_BYTES, b"\0") for menu in _MENUS)
+    return body.ljust(list_bytes, b"\0")
+
+
+@dataclass(frozen=True)
+class Now:
+    """What the text says beside the settings, wire ticks and mA."""
+
+    references: tuple[int, ...]
+    measurements: tuple[int, ...]
+    currents_ma: tuple[int, int]
+    on: int
+    supply_mv: int
+
+
+def info_text(current: Memory, shadow: Memory, now: Now, switches: Switches) -> bytes:
+    """The whole text, CR LF lines. Limits, stiffness and current limit come from what is set, not yet stored."""
+    label = "Motor references - Position:" if switches.counts_backwards else "Motor references:"
+    sign, limits = -1 if switches.counts_backwards else 1, _limits(shadow)
+    lines = [
+        "", f"Firmware version: {switches.version}.", "",
+        "DEVICE INFO", f"ID: {current.device_id}", "Number of sensors: 3", f"PWM Limit: {switches.pwm_limit}", "",
+        "MOTOR INFO", f"{label} {now.references[0]} {now.references[1]} ",
+        f"Motor enabled: {'YES' if now.on & 3 else 'NO'}", "",
+        "MEASUREMENTS INFO", "Sensor value:", *_numbered(now.measurements),
+        f"Voltage (mV): {now.supply_mv}",
+        *(f"Current {k} (mA): {current_ma}" for k, current_ma in enumerate(now.currents_ma, 1)), "",
+        "DEVICE PARAMETERS", "PID Controller:", *_gains(current.position_pid),
+        "Current PID Controller:", *_gains(current.current_pid), "",
+        f"Startup activation: {'YES' if current.startup == _STARTS_ON else 'NO'}",
+        f"Input mode: {'Sensor 3' if current.input_mode == _SHAFT_DRIVES else 'USB'}",
+        f"Control Mode: {CONTROL_MODES[current.control_mode]}",
+        "Sensor resolution:", *_numbered(current.resolutions),
+        "Measurement Offset:", *_numbered(sign * ticks for ticks in _offsets(current)),
+        "Measurement Multiplier:", *_numbered(f"{value:f}" for value in current.multipliers),
+        f"Position limit active: {shadow.limits_active}",
+        *(f"Position limit motor {k + 1}: inf -> {limits[2 * k]}  sup -> {limits[2 * k + 1]}" for k in (0, 1)),
+        f"Max stiffness: {shadow.max_stiffness >> shadow.resolutions[0]}",
+        f"Current limit: {shadow.current_limit_ma}",
+        *([f"Max pwm rate: {shadow.max_pwm_rate}"] if switches.parameters > 13 else []),
+        "debug: 0", "",
+    ]  # fmt: skip
+    return "\r\n".join(lines).encode("ascii")
+
+
+def _numbered(values: Iterable[object]) -> list[str]:
+    return [f"{k} -> {value}" for k, value in enumerate(values, 1)]
+
+
+def _gains(gains: list[int]) -> list[str]:
+    return [f"{name} -> {gain / FIXED_POINT:f}" for name, gain in zip("PID", gains, strict=True)]
+
+
+def _offsets(memory: Memory) -> list[int]:
+    return [offset >> bits for offset, bits in zip(memory.offsets, memory.resolutions, strict=True)]
+
+
+def _limits(memory: Memory) -> list[int]:
+    return [limit >> memory.resolutions[k // 2] for k, limit in enumerate(memory.limits)]

@@ -1,19 +1,22 @@
 """The two motors of a qbmove, their encoders and the 1 kHz loop that moves them: ``motor_control`` (v6.1), simplified.
 
-PWM is computed as the firmware does in position, deflection and PWM mode, without the integral, whose gain is 0. A
-motor's speed is proportional to it at once, and does not give way to load, until the load reaches what the motor can
-do: there it stalls. Current follows the load. Without PWM the gears hold. In the current modes (2, 3, 5) the motors
-stand still: the study never uses them.
+PWM is computed as the firmware does in position mode, without the integral, whose gain is 0. A motor's speed is
+proportional to it at once, and does not give way to load, until the load reaches what the motor can do: there it
+stalls. Current follows the load. Without PWM the gears hold. In the other control modes the motors stand still, and the
+input mode in which the shaft drives them does nothing: no run is allowed either.
 """
 
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
-from emg2vsa.worlds.far_ends.qbmove.memory import INTERNAL_PER_TICK, Memory
-from emg2vsa.worlds.far_ends.qbmove.switches import Switches
+from emg2vsa.devices.clock import Clock
+from emg2vsa.worlds.far_ends.actuator_end import Loads, Shaft, Torques
+from emg2vsa.worlds.far_ends.qbmove.memory import INTERNAL_PER_TICK, Memory, Switches
 
 INTERNAL_PER_TURN = 65536
 INTERNAL_PER_RAD = INTERNAL_PER_TURN / (2 * math.pi)
@@ -22,15 +25,16 @@ ENCODER_STEP = 16
 PWM_MOST = 100
 IDLE_CURRENT_MA = 150
 """Current at full PWM without load: a guess."""
-_POSITION, _PWM, _DEFLECTION = 0, 1, 4
+_POSITION_MODE = 0
 _SHAFT = 2
 _WITHOUT_RATE = 13
 """Parameters of a firmware that knows no greatest PWM rate."""
-
-Pair = tuple[int, int]
-Torques = tuple[float, float]
 _STRAINED = 0.5
 """Part of the stall torque from which the load is looked at in every turn."""
+_WATCHDOG_COUNT_S = 0.04096
+_NEVER_MS = 1 << 62
+
+Pair = tuple[int, int]
 
 
 @dataclass
@@ -102,46 +106,33 @@ class Motors:
         half = INTERNAL_PER_TURN // 2
         self._turns_lost = [(value + half) // INTERNAL_PER_TURN for value in self.measured(memory)]
 
-    def step(self, references: Pair, memory: Memory, scale: Memory, powered: tuple[bool, bool]) -> bool:
-        """One millisecond; True when another would change nothing. ``scale``: the settings that encoders obey."""
-        still = True
-        for motor in (0, 1):
-            seen = self._reading(motor, scale)
-            wanted = self._pwm(motor, references[motor], seen, memory) if powered[motor] else 0
-            pwm = self._rate_limited(wanted, self.pwm[motor], memory) if self._limits_rate else wanted
-            still = still and pwm == self.pwm[motor] == 0 and seen == self._seen[motor]
-            self.pwm[motor], self._seen[motor] = pwm, seen
-            if not self._blocked(motor):
-                self._at[motor] += self._full_step * pwm / PWM_MOST
-        return still
-
     def run(self, plan: Sequence[tuple[int, Pair]], memory: Memory, scale: Memory, powered: tuple[bool, bool]) -> None:
-        """Many times `step`, with the loads as they are.
+        """Milliseconds with the loads as they are.
 
-        plan : numbers of steps, and the references that they follow."""
-        faults = self.faults
-        if memory.control_mode != _POSITION or self._limits_rate or faults.frozen or faults.jammed or faults.unsupplied:
-            for turns, references in plan:
-                for _ in range(turns):
-                    if self.step(references, memory, scale, powered):
-                        break
-            return
+        plan : numbers of them, and the references that the motors follow. scale : the settings that encoders obey."""
+        faults, sign, most_nm, full_step = self.faults, self._sign, self._most_nm, self._full_step
+        turns_itself = memory.control_mode == _POSITION_MODE
+        stuck, rate = faults.jammed or faults.unsupplied, memory.max_pwm_rate if self._limits_rate else None
+        proportional, derivative = sign * memory.position_pid[0], sign * memory.position_pid[2]
         for motor in (0, 1):
-            # as in `step`, with everything at hand that does not change from turn to turn
+            # everything at hand that does not change from turn to turn, as every millisecond of a run comes by here
             shift = faults.jumped_ticks[motor] * INTERNAL_PER_TICK + scale.offsets[motor]
             lost, multiplier = self._turns_lost[motor] * INTERNAL_PER_TURN, scale.multipliers[motor]
-            proportional, derivative = self._sign * memory.position_pid[0], self._sign * memory.position_pid[2]
-            on, full_step, load_nm, most_nm = powered[motor], self._full_step, self.loads_nm[motor], self._most_nm
-            free_up, free_down = load_nm < most_nm, -load_nm < most_nm
+            on, load_nm, frozen = powered[motor] and turns_itself, self.loads_nm[motor], faults.frozen.get(motor)
+            free_up, free_down = load_nm < most_nm and not stuck, -load_nm < most_nm and not stuck
             at, seen, pwm = self._at[motor], self._seen[motor], self.pwm[motor]
             for turns, references in plan:
                 reference = references[motor]
                 for _ in range(turns):
                     before, pwm_before = seen, pwm
-                    seen = int((math.floor(at / ENCODER_STEP) * ENCODER_STEP + shift - lost) * multiplier)
+                    raw = math.floor(at / ENCODER_STEP) * ENCODER_STEP if frozen is None else frozen
+                    seen = int((raw + shift - lost) * multiplier)
                     pwm = (proportional * (reference - seen) >> 16) + (derivative * (before - seen) >> 16) if on else 0
-                    if not -PWM_MOST <= pwm <= PWM_MOST:
+                    if not -PWM_MOST < pwm < PWM_MOST:
                         pwm = PWM_MOST if pwm > 0 else -PWM_MOST
+                        if rate is not None:
+                            # only a saturated move is held back: the compiled firmware does so, not its source
+                            pwm = max(pwm_before - rate, min(pwm_before + rate, pwm))
                     if pwm == pwm_before == 0 and seen == before:
                         break
                     if free_up if pwm >= 0 else free_down:
@@ -155,10 +146,10 @@ class Motors:
     def _current_ma(self, motor: int) -> int:
         pwm, current_ma = self.pwm[motor], 0.0
         if pwm and not self.faults.unsupplied:
+            against_nm = math.copysign(1.0, pwm) * self.loads_nm[motor]
             stall_ma = math.copysign(self._stall_ma, pwm)
-            load_nm = max(0.0, math.copysign(1.0, pwm) * self.loads_nm[motor])
-            current_ma = stall_ma * load_nm / self._stall_nm + IDLE_CURRENT_MA * pwm / PWM_MOST
-            if self._blocked(motor):
+            current_ma = stall_ma * max(0.0, against_nm) / self._stall_nm + IDLE_CURRENT_MA * pwm / PWM_MOST
+            if self.faults.jammed or against_nm >= self._most_nm:
                 current_ma = stall_ma * abs(pwm) / PWM_MOST
         return int(current_ma + self.faults.current_ma)
 
@@ -166,10 +157,6 @@ class Motors:
     def _most_nm(self) -> float:
         weak_nm = self.faults.torque_nm
         return self._stall_nm if weak_nm is None else weak_nm
-
-    def _blocked(self, motor: int) -> bool:
-        against_nm = math.copysign(1.0, self.pwm[motor]) * self.loads_nm[motor]
-        return self.faults.jammed or self.faults.unsupplied or against_nm >= self._most_nm
 
     def _raw(self, sensor: int) -> int:
         if sensor in self.faults.frozen:
@@ -181,20 +168,86 @@ class Motors:
         raw = self._raw(sensor) + jumped + memory.offsets[sensor]
         return int((raw - self._turns_lost[sensor] * INTERNAL_PER_TURN) * memory.multipliers[sensor])
 
-    def _pwm(self, motor: int, reference: int, seen: int, memory: Memory) -> int:
-        if memory.control_mode == _PWM:
-            wanted = reference >> memory.resolutions[motor]
-        elif memory.control_mode in (_POSITION, _DEFLECTION):
-            shaft = self._reading(_SHAFT, memory) if memory.control_mode == _DEFLECTION else 0
-            proportional, derivative = self._sign * memory.position_pid[0], self._sign * memory.position_pid[2]
-            wanted = (proportional * (reference + shaft - seen) >> 16) + (derivative * (self._seen[motor] - seen) >> 16)
-        else:
-            wanted = 0
-        return max(-PWM_MOST, min(PWM_MOST, wanted))
 
-    @staticmethod
-    def _rate_limited(wanted: int, before: int, memory: Memory) -> int:
-        # only a saturated move is held back; from the behaviour of the compiled firmware, not from its source
-        if abs(wanted) < PWM_MOST:
-            return wanted
-        return max(before - memory.max_pwm_rate, min(before + memory.max_pwm_rate, wanted))
+class References(NamedTuple):
+    """Where the motors are to go, internal ticks, and whether they are on."""
+
+    ticks: Pair = (0, 0)
+    on: int = 0
+
+
+class Loop:
+    """Motors and references of one device against its clock: references handed on turn by turn, watchdog."""
+
+    def __init__(
+        self, switches: Switches, shaft: Shaft, clock: Clock, motors_rad: Torques, loads: Loads, latency_s: float
+    ) -> None:
+        """``latency_s``: from a command until the loop knows of it."""
+        self._switches, self._shaft, self._clock, self._loads = switches, shaft, clock, loads
+        start_s = clock.now_s()
+        self.motors = Motors(switches, (*motors_rad, shaft.shaft_rad(start_s, motors_rad)))
+        self._now_ms = int(start_s * 1000)
+        self.new = self.current = self.old = References()
+        self.bridge_on: int | None = None
+        "What the motors go by after a watchdog that has cleared no more than the flag, until the next ACTIVATE."
+        self._watchdog_ms = _NEVER_MS
+        self._latency_ms = round(latency_s * 1000)
+        self._commanded: deque[tuple[int, Pair]] = deque()
+
+    def command(self, ticks: Pair) -> None:
+        """Where the motors are to go, once that is known here."""
+        if self._latency_ms:
+            self._commanded.append((self._now_ms + self._latency_ms, ticks))
+        else:
+            self.new = self.new._replace(ticks=ticks)
+
+    def activate(self, references: References) -> None:
+        """At once, and instead of what has been commanded before."""
+        self._commanded.clear()
+        self.new, self.bridge_on = references, None
+
+    def advance(self, current: Memory, shadow: Memory) -> None:
+        """Run up to the clock. ``current`` settings move the motors, ``shadow`` ones scale and shift the encoders."""
+        until_ms = int(self._clock.now_s() * 1000 + 1e-6)
+        if until_ms <= self._now_ms:
+            return
+        strained = self.motors.strained
+        while self._now_ms < until_ms:
+            if self._now_ms >= self._watchdog_ms:
+                self.bridge_on = self.current.on if self.motors.faults.flag_only else None
+                self.new, self._watchdog_ms = self.new._replace(on=0), _NEVER_MS
+            while self._commanded and self._commanded[0][0] <= self._now_ms:
+                self.new = References(self._commanded.popleft()[1], self.new.on)
+            # only the watchdog, a command, or a load that may stall a motor, comes between
+            plain = not strained and self.current.on == self.new.on
+            next_ms = self._commanded[0][0] if self._commanded else until_ms
+            turns = max(1, min(until_ms, self._watchdog_ms, next_ms) - self._now_ms) if plain else 1
+            self._turns(turns, current, shadow)
+            self._now_ms += turns
+            if strained:
+                self._turn_shaft()
+                strained = self.motors.strained
+        self._turn_shaft()
+
+    def feed_watchdog(self, counts: int) -> None:
+        """Something was heard. Periods of 0 counts are taken as no watchdog: what they mean is unknown."""
+        self._watchdog_ms = self._now_ms + int(counts * _WATCHDOG_COUNT_S * 1000) if counts else _NEVER_MS
+
+    def restart(self, on: int) -> None:
+        """Power comes back: references 0."""
+        self._commanded.clear()
+        self.new = self.current = self.old = References(on=on)
+        self.bridge_on = None
+        self.motors.pwm = [0, 0]
+
+    def _turn_shaft(self) -> None:
+        angles_rad = self.motors.angles_rad()
+        self.motors.turn_shaft(self._shaft.shaft_rad(self._now_ms / 1000, angles_rad))
+        self.motors.loads_nm = self._loads(angles_rad)
+
+    def _turns(self, turns: int, current: Memory, shadow: Memory) -> None:
+        """So many turns: the motors follow the newest references from the second on."""
+        on = self.current.on if self.bridge_on is None else self.bridge_on
+        powered = (on > 0, on > 0) if self._switches.both_motors_or_none else (bool(on & 1), bool(on & 2))
+        self.motors.run([(1, self.current.ticks), (turns - 1, self.new.ticks)], current, shadow, powered)
+        self.old, self.current = self.current if turns == 1 else self.new, self.new

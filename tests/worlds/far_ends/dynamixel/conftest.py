@@ -7,12 +7,12 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 import pytest
+from emg2vsa.worlds.far_ends.dynamixel.bus import Bus
 
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.worlds.far_ends.dynamixel.bus import Bus
 from emg2vsa.worlds.far_ends.dynamixel.firmware import DynamixelFirmware
-from emg2vsa.worlds.far_ends.dynamixel.framing import HEADER, INSTRUCTION, Instruction, packet, unstuffed
-from emg2vsa.worlds.far_ends.dynamixel.models import XM430_W350, DynamixelModel
+from emg2vsa.worlds.far_ends.dynamixel.packets import HEADER, INSTRUCTION, Instruction, packet, unstuffed
+from emg2vsa.worlds.far_ends.dynamixel.table import XM430_W350, DynamixelModel
 
 
 class Rigid:

@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.worlds.bench.probe import WorldSettings
 from emg2vsa.worlds.bench.world import World
-from emg2vsa.worlds.bench.world_settings import WorldSettings
 from emg2vsa.worlds.contact import Relaxation
 from emg2vsa.worlds.far_ends.dynamixel import table as t
 from emg2vsa.worlds.far_ends.dynamixel.firmware import DynamixelFirmware
-from emg2vsa.worlds.far_ends.dynamixel.models import (
+from emg2vsa.worlds.far_ends.dynamixel.table import (
     CURRENT_UNIT_A,
     MODELS,
     PULSES_PER_RAD,

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from emg2vsa.worlds.far_ends.dynamixel import table as t
-from emg2vsa.worlds.far_ends.dynamixel.framing import crc16, packet, unstuffed
-from emg2vsa.worlds.far_ends.dynamixel.models import XM430_W210
+from emg2vsa.worlds.far_ends.dynamixel.packets import crc16, packet, unstuffed
+from emg2vsa.worlds.far_ends.dynamixel.table import XM430_W210
 
 OLD = replace(XM430_W210, firmware_version=38)
 _DEGREES = 360 / 4096

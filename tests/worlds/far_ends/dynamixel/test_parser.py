@@ -5,16 +5,18 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emg2vsa.worlds.far_ends.dynamixel.framing import (
+from emg2vsa.worlds.far_ends.dynamixel.packets import (
+    BYTE_GAP_S,
     HEADER,
     POSITION_COMMANDS,
     WATCHDOG_COMMANDS,
     DynamixelFrames,
     Instruction,
+    Packet,
+    PacketParser,
     packet,
     unstuffed,
 )
-from emg2vsa.worlds.far_ends.dynamixel.parser import BYTE_GAP_S, Packet, PacketParser
 
 FRAMES = DynamixelFrames()
 NASTY = st.lists(st.sampled_from((0xFF, 0xFD, 0x00, 0x01, 0x55)) | st.integers(0, 255), max_size=40).map(bytes)

@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.worlds.bench.faults import FaultyWire
 from emg2vsa.worlds.far_ends.dynamixel import table as t
-from emg2vsa.worlds.far_ends.dynamixel.faults import MOTOR_FAULTS
+from emg2vsa.worlds.far_ends.dynamixel.far_end import MOTOR_FAULTS
 from emg2vsa.worlds.far_ends.dynamixel.firmware import BOOT_S, DynamixelFirmware
-from emg2vsa.worlds.far_ends.dynamixel.framing import ALERT, DynamixelFrames, Error, Instruction
-from emg2vsa.worlds.far_ends.dynamixel.models import XM430_W350
+from emg2vsa.worlds.far_ends.dynamixel.packets import ALERT, DynamixelFrames, Error, Instruction
+from emg2vsa.worlds.far_ends.dynamixel.table import XM430_W350
+from emg2vsa.worlds.far_ends.faults import FaultyWire
 
 
 def put(one: Any, name: str, value: float = 1.0) -> None:

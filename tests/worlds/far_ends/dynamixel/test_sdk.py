@@ -9,13 +9,13 @@ from importlib import import_module
 from typing import Any
 
 import pytest
+from emg2vsa.worlds.far_ends.dynamixel.bus import Bus
 
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.worlds.bench.servers import VirtualSerialPort
 from emg2vsa.worlds.far_ends.dynamixel import table as t
-from emg2vsa.worlds.far_ends.dynamixel.bus import Bus
 from emg2vsa.worlds.far_ends.dynamixel.firmware import BOOT_S, DynamixelFirmware
-from emg2vsa.worlds.far_ends.dynamixel.models import XM430_W210, XM430_W350
+from emg2vsa.worlds.far_ends.dynamixel.table import XM430_W210, XM430_W350
+from emg2vsa.worlds.far_ends.ports import VirtualSerialPort
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminals")
 ID, OTHER = 1, 2

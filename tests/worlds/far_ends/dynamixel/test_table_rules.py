@@ -9,8 +9,8 @@ import pytest
 
 from emg2vsa.worlds.far_ends.dynamixel import table as t
 from emg2vsa.worlds.far_ends.dynamixel.firmware import BOOT_S
-from emg2vsa.worlds.far_ends.dynamixel.framing import ALERT, Error, Instruction, packet
-from emg2vsa.worlds.far_ends.dynamixel.models import MODELS, XM540_W270, DynamixelModel
+from emg2vsa.worlds.far_ends.dynamixel.packets import ALERT, Error, Instruction, packet
+from emg2vsa.worlds.far_ends.dynamixel.table import MODELS, XM540_W270, DynamixelModel
 
 PLACES = {
     t.MODEL_NUMBER: (2, 1020), t.FIRMWARE: (1, 45), t.DEVICE_ID: (1, 1), t.BAUD_RATE: (1, 1), t.RETURN_DELAY: (1, 250),

@@ -10,17 +10,31 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from operator import gt, truediv
+from operator import add, gt, mul, sub, truediv
 
-from emg2vsa.devices.netft.rdt import LARGEST_BUFFER, Command, Record, parse_request, record_bytes
-from emg2vsa.worlds.bench.settings import INTERNAL_RATE_HZ
-from emg2vsa.worlds.far_ends.netft.faults import BoxFaults, Client, FaultyPost
-from emg2vsa.worlds.far_ends.netft.noise import MOST_COUNT, NO_LOAD, NoisyCounts
+import numpy as np
+
+from emg2vsa.devices.netft.rdt import (
+    INTERNAL_RATE_HZ,
+    LARGEST_BUFFER,
+    Command,
+    Record,
+    parse_request,
+    record_bytes,
+)
+from emg2vsa.worlds.far_ends.netft_faults import BoxFaults, Client, FaultyPost
 
 NETBOX_SATURATED = 0x80020000
 AXIA_OUT_OF_RANGE = 0xC0000000
 Wrenches = Callable[[Sequence[float]], Sequence[Sequence[float]]]
 """(R,) times, s, that never go back, to (R, 6) force, N, and torque, N·m, on the sensor at these times."""
+
+
+Counts = tuple[int, ...]
+LEAST_COUNT, MOST_COUNT = -(2**31), 2**31 - 1
+NO_LOAD = (0.0,) * 6
+_BLOCK = 256
+"Draws made at once; the counts come out the same for any number."
 
 
 @dataclass(frozen=True)
@@ -53,6 +67,56 @@ class BoxSettings:
     def divisor(self) -> int:
         """Internal samples from record to record."""
         return max(1, math.floor(INTERNAL_RATE_HZ / self.rate_hz))
+
+
+class NoisyCounts:
+    """One record after the other. Of a load that stays, all counts of a block are made at once.
+
+    Parameters
+    ----------
+    noise : standard deviation of force and torque. counts_per_unit : of force and torque. seed : of the draws.
+    """
+
+    def __init__(self, noise: tuple[float, float], counts_per_unit: tuple[int, int], seed: int) -> None:
+        self._rng, self._size = np.random.default_rng(seed), np.repeat(noise, 3)
+        # plain numbers too: six at a time are too few for arrays to pay
+        self._per_unit = np.repeat(counts_per_unit, 3)
+        self._each_per_unit: list[int] = self._per_unit.tolist()
+        self._at = _BLOCK
+        self._before: tuple[Sequence[float], Sequence[float]] = NO_LOAD, NO_LOAD
+        "Load and bias of the record before."
+        self._under: list[Counts] | None = None
+        "Counts of the block under that load, once it has come twice."
+
+    def of(self, load: Sequence[float], bias: Sequence[float]) -> Counts:
+        """Six counts of the next record, under a load less a bias."""
+        if self._at == _BLOCK:
+            self._draw()
+        row, self._at = self._at, self._at + 1
+        if (load, bias) != self._before:
+            self._before, self._under = (load, bias), None
+            noisy = map(mul, map(add, map(sub, load, bias), self._rows[row]), self._each_per_unit)
+            counts = tuple(map(round, noisy))
+            if min(counts) >= LEAST_COUNT and max(counts) <= MOST_COUNT:
+                return counts
+            return tuple([max(LEAST_COUNT, min(MOST_COUNT, count)) for count in counts])  # far out of range
+        if self._under is None:
+            noisy_units = np.subtract(load, bias) + self._noise
+            counts_of_block = np.rint(noisy_units * self._per_unit).clip(LEAST_COUNT, MOST_COUNT).astype(np.int64)
+            self._under = list(map(tuple, counts_of_block.tolist()))
+        return self._under[row]
+
+    def skip(self, records: int) -> None:
+        """So many records that nobody looks at: those after them come out as if these had been made."""
+        self._at += records
+        while self._at > _BLOCK:
+            left = self._at - _BLOCK
+            self._draw()
+            self._at = left
+
+    def _draw(self) -> None:
+        self._noise = self._size * self._rng.standard_normal((_BLOCK, 6))
+        self._rows, self._at, self._under = self._noise.tolist(), 0, None
 
 
 @dataclass
@@ -129,43 +193,36 @@ class RdtBox:
 
     def newest_until(self, time_s: float) -> tuple[Record, float] | None:
         """Of the records that are due the newest, and when it is measured, s; nobody looks at those before it."""
-        stream = self._stream
+        stream, times_s, ticks = self._due(time_s)
         if stream is None:
             return None
-        due, next_s, last_s, tick, divisor = 0, stream.next_s, 0.0, 0, self.settings.divisor
-        while next_s <= time_s + 1e-9 and due < stream.left:
-            due, last_s, tick = due + 1, next_s, round(next_s * INTERNAL_RATE_HZ)
-            next_s = (tick + divisor) / INTERNAL_RATE_HZ
-        if not due:
-            return None
-        stream.next_s, stream.last_s, stream.left = next_s, last_s, stream.left - due
-        if not stream.left:
-            self._stream = None
         if not self.faults.stuck:
-            self._noisy.skip(due - 1)
-        stream.rdt_sequence += due - 1
-        return self._measured(stream, [tick], self._loads((last_s,)))[0], last_s
+            self._noisy.skip(len(ticks) - 1)
+        stream.rdt_sequence += len(ticks) - 1
+        return self._measured(stream, ticks[-1:], times_s[-1:])[0]
 
     def records_until(self, time_s: float) -> list[tuple[Record, float]]:
         """Every record that is due, and when it is measured, s. Who takes them here gets no datagrams of them."""
+        stream, times_s, ticks = self._due(time_s)
+        return [] if stream is None else self._measured(stream, ticks, times_s)
+
+    def _due(self, time_s: float) -> tuple[_Stream | None, list[float], list[int]]:
+        """The stream, None where nothing is due; times, s, of what is due, and its internal samples."""
+        times_s: list[float] = []
+        ticks: list[int] = []
         if (stream := self._stream) is None:
-            return []
-        times_s, ticks, next_s, divisor = [], [], stream.next_s, self.settings.divisor
-        while next_s <= time_s + 1e-9 and stream.left:
+            return None, times_s, ticks
+        next_s, divisor = stream.next_s, self.settings.divisor
+        while next_s <= time_s + 1e-9 and len(ticks) < stream.left:
             times_s.append(next_s)
             ticks.append(round(next_s * INTERNAL_RATE_HZ))
-            stream.left -= 1
             next_s = (ticks[-1] + divisor) / INTERNAL_RATE_HZ
-        if not times_s:
-            return []
-        stream.next_s, stream.last_s = next_s, times_s[-1]
+        if not ticks:
+            return None, times_s, ticks
+        stream.next_s, stream.last_s, stream.left = next_s, times_s[-1], stream.left - len(ticks)
         if not stream.left:
             self._stream = None
-        return list(zip(self._measured(stream, ticks, self._loads(times_s)), times_s, strict=True))
-
-    def reading(self, time_s: float) -> tuple[int, tuple[int, ...]]:
-        """Status word and the six counts at a time."""
-        return self._read(self._loads([time_s])[0])
+        return stream, times_s, ticks
 
     def _read(self, load: Sequence[float]) -> tuple[int, tuple[int, ...]]:
         faults = self.faults
@@ -190,13 +247,14 @@ class RdtBox:
             for wrench, time_s in zip(wrenches, times_s, strict=True)
         ]
 
-    def _measured(self, stream: _Stream, ticks: list[int], loads: list[Sequence[float]]) -> list[Record]:
-        """Records of internal samples ``ticks`` under these loads."""
+    def _measured(self, stream: _Stream, ticks: list[int], times_s: list[float]) -> list[tuple[Record, float]]:
+        """Records of these internal samples, and their times, s."""
+        loads = self._loads(times_s)
         self._skipped, self.faults.skip = self._skipped + self.faults.skip, 0
         number, skipped, records, read = stream.rdt_sequence, self._skipped, [], self._read
-        for tick, load in zip(ticks, loads, strict=True):
+        for tick, load, at_s in zip(ticks, loads, times_s, strict=True):
             number = (number + 1) % 2**32
-            records.append(Record(number, (tick + skipped) % 2**32, *read(load)))
+            records.append((Record(number, (tick + skipped) % 2**32, *read(load)), at_s))
         stream.rdt_sequence = number
         return records
 

@@ -1,4 +1,5 @@
-"""Packets of Dynamixel protocol 2.0 as bytes, and what a wire that fails does to them.
+"""Packets of Dynamixel protocol 2.0 as bytes, how a motor takes them from its bus, and what a wire that fails does to
+them.
 
 Source: ROBOTIS e-Manual, DYNAMIXEL Protocol 2.0 (docs/en/dxl/protocol2.md of ROBOTIS-GIT/emanual); its example packets
 are the tests.
@@ -6,9 +7,9 @@ are the tests.
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Collection, Iterator
 from enum import IntEnum
+from typing import NamedTuple
 
 HEADER = b"\xff\xff\xfd\x00"
 BROADCAST_ID = 0xFE
@@ -17,32 +18,19 @@ ID, LENGTH, INSTRUCTION = 4, 5, 7
 """Where these stand in a packet; the length counts everything after itself."""
 LEAST_LENGTH, MOST_LENGTH = 3, 1024
 """Most: a guess, the largest packet that the public SDK sends."""
+BYTE_GAP_S = 1.5e-3
+"""After a longer pause within a packet, a device waits for the next header."""
 _STUFFED, _PLAIN = b"\xff\xff\xfd\xfd", b"\xff\xff\xfd"
 _POLYNOMIAL = 0x8005
-POSITION_COMMANDS = frozenset((116,))
-"""Addresses to whose writing a motor goes: Goal Position."""
-WATCHDOG_COMMANDS = frozenset((98,))
-"""Bus Watchdog."""
 
 
 class Instruction(IntEnum):
-    """Those of the e-Manual but for Control Table Backup (0x20), to which this far end answers Instruction Error."""
+    """Those that `emg2vsa.devices.dynamixel` sends; this far end answers Instruction Error to all others."""
 
     PING = 0x01
     READ = 0x02
     WRITE = 0x03
-    REG_WRITE = 0x04
-    ACTION = 0x05
-    FACTORY_RESET = 0x06
-    REBOOT = 0x08
-    CLEAR = 0x10
     STATUS = 0x55
-    SYNC_READ = 0x82
-    SYNC_WRITE = 0x83
-    FAST_SYNC_READ = 0x8A
-    BULK_READ = 0x92
-    BULK_WRITE = 0x93
-    FAST_BULK_READ = 0x9A
 
 
 class Error(IntEnum):
@@ -72,12 +60,12 @@ def _crc_of(byte: int) -> int:
 _CRCS = [_crc_of(byte) for byte in range(256)]
 
 
-def crc16(data: bytes) -> bytes:
-    """Two bytes, low one first."""
+def sealed(data: bytes) -> bytes:
+    """``data`` and its checksum, low byte first."""
     crc = 0
     for byte in data:
         crc = (crc << 8 & 0xFF00) ^ _CRCS[crc >> 8 ^ byte]
-    return crc.to_bytes(2, "little")
+    return data + crc.to_bytes(2, "little")
 
 
 def packet(device_id: int, instruction: int, parameters: bytes = b"") -> bytes:
@@ -86,25 +74,68 @@ def packet(device_id: int, instruction: int, parameters: bytes = b"") -> bytes:
     return sealed(HEADER + bytes((device_id,)) + (len(body) + 2).to_bytes(2, "little") + body)
 
 
-def sealed(data: bytes) -> bytes:
-    """``data`` and its checksum."""
-    return data + crc16(data)
-
-
 def unstuffed(body: bytes) -> bytes:
     """Instruction and parameters as they were meant."""
     return body.replace(_STUFFED, _PLAIN)
 
 
-class DynamixelFrames:
-    """As `emg2vsa.worlds.bench.faults.Frames`; commands are addresses."""
+class Packet(NamedTuple):
+    """What came: ``parameters`` unstuffed; ``intact``, whether the checksum fits."""
 
-    position_commands, watchdog_commands = POSITION_COMMANDS, WATCHDOG_COMMANDS
+    device_id: int
+    instruction: int
+    parameters: bytes
+    intact: bool
+
+
+class PacketParser:
+    """Bytes in, packets for anybody out (e-Manual, Protocol 2.0: Reception, Byte to Byte Time).
+
+    A header within a packet that is not whole yet begins a new one, as stuffing keeps headers out of bodies; that the
+    firmware does so too is a guess."""
+
+    def __init__(self) -> None:
+        self._unread, self._last_s = bytearray(), 0.0
+
+    def feed(self, data: bytes, now_s: float) -> Iterator[Packet]:
+        """Packets, one at a time: what the one changes counts for the next."""
+        unread = self._unread
+        if data:
+            if now_s - self._last_s > BYTE_GAP_S:
+                unread.clear()
+            self._last_s = now_s
+        unread += data
+        while (start := unread.find(HEADER)) >= 0:
+            del unread[:start]
+            if len(unread) < INSTRUCTION:
+                return
+            length = int.from_bytes(unread[LENGTH:INSTRUCTION], "little")
+            if not LEAST_LENGTH <= length <= MOST_LENGTH:
+                del unread[: len(HEADER)]
+                continue
+            end, inner = INSTRUCTION + length, unread.find(HEADER, len(HEADER))
+            if 0 <= inner < end - len(HEADER):
+                del unread[:inner]
+                continue
+            if len(unread) < end:
+                return
+            whole = bytes(unread[:end])
+            intact = sealed(whole[:-2]) == whole
+            # one that is not may be torn, with the next header already in it
+            del unread[: end if intact else len(HEADER)]
+            body = unstuffed(whole[INSTRUCTION:-2])
+            yield Packet(whole[ID], body[0], body[1:], intact)
+        del unread[: -(len(HEADER) - 1)]
+
+
+class DynamixelFrames:
+    """As `emg2vsa.worlds.far_ends.faults.Frames`; commands are addresses: Goal Position and Bus Watchdog."""
+
+    position_commands: frozenset[int] = frozenset((116,))
+    watchdog_commands: frozenset[int] = frozenset((98,))
 
     def without(self, data: bytes, commands: frozenset[int]) -> bytes:
-        """``data`` but for the packets that write any of these addresses; what is no whole packet stays as it is.
-
-        A packet goes as a whole, with all else that it writes. A write by way of Indirect Data is not seen."""
+        """``data`` but for the packets that write any of these addresses; what is no whole packet stays as it is."""
         return b"".join(part for part, whole in _parts(data) if not (whole and _writes(part, commands)))
 
     def renamed(self, data: bytes, shift: int) -> bytes:
@@ -131,37 +162,7 @@ def _parts(data: bytes) -> Iterator[tuple[bytes, bool]]:
 
 def _writes(part: bytes, addresses: Collection[int]) -> bool:
     body = unstuffed(part[INSTRUCTION:-2])
-    instruction, given = body[0], body[1:]
-    written: list[tuple[int, int]] = []
-    if instruction in (Instruction.WRITE, Instruction.REG_WRITE) and len(given) > 2:
-        written = [(int.from_bytes(given[:2], "little"), len(given) - 2)]
-    elif instruction == Instruction.SYNC_WRITE and len(given) >= 4:
-        written = [struct.unpack_from("<HH", given)]
-    elif instruction == Instruction.BULK_WRITE:
-        written = [(address, len(values)) for _, address, values in bulk_writes(given)]
-    return any(start <= address < start + size for start, size in written for address in addresses)
-
-
-def bulk_writes(given: bytes) -> Iterator[tuple[int, int, bytes]]:
-    """Id, address and data of each part of a Bulk Write; a last one that lacks bytes is left out."""
-    at = 0
-    while at + 5 <= len(given):
-        device_id, address, size = struct.unpack_from("<BHH", given, at)
-        at += 5 + size
-        if at <= len(given):
-            yield device_id, address, given[at - size : at]
-
-
-def sync_writes(given: bytes) -> Iterator[tuple[int, int, bytes]]:
-    """The same of a Sync Write."""
-    address, size = struct.unpack_from("<HH", given.ljust(4, b"\0"))
-    for at in range(4, len(given) - size, size + 1):
-        yield given[at], address, given[at + 1 : at + 1 + size]
-
-
-def reads(instruction: int, given: bytes) -> list[tuple[int, int, int]]:
-    """Id, address and size of each part of a Sync Read or Bulk Read, fast or not."""
-    if instruction in (Instruction.BULK_READ, Instruction.FAST_BULK_READ):
-        return list(struct.iter_unpack("<BHH", given[: len(given) // 5 * 5]))
-    address, size = struct.unpack_from("<HH", given.ljust(4, b"\0"))
-    return [(device_id, address, size) for device_id in given[4:]]
+    if body[0] != Instruction.WRITE or len(body) < 4:
+        return False
+    start, size = int.from_bytes(body[1:3], "little"), len(body) - 3
+    return any(start <= address < start + size for address in addresses)

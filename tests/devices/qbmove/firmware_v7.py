@@ -8,13 +8,9 @@ from __future__ import annotations
 import copy
 from dataclasses import replace
 
-from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.qbmove.packets import Command, frame, lrc
 from emg2vsa.worlds.far_ends.qbmove.firmware import DONE, QbmoveFirmware
-from emg2vsa.worlds.far_ends.qbmove.loop import Shaft
-from emg2vsa.worlds.far_ends.qbmove.memory import Memory
-from emg2vsa.worlds.far_ends.qbmove.switches import ADVANCED, MAKER_PRO, Switches
-from emg2vsa.worlds.far_ends.qbmove.texts import parameter_list
+from emg2vsa.worlds.far_ends.qbmove.memory import ADVANCED, MAKER_PRO, parameter_list
 
 # a PWM rate at which motors do move is a guess
 MAKER_PRO_V7 = replace(MAKER_PRO, version="QBMMP v7.1.0", parameters=14, max_pwm_rate=10)
@@ -23,30 +19,17 @@ ADVANCED_V7 = replace(
 )
 LONG_UNIT = 32
 """LEN of long replies counts as many bytes."""
-_LIST_BYTES = 1151
+SERIAL_NUMBER = 0x00980001
 
 
 class QbmoveFirmwareV7(QbmoveFirmware):
     """Acknowledgements name their command, parameters act at once, long replies are framed."""
 
-    def __init__(
-        self,
-        switches: Switches,
-        shaft: Shaft,
-        clock: Clock,
-        *,
-        memory: Memory | None = None,
-        motors_rad: tuple[float, float] = (0.0, 0.0),
-        serial_number: int = 0x00980001,
-    ) -> None:
-        self._serial_number = serial_number
-        super().__init__(switches, shaft, clock, memory=memory, motors_rad=motors_rad)
-
     def _acknowledge(self, command: int, device_id: int) -> bytes:
         return frame(device_id, command, bytes((DONE,)))
 
     def _ping(self) -> bytes:
-        return self._reply(Command.PING, self._serial_number.to_bytes(4))
+        return self._reply(Command.PING, SERIAL_NUMBER.to_bytes(4))
 
     def _set_zeros(self) -> bytes:
         """No payload: zero is where everything stands."""
@@ -58,15 +41,12 @@ class QbmoveFirmwareV7(QbmoveFirmware):
     def _parameter(self) -> bytes:
         (index,) = self._words(1)
         if index == 0:
-            return self._list()
+            return self._long(Command.GET_PARAM_LIST, parameter_list(self._current, self._switches.parameters, 1151))
         if not 0 < index <= self._switches.parameters:
             return b""
         self._set_parameter(index)
         self._current = copy.deepcopy(self._shadow)
         return self._acknowledge(Command.GET_PARAM_LIST, self._shadow.device_id)
-
-    def _list(self) -> bytes:
-        return self._long(Command.GET_PARAM_LIST, parameter_list(self._current, self._switches.parameters, _LIST_BYTES))
 
     def _info(self) -> bytes:
         return self._long(Command.GET_INFO, super()._info())

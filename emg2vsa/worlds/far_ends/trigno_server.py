@@ -8,26 +8,22 @@ import selectors
 import socket
 import sys
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.trigno.driver import places_of
-from emg2vsa.devices.trigno.settings import COMMAND_PORT, TrignoSettings
 from emg2vsa.errors import DeviceError
-from emg2vsa.worlds.far_ends.table import Served, Table, check_here
-from emg2vsa.worlds.far_ends.trigno.base import END, FRAME_S, GREETING, SLOTS, TrignoBase
+from emg2vsa.worlds.far_ends.ports import IDLE_S, Serving
+from emg2vsa.worlds.far_ends.trigno_base import END, FRAME_S, GREETING, SLOTS, TrignoBase
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.sensors import EmgSampler
 
 HOSTS = (socket.AF_INET, "127.0.0.1"), (socket.AF_INET6, "::1")
 """Windows tries IPv6 first for localhost, and waits long where nobody listens there."""
-IDLE_S = 0.05
-"Longest wait before the server looks whether it shall end."
 MOST_WAITING_BYTES = 1 << 20
 "Kept for a client that does not read; what comes then is lost for it."
 MOST_COMMAND_BYTES = 1 << 14
@@ -59,24 +55,7 @@ class _Client:
     lost_frames: int = 0
 
 
-@contextlib.contextmanager
-def served_trigno(at: Table) -> Iterator[Served]:
-    """The system where the study says. SettingError where that is another computer; DeviceError for a port in use."""
-    emg = at.settings.emg
-    assert isinstance(emg, TrignoSettings)
-    check_here("session.emg.host", emg.host, emg.host)
-    slots = {place.sensor: muscle for muscle, place in places_of(emg.channels).items()}
-    usual = Ports() if emg.command_port == COMMAND_PORT else ANY_PORTS
-    ports = usual._replace(command=emg.command_port, emg=emg.emg_port)
-    with TrignoServer(
-        at.participant, slots, at.clock, ports=ports, start_delay_s=at.start_delay_s, delay_s=emg.delay_s
-    ) as server:
-        said = ", ".join(f"{name} {port}" for name, port in server.ports._asdict().items()).replace("_", " ")
-        address: dict[str, object] = {"kind": "trigno", "hosts": ["127.0.0.1", "::1"], "ports": server.ports._asdict()}
-        yield Served((f"EMG: Trigno server at 127.0.0.1 and ::1, ports {said}",), {"emg": address}, server)
-
-
-class TrignoServer:
+class TrignoServer(Serving):
     """Serves within a with statement, on ``ports``.
 
     Parameters
@@ -100,7 +79,6 @@ class TrignoServer:
         self.start_delay_s = start_delay_s
         self._participant, self._slots, self._clock, self._delay_s = participant, dict(slots), clock, delay_s
         self._lock = threading.RLock()
-        self._ended = threading.Event()
         self._clients: list[_Client] = []
         self._run = 0
         self._stall_end_s = 0.0
@@ -108,20 +86,9 @@ class TrignoServer:
         self._selector = selectors.DefaultSelector()
         self._listening: list[socket.socket] = []
         self.ports = Ports(*(self._listen(name, port) for name, port in ports._asdict().items()))
-        self._threads = [
-            threading.Thread(target=serve, name=f"Trigno server, {name}", daemon=True)
-            for serve, name in ((self._serve, "commands"), (self._send_frames, "frames"))
-        ]
+        super().__init__(self._serve, self._send_frames, name="Trigno server")
 
-    def __enter__(self) -> Self:
-        for thread in self._threads:
-            thread.start()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._ended.set()
-        for thread in self._threads:
-            thread.join()
+    def _close(self) -> None:
         for each in [*self._listening, *(client.socket for client in self._clients)]:
             each.close()
         self._selector.close()

@@ -1,11 +1,15 @@
-"""A tactile camera that sees a rendered skin as the world presses it, and whose frames arrive late."""
+"""A tactile camera that sees a rendered skin as the world presses it, whose frames arrive late, and which shows them as
+motion JPEG over HTTP, which OpenCV opens like any other network camera."""
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from http.server import BaseHTTPRequestHandler
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +17,12 @@ from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.device_settings import LOST_S, RATE_HZ
 from emg2vsa.devices.protocols import Frame
 from emg2vsa.errors import DeviceError
+from emg2vsa.worlds.far_ends.ports import HOST, Page, Serving
 from emg2vsa.worlds.tactile import ContactState, Scene
+
+PATH = "/frames.mjpg"
+JPEG_QUALITY = 100
+_POLL_S = 2e-3
 
 
 @dataclass
@@ -151,3 +160,26 @@ class EmulatedCamera:
             self.faults.drop -= 1
             return True
         return self.faults.mute or self._exposed % self.faults.kept_of != 0
+
+
+class CameraServer(Serving):
+    """Shows ``camera`` to one client after the other, in real time, within a with statement. url : what to open."""
+
+    def __init__(self, camera: EmulatedCamera) -> None:
+        self.camera = camera
+        page = Page(0, PATH, self._show)
+        self.url = f"http://{HOST}:{page.port}{PATH}"
+        super().__init__(lambda: page.serve(self._ended), name="camera")
+
+    def _show(self, client: BaseHTTPRequestHandler) -> None:
+        client.send_response(200)
+        client.send_header("Content-Type", "multipart/x-mixed-replace; boundary=frame")
+        client.end_headers()
+        self.camera.start()
+        # a client that goes away ends its stream
+        with contextlib.suppress(OSError):
+            while not self._ended.wait(_POLL_S):
+                for frame in self.camera.exposed():
+                    picture = cv2.imencode(".jpg", frame.image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
+                    head = f"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: {len(picture)}\r\n\r\n"
+                    client.wfile.write(head.encode() + picture + b"\r\n")

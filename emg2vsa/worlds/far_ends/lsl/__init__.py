@@ -1,1 +1,0 @@
-"""The far end of LSL: outlets."""

@@ -1,1 +1,0 @@
-"""The far end of a Net F/T box: datagrams, page, faults."""

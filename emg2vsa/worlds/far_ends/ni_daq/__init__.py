@@ -1,1 +1,0 @@
-"""The far end of an NI card: a task of nidaqmx."""

@@ -1,1 +1,0 @@
-"""The far end of a Trigno system: base and SDK server."""
