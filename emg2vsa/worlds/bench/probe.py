@@ -1,4 +1,4 @@
-"""What the emulated rig is made of, and its moving part: a cogwheel on the shaft drives the sensor onto the specimen."""
+"""What the emulated rig is made of, and its moving part: a cogwheel on the shaft drives the sensor down."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ from emg2vsa.worlds.tactile import ContactWorld
 
 @dataclass(frozen=True, kw_only=True)
 class WorldSettings:
-    """One specimen under one actuator. SettingError for an angle that cannot be. Nothing here has been tuned to a result;
-    what nobody has published is a guess.
+    """One specimen under one actuator. SettingError for an angle that cannot be.
+
+    Nothing here has been tuned to a result; what nobody has published is a guess.
 
     Parameters
     ----------

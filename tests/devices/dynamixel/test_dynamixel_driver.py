@@ -57,7 +57,7 @@ class Bench:
 
     def kept(self) -> dict[int, int]:
         """What is written to the motor's table, and not measured."""
-        return {address: value for address, value in self.motor.table.values.items() if address < table.REALTIME_TICK}
+        return {address: value for address, value in self.motor.table.values.items() if address < table.PRESENT_CURRENT}
 
     def wait(self, seconds: float) -> None:
         """In silence."""

@@ -15,7 +15,8 @@ from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
 from emg2vsa.worlds.bench.probe import WorldSettings
 from emg2vsa.worlds.bench.world import World
-from emg2vsa.worlds.far_ends.qbmove.far_end import motor_board
+from emg2vsa.worlds.far_ends.qbmove.far_end import MOTOR_BOARD
+from emg2vsa.worlds.far_ends.qbmove.firmware import QbmoveFirmware
 
 MM_PER_TICK = DEG_PER_TICK * 0.2
 INACTIVE = bytes.fromhex("3a3a 01 03 81 00 81")
@@ -27,7 +28,7 @@ class Bench:
     def __init__(self) -> None:
         self.clock = VirtualClock()
         self.world = World(self.clock, WorldSettings(springs=None))
-        self.device = motor_board(self.world, self.clock)
+        self.device = QbmoveFirmware(MOTOR_BOARD, self.world, self.clock, loads=self.world.loads_nm)
         self.heard: list[str] = []
         self.board = Qbmove(LoopbackLine("bench", self._keep, self.clock), 1, clock=self.clock)
         self.motor = RigidMotor(self.board)

@@ -182,10 +182,16 @@ def test_a_watchdog_of_no_effect_is_told(monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_a_motor_that_runs_away_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """As is reported of firmware with a homing offset: it stops at a place that is not its own."""
-    from emg2vsa.worlds.far_ends.dynamixel.control import Control
+    from emg2vsa.worlds.far_ends.dynamixel.motor import Loop
 
-    halt = Control.halt
-    monkeypatch.setattr(Control, "halt", lambda control, position: halt(control, position - 200))
+    stand = Loop.stand
+
+    def elsewhere(loop: Loop) -> None:
+        stand(loop)
+        if loop._halted:
+            loop._trajectory = loop._held = loop._aim = loop._held - 200
+
+    monkeypatch.setattr(Loop, "stand", elsewhere)
     assert proof_of().verdict == "ran away"
 
 

@@ -117,7 +117,7 @@ def test_without_supply_the_electronics_answer_and_nothing_moves() -> None:
         (0, 0),
         True,
     )
-    assert b"Voltage (mV): 0" in bench.rig.answer(b"?\r\n")
+    assert b"Voltage (mV): 0" in bench.rig.answer(bytes.fromhex("3a3a 01 04 06 0000 06"))
 
 
 def test_the_rigid_motor_stalls_on_what_does_not_give_way() -> None:

@@ -1,9 +1,10 @@
 """A Dynamixel of the X series, to the byte, as the ROBOTIS e-Manual describes it. The firmware is not public.
 
-It is alone on its bus, and answers a packet after its Return Delay Time on the clock. Bytes take no time on the bus, and
-the baud rate is not emulated. Guesses, as the e-Manual is silent: a boot takes 0.3 s, in which nothing is heard; after
-it the goal is where the shaft is; torque on keeps the goal that was written before, so the shaft goes there; a change of
-the operating mode puts the goal where the shaft is; only instructions for a motor, or for all, feed its watchdog.
+It is alone on its bus, and answers a packet after its Return Delay Time on the clock. Bytes take no time on the bus,
+and the baud rate is not emulated. Guesses, as the e-Manual is silent: a boot takes 0.3 s, in which nothing is heard;
+after it the goal is where the shaft is; torque on keeps the goal that was written before, so the shaft goes there; a
+change of the operating mode puts the goal where the shaft is; only instructions for a motor, or for all, feed its
+watchdog.
 """
 
 from __future__ import annotations

@@ -113,11 +113,11 @@ class Loop:
     """The 1 kHz loop of one motor against a clock: goals, watchdog, protection, motor and world, turn by turn, by the
     values of its table. ``latency_s``: from a goal or gain that is written until the motor knows of it.
 
-    Source: ROBOTIS e-Manual, Position PID Gain, What is the Profile. Every operating mode acts as Current-based Position
-    Control, the only one in which the driver switches the torque on, with a profile that is a step or rectangular. The
-    integral, both feedforward gains, Profile Acceleration and the bits of Drive Mode are kept and do nothing, as the driver
-    sets them to 0. That P and D are per pulse and per pulse in a millisecond, and that they put out units of current, is a
-    guess.
+    Source: ROBOTIS e-Manual, Position PID Gain, What is the Profile. Every operating mode acts as Current-based
+    Position Control, the only one in which the driver switches the torque on, with a profile that is a step or
+    rectangular. The integral, both feedforward gains, Profile Acceleration and the bits of Drive Mode are kept and do
+    nothing, as the driver sets them to 0. That P and D are per pulse and per pulse in a millisecond, and that they put
+    out units of current, is a guess.
 
     The world is asked in every turn while the shaft moves or bears a load, as a load may grow steeply with the angle.
     """

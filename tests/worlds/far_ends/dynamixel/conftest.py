@@ -1,13 +1,12 @@
-"""Motors on a bus, and what is asked of them."""
+"""A motor on its bus, and what is asked of it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 import pytest
-from emg2vsa.worlds.far_ends.dynamixel.bus import Bus
 
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.worlds.far_ends.dynamixel.firmware import DynamixelFirmware
@@ -22,33 +21,17 @@ class Rigid:
         return motors_rad[0]
 
 
-class Device(Protocol):
-    """One motor or a bus."""
-
-    @property
-    def due_s(self) -> float: ...
-    def __call__(self, data: bytes) -> bytes: ...
-
-
 class Desk:
-    """Motors on a virtual clock, a torque on their shafts, and a master who waits for all answers."""
+    """A motor on a virtual clock, a torque on its shaft, and a master who waits for all answers."""
 
-    def __init__(self, model: DynamixelModel, homes_deg: tuple[float, ...], **changes: Any) -> None:
+    def __init__(self, model: DynamixelModel, home_deg: float, **changes: Any) -> None:
         self.clock = VirtualClock()
         self.load_nm: Callable[[float], float] = lambda angle_rad: 0.0
-        self.motors = [
-            DynamixelFirmware(
-                model, Rigid(), self.clock, motor_id=k, home_deg=home_deg, **changes,
-                loads=lambda motors_rad: (self.load_nm(motors_rad[0]), 0.0),
-            )
-            for k, home_deg in enumerate(homes_deg, 1)
-        ]  # fmt: skip
-        self.bus = Bus(self.clock, self.motors)
-        self.device: Device = self.bus
-
-    @property
-    def motor(self) -> DynamixelFirmware:
-        return self.motors[0]
+        self.motor = DynamixelFirmware(
+            model, Rigid(), self.clock, home_deg=home_deg, **changes,
+            loads=lambda motors_rad: (self.load_nm(motors_rad[0]), 0.0),
+        )  # fmt: skip
+        self.device: Any = self.motor
 
     def send(self, data: bytes) -> bytes:
         """All that comes back, however late."""
@@ -96,7 +79,7 @@ class Desk:
 def desk() -> Callable[..., Desk]:
     """One XM430-W350 in the middle of its turn, unless told else."""
 
-    def make(model: DynamixelModel = XM430_W350, homes_deg: tuple[float, ...] = (180.0,), **changes: Any) -> Desk:
-        return Desk(model, homes_deg, **changes)
+    def make(model: DynamixelModel = XM430_W350, home_deg: float = 180.0, **changes: Any) -> Desk:
+        return Desk(model, home_deg, **changes)
 
     return make

@@ -26,10 +26,9 @@ from emg2vsa.worlds.far_ends.dynamixel.table import (
 LEVER_M = 0.5 * math.degrees(1) / 1000
 """Of a probe at 0.5 mm per degree."""
 LOAD_NM = 7 * LEVER_M
-SOFT = Relaxation.of_share(0.5)
 
 
-@pytest.mark.parametrize("gain", [12, 25, 50, 100, 200, 330, 800])
+@pytest.mark.parametrize("gain", [12, 100, 330, 800])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_the_shaft_gives_way_by_torque_over_stiffness(desk: Callable[..., Any], gain: int, sign: int) -> None:
     """To the gear's friction and a pulse of the encoder."""
@@ -87,9 +86,9 @@ def test_it_is_stable_at_all_gains_free_and_against_a_stiff_specimen(
     desk: Callable[..., Any], model: DynamixelModel
 ) -> None:
     """8 N/mm at 0.5 mm per degree are 6.5 N m/rad. What still moves after 3 s has died down further after 6 s, to no
-    more than two pulses; with an integral it may hunt, and stays where it can be."""
+    more than two pulses."""
     specimen = 8000 * LEVER_M**2
-    for gain, damping, stiff in itertools.product((1, 800, 5000, 16383), (0, 1000, 16383), (False, True)):
+    for gain, damping, stiff in itertools.product((1, 800, 16383), (0, 16383), (False, True)):
         one = desk(model)
         one.hold(gain)
         one.write(t.POSITION_D, damping, 2)
@@ -99,11 +98,6 @@ def test_it_is_stable_at_all_gains_free_and_against_a_stiff_specimen(
         early, late = one.wait(3.0), one.wait(3.0)
         assert max(map(abs, early)) < 2 * 300 / PULSES_PER_RAD, (gain, damping)
         assert max(late[-60:]) - min(late[-60:]) <= 2 / PULSES_PER_RAD, (gain, damping, stiff)
-    one = desk(model)
-    one.hold(16383)
-    one.write(t.POSITION_I, 16383, 2)
-    one.write(t.GOAL_POSITION, 2348, 4)
-    assert max(map(abs, one.wait(3.0))) < 1.5
 
 
 def test_the_angle_does_not_depend_on_how_often_it_is_asked(desk: Callable[..., Any]) -> None:
@@ -118,16 +112,10 @@ def test_the_angle_does_not_depend_on_how_often_it_is_asked(desk: Callable[..., 
     assert ends[2] == pytest.approx(ends[0], abs=1e-4)
 
 
-def test_a_motor_that_friction_holds_goes_on_summing(desk: Callable[..., Any]) -> None:
-    ends = []
-    for period_s in (0.001, 0.5):
-        one = desk()
-        one.write(t.OPERATING_MODE, t.VELOCITY, 1)
-        one.write(t.GOAL_VELOCITY, 5, 4)
-        one.write(t.TORQUE_ENABLE, 1, 1)
-        ends.append(one.wait(2.0, period_s=period_s)[-1])
-    assert ends[0] > 0.05
-    assert ends[1] == pytest.approx(ends[0], abs=1e-3)
+def hold_60(motor: DynamixelFirmware) -> None:
+    motor.write(t.OPERATING_MODE, b"\x05")
+    motor.write(t.POSITION_P, (60).to_bytes(2, "little"))
+    motor.write(t.TORQUE_ENABLE, b"\x01")
 
 
 def test_a_specimen_that_relaxes_lets_a_held_motor_on() -> None:
@@ -144,9 +132,7 @@ def test_a_specimen_that_relaxes_lets_a_held_motor_on() -> None:
         )
         world = World(clock, settings)
         motor = DynamixelFirmware(XM430_W350, world, clock, home_deg=180.0, loads=world.loads_nm)
-        motor.write(t.OPERATING_MODE, b"\x05")
-        motor.write(t.POSITION_P, (60).to_bytes(2, "little"))
-        motor.write(t.TORQUE_ENABLE, b"\x01")
+        hold_60(motor)
         motor.write(t.GOAL_POSITION, (2300).to_bytes(4, "little"))
         while clock.now_s() < 6:
             clock.sleep_until(clock.now_s() + period_s)
@@ -163,9 +149,7 @@ def test_it_presses_a_specimen_of_the_emulated_world_through_its_own_compliance(
         WorldSettings(springs=None, mm_per_degree=0.5, gap_mm=2.0, stiffness_n_per_mm=8.0, plate=True),
     )
     motor = DynamixelFirmware(XM430_W350, world, clock, home_deg=180.0, loads=world.loads_nm)
-    motor.write(t.OPERATING_MODE, b"\x05")
-    motor.write(t.POSITION_P, (60).to_bytes(2, "little"))
-    motor.write(t.TORQUE_ENABLE, b"\x01")
+    hold_60(motor)
     stiffness, specimen = XM430_W350.stiffness_nm_per_rad(60), 8000 * LEVER_M**2
     for goal in (2048, 2090, 2120, 2200, 2300):
         motor.write(t.GOAL_POSITION, goal.to_bytes(4, "little"))
@@ -203,94 +187,26 @@ def test_torque_on_goes_to_the_goal_that_was_written_before(desk: Callable[..., 
     assert one.read(t.PRESENT_POSITION, 4) == pytest.approx(2248, abs=4)
 
 
-@pytest.mark.parametrize("acceleration", [0, 20])
-def test_a_profile_takes_its_time(desk: Callable[..., Any], acceleration: int) -> None:
+def test_a_profile_takes_its_time_and_torque_off_ends_it(desk: Callable[..., Any]) -> None:
     one = desk()
     one.hold(2000)
     one.write(t.POSITION_D, 2000, 2)
     one.write(t.PROFILE_VELOCITY, 50, 4)
-    one.write(t.PROFILE_ACCELERATION, acceleration, 4)
     one.write(t.GOAL_POSITION, 3048, 4)
-    units_per_s = 0.229 * 4096 / 60
-    velocity, growth = 50 * units_per_s, acceleration * 214.577 * 4096 / 3600
-    needed_s = 1000 / velocity + (velocity / growth if growth else 0.0)
+    needed_s = 1000 / (50 * 0.229 * 4096 / 60)
     one.wait(needed_s / 2)
-    assert one.read(t.MOVING, 1) == 1
-    assert one.read(t.MOVING_STATUS, 1) & 2
-    assert one.read(t.MOVING_STATUS, 1) >> 4 == (3 if acceleration else 1)
     assert one.read(t.PRESENT_VELOCITY, 4) == pytest.approx(50, abs=8)
-    assert one.read(t.POSITION_TRAJECTORY, 4) == pytest.approx(2548, abs=10)
+    assert one.read(t.PRESENT_POSITION, 4) == pytest.approx(2548, abs=10)
     one.wait(needed_s / 2 - 0.05)
-    assert one.read(t.MOVING_STATUS, 1) & 2
+    assert one.read(t.PRESENT_POSITION, 4) < 3040
     one.wait(0.6)
-    assert one.read(t.MOVING, 1) == 0
-    assert one.read(t.MOVING_STATUS, 1) & 3 == 1
-
-
-def test_torque_off_ends_a_profile(desk: Callable[..., Any]) -> None:
-    one = desk()
-    one.hold(800)
-    one.write(t.PROFILE_VELOCITY, 20, 4)
-    one.write(t.GOAL_POSITION, 4048, 4)
+    assert one.read(t.PRESENT_POSITION, 4) == pytest.approx(3048, abs=4)
+    one.write(t.GOAL_POSITION, 1048, 4)
     one.wait(0.5)
-    assert one.read(t.MOVING, 1) == 1
+    assert one.read(t.PRESENT_VELOCITY, 4, signed=True) == pytest.approx(-50, abs=8)
     one.write(t.TORQUE_ENABLE, 0, 1)
     one.wait(1.0)
-    assert one.read(t.MOVING, 1) == 0
-    assert one.read(t.POSITION_TRAJECTORY, 4) == one.read(t.PRESENT_POSITION, 4)
-
-
-def test_a_time_based_profile_ends_in_time(desk: Callable[..., Any]) -> None:
-    one = desk()
-    one.write(t.DRIVE_MODE, t.TIME_BASED, 1)
-    one.hold(2000)
-    one.write(t.PROFILE_VELOCITY, 1000, 4)
-    one.write(t.PROFILE_ACCELERATION, 300, 4)
-    one.write(t.GOAL_POSITION, 2648, 4)
-    one.wait(0.5)
-    assert one.read(t.POSITION_TRAJECTORY, 4) == pytest.approx(2348, abs=6)
-    one.wait(0.42)
-    assert one.read(t.MOVING_STATUS, 1) & 2
-    one.wait(0.12)
-    assert not one.read(t.MOVING_STATUS, 1) & 2
-
-
-@pytest.mark.parametrize(
-    ("mode", "goal", "size", "value"),
-    [(t.VELOCITY, t.GOAL_VELOCITY, 4, 100), (t.PWM, t.GOAL_PWM, 2, 442), (t.CURRENT, t.GOAL_CURRENT, 2, 100)],
-)
-def test_the_other_modes_turn_the_shaft(desk: Callable[..., Any], mode: int, goal: int, size: int, value: int) -> None:
-    one = desk()
-    one.write(t.OPERATING_MODE, mode, 1)
-    one.write(goal, 0, size)
-    one.write(t.TORQUE_ENABLE, 1, 1)
-    assert one.wait(0.5)[-1] == 0
-    one.write(goal, value, size)
-    one.wait(3.0)
-    velocity = one.read(t.PRESENT_VELOCITY, 4, signed=True)
-    if mode == t.VELOCITY:
-        assert velocity == pytest.approx(100, abs=2)
-    elif mode == t.PWM:
-        # half the supply, less what friction takes
-        assert 60 < velocity < 46 / 0.229 / 2
-    else:
-        assert velocity > 50
-        assert one.read(t.PRESENT_CURRENT, 2) == 100
-    one.write(goal, -value, size)
-    one.wait(3.0)
-    assert one.read(t.PRESENT_VELOCITY, 4, signed=True) == pytest.approx(-velocity, abs=2)
-
-
-@pytest.mark.parametrize("mode", [t.POSITION, t.EXTENDED_POSITION])
-def test_position_modes_go_there_no_faster_than_the_supply_lets_them(desk: Callable[..., Any], mode: int) -> None:
-    one = desk()
-    one.write(t.OPERATING_MODE, mode, 1)
-    one.write(t.TORQUE_ENABLE, 1, 1)
-    one.write(t.GOAL_POSITION, 4000, 4)
-    angles = one.wait(3.0)
-    fastest = max(after - before for before, after in itertools.pairwise(angles)) / 0.005
-    assert 0.5 * XM430_W350.no_load_rad_per_s < fastest < XM430_W350.no_load_rad_per_s
-    assert one.read(t.PRESENT_POSITION, 4) == pytest.approx(4000, abs=10)
+    assert one.read(t.PRESENT_VELOCITY, 4) == 0
 
 
 def test_a_command_is_known_after_the_latency_and_torque_on_waits_for_none(desk: Callable[..., Any]) -> None:
@@ -312,23 +228,7 @@ def test_a_derivative_gain_does_not_hold_a_profile_back(desk: Callable[..., Any]
     one.write(t.PROFILE_VELOCITY, 50, 4)
     one.write(t.GOAL_POSITION, 3048, 4)
     one.wait(0.8)
-    assert one.read(t.POSITION_TRAJECTORY, 4) - one.read(t.PRESENT_POSITION, 4) < 20
-
-
-def test_an_integral_gain_ends_the_error_and_does_not_wind_up(desk: Callable[..., Any]) -> None:
-    one = desk()
-    one.hold(300)
-    one.write(t.POSITION_D, 2000, 2)
-    one.write(t.POSITION_I, 200, 2)
-    one.write(t.GOAL_CURRENT, 300, 2)
-    one.load_nm = lambda angle_rad: LOAD_NM
-    one.wait(4.0)
-    assert one.read(t.PRESENT_POSITION, 4) == pytest.approx(2048, abs=1)
-    one.motor.motor.faults.jammed = True
-    one.write(t.GOAL_POSITION, 2348, 4)
-    one.wait(4.0)
-    one.motor.motor.faults.jammed = False
-    assert max(one.wait(3.0)) * PULSES_PER_RAD < 400
+    assert one.read(t.PRESENT_POSITION, 4) > 2048 + 0.8 * 50 * 0.229 * 4096 / 60 - 20
 
 
 def test_a_lower_current_limit_binds_at_once(desk: Callable[..., Any]) -> None:

@@ -1,4 +1,5 @@
-"""Byte for byte the examples of the e-Manual, DYNAMIXEL Protocol 2.0."""
+"""Byte for byte the examples of the e-Manual, DYNAMIXEL Protocol 2.0; and whatever comes on the bus, whole packets are
+found, and nothing else is."""
 
 from __future__ import annotations
 
@@ -7,135 +8,45 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from emg2vsa.worlds.far_ends.dynamixel import table as t
-from emg2vsa.worlds.far_ends.dynamixel.packets import crc16, packet, unstuffed
+from emg2vsa.worlds.far_ends.dynamixel.packets import (
+    BYTE_GAP_S,
+    HEADER,
+    DynamixelFrames,
+    Instruction,
+    Packet,
+    PacketParser,
+    packet,
+    unstuffed,
+)
 from emg2vsa.worlds.far_ends.dynamixel.table import XM430_W210
 
 OLD = replace(XM430_W210, firmware_version=38)
-_DEGREES = 360 / 4096
-STATUS_OF_A_WRITE = "FF FF FD 00 01 04 00 55 00 A1 0C"
-
-
-def at(*positions: int) -> tuple[float, ...]:
-    return tuple((position + 0.5) * _DEGREES for position in positions)
-
-
-def pair(desk: Any, asked: str) -> str:
-    answer: bytes = desk.send(bytes.fromhex(asked))
-    return answer.hex(" ").upper()
 
 
 @pytest.mark.parametrize(
     ("asked", "answered"),
     [
         pytest.param("FF FF FD 00 01 03 00 01 19 4E", "FF FF FD 00 01 07 00 55 00 06 04 26 65 5D", id="ping"),
-        pytest.param(
-            "FF FF FD 00 FE 03 00 01 31 42",
-            "FF FF FD 00 01 07 00 55 00 06 04 26 65 5D FF FF FD 00 02 07 00 55 00 06 04 26 6F 6D",
-            id="broadcast ping",
-        ),
+        pytest.param("FF FF FD 00 FE 03 00 01 31 42", "FF FF FD 00 01 07 00 55 00 06 04 26 65 5D", id="broadcast ping"),
         pytest.param(
             "FF FF FD 00 01 07 00 02 84 00 04 00 1D 15", "FF FF FD 00 01 08 00 55 00 A6 00 00 00 8C C0", id="read"
         ),
-        pytest.param("FF FF FD 00 01 09 00 03 74 00 00 02 00 00 CA 89", STATUS_OF_A_WRITE, id="write"),
-        pytest.param("FF FF FD 00 01 09 00 04 68 00 C8 00 00 00 AE 8E", STATUS_OF_A_WRITE, id="reg write"),
-        pytest.param("FF FF FD 00 01 04 00 06 01 A1 E6", STATUS_OF_A_WRITE, id="factory reset"),
-        pytest.param("FF FF FD 00 01 03 00 08 2F 4E", STATUS_OF_A_WRITE, id="reboot"),
-        pytest.param("FF FF FD 00 01 08 00 10 01 44 58 4C 22 B1 DC", STATUS_OF_A_WRITE, id="clear"),
-        pytest.param(
-            "FF FF FD 00 FE 09 00 82 84 00 04 00 01 02 CE FA",
-            "FF FF FD 00 01 08 00 55 00 A6 00 00 00 8C C0 FF FF FD 00 02 08 00 55 00 1F 08 00 00 BA BE",
-            id="sync read",
-        ),
-        pytest.param(
-            "FF FF FD 00 FE 0D 00 92 01 90 00 02 00 02 92 00 01 00 1A 05",
-            "FF FF FD 00 01 06 00 55 00 77 00 C3 69 FF FF FD 00 02 05 00 55 00 24 8B A9",
-            id="bulk read",
-        ),
+        pytest.param("FF FF FD 00 01 09 00 03 74 00 00 02 00 00 CA 89", "FF FF FD 00 01 04 00 55 00 A1 0C", id="write"),
     ],
 )
 def test_an_example_is_answered_as_the_manual_says(desk: Callable[..., Any], asked: str, answered: str) -> None:
-    two = desk(OLD, at(166, 2079))
-    two.motors[0].motor.faults.supply_v = 11.9
-    two.motors[1].motor.faults.temperature_c = 36
-    assert pair(two, asked) == answered
-
-
-def test_action_does_what_was_registered(desk: Callable[..., Any]) -> None:
-    one = desk(OLD, at(166))
-    pair(one, "FF FF FD 00 01 09 00 04 68 00 C8 00 00 00 AE 8E")
-    assert one.read(t.REGISTERED, 1) == 1
-    assert one.read(t.GOAL_VELOCITY, 4) == 0
-    assert pair(one, "FF FF FD 00 01 03 00 05 02 CE") == STATUS_OF_A_WRITE
-    assert one.read(t.REGISTERED, 1) == 0
-    assert one.read(t.GOAL_VELOCITY, 4) == 200
-
-
-def test_sync_write_and_bulk_write_are_done_and_not_answered(desk: Callable[..., Any]) -> None:
-    two = desk(OLD, at(166, 2079))
-    assert pair(two, "FF FF FD 00 FE 11 00 83 74 00 04 00 01 96 00 00 00 02 AA 00 00 00 82 87") == ""
-    assert [motor.table.values[t.GOAL_POSITION] for motor in two.motors] == [150, 170]
-    two.motors[0].table.values[t.MAX_VOLTAGE], two.motors[1].table.values[t.TEMPERATURE_LIMIT] = 150, 70
-    assert pair(two, "FF FF FD 00 FE 10 00 93 01 20 00 02 00 A0 00 02 1F 00 01 00 50 B7 68") == ""
-    assert two.motors[0].table.values[t.MAX_VOLTAGE] == 160
-    assert two.motors[1].table.values[t.TEMPERATURE_LIMIT] == 80
-
-
-def fast(desk: Callable[..., Any]) -> Any:
-    """Ids 3, 7 and 4 where the examples of the fast reads have them."""
-    three = desk(OLD, at(166, 2079, 1023))
-    for motor, motor_id in zip(three.motors, (3, 7, 4), strict=True):
-        motor.table.values[t.DEVICE_ID] = motor_id
-    return three
-
-
-def test_fast_sync_read_is_one_packet_of_parts(desk: Callable[..., Any]) -> None:
-    three = fast(desk)
-    assert pair(three, "FF FF FD 00 FE 0A 00 8A 84 00 04 00 03 07 04 20 F2") == (
-        "FF FF FD 00 FE 19 00 55 00 03 A6 00 00 00 84 08 00 07 1F 08 00 00 16 CA 00 04 FF 03 00 00 D1 9E"
-    )
-
-
-def test_fast_bulk_read_is_one_packet_of_parts(desk: Callable[..., Any]) -> None:
-    """The present PWM of the example, 421, needs a motor that pulls: read as zeros, so the checksums after it differ.
-
-    The checksum of the example's instruction is that of the page's fast sync read by mistake."""
-    three = fast(desk)
-    three.motors[2].motor.faults.temperature_c = 31
-    asked = packet(0xFE, 0x9A, bytes.fromhex("03 84 00 04 00 07 7C 00 02 00 04 92 00 01 00"))
-    answer = three.send(asked)
-    first = bytes.fromhex("FF FF FD 00 FE 14 00 55 00 03 A6 00 00 00 67 A4")
-    assert answer[:16] == first
-    second = first + bytes.fromhex("00 07 00 00")
-    assert answer[16:22] == second[16:] + crc16(second)
-    assert answer[22:25] == bytes.fromhex("00 04 1F")
-    assert crc16(answer[:-2]) == answer[-2:]
-
-
-def test_all_answer_a_ping_in_the_order_of_their_ids(desk: Callable[..., Any]) -> None:
-    answer = fast(desk).send(packet(0xFE, 1))
-    assert [answer[start + 4] for start in (0, 14, 28)] == [3, 4, 7]
-
-
-def test_an_error_within_a_fast_read_keeps_its_place(desk: Callable[..., Any]) -> None:
-    answer = desk(OLD, at(166, 2079)).send(packet(0xFE, 0x8A, bytes((0xBC, 2, 4, 0, 1, 2))))
-    assert answer[5:7] == b"\x11\x00"
-    assert len(answer) == 7 + 0x11
-    assert answer[8:14] == bytes((7, 1, 0, 0, 0, 0))
-    assert answer[16:22] == bytes((7, 2, 0, 0, 0, 0))
-
-
-def test_a_chain_ends_at_the_motor_that_is_missing(desk: Callable[..., Any]) -> None:
-    two = desk(OLD, at(166, 2079))
-    answer = two.send(packet(0xFE, 0x82, bytes((132, 0, 4, 0, 1, 9, 2))))
-    assert answer.hex(" ").upper() == "FF FF FD 00 01 08 00 55 00 A6 00 00 00 8C C0"
+    one = desk(OLD, 166.5 * 360 / 4096)
+    assert one.send(bytes.fromhex(asked)) == bytes.fromhex(answered)
 
 
 def test_what_looks_like_a_header_is_stuffed_both_ways(desk: Callable[..., Any]) -> None:
     one = desk()
     data = bytes.fromhex("FF FF FD FD FF FF FD")
-    sent = packet(1, 3, t.REALTIME_TICK.to_bytes(2, "little") + data)
+    sent = packet(1, 3, t.PRESENT_CURRENT.to_bytes(2, "little") + data)
     assert data.replace(b"\xff\xff\xfd", b"\xff\xff\xfd\xfd") in sent
     assert unstuffed(sent[7:-2])[3:] == data
     # -131073 is FF FF FD FF
@@ -147,16 +58,101 @@ def test_what_looks_like_a_header_is_stuffed_both_ways(desk: Callable[..., Any])
     assert one.read(t.GOAL_POSITION, 4, signed=True) == -131073
 
 
-def test_answers_come_after_the_return_delay_of_their_motor(desk: Callable[..., Any]) -> None:
-    two = desk(OLD, at(166, 2079))
-    two.motors[1].table.values[t.RETURN_DELAY] = 100
-    assert two.bus(packet(0xFE, 1)) == b""
-    assert two.bus.due_s == pytest.approx(0.0005)
-    two.clock.sleep_until(two.bus.due_s)
-    assert len(two.bus(b"")) == 14
-    assert two.bus.due_s == pytest.approx(0.0007)
-    two.clock.sleep_until(1.0)
-    assert len(two.bus(b"")) == 14
-    assert two.bus.due_s == float("inf")
-    two.motors[0].table.values[t.RETURN_DELAY] = 0
-    assert len(two.bus(packet(1, 1))) == 14
+def test_answers_come_after_the_return_delay(desk: Callable[..., Any]) -> None:
+    one = desk(OLD)
+    assert one.motor(packet(0xFE, 1) + packet(1, 1)) == b""
+    assert one.motor.due_s == pytest.approx(0.0005)
+    one.clock.sleep_until(one.motor.due_s)
+    assert len(one.motor(b"")) == 14
+    assert one.motor.due_s == pytest.approx(0.001)
+    one.clock.sleep_until(1.0)
+    assert len(one.motor(b"")) == 14
+    assert one.motor.due_s == float("inf")
+    one.motor.table.values[t.RETURN_DELAY] = 0
+    assert len(one.motor(packet(1, 1))) == 14
+
+
+FRAMES = DynamixelFrames()
+NASTY = st.lists(st.sampled_from((0xFF, 0xFD, 0x00, 0x01, 0x55)) | st.integers(0, 255), max_size=40).map(bytes)
+PACKETS = st.tuples(st.integers(0, 254), st.integers(1, 0x9F), NASTY)
+
+
+def parsed(parser: PacketParser, *pieces: bytes, now_s: float = 0.0) -> list[Packet]:
+    return [found for piece in pieces for found in parser.feed(piece, now_s)]
+
+
+def cut(data: bytes, places: list[int]) -> list[bytes]:
+    ends = sorted({place % (len(data) + 1) for place in places} | {len(data)})
+    return [data[start:end] for start, end in zip([0, *ends], ends, strict=False)]
+
+
+@given(NASTY)
+def test_stuffing_is_undone(body: bytes) -> None:
+    whole = packet(1, 0x55, body)
+    assert HEADER not in whole[1:-2]
+    assert unstuffed(whole[7:-2])[1:] == body
+
+
+@given(st.lists(PACKETS, min_size=1, max_size=4), st.lists(st.integers(0, 400), max_size=8))
+def test_packets_are_found_however_they_are_cut(packets: list[tuple[int, int, bytes]], places: list[int]) -> None:
+    data = b"".join(packet(*one) for one in packets)
+    assert parsed(PacketParser(), *cut(data, places)) == [Packet(*one, True) for one in packets]
+
+
+@given(st.binary(max_size=60) | NASTY, st.lists(st.integers(0, 400), max_size=6), PACKETS)
+def test_any_bytes_are_read_alike_however_they_are_cut(
+    garbage: bytes, places: list[int], one: tuple[int, int, bytes]
+) -> None:
+    data = garbage + packet(*one) + garbage
+    assert parsed(PacketParser(), *cut(data, places)) == parsed(PacketParser(), data)
+
+
+@given(NASTY | st.binary(max_size=60), PACKETS)
+def test_after_a_pause_a_packet_is_found_whatever_came_before(garbage: bytes, one: tuple[int, int, bytes]) -> None:
+    parser = PacketParser()
+    parsed(parser, garbage)
+    assert parsed(parser, packet(*one), now_s=2 * BYTE_GAP_S) == [Packet(*one, True)]
+
+
+@given(PACKETS, PACKETS, st.integers(5, 80))
+def test_a_torn_packet_does_not_swallow_the_next(
+    torn: tuple[int, int, bytes], one: tuple[int, int, bytes], keep: int
+) -> None:
+    begun = packet(*torn)
+    begun = begun[: min(keep, len(begun) - 3)]
+    assert parsed(PacketParser(), begun + packet(*one))[-1] == Packet(*one, True)
+
+
+@given(PACKETS, st.data())
+def test_a_wrong_bit_never_passes_as_the_packet(one: tuple[int, int, bytes], data: st.DataObject) -> None:
+    whole = bytearray(packet(*one))
+    whole[data.draw(st.integers(0, len(whole) - 1))] ^= 1 << data.draw(st.integers(0, 7))
+    assert not [found for found in parsed(PacketParser(), bytes(whole)) if found.intact]
+
+
+def test_a_length_that_cannot_be_is_skipped() -> None:
+    for length in (b"\x02\x00", b"\x01\x04"):
+        assert parsed(PacketParser(), HEADER + b"\x01" + length + packet(1, 1)) == [Packet(1, 1, b"", True)]
+
+
+def test_a_wire_drops_what_writes_the_goal_or_the_watchdog_and_nothing_else() -> None:
+    goal, gain, watchdog, both = (
+        packet(1, Instruction.WRITE, address.to_bytes(2, "little") + bytes(size))
+        for address, size in ((116, 4), (84, 2), (98, 1), (97, 20))
+    )
+    read = packet(1, Instruction.READ, bytes((116, 0, 4, 0)))
+    whole = b"??" + goal + gain + both + read + watchdog + goal[:9]
+    assert FRAMES.without(whole, FRAMES.position_commands) == b"??" + gain + read + watchdog + goal[:9]
+    assert FRAMES.without(whole, FRAMES.watchdog_commands) == b"??" + goal + gain + read + goal[:9]
+    assert FRAMES.without(whole, frozenset()) == whole
+
+
+@given(st.lists(NASTY | PACKETS.map(lambda one: packet(*one)), max_size=5).map(b"".join))
+def test_a_wire_that_drops_nothing_changes_nothing(data: bytes) -> None:
+    assert FRAMES.without(data, frozenset()) == data
+
+
+def test_an_answer_under_another_id_has_a_checksum_that_fits() -> None:
+    answers = packet(1, 0x55, b"\0\xff\xff\xfd") + packet(252, 0x55, b"\0")
+    assert FRAMES.renamed(answers, 1) == packet(2, 0x55, b"\0\xff\xff\xfd") + packet(0, 0x55, b"\0")
+    assert FRAMES.renamed(answers[:-1], 1) == packet(2, 0x55, b"\0\xff\xff\xfd") + packet(252, 0x55, b"\0")[:-1]
