@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from emg2vsa.live.log_tail import LogTail
+from emg2vsa.live.tails import LogTail
 from emg2vsa.rig.record.run_log import Row
 
 

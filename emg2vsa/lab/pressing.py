@@ -3,29 +3,101 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from emg2vsa.errors import DataError, InputError, SettingError
+from emg2vsa.errors import DataError, Emg2vsaError, InputError, SettingError
 from emg2vsa.lab.judging import WHOLE_PRESSES, Judging
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.pressed import Pressed
 from emg2vsa.lab.real_press import press_for_real
-from emg2vsa.lab.virtual_runs import emulated_of, virtual_job
+from emg2vsa.process_pool import ProcessPool, WorkerDied
 from emg2vsa.rig.executor.dry_run import DryRun
 from emg2vsa.rig.executor.dry_run import dry_run as tried
+from emg2vsa.rig.executor.guards import changed_guards
 from emg2vsa.rig.executor.plan_limits import check_plan, is_count
+from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.kappa.live_kappa import KappaPlan
 from emg2vsa.rig.plan import Condition, RunPlan
+from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE, folders_of, good_presses, new_folder, presses_left
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig_file import RigFile, load_rig
-from emg2vsa.rig_file.plans import Run, chosen_runs, ordered, plans_of
+from emg2vsa.rig_file.plans import Run, chosen_runs, ordered, plans_of, read_schedules
 from emg2vsa.schedules.document import document_of
+from emg2vsa.worlds.bench.controls import ArtificialEffect, effect_of
+from emg2vsa.worlds.bench.settings import EmulatedSettings
+from emg2vsa.worlds.bench.virtual_run import run_virtual
 
 load = load_rig
+
+
+@dataclass(frozen=True)
+class VirtualJob:
+    """All that a process needs to carry out one run."""
+
+    plan: RunPlan
+    rig: RigSettings
+    emulated: EmulatedSettings
+    folder: Path
+    effect: ArtificialEffect | None = None
+    kappa: KappaPlan | None = None
+    actuator: Any = None
+
+    def __call__(self) -> Ended:
+        """Raises as `run_virtual`."""
+        plan, started, run, mounted = self.plan, datetime.now(UTC), self.folder.name, ""
+        if plan.plate:
+            run = f"{run}, plate"
+        else:
+            mounted = run_name(plan.specimen, plan.angle_deg, plan.condition, plan.mounting)
+        return run_virtual(
+            plan, self.rig, self.emulated, self.folder,
+            started=started, run=run, mounted=mounted, effect=self.effect, kappa=self.kappa,
+            actuator=self.actuator,
+        )  # fmt: skip
+
+
+def virtual_job(file: RigFile, plan: RunPlan, folder: Path, kappa: KappaPlan | None = None) -> VirtualJob:
+    """``plan`` on the emulated rig, to be recorded in ``folder``. SettingError : the rig file has none."""
+    emulated = emulated_of(file)
+    named = None if plan.plate else emulated.control_specimen
+    # what the noise of control P4 is matched to
+    right = read_schedules(file.schedules, [Run(named, 0.0, "modular")], {}) if named else ()
+    effect = None if plan.plate else effect_of(emulated, plan.schedule, right)
+    return VirtualJob(plan, file.rig, emulated, folder, effect, kappa, file.devices.actuator)
+
+
+def emulated_of(file: RigFile) -> EmulatedSettings:
+    """The table [emulated]. SettingError where there is none."""
+    if file.emulated is None:
+        do = "Add it (docs/reference/rig-file.md), or leave out --virtual."
+        raise SettingError(file.path, wanted="a table [emulated]", found="none", do=do)
+    return file.emulated
+
+
+def carried_out(waiting: Mapping[Run, VirtualJob], jobs: int) -> Iterator[tuple[Run, Ended | str]]:
+    """Every run and how it ended, or why there is none, in the order of their ends.
+
+    jobs : processes to use; only this one where the program has changed the guards, of which no other knows."""
+    runs, calls = list(waiting), list(waiting.values())
+    with ProcessPool(1 if changed_guards() else min(jobs, len(calls))) as pool:
+        for i, result in pool.ended(calls, load=[__name__]):
+            yield runs[i], _outcome(result)
+
+
+def _outcome(make: Callable[[], Ended]) -> Ended | str:
+    try:
+        return make()
+    except Emg2vsaError as error:
+        return f"not run. {error}"
+    except WorkerDied as error:
+        return f"not run: {error}"
+
+
 UNSAFE = (
     "The sequence ends here: {folder} was left with the probe NOT retracted, or motors NOT confirmed off. Switch off "
     "with emg2vsa rig off {rig}, take the probe away with emg2vsa rig home {rig}, and look at ended.json before you "

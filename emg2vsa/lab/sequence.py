@@ -11,8 +11,7 @@ from emg2vsa.errors import SettingError
 from emg2vsa.lab.judging import WHOLE_PRESSES, Judging, say_kappa, say_reachable
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.pressed import Pressed, summary
-from emg2vsa.lab.pressing import Pressing, pressing_of
-from emg2vsa.lab.virtual_runs import VirtualJob, carried_out, virtual_job
+from emg2vsa.lab.pressing import Pressing, VirtualJob, carried_out, pressing_of, virtual_job
 from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.experiment import plate_plan

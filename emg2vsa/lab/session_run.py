@@ -117,8 +117,7 @@ def run(
     >>> done.how, done.judged.verdict  # doctest: +SKIP
     ('completed', 'good')
     """
-    end = _recorded(study, participant, False, virtual, pages, shown, seen, ended)
-    return end if end.how != "completed" else replace(end, judged=finish(study, participant, progress=progress))
+    return _Sitting(study, participant, False, virtual, pages, shown, seen, ended).judged(progress)
 
 
 def resume(
@@ -141,50 +140,120 @@ def resume(
     --------
     >>> done = session.resume(study, "P03", virtual=session.Virtual(seed=1))  # doctest: +SKIP
     """
-    end = _recorded(study, participant, True, virtual, pages, shown, seen, ended)
-    return end if end.how != "completed" else replace(end, judged=finish(study, participant, progress=progress))
+    return _Sitting(study, participant, True, virtual, pages, shown, seen, ended).judged(progress)
 
 
-def _recorded(
-    study: Study,
-    participant: str,
-    again: bool,
-    virtual: Virtual | None,
-    pages: Pages | None,
-    shown: Callable[[Addresses], None] | None,
-    seen: Callable[[OperatorState], None] | None,
-    ended: Callable[[SessionEnd], None] | None,
-) -> SessionEnd:
-    settings = settings_of(study, participant)
-    if pages is None and virtual is None:
-        do = "Give pages, or virtual for an emulated participant and operator."
-        raise SettingError("pages", wanted="pages for a session with devices", found="none", do=do)
-    if pages is not None and _loop_runs():
-        do = "Call it in a thread of its own: await asyncio.to_thread(session.run, ...)."
-        raise SettingError("pages", wanted="a thread without a running event loop", found="one that runs", do=do)
-    clock = _clock(virtual, pages)
-    person, makers = devices(study, settings, participant, clock, virtual)
-    at_once = isinstance(clock, VirtualClock)
-    with (
-        _port_taken(pages) as at,
-        open_session(study, participant, clock, makers, resume=again, at_once=at_once) as desk,
-    ):
-        if person is not None:
-            person.watch(desk)
-        beside = _beside(desk, person, operate=at is None, seen=seen)
-        if at is None:
-            with nullcontext() if at_once else undisturbed():
-                _turn(desk, clock, beside)
-        else:
-            _with_pages(desk, clock, beside, at, shown)
-        over = desk.session.state.ended
-    if person is not None and virtual is not None:
-        virtual.keep_truth(person)
-    assert over is not None
-    end = SessionEnd(over.how, over.why, folder_of(study, participant))
-    if ended is not None:
-        ended(end)
-    return end
+@dataclass(frozen=True)
+class _Sitting:
+    """What `run` and `resume` are given. again : it is resumed."""
+
+    study: Study
+    participant: str
+    again: bool
+    virtual: Virtual | None
+    pages: Pages | None
+    shown: Callable[[Addresses], None] | None
+    seen: Callable[[OperatorState], None] | None
+    ended: Callable[[SessionEnd], None] | None
+
+    def judged(self, progress: Progress) -> SessionEnd:
+        end = self._recorded()
+        if end.how != "completed":
+            return end
+        return replace(end, judged=finish(self.study, self.participant, progress=progress))
+
+    def _recorded(self) -> SessionEnd:
+        study, participant, virtual, pages = self.study, self.participant, self.virtual, self.pages
+        settings = settings_of(study, participant)
+        if pages is None and virtual is None:
+            do = "Give pages, or virtual for an emulated participant and operator."
+            raise SettingError("pages", wanted="pages for a session with devices", found="none", do=do)
+        if pages is not None and _loop_runs():
+            do = "Call it in a thread of its own: await asyncio.to_thread(session.run, ...)."
+            raise SettingError("pages", wanted="a thread without a running event loop", found="one that runs", do=do)
+        clock = self._clock()
+        person, makers = devices(study, settings, participant, clock, virtual)
+        at_once = isinstance(clock, VirtualClock)
+        with (
+            _port_taken(pages) as at,
+            open_session(study, participant, clock, makers, resume=self.again, at_once=at_once) as desk,
+        ):
+            if person is not None:
+                person.watch(desk)
+            beside = self._beside(desk, person)
+            if at is None:
+                with nullcontext() if at_once else undisturbed():
+                    _turn(desk, clock, beside)
+            else:
+                self._with_pages(desk, clock, beside, at)
+            over = desk.session.state.ended
+        if person is not None and virtual is not None:
+            virtual.keep_truth(person)
+        assert over is not None
+        end = SessionEnd(over.how, over.why, folder_of(study, participant))
+        if self.ended is not None:
+            self.ended(end)
+        return end
+
+    def _clock(self) -> Clock:
+        if self.virtual is None:
+            return WallClock()
+        return VirtualClock() if self.pages is None and self.virtual.speed is None else self.virtual.clock()
+
+    def _beside(self, desk: SessionDesk, person: EmulatedParticipant | None) -> Callable[[float], None]:
+        """What is done after each turn: by the emulated operator, or by whoever gives an emulated participant the
+        specimen that the operator is asked to place."""
+        operator = EmulatedOperator(desk, person.place) if self.pages is None and person is not None else None
+        told = 0
+
+        def beside(now_s: float) -> None:
+            nonlocal told
+            if operator is not None:
+                operator.turn(now_s)
+            number, state = desk.operator()
+            if operator is None and person is not None and state.awaits == "specimen":
+                person.place(state.specimen)
+            if self.seen is not None and number != told:
+                told = number
+                self.seen(state)
+
+        return beside
+
+    def _with_pages(self, desk: SessionDesk, clock: Clock, beside: Callable[[float], None], at: Listening) -> None:
+        """The session turns in a thread of its own beside the server of the pages."""
+        from emg2vsa.live.server import HOST, serve
+        from emg2vsa.live.session_routes import session_pages
+
+        failures: list[BaseException] = []
+        over = threading.Event()
+
+        def turn() -> None:
+            try:
+                with undisturbed():
+                    _turn(desk, clock, beside)
+                time.sleep(_SHOWN_S)
+            except BaseException as error:
+                failures.append(error)
+            finally:
+                over.set()
+
+        def ready(*pages: str) -> None:
+            operator, participant = pages
+            if self.shown is not None:
+                self.shown(Addresses(operator, participant, at.host != HOST))
+
+        turning = threading.Thread(target=turn, name="session")
+        turning.start()
+        try:
+            serve(session_pages(desk, clock), at, ready, over)
+            over.wait()
+        except KeyboardInterrupt:
+            pass
+        finally:
+            desk.session.end("ended", "Ctrl-C")
+            turning.join()
+        if failures:
+            raise failures[0]
 
 
 def _loop_runs() -> bool:
@@ -193,12 +262,6 @@ def _loop_runs() -> bool:
     except RuntimeError:
         return False
     return True
-
-
-def _clock(virtual: Virtual | None, pages: Pages | None) -> Clock:
-    if virtual is None:
-        return WallClock()
-    return VirtualClock() if pages is None and virtual.speed is None else virtual.clock()
 
 
 def _port_taken(pages: Pages | None) -> AbstractContextManager[Listening | None]:
@@ -215,72 +278,3 @@ def _turn(desk: SessionDesk, clock: Clock, beside: Callable[[float], None]) -> N
         desk.run(clock, beside)
     except KeyboardInterrupt:
         desk.session.end("ended", "Ctrl-C")
-
-
-def _beside(
-    desk: SessionDesk,
-    person: EmulatedParticipant | None,
-    *,
-    operate: bool,
-    seen: Callable[[OperatorState], None] | None,
-) -> Callable[[float], None]:
-    """What is done after each turn: by the emulated operator, or by whoever gives an emulated participant the specimen
-    that the operator is asked to place."""
-    operator = EmulatedOperator(desk, person.place) if operate and person is not None else None
-    told = 0
-
-    def beside(now_s: float) -> None:
-        nonlocal told
-        if operator is not None:
-            operator.turn(now_s)
-        number, state = desk.operator()
-        if operator is None and person is not None and state.awaits == "specimen":
-            person.place(state.specimen)
-        if seen is not None and number != told:
-            told = number
-            seen(state)
-
-    return beside
-
-
-def _with_pages(
-    desk: SessionDesk,
-    clock: Clock,
-    beside: Callable[[float], None],
-    at: Listening,
-    shown: Callable[[Addresses], None] | None,
-) -> None:
-    """The session turns in a thread of its own beside the server of the pages."""
-    from emg2vsa.live.server import HOST, serve
-    from emg2vsa.live.session_routes import session_pages
-
-    failures: list[BaseException] = []
-    over = threading.Event()
-
-    def turn() -> None:
-        try:
-            with undisturbed():
-                _turn(desk, clock, beside)
-            time.sleep(_SHOWN_S)
-        except BaseException as error:
-            failures.append(error)
-        finally:
-            over.set()
-
-    def ready(*pages: str) -> None:
-        operator, participant = pages
-        if shown is not None:
-            shown(Addresses(operator, participant, at.host != HOST))
-
-    turning = threading.Thread(target=turn, name="session")
-    turning.start()
-    try:
-        serve(session_pages(desk, clock), at, ready, over)
-        over.wait()
-    except KeyboardInterrupt:
-        pass
-    finally:
-        desk.session.end("ended", "Ctrl-C")
-        turning.join()
-    if failures:
-        raise failures[0]

@@ -12,9 +12,8 @@ from pathlib import Path
 
 from emg2vsa.devices.clock import LATE_PERIODS
 from emg2vsa.errors import RecordingError
-from emg2vsa.live.kappa_view import KappaTail, KappaView
-from emg2vsa.live.log_tail import LogTail
 from emg2vsa.live.run_facts import Ending, RunFacts, read_ending, read_run
+from emg2vsa.live.tails import Column, KappaTail, KappaView, LogTail
 from emg2vsa.rig.executor.stop_requests import stop_requested
 from emg2vsa.rig.record.new_folder import PLAN_FILE
 from emg2vsa.rig.record.press_counts import forces_of, largest_forces
@@ -23,7 +22,6 @@ from emg2vsa.rig.rig_settings import RigSettings
 
 WINDOW_S = 15.0
 """Length of the curves."""
-Column = list[float | None]
 
 
 @dataclass(frozen=True)

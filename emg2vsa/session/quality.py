@@ -35,8 +35,6 @@ AT_RANGE, CLIPPED = 0.99, 1e-3
 CONTRAST_DB = 12.0
 "A muscle that a maximum contraction makes less loud than this over its rest is hardly measured."
 
-Problems = tuple[tuple[str, str], ...]
-
 
 def measured(
     rest: Mapping[str, Channel] | None,

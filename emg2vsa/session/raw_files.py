@@ -65,16 +65,12 @@ class SampleWriter:
 
 @dataclass(frozen=True)
 class StoredBlocks:
-    """Where the blocks of a file are, in its order, (k,) each. offset : of the samples, bytes. count : samples.
-
-    stamped : whether the device's own times follow the samples.
-    """
+    """Where the blocks of a file are, in its order, (k,) each. offset : of the samples, bytes. count : samples."""
 
     first: NDArray[np.int64]
     count: NDArray[np.int64]
     arrived_s: NDArray[np.float64]
     offset: NDArray[np.int64]
-    stamped: NDArray[np.bool_]
 
 
 class SampleFile:
@@ -96,22 +92,14 @@ class SampleFile:
         self.info, begin = _head(path, content)
         self._channels = len(self.info.channels)
         found = np.array(list(_blocks(path, begin, self._channels)), dtype=np.float64).reshape(-1, 5)
-        first, count, arrived_s, offset, stamped = found.T
-        self.blocks = StoredBlocks(
-            first.astype(np.int64), count.astype(np.int64), arrived_s.copy(), offset.astype(np.int64), stamped > 0
-        )
-        sizes = self.blocks.count * (4 * self._channels + 8 * self.blocks.stamped) + len(_BLOCK) + _HEAD.size
-        self.passed_over = path.stat().st_size - begin - int(np.sum(sizes))
+        first, count, arrived_s, offset, stop = found.T
+        self.blocks = StoredBlocks(first.astype(np.int64), count.astype(np.int64), arrived_s, offset.astype(np.int64))
+        self.passed_over = path.stat().st_size - begin - int(np.sum(stop - offset + len(_BLOCK) + _HEAD.size))
 
     @property
     def stop(self) -> int:
         """One past the number of the last sample."""
         return int((self.blocks.first + self.blocks.count).max(initial=0))
-
-    @property
-    def lost(self) -> int:
-        """Samples that have a number and are in no block."""
-        return self.stop - int(self.blocks.first.min(initial=0)) - int(self.blocks.count.sum())
 
     def read(self, start: int, stop: int) -> NDArray[np.float64]:
         """(stop - start, channels) samples with these numbers; NaN for those that are not there."""
@@ -125,17 +113,6 @@ class SampleFile:
                 low, high = max(first, start), min(first + n, stop)
                 samples[low - start : high - start] = own[low - first : high - first]
         return samples
-
-    def stamps_s(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Numbers (n,) of the samples that the device gave a time, and these times (n,), s on the session's clock."""
-        numbers, times_s = [np.empty(0, dtype=np.int64)], [np.empty(0)]
-        with self.path.open("rb") as file:
-            for i in np.flatnonzero(self.blocks.stamped).tolist():
-                first, n = int(self.blocks.first[i]), int(self.blocks.count[i])
-                file.seek(int(self.blocks.offset[i]) + n * 4 * self._channels)
-                numbers.append(np.arange(first, first + n))
-                times_s.append(np.frombuffer(file.read(8 * n), dtype="<f8"))
-        return np.concatenate(numbers), np.concatenate(times_s)
 
 
 def _head(path: Path, content: bytes) -> tuple[StreamInfo, int]:
@@ -161,7 +138,7 @@ def _head(path: Path, content: bytes) -> tuple[StreamInfo, int]:
 
 
 def _blocks(path: Path, begin: int, channels: int) -> Iterator[tuple[int, int, float, int, int]]:
-    """(first, count, arrived_s, offset of the samples, number of stamps) of every whole block."""
+    """(first, count, arrived_s, where its samples begin and where it ends, bytes) of every whole block."""
     if path.stat().st_size <= begin:
         return
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
@@ -174,7 +151,7 @@ def _blocks(path: Path, begin: int, channels: int) -> Iterator[tuple[int, int, f
             stop = samples + count * 4 * channels + 8 * stamps
             counted = content[at + len(_BLOCK) : at + len(_BLOCK) + _COUNTED.size]
             if stop <= len(content) and zlib.crc32(content[samples:stop], zlib.crc32(counted)) == checksum:
-                yield first, count, arrived_s, samples, stamps
+                yield first, count, arrived_s, samples, stop
                 at = stop
             else:
                 at += 1

@@ -12,7 +12,7 @@ import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
 from queue import SimpleQueue
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,28 +81,22 @@ class Samples:
 Answer = StayJudged | tuple[SignalView, ...]
 
 
-class Judge(Protocol):
-    """Takes messages in their order; `answer` has the answer to the last question once it is there."""
-
-    def tell(self, message: Begin | Samples | JudgeStay | MeasureSignals) -> None:
-        """Never waits for an answer."""
-
-    def answer(self) -> Answer | None:
-        """The answer, handed over once; None while there is none."""
-
-    def close(self) -> None:
-        """No more questions."""
+Message = Begin | Samples | JudgeStay | MeasureSignals
 
 
 class JudgeAtOnce:
-    """Judges within the call: for virtual time, and at the far end of `JudgeBeside`."""
+    """Judges within the call: for virtual time, and at the far end of `JudgeBeside`.
+
+    ``tell`` takes messages in their order and never waits for an answer; ``answer`` hands over the answer to the last
+    question, once, when it is there.
+    """
 
     def __init__(self) -> None:
         self._begun: Begin | None = None
         self._samples: dict[str, list[Samples]] = {}
         self._answer: Answer | None = None
 
-    def tell(self, message: Begin | Samples | JudgeStay | MeasureSignals) -> None:
+    def tell(self, message: Message) -> None:
         match message:
             case Begin():
                 self._begun, self._samples = message, {}
@@ -170,7 +164,7 @@ class JudgeBeside:
         self._asked = False
         self._start()
 
-    def tell(self, message: Begin | Samples | JudgeStay | MeasureSignals) -> None:
+    def tell(self, message: Message) -> None:
         if isinstance(message, Begin):
             self._begun = message
         self._asked |= isinstance(message, (JudgeStay, MeasureSignals))
@@ -204,6 +198,9 @@ class JudgeBeside:
         arguments = (self._messages, self._child.pipes)
         self._sender = threading.Thread(target=_send, args=arguments, name="to the judge", daemon=True)
         self._sender.start()
+
+
+Judge = JudgeAtOnce | JudgeBeside
 
 
 def _send(messages: SimpleQueue[Any], judge: Pipes) -> None:

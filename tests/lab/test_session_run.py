@@ -126,6 +126,7 @@ def test_there_is_nothing_to_resume_before_a_session(study):
         ({"speed": 101.0}, "0.1 to 100"),
         ({"seed": -1}, "a whole number from 0"),
         ({"truth": Path("no/such/folder/truth.json")}, "no such folder"),
+        ({"truth": Path(__file__).parent}, "expected a file, but found a folder"),
     ],
 )
 def test_a_virtual_participant_that_cannot_be_is_refused(options, said):
@@ -146,11 +147,6 @@ def test_pages_are_refused_where_an_event_loop_runs_and_nothing_is_begun(study):
     with pytest.raises(SettingError, match="expected a thread without a running event loop"):
         asyncio.run(cell())
     assert not study.data.exists()
-
-
-def test_a_folder_is_no_file_for_the_truth(tmp_path):
-    with pytest.raises(SettingError, match="expected a file, but found a folder"):
-        session.Virtual(truth=tmp_path)
 
 
 def test_the_pages_answer_until_the_session_has_ended(study):
@@ -181,7 +177,7 @@ def test_a_failing_callback_ends_the_session_and_is_raised(study):
 
     with pytest.raises(ZeroDivisionError):
         session.run(study, "P03", virtual=SEED, seen=fail)
-    assert session.resume(study, "P03", virtual=SEED).how == "completed"
+    assert session.resume(study, "P03", virtual=SEED, seen=after_a_press).why == "Ctrl-C"
 
 
 def test_public_names_load_when_asked_for_and_modules_below_stay_reachable():

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.live.kappa_view import KappaTail
+from emg2vsa.live.tails import KappaTail
 from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, KAPPA_HEADER, KappaRow, line_of
 
 VIEW = {

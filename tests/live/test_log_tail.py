@@ -7,7 +7,7 @@ import pytest
 from benchmarks.rig.logs import read_log
 from emg2vsa.devices.qbmove.ticks import LOG_COLUMNS
 from emg2vsa.errors import RecordingError
-from emg2vsa.live.log_tail import LogTail
+from emg2vsa.live.tails import LogTail
 from emg2vsa.rig.record.run_log import RunLog
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import shutil
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -42,43 +44,58 @@ class Played:
         return {(p.number, p.attempt): (p.verdict, [found for found, _ in p.problems]) for p in tried}
 
 
+def write_study(folder: Path, session: str = "") -> Path:
+    """A study file with further lines for its table [session]."""
+    path = folder / "study.toml"
+    path.write_text(STUDY + (session if session.startswith("repetitions") else f"repetitions = 3\n{session}"))
+    return path
+
+
+def play_in(
+    folder, *mistakes, session="", resume=False, beside=None, source=None, operator=True, most_presses=None
+) -> Played:
+    """Play a session to its end. mistakes : as of --mistake. beside : called after each turn with desk and time."""
+    path = write_study(folder, session)
+    study = load_study(path)
+    clock = VirtualClock()
+    planned = parse_mistakes(mistakes, {"EDC": 1.0, "FDS": 1.0})
+    person, emg, force = simulate(study, study.session, "P03", clock, planned)
+    emg, force = source(emg, force) if source else (emg, force)
+    with open_session(study, "P03", clock, (lambda: emg, lambda: force), resume=resume, at_once=True) as desk:
+        person.watch(desk)
+        helper = EmulatedOperator(desk, person.place, most_presses)
+
+        def turn(now_s):
+            if operator:
+                helper.turn(now_s)
+            if beside is not None:
+                beside(desk, now_s)
+            assert now_s < LONGEST_S, desk.operator()[1].message
+
+        desk.run(clock, turn)
+    return Played(path, study, folder_of(study, "P03"), person, desk.operator()[1], desk.session)
+
+
 @pytest.fixture
 def study_file(tmp_path):
-    """Write a study file with further lines for its table [session]."""
-
-    def write(session: str = "") -> Path:
-        path = tmp_path / "study.toml"
-        if not session.startswith("repetitions"):
-            session = f"repetitions = 3\n{session}"
-        path.write_text(STUDY + session, encoding="utf-8")
-        return path
-
-    return write
+    return partial(write_study, tmp_path)
 
 
 @pytest.fixture
-def play(study_file):
-    """Play a session to its end. mistakes : as of --mistake. beside : called after each turn with desk and time."""
+def play(tmp_path):
+    return partial(play_in, tmp_path)
 
-    def play(*mistakes, session="", resume=False, beside=None, source=None, operator=True, most_presses=None) -> Played:
-        path = study_file(session)
-        study = load_study(path)
-        clock = VirtualClock()
-        planned = parse_mistakes(mistakes, {"EDC": 1.0, "FDS": 1.0})
-        person, emg, force = simulate(study, study.session, "P03", clock, planned)
-        emg, force = source(emg, force) if source else (emg, force)
-        with open_session(study, "P03", clock, (lambda: emg, lambda: force), resume=resume, at_once=True) as desk:
-            person.watch(desk)
-            helper = EmulatedOperator(desk, person.place, most_presses)
 
-            def turn(now_s):
-                if operator:
-                    helper.turn(now_s)
-                if beside is not None:
-                    beside(desk, now_s)
-                assert now_s < LONGEST_S, desk.operator()[1].message
+@pytest.fixture(scope="session")
+def played_once(tmp_path_factory):
+    """Of two presses planned on each specimen the first one was done."""
+    return play_in(tmp_path_factory.mktemp("played"), session="repetitions = 2", most_presses=1)
 
-            desk.run(clock, turn)
-        return Played(path, study, folder_of(study, "P03"), person, desk.operator()[1], desk.session)
 
-    return play
+@pytest.fixture
+def played(played_once, tmp_path):
+    """The same in a folder of the test's own."""
+    copy = tmp_path / "copy"
+    shutil.copytree(played_once.study_file.parent, copy)
+    study = load_study(copy / "study.toml")
+    return replace(played_once, study_file=study.path, study=study, folder=folder_of(study, "P03"))

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import edfio
@@ -103,10 +104,14 @@ class Made:
     starts_s: dict[tuple[int, int], float]
 
 
+def study_in(folder: Path) -> Study:
+    (folder / "study.toml").write_text(STUDY)
+    return load_study(folder / "study.toml")
+
+
 @pytest.fixture
 def study(tmp_path: Path) -> Study:
-    (tmp_path / "study.toml").write_text(STUDY)
-    return load_study(tmp_path / "study.toml")
+    return study_in(tmp_path)
 
 
 def pressed(
@@ -160,8 +165,9 @@ ALL = [(1, "ok", ""), (2, "ok", ""), (3, "rejected", "repeat"), (3, "warned", ""
        (4, "ok", ""), (5, "ok", ""), (6, "rejected", "accept"), (7, "rejected", "skip")]  # fmt: skip
 
 
-@pytest.fixture
-def made(study: Study) -> Made:
+@pytest.fixture(scope="module")
+def made_once(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    study = study_in(tmp_path_factory.mktemp("made"))
     record = begun(study)
     starts_s = pressed(study, record, ALL)
     record.append(Noted("the participant\tcoughed", 5, 1), starts_s[5, 1] + 2)
@@ -171,9 +177,20 @@ def made(study: Study) -> Made:
     return Made(study, record.folder, record, starts_s)
 
 
+@pytest.fixture
+def made(made_once: Made, study: Study) -> Made:
+    """The same in a folder of the test's own."""
+    shutil.copytree(made_once.study.data, study.data)
+    return replace(made_once, study=study, folder=session_folder(study.data, "P01", study.task))
+
+
 def rows_of(path: Path) -> list[dict[str, str]]:
     with path.open(newline="") as file:
         return list(csv.DictReader(file, delimiter="\t"))
+
+
+def events_of(recording: Path) -> list[dict[str, str]]:
+    return rows_of(recording.with_name(recording.name.replace("_emg.bdf", "_events.tsv")))
 
 
 def main_files(study: Study) -> list[Path]:
@@ -196,7 +213,7 @@ def test_events_say_what_happened_and_when(made):
     written = write_dataset(made.folder, made.study)
     press = made.record.plan.presses[2]
     own = next(path for path in written.files if f"acq-{press.specimen}_" in path.name)
-    rows = rows_of(own.with_name(own.name.replace("_emg.bdf", "_events.tsv")))
+    rows = events_of(own)
     presses = [row for row in rows if row["trial_type"] == "press"]
     found = {(int(row["press"]), int(row["attempt"])): row for row in presses}
     assert found[3, 1]["counts"] == "false"
@@ -206,9 +223,7 @@ def test_events_say_what_happened_and_when(made):
     apart_s = float(found[4, 2]["onset"]) - float(found[3, 1]["onset"])
     assert apart_s == pytest.approx((made.starts_s[4, 2] - made.starts_s[3, 1]) * (1 + 30e-6), abs=2e-6)
     assert {row["trial_type"] for row in rows} >= {"command_start", "command_stop", "press", "rest"}
-    everything = [
-        row for path in written.files for row in rows_of(path.with_name(path.name.replace("_emg.bdf", "_events.tsv")))
-    ]
+    everything = [row for path in written.files for row in events_of(path)]
     assert {row["note"] for row in everything} >= {"the participant coughed"}
     assert {row["trial_type"] for row in everything} >= {"pause", "operator_note"}
     described = json.loads(own.with_name(own.name.replace("_emg.bdf", "_events.json")).read_text())
@@ -340,7 +355,7 @@ def test_lost_samples_are_gaps(study):
     starts_s = pressed(study, record, [(1, "ok", "")], begin_s=1.0, lost=400)
     record.close()
     written = write_dataset(record.folder, study)
-    rows = rows_of(written.files[0].with_name(written.files[0].name.replace("_emg.bdf", "_events.tsv")))
+    rows = events_of(written.files[0])
     gap = next(row for row in rows if row["trial_type"] == "gap")
     assert float(gap["duration"]) == pytest.approx(0.2, abs=1e-3)
     assert float(gap["onset"]) == pytest.approx(0.1 + 4000 / 2000 - 1.0, abs=2e-3)
@@ -362,7 +377,6 @@ def test_recordings_that_no_session_wrote_are_never_replaced(made):
 
 
 def test_rows_of_other_people_stay(made):
-    made.study.data.mkdir(exist_ok=True)
     table = made.study.data / "participants.tsv"
     table.write_text("participant_id\tage\nsub-P09\t31\n")
     write_dataset(made.folder, made.study)
@@ -372,45 +386,48 @@ def test_rows_of_other_people_stay(made):
         write_dataset(made.folder, made.study)
 
 
-def test_a_stay_whose_samples_are_gone_is_left_out_and_told(made):
+def without_force(made):
     (made.folder / "sitting-1_force.samples").unlink()
-    written = write_dataset(made.folder, made.study)
+
+
+def study_text(old, new):
+    return lambda made: made.study.path.write_text(STUDY.replace(*old).replace(*new))
+
+
+SHARES = "[simulation]\nmuscle_share = { EDC = 0.4, FCR = 0.6 }\n"
+LEFT_OUT = {
+    "expected force from .* no samples": without_force,
+    r"expected the muscle FCR of \[channels.emg\], but found EDC, FDS": study_text(
+        ("FDS]", "FCR]"), ("[simulation]\n", SHARES)
+    ),
+    r"Put the code back into \[participants\]": study_text(('"P01", ', ""), ("", "")),
+}
+
+
+@pytest.mark.parametrize("why", LEFT_OUT)
+def test_a_stay_that_cannot_be_cut_out_is_left_out_and_told(made, why):
+    LEFT_OUT[why](made)
+    written = write_dataset(made.folder, load_study(made.study.path))
     assert written.files == ()
     assert len(written.left_out) == 3
-    assert all("expected force from" in why and "no samples" in why for _, why in written.left_out)
-    assert any("sitting-1_force.samples" in note and "No such file" in note for note in written.notes)
+    assert all(re.search(why, said) for _, said in written.left_out)
+    gone = not (made.folder / "sitting-1_force.samples").exists()
+    assert any("force.samples" in note and "No such file" in note for note in written.notes) == gone
 
 
-def test_a_muscle_that_was_not_recorded(made):
-    shares = "[simulation]\nmuscle_share = { EDC = 0.4, FCR = 0.6 }\n"
-    made.study.path.write_text(STUDY.replace("FDS]", "FCR]").replace("[simulation]\n", shares))
-    written = write_dataset(made.folder, load_study(made.study.path))
-    assert written.files == ()
-    assert all("expected the muscle FCR of [channels.emg], but found EDC, FDS" in why for _, why in written.left_out)
+REFUSED = {
+    r"written.json.*no list of names.*session finish": lambda made: (made.folder / "written.json").write_text("{}"),
+    r"participants.tsv.*a tab-separated table in UTF-8": lambda made: (
+        made.study.data / "participants.tsv"
+    ).write_bytes(b"participant_id\n\xff\xfe"),
+    r"a table \[session\]": lambda made: made.study.path.write_text(STUDY.split("[session]")[0]),
+}
 
 
-def test_a_participant_who_is_no_longer_in_the_study(made):
-    made.study.path.write_text(STUDY.replace('"P01", ', ""))
-    written = write_dataset(made.folder, load_study(made.study.path))
-    assert all("Put the code back into [participants]" in why for _, why in written.left_out)
-
-
-def test_a_damaged_list_of_what_was_written(made):
-    (made.folder / "written.json").write_text('{"a": 1}')
-    with pytest.raises(DataError, match=r"written.json.*no list of names.*session finish"):
-        write_dataset(made.folder, made.study)
-
-
-def test_a_table_of_people_that_is_no_text(made):
-    made.study.data.mkdir(exist_ok=True)
-    (made.study.data / "participants.tsv").write_bytes(b"participant_id\n\xff\xfe")
-    with pytest.raises(DataError, match=r"participants.tsv.*a tab-separated table in UTF-8"):
-        write_dataset(made.folder, made.study)
-
-
-def test_a_study_without_a_session(made):
-    made.study.path.write_text(STUDY.split("[session]")[0])
-    with pytest.raises(SettingError, match=r"a table \[session\]"):
+@pytest.mark.parametrize("said", REFUSED)
+def test_what_cannot_be_written_is_refused(made, said):
+    REFUSED[said](made)
+    with pytest.raises((DataError, SettingError), match=said):
         write_dataset(made.folder, load_study(made.study.path))
 
 

@@ -116,7 +116,7 @@ def test_a_disk_that_stays_full_is_told_at_the_end_and_the_session_resumes(tmp_p
     again.close()
     file = SampleFile(tmp_path / "s" / "sitting-1_emg.samples")
     assert 0 < file.stop < 10_000
-    assert file.lost == 0
+    assert np.isfinite(file.read(0, file.stop)).all()
 
 
 def test_samples_beyond_what_may_wait_are_given_up_and_counted(tmp_path, monkeypatch):

@@ -17,6 +17,7 @@ from emg2vsa.session.open_session import folder_of
 from emg2vsa.session.plan import PLAN_FILE
 from emg2vsa.session.views import Request, ScreenReport
 from emg2vsa.study_file import load_study
+from tests.session.conftest import write_study
 
 FEW = "repetitions = 2"
 WIDTH = 'repetitions = 2\nstop = "width"\nwidth = 0.001\nmost_presses = 3'
@@ -30,11 +31,14 @@ class Watched:
     """What both pages showed, as JSON: by the number of lines that the journal had, and at last."""
 
     def __init__(self):
-        self.shown = {}
+        self.shown, self._seen = {}, None
 
     def __call__(self, desk, now_s):
-        state = desk.operator()[1]
-        self.last = as_json(state), as_json(desk.participant())
+        (number, state), participant = desk.operator(), desk.participant()
+        if self._seen == (number, participant):
+            return
+        self._seen = number, participant
+        self.last = as_json(state), as_json(participant)
         self.last_line = int(re.search(r": (\d+) events", state.saved)[1])
         self.shown.setdefault(self.last_line, self.last)
 
@@ -179,8 +183,7 @@ def test_what_was_judged_is_known_without_its_numbers_too_from_the_times_of_the_
     assert replayed.operator.presses == played.state.presses
 
 
-def test_a_verdict_that_is_not_that_of_its_samples_is_told(play):
-    played = play(session=FEW, most_presses=1)
+def test_a_verdict_that_is_not_that_of_its_samples_is_told(played):
     path = played.folder / JOURNAL_FILE
     lines = read_journal(path)[0]
     false = {"a_v": 1e-5, "peak_n": 7.0}
@@ -200,16 +203,14 @@ def test_a_verdict_that_is_not_that_of_its_samples_is_told(play):
     assert "b_v" not in found
 
 
-def test_a_study_file_that_has_changed_is_told(play, study_file):
-    played = play(session=FEW, most_presses=1)
-    study = load_study(study_file(FEW + "\nrest_s = 3.0"))
+def test_a_study_file_that_has_changed_is_told(played):
+    study = load_study(write_study(played.study_file.parent, FEW + "\nrest_s = 3.0"))
     assert replay(study, played.folder).notes == (
         "The study file has changed since: session.rest_s was 2.0 and is 3.0.",
     )  # fmt: skip
 
 
-def test_what_cannot_be_rebuilt_is_told_in_one_sentence(play, tmp_path):
-    played = play(session=FEW, most_presses=1)
+def test_what_cannot_be_rebuilt_is_told_in_one_sentence(played, tmp_path):
     study, folder = played.study, played.folder
     path, plan = folder / JOURNAL_FILE, folder / PLAN_FILE
     whole, planned = path.read_bytes(), plan.read_text()
@@ -240,11 +241,6 @@ def test_what_cannot_be_rebuilt_is_told_in_one_sentence(play, tmp_path):
     refused(r"emg.samples: expected the samples \d+ to \d+ of press 1, but found samples to \d+\. Put the file back")
     samples.unlink()
     refused("emg.samples: expected a file of samples of a session, but found No such file")
-
-
-@pytest.fixture
-def played(play):
-    return play(session=FEW, most_presses=1)
 
 
 def test_a_journal_that_lacks_a_line_is_never_the_same_and_never_a_traceback(played):
