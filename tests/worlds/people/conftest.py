@@ -10,14 +10,9 @@ import pytest
 
 from emg2vsa.settings import (
     ChannelSettings,
-    CocontractionSettings,
     EmgChannelSettings,
     FilterSettings,
-    FitSettings,
     ForceChannelSettings,
-    HypothesisSettings,
-    ProfileSettings,
-    ScheduleSettings,
     SimulationSettings,
     WindowSettings,
 )
@@ -46,24 +41,10 @@ def make_study(
         "b_v": {s.name: (15 - i) * 1e-6 for i, s in enumerate(things)},
     }
     return Study(
-        name="small",
-        title="A small study",
-        mode="default",
-        path=Path("study.toml"),
-        participants=people,
-        specimens=things,
-        recordings=entries,
-        cocontraction=CocontractionSettings(),
-        fit=FitSettings(),
-        hypotheses=HypothesisSettings(),
-        profile=ProfileSettings(),
-        schedule=ScheduleSettings(),
-        simulation=SimulationSettings(**{**defaults, **simulation}),
-        results=Path("results"),
-        reports=Path("reports"),
-        data=Path("data"),
-        window=WindowSettings(),
-    )
+        name="small", title="A small study", mode="default", path=Path("study.toml"), participants=people,
+        specimens=things, recordings=entries, simulation=SimulationSettings(**defaults | simulation),
+        results=Path("results"), reports=Path("reports"), data=Path("data"),
+    )  # fmt: skip
 
 
 @pytest.fixture

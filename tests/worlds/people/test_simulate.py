@@ -1,7 +1,11 @@
+"""What a study is made of: who is recorded on what and when, its truth, and bytes that its seed alone fixes."""
+
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -22,32 +26,18 @@ def digests(folder: Path) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("format", list(WRITERS))
-def test_same_seed_same_bytes(study: Study, tmp_path: Path, format: Format) -> None:
-    simulate_study(study, tmp_path / "first", format=format)
-    simulate_study(study, tmp_path / "second", format=format)
-    assert digests(tmp_path / "first") == digests(tmp_path / "second")
-    assert len(digests(tmp_path / "first")) >= 4 + 4
+def test_a_recording_depends_on_the_seed_and_on_no_other_recording(
+    study_with: Make, tmp_path: Path, format: Format
+) -> None:
+    def made(name: str, participants: int = 1, seed: int = 1) -> list[bytes]:
+        study = study_with(participants=participants, seed=seed)
+        return [path.read_bytes() for path in simulate_study(study, tmp_path / name, format=format).recordings]
 
-
-@pytest.mark.parametrize("format", list(WRITERS))
-def test_another_seed_gives_other_recordings(study_with: Make, tmp_path: Path, format: Format) -> None:
-    first = simulate_study(study_with(seed=1), tmp_path / "first", format=format)
-    second = simulate_study(study_with(seed=2), tmp_path / "second", format=format)
-    for one, other in zip(first.recordings, second.recordings, strict=True):
-        assert one.read_bytes() != other.read_bytes()
-
-
-@pytest.mark.parametrize("format", list(WRITERS))
-def test_a_recording_does_not_depend_on_the_others(study_with: Make, tmp_path: Path, format: Format) -> None:
-    more = simulate_study(study_with(participants=3), tmp_path / "more", format=format)
-    fewer = simulate_study(study_with(participants=1), tmp_path / "fewer", format=format)
-    for one, other in zip(fewer.recordings, more.recordings[:2], strict=True):
-        assert one.read_bytes() == other.read_bytes()
-
-
-def test_recordings_of_one_study_differ(study: Study, tmp_path: Path) -> None:
-    made = simulate_study(study, tmp_path, format="csv")
-    assert len({path.read_bytes() for path in made.recordings}) == 4
+    first = made("first")
+    assert made("again") == first == made("more", participants=2)[:2]
+    assert digests(tmp_path / "again") == digests(tmp_path / "first")
+    assert len(set(first + made("other", seed=2))) == 4
+    assert {path.name for path in tmp_path.rglob(".*")} <= {".bidsignore"}
 
 
 def test_truth_is_what_the_recordings_were_made_from(study: Study, tmp_path: Path) -> None:
@@ -85,13 +75,46 @@ def test_progress_counts_every_recording(study: Study, tmp_path: Path) -> None:
     assert seen[0][2] == "P01/S1"
 
 
-def test_unknown_format_is_refused(study: Study, tmp_path: Path) -> None:
-    with pytest.raises(SettingError, match="bids or csv or emgworks or c3d"):
-        simulate_study(study, tmp_path, format="xls")  # type: ignore[arg-type]
+def test_every_cell_once_and_each_participant_in_an_order_of_its_own(study_with: Make) -> None:
+    _, plan = plan_study(study_with(participants=6, specimens=5))
+    assert [(r.participant, r.specimen) for r in plan[:6]] == [*(("P01", f"S{i}") for i in range(1, 6)), ("P02", "S1")]
+    orders = [tuple(r.position for r in plan[i : i + 5]) for i in range(0, 30, 5)]
+    assert all(sorted(order) == [1, 2, 3, 4, 5] for order in orders)
+    assert len(set(orders)) > 1
 
 
-def test_no_part_file_is_left(study: Study, tmp_path: Path) -> None:
-    for format in WRITERS:
-        simulate_study(study, tmp_path / format, format=format)  # type: ignore[arg-type]
-    names = {path.name for path in tmp_path.rglob(".*")}
-    assert names <= {".bidsignore"}
+def test_acquisition_times_follow_the_order(study_with: Make) -> None:
+    _, plan = plan_study(study_with(participants=3, specimens=4))
+    for i in range(0, 12, 4):
+        in_time = sorted(plan[i : i + 4], key=lambda r: r.acquired)
+        assert [r.position for r in in_time] == [1, 2, 3, 4]
+        assert len({r.acquired.date() for r in in_time}) == 1
+    assert len({r.acquired for r in plan}) == 12
+
+
+def test_long_recordings_do_not_overlap(study_with: Make) -> None:
+    settings, plan = plan_study(study_with(participants=1, specimens=3, repetitions=50))
+    begun = sorted(plan, key=lambda r: r.acquired)
+    for first, second in pairwise(begun):
+        assert first.make(settings).duration_s < (second.acquired - first.acquired).total_seconds()
+
+
+def test_coefficients_are_the_specimens_own_unless_participants_differ(study_with: Make) -> None:
+    _, plan = plan_study(study_with(participants=3))
+    assert [r.b_v for r in plan] == pytest.approx([15e-6, 14e-6] * 3)
+    _, plan = plan_study(study_with(participants=200, specimens=1, participant_sd=0.1))
+    b_v = np.array([r.b_v for r in plan])
+    assert np.std(b_v) / 15e-6 == pytest.approx(0.1, rel=0.2)
+    assert np.mean(b_v) / 15e-6 == pytest.approx(1.0, abs=0.03)
+
+
+def test_a_participant_differs_alike_on_all_specimens(study_with: Make) -> None:
+    _, plan = plan_study(study_with(participants=4, participant_sd=0.1))
+    for first, second in zip(plan[::2], plan[1::2], strict=True):
+        assert first.b_v / 15e-6 == pytest.approx(second.b_v / 14e-6)
+        assert first.a_v / first.b_v == pytest.approx(2.0)
+
+
+def test_a_study_without_simulation_is_refused(study: Study) -> None:
+    with pytest.raises(SettingError, match=r"\[simulation\]"):
+        plan_study(replace(study, simulation=None))

@@ -1,10 +1,9 @@
-"""The emulated participant on NI inputs, an ATI box, LSL streams and behind a page over HTTP."""
+"""The emulated participant on an ATI box and LSL streams, where the study says that they are."""
 
 from __future__ import annotations
 
-import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -22,11 +21,10 @@ from emg2vsa.devices.rig_force.settings import RigForceSettings
 from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
 from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.session.views import ForceMessage, OperatorState, ParticipantState, PressView, Request, TraceMessage
+from emg2vsa.session.views import ForceMessage, ParticipantState
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.worlds.far_ends.netft_server import RdtServer
 from emg2vsa.worlds.far_ends.serve import Table, force_box, serve
-from emg2vsa.worlds.people.pages import FollowedOperator, FollowedPage
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.person import Person, Response
 from tests.devices.ni_daq.emulated_card import EmulatedNi
@@ -177,94 +175,6 @@ def test_lsl_streams_say_what_they_are(
         inlet.close_stream()
     assert len(samples) > 1500
     assert np.median(np.diff(stamps)) == pytest.approx(1 / 2000.0, rel=0.01)
-
-
-class Door:
-    """A session's two pages on a free port, for as long as a test lasts."""
-
-    def __init__(self) -> None:
-        self.addresses: tuple[str, ...] = ()
-        self.ended, self.open = threading.Event(), threading.Event()
-
-    def serve(self, desk: object) -> None:
-        from emg2vsa.live.server import listening
-        from emg2vsa.live.server import serve as serve_pages
-        from emg2vsa.live.session_routes import session_pages
-
-        with listening(0) as at:
-            pages = session_pages(desk, WallClock())  # type: ignore[arg-type]
-            serve_pages(pages, at, self._ready, until=self.ended)
-
-    def _ready(self, *addresses: str) -> None:
-        self.addresses = addresses
-        self.open.set()
-
-
-class ShortDesk(StillPage):
-    """What the routes ask of a desk."""
-
-    def __init__(self) -> None:
-        self.specimen, self.number = "S1", 1
-        self.asked: list[Request] = []
-
-    def force(self) -> ForceMessage:
-        self.number += 1
-        return ForceMessage(self.number, 0.5, 1.25, "rising", "too fast", "press")
-
-    def operator(self) -> tuple[int, object]:
-        presses = (PressView(1, "S1", "main", 1, 1, "ok"),)
-        return self.number, OperatorState(
-            "P03", "palpation", "start", "", "", self.specimen, "main", presses[0], presses, {"chair": False}
-        )
-
-    def ask(self, request: Request) -> str:
-        self.asked.append(request)
-        return "not yet" if request.name == "start" else ""
-
-    def traces(self, after: int) -> tuple[int, object]:
-        return after, TraceMessage([], [], {}, {}, {})
-
-
-@pytest.fixture
-def door() -> Iterator[tuple[Door, ShortDesk]]:
-    pytest.importorskip("uvicorn")
-    door, desk = Door(), ShortDesk()
-    thread = threading.Thread(target=door.serve, args=(desk,), daemon=True)
-    thread.start()
-    assert door.open.wait(60)
-    yield door, desk
-    door.ended.set()
-    thread.join(10)
-
-
-def eventually(holds: Callable[[], bool]) -> bool:
-    end_s = time.monotonic() + 5
-    while not holds() and time.monotonic() < end_s:
-        time.sleep(0.01)
-    return holds()
-
-
-def test_pages_are_followed_over_http(door: tuple[Door, ShortDesk]) -> None:
-    pages, desk = door
-    operator, participant = (next(a for a in pages.addresses if f"/{n}/" in a) for n in ("operator", "participant"))
-    placed: list[str] = []
-    with FollowedPage(participant) as page, FollowedOperator(operator, placed.append) as asked:
-        assert eventually(lambda: page.force().sequence > 1 and placed == ["S1"])
-        assert page.participant() == STATE
-        assert page.force()[2:] == (1.25, "rising", "too fast", "press")
-        desk.specimen = "S5"
-        assert eventually(lambda: placed == ["S1", "S5"])
-        assert (asked.operator()[1].specimen, asked.operator()[1].presses[0].verdict) == ("S5", "ok")
-        assert asked.ask(Request("check", item="chair")) == ""
-        assert asked.ask(Request("start")) == "not yet"
-        assert asked.ask(Request("dance")).startswith("name: expected one of")
-        assert desk.asked == [Request("check", item="chair"), Request("start")]
-
-
-@pytest.mark.parametrize("address", ["http://127.0.0.1:9/x/participant/", "nonsense", "http://127.0.0.1:no/"])
-def test_an_address_without_a_page_is_named(address: str) -> None:
-    with pytest.raises(DeviceError, match=r"a page of a running session"):
-        FollowedPage(address)
 
 
 SETTINGS = SessionSettings(
