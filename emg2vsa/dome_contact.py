@@ -45,7 +45,7 @@ class PowerLaw:
             )
         self.modulus_mpa, self.tip_radius_mm, self.exponent = modulus_mpa, tip_radius_mm, exponent
         c = 3 / (4 * modulus_mpa * tip_radius_mm**2)
-        self._per_n, self.power = c, 1 / (1 - exponent)
+        self._unit_n, self.power = 4 * modulus_mpa * tip_radius_mm**2 / 3, 1 / (1 - exponent)
         self.per_mm = 2 * (1 - exponent) * modulus_mpa * tip_radius_mm * c**exponent
 
     def force_n(self, depth_mm: float) -> float:
@@ -66,7 +66,7 @@ class PowerLaw:
     def radius_mm(self, force_n: ArrayLike) -> Floats:
         """Contact radius at normal forces of any shape; 0 where nothing presses."""
         force = np.maximum(np.asarray(force_n, dtype=np.float64), 0.0)
-        return np.asarray(self.tip_radius_mm * (self._per_n * force) ** self.exponent, dtype=np.float64)
+        return np.asarray(self.tip_radius_mm * (force / self._unit_n) ** self.exponent, dtype=np.float64)
 
     def area_mm2(self, force_n: ArrayLike) -> Floats:
         """Contact area at normal forces of any shape."""

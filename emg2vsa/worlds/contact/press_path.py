@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.devices.qbmove.springs import Springs
+from emg2vsa.devices.qbmove.springs import Springs, stiffness_at
 from emg2vsa.dome_contact import PowerLaw
 from emg2vsa.errors import DataError
 from emg2vsa.worlds.contact.relaxation import ConvolvedForce, Relaxation
@@ -228,9 +228,7 @@ class _Presses:
             return self._preset_rad
         ahead = np.zeros(self.force_n.shape)
         for _ in range(_NEWTON):
-            stiffness = springs.a1_per_rad * springs.k1_nm * np.cosh(
-                springs.a1_per_rad * (ahead + self._preset_rad)
-            ) + springs.a2_per_rad * springs.k2_nm * np.cosh(springs.a2_per_rad * (ahead - self._preset_rad))
+            stiffness = stiffness_at(-ahead, self._preset_rad, springs)
             ahead = ahead - (self._pull_nm(ahead) - self.drive.friction_nm) / stiffness
         return ahead
 

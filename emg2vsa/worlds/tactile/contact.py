@@ -63,10 +63,8 @@ class ContactWorld(ElasticDome):
         return StickSkin(self, pressing)
 
     def radius_mm(self, force_n: ArrayLike, stiffness_n_per_mm: float) -> NDArray[np.float64]:
-        """Contact radius a = R (3F / (4 E* R^2))^exponent, mm; 0 where the force does not press."""
-        force = np.maximum(np.asarray(force_n, dtype=np.float64), 0.0)
-        pressure_mpa = 4 * self.modulus_mpa(stiffness_n_per_mm) * self.tip_radius_mm**2 / 3
-        return np.asarray(self.tip_radius_mm * (force / pressure_mpa) ** self.exponent, dtype=np.float64)
+        """Contact radius, mm, by `PowerLaw`; 0 where the force does not press."""
+        return self.on(stiffness_n_per_mm).radius_mm(force_n)
 
     def area_mm2(self, force_n: ArrayLike, stiffness_n_per_mm: float, angle_deg: float = 0.0) -> NDArray[np.float64]:
         """Contact area in the image plane, pi a^2 cos(angle), mm^2."""
@@ -85,7 +83,7 @@ class StickSkin:
 
     def __init__(self, world: ContactWorld, pressing: Pressing) -> None:
         self._world, self._pressing = world, pressing
-        self._radius_factor = math.sqrt(pressing.area_factor)
+        self._radius_factor, self._law = math.sqrt(pressing.area_factor), world.on(pressing.stiffness_n_per_mm)
         camera, centre_mm = pressing.camera, pressing.centre_mm
         self._rim = Rim((camera.cx_px, camera.cy_px), pressing.mask_radius_px)
         self._cos = math.cos(math.radians(pressing.angle_deg))
@@ -102,7 +100,7 @@ class StickSkin:
         return ContactState(radius_mm=min(self._radius_mm(force_n), self._largest_mm), normal_n=force_n)
 
     def _radius_mm(self, force_n: float) -> float:
-        return self._radius_factor * float(self._world.radius_mm(force_n, self._pressing.stiffness_n_per_mm))
+        return self._radius_factor * float(self._law.radius_mm(force_n))
 
     def _inside_rim(self, peak_n: float) -> float:
         """The largest radius, mm: it leaves ``RIM_GAP_PX`` along every ray."""
