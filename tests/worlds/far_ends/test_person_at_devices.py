@@ -1,4 +1,4 @@
-"""The emulated participant on an ATI box and LSL streams, where the study says that they are."""
+"""The emulated participant on NI inputs, an ATI box and LSL streams, where the study says that they are."""
 
 from __future__ import annotations
 
