@@ -24,8 +24,7 @@ import pandas as pd
 import scipy.io
 
 from benchmarks.made_recordings import save_opensignals_hdf5, save_tdms, xdf
-from casr.decoder_child import Limits
-from casr.decoder_process import DecoderFailed, InChild, child_pid, end_child
+from casr.decoder_process import DecoderFailed, InChild, Limits, child_pid, end_child
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.front_door import load_named, open_recording
 

@@ -22,13 +22,7 @@ _UNDISTORT_TO_THE_END = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1
 class Sensor:
     """What is known of the sensor before the camera; None where it is not.
 
-    Parameters
-    ----------
-    pin_length_mm : from the inner face of the skin to the tip of a pin.
-    dome_radius_mm : outer radius of the dome.
-
-    Raises
-    ------
+    pin_length_mm : from the inner face of the skin to the tip of a pin. dome_radius_mm : outer radius of the dome.
     CameraError : a value of another type, not finite, or not above 0 where it must be.
     """
 
@@ -49,17 +43,10 @@ class Sensor:
 class Camera:
     """A pinhole camera looking at the pins from ``depth_mm`` away.
 
-    Parameters
-    ----------
-    width_px, height_px : image size.
-    fx_px, fy_px, cx_px, cy_px : the undistorted camera matrix of eq. (4).
+    width_px, height_px : image size. fx_px, fy_px, cx_px, cy_px : the undistorted camera matrix of eq. (4).
     depth_mm : distance from camera to pins, from the depth sensor, used in eq. (5).
     distortion : OpenCV's (k1, k2, p1, p2[, k3, ...]); empty when the frames are already undistorted.
-    frame_rate_hz : frames per second.
-    sensor : what lies before the camera, as far as it is known.
-
-    Raises
-    ------
+    frame_rate_hz : frames per second. sensor : what lies before the camera, as far as it is known.
     CameraError : a value of another type, not finite, or not above 0 where it must be.
     """
 
@@ -158,11 +145,9 @@ def _number(name: str, value: object, above_zero: bool, count: bool = False) -> 
     if not isfinite(number) or (above_zero and number <= 0) or (count and not isinstance(value, (int, np.integer))):
         kind = "whole number" if count else "number"
         raise CameraError(
-            name,
-            wanted=f"a {kind} above 0" if above_zero else f"a finite {kind}",
-            found=repr(value),
+            name, wanted=f"a {kind} above 0" if above_zero else f"a finite {kind}", found=repr(value),
             do="Correct the camera.",
-        )
+        )  # fmt: skip
     return int(number) if count else number
 
 
@@ -170,11 +155,9 @@ def _coefficients(values: object) -> tuple[float, ...]:
     numbers = tuple(map(_float, values)) if isinstance(values, (tuple, list, np.ndarray)) else (_float(values),)
     if not all(map(isfinite, numbers)) or len(numbers) not in (0, 4, 5, 8, 12, 14):
         raise CameraError(
-            "camera.distortion",
-            wanted="no or 4, 5, 8, 12 or 14 finite coefficients",
-            found=repr(values),
+            "camera.distortion", wanted="no or 4, 5, 8, 12 or 14 finite coefficients", found=repr(values),
             do="Give OpenCV's coefficients k1, k2, p1, p2, k3, ...",
-        )
+        )  # fmt: skip
     return numbers
 
 

@@ -22,7 +22,7 @@ import struct
 import sys
 import time
 import weakref
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from io import FileIO
 from typing import Any
 
@@ -83,22 +83,11 @@ class Pipes:
 class Child:
     """The parent's end of a process in which ``module.function(pipes, *arguments)`` runs.
 
-    Parameters
-    ----------
-    module, function : imported in the child only.
-    arguments : numbers.
-    descriptors : open files that the child is to have under the same numbers; not on Windows.
-    quiet : what it writes to stderr is thrown away.
-    nice : less is more of the processor, where the system permits that.
-
-    Raises
-    ------
-    OSError : it could not be started.
+    module, function : imported in the child only. arguments : numbers. quiet : what it writes to stderr is thrown away.
+    nice : less is more of the processor, where the system permits that. OSError : it could not be started.
     """
 
-    def __init__(
-        self, module: str, function: str, *arguments: int, descriptors: Sequence[int] = (), quiet: bool, nice: int = 0
-    ) -> None:
+    def __init__(self, module: str, function: str, *arguments: int, quiet: bool, nice: int = 0) -> None:
         import subprocess  # noqa: PLC0415  (the child has no use for them)
         import threading  # noqa: PLC0415
 
@@ -109,11 +98,10 @@ class Child:
             how["creationflags"] = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW
         else:
             how["process_group"] = 0
-            how["pass_fds"] = descriptors
         if sys.platform == "linux":
             childs_end, ours = os.pipe()
             self._lifeline = FileIO(ours, "w")
-            how["pass_fds"] = [*descriptors, childs_end]
+            how["pass_fds"] = [childs_end]
         search = os.pathsep.join(os.path.abspath(folder) for folder in sys.path)
         call = f"begin({module!r}, {function!r}, {arguments!r}, {childs_end}, {nice})"
         try:

@@ -1,4 +1,4 @@
-"""A program of sub-commands: one module each, heavy imports only in the one that runs; and its reference page."""
+"""A program of sub-commands: one module each, heavy imports only in the one that runs; its reference and completion."""
 
 from __future__ import annotations
 
@@ -9,17 +9,36 @@ import os
 import re
 import sys
 import traceback
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import partial
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NoReturn
 
-from casr.errors import UserError
-from casr.json_text import finite as finite
+import casr
+from casr.errors import SettingError, UserError
 from casr.one_thread import one_thread
 from casr.terminal import VOICE, coloured, note
+from casr.terminal import finite as finite
+
+SOURCE = Path(casr.__file__).parents[1]
+"Folder of the packages; in a source checkout the benchmarks lie there too."
+
+
+def benchmarks(module: str, program: str) -> ModuleType:
+    """The module ``benchmarks.<module>``, which ``<program> bench`` runs. SettingError : it is not installed."""
+    if not (SOURCE / "benchmarks").is_dir():
+        raise SettingError(
+            "bench", wanted=f"a source checkout, with benchmarks/ beside {SOURCE / program}", found="none",
+            do=f"Get the sources of emg2vsa {casr.__version__} and run there: python -m {program}.cli bench",
+        )  # fmt: skip
+    if str(SOURCE) not in sys.path:
+        sys.path.insert(0, str(SOURCE))
+    return import_module(f"benchmarks.{module}")
+
 
 Group = argparse._ActionsContainer  # a parser or a group of its options
 Types = Mapping[str, Any] | None
@@ -52,12 +71,9 @@ _OF_ALL = re.compile(r"^  (?:-h, --help|-q, --quiet|-v, --verbose|--json) .*\n(?
 class Program:
     """A program and its sub-commands.
 
-    Parameters
-    ----------
     name : as typed. Module ``<name>.cli.<command>`` adds its parser in ``add_to(commands)``, with its work as ``run``.
     version, description, epilog : for ``--version`` and ``--help``; the exit statuses are added to the epilog.
-    commands : as for `add_subcommands`.
-    stopped : what Ctrl-C leaves, said after it.
+    commands : as for `add_subcommands`. stopped : what Ctrl-C leaves, said after it.
     extras : library to the extra of the package that installs it.
     moved : an older spelling to the one of today, each of one or two words. The older one still runs, and says so.
     """
@@ -202,7 +218,10 @@ class Parser(argparse.ArgumentParser):
         if left:
             parser: argparse.ArgumentParser = getattr(found, "parser", self)
             options = list(parser._option_string_actions)
-            near = [_hint(word.partition("=")[0], options, parser.prog) for word in left if word.startswith("-")]
+            wrong = [word.partition("=")[0] for word in left if word.startswith("-")]
+            near = [
+                f" Write {word} after {parser.prog}." if word in options else nearest(word, options) for word in wrong
+            ]
             parser.error(f"unrecognized arguments: {' '.join(left)}.{''.join(near)}")
         return found
 
@@ -218,11 +237,6 @@ class Parser(argparse.ArgumentParser):
         self.print_usage(sys.stderr)
         _print_error(2, message=f"{self.prog}: {message}")
         self.exit(2, f"{coloured(self.prog, 'bad', sys.stderr)}: {message}\n")
-
-
-def _hint(word: str, options: Sequence[str], command: str) -> str:
-    """What to do about a word that is no option, or that stands where it is none."""
-    return f" Write {word} after {command}." if word in options else nearest(word, options)
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
@@ -334,3 +348,40 @@ def whole_number(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"expected a whole number from 1, but found {text!r}")
     return int(text)
+
+
+SHELLS = ("bash", "zsh", "tcsh")
+
+
+def command_of(name: str, above: str = "") -> Callable[[Commands], None]:
+    """Adds the command ``completion`` to the program ``name``, whose module ``<name>.cli`` holds it as ``PROGRAM``.
+
+    above : the words before it, where it is a command of a group.
+    """
+    summary = "Print the completion of commands, options and files for a shell."
+    epilog = f"""bash: {above or name} completion bash > ~/.local/share/bash-completion/completions/{name}. zsh: write
+        it as _{name} into a folder of $fpath. Open a new shell afterwards."""
+
+    def add_to(commands: Commands) -> None:
+        add_command(commands, "completion", run, summary, epilog, f"shell {{{','.join(SHELLS)}}}\n{JSON}")
+
+    def run(arguments: argparse.Namespace) -> int:
+        script = completion(import_module(f"{name}.cli").PROGRAM, arguments.shell)
+        answer(arguments.json, {"shell": arguments.shell, "script": script}, [script])
+        return 0
+
+    return add_to
+
+
+def completion(program: Program, shell: str) -> str:
+    """The script for one of `SHELLS`."""
+    import shtab
+
+    whole = program.parser()
+    for parser in parsers_of(whole):
+        for action in parser._actions:
+            if action.type is Path:
+                action.complete = shtab.DIRECTORY if action.metavar in ("DIR", "FOLDER") else shtab.FILE  # type: ignore[attr-defined]
+            elif isinstance(action, argparse._SubParsersAction):
+                action.metavar = None  # shtab takes it for a value to complete
+    return str(shtab.complete(whole, shell))

@@ -4,6 +4,9 @@ A library such as ezc3d, scipy.io or OpenCV may crash, never end or ask for all 
 keeps one warm child. The child imports the decoder of a format once, holds the opened files, and sends back what the
 decoder returns or raises. Arrays come back as arrays that can be written to. The child ends with this process.
 
+One request is a pickle in a pipe. One answer is the number of its parts, their sizes, and the parts: a pickle, and the
+buffers of its arrays.
+
 The time limit holds everywhere. The memory limit is the one of the operating system: it holds on Linux; macOS and
 Windows do not enforce one. Ctrl-C ends a request at once, except on Windows, where it waits for the time limit.
 """
@@ -11,6 +14,7 @@ Windows do not enforce one. Ctrl-C ends a request at once, except on Windows, wh
 from __future__ import annotations
 
 import contextlib
+import importlib
 import itertools
 import os
 import pickle
@@ -18,12 +22,88 @@ import sys
 import threading
 import time
 import weakref
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from casr.child_process import HEAD, Child, read_whole
-from casr.decoder_child import Limits, SharedMemory
+from casr.child_process import HEAD, Child, Pipes, limited, read_whole, write_whole
+
+_MB = 1_000_000
+_MEMORY_PER_FILE_SIZE = 10.0
+_SECONDS_PER_BYTE = 1.0 / (10 * _MB)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What one request may cost. The defaults are for a small file; see `for_file`."""
+
+    seconds: float = 10.0
+    memory_mb: float = 600.0
+
+    def for_file(self, path: Path) -> Limits:
+        """One second more for every 10 MB of the file, and ten times its size more memory."""
+        try:
+            size = path.stat().st_size
+        except OSError:
+            return self
+        return Limits(self.seconds + size * _SECONDS_PER_BYTE, self.memory_mb + _MEMORY_PER_FILE_SIZE * size / _MB)
+
+
+def serve(parent: Pipes) -> None:
+    """The child's end: answer requests until the pipe ends."""
+    objects: dict[int, Any] = {}
+    while True:
+        request, released, limits, folder = pickle.loads(parent.receive().data)
+        for key in released:
+            objects.pop(key, None)
+        if folder:
+            with contextlib.suppress(OSError):  # then no relative path leads anywhere
+                os.chdir(folder)
+        with limited(limits.seconds, limits.memory_mb):
+            parts = _done(request, objects)
+        sizes = [memoryview(part).nbytes for part in parts]
+        if sum(sizes) > limits.memory_mb * _MB / 2:  # for it stands in memory twice
+            parts = _pickled((False, MemoryError()))
+            sizes = [memoryview(part).nbytes for part in parts]
+        for part in (HEAD.pack(len(parts)), np.array(sizes, "<u8"), *parts):
+            write_whole(parent.to_other, part)
+
+
+def _done(request: tuple[Any, ...], objects: dict[int, Any]) -> list[Any]:
+    """The parts of the answer: a pickle, and the buffers that it refers to."""
+    try:
+        return _pickled((True, _carried_out(request, objects)))
+    except Exception as raised:
+        # what C++ says where Python says the other
+        error = MemoryError() if "std::bad_alloc" in str(raised) else raised
+        error.__cause__ = error.__context__ = error.__traceback__ = None
+        try:
+            return _pickled((False, error))
+        except Exception:  # an exception of a library that cannot be sent
+            return _pickled((False, RuntimeError(f"{type(error).__name__}: {error}")))
+
+
+def _carried_out(request: tuple[Any, ...], objects: dict[int, Any]) -> Any:
+    match request:
+        case ("import", module):
+            importlib.import_module(module)
+            return None
+        case ("make", key, module, function, arguments):
+            objects[key] = getattr(sys.modules[module], function)(*arguments)
+            return None
+        case ("ask", key, name, arguments):
+            value = getattr(objects[key], name)
+            return value(*arguments) if callable(value) else value
+    raise ValueError(request)
+
+
+def _pickled(value: Any) -> list[Any]:
+    buffers: list[pickle.PickleBuffer] = []
+    head = pickle.dumps(value, protocol=5, buffer_callback=buffers.append)
+    return [head, *(buffer.raw() for buffer in buffers)]
+
 
 START_SECONDS = 60.0
 """Limit on starting the child and importing a decoder; it is not the file's fault."""
@@ -44,22 +124,16 @@ class DecoderFailed(Exception):
 
 
 class DecoderLost(DecoderFailed):
-    """The child was killed from outside, or the system gave it no room: the file may be sound."""
+    """The child was killed from outside, or could not be started: the file may be sound."""
 
 
 class InChild:
     """An object that lives in the child: ``module.function(*arguments)``, made anew when the child had to be replaced.
 
-    Parameters
-    ----------
-    library : named in the reason of a crash.
-    module, function : what makes the object; imported in the child only.
+    library : named in the reason of a crash. module, function : what makes the object; imported in the child only.
     limits : of each request.
-
-    Raises
-    ------
-    DecoderFailed : the child crashed or met a limit. DecoderLost : it was killed, got no room for its
-        answer, or could not be started. Whatever ``function`` raises is raised here too.
+    DecoderFailed : the child crashed or met a limit. DecoderLost : it was killed, or could not be started. Whatever
+        ``function`` raises is raised here too.
     """
 
     def __init__(self, library: str, module: str, function: str, arguments: tuple[Any, ...], limits: Limits) -> None:
@@ -124,19 +198,10 @@ if sys.platform != "win32":
 
 
 class _Decoder(Child):
-    """One request, one answer.
-
-    The bytes of an answer lie in shared memory on Linux, elsewhere they follow in the pipe. An answer without parts
-    says why there is no room for them.
-    """
+    """One request, one answer."""
 
     def __init__(self) -> None:
-        self._shared: SharedMemory | None = None
-        if sys.platform == "linux":
-            with contextlib.suppress(OSError):  # some containers forbid it
-                self._shared = SharedMemory(os.memfd_create("decoded"))
-        descriptors: list[int] = [self._shared.descriptor] if self._shared else []
-        super().__init__("casr.decoder_child", "serve", *(descriptors or [-1]), descriptors=descriptors, quiet=True)
+        super().__init__("casr.decoder_process", "serve", quiet=True)
         self.released: list[int] = []
         self._imported: set[str] = set()
         self.keys = itertools.count(1)
@@ -172,31 +237,17 @@ class _Decoder(Child):
         raise value
 
     def _answer(self) -> tuple[bool, Any]:
-        parts = self._parts()
+        (count,) = HEAD.unpack(read_whole(self.pipes.from_other, HEAD.size).data)
+        sizes = read_whole(self.pipes.from_other, count * HEAD.size).view(np.dtype("<u8")).tolist()
+        parts = [read_whole(self.pipes.from_other, size) for size in sizes]
         ended_well, value = pickle.loads(parts[0].data, buffers=parts[1:])
         return ended_well, value
-
-    def _parts(self) -> list[np.ndarray[Any, Any]]:
-        (count,) = HEAD.unpack(read_whole(self.pipes.from_other, HEAD.size).data)
-        *sizes, last = read_whole(self.pipes.from_other, (count + 1) * HEAD.size).view(np.dtype("<u8")).tolist()
-        if not count:
-            raise DecoderLost(f"the system gave its reader no room for what it read ({os.strerror(last).lower()})")
-        if self._shared is None:
-            return [read_whole(self.pipes.from_other, size) for size in sizes]
-        memory, starts = self._shared.array(last), np.cumsum([0, *sizes])
-        return [memory[start : start + size].copy() for start, size in zip(starts, sizes, strict=False)]
 
     def _crashed(self, library: str) -> DecoderFailed:
         how, from_outside = self.died_of()
         if from_outside:
             return DecoderLost(f"its reader was killed from outside ({library}, {how})")
         return DecoderFailed(f"its reader crashed ({library}, {how})")
-
-    def let_go(self) -> None:
-        super().let_go()
-        if self._shared is not None:
-            with contextlib.suppress(OSError):
-                self._shared.close()
 
 
 def _working_folder() -> str:

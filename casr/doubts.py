@@ -1,12 +1,119 @@
-"""What makes a score one that somebody must look at before it counts."""
+"""What makes a score one that somebody must look at before it counts, alone or beside the presses of its session."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.contact_area.library_front import FREE_MISFIT
 from casr.scored import Score
+from casr.spread.intervals import normal_quantile
+
+Array = NDArray[np.float64]
+
+FEWEST_OTHERS = 3
+"Presses that one is compared with: the median of two is as wrong as either."
+FEWEST_FRAMES = 4
+LEAST_FORCE_RATIO = 1.5
+"Of the highest to the lowest common force; less, and hardly anything grows."
+UNSHARED_SD = 0.05
+"""Of the logarithm of the ratio from press to press of one sensor: specimens of 1.1 to 7.6 N/mm differ by 0.1 in
+finite elements, presses of one kind by 0.02 to 0.06; the error of dome, pin length and depth is shared."""
+CHANCE = 0.05
+"That any press of a session is named although all are alike."
+_MAD, _MEDIAN = 1.4826, 1.2533
+"Standard deviation over the median of absolute deviations; standard error of a median over that of a mean."
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """How the first contact's skin grew against the contact, over force, in one press.
+
+    force_n, log_ratio : (T,) of the frames whose front is determined: ln of skin growth over front growth since the
+    first of them. log_sd : standard error of its rise over all of them, without what all presses of a sensor share.
+    """
+
+    force_n: Array
+    log_ratio: Array
+    log_sd: float
+
+    def between(self, low_n: float, high_n: float) -> float:
+        """Rise of the logarithm between two forces, in a straight line from frame to frame in the order of forces."""
+        low, high = np.interp([low_n, high_n], *self._by_force)
+        return float(high - low)
+
+    @cached_property
+    def range_n(self) -> tuple[float, float]:
+        """The least and the largest force."""
+        return float(self.force_n.min()), float(self.force_n.max())
+
+    @cached_property
+    def _by_force(self) -> tuple[Array, Array]:
+        order = np.argsort(self.force_n, kind="stable")
+        return self.force_n[order], self.log_ratio[order]
+
+
+def stretch_of(score: Score) -> Stretch | None:
+    """None without forces, or where the front is not determined in four frames or more."""
+    found = score.front_spread
+    if found is None or score.force_n is None:
+        return None
+    skin = np.append(0.0, np.cumsum(score.log_growth))
+    kept = score.front.determined & (score.force_n > 0)
+    if kept.sum() < FEWEST_FRAMES:
+        return None
+    ratio = skin[kept] - np.log(score.front.area[kept])
+    pins = score.front.parts["pins"][kept]
+    return Stretch(score.force_n[kept], ratio - ratio[0], float(np.hypot(np.hypot(pins[0], pins[-1]), UNSHARED_SD)))
+
+
+def unlike_others(stretches: Mapping[str, Stretch]) -> dict[str, str]:
+    """Press to the reason to check it, for those whose ratio differs from the others' at the same forces.
+
+    Each is compared with the median of at least three others, over the forces that it has in common with each of them;
+    its difference is held against its own error and that of the median, at 5 % for all presses together.
+    """
+    limit = normal_quantile(1 - CHANCE / max(len(stretches), 1))
+    found = {}
+    pairs = _pairs(list(stretches.values()))
+    for row, (name, own) in enumerate(stretches.items()):
+        compared = np.array([pair for pair in pairs[row] if pair is not None])
+        if len(compared) < FEWEST_OTHERS:
+            continue
+        apart = compared[:, 0] - compared[:, 1]
+        apart_by = float(np.median(apart))
+        scatter = _MAD * float(np.median(np.abs(apart - apart_by)))
+        sd = float(np.hypot(own.log_sd, _MEDIAN * max(scatter, UNSHARED_SD) / np.sqrt(len(apart))))
+        if abs(apart_by) > limit * sd:
+            mine, theirs = np.exp(np.median(compared, axis=0))
+            found[name] = (
+                f"skin grew {mine:.2f} times as much as the contact, in the other presses {theirs:.2f} times at the "
+                f"same forces, {abs(apart_by) / sd:.1f} standard errors apart: slip, other friction, or lost pins"
+            )
+    return found
+
+
+def _pairs(stretches: list[Stretch]) -> list[list[tuple[float, float] | None]]:
+    """Of each press its ``_pair`` with every other one, in their order; with itself it has none."""
+    pairs: list[list[tuple[float, float] | None]] = [[None] * len(stretches) for _ in stretches]
+    for row, own in enumerate(stretches):
+        for column, other in enumerate(stretches[:row]):
+            pair = _pair(own, other)
+            pairs[row][column], pairs[column][row] = pair, None if pair is None else pair[::-1]
+    return pairs
+
+
+def _pair(own: Stretch, other: Stretch) -> tuple[float, float] | None:
+    """Rise of both over their common forces; None where these are too few."""
+    low_n, high_n = max(own.range_n[0], other.range_n[0]), min(own.range_n[1], other.range_n[1])
+    if high_n < LEAST_FORCE_RATIO * low_n:
+        return None
+    return own.between(low_n, high_n), other.between(low_n, high_n)
+
 
 _Array = NDArray[np.float64]
 
@@ -46,8 +153,6 @@ def doubts_on_score(score: Score) -> tuple[str, ...]:
 def doubts_on_motion(frames: NDArray[np.intp], force_n: ArrayLike, moved_px: ArrayLike) -> tuple[str, ...]:
     """Reasons to check a press whose pins do not go on while its force rises.
 
-    Parameters
-    ----------
     frames : (T,) indices of the loading. force_n : (T,) N. moved_px : (T,) mean distance of the pins from rest.
     """
     force, moved = (np.asarray(values, dtype=np.float64) for values in (force_n, moved_px))

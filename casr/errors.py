@@ -20,8 +20,6 @@ class UserError(Exception):
 class InputError(UserError):
     """Something given is not usable.
 
-    Parameters
-    ----------
     where : file, frame, row or setting, e.g. ``"press.tif, frame 12"``.
     wanted, found, do : what was expected, what was there, what the user can do; short clauses.
     """

@@ -12,7 +12,7 @@ from casr.frames import FrameSequence, loading_phase
 from casr.pins import Pins, PinTracker, pins_in_doubt
 from casr.press_forces import press_forces
 from casr.scored import NO_SCALE, ScoreSettings
-from casr.seen_loading import first_touch
+from casr.skin_motion import first_touch
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +56,6 @@ def first_areas(sequence: FrameSequence, settings: ScoreSettings, frames: tuple[
 
     frames : rest and first contact; None: by the force, or without one frame 0 and the first that is touched.
 
-    Raises
-    ------
     FramesError : frames that are not there, or no contact by the force. NoContactError : no touch is seen.
     PinsError : too few pins at rest.
     """

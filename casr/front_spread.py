@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.camera import Camera, undistorted
 from casr.contact_area.front import ContactFront
-from casr.errors import FramesError
+from casr.contact_area.motion import check_area
+from casr.errors import AreaError, FramesError
+from casr.flow.region import Region
 from casr.spread import SpreadRate, TotalInterval, total_interval
-from casr.spread.correlated_errors import normal_quantile
-from casr.spread.rate import CONFIDENCE
+from casr.spread.intervals import CONFIDENCE, normal_quantile
 
 Array = NDArray[np.float64]
 
@@ -48,8 +50,11 @@ class FrontSpread:
     skin_over_front: tuple[float, float, float]
 
 
-def front_doubt(front: ContactFront) -> str:
-    """Why no area can be told from this front; empty where it can."""
+def front_doubt(front: ContactFront, pins_px: Sequence[Array], camera: Camera | None, some: slice = slice(None)) -> str:
+    """Why no area can be told from this front; empty where it can.
+
+    pins_px : T places (N, 2) of the pins. some : of the frames that are held against the pin array.
+    """
     if front.misfit > MOST_MISFIT:
         return (
             f"the pins do not move as on a dome that is pressed: {front.misfit:.0%} of their motion is left over by "
@@ -60,6 +65,12 @@ def front_doubt(front: ContactFront) -> str:
             f"the contact is too small for the pitch of the pins: its radius is {front.pitches.max():.2g} pitches and "
             f"{int(front.pins_inside.max())} pins lie inside at most"
         )
+    for row in np.arange(len(front.area))[some][front.determined[some]]:
+        area_px2 = Region(undistorted(front.edge_px[row], camera)).area_px2
+        try:
+            check_area(area_px2, undistorted(pins_px[row], camera), "front", camera)
+        except AreaError as error:
+            return f"the edge lies beyond the pins ({error})"
     return ""
 
 
@@ -72,8 +83,6 @@ def front_spread(
 ) -> FrontSpread:
     """Rate over the frames that are determined.
 
-    Parameters
-    ----------
     skin_log_growth : (T-1,) of the steps. rate_of : the rule, of areas and forces.
     force_zero_sd_n : standard error of the resting level; None where none was taken off.
     """

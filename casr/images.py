@@ -16,25 +16,18 @@ Grey = NDArray[np.uint8] | NDArray[np.float32]
 def as_grey(image: NDArray[Any], *, where: object = "image") -> Grey:
     """One grey channel in grey levels 0 to 255, C-contiguous; the image itself when it already is that.
 
-    Parameters
-    ----------
     image : (H, W), (H, W, 1), (H, W, 3) or (H, W, 4) array, colour in OpenCV's BGR order, alpha ignored.
         uint8 stays uint8; bool becomes 0 and 255; uint16 is divided by 257 and floats are taken as grey levels
         already, both as float32.
     where : named in errors.
-
-    Raises
-    ------
     ImageError : no pixels, another number of dimensions or another type, NaN, infinity or beyond single precision.
     """
     image = np.asarray(image)
     if image.ndim not in (2, 3) or (image.ndim == 3 and image.shape[2] not in (1, 3, 4)) or image.size == 0:
         raise ImageError(
-            where,
-            wanted="a grey (H, W) or colour (H, W, 3) image",
-            found=f"an array of shape {image.shape}",
+            where, wanted="a grey (H, W) or colour (H, W, 3) image", found=f"an array of shape {image.shape}",
             do="Give one frame at a time.",
-        )
+        )  # fmt: skip
     pixels = _grey_levels(image, where)
     if pixels.ndim == 3:
         pixels = _one_channel(pixels)
@@ -53,11 +46,9 @@ def _grey_levels(image: NDArray[Any], where: object) -> NDArray[Any]:
     if kind[0] == "f":
         return _finite(image, where)
     raise ImageError(
-        where,
-        wanted="uint8, uint16, bool or float grey levels",
-        found=f"type {image.dtype}",
+        where, wanted="uint8, uint16, bool or float grey levels", found=f"type {image.dtype}",
         do="Convert the frames to 8 or 16 bits.",
-    )
+    )  # fmt: skip
 
 
 def _finite(image: NDArray[Any], where: object) -> NDArray[np.float32]:
@@ -66,11 +57,10 @@ def _finite(image: NDArray[Any], where: object) -> NDArray[np.float32]:
     finite = np.isfinite(pixels)
     if not finite.all():
         raise ImageError(
-            where,
-            wanted="finite grey levels",
+            where, wanted="finite grey levels",
             found=f"{finite.size - int(np.count_nonzero(finite))} of {finite.size} values NaN or infinite",
             do="Repair or drop this frame.",
-        )
+        )  # fmt: skip
     return pixels
 
 

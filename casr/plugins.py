@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
 
+ENGINES = ("pin-affine", "horn-schunck", "dis")
+
+
 @dataclass(frozen=True)
 class Plugin:
     """An entry point of an installed distribution. ``str`` names it with its distribution and version.
@@ -58,8 +61,18 @@ def plugins(group: str) -> tuple[Plugin, ...]:
     named: dict[str, list[Plugin]] = {}
     for plugin in sorted(found, key=lambda each: (each.distribution.lower(), each.name)):
         named.setdefault(plugin.name, []).append(plugin)
-    return tuple(replace(first, rivals=tuple(map(_of, others))) for first, *others in named.values())
+    return tuple(
+        replace(first, rivals=tuple(f"{each.distribution} {each.version}" for each in others))
+        for first, *others in named.values()
+    )
 
 
-def _of(plugin: Plugin) -> str:
-    return f"{plugin.distribution} {plugin.version}"
+def known_engines() -> tuple[str, ...]:
+    """``ENGINES``, then those that other installed packages add (entry points of ``casr.flow_engines``)."""
+    return tuple(dict.fromkeys((*ENGINES, *(plugin.name for plugin in plugins("casr.flow_engines")))))
+
+
+def made_worlds() -> Any:
+    """The module that renders presses, ``emg2vsa.worlds.tactile``."""
+    (tactile,) = plugins("casr.worlds")
+    return tactile.load()

@@ -47,8 +47,6 @@ class PressForces:
 def press_forces(sequence: FrameSequence, settings: ScoreSettings) -> PressForces:
     """Forces of a sequence that has some.
 
-    Raises
-    ------
     FramesError : not newtons; a lag is to be corrected, and the log has no times, or it is not determined.
     """
     forces = _shifted(sequence, settings, settings.camera_lag_s)
@@ -57,11 +55,10 @@ def press_forces(sequence: FrameSequence, settings: ScoreSettings) -> PressForce
     lag = _lag_looked_for(sequence, forces, settings)
     if lag is None or lag.lag_s is None:
         raise FramesError(
-            "camera lag",
-            wanted="a lag that the pins tell (correct_lag, --correct-lag)",
+            "camera lag", wanted="a lag that the pins tell (correct_lag, --correct-lag)",
             found="a force log without times" if lag is None else f"none: {lag.why}",
             do="Give it (camera_lag_s, --camera-lag), or score without.",
-        )
+        )  # fmt: skip
     return _shifted(sequence, settings, lag.lag_s)
 
 
@@ -101,11 +98,9 @@ def _shifted(sequence: FrameSequence, settings: ScoreSettings, lag_s: float) -> 
     if lag_s:
         if sequence.readings is None:
             raise FramesError(
-                "camera lag",
-                wanted="a force log with time_s, and forces at exposure (--force-rule exposure)",
-                found="forces without times",
-                do="Add the column, or score without --camera-lag.",
-            )
+                "camera lag", wanted="a force log with time_s, and forces at exposure (--force-rule exposure)",
+                found="forces without times", do="Add the column, or score without --camera-lag.",
+            )  # fmt: skip
         force_n = sequence.readings.at_frames(lag_s)
     return replace(_tared(force_n.tobytes(), settings.force_start_n, settings.tare), lag_s=lag_s)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -12,12 +11,12 @@ from numpy.typing import NDArray
 
 from casr.camera import Camera, undistorted
 from casr.contact_area import InitialArea, initial_area
-from casr.contact_area.array import check_area
 from casr.contact_area.follow import FrontSoFar, contact_front
 from casr.contact_area.front import ContactFront
+from casr.contact_area.motion import check_area
 from casr.counts import count
 from casr.dome.library import worlds
-from casr.errors import AreaError, FramesError, PinsError
+from casr.errors import FramesError, PinsError
 from casr.flow.estimate import FlowStep, FlowTracker
 from casr.flow.pin_engine import need_pins_inside
 from casr.flow.region import Region
@@ -25,20 +24,12 @@ from casr.flow.step import MOST_BAD_FRAMES, notes_by_frame
 from casr.frames import LoadingPhase
 from casr.front_spread import FEWEST_FRAMES, FrontSpread, front_doubt, front_spread
 from casr.pins import PinTracker, pins_in_doubt
-from casr.scored import (
-    NO_SCALE,
-    WHOLE_IMAGE,
-    Score,
-    ScoreSettings,
-    SkinScore,
-    SkinSpread,
-    Spread,
-    skin_interval,
-)
+from casr.scored import NO_SCALE, WHOLE_IMAGE, Score, ScoreSettings, SkinScore, SkinSpread, Spread, skin_interval
 from casr.spread import SpreadRate, contact_areas, spread_rate
 
 Array = NDArray[np.float64]
 
+LOST = "See why pins are lost: are the frames one press, in order?"
 MOST_FOLLOWED = 48
 "Frames that a front is fitted to while the press goes on: a frame has to be answered before the next one comes."
 
@@ -49,17 +40,12 @@ class PressScorer:
     A bad frame (black, torn, or one in which the pins cannot be told) is left out of the score, and growth is measured
     on from the last good one. Forces are given for all frames that were taken; those of bad frames are left out here.
 
-    Attributes
-    ----------
     log_growth : of the region since first contact.
     pins_px : of every good frame since first contact, (N, 2): the place of each pin of the rest frame, NaN where it is
         lost.
     good : (T,) which of the frames since first contact these are, counted from 0.
 
-    Parameters
-    ----------
-    camera : None leaves areas in px^2.
-    settings : how.
+    camera : None leaves areas in px^2. settings : how.
     follow_pins : False: dense flow does without pins after first contact; there is ``skin`` then, and no ``result``.
     doubt_pins : False: no notes on the lattice of the pins at rest, for a press of which they are known.
     """
@@ -82,12 +68,7 @@ class PressScorer:
     def touch(self, rest_image: NDArray[Any], contact_image: NDArray[Any]) -> bool:
         """Initial area and contact region from the static frame and the frame of first contact.
 
-        Returns
-        -------
-        False if this frame is bad: touch again, with the next one.
-
-        Raises
-        ------
+        Returns False if this frame is bad: touch again, with the next one.
         NoContactError : no pin moved, and no region is given.
         PinsError : too few pins in the rest frame, or too many bad frames in a row. ImageError : not an image.
         SettingError : a region is given that holds fewer than three pins.
@@ -121,7 +102,7 @@ class PressScorer:
             return None
         step = replace(step, notes=(*step.notes, *self._tracker.notes))
         if self._camera is not None and self._camera.distortion and not self._whole_image:
-            growth = self._flat(step.region).area_px2 / self._flat(before).area_px2
+            growth = _flat(step.region, self._camera).area_px2 / _flat(before, self._camera).area_px2
             step = replace(step, log_growth=float(np.log(growth)))
         self._steps.append(step)
         self._took(pins_px)
@@ -132,15 +113,9 @@ class PressScorer:
     def _is_good(self, pins_px: Array) -> bool:
         if np.isfinite(pins_px).any():
             return True
+        wanted = "most of the pins of the frame before"
         found = "none, or places that no press takes them to, as in a black, torn or foreign frame"
-        self._bad(
-            PinsError(
-                "pins",
-                wanted="most of the pins of the frame before",
-                found=found,
-                do="See why pins are lost: are the frames one press, in order?",
-            )
-        )
+        self._bad(PinsError("pins", wanted=wanted, found=found, do=LOST))
         return False
 
     def _bad(self, trouble: PinsError) -> None:
@@ -195,91 +170,59 @@ class PressScorer:
     def result(
         self, name: str, phase: LoadingPhase, force_n: Array | None, force_zero_sd_n: float | None = None
     ) -> Score:
-        """The score of the good frames of ``phase``.
+        """The score of the good frames of ``phase``. FramesError : fewer than two are good.
 
-        Parameters
-        ----------
         force_n : forces of all frames of ``phase``; None without a force log.
         force_zero_sd_n : standard error of the resting level; None where none was taken off.
-
-        Raises
-        ------
-        FramesError : fewer than two frames are good.
         """
-        frames = self._good_frames(phase)
-        steps = self._steps[: len(frames) - 1]
-        skin = self._skin(force_n, len(frames))
-        if self._settings.quantity == "skin":
+        of_skin = self._of_skin(phase, force_n)
+        frames, skin, by_front = of_skin["frames"], of_skin["skin"], self._settings.quantity == "front"
+        if not by_front:
             self._check(skin.area)
-        front = self._front(len(frames))
+        pins_px = np.array(self.pins_px[: len(frames)])
+        front = contact_front(self._rest.centroids_px, pins_px, self._camera, worlds(self._settings.domes))
         doubt, spread = self._front_spread(front, np.arange(len(frames)), force_n, force_zero_sd_n)
+        notes = (*self._notes_on(phase, frames), *(front.notes if by_front else ()))
         return Score(
-            name=name,
-            settings=self._settings,
-            rest_frame=phase.rest,
-            frames=frames,
-            force_n=None if force_n is None else self._of_good(force_n),
-            divergence=np.array([step.divergence for step in steps]),
-            log_growth=np.array([step.log_growth for step in steps]),
-            initial=self._initial,
-            rest=self._rest,
-            pins_px=np.array(self.pins_px[: len(frames)]),
-            area_unit=self.area_unit,
-            skin=skin,
-            front=front,
-            front_doubt=doubt,
-            front_spread=spread,
-            regions=self._regions(steps),
-            notes=_once(
-                *self._notes_on(phase, frames),
-                *(front.notes if self._settings.quantity == "front" else ()),
-                *_notes_of(skin, spread if self._settings.quantity == "front" else None),
-            ),
-        )
+            **of_skin, name=name, settings=self._settings,
+            log_growth=np.array([step.log_growth for step in self._steps[: len(frames) - 1]]), pins_px=pins_px,
+            front=front, front_doubt=doubt, front_spread=spread,
+            notes=_once(*notes, *_notes_of(skin, spread if by_front else None)),
+        )  # fmt: skip
 
     def skin(self, phase: LoadingPhase, force_n: Array) -> SkinScore:
         """What the skin of the first contact says in the good frames of ``phase``; force_n : of all of its frames, N.
 
-        Raises
-        ------
         FramesError : fewer than two frames are good, or their force does not rise.
         """
-        frames = self._good_frames(phase)
+        of_skin = self._of_skin(phase, force_n)
+        notes = _once(*self._notes_on(phase, of_skin["frames"]), *_notes_of(of_skin["skin"], None))
+        return SkinScore(**of_skin, contact_px=self._contact_px, notes=notes)
+
+    def _of_skin(self, phase: LoadingPhase, force_n: Array | None) -> dict[str, Any]:
+        """What both kinds of scores hold, by name."""
+        frames = self._of_good(phase.frames)
+        if len(frames) < 2:
+            wanted, found = "at least two frames in which the pins are seen", f"{len(frames)} of {len(phase.frames)}"
+            raise FramesError("loading phase", wanted=wanted, found=found, do=LOST)
         steps = self._steps[: len(frames) - 1]
-        skin = self._skin(force_n, len(frames))
-        return SkinScore(
-            rest_frame=phase.rest,
-            frames=frames,
-            force_n=self._of_good(force_n),
-            divergence=np.array([step.divergence for step in steps]),
-            initial=self._initial,
-            rest=self._rest,
-            contact_px=self._contact_px,
-            area_unit=self.area_unit,
-            skin=skin,
-            regions=self._regions(steps),
-            notes=_once(*self._notes_on(phase, frames), *_notes_of(skin, None)),
-        )
+        return {
+            "rest_frame": phase.rest,
+            "frames": frames,
+            "force_n": None if force_n is None else self._of_good(force_n),
+            "divergence": np.array([step.divergence for step in steps]),
+            "initial": self._initial,
+            "rest": self._rest,
+            "area_unit": self.area_unit,
+            "skin": self._skin(force_n, len(frames)),
+            "regions": (self._region.polygon_px, *(step.region.polygon_px for step in steps)),
+        }
 
     def _notes_on(self, phase: LoadingPhase, frames: NDArray[np.intp]) -> tuple[str, ...]:
         """Of the press whatever the quantity; frames : the good ones of the phase."""
         skipped = sorted(set(phase.frames.tolist()) - set(frames.tolist()))
         of_steps = notes_by_frame(frames[1:].tolist(), self._steps[: len(frames) - 1])
         return (*([] if self._camera else [NO_SCALE]), *phase.notes, *_skipped(skipped), *self._notes, *of_steps)
-
-    def _good_frames(self, phase: LoadingPhase) -> NDArray[np.intp]:
-        frames = self._of_good(phase.frames)
-        if len(frames) < 2:
-            raise FramesError(
-                "loading phase",
-                wanted="at least two frames in which the pins are seen",
-                found=f"{len(frames)} of {len(phase.frames)}",
-                do="See why pins are lost: are the frames one press, in order?",
-            )
-        return frames
-
-    def _regions(self, steps: Sequence[FlowStep]) -> tuple[Array, ...]:
-        return (self._region.polygon_px, *(step.region.polygon_px for step in steps))
 
     def _check(self, area: Array) -> None:
         """AreaError where an area of the skin is above that of the pin array; a circle is the array's own."""
@@ -298,15 +241,11 @@ class PressScorer:
         rate = self.rate(force_n)
         return SkinSpread(area, rate, skin_interval(rate, self._initial.relative_sd))
 
-    def _front(self, n_frames: int) -> ContactFront:
-        pins_px = np.array(self.pins_px[:n_frames])
-        return contact_front(self._rest.centroids_px, pins_px, self._camera, worlds(self._settings.domes))
-
     def _front_spread(
         self, front: ContactFront, frames: NDArray[np.intp], force_n: Array | None, force_zero_sd_n: float | None
     ) -> tuple[str, FrontSpread | None]:
         """Why no area can be told from a front in some of the good frames, and its rate where it can."""
-        if doubt := front_doubt(front) or self._beyond_pins(front, frames):
+        if doubt := front_doubt(front, [self.pins_px[frame] for frame in frames], self._camera):
             return doubt, None
         grown = np.concatenate([[0.0], np.cumsum([step.log_growth for step in self._steps])])
         of_good = None if force_n is None else self._of_good(force_n)[frames]
@@ -317,13 +256,7 @@ class PressScorer:
 
         A front is fitted to no more than ``MOST_FOLLOWED`` of the frames, spread over the press; the others have NaN.
 
-        Parameters
-        ----------
-        force_n : (T,) of all frames since first contact, N.
-
-        Raises
-        ------
-        PinsError : fewer than seven pins in some frame.
+        force_n : (T,) of all frames since first contact, N. PinsError : fewer than seven pins in some frame.
         """
         if self._settings.quantity == "skin":
             return self.areas(force_n)
@@ -331,8 +264,9 @@ class PressScorer:
         if len(self.good) < FEWEST_FRAMES:  # so few tell no front
             return area
         frames = self._followed()
-        front = self._front_so_far.of(self._rest.centroids_px, np.array([self.pins_px[frame] for frame in frames]))
-        if front_doubt(front) == "" and self._beyond_pins(front, frames, slice(-1, None)) == "":
+        pins_px = [self.pins_px[frame] for frame in frames]
+        front = self._front_so_far.of(self._rest.centroids_px, np.array(pins_px))
+        if front_doubt(front, pins_px, self._camera, slice(-1, None)) == "":
             area[frames] = np.where(front.determined, front.area, np.nan)
         return area
 
@@ -360,18 +294,6 @@ class PressScorer:
             pins_px = np.array([self.pins_px[frame] for frame in self._followed()])
             self._front_so_far.settle(self._rest.centroids_px, pins_px)
 
-    def _beyond_pins(self, front: ContactFront, frames: NDArray[np.intp], some: slice = slice(None)) -> str:
-        """Why a front that is larger than the pin array cannot be; empty where it is not. frames : those of the good
-        that the front is of. some : of these that are judged."""
-        for row in np.arange(len(front.area))[some][front.determined[some]]:
-            area_px2 = self._flat(Region(front.edge_px[row])).area_px2
-            try:
-                pins_px = undistorted(self.pins_px[frames[row]], self._camera)
-                check_area(area_px2, pins_px, "front", self._camera)
-            except AreaError as error:
-                return f"the edge lies beyond the pins ({error})"
-        return ""
-
     def _contact(self) -> tuple[InitialArea, Region, tuple[str, ...]]:
         """A_c0, the region that growth is measured in, and notes.
 
@@ -393,20 +315,18 @@ class PressScorer:
         )
 
     def _given(self, region: Region) -> InitialArea:
-        area_px2 = self._flat(region).area_px2
+        area_px2 = _flat(region, self._camera).area_px2
         check_area(area_px2, undistorted(self._contact_px, self._camera), "region", self._camera)
         return InitialArea(
-            area_mm2=None if self._camera is None else area_px2 * self._camera.mm2_per_px2,
-            area_px2=area_px2,
-            rule="given",
-            selected=np.flatnonzero(region.contains(self._contact_px)),
-            polygon_px=region.polygon_px,
+            area_mm2=None if self._camera is None else area_px2 * self._camera.mm2_per_px2, area_px2=area_px2,
+            rule="given", selected=np.flatnonzero(region.contains(self._contact_px)), polygon_px=region.polygon_px,
             notes=(),
-        )
+        )  # fmt: skip
 
-    def _flat(self, region: Region) -> Region:
-        """The region as a camera without distortion would see it."""
-        return region if self._camera is None else Region(self._camera.undistorted_px(region.polygon_px))
+
+def _flat(region: Region, camera: Camera | None) -> Region:
+    """The region as a camera without distortion would see it."""
+    return Region(undistorted(region.polygon_px, camera))
 
 
 def _notes_of(skin: SkinSpread, front: FrontSpread | None) -> tuple[str, ...]:

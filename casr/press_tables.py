@@ -10,8 +10,7 @@ import numpy as np
 
 from casr.errors import SettingError
 from casr.scored import Score
-from casr.spread.correlated_errors import normal_quantile
-from casr.spread.rate import CONFIDENCE
+from casr.spread.intervals import CONFIDENCE, normal_quantile
 
 PIN_COLUMNS = ("frame", "pin", "x_px", "y_px", "inside")
 Value = float | int | None

@@ -9,7 +9,7 @@ from typing import Any
 from casr.errors import SettingError
 from casr.frame_files import open_frames
 from casr.frames import FrameSequence
-from casr.made_worlds import made_worlds
+from casr.plugins import made_worlds
 from casr.scored import Score, ScoreSettings
 from casr.scoring import score as score_frames
 

@@ -20,8 +20,7 @@ from casr.frames import CameraLag, ForceZero
 from casr.front_spread import FrontSpread
 from casr.pins import Pins
 from casr.spread import AREA_LAWS, RATE_RULES, WINDOW_N, SpreadRate, TotalInterval, total_interval
-from casr.spread.correlated_errors import normal_quantile
-from casr.spread.rate import CONFIDENCE
+from casr.spread.intervals import CONFIDENCE, normal_quantile
 
 MOST_LAG_S = 10.0
 
@@ -127,29 +126,24 @@ class ScoreSettings:
                 )
         if isinstance(self.region, str) and (self.region != WHOLE_IMAGE or self.flow.engine == "pin-affine"):
             raise SettingError(
-                "region",
-                wanted=f"a region, or {WHOLE_IMAGE!r} with a dense engine, horn-schunck or dis",
+                "region", wanted=f"a region, or {WHOLE_IMAGE!r} with a dense engine, horn-schunck or dis",
                 found=f"{self.region!r} with {self.flow.engine}",
                 do="Leave it out, give x,y,radius, or choose an engine (--engine dis).",
-            )
+            )  # fmt: skip
         if not 0 < self.threshold_px < np.inf:
             raise SettingError(
                 "threshold_px", wanted="a distance above 0 px", found=repr(self.threshold_px), do="The paper uses 2."
             )
         if not abs(self.camera_lag_s) <= MOST_LAG_S:
             raise SettingError(
-                "camera_lag_s",
-                wanted=f"seconds from {-MOST_LAG_S:g} to {MOST_LAG_S:g}",
-                found=repr(self.camera_lag_s),
+                "camera_lag_s", wanted=f"seconds from {-MOST_LAG_S:g} to {MOST_LAG_S:g}", found=repr(self.camera_lag_s),
                 do="0.05 is 50 ms; correct other clocks in the force log.",
-            )
+            )  # fmt: skip
         if self.correct_lag and self.camera_lag_s:
             raise SettingError(
-                "correct_lag, camera_lag_s",
-                wanted="one of the two",
-                found=f"both, and a lag of {self.camera_lag_s:g} s",
-                do="Give the lag, or have it found.",
-            )
+                "correct_lag, camera_lag_s", wanted="one of the two",
+                found=f"both, and a lag of {self.camera_lag_s:g} s", do="Give the lag, or have it found.",
+            )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -14,8 +14,7 @@ from casr.frames import FrameSequence, LoadingPhase, loading_phase
 from casr.press_forces import PressForces, frames_before, lag_of, notes_on_lag, press_forces
 from casr.press_scorer import PressScorer
 from casr.scored import Score, ScoreSettings, SkinScore
-from casr.seen_loading import SeenLoading
-from casr.skin_motion import SkinMotion
+from casr.skin_motion import SeenLoading, SkinMotion
 
 __all__ = ["Score", "ScoreSettings", "SkinScore", "score", "score_skin"]
 
@@ -29,8 +28,6 @@ def score(sequence: FrameSequence, settings: ScoreSettings | None = None) -> Sco
 
     Bad frames are skipped as ``PressScorer`` says, with a note.
 
-    Raises
-    ------
     NoContactError : nothing touches. FramesError : no loading phase, too few frames, forces that are not newtons or do
         not rise, or a lag that cannot be corrected.
     PinsError : too few pins to start from, or in three frames in a row. SettingError : the region lies outside the
@@ -56,8 +53,6 @@ def score_skin(
     of the time: dense flow needs the pins of two frames only. bad : frames that ``score`` skipped.
     doubt_pins : say what is odd about the pins at rest, too.
 
-    Raises
-    ------
     As ``score``, but areas above that of the pin array are not looked for.
     """
     with said_of(sequence.name):

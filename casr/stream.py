@@ -1,9 +1,11 @@
-"""Scoring while the press goes on: one frame at a time, two images kept, the same numbers as from a recording."""
+"""Scoring while the press goes on: one frame at a time, few images kept, the same numbers as from a recording."""
 
 from __future__ import annotations
 
 from array import array
+from collections import deque
 from dataclasses import dataclass, replace
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -13,10 +15,64 @@ from casr.camera import Camera
 from casr.doubts import doubts_on_motion, doubts_on_score, note_on_repeats
 from casr.errors import FramesError, NoContactError, PinsError
 from casr.frames import LoadingPhase, RestingForce, check_newtons, loading_phase, notes_on_zero, spikes
+from casr.images import Grey, as_grey
 from casr.press_scorer import PressScorer
-from casr.rest_frame import RestFrame
 from casr.scored import Score, ScoreSettings, Spread
 from casr.skin_motion import SkinMotion
+
+RECENT_FRAMES = 64
+LOOKS = 64
+"""A long rest is looked at anew each time it has grown by this part: of a million frames, some hundred times."""
+Kept = tuple[int, Grey]
+
+
+class RestFrame:
+    """Knows the frame that ``loading_phase`` would take for the static one if contact came next.
+
+    That choice looks at the forces of all frames at rest, so it may fall back on an earlier frame. Kept are the images
+    of the last 64 frames at rest, and the one that was the choice up to 32 frames ago, or in a long rest up to a 64th
+    of its frames ago.
+
+    start_n : force of first contact, N.
+    """
+
+    def __init__(self, start_n: float) -> None:
+        self._start_n = start_n
+        self._force_n = array("d")
+        self._recent: deque[Kept] = deque(maxlen=RECENT_FRAMES)
+        self._earlier: Kept | None = None
+        self._look_at = RECENT_FRAMES // 2
+
+    def take(self, image: NDArray[Any], force_n: float, zero_n: float = 0.0) -> None:
+        """Take a frame out of contact and its force, N. zero_n : what counts as 0 N, by the forces so far."""
+        # a camera may write its next frame into the same memory
+        self._recent.append((len(self._force_n), as_grey(image).copy()))
+        self._force_n.append(force_n)
+        if (n := len(self._force_n)) == self._look_at:
+            self._earlier = self._choice(zero_n)
+            self._look_at = n + max(RECENT_FRAMES // 2, n // LOOKS)
+
+    def image(self, zero_n: float = 0.0) -> Grey:
+        """The static frame if contact comes now. Raises FramesError when no frame came before contact.
+
+        zero_n : what the sensor reads at rest, N.
+        """
+        if not self._recent:
+            raise FramesError(
+                "stream", wanted="a static frame before contact", found="a first frame in contact",
+                do="Start before the touch, or raise force_start_n.",
+            )  # fmt: skip
+        return self._choice(zero_n)[1]
+
+    def _choice(self, zero_n: float) -> Kept:
+        contact_n = (self._start_n, 2 * self._start_n)
+        chosen = loading_phase(np.append(np.array(self._force_n) - zero_n, contact_n), start_n=self._start_n).rest
+        kept = [self._earlier] if self._earlier else []
+        # the frame itself, or the last one kept from before it
+        return max(
+            (each for each in (*kept, *self._recent) if each[0] <= chosen), default=self._recent[0], key=itemgetter(0)
+        )
+
 
 PHASES = ("rest", "loading", "done")
 AFTER_FRAMES = 20
@@ -28,8 +84,6 @@ SKIPPED = "the pins cannot be told: this frame is skipped"
 class StreamState:
     """Where the press stands after a frame.
 
-    Parameters
-    ----------
     frame : index of the frame, from 0. phase : one of ``PHASES``.
     force_n : of the frame, N, above the level at rest; NaN where none is known.
     area : contact area in ``area_unit`` (``mm2`` or ``px2``), by the quantity of the settings; None out of contact,
@@ -226,14 +280,9 @@ class _Contact:
             return StreamState(frame, phase, force_n, notes=notes)
         area = self._area[-1] if self._area.size else np.nan
         return StreamState(
-            frame,
-            phase,
-            force_n,
-            area=float(area) if np.isfinite(area) else None,
-            area_unit=self._scorer.area_unit,
-            log_growth=self._scorer.log_growth,
-            notes=notes,
-        )
+            frame, phase, force_n, area=float(area) if np.isfinite(area) else None, area_unit=self._scorer.area_unit,
+            log_growth=self._scorer.log_growth, notes=notes,
+        )  # fmt: skip
 
     def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         known = np.isfinite(self._area)

@@ -1,13 +1,11 @@
-"""How much a program says beside its results, and in which colours.
-
-``-q`` and ``-v`` of the running command are kept here, as what prints a note stands far below the command line.
-"""
+"""How much a program says beside its results, and in which colours; and what JSON cannot say."""
 
 from __future__ import annotations
 
 import os
 import sys
-from typing import Literal, TextIO
+from collections.abc import Mapping
+from typing import Any, Literal, TextIO
 
 Look = Literal["good", "doubtful", "bad"]
 _COLOURS: dict[Look, int] = {"good": 32, "doubtful": 33, "bad": 31}
@@ -37,3 +35,12 @@ def coloured(text: str, look: Look, stream: TextIO) -> str:
     if os.environ.get("NO_COLOR") or not asked:
         return text
     return f"\x1b[1;{_COLOURS[look]}m{text}\x1b[0m"
+
+
+def finite(value: Any) -> Any:
+    """The same with null for every number that is not finite, and arrays for tuples."""
+    if isinstance(value, float):
+        return value if value - value == 0 else None
+    if isinstance(value, Mapping):
+        return {key: finite(item) for key, item in value.items()}
+    return [finite(item) for item in value] if isinstance(value, (list, tuple)) else value

@@ -14,7 +14,7 @@ from emg2vsa.schedules.build import stiffness_percent
 PLACES = {
     "equation (1), area from divergence": ("casr.spread.area_law", "", r"eq. 1"),
     "equation (2), the spread rate": ("casr.spread.rate", "spread_rate", r"eq. (2)"),
-    "equation (3), the hexagon of a pin": ("casr.contact_area.algorithm_1", "lattice_cell", r"eq. (3)"),
+    "equation (3), the hexagon of a pin": ("casr.contact_area.rules", "lattice_cell", r"eq. (3)"),
     "equation (4), the camera matrix": ("casr.camera", "Camera.matrix", r"eq. (4)"),
     "equation (5), pixels to mm": ("casr.camera", "Camera.mm_per_px", r"eq. (5)"),
     "equation (6), the logarithmic law": ("emg2vsa.curves.logarithmic", "", r"equation 6"),
@@ -25,7 +25,7 @@ PLACES = {
         "SpringJoint.position_deg",
         r"Equation (8)",
     ),
-    "Algorithm 1, the initial area": ("casr.contact_area.algorithm_1", "paper_rule", r"Algorithm 1"),
+    "Algorithm 1, the initial area": ("casr.contact_area.rules", "paper_rule", r"Algorithm 1"),
     "figure 2, steps of Algorithm 1": ("emg2vsa.figures.algorithm_1", "", r"Figure 2"),
     "figure 4, co-contraction": ("emg2vsa.figures.cocontraction", "", r"Figure 4"),
     "figure 5, schedules": ("emg2vsa.figures.schedule_map", "", r"Figure 5"),

@@ -15,7 +15,7 @@ from typing import Any
 
 from benchmarks.bench.results import AreaResult, from_json, to_json
 from benchmarks.bench.threads import one_thread_environment
-from casr.json_text import finite
+from casr.terminal import finite
 from emg2vsa.errors import DataError
 
 SOURCE = Path(__file__).resolve().parents[2]

@@ -74,7 +74,7 @@ def digits_of(error: float) -> float:
 
 
 def to_json(area: AreaResult) -> dict[str, Any]:
-    """With ``schema``; numbers that are not finite become null in the file (``casr.json_text.finite``)."""
+    """With ``schema``; numbers that are not finite become null in the file (``casr.terminal.finite``)."""
     return {"schema": SCHEMA, **asdict(area)}
 
 

@@ -15,7 +15,7 @@ from benchmarks.bench.child import SOURCE, measured_in_child
 from benchmarks.bench.results import AreaResult, from_json, to_json
 from benchmarks.bench.tables import case_lines, index, page, provenance
 from casr.atomic import write_text_atomic
-from casr.json_text import finite
+from casr.terminal import finite
 from emg2vsa.errors import DataError, SettingError
 
 PUBLISHED = SOURCE / "docs" / "benchmarks"

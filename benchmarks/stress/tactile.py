@@ -12,8 +12,8 @@ from benchmarks.stress.case import ROUNDED, Case, Found
 from benchmarks.stress.exact_curves import exact_line, mpfs
 from casr.camera import Camera
 from casr.contact_area import initial_area
-from casr.flow.divergence import mean_divergence
-from casr.flow.pin_affine import fit_affine
+from casr.flow.dense_engine import mean_divergence
+from casr.flow.pin_engine import fit_affine
 from casr.flow.region import Region
 from casr.pins.detect import Pins
 from casr.pins.spots import measure_spots
@@ -259,7 +259,7 @@ def hexagon_case(offset: float, bound: float) -> Case:
         return {"area": int(near.sum()) * mp.sqrt(3) / 2 * pitch2}
 
     return Case(
-        "casr.contact_area.initial_area, hexagons",
+        "casr.contact_area.rules, hexagons",
         f"array at {offset:g} px",
         (rest, contact),
         ours,

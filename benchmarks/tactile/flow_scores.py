@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from benchmarks.tactile.flow_pairs import FlowPair
 from benchmarks.tactile.method import Method
 from benchmarks.tactile.metrics import endpoint_error_px, percent_error
-from casr.flow.divergence import mean_divergence
-from casr.flow.pin_affine import Affine
-from casr.flow.region import Region
+from casr.flow.dense_engine import mean_divergence
+from casr.flow.region import Affine, Region
 
 CORE_FRACTION = 0.8
 "The core leaves out the edge of the contact, which pins 20 px apart cannot resolve."

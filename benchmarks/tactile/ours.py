@@ -7,8 +7,8 @@ from itertools import cycle
 from benchmarks.tactile.method import Image, Method
 from benchmarks.tactile.timing import Run
 from casr.flow.horn_schunck import HornSchunck, HornSchunckSettings
-from casr.flow.pin_affine import Affine, fit_affine
-from casr.flow.region import Region
+from casr.flow.pin_engine import fit_affine
+from casr.flow.region import Affine, Region
 from casr.pins import PinTracker, detect_pins, match_pins, pin_pitch_px
 
 CONTACT_OVER_CORE = 1.25

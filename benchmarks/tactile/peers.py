@@ -12,8 +12,8 @@ import numpy as np
 from benchmarks.tactile.jacobi import horn_schunck_jacobi
 from benchmarks.tactile.method import Image, Method, Prepare
 from benchmarks.tactile.timing import Run
-from casr.flow.pin_affine import Affine, fit_affine
-from casr.flow.region import Region
+from casr.flow.pin_engine import fit_affine
+from casr.flow.region import Affine, Region
 from casr.pins import detect_pins
 
 

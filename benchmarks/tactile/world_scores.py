@@ -13,11 +13,11 @@ from benchmarks.tactile.metrics import percent_error
 from benchmarks.tactile.press_scores import rendered
 from benchmarks.tactile.worlds import world_named
 from casr.dome.view import INNER_RADIUS_MM
+from casr.doubts import Stretch, stretch_of
 from casr.errors import CasrError
 from casr.front_spread import FrontSpread
 from casr.scored import SkinSpread
 from casr.scoring import Score, score
-from casr.stretch import Stretch, stretch_of
 from emg2vsa.worlds.tactile import PressSettings, SimulatedPress, simulate_press
 
 FORCES_N = (0.5, 1.0, 2.0, 4.0)

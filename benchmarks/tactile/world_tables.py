@@ -15,8 +15,8 @@ from benchmarks.tactile.metrics import percent_error, sample_sd
 from benchmarks.tactile.table import Cell, Table
 from benchmarks.tactile.world_scores import FORCES_N, LEAST_PITCHES, Found, WorldScore, world_scored
 from benchmarks.tactile.worlds import named, world_named
+from casr.doubts import unlike_others
 from casr.specimens import SPECIMENS
-from casr.stretch import unlike_others
 from emg2vsa.calibration.laws import fit_law
 from emg2vsa.worlds.tactile import PressSettings
 

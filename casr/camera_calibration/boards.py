@@ -37,14 +37,8 @@ class Board(Protocol):
 class Chessboard:
     """A chessboard, found as a whole only.
 
-    Parameters
-    ----------
     columns, rows : inner corners, where four squares meet: a board of 8 x 6 squares has 7 x 5.
-    square_mm : side of a square.
-
-    Raises
-    ------
-    SettingError : fewer than 3 corners a way, or no size.
+    square_mm : side of a square. SettingError : fewer than 3 corners a way, or no size.
     """
 
     columns: int
@@ -70,25 +64,16 @@ class Chessboard:
         half = min(int(0.35 * min(steps)), 9)
         if half >= 3:
             cv2.cornerSubPix(picture, seen_px.reshape(-1, 1, 2), (half, half), (-1, -1), _REFINED_TO_THE_END)
-        return self._on_board(), seen_px.reshape(-1, 2)
-
-    def _on_board(self) -> NDArray[np.float32]:
         y, x = np.mgrid[: self.rows, : self.columns].reshape(2, -1) * self.square_mm
-        return np.column_stack([x, y, np.zeros(x.size)]).astype(np.float32)
+        return np.column_stack([x, y, np.zeros(x.size)]).astype(np.float32), seen_px.reshape(-1, 2)
 
 
 @dataclass(frozen=True)
 class Charuco:
     """A chessboard with a marker in every white square, which may be seen in part.
 
-    Parameters
-    ----------
-    columns, rows : squares.
-    square_mm, marker_mm : sides of a square and of the black border of a marker.
+    columns, rows : squares. square_mm, marker_mm : sides of a square and of the black border of a marker.
     dictionary : of the markers, one of ``DICTIONARIES``.
-
-    Raises
-    ------
     SettingError : too few squares, sizes that do not fit, an unknown dictionary or one with too few markers.
     """
 

@@ -12,8 +12,49 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.camera_calibration.view import View, covered
 from casr.errors import CameraError
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A picture in which the board was found.
+
+    name : of the picture, as messages say it. board_mm : (N, 3) float32, corners on the board, z = 0.
+    image_px : (N, 2) float32, the same corners in the picture; the centre of the first pixel is (0, 0).
+    """
+
+    name: str
+    board_mm: NDArray[np.float32]
+    image_px: NDArray[np.float32]
+
+    def hull_px(self) -> NDArray[np.float32]:
+        """(K, 2) convex outline of the corners in the picture."""
+        hull: NDArray[np.float32] = cv2.convexHull(self.image_px)[:, 0, :].astype(np.float32)
+        return hull
+
+
+LEAST_CORNERS = 8
+"In a view; fewer hardly tell its pose."
+
+
+def unusable(view: View, n_corners: int) -> str | None:
+    """Why the view says too little; None when it does not. n_corners : of the whole board."""
+    seen = len(view.image_px)
+    if seen == 0:
+        return "it shows no board"
+    if seen < LEAST_CORNERS:
+        return f"it shows {seen} of {n_corners} corners, fewer than {LEAST_CORNERS}"
+    spread = np.linalg.svd(view.board_mm[:, :2] - view.board_mm[:, :2].mean(axis=0), compute_uv=False)
+    return "its corners lie on one line" if spread[1] < 1e-3 * spread[0] else None
+
+
+def covered(views: list[View], width_px: int, height_px: int) -> float:
+    """Part of the image, 0 to 1, that lies inside the corners of at least one view."""
+    mask = np.zeros((height_px, width_px), dtype=np.uint8)
+    for view in views:
+        cv2.fillConvexPoly(mask, np.rint(view.hull_px()).astype(np.int32), 1)
+    return float(mask.mean())
+
 
 Array = NDArray[np.float64]
 
@@ -38,8 +79,6 @@ OPENCV_FLAGS = {
 class Fitted:
     """One view after the fit.
 
-    Parameters
-    ----------
     name : of the picture. corners : used. rms_px : distance of corners from where the camera puts them.
     tilt_deg : between the board's normal and the camera's axis.
     distance_mm : from the pinhole along the axis to the plane of the board.
@@ -56,12 +95,9 @@ class Fitted:
 class Calibration:
     """Intrinsics with their standard errors.
 
-    Parameters
-    ----------
     fx_px, fy_px, cx_px, cy_px : camera matrix. distortion : OpenCV's coefficients, as many as asked for.
     fx_se_px, fy_se_px, cx_se_px, cy_se_px : standard errors; the corners of one picture may err together.
-    rms_px : reprojection error over all corners.
-    covered : part of the image that boards covered, 0 to 1.
+    rms_px : reprojection error over all corners. covered : part of the image that boards covered, 0 to 1.
     views : in the order given. notes : on those that fit far worse than most.
     """
 
@@ -83,14 +119,8 @@ class Calibration:
 def calibrate(views: list[View], width_px: int, height_px: int, *, n_distortion: int = 5) -> Calibration:
     """The camera that saw these views.
 
-    Parameters
-    ----------
-    views : none of them `unusable`.
-    width_px, height_px : of every picture.
+    views : none of them `unusable`. width_px, height_px : of every picture.
     n_distortion : coefficients to fit, a key of `OPENCV_FLAGS`; the others are 0.
-
-    Raises
-    ------
     CameraError : too few views, too little of the image covered, a focal length that the views do not determine, or
         corners that no camera of this kind puts where they are.
     """
@@ -130,13 +160,9 @@ def calibrate(views: list[View], width_px: int, height_px: int, *, n_distortion:
     if not (fx > 0 and fy > 0 and all(each <= MOST_RELATIVE_SE for each in relative)):
         raise _undetermined(" and ".join(f"{100 * each:.3g} %" for each in relative), notes)
     return Calibration(
-        fx_px=fx, fy_px=fy, cx_px=float(matrix[0, 2]), cy_px=float(matrix[1, 2]),
-        distortion=tuple(distortion.tolist()),
-        fx_se_px=fx_se, fy_se_px=fy_se, cx_se_px=cx_se, cy_se_px=cy_se,
-        rms_px=float(rms_px),
-        covered=part,
-        views=fitted,
-        notes=notes,
+        fx_px=fx, fy_px=fy, cx_px=float(matrix[0, 2]), cy_px=float(matrix[1, 2]), distortion=tuple(distortion.tolist()),
+        fx_se_px=fx_se, fy_se_px=fy_se, cx_se_px=cx_se, cy_se_px=cy_se, rms_px=float(rms_px), covered=part,
+        views=fitted, notes=notes,
     )  # fmt: skip
 
 
@@ -203,11 +229,9 @@ def _standing_out(fitted: tuple[Fitted, ...]) -> tuple[str, ...]:
 def _undetermined(found: str, notes: tuple[str, ...] = ()) -> CameraError:
     tilt = "Views that are all parallel do not tell it: tilt the board by 20 to 40 degrees to different sides."
     return CameraError(
-        "focal length",
-        wanted=f"standard errors of fx and fy of {MOST_RELATIVE_SE:.0%} or less",
-        found=found,
+        "focal length", wanted=f"standard errors of fx and fy of {MOST_RELATIVE_SE:.0%} or less", found=found,
         do=_first(notes, tilt),
-    )
+    )  # fmt: skip
 
 
 def _first(notes: tuple[str, ...], advice: str) -> str:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 
-from casr.cli.values import names
-from casr.command_line import Commands, add_command, add_json, add_options, print_json, whole_number
-from casr.source_checkout import benchmarks
+from casr.cli.arguments import names
+from casr.command_line import Commands, add_command, add_json, add_options, benchmarks, print_json, whole_number
 
 KINDS = ("presses", "numerics")
 OPTIONS = """

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from casr.completion import command_of
+from casr.command_line import command_of
 
 add_to = command_of("casr")

@@ -31,8 +31,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from casr.flow.estimate import FlowSettings
-    from casr.flow.followed import follow_region
+    from casr.flow.estimate import FlowSettings, follow_region
 
     sequence, engine = shared.open_sequence(arguments), arguments.engine
     settings = FlowSettings(engine=engine, pins=shared.pin_settings(arguments))

@@ -33,10 +33,9 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     shared.check_forces(arguments)
-    from casr.folder_scores import named_presses, score_presses
     from casr.frame_files import find_presses
     from casr.page import text
-    from casr.press_files import PressFiles
+    from casr.press_files import PressFiles, named_presses, score_presses
     from casr.scored import Score
     from casr.scoring import score
 

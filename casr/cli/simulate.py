@@ -6,10 +6,9 @@ import argparse
 import sys
 from pathlib import Path
 
-from casr.cli.arguments import of_fields
-from casr.cli.values import TYPES, count
+from casr.cli.arguments import TYPES, count, of_fields
 from casr.command_line import Commands, add_command, add_json, add_options, print_json, whole_number
-from casr.made_worlds import made_worlds
+from casr.plugins import made_worlds
 from casr.terminal import VOICE
 
 PRESSES = """

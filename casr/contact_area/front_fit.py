@@ -66,8 +66,6 @@ def fit_front(
 ) -> FrontFit:
     """Fit the places of pins.
 
-    Parameters
-    ----------
     rest_px : (N, 2) at rest, without distortion. pins_px : (T, N, 2) in contact; NaN where a pin is lost.
     like : take centre and worlds of this fit instead of finding them.
     near : find them, and begin at the centre of this fit.
@@ -115,13 +113,9 @@ class _Search:
     def of(self, frames: Rows) -> _Search:
         """The same press in fewer frames."""
         return _Search(
-            self._view,
-            self._library,
-            self._directions,
-            self._moved_px[frames],
-            self._seen[frames],
+            self._view, self._library, self._directions, self._moved_px[frames], self._seen[frames],
             sheared=self._sheared,
-        )
+        )  # fmt: skip
 
     def chosen(self, start: Array | None, looks: int) -> tuple[Array, Rows]:
         """(3,) direction of the contact's middle, and the worlds that explain the press best. start : where it nearly

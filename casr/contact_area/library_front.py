@@ -4,19 +4,73 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from casr.camera import Camera, distorted, undistorted
-from casr.contact_area.front import ContactFront
-from casr.contact_area.front_edge import FrontEdge, as_a_whole
+from casr.contact_area.front import LEAST_PINS, ContactFront
 from casr.contact_area.front_fit import FrontFit, fit_front
 from casr.dome.library import Library
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView
 from casr.errors import CameraError
 
 Array = NDArray[np.float64]
+
+_OUTLINE = 90
+
+
+class FrontEdge:
+    """The edge by the best world, against the pins."""
+
+    def __init__(self, fit: FrontFit, library: Library, rest_px: Array) -> None:
+        self._fit, self._library = fit, library
+        view, world = fit.view, int(fit.worlds[0])
+        self._radius_mm = fit.radius_mm[0]
+        outer_arc_mm = np.interp(self._radius_mm, library.radius_mm, library.edge_arc_mm[world])
+        self._arc_mm = outer_arc_mm * INNER_RADIUS_MM / OUTER_RADIUS_MM
+        directions = view.directions(rest_px)
+        arc_mm = view.around(directions, fit.axis).arc_mm
+        self.inside = arc_mm <= self._arc_mm[:, None]
+        self.pins_inside = self.inside.sum(axis=1)
+        near = directions[np.argsort(arc_mm)[: 2 * LEAST_PINS]]
+        angles = np.arccos(np.clip(near @ near.T, -1, 1)) + 9 * np.eye(len(near))
+        self.pitches = self._arc_mm / (INNER_RADIUS_MM * float(np.median(angles.min(axis=1))))
+
+    def outline_px(self) -> Array:
+        """(T, M, 2) where tips of pins on the edge would be seen."""
+        fit, library = self._fit, self._library
+        turn = np.linspace(0, 2 * np.pi, _OUTLINE, endpoint=False)
+        across = np.linalg.svd(fit.axis[None])[2][1:]
+        around = np.cos(turn)[:, None] * across[0] + np.sin(turn)[:, None] * across[1]
+        angle = (self._arc_mm / INNER_RADIUS_MM)[:, None, None]
+        directions = (np.cos(angle) * fit.axis + np.sin(angle) * around).reshape(-1, 3)
+        row = np.interp(self._radius_mm, library.radius_mm, np.arange(library.radius_mm.size))
+        low = np.minimum(row.astype(np.intp), library.radius_mm.size - 2)
+        u = library.only(fit.worlds[:1]).motion_at(self._arc_mm)[..., 0].astype(np.float64)
+        frames = np.arange(len(row))
+        u = (1 - row + low) * u[:, frames, low] + (row - low) * u[:, frames, low + 1]
+        moved_px = fit.view.around(directions, fit.axis).moved_px(*np.repeat(u, _OUTLINE, axis=1))
+        return np.asarray((fit.view.rest_px(directions) + moved_px).reshape(len(row), _OUTLINE, 2))
+
+
+def as_a_whole(rest_px: Array, pins_px: Array, inside: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Shear and torsion of a contact: (T, 2) mean motion, px, and (T,) turn, degrees, of the pins inside (T, N).
+
+    Pins (T, N, 2) that were at (N, 2) at rest; NaN where none is seen inside, and for the turn fewer than three.
+    """
+    shear, torsion = np.full((len(pins_px), 2), np.nan), np.full(len(pins_px), np.nan)
+    for t, (now, within) in enumerate(zip(pins_px, inside, strict=True)):
+        rows = np.flatnonzero(within & np.isfinite(now[:, 0]))
+        if rows.size:
+            shear[t] = (now[rows] - rest_px[rows]).mean(axis=0)
+        if rows.size >= 3:
+            before, after = (points[rows] - points[rows].mean(axis=0) for points in (rest_px, now))
+            cross = (before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]).sum()
+            torsion[t] = np.rad2deg(np.arctan2(cross, (before * after).sum()))
+    return shear, torsion
+
 
 SHARPNESS, SPREAD_SHARPNESS = 30.0, 10.0
 "Powers of the misfit that weigh worlds: for the estimate, and for how far they differ."
@@ -55,8 +109,6 @@ def library_fits(
 ) -> list[FrontFit]:
     """The worlds that explain T frames best, for each of the sensors that it may be.
 
-    Parameters
-    ----------
     rest_px, pins_px, camera : of ``library_front``.
     like : earlier fits of the same press, whose centres and worlds are taken: a twentieth of the work.
     near : earlier fits of the same press, from whose centres new ones and their worlds are found.
@@ -79,8 +131,6 @@ def library_front(
 ) -> ContactFront:
     """The contact in T frames.
 
-    Parameters
-    ----------
     rest_px : (N, 2) pins at rest. pins_px : (T, N, 2) the same pins in contact; NaN where one is lost.
     camera : None leaves areas in px^2, and the size of the dome unknown.
     fits : of ``library_fits`` for these frames; None finds them.
@@ -96,47 +146,46 @@ def library_front(
             fits, best = sheared, pulled
     every = ((misfit, fit, row) for fit in fits for row, misfit in enumerate(fit.misfit_px2.tolist()))
     ranked = sorted(every, key=lambda each: each[0])[:_KEPT]
-    unit = np.array([_area_unit(fit.view, camera) for _, fit, _ in ranked])
-    candidates = np.pi * np.array([fit.radius_mm[row] for _, fit, row in ranked]) ** 2 * unit[:, None]
+    # what one mm^2 of the dome of 20 mm is in the unit of areas
+    unit = [
+        fit.view.focal_px[0] * fit.view.focal_px[1] / fit.view.depth_mm**2 if camera is None else _scale(camera) ** 2
+        for _, fit, _ in ranked
+    ]
+    candidates = np.pi * np.array([fit.radius_mm[row] for _, fit, row in ranked]) ** 2 * np.array(unit)[:, None]
     log_misfit = np.log([misfit for misfit, _, _ in ranked])
     weight, spread_weight = (_softmax(-power * log_misfit) for power in (SHARPNESS, SPREAD_SHARPNESS))
     log_area = np.log(candidates)
     area = np.exp(weight @ log_area)
     misfit = _misfit(best, flat_pins)
     length = len(area)
+
+    def moved(**of_view: Any) -> Array:
+        """(T,) change of ln area when a length of the view is another one."""
+        if camera is None:
+            return np.zeros(length)
+        view, one = replace(best.view, **of_view), replace(best, worlds=best.worlds[:1])
+        radius_mm = fit_front(view, library, flat_rest, flat_pins, like=one).radius_mm[0]
+        return np.asarray(2 * np.log(radius_mm / best.radius_mm[0]))
+
     parts = {
         "pins": 2 * best.scatter[0],
         # radii differ by s, areas by 2 s: the logarithms of areas are compared here, twice their spread as for radii
         "dome": np.hypot(2 * np.sqrt(spread_weight @ (log_area - np.log(area)) ** 2), DOME_SD),
         "misfit": np.full(length, SD_PER_MISFIT * max(misfit - FREE_MISFIT, 0.0)),
-        "pin length": _sensitivity(best, library, flat_rest, flat_pins, camera, pin_length=PIN_LENGTH_SD_MM),
-        "depth": _sensitivity(best, library, flat_rest, flat_pins, camera, depth_share=DEPTH_SHARE_SD),
+        "pin length": moved(pin_length_mm=best.view.pin_length_mm + PIN_LENGTH_SD_MM / _scale(camera)),
+        "depth": moved(depth_mm=best.view.depth_mm * (1 + DEPTH_SHARE_SD)),
     }
     edge = FrontEdge(best, library, flat_rest)
     shear, torsion = as_a_whole(flat_rest, flat_pins, edge.inside)
-    front = ContactFront(
-        area=area,
-        candidates=candidates,
-        weight=weight,
-        spread_weight=spread_weight,
-        parts=parts,
+    return ContactFront(
+        area=area, candidates=candidates, weight=weight, spread_weight=spread_weight, parts=parts,
         centre_px=distorted(best.view.rest_px(best.axis[None]), camera)[0],
-        edge_px=distorted(edge.outline_px(), camera),
-        inside=edge.inside,
-        pins_inside=edge.pins_inside,
-        pitches=edge.pitches,
-        misfit=misfit,
-        off_library=misfit,
-        model="finite elements",
-        model_sd=DOME_SD,
+        edge_px=distorted(edge.outline_px(), camera), inside=edge.inside, pins_inside=edge.pins_inside,
+        pitches=edge.pitches, misfit=misfit, off_library=misfit, model="finite elements", model_sd=DOME_SD,
         dome=str(library.dome[best.worlds[0]]),
-        stiffness_n_per_mm=float(library.stiffness_n_per_mm[best.worlds[0]]),
-        log_misfit=_by_dome(ranked, library),
-        shear_px=shear,
-        torsion_deg=torsion,
-        notes=said,
-    )
-    return replace(front, notes=(*said, *_notes(front, best, library)))
+        stiffness_n_per_mm=float(library.stiffness_n_per_mm[best.worlds[0]]), log_misfit=_by_dome(ranked, library),
+        shear_px=shear, torsion_deg=torsion, notes=(*said, *_notes(misfit, best, library)),
+    )  # fmt: skip
 
 
 def _views(rest_px: Array, camera: Camera | None) -> tuple[list[DomeView], tuple[str, ...]]:
@@ -151,11 +200,10 @@ def _views(rest_px: Array, camera: Camera | None) -> tuple[list[DomeView], tuple
     longest_mm = LONGEST_PIN * INNER_RADIUS_MM * scale
     if known_mm is not None and known_mm > longest_mm:
         raise CameraError(
-            "sensor.pin_length_mm",
-            wanted=f"{longest_mm:.3g} mm or less in a dome of {OUTER_RADIUS_MM * scale:g} mm",
+            "sensor.pin_length_mm", wanted=f"{longest_mm:.3g} mm or less in a dome of {OUTER_RADIUS_MM * scale:g} mm",
             found=f"{known_mm:g}",
             do="Measure from the skin to the tip of a pin; give dome_radius_mm if the dome is not of 20 mm.",
-        )
+        )  # fmt: skip
     if known_mm is None:
         tried = ", ".join(f"{each:g}" for each in lengths)
         said = (
@@ -192,13 +240,6 @@ def _scale(camera: Camera | None) -> float:
     return 1.0 if radius is None else radius / OUTER_RADIUS_MM
 
 
-def _area_unit(view: DomeView, camera: Camera | None) -> float:
-    """What one mm^2 of the dome of 20 mm is in the unit of areas."""
-    if camera is not None:
-        return _scale(camera) ** 2
-    return view.focal_px[0] * view.focal_px[1] / view.depth_mm**2
-
-
 def _misfit(fit: FrontFit, pins_px: Array) -> float:
     """Share of the motion left over beyond the scatter of pins from frame to frame."""
     left = float(fit.misfit_px2[0])
@@ -209,38 +250,17 @@ def _misfit(fit: FrontFit, pins_px: Array) -> float:
     return float(np.sqrt(max(left, 0.0) / max(fit.moved_px2, 1e-12)))
 
 
-def _sensitivity(
-    fit: FrontFit,
-    library: Library,
-    rest_px: Array,
-    pins_px: Array,
-    camera: Camera | None,
-    *,
-    pin_length: float = 0.0,
-    depth_share: float = 0.0,
-) -> Array:
-    """(T,) change of ln area when pins are longer by ``pin_length`` mm, or depth is larger by a share."""
-    if camera is None:
-        return np.zeros(len(pins_px))
-    view = fit.view
-    other = replace(
-        view, pin_length_mm=view.pin_length_mm + pin_length / _scale(camera), depth_mm=view.depth_mm * (1 + depth_share)
-    )
-    one = replace(fit, worlds=fit.worlds[:1])
-    return np.asarray(2 * np.log(fit_front(other, library, rest_px, pins_px, like=one).radius_mm[0] / fit.radius_mm[0]))
-
-
-def _notes(front: ContactFront, fit: FrontFit, library: Library) -> tuple[str, ...]:
+def _notes(misfit: float, fit: FrontFit, library: Library) -> tuple[str, ...]:
     notes: list[str] = []
-    if front.misfit > FREE_MISFIT:
+    if misfit > FREE_MISFIT:
         notes.append(
-            f"The pins do not move as on any dome of the library: {front.misfit:.0%} of the motion is left over "
+            f"The pins do not move as on any dome of the library: {misfit:.0%} of the motion is left over "
             f"({FREE_MISFIT:.0%} would be usual), so the size of the contact depends on the dome assumed."
         )
     beyond = int((fit.radius_mm[0] > BEYOND_COMPUTED * library.computed_mm[fit.worlds[0]]).sum())
     if beyond:
         notes.append(
-            f"In {beyond} of {len(front.area)} frames the contact is larger by a quarter than any that "
+            f"In {beyond} of {fit.radius_mm.shape[1]} frames the contact is larger by a quarter than any that "
             "was computed: the tables are continued there."
         )
     return tuple(notes)

@@ -37,12 +37,7 @@ class PlateCheck:
 def check_on_plate(rest_px: Array, pins_px: Array, camera: Camera, library: Library) -> PlateCheck:
     """Hold a press on a rigid plate against the plates of the library.
 
-    Parameters
-    ----------
     rest_px : (N, 2) pins at rest. pins_px : (T, N, 2) the same pins in contact; NaN where one is lost.
-
-    Raises
-    ------
     CameraError : the length of the pins is not known.
     """
     stated_mm = camera.sensor.pin_length_mm

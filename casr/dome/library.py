@@ -10,7 +10,7 @@ from functools import cache, cached_property
 from importlib import resources
 from itertools import pairwise
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,9 @@ _QUANTUM = 2e-4
 _SMOOTH_FROM_N, _SMOOTH_DEGREE = 0.02, 6
 _TREND_FROM = 0.6
 "A table is continued along the lines through its steps from this share of its largest radius on."
+
+
+_OF_WORLDS = ("dome", "stiffness_n_per_mm", "friction", "computed_mm", "force_n", "edge_arc_mm", "motion")
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +70,12 @@ class Library:
 
     def only(self, worlds: Rows) -> Library:
         """Some of the worlds."""
-        of_worlds = ("dome", "stiffness_n_per_mm", "friction", "computed_mm", "force_n", "edge_arc_mm", "motion")
-        return replace(self, **{name: getattr(self, name)[worlds] for name in of_worlds})
+        return replace(self, **{name: getattr(self, name)[worlds] for name in _OF_WORLDS})
+
+    def beside(self, other: Library) -> Library:
+        """These worlds, then those of another library on the same grid."""
+        both = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in _OF_WORLDS}
+        return replace(self, **both)
 
     def motion_at(self, arc_mm: Array) -> NDArray[np.float32]:
         """(3, N, R, W) motion at arcs (N,); beyond the last arc that of the last."""
@@ -113,14 +120,11 @@ def gather(tables: Sequence[ContactTable], *, radius_step_mm: float, arc_step_mm
     return Library(
         dome=np.array([table.dome for table in tables]),
         stiffness_n_per_mm=np.array([table.stiffness_n_per_mm for table in tables]),
-        friction=np.array([table.friction for table in tables]),
-        radius_mm=radius,
-        arc_mm=arc,
+        friction=np.array([table.friction for table in tables]), radius_mm=radius, arc_mm=arc,
         computed_mm=np.array([table.contact_radius_mm[-1] for table in tables]),
-        force_n=np.array([each[0] for each in gridded]),
-        edge_arc_mm=np.array([each[1] for each in gridded]),
+        force_n=np.array([each[0] for each in gridded]), edge_arc_mm=np.array([each[1] for each in gridded]),
         motion=np.array([each[2] for each in gridded], dtype=np.float32),
-    )
+    )  # fmt: skip
 
 
 def _by_radius(table: ContactTable, radius: Array, arc: Array) -> tuple[Array, Array, Array]:
@@ -172,19 +176,17 @@ Between = tuple[int, int, str, float]
 
 
 def _joined(library: Library, pairs: list[Between]) -> Library:
-    first, second = (np.array([pair[k] for pair in pairs], dtype=np.intp) for k in (0, 1))
-    between = [(array[first] + array[second]) / 2 for array in (library.edge_arc_mm, library.motion)]
-    return Library(
-        dome=np.append(library.dome, [pair[2] for pair in pairs]),
-        stiffness_n_per_mm=np.append(library.stiffness_n_per_mm, [pair[3] for pair in pairs]),
-        friction=np.append(library.friction, library.friction[first]),
-        radius_mm=library.radius_mm,
-        arc_mm=library.arc_mm,
-        computed_mm=np.append(library.computed_mm, np.minimum(library.computed_mm[first], library.computed_mm[second])),
-        force_n=np.concatenate([library.force_n, np.sqrt(library.force_n[first] * library.force_n[second])]),
-        edge_arc_mm=np.concatenate([library.edge_arc_mm, between[0]]),
-        motion=np.concatenate([library.motion, between[1]]),
+    first, second = (library.only(np.array([pair[k] for pair in pairs], dtype=np.intp)) for k in (0, 1))
+    between = replace(
+        first,
+        dome=np.array([pair[2] for pair in pairs], dtype=np.str_),
+        stiffness_n_per_mm=np.array([pair[3] for pair in pairs], dtype=np.float64),
+        computed_mm=np.minimum(first.computed_mm, second.computed_mm),
+        force_n=np.sqrt(first.force_n * second.force_n),
+        edge_arc_mm=(first.edge_arc_mm + second.edge_arc_mm) / 2,
+        motion=(first.motion + second.motion) / np.float32(2),
     )
+    return library.beside(between)
 
 
 def _next_in_stiffness(library: Library) -> list[Between]:
@@ -251,15 +253,9 @@ def worlds(folder: str | None = None) -> Library:
             folder, wanted=f"tables whose arc reaches {ours.arc_mm[-1]:g} mm", found=f"{own.arc_mm[-1]:g} mm",
             do="Compute the skin as far as its clamped edge.",
         )  # fmt: skip
-    size = ours.arc_mm.size
-    return Library(
-        dome=np.append(ours.dome, own.dome),
-        stiffness_n_per_mm=np.append(ours.stiffness_n_per_mm, own.stiffness_n_per_mm),
-        friction=np.append(ours.friction, own.friction),
-        radius_mm=ours.radius_mm,
-        arc_mm=ours.arc_mm,
-        computed_mm=np.append(ours.computed_mm, own.computed_mm),
-        force_n=np.concatenate([ours.force_n, own.force_n]),
-        edge_arc_mm=np.concatenate([ours.edge_arc_mm, own.edge_arc_mm]),
-        motion=np.concatenate([ours.motion, own.motion[:, :, :size]]),
-    )
+    same_grid: dict[str, Any] = {
+        "radius_mm": ours.radius_mm,
+        "arc_mm": ours.arc_mm,
+        "motion": own.motion[:, :, : ours.arc_mm.size],
+    }
+    return ours.beside(replace(own, **same_grid))

@@ -81,15 +81,10 @@ def read_table(path: Path) -> ContactTable:
     if not stiffness > 0:
         raise SettingError(str(path), wanted="a stiffness above 0 in its name", found=named["stiffness"], do=_DO)
     return ContactTable(
-        dome=named["dome"],
-        stiffness_n_per_mm=stiffness,
-        friction=named["friction"],
-        force_n=arrays["force_n"],
-        contact_radius_mm=arrays["contact_radius_mm"],
-        edge_arc_mm=arrays["edge_arc_mm"],
-        s_mm=arrays["s_mm"],
+        dome=named["dome"], stiffness_n_per_mm=stiffness, friction=named["friction"], force_n=arrays["force_n"],
+        contact_radius_mm=arrays["contact_radius_mm"], edge_arc_mm=arrays["edge_arc_mm"], s_mm=arrays["s_mm"],
         motion=np.stack([arrays[key] for key in OF_NODES], axis=-1),
-    )
+    )  # fmt: skip
 
 
 def _real(array: NDArray[Any]) -> Array:

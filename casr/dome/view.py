@@ -23,12 +23,9 @@ class DomeView:
 
     Millimetres are those of the sensor over ``scale``: a dome of another radius is the same dome in other units.
 
-    Parameters
-    ----------
     focal_px : (2,) along x and y. pole_px : (2,) where the dome's axis meets the image.
     depth_mm : from the camera to the tip of a pin at the pole, at rest.
-    pin_length_mm : from the skin's inside to the tip.
-    inner_radius_mm : of the skin, where pins stand.
+    pin_length_mm : from the skin's inside to the tip. inner_radius_mm : of the skin, where pins stand.
     """
 
     focal_px: tuple[float, float]

@@ -1,4 +1,7 @@
-"""Grids of cells stored by colour, so that every inner loop of the solver runs on SIMD lanes.
+"""Compiled kernels, and grids of cells stored by colour, so that every inner loop of the solver runs on SIMD lanes.
+
+LLVM vectorises a loop only if it starts at 0, indexes one-dimensional contiguous rows without a sign to check, and
+cannot raise; hence rows as arguments and NumPy's division.
 
 One level of the multigrid is an array (7, 2, rows + 2, half + 2): the planes U, V, A11, A12, A22, B1, B2; the colour,
 0 where row + column is even; a ring of zeros around the cells. Columns 2 k and 2 k + 1 of a row hold one cell of each
@@ -9,10 +12,34 @@ All levels share one flat array; a table says where each begins.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.flow.compiled import Floats, Rows, kernel
+from casr.errors import SettingError
+
+try:
+    from numba import njit
+except ModuleNotFoundError as error:
+    raise SettingError(
+        "flow engine horn-schunck", wanted="the package numba, which compiles this engine", found="no such package",
+        do="Install it (pip install 'emg2vsa[flow]'), or choose another engine: pin-affine or dis.",
+    ) from error  # fmt: skip
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+Floats = NDArray[np.floating[Any]]
+Rows = tuple[Floats, ...]
+
+# reordering and contraction, but nothing that may assume there is no NaN
+FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}
+
+
+def kernel(function: Function) -> Function:
+    """Compile on first use, for each floating type, and keep the result on disk."""
+    return cast(Function, njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST_MATH)(function))
+
 
 U, V, A11, A12, A22, B1, B2 = range(7)
 PLANES = 7

@@ -1,4 +1,5 @@
-"""Flow engines on dense fields: the field around the contact region only, and the affine map that fits its core."""
+"""Flow engines on dense fields: a field around the contact region and the affine map that fits its core, or the mean
+divergence of the whole image; and OpenCV's DIS (Kroeger et al., ECCV 2016), the reference method."""
 
 from __future__ import annotations
 
@@ -8,11 +9,110 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.errors import SettingError
-from casr.flow.pin_affine import Affine
-from casr.flow.region import Points, Region
+from casr.counts import count
+from casr.errors import ImageError, SettingError
+from casr.flow.region import Affine, Points, Region
 from casr.flow.step import FlowStep
-from casr.images import Grey
+from casr.images import Grey, as_grey
+
+SUBPIXELS = 8
+
+
+def divergence(flow: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(H, W) du/dx + dv/dy of an (H, W, 2) flow, 1/frame; central differences, one-sided at the image border."""
+    return np.asarray(np.gradient(flow[..., 0], axis=1) + np.gradient(flow[..., 1], axis=0))
+
+
+def region_mask(polygon_px: Points, shape: tuple[int, int]) -> NDArray[np.float32]:
+    """(H, W) share of each pixel inside the polygon, 0 to 1, so that a mean does not jump as the region grows.
+
+    polygon_px : (K, 2) vertices (x, y), px, pixel centres at integers. shape : (height, width) of the image.
+    """
+    fine = np.zeros((shape[0] * SUBPIXELS, shape[1] * SUBPIXELS), dtype=np.uint8)
+    corners = (np.asarray(polygon_px) + 0.5) * SUBPIXELS - 0.5
+    cv2.fillPoly(fine, [np.rint(corners * 16).astype(np.int32)], 255, shift=4)
+    return cv2.resize(fine, shape[::-1], interpolation=cv2.INTER_AREA).astype(np.float32) / np.float32(255)
+
+
+def mean_divergence(flow: NDArray[np.float32], polygon_px: Points) -> float:
+    """Mean divergence of an (H, W, 2) flow over the polygon, 1/frame: D of the paper's eq. (1).
+
+    SettingError : the polygon lies outside the image.
+    """
+    x0, y0, x1, y1 = Region(polygon_px).box(flow.shape, margin_px=1)
+    inside = flow[y0:y1, x0:x1]
+    weights = region_mask(polygon_px - (x0, y0), inside.shape[:2])
+    return float((weights / weights.sum(dtype=np.float64) * divergence(inside)).sum())
+
+
+PRESETS = {
+    "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
+    "fast": cv2.DISOPTICAL_FLOW_PRESET_FAST,
+    "medium": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
+}
+# below this side OpenCV's pyramid has no level left: an exception, NaN or a crash, depending on the other side
+SHORTEST_SIDE_PX = 40
+SUPPORT_PX = 24
+
+
+def dis_flow(first: Grey, second: Grey, *, preset: str = "medium") -> NDArray[np.float32]:
+    """Flow from ``first`` to ``second`` by dense inverse search.
+
+    first, second : (H, W) images of the same shape, grey levels 0 to 255; crops of a larger image may be given.
+    preset : ``"ultrafast"``, ``"fast"`` or ``"medium"``, OpenCV's trade of time against accuracy.
+
+    Returns (H, W, 2) float32, (u right, v down) px.
+    ImageError : the shapes differ, or an image is none. SettingError : no such preset.
+    """
+    if preset not in PRESETS:
+        raise SettingError(
+            "dis_preset", wanted=f"one of {', '.join(PRESETS)}", found=repr(preset), do="Choose one of these presets."
+        )
+    before, after = _bytes(as_grey(first, where="first image")), _bytes(as_grey(second, where="second image"))
+    if before.shape != after.shape:
+        raise ImageError(
+            "image pair", wanted="two images of one shape", found=f"{before.shape} and {after.shape}", do="Crop them."
+        )
+    height, width = before.shape
+    missing = (0, max(0, SHORTEST_SIDE_PX - height), 0, max(0, SHORTEST_SIDE_PX - width))
+    if any(missing):
+        before, after = (
+            cv2.copyMakeBorder(image, *missing, cv2.BORDER_REPLICATE).astype(np.uint8) for image in (before, after)
+        )
+    method: Any = cv2.DISOpticalFlow.create(PRESETS[preset])
+    return np.ascontiguousarray(method.calc(before, after, None)[:height, :width])
+
+
+class Dis:
+    """DIS from frame to frame.
+
+    preset : as for ``dis_flow``.
+    """
+
+    notes: tuple[str, ...] = ()
+
+    def __init__(self, preset: str = "medium") -> None:
+        self._preset = preset
+
+    def start(self, image: Grey) -> None:
+        """Take the first frame."""
+        self._before = image.copy()  # a camera may write its next frame into the same memory
+
+    def step(self, image: Grey, roi: tuple[int, int, int, int]) -> NDArray[np.float32]:
+        """(H, W, 2) flow from the frame before, px, in the box (x0, y0, x1, y1) and some support; NaN elsewhere."""
+        x0, y0 = (max(edge - SUPPORT_PX, 0) for edge in roi[:2])
+        x1, y1 = (edge + SUPPORT_PX for edge in roi[2:])
+        flow = np.full((*image.shape, 2), np.nan, np.float32)
+        flow[y0:y1, x0:x1] = dis_flow(self._before[y0:y1, x0:x1], image[y0:y1, x0:x1], preset=self._preset)
+        count("pixels weighed", image[y0:y1, x0:x1].size)
+        self._before = image.copy()
+        return flow
+
+
+def _bytes(image: Grey) -> NDArray[np.uint8]:
+    """DIS takes bytes only; rounding costs at most half a grey level."""
+    return np.clip(np.rint(image), 0, 255).astype(np.uint8, copy=False)
+
 
 Array = NDArray[np.float64]
 FEWEST_ROWS = 3
@@ -45,14 +145,8 @@ def fit_field(
     towards its border (on a disc of radius R as R^2 - r^2). There dense flow rounds off the kink of a contact, and
     there pixels enter as the region grows: whole pixels do, where a plain mean needs shares of them.
 
-    Parameters
-    ----------
-    flow : (H, W, 2) px; only the region's box is read.
-    region : in pixels of the flow.
+    flow : (H, W, 2) px; only the region's box is read. region : in pixels of the flow.
     detail : (H, W) weight of each pixel in the fit, of any unit; None for all alike.
-
-    Raises
-    ------
     SettingError : the region lies outside the flow, or holds too few pixels for a fit.
     """
     x0, y0, x1, y1 = region.box(flow.shape)
@@ -63,11 +157,10 @@ def fit_field(
     n = int(weight.sum())
     if min(np.count_nonzero(weight.any(axis=axis)) for axis in (0, 1)) < FEWEST_ROWS:
         raise SettingError(
-            "region",
-            wanted=f"{FEWEST_ROWS} or more rows and columns of pixels in its core",
+            "region", wanted=f"{FEWEST_ROWS} or more rows and columns of pixels in its core",
             found=f"{n} pixels around ({region.centre_px[0]:.0f}, {region.centre_px[1]:.0f})",
             do="Give a larger region.",
-        )
+        )  # fmt: skip
     if detail is not None and (share := weight * detail[y0:y1, x0:x1]).any():
         weight *= share / share.sum() * n + BARE
     middle = region.centre_px - left_top
@@ -104,26 +197,44 @@ class DenseFlow(Protocol):
 class DenseEngine:
     """Solves the box around the region, fits the core and moves the region along.
 
-    Parameters
-    ----------
-    method : gives the flow.
-    core_fraction : share of the region, about its centroid, that the fit looks at.
+    method : gives the flow. core_fraction : share of the region, about its centroid, that the fit looks at.
     doubt : said of the first step: how wrong its growth may be.
     """
 
     def __init__(self, method: DenseFlow, core_fraction: float, doubt: str) -> None:
-        self._method, self._core_fraction, self._doubt = method, core_fraction, doubt
+        self._method, self._core_fraction, self.start_notes = method, core_fraction, (doubt,)
 
     def start(self, image: Grey, region: Region, pins_px: Points | None) -> None:
         self._detail = detail_of(image, region)  # a region outside the image is an error of the first frame
         self._method.start(image)
         self._region = region
-        self._start_notes: tuple[str, ...] = (self._doubt,)
 
     def step(self, image: Grey, pins_px: Points | None) -> FlowStep:
         core = self._region.scaled(self._core_fraction)
         fit = fit_field(self._method.step(image, core.box(image.shape)), core, self._detail)
         before, self._region = self._region, self._region.advanced(fit)
         self._detail = detail_of(image, self._region)
-        notes, self._start_notes = (*self._start_notes, *self._method.notes), ()
-        return FlowStep(*before.growth_to(self._region), self._region, fit.n, notes)
+        return FlowStep(*before.growth_to(self._region), self._region, fit.n, self._method.notes)
+
+
+DOUBT = (
+    "growth is the mean divergence of the whole image: what lies outside the contact counts as much as the contact, so "
+    "that it depends on how the frames are cropped"
+)
+
+
+class ImageEngine:
+    """Solves all of the image and takes the mean; the contact region stays where it is, for pictures only."""
+
+    def __init__(self, method: DenseFlow) -> None:
+        self._method, self.start_notes = method, (DOUBT,)
+
+    def start(self, image: Grey, region: Region, pins_px: Points | None) -> None:
+        self._method.start(image)
+        self._region = region
+
+    def step(self, image: Grey, pins_px: Points | None) -> FlowStep:
+        height, width = image.shape
+        flow = self._method.step(image, (0, 0, width, height))
+        mean = float(divergence(flow.astype("float32", copy=False)).mean())
+        return FlowStep(mean, mean, self._region, height * width, self._method.notes)

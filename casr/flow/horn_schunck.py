@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from casr.counts import count
 from casr.errors import ImageError
-from casr.flow.compiled import Floats
+from casr.flow.coloured_grid import Floats
 from casr.flow.pyramid import Pyramid, longest_px, most_levels
 from casr.flow.step import HornSchunckSettings
-from casr.flow.unexplained import rms_gradient
+from casr.flow.warp import rms_gradient
 from casr.images import Grey, as_grey
 
 __all__ = ["HornSchunck", "HornSchunckSettings", "horn_schunck"]
@@ -45,8 +45,6 @@ def horn_schunck(
 class HornSchunck:
     """Flow of every frame of a sequence against the one before; each frame is smoothed once.
 
-    Attributes
-    ----------
     notes : what to know of the flow that the last ``step`` gave.
     """
 
@@ -64,8 +62,6 @@ class HornSchunck:
     def start(self, image: NDArray[Any]) -> None:
         """Take the first frame (H, W); it is copied.
 
-        Raises
-        ------
         ImageError : not an image.
         """
         self._image, self._smooth = as_grey(image, where="first frame").copy(), None
@@ -74,18 +70,11 @@ class HornSchunck:
     def step(self, image: NDArray[Any], roi: Box | None = None) -> Floats:
         """Flow from the frame before to this one, which takes its place.
 
-        Parameters
-        ----------
         image : (H, W) frame, of the shape of the one before; copied.
         roi : (x0, y0, x1, y1) px, x1 and y1 excluded: pixels whose flow is wanted. ``support_px`` around them are
             solved too.
 
-        Returns
-        -------
         (H, W, 2) flow (u right, v down), px; NaN outside the solved box. float64 for double precision, else float32.
-
-        Raises
-        ------
         ImageError : not an image, another shape than the frame before, no frame before, or a region outside.
         """
         second = as_grey(image, where="second frame").copy()
@@ -162,11 +151,9 @@ class HornSchunck:
         x0, y0, x1, y1 = max(roi[0], 0), max(roi[1], 0), min(roi[2], width), min(roi[3], height)
         if x0 >= x1 or y0 >= y1:
             raise ImageError(
-                "region of interest",
-                wanted=f"a box (x0, y0, x1, y1) inside {width} x {height} px",
-                found=str(roi),
+                "region of interest", wanted=f"a box (x0, y0, x1, y1) inside {width} x {height} px", found=str(roi),
                 do="Check the region.",
-            )
+            )  # fmt: skip
         border, step = self.settings.support_px, BOX_STEP_PX
         left, top = (max((n - border) // step * step, 0) for n in (x0, y0))
         right, bottom = (-(-(n + border) // step) * step for n in (x1, y1))

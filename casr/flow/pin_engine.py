@@ -2,17 +2,80 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from casr.errors import PinsError, SettingError
-from casr.flow.pin_affine import FEWEST_PINS, Affine, fit_affine
-from casr.flow.region import Points, Region
+from casr.flow.region import Affine, Points, Region
 from casr.flow.step import FlowSettings, FlowStep
 from casr.images import Grey
 from casr.median import median
-from casr.pins import PinTracker, pin_pitch_px
-from casr.pins.lattice import NEIGHBOURS, at_border, nearest_pins
+from casr.pins import PinTracker
+from casr.pins.lattice import NEIGHBOURS, at_border, nearest_pins, pin_pitch_px
+
+FEWEST_PINS = 3
+ROUND_ENOUGH_TO_FIT = 1e-3  # smallest spread of the pins across a line over the spread along it
+OUTLIER_SIGMA = 6.0  # of the residuals' robust scatter
+OUTLIER_PITCHES = 1 / 3  # a mistaken pin is off by about one pitch, a bulging skin departs from affine by far less
+LEAST_OUTLIER_PX = 0.5
+MEDIAN_OF_RAYLEIGH = 1.1774  # median length of a 2-D residual of unit scatter per axis
+
+
+def fit_affine(before_px: NDArray[np.float64], after_px: NDArray[np.float64]) -> Affine:
+    """Least-squares affine motion of pins (N, 2) -> (N, 2), row by row; NaN rows are left out.
+
+    A pin off by more than a third of the pitch and by six times the scatter of the others was mistaken for another one:
+    the worst is left out and the fit repeated until none stands out; a note says so.
+
+    PinsError : fewer than three pins, or all close to one line.
+    """
+    before, after = np.asarray(before_px, float), np.asarray(after_px, float)
+    rows = seen = np.flatnonzero(np.isfinite(before + after).all(axis=1))
+    fit, residual = _fit(before[rows], after[rows])
+    while (worst := _mistaken(before[rows], residual)) is not None:
+        rows = np.delete(rows, worst)
+        fit, residual = _fit(before[rows], after[rows])
+    return replace(fit, notes=("pins mistaken for others are left out",)) if len(rows) < len(seen) else fit
+
+
+def _fit(before: NDArray[np.float64], after: NDArray[np.float64]) -> tuple[Affine, NDArray[np.float64]]:
+    """The fit and the length (N,) of each pin's residual."""
+    if len(before) < FEWEST_PINS:
+        raise _too_few(f"{len(before)}")
+    move = after - before
+    centre, offset = before.mean(axis=0), move.mean(axis=0)
+    arm, rest = before - centre, move - offset
+    (xx, xy), (_, yy) = (arm.T @ arm).tolist()
+    # eigenvalues and inverse of two by two numbers written out: the library's cost more than the whole fit
+    half, apart = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
+    if not half - apart > ROUND_ENOUGH_TO_FIT**2 * (half + apart):
+        raise _too_few(f"{len(before)} on one line")
+    inverse = np.array([[yy, -xy], [-xy, xx]]) / (xx * yy - xy * xy)
+    matrix = (inverse @ (arm.T @ rest)).T
+    error = rest - arm @ matrix.T
+    squared = np.einsum("ij,ij->i", error, error)
+    return Affine(matrix, offset, centre, len(before)), np.sqrt(squared)
+
+
+def _mistaken(before: NDArray[np.float64], residual: NDArray[np.float64]) -> int | None:
+    """The pin that was taken for another one, if there is any."""
+    worst = int(residual.argmax())
+    scatter = float(np.partition(residual, len(residual) // 2)[len(residual) // 2]) / MEDIAN_OF_RAYLEIGH
+    # the pitch costs more than the fit, so it comes last
+    if residual[worst] <= max(OUTLIER_SIGMA * scatter, LEAST_OUTLIER_PX) or len(residual) <= FEWEST_PINS + 1:
+        return None
+    return worst if residual[worst] > OUTLIER_PITCHES * pin_pitch_px(before) else None
+
+
+def _too_few(found: str) -> PinsError:
+    return PinsError(
+        "affine fit", wanted=f"{FEWEST_PINS} or more pins that are not on one line", found=found,
+        do="Widen the region, or see why pins are lost: are the frames one press, in order?",
+    )  # fmt: skip
+
 
 PIN_SCATTER_PX = 0.4
 EDGE_SD_PX = 1.0
@@ -27,8 +90,6 @@ class _BulgingRegion:
     it were known to be within 1 px at the border, and pins to scatter by 0.4 px (0.3 measured on that press): a few
     pins at one distance from the centre say nothing of it, and the motion stays affine.
 
-    Parameters
-    ----------
     region : in the first frame. pins_px : (N, 2) the pins it is followed by, there.
     """
 
@@ -41,8 +102,6 @@ class _BulgingRegion:
     def at(self, pins_px: Points) -> tuple[Region, Affine]:
         """The region when its pins are at (N, 2), NaN where one is lost; and the affine fit.
 
-        Raises
-        ------
         PinsError : fewer than three pins, or all close to one line.
         """
         affine = fit_affine(self._pins_px, pins_px)
@@ -91,7 +150,7 @@ class PinEngine:
     def start(self, image: Grey, region: Region, pins_px: Points | None) -> None:
         start_px = pins_px if pins_px is not None else self._tracker.start(image).centroids_px
         self._outwards = _outwards(region, start_px)
-        self._ids, self._start_notes = _pins_of(region, start_px, self._outwards, self._settings.core_fraction)
+        self._ids, self.start_notes = _pins_of(region, start_px, self._outwards, self._settings.core_fraction)
         self._pitch_px = pin_pitch_px(start_px)
         beside = nearest_pins(start_px[self._outwards], NEIGHBOURS)[1]
         self._border = self._outwards[at_border(start_px[self._outwards], beside)]
@@ -112,8 +171,8 @@ class PinEngine:
         own_px = now_px[self._ids]
         jump = self._jump(now_px - self._last_px)
         knock = self._tracker.notes if pins_px is None else ()
-        notes = (*self._start_notes, *affine.notes, *self._lost(own_px), *helped, *jump, *knock)
-        self._start_notes, self._region, self._last_px = (), region, now_px
+        notes = (*affine.notes, *self._lost(own_px), *helped, *jump, *knock)
+        self._region, self._last_px = region, now_px
         return FlowStep(divergence, log_growth, region, affine.n, notes)
 
     def _helped_out(self, now_px: Points, usable: NDArray[np.bool_]) -> Affine:
@@ -125,11 +184,10 @@ class PinEngine:
                 return fit_affine(self._last_px[helpers[:n]], now_px[helpers[:n]])
         own = int(np.isfinite(now_px[self._ids, 0]).sum())
         raise PinsError(
-            "region",
-            wanted=f"{FEWEST_PINS} or more pins in or beside it that are not on one line",
+            "region", wanted=f"{FEWEST_PINS} or more pins in or beside it that are not on one line",
             found=f"{len(helpers)}, of the {len(self._ids)} inside at first {own}",
             do="Widen the region, or see why pins are lost: are the frames one press, in order?",
-        )
+        )  # fmt: skip
 
     def _lost(self, now_px: Points) -> tuple[str, ...]:
         lost = int(np.isnan(now_px[:, 0]).sum())
@@ -155,11 +213,10 @@ def need_pins_inside(region: Region, pins_px: Points) -> None:
     inside = int(region.contains(pins_px[np.isfinite(pins_px[:, 0])]).sum())
     if inside < FEWEST_PINS:
         raise SettingError(
-            "region",
-            wanted=f"{FEWEST_PINS} or more pins inside it",
+            "region", wanted=f"{FEWEST_PINS} or more pins inside it",
             found=f"{inside} around ({region.centre_px[0]:.0f}, {region.centre_px[1]:.0f})",
             do=f"Give a larger region; the pins are {pin_pitch_px(pins_px):.3g} px apart.",
-        )
+        )  # fmt: skip
 
 
 def _outwards(region: Region, pins_px: Points) -> NDArray[np.intp]:

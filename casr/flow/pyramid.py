@@ -9,13 +9,10 @@ from typing import Any
 import cv2
 import numpy as np
 
-from casr.flow.brightness import data_term
-from casr.flow.coloured_grid import B1, B2, U, V, flow_of_cells, level, level_table, subtract_from_right
-from casr.flow.compiled import Floats
-from casr.flow.multigrid import solve
+from casr.flow.coloured_grid import B1, B2, Floats, U, V, flow_of_cells, level, level_table, subtract_from_right
+from casr.flow.multigrid import data_term, solve
 from casr.flow.step import HornSchunckSettings
-from casr.flow.unexplained import ENOUGH_PX, Unexplained, unexplained
-from casr.flow.warp import doubled, halved, warp
+from casr.flow.warp import ENOUGH_PX, Unexplained, doubled, halved, unexplained, warp
 
 FOUR_NEIGHBOURS = np.array([[0, 1, 0], [1, -4, 1], [0, 1, 0]], dtype=np.float64)
 # a cell whose determinant drowns in rounding is solved as if it were this far from rank one
@@ -103,8 +100,6 @@ class Pyramid:
     leaves least unexplained is kept. More levels than the motion needs do harm: on coarse levels pins melt into a
     lattice that fits itself one pitch further.
 
-    Attributes
-    ----------
     left : what the last flow does not explain; None where it was short enough for one linearisation.
     levels : of the pyramid that the last flow was found on.
     """

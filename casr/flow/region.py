@@ -9,22 +9,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.errors import PinsError, SettingError
-from casr.flow.pin_affine import Affine
 
 Points = NDArray[np.float64]
 ROUND_VERTICES = 64
+
+
+@dataclass(frozen=True)
+class Affine:
+    """x' - x = offset_px + matrix (x - centre_px).
+
+    matrix : (2, 2) displacement gradient per frame pair, [[du/dx, du/dy], [dv/dx, dv/dy]].
+    offset_px : (2,) motion of the centre. centre_px : (2,) mean of the pins used. n : pins used. notes : pins left out.
+    """
+
+    matrix: NDArray[np.float64]
+    offset_px: NDArray[np.float64]
+    centre_px: NDArray[np.float64]
+    n: int
+    notes: tuple[str, ...] = ()
+
+    def displacement_px(self, points_px: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Motion (N, 2) of points (N, 2)."""
+        return self.offset_px + (points_px - self.centre_px) @ self.matrix.T
 
 
 @dataclass(frozen=True, eq=False)
 class Region:
     """Outline of the contact in one frame.
 
-    Parameters
-    ----------
     polygon_px : (K, 2) vertices (x, y) in order, either way round, px.
-
-    Raises
-    ------
     SettingError : fewer than three vertices, one that is not finite, or no area.
     """
 
@@ -39,11 +52,10 @@ class Region:
         usable = polygon.ndim == 2 and polygon.shape[0] >= 3 and polygon.shape[1] == 2 and np.isfinite(polygon).all()
         if not usable or abs(_signed_area(polygon)) < 1e-9:
             raise SettingError(
-                "region",
-                wanted="at least three finite vertices (x, y) around an area",
+                "region", wanted="at least three finite vertices (x, y) around an area",
                 found=f"{polygon.shape[0] if polygon.ndim else 0} vertices that enclose nothing",
                 do="Give a region inside the image, e.g. 150,150,60 for x, y, radius.",
-            )
+            )  # fmt: skip
         object.__setattr__(self, "polygon_px", polygon)
 
     @classmethod
@@ -115,18 +127,14 @@ class Region:
         Both are exact for a motion that is linear along each side of the polygon: the first is the flux of the
         displacement through the border over the area (Gauss), the second holds for steps of any size.
 
-        Raises
-        ------
         PinsError : the motion turns the region inside out.
         """
         area, grown = _signed_area(self.polygon_px), _signed_area(after.polygon_px)
         if grown / area <= 0:
             raise PinsError(
-                "contact region",
-                wanted="a motion that keeps it a region",
-                found="one that turns it inside out",
+                "contact region", wanted="a motion that keeps it a region", found="one that turns it inside out",
                 do="Are the frames one press, in order? Look at how its pins were followed.",
-            )
+            )  # fmt: skip
         turned = _signed_area(after.polygon_px - self.polygon_px)
         return (grown - area - turned) / area, float(np.log(grown / area))
 
@@ -156,19 +164,16 @@ class Region:
     def box(self, shape: tuple[int, ...], *, margin_px: float = 0.0) -> tuple[int, int, int, int]:
         """Smallest box (x0, y0, x1, y1), half open, around the region and a margin, clipped to an image of this shape.
 
-        Raises
-        ------
         SettingError : the region lies outside the image.
         """
         x0, y0 = np.maximum(np.floor(self.polygon_px.min(axis=0) - margin_px).astype(int), 0).tolist()
         x1, y1 = np.minimum(np.ceil(self.polygon_px.max(axis=0) + margin_px).astype(int) + 1, shape[1::-1]).tolist()
         if x1 <= x0 or y1 <= y0:
             raise SettingError(
-                "region",
-                wanted=f"a region that meets the image of {shape[1]} x {shape[0]} px",
+                "region", wanted=f"a region that meets the image of {shape[1]} x {shape[0]} px",
                 found=f"one around ({self.centre_px[0]:.0f}, {self.centre_px[1]:.0f})",
                 do="Give the region in pixels of these frames.",
-            )
+            )  # fmt: skip
         return x0, y0, x1, y1
 
 

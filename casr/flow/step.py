@@ -10,7 +10,7 @@ from casr.errors import SettingError
 from casr.flow.region import Points, Region
 from casr.images import Grey
 from casr.pins import PinSettings
-from casr.plugins import plugins
+from casr.plugins import ENGINES, known_engines
 
 SINGLE_FROM_ALPHA = 1.0
 MOST_BAD_FRAMES = 2  # so many in a row are left out; one more ends the press
@@ -20,8 +20,6 @@ MOST_BAD_FRAMES = 2  # so many in a row are left out; one more ends the press
 class HornSchunckSettings:
     """Settings of one flow estimate; the defaults suit the pins of a tactile sensor, about 9 px wide and 20 px apart.
 
-    Parameters
-    ----------
     alpha : weight of smoothness, grey levels, as in Horn & Schunck's iteration on images of 0 to 255. A note says where
         it is not 0.2 to 10 times the frames' rms gradient per pixel: below, noise decides the flow between the pins;
         above, growth is lost (3 % at 10, 13 % at 24, 57 % at 80).
@@ -37,9 +35,6 @@ class HornSchunckSettings:
     support_px : border around a region of interest that is solved with it.
     precision : "single", "double", or "auto": single from ``SINGLE_FROM_ALPHA`` on, where it is 1e-5 px off at most;
         below, the gaps between pins hang on so little smoothness that its rounding decides the flow.
-
-    Raises
-    ------
     SettingError : a setting out of range.
     """
 
@@ -79,20 +74,10 @@ class HornSchunckSettings:
             raise SettingError(f"Horn-Schunck setting {name}", wanted=wanted, found=found, do="Change this setting.")
 
 
-ENGINES = ("pin-affine", "horn-schunck", "dis")
-
-
-def known_engines() -> tuple[str, ...]:
-    """``ENGINES``, then those that other installed packages add (entry points of ``casr.flow_engines``)."""
-    return tuple(dict.fromkeys((*ENGINES, *(plugin.name for plugin in plugins("casr.flow_engines")))))
-
-
 @dataclass(frozen=True, kw_only=True)
 class FlowSettings:
     """How the growth of the contact region is measured.
 
-    Parameters
-    ----------
     engine : one of ``ENGINES``: the pins of the region; dense flow by Horn and Schunck; dense flow by OpenCV's DIS; or
         an engine of another installed package by its name (``known_engines``).
     core_fraction : the fit looks at the region scaled by this about its centroid, 0 to 1. At the border the flow has
@@ -119,12 +104,9 @@ class FlowSettings:
 class FlowStep:
     """How the contact region grew from one frame to the next.
 
-    Parameters
-    ----------
     divergence : trace of the affine flow, 1/frame: D of the paper's eq. (1).
     log_growth : ln of the factor its area grows by; equal to the divergence in the limit of small steps.
-    region : in the new frame.
-    n : pins or pixels of the fit.
+    region : in the new frame. n : pins or pixels of the fit.
     notes : what a reader of the result should know of this step.
     """
 
@@ -141,11 +123,10 @@ def notes_by_frame(frames: Iterable[int], steps: Iterable[FlowStep]) -> list[str
     for frame, step in zip(frames, steps, strict=True):
         for note in step.notes:
             found.setdefault(note, []).append(frame)
-    return [f"{_named(where)}: {note}" for note, where in found.items()]
-
-
-def _named(where: list[int]) -> str:
-    return f"frame {where[0]}" if len(where) == 1 else f"{len(where)} frames from {min(where)} to {max(where)}"
+    return [
+        (f"frame {at[0]}" if len(at) == 1 else f"{len(at)} frames from {min(at)} to {max(at)}") + f": {note}"
+        for note, at in found.items()
+    ]
 
 
 class Engine(Protocol):

@@ -3,33 +3,69 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
 from casr.atomic import write_text_atomic
 from casr.camera import Camera, Sensor
 from casr.camera_calibration import Board, Calibration, Charuco, Chessboard, View, calibrate, unusable
-from casr.errors import CameraError, SettingError
+from casr.errors import CameraError, FramesError, SettingError
 from casr.frame_files.camera_file import read_camera
-from casr.frame_files.picture import picture_files, read_picture
+from casr.frame_files.folder import folder_contents
+from casr.frame_files.pages import PAGE_KINDS
+from casr.frame_files.trouble import check_exists, unreadable
+
+
+def picture_files(paths: Iterable[Path]) -> list[Path]:
+    """Each file once, and for a folder the images in it in natural order.
+
+    Raises FramesError for what is not there and for a folder without images.
+    """
+    found: list[Path] = []
+    for path in paths:
+        check_exists(path)
+        inside = folder_contents(path).pages if path.is_dir() else [path]
+        if not inside:
+            raise FramesError(
+                path, wanted=f"images ({', '.join(PAGE_KINDS)})", found="a folder without images", do="Check the path."
+            )
+        found += inside
+    return list(dict.fromkeys(found))
+
+
+def read_picture(path: Path) -> NDArray[np.uint8]:
+    """(H, W) grey levels 0 to 255, as the camera's chip saw them: a note of the file on which side is up is ignored.
+
+    Raises FramesError when it cannot be read or is no image.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise unreadable(path, error) from error
+    how = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), how) if data else None
+    if image is None:
+        raise FramesError(
+            path, wanted="an image", found=f"{len(data)} bytes that do not decode" if data else "an empty file",
+            do="Leave it out.",
+        )  # fmt: skip
+    return image.astype(np.uint8, copy=False)
 
 
 @dataclass(frozen=True, kw_only=True)
 class BoardPictures:
     """What a camera file is made from.
 
-    Parameters
-    ----------
     pictures : files, or folders of them. out : the file to write; with ``overwrite`` it may be there.
     charuco, chessboard : (columns, rows) of the one board. square_mm, marker_mm, dictionary : of `Charuco`.
     depth_mm : from the pinhole to the pins at rest. depth_from : instead, one more picture, with the board there.
-    frame_rate_hz : of the presses. distortion : coefficients to fit.
-
-    Raises
-    ------
-    SettingError : one of them is missing.
+    frame_rate_hz : of the presses. distortion : coefficients to fit. SettingError : one of them is missing.
     """
 
     pictures: Sequence[Path]
@@ -129,8 +165,6 @@ class MeasuredCamera:
 def write_camera_file(settings: BoardPictures, say: Callable[[str], object]) -> MeasuredCamera:
     """Write the camera that took the pictures. say : hears what a reader should know, as soon as it is found.
 
-    Raises
-    ------
     SettingError : no such board. FramesError : no pictures. CameraError : as `calibrate`; a file that must not be
         replaced; pictures of several sizes; no board in that of the depth.
     """

@@ -41,11 +41,9 @@ def read_camera(path: Path | str) -> Camera:
     missing = [key for key in KEYS if key not in camera and key not in _OPTIONAL]
     if missing:
         raise CameraError(
-            f"{path}, [camera]",
-            wanted=f"the keys {', '.join(missing)}",
-            found="none of them" if len(missing) > 1 else "none",
-            do="Add them; millimetres cannot be told without.",
-        )
+            f"{path}, [camera]", wanted=f"the keys {', '.join(missing)}",
+            found="none of them" if len(missing) > 1 else "none", do="Add them; millimetres cannot be told without.",
+        )  # fmt: skip
     with said_of(path):
         return Camera(**camera, sensor=Sensor(**sensor))
 
@@ -60,11 +58,9 @@ def _check_known(path: Path, name: str, table: dict[str, Any], keys: Sequence[st
         if key not in keys:
             near = [known for known in keys if known.startswith(key)] or difflib.get_close_matches(key, keys, n=1)
             raise CameraError(
-                f"{path}, [{name}] {key}",
-                wanted=f"one of {', '.join(keys)}",
-                found=f"the unknown key {key}",
+                f"{path}, [{name}] {key}", wanted=f"one of {', '.join(keys)}", found=f"the unknown key {key}",
                 do=f"Did you mean {near[0]}?" if near else "Remove it.",
-            )
+            )  # fmt: skip
 
 
 def _tables(path: Path) -> dict[str, Any]:
@@ -79,9 +75,7 @@ def _tables(path: Path) -> dict[str, Any]:
         raise CameraError(path, wanted="a TOML file", found=str(error), do="Correct the file.") from error
     if not isinstance(tables.get("camera"), dict):
         raise CameraError(
-            path,
-            wanted="a table [camera]",
-            found=f"the keys {', '.join(tables)}" if tables else "no keys",
+            path, wanted="a table [camera]", found=f"the keys {', '.join(tables)}" if tables else "no keys",
             do="Write the line [camera] above the camera's keys.",
-        )
+        )  # fmt: skip
     return tables

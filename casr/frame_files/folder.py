@@ -28,7 +28,7 @@ SOURCES = {
     ".avi": "casr.frame_files.video",
     ".mp4": "casr.frame_files.video",
     ".mkv": "casr.frame_files.video",
-    ".npy": "casr.frame_files.npy",
+    ".npy": "casr.frame_files.pages",
 }
 _DIGITS = re.compile(r"([0-9]+)")
 
@@ -43,11 +43,7 @@ class FileFrames(FrameSource, Protocol):
 class Contents:
     """What a folder holds, each in natural order.
 
-    Parameters
-    ----------
-    pages : files of one frame each.
-    stacks : files of many frames each.
-    folders : folders below.
+    pages : files of one frame each. stacks : files of many frames each. folders : folders below.
     others : everything else, and whatever is hidden.
     """
 
@@ -63,11 +59,10 @@ def open_file(path: Path) -> FileFrames:
     module = SOURCES.get(path.suffix.lower())
     if module is None:
         raise FramesError(
-            path,
-            wanted=f"a folder of images or a file ending in {', '.join(SOURCES)}",
+            path, wanted=f"a folder of images or a file ending in {', '.join(SOURCES)}",
             found=f"a file ending in {path.suffix or 'nothing'}",
             do="Give the folder that holds the frames, or save them in one of these formats.",
-        )
+        )  # fmt: skip
     frames: FileFrames = import_module(module).open_file(path)
     return frames
 
@@ -91,8 +86,6 @@ def open_folder(path: Path) -> FileFrames:
     They are the file ``frames`` (.tif, .avi, .npy ...) or the images in a folder ``frames``; without these, the
     images or the one file of frames the folder holds.
 
-    Raises
-    ------
     FramesError : no frames, or more than one candidate.
     """
     contents = folder_contents(path)
@@ -102,11 +95,10 @@ def open_folder(path: Path) -> FileFrames:
     if len(sequences) > 1:
         names = ", ".join(files[0].name for files in sequences[:3])
         raise FramesError(
-            path,
-            wanted="the frames of one press",
+            path, wanted="the frames of one press",
             found=f"{len(sequences)} sequences ({names}{', ...' * (len(sequences) > 3)})",
             do="Give one of them, or name the right one frames.",
-        )
+        )  # fmt: skip
     files = sequences[0]
     frames = open_file(files[0]) if files[0] in contents.stacks else PageFrames(files)
     frames.name = path.resolve().name
@@ -165,8 +157,7 @@ def _presses_in(path: Path) -> list[Path]:
 def _no_frames(path: Path) -> FramesError:
     contents = folder_contents(path)
     return FramesError(
-        path,
-        wanted=f"images ({', '.join(PAGE_KINDS)}) or a file of frames ({', '.join(SOURCES)})",
+        path, wanted=f"images ({', '.join(PAGE_KINDS)}) or a file of frames ({', '.join(SOURCES)})",
         found=f"{len(contents.others)} other files and {len(contents.folders)} folders",
         do="Give the folder that holds the frames of a press.",
-    )
+    )  # fmt: skip

@@ -24,10 +24,7 @@ NEWTONS = {"mn": 1e-3, "cn": 1e-2, "kn": 1e3, "gf": 9.80665e-3, "kgf": 9.80665, 
 class ForceLog:
     """Rows of a force log in the order of the file.
 
-    Parameters
-    ----------
-    time_s : (rows,) time, s; None when the log has no such column.
-    force_n : (rows,) force, N; NaN where it is missing.
+    time_s : (rows,) time, s; None when the log has no such column. force_n : (rows,) force, N; NaN where it is missing.
     frame_index : (rows,) index from 0 of the last frame saved, -1 before the first.
     notes : what was left out, and what the recorder of the press thought of it.
     frame_time_s : (rows,) when that frame was taken, s on the clock of ``time_s``; NaN where it is missing, None when
@@ -49,14 +46,9 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
     starting with # and empty lines are skipped. A row for each frame is a force log too. An empty cell or ``nan`` is
     a missing force; a row without frame index is left out.
 
-    Parameters
-    ----------
     column : the force column, for logs that hold more than one, such as ``force_filtered_n``. A name that ends in
         another unit (``NEWTONS``), such as ``force_mn``, is converted; where ``force_n`` is asked for and not there,
         the one column of that kind is taken, with a note.
-
-    Raises
-    ------
     FramesError : not readable, no such columns, a row of another length, a cell that is no number, a time or frame
         index running backwards; the message names the line.
     """
@@ -84,11 +76,9 @@ def _log_of(table: _Table, column: str) -> ForceLog:
     placed = np.isfinite(frame_index)
     if not (placed & np.isfinite(force_n)).any():
         raise FramesError(
-            table.path,
-            wanted="rows with a force and a frame index",
-            found="none",
+            table.path, wanted="rows with a force and a frame index", found="none",
             do="Give the force log of the press.",
-        )
+        )  # fmt: skip
     notes = table.remarks + unit_notes + _notes(int(np.isnan(force_n).sum()), int((~placed).sum()), len(force_n))
     if frame_time_s is not None:
         notes += _notes_on_times(time_s, frame_time_s, frame_index)
@@ -161,13 +151,8 @@ def _notes_on_times(
 class _Table:
     """Cells of a text file.
 
-    Parameters
-    ----------
-    path : the file.
-    header : column names, lower case.
-    rows : the cells below the header.
-    lines : line number in the file of every row, from 1.
-    decimal_comma : 0,5 means one half.
+    path : the file. header : column names, lower case. rows : the cells below the header.
+    lines : line number in the file of every row, from 1. decimal_comma : 0,5 means one half.
     remarks : of the recorder of the press (`REMARKS`).
     """
 
@@ -206,11 +191,10 @@ class _Table:
             return self.header.index(column)
         near = difflib.get_close_matches(column, self.header, n=1)
         raise FramesError(
-            self.path,
-            wanted=f"a column {column}",
+            self.path, wanted=f"a column {column}",
             found=f"{times} of that name" if times else f"columns {', '.join(self.header)}",
             do=f"Is it {near[0]}? Rename it or ask for that column." if near else "Name the columns in the first line.",
-        )
+        )  # fmt: skip
 
 
 def _content(text: list[str]) -> list[tuple[int, str]]:

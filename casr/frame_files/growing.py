@@ -43,8 +43,6 @@ class GrowingPress:
     A frame is complete when the force log has a row with the index of the one after it: what belongs to its force has
     come then.
 
-    Parameters
-    ----------
     path : of `open_frames`; what it names need not be there yet.
     force : force log; None for ``force.csv`` in the folder. camera : camera file; None for that beside the press.
     column, force_rule : of `open_frames`. lag_s : frames were taken so long before their times.
@@ -75,8 +73,6 @@ class GrowingPress:
     def new_frames(self, *, ended: bool = False) -> Iterator[NewFrame]:
         """Frames that are complete since the last call, oldest first. ended : nothing more comes, so all are.
 
-        Raises
-        ------
         FramesError : a log or frames that make no sense, or none where nothing more comes.
         """
         log = self._new_log(ended)
@@ -116,11 +112,9 @@ class GrowingPress:
             size_bytes = 0
             if ended:
                 raise FramesError(
-                    self._force,
-                    wanted="the force log of the press",
-                    found="no such file",
+                    self._force, wanted="the force log of the press", found="no such file",
                     do="Give the folder that is recorded into, or --force FILE.",
-                ) from None
+                ) from None  # fmt: skip
         if size_bytes == self._log_bytes and not (ended or self.behind):
             return None
         self._log_bytes = size_bytes
@@ -149,11 +143,10 @@ class GrowingPress:
                 self._frames = open_folder(self.path) if self.path.is_dir() else open_file(self.path)
             if index >= len(self._frames):
                 raise FramesError(
-                    self.path,
-                    wanted=f"frame {index}, which {self._force.name} names",
+                    self.path, wanted=f"frame {index}, which {self._force.name} names",
                     found=f"{len(self._frames)} frames",
                     do="Give the frames that this log belongs to; frames are counted from 0.",
-                )
+                )  # fmt: skip
             image = self._frames.read(index)
         except FramesError:
             self._frames, self.behind = None, True

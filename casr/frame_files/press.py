@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.counts import count
 from casr.errors import FramesError
 from casr.frame_files.camera_file import read_camera
-from casr.frame_files.counted import CountedFrames
 from casr.frame_files.folder import CAMERA_FILE, FORCE_FILE, FileFrames, folder_contents, open_file, open_folder
 from casr.frame_files.force_log import ForceLog, read_force_log
 from casr.frames import (
@@ -22,6 +22,29 @@ from casr.frames import (
     spikes,
 )
 from casr.frames.force import first_of_frame
+from casr.images import Grey
+
+
+class CountedFrames:
+    """Frames of files, the same to those who read them. The first is looked at when they are opened, and kept."""
+
+    def __init__(self, frames: FileFrames) -> None:
+        self.name, self.notes, self.shape, self._frames = frames.name, frames.notes, frames.shape, frames
+        self._decoded = bytearray(len(frames))
+        count("frames in folder", len(frames))
+        self.first = self._decode(0)
+
+    def __len__(self) -> int:
+        return len(self._frames)
+
+    def read(self, index: int) -> Grey:
+        return self._decode(index) if index else self.first.copy()
+
+    def _decode(self, index: int) -> Grey:
+        frame = self._frames.read(index)
+        count("frames decoded again" if self._decoded[index] else "frames decoded")
+        self._decoded[index] = True
+        return frame
 
 
 def open_frames(
@@ -68,22 +91,19 @@ def open_frames(
 def _counted(path: Path, opened: FileFrames) -> CountedFrames:
     if len(opened) < 2:
         raise FramesError(
-            path,
-            wanted="a sequence of two frames or more",
-            found="; ".join(("one frame", *opened.notes)),
+            path, wanted="a sequence of two frames or more", found="; ".join(("one frame", *opened.notes)),
             do="Give all frames of the press: the static frame before contact and those of the loading.",
-        )
+        )  # fmt: skip
     frames = CountedFrames(opened)
     first = frames.first
     brightest = float(first.max())
     # 12 bits kept in 16 reach a grey level of 16 at most; floats from 0 to 1 and 8 bits kept in 16 reach 1
     if first.dtype != np.uint8 and 0 < brightest < 16:
         raise FramesError(
-            path,
-            wanted="grey levels that use the range, 0 to 255 as floats or 0 to 65535 in 16 bits",
+            path, wanted="grey levels that use the range, 0 to 255 as floats or 0 to 65535 in 16 bits",
             found=f"a brightest pixel of {brightest:.3g} of 255 in frame 0",
             do="Multiply floats from 0 to 1 by 255; shift 12 bits kept in 16 to the top, or save 8 bits.",
-        )
+        )  # fmt: skip
     return frames
 
 

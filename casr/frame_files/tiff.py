@@ -54,8 +54,6 @@ class TiffFrames:
     The file stays open as long as this object lives. A file that tifffile cannot decode without further packages
     (LZW, JPEG, palettes, separate colour planes) is decoded by OpenCV.
 
-    Raises
-    ------
     FramesError : the first page does not decode; on reading, a page that is damaged or has another size.
     """
 

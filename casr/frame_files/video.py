@@ -10,8 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.decoder_child import Limits
-from casr.decoder_process import DecoderFailed, DecoderLost, InChild
+from casr.decoder_process import DecoderFailed, DecoderLost, InChild, Limits
 from casr.errors import FramesError, PassingError
 from casr.frame_files.trouble import other_size, undecodable, unreadable
 from casr.images import Grey, as_grey
@@ -26,15 +25,9 @@ _BATCH_BYTES = 8_000_000
 _MOST_IN_BATCH = 32
 
 
-def open_file(path: Path) -> VideoFrames:
-    return VideoFrames(path)
-
-
 class VideoFrames:
     """Frames of a video from the child process; frames read in turn come in batches.
 
-    Raises
-    ------
     FramesError : not a video, or OpenCV crashed on it or needed too much memory; on reading, as `VideoDecoder`.
     PassingError : the child was killed from outside, had no room or took too long.
     """
@@ -55,14 +48,12 @@ class VideoFrames:
     def read(self, index: int) -> Grey:
         following = self._first + len(self._batch)
         if not self._first <= index < following:
-            count = self._in_batch() if index == following else 1
+            most = min(max(1, _BATCH_BYTES // (self.shape[0] * self.shape[1])), _MOST_IN_BATCH)
+            count = most if index == following else 1
             with self._failures():
                 self._batch = self._decoder.ask("read_from", index, count)
             self._first = index
         return self._batch[index - self._first]
-
-    def _in_batch(self) -> int:
-        return min(max(1, _BATCH_BYTES // (self.shape[0] * self.shape[1])), _MOST_IN_BATCH)
 
     @contextmanager
     def _failures(self) -> Iterator[None]:
@@ -77,6 +68,9 @@ class VideoFrames:
             raise FramesError(self._path, wanted=wanted, found=found, do=do) from error
 
 
+open_file = VideoFrames
+
+
 class VideoDecoder:
     """Frames of a video, decoded one after the other; made in the child process.
 
@@ -85,8 +79,6 @@ class VideoDecoder:
     packet that does not decode shows by its missing time stamp, or where stamps are not kept by the decoder's word:
     reading that frame is an error, and the frames after it keep their numbers.
 
-    Raises
-    ------
     FramesError : not a video; on reading, a frame that does not decode or has another size.
     """
 
@@ -170,11 +162,9 @@ def _opened(path: Path) -> cv2.VideoCapture:
     capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
     if not capture.isOpened():
         raise FramesError(
-            path,
-            wanted="a video",
-            found="a file that OpenCV cannot open as one",
+            path, wanted="a video", found="a file that OpenCV cannot open as one",
             do="Check the file, or save the frames as TIFF or PNG.",
-        )
+        )  # fmt: skip
     return capture
 
 

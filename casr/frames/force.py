@@ -20,13 +20,8 @@ def _times_of_frames(
 ) -> _Array:
     """(n_frames,) time of each frame, s; NaN where no row tells it.
 
-    Parameters
-    ----------
     index, time_s, frame_time_s : (rows,) in the order of time: last frame saved, the row's time, that frame's time.
     where : named in errors.
-
-    Raises
-    ------
     FramesError : two frames of one time, or rows that carry a frame long before or after it was taken.
     """
     frame_s, row_s = (first_of_frame(index, n_frames, values) for values in (frame_time_s, time_s))
@@ -34,20 +29,17 @@ def _times_of_frames(
     if (np.diff(times) <= 0).any():
         at = int(np.argmax(np.diff(times) <= 0))
         raise FramesError(
-            where,
-            wanted="another frame_time_s for each frame",
-            found=f"{times[at + 1]:.12g} s of two frames",
+            where, wanted="another frame_time_s for each frame", found=f"{times[at + 1]:.12g} s of two frames",
             do="Write the time in seconds with all its digits, or leave frame_time_s out.",
-        )
+        )  # fmt: skip
     late_s = (row_s - frame_s)[np.isfinite(row_s - frame_s)]
     period_s = float(np.median(np.diff(times))) if times.size > 1 else LATEST_S
     if late_s.size and not -period_s <= np.median(late_s) <= LATEST_S:
         raise FramesError(
-            where,
-            wanted="frame_time_s in seconds, on the clock of time_s",
+            where, wanted="frame_time_s in seconds, on the clock of time_s",
             found=f"rows written {np.median(late_s):.4g} s after the frame they carry, in the median",
             do="Write both times by one clock and in one unit, or leave frame_time_s out.",
-        )
+        )  # fmt: skip
     return frame_s
 
 
@@ -77,8 +69,6 @@ def force_per_frame(
 
     Rows before the first frame (index -1) and rows without a force (NaN) do not count; a frame without rows gets NaN.
 
-    Parameters
-    ----------
     force_n : (rows,) force, N.
     frame_index : (rows,) index from 0 of the last frame saved when the row was written, -1 before the first.
     n_frames : number of frames.
@@ -90,9 +80,6 @@ def force_per_frame(
         `force_at_exposure`; without, between the means of the frame before and of the frame, which is exact for a
         force that rises evenly and frames that come halfway between rows, and a first frame keeps its mean.
     where : named in errors.
-
-    Raises
-    ------
     FramesError : arrays of different length, an index that is not an integer from -1 on, or beyond the last frame.
     SettingError : an unknown rule.
     """
@@ -102,19 +89,16 @@ def force_per_frame(
     index = _integers(frame_index, where)
     if force.shape != index.shape:
         raise FramesError(
-            where,
-            wanted="a frame index for each force",
-            found=f"{len(force)} forces and {len(index)} frame indices",
+            where, wanted="a frame index for each force", found=f"{len(force)} forces and {len(index)} frame indices",
             do="Correct the force log.",
-        )
+        )  # fmt: skip
     if index.size and (index.min() < -1 or index.max() >= n_frames):
         bad = int(index.min() if index.min() < -1 else index.max())
         raise FramesError(
-            where,
-            wanted=f"frame indices from -1 to {n_frames - 1}, for there are {n_frames} frames",
+            where, wanted=f"frame indices from -1 to {n_frames - 1}, for there are {n_frames} frames",
             found=f"index {bad}",
             do="Give the frames this log belongs to; frames are counted from 0, and -1 is before the first.",
-        )
+        )  # fmt: skip
     if rule == "exposure" and time_s is not None and frame_time_s is not None:
         row_s, taken_s = np.asarray(time_s, dtype=np.float64), np.asarray(frame_time_s, dtype=np.float64)
         frame_s, read = _times_of_frames(index, n_frames, row_s, taken_s, where), np.isfinite(force + row_s)
@@ -145,10 +129,7 @@ def _integers(frame_index: ArrayLike, where: object) -> NDArray[np.int64]:
     if not whole.all():
         row = int(np.argmin(whole))
         raise FramesError(
-            where,
-            wanted="whole frame indices",
-            found=f"{index[row]} in row {row}",
-            do="Correct the force log.",
+            where, wanted="whole frame indices", found=f"{index[row]} in row {row}", do="Correct the force log."
         )
     return index.astype(np.int64)
 
@@ -170,8 +151,6 @@ def force_at_exposure(frame_time_s: _Array, time_s: _Array, force_n: _Array) -> 
     Up to half a period before the first reading or after the last it is theirs. NaN farther outside, where no reading
     is within a period, and where a frame's time is NaN.
 
-    Parameters
-    ----------
     frame_time_s : (T,) rising, s. time_s, force_n : (n,) readings in the order of time, s and N, all finite.
     """
     known = np.flatnonzero(np.isfinite(frame_time_s))

@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.frames.readings import ForceReadings
-from casr.frames.spikes import noise_n
+from casr.frames.readings import ForceReadings, noise_n
 
 _Array = NDArray[np.float64]
 Points = NDArray[np.float64]
@@ -42,8 +41,6 @@ FINEST_S = 5e-4
 class CameraLag:
     """How much later than they were taken the frames are stamped against the force log.
 
-    Parameters
-    ----------
     lag_s, sd_s : s, and its standard error; None where they are not determined. why : then the reason.
     period_s : of the frames, None where not known. corrected_s : taken off the times of the frames, s.
     """
@@ -73,8 +70,6 @@ def camera_lag(
 ) -> CameraLag:
     """Lag of the frames around first contact.
 
-    Parameters
-    ----------
     frames : (m,) indices, the first at rest. pins_px : (m, N, 2) where the same pins are in them, NaN where lost.
     zero_n : what the sensor reads at rest, N. start_n : force of first contact, N.
     """
@@ -103,8 +98,6 @@ def camera_lag(
 class _Rise:
     """The force above its zero, each reading the mean of those within 25 ms.
 
-    Attributes
-    ----------
     sd_n : standard deviation of such a mean.
     """
 

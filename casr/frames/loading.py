@@ -1,25 +1,131 @@
-"""The loading phase of a press: the static frame before contact, and the frames from first contact to F_max."""
+"""The parts of a press by its force: the resting level before contact, the static frame, the loading up to F_max."""
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import FramesError, NoContactError, SettingError
-from casr.frames.tare import REST_BAND
+from casr.median import median
+
+REST_BAND = 0.1  # of the force of first contact: readings this close together are one resting level
+FEWEST_AT_REST = 3
+RECENT = 200  # frames at rest that count: a sensor's zero drifts
+MEDIAN_ERROR = float(np.sqrt(np.pi / 2))  # standard error of a median over that of the mean
+
+_Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ForceZero:
+    """What the force sensor reads when nothing touches.
+
+    level_n : N, the median of ``n`` frames at rest. sd_n : its standard error, N.
+    taken_off : whether the forces are without it.
+    """
+
+    level_n: float
+    sd_n: float
+    n: int
+    taken_off: bool = True
+
+
+class RestingForce:
+    """Judges frame by frame whether the sensor touches, and from the first contact on knows its zero.
+
+    Until then the zero is that of the frames so far: of their densest band, 0.1 ``start_n`` wide, those up to the last
+    at or below its median, so that the ramp up to contact is not in it. Three or more tell it; before, 0 N counts, or
+    the first reading where that is half of ``start_n`` or more, as of a sensor that was never zeroed.
+
+    start_n : force of first contact, N.
+
+    Attributes:
+    zero : None while it is not known.
+    """
+
+    def __init__(self, start_n: float) -> None:
+        self.zero: ForceZero | None = None
+        self._start_n = start_n
+        self._rest_n: deque[float] = deque(maxlen=RECENT)
+        self._touched = False
+
+    @property
+    def level_n(self) -> float:
+        """What counts as 0 N now."""
+        if self.zero is not None:
+            return self.zero.level_n
+        first_n = self._rest_n[0] if self._rest_n and not self._touched else 0.0
+        return first_n if first_n >= self._start_n / 2 else 0.0
+
+    def touches(self, force_n: float) -> bool:
+        """Whether the next frame, of this force as logged, is in contact. NaN is not."""
+        if np.isnan(force_n):
+            return False
+        if not self._touched and not self._rest_n and force_n >= self._start_n:
+            self._rest_n.append(force_n)
+            return False
+        contact = force_n - self.level_n >= self._start_n
+        if contact:
+            self._touched = True
+        elif not self._touched:
+            self._rest_n.append(force_n)
+            self.zero = resting_level(np.array(self._rest_n), self._start_n)
+        return contact
+
+
+def resting_level(force_n: _Array, start_n: float) -> ForceZero | None:
+    """Level of the forces (n,) before a contact, N, as `RestingForce` has it; None where too few tell it."""
+    lowest, middle, highest = _resting_band(force_n, start_n)
+    resting = force_n[(force_n >= lowest) & (force_n <= highest)]
+    resting = resting[: max(np.flatnonzero(resting <= middle)[-1] + 1, FEWEST_AT_REST)]
+    if resting.size < FEWEST_AT_REST:
+        return None
+    error = MEDIAN_ERROR * float(resting.std(ddof=1)) / np.sqrt(resting.size)
+    return ForceZero(float(median(resting)), float(error), int(resting.size))
+
+
+def _resting_band(force_n: _Array, start_n: float) -> _Array:
+    """(3,) lowest, middle and highest of those of the forces (n,) in the densest band of ``REST_BAND``, the lowest."""
+    levels = np.sort(force_n)
+    inside = np.searchsorted(levels, levels + REST_BAND * start_n, side="right") - np.arange(levels.size)
+    first = int(np.argmax(inside))
+    last = first + int(inside[first]) - 1
+    # the lower middle one, so that at least one frame is at or below it
+    return levels[[first, (first + last) // 2, last]]
+
+
+def force_zero(force_n: ArrayLike, start_n: float) -> ForceZero | None:
+    """The zero of a whole recording of forces (T,), NaN where not known; None where its rest does not tell it."""
+    rest = RestingForce(start_n)
+    for reading in np.asarray(force_n, dtype=np.float64).ravel().tolist():
+        if rest.touches(reading):
+            break
+    return rest.zero
+
+
+def notes_on_zero(zero: ForceZero | None, start_n: float) -> tuple[str, ...]:
+    """What a reader of tared forces should know of their zero."""
+    if zero is None:
+        return (
+            f"the force's zero is not determined and nothing is taken off: fewer than {FEWEST_AT_REST} frames at one "
+            "resting level before contact",
+        )
+    if not zero.taken_off or abs(zero.level_n) <= REST_BAND * start_n:
+        return ()
+    said = f"the force rests at {zero.level_n:.3g} N (standard error {zero.sd_n:.2g} N), which is taken off"
+    touched = zero.level_n >= start_n
+    return (f"{said}; is the sensor free there, and only its zero off?" if touched else said,)
 
 
 @dataclass(frozen=True)
 class LoadingPhase:
     """Frames of one loading.
 
-    Parameters
-    ----------
     rest : index of the static frame before contact, Algorithm 1's ``file.TIFF[0]``.
-    frames : (n,) increasing indices from first contact to the end, inclusive.
-    notes : what was skipped or chosen.
+    frames : (n,) increasing indices from first contact to the end, inclusive. notes : what was skipped or chosen.
     """
 
     rest: int
@@ -39,15 +145,8 @@ def loading_phase(force_n: ArrayLike, *, start_n: float = 0.5, stop_n: float | N
     taken. So neither the ramp up to ``start_n``, where the skin is touched already (at a tenth of the force a
     contact has half of its radius), nor a pull of the leaving skin counts as static while a frame at rest exists.
 
-    Parameters
-    ----------
-    force_n : (T,) force of each frame, N; NaN where not known.
-    start_n : force of first contact, N; 0.5 in the paper.
-    stop_n : force at which loading ends, N; None for the largest.
-
-    Raises
-    ------
-    NoContactError : the force never reaches ``start_n``.
+    force_n : (T,) force of each frame, N; NaN where not known. start_n : force of first contact, N; 0.5 in the paper.
+    stop_n : force at which loading ends, N; None for the largest. NoContactError : the force never reaches ``start_n``.
     FramesError : no force at all; ``stop_n`` is not reached; no frame before contact; loading within a single frame.
     SettingError : ``start_n`` not above 0, ``stop_n`` not above ``start_n``.
     """
@@ -62,11 +161,10 @@ def loading_phase(force_n: ArrayLike, *, start_n: float = 0.5, stop_n: float | N
     frames = known[first : end + 1]
     if len(frames) < 2:
         raise FramesError(
-            "loading phase",
-            wanted="at least two frames of loading",
+            "loading phase", wanted="at least two frames of loading",
             found=f"the force goes from below {start_n:g} N to its end within one frame, {frames[0]}",
             do="Load more slowly, record more frames a second, or lower start_n (--start-n).",
-        )
+        )  # fmt: skip
     many = [f"{len(presses)} presses in the sequence; the first is used"] if len(presses) > 1 else []
     return LoadingPhase(rest, frames, (*many, *_notes(force, rest, frames, start_n)))
 
@@ -89,18 +187,14 @@ def _presses(load: NDArray[np.float64], start_n: float, stop_n: float | None) ->
     peak = float(load.max())
     if peak < start_n:
         raise NoContactError(
-            "force",
-            wanted=f"contact, a force of {start_n:g} N or more",
-            found=f"at most {peak:.3g} N",
+            "force", wanted=f"contact, a force of {start_n:g} N or more", found=f"at most {peak:.3g} N",
             do="Lower start_n (--start-n), or check the sign and unit of the force log.",
-        )
+        )  # fmt: skip
     if stop_n is not None and peak < stop_n:
         raise FramesError(
-            "force",
-            wanted=f"a load up to stop_n (--stop-n), {stop_n:g} N",
-            found=f"at most {peak:.3g} N",
+            "force", wanted=f"a load up to stop_n (--stop-n), {stop_n:g} N", found=f"at most {peak:.3g} N",
             do="Lower it, or leave it out to end at the largest force.",
-        )
+        )  # fmt: skip
     edges = np.flatnonzero(np.diff(load >= start_n, prepend=False, append=False))
     reached = stop_n if stop_n is not None else max(start_n, peak / 2)
     return [(a, b) for a, b in edges.reshape(-1, 2).tolist() if load[a:b].max() >= reached]
@@ -111,19 +205,12 @@ def _rest_frame(before: NDArray[np.intp], load: NDArray[np.float64], start_n: fl
     before, load = before[untouched], load[untouched]
     if before.size == 0:
         raise FramesError(
-            "loading phase",
-            wanted=f"a static frame before contact, below {start_n:g} N",
+            "loading phase", wanted=f"a static frame before contact, below {start_n:g} N",
             found="a recording that starts in contact",
             do="Start recording before the touch, or raise start_n (--start-n).",
-        )
-    levels = np.sort(load)
-    band = REST_BAND * start_n
-    inside = np.searchsorted(levels, levels + band, side="right") - np.arange(len(levels))
-    lowest = int(np.argmax(inside))
-    resting = levels[lowest : lowest + inside[lowest]]
-    # the lower middle one, so that at least one frame is at or below it
-    middle = resting[(len(resting) - 1) // 2]
-    return int(before[(load >= resting[0]) & (load <= middle)][-1])
+        )  # fmt: skip
+    lowest, middle, _ = _resting_band(load, start_n)
+    return int(before[(load >= lowest) & (load <= middle)][-1])
 
 
 def _notes(force: NDArray[np.float64], rest: int, frames: NDArray[np.intp], start_n: float) -> list[str]:

@@ -1,16 +1,79 @@
-"""A force log with times: what the force was at any moment, also where the camera's clock is off."""
+"""A force log with times: what the force was at any moment, and readings that cannot be."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import FramesError
 from casr.frames.force import force_at_exposure
+from casr.median import median
+
+NOISES = 10.0  # a spike is so many standard deviations of a reading off
+LEAST_N = 0.1
+STEPS = 3.0  # and so many times the steps of the readings beside it
+RETURNS = 0.5  # of its height: beyond it the force is again where it was before
+BESIDE = 3  # readings on either side
+WIDEST = 2
 
 _Array = NDArray[np.float64]
+
+
+def spikes(force_n: ArrayLike) -> NDArray[np.bool_]:
+    """(n,) which readings are spikes, in the order of time; NaN is none.
+
+    A rise, a fall or a peak of the force is none however steep: from one of its sides a straight line leads to it, or
+    the force beyond it is another. Readings next to the ends of the log are not judged.
+    """
+    force = np.asarray(force_n, dtype=np.float64).ravel()
+    known = np.flatnonzero(np.isfinite(force))
+    found = np.zeros(force.size, dtype=np.bool_)
+    y = force[known]
+    if y.size < 2 * BESIDE + 1:
+        return found
+    least_n = max(NOISES * noise_n(y), LEAST_N)
+    for width in range(1, WIDEST + 1):
+        found[known[_of_width(y, width, least_n)]] = True
+    return found
+
+
+def noise_n(y: _Array) -> float:
+    """Standard deviation of one of (n,) readings, N, by second differences, to which a steady rise adds nothing."""
+    return float(1.4826 * median(np.abs(np.diff(y, 2))) / np.sqrt(6))
+
+
+def _of_width(y: _Array, width: int, least_n: float) -> NDArray[np.intp]:
+    """Rows in spikes of so many readings."""
+    first = np.arange(BESIDE, y.size - BESIDE - width + 1)
+    before = y[first[:, None] - np.arange(BESIDE, 0, -1)]
+    after = y[first[:, None] + width + np.arange(BESIDE)]
+    inside = y[first[:, None] + np.arange(width)]
+    level_n = median(np.hstack([before, after]), axis=1)
+    off_n = inside - level_n[:, None]
+    height_n = np.abs(off_n).min(axis=1)
+    one_side = (off_n > 0).all(axis=1) | (off_n < 0).all(axis=1)
+    steps_n = np.maximum(np.abs(np.diff(before)).max(axis=1), np.abs(np.diff(after)).max(axis=1))
+    # the straight lines on from the two readings on either side
+    reach = np.arange(1, width + 1)
+    forward = before[:, -1:] + (before[:, -1:] - before[:, -2:-1]) * reach
+    back = after[:, :1] + (after[:, :1] - after[:, 1:2]) * reach[::-1]
+    missed_n = np.minimum(np.abs(inside - forward), np.abs(inside - back)).min(axis=1)
+    returns = np.abs(after[:, 0] - before[:, -1]) <= RETURNS * height_n
+    spike = one_side & returns & (np.minimum(height_n, missed_n) > np.maximum(least_n, STEPS * steps_n))
+    return np.unique(first[spike][:, None] + np.arange(width))
+
+
+def note_on_spikes(found: NDArray[np.bool_], force_n: _Array, what: str) -> tuple[str, ...]:
+    """What was left out of ``what``, such as rows of the force log."""
+    if not found.any():
+        return ()
+    farthest_n = float(force_n[found][np.argmax(np.abs(force_n[found]))])
+    count = int(found.sum())
+    return (f"{count} {what} {'is a spike' if count == 1 else 'are spikes'} (up to {farthest_n:.3g} N) and left out",)
+
+
 MOST_N = 200.0
 "A tactile sensor of the hand's size stands no more."
 
@@ -19,8 +82,6 @@ MOST_N = 200.0
 class ForceReadings:
     """Readings of the force sensor and when the frames were taken, by one clock.
 
-    Parameters
-    ----------
     time_s, force_n : (n,) in the order of time, all finite. frame_time_s : (T,) rising; NaN where not known.
     """
 
@@ -46,8 +107,6 @@ def check_newtons(force_n: _Array, where: object) -> None:
     largest_n = float(np.nanmax(np.abs(force_n), initial=0.0))
     if largest_n > MOST_N:
         raise FramesError(
-            where,
-            wanted=f"forces in N, {MOST_N:g} at most",
-            found=f"{largest_n:.6g}",
+            where, wanted=f"forces in N, {MOST_N:g} at most", found=f"{largest_n:.6g}",
             do="Which unit is it? Name the column so, such as force_mn for mN, or give the log in N.",
-        )
+        )  # fmt: skip

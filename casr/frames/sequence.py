@@ -66,20 +66,13 @@ class KeptFrames:
 class FrameSequence:
     """One press: frames in time order, and what else is known of it.
 
-    Parameters
-    ----------
-    source : gives the frames.
-    camera : needed for mm; None leaves everything in px.
+    source : gives the frames. camera : needed for mm; None leaves everything in px.
     force_n : (T,) force of each frame, N, NaN where it is not known; None without a force log.
     notes : what a reader of results ought to know about these frames.
     readings : the log that ``force_n`` comes from, where it has times; frames and force can be shifted by it.
     mean_force_n : (T,) mean of the log's rows that carry the index of the frame, N, as the paper has it; None without
         a force log.
-
-    Raises
-    ------
-    CameraError : the camera's image size is not that of the frames.
-    FramesError : not one force for each frame.
+    CameraError : the camera's image size is not that of the frames. FramesError : not one force for each frame.
     """
 
     source: FrameSource
@@ -99,28 +92,25 @@ class FrameSequence:
         height_px, width_px = self.shape
         if self.camera is not None and (self.camera.width_px, self.camera.height_px) != (width_px, height_px):
             raise CameraError(
-                self.name,
-                wanted=f"frames of the camera's size, {self.camera.width_px} x {self.camera.height_px} px",
+                self.name, wanted=f"frames of the camera's size, {self.camera.width_px} x {self.camera.height_px} px",
                 found=f"frames of {width_px} x {height_px} px",
                 do="Give the camera file that belongs to these frames; cropping moves cx_px and cy_px too.",
-            )
+            )  # fmt: skip
         if self.force_n is not None and self.force_n.shape != (len(self),):
             raise FramesError(
-                self.name,
-                wanted=f"one force for each of the {len(self)} frames",
+                self.name, wanted=f"one force for each of the {len(self)} frames",
                 found=f"an array of shape {self.force_n.shape}",
                 do="Average the force rows of each frame first: force_per_frame.",
-            )
+            )  # fmt: skip
 
     def by_mean(self) -> FrameSequence:
         """The same frames, with the mean of the log's rows as the force of each. FramesError where none is known."""
         if self.mean_force_n is None:
             raise FramesError(
-                self.name,
-                wanted="a force log whose rows carry the index of the frame (force rule mean)",
+                self.name, wanted="a force log whose rows carry the index of the frame (force rule mean)",
                 found="none" if self.force_n is None else "one force for each frame",
                 do="Give the log, or take the force at exposure.",
-            )
+            )  # fmt: skip
         return replace(self, force_n=self.mean_force_n, readings=None)
 
     def kept(self) -> FrameSequence:
@@ -143,11 +133,9 @@ class FrameSequence:
         """Frame ``index`` from 0, or from the end when negative. Raises FramesError when there is none."""
         if not -len(self) <= index < len(self):
             raise FramesError(
-                self.name,
-                wanted=f"a frame from 0 to {len(self) - 1}",
-                found=f"frame {index}",
+                self.name, wanted=f"a frame from 0 to {len(self) - 1}", found=f"frame {index}",
                 do="Frames are counted from 0 in the order of the file.",
-            )
+            )  # fmt: skip
         return self.source.read(index % len(self))
 
     def __iter__(self) -> Iterator[Grey]:

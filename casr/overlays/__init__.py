@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
-from casr.flow.estimate import LOST_PERCENT, dense_flow
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.flow.estimate import LOST_PERCENT, Followed, dense_flow
+from casr.frames import FrameSequence
 from casr.images import as_grey
-from casr.overlays.area import area_picture, pins_picture
 from casr.overlays.canvas import Picture
 from casr.overlays.curves import area_curve, growth_curve
-from casr.overlays.motion import edges_picture, flow_picture, spreading_picture
+from casr.overlays.frames import area_picture, edges_picture, flow_picture, pins_picture, spreading_picture
 from casr.pins import PinSettings, PinTracker
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from casr.flow.followed import Followed
-    from casr.frames import FrameSequence
-    from casr.scoring import Score
+from casr.scored import Score
 
 __all__ = [
     "Picture", "area_picture", "flow_picture", "followed_picture", "pin_ways", "pins_picture", "press_pictures",

@@ -61,8 +61,6 @@ class Picture:
 class Axes:
     """Axes from ``left`` to ``right`` and ``bottom`` to ``top``, on a plot of ``width`` by ``height`` units.
 
-    Attributes
-    ----------
     marks : what was drawn, in order.
     """
 

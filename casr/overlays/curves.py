@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from casr.overlays.canvas import Picture, plot
 from casr.palette import BLUE, FAINT, GREEN, MUTED, YELLOW
+from casr.scored import Score
 from casr.spread import readable
-from casr.spread.correlated_errors import normal_quantile
-from casr.spread.rate import CONFIDENCE
-
-if TYPE_CHECKING:
-    from casr.scoring import Score
-    from casr.spread import PowerLaw
+from casr.spread.intervals import CONFIDENCE, normal_quantile
 
 
 def area_curve(score: Score) -> Picture:
@@ -73,7 +68,8 @@ def _drawn_rate(score: Score) -> _DrawnRate | None:
     law = np.empty((0, 2))
     said = f" The slope of the line is the CASR ({score.settings.quantity})."
     if rate.law is not None and rate.window_n is not None:
-        ends, middle = _chord(rate.law, rate.window_n)
+        ends = np.array(rate.window_n)
+        middle = float(rate.law.area(ends).mean())
         forces = np.linspace(*rate.window_n, 100)
         law = np.column_stack([forces, rate.law.area(forces)])
         said += " It joins two forces on the power law through the frames."
@@ -104,9 +100,3 @@ def _line_through(force_n: NDArray[np.float64], area: NDArray[np.float64]) -> tu
     force_n, area = force_n[order], area[order]
     ends = force_n[[0, -1]]
     return ends, float(np.trapezoid(area, force_n) / (ends[1] - ends[0]))
-
-
-def _chord(law: PowerLaw, window_n: tuple[float, float]) -> tuple[NDArray[np.float64], float]:
-    """(2,) forces, N, and the mean of the areas there."""
-    ends = np.array(window_n)
-    return ends, float(law.area(ends).mean())

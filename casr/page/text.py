@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from casr.frame_files.growing import NewFrame
 from casr.page import wording
-
-if TYPE_CHECKING:
-    from casr.frame_files.growing import NewFrame
-    from casr.scored import Score, Spread
-    from casr.stream import StreamState
+from casr.scored import Score, Spread
+from casr.stream import StreamState
 
 
 def block(score: Score) -> str:

@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from casr.scored import Score, Spread
 from casr.spread import readable
-
-if TYPE_CHECKING:
-    from casr.scored import Spread
-    from casr.scoring import Score
-
 
 UNDEFINED = "–"
 MEANING = {
@@ -41,11 +35,8 @@ def verdict(score: Score) -> tuple[str, str, str]:
     if score.doubts:
         return "bad", "Check this press:", f"{'; '.join(score.doubts)}. The {what} went {grew}.{_in_pixels(score)}"
     if score.rate is None:
-        return (
-            "usable",
-            "No spread rate.",
-            f"The {what} went {grew}. Without a force log there is no CASR.{_in_pixels(score)}",
-        )
+        more = f"The {what} went {grew}. Without a force log there is no CASR.{_in_pixels(score)}"
+        return "usable", "No spread rate.", more
     if growth <= 1 or score.rate.value <= 0:
         why = "Is this a loading phase? Were the pins followed? Look at the pictures."
         return "bad", "Check this press.", f"The {what} did not grow with the force: it went {grew}. {why}"
@@ -84,10 +75,8 @@ def headline(score: Score) -> list[tuple[str, str, str]]:
         facts.append(("Growth, skin over front", f"{ratio:.2f}", f"95 %: {low:.2f} to {high:.2f}"))
     facts += [(f"A_c0 ({name})", value, remark) for name, value, remark in first_areas(score)]
     facts += [(f"Growth ({quantity})", times, "") for quantity, times in growths(score)]
-    facts.append(
-        ("Frames", f"{len(score.frames)}", f"{score.frames[0]} to {score.frames[-1]}, rest {score.rest_frame}")
-    )
-    return facts
+    span = f"{score.frames[0]} to {score.frames[-1]}, rest {score.rest_frame}"
+    return [*facts, ("Frames", f"{len(score.frames)}", span)]
 
 
 def interval(spread: Spread) -> str:
@@ -141,16 +130,12 @@ def first_areas(score: Score) -> list[tuple[str, str, str]]:
 def growths(score: Score) -> list[tuple[str, str]]:
     """Quantity and how many times its area grew, from the first to the last frame that is determined."""
     law = " by equation (1) as printed" if score.settings.area_law == "paper" else ""
-    return [
-        (spread.quantity, f"{times:.3f} times{law if spread.quantity == 'skin' else ''}")
-        for spread, times in _growths(score)
-        if times == times
-    ]
-
-
-def _growths(score: Score) -> list[tuple[Spread, float]]:
-    both = (score.chosen, score.other)
-    return [(s, float("nan") if s.first is None else float(s.area[-1] / s.area[s.first])) for s in both]
+    found = []
+    for spread in (score.chosen, score.other):
+        times = float("nan") if spread.first is None else float(spread.area[-1] / spread.area[spread.first])
+        if times == times:
+            found.append((spread.quantity, f"{times:.3f} times{law if spread.quantity == 'skin' else ''}"))
+    return found
 
 
 def error_parts(spread: Spread) -> list[tuple[str, str]]:
@@ -192,11 +177,8 @@ def camera_lag(score: Score) -> str:
 
 
 def _in_pixels(score: Score) -> str:
-    return (
-        ""
-        if score.area_unit == "mm2"
-        else " No camera file: areas are in px², not mm², and compare with no other camera."
-    )
+    said = " No camera file: areas are in px², not mm², and compare with no other camera."
+    return "" if score.area_unit == "mm2" else said
 
 
 def _force_span(score: Score) -> str:
@@ -209,6 +191,5 @@ def _per_newton(score: Score) -> str:
     rate = score.rate
     if rate is None or rate.rule == "paper":
         return "the CASR here is the paper's sum over frames, comparable only at one frame rate and force range."
-    return (
-        f"{number(rate.value)} {readable(score.area_unit)} more for each newton. Softer specimens give a larger number."
-    )
+    unit = readable(score.area_unit)
+    return f"{number(rate.value)} {unit} more for each newton. Softer specimens give a larger number."

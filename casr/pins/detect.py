@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, fields
+from typing import Any, cast
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,12 +13,65 @@ from casr.counts import count
 from casr.errors import PinsError
 from casr.images import Grey, as_grey
 from casr.median import median
-from casr.pins.blobs import Blobs, above_surroundings, find_blobs, round_parts
 from casr.pins.lattice import NEIGHBOURS, nearest_pins
-from casr.pins.pitch import guess_pitch_px
-from casr.pins.settings import FEWEST_PINS, PinSettings
 from casr.pins.spots import measure_spots
-from casr.pins.view import USUAL_CONTRAST, USUAL_PITCH_PX, PinView
+from casr.pins.view import FEWEST_PINS, USUAL_CONTRAST, USUAL_PITCH_PX, PinSettings, PinView, guess_pitch_px
+
+WAIST = 0.65  # where pins touch, the blob is narrower than this share of their width
+
+
+@dataclass(frozen=True)
+class Blobs:
+    """(n,) blobs: box (n, 4) x, y, width, height; area px; mean grey level; its mean excess over the surroundings."""
+
+    box: NDArray[np.int32]
+    area_px: NDArray[np.int32]
+    brightness: NDArray[np.float64]
+    excess: NDArray[np.float64]
+    centres_px: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.area_px)
+
+    def pick(self, rows: NDArray[np.intp] | NDArray[np.bool_]) -> Blobs:
+        """The blobs of these rows."""
+        return Blobs(*(getattr(self, field.name)[rows] for field in fields(self)))
+
+
+def above_surroundings(image: Grey, block_px: int, contrast: float) -> tuple[Grey, NDArray[np.uint8]]:
+    """Grey levels above the mean of the ``block_px`` square around each pixel, and mask of those above ``contrast``."""
+    excess = cast(Grey, cv2.subtract(image, cv2.blur(image, (block_px, block_px))))
+    return excess, _over(excess, contrast)
+
+
+def find_blobs(image: Grey, excess: Grey, mask: NDArray[np.uint8]) -> Blobs:
+    """Connected pieces (8 neighbours) of ``mask`` that do not touch the border of the image."""
+    n, labels, stats, centres = cv2.connectedComponentsWithStatsWithAlgorithm(mask, 8, cv2.CV_32S, cv2.CCL_GRANA)
+    pixels = np.flatnonzero(mask.ravel().view(np.bool_))
+    label = labels.ravel()[pixels]
+    box, area = cast(NDArray[np.int32], stats[:, :4]), cast(NDArray[np.int32], stats[:, cv2.CC_STAT_AREA])
+    brightness, over = (np.bincount(label, grey.ravel()[pixels], minlength=n) / area for grey in (image, excess))
+    height, width = mask.shape
+    inside = (box[:, :2] > 0).all(axis=1) & (box[:, 0] + box[:, 2] < width) & (box[:, 1] + box[:, 3] < height)
+    inside[0] = False
+    return Blobs(box, area, brightness, over, cast(NDArray[np.float64], centres)).pick(inside)
+
+
+def round_parts(mask: NDArray[np.uint8], box: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Centres (k, 2) of the round parts of the blob in ``box``: 1 for a single pin, more for pins that touch."""
+    x, y, width, height = (int(v) for v in box)
+    piece = np.pad(mask[y : y + height, x : x + width], 1)
+    depth = cv2.distanceTransform(piece, cv2.DIST_L2, 5)
+    cores = _over(depth, WAIST * float(depth.max()))
+    n, _, _, centres = cv2.connectedComponentsWithStats(cores, connectivity=8)
+    parts: NDArray[np.float64] = np.asarray(centres, np.float64)[1:n] + np.array([x - 1.0, y - 1.0])
+    return parts
+
+
+def _over(values: NDArray[Any], level: float) -> NDArray[np.uint8]:
+    """255 where the values exceed the level, else 0."""
+    return cast(NDArray[np.uint8], cv2.compare(values, level, cv2.CMP_GT))  # type: ignore[call-overload]
+
 
 MOST_BLOBS = 3000
 REACH_OF_SPACING = 0.43
@@ -44,8 +98,6 @@ class Pins:
 def detect_pins(image: NDArray[Any], settings: PinSettings | None = None) -> Pins:
     """Pins of one frame, grey, colour or binary.
 
-    Raises
-    ------
     PinsError : fewer than three pins. ImageError : not an image.
     """
     view, pins = fit_view(image, settings or PinSettings())
@@ -58,8 +110,6 @@ def fit_view(image: NDArray[Any], settings: PinSettings) -> tuple[PinView, Pins]
     Pins of the pitch that the settings say; else of the usual one or, where those found stand in no order, of the one
     that the frame repeats itself with, whichever gives the more regular pins.
 
-    Raises
-    ------
     PinsError : fewer than three pins. ImageError : not an image.
     """
     grey = as_grey(image)
@@ -131,11 +181,9 @@ def _check_count(grey: Grey, n: int, view: PinView) -> None:
             "or that pins are dark (--dark-pins)."
         )
     raise PinsError(
-        "frame",
-        wanted=f"{FEWEST_PINS} to {MOST_BLOBS} pins on grey levels",
-        found=f"{n} bright blobs that could be pins, grey levels {low:.0f} to {high:.0f}",
-        do=do,
-    )
+        "frame", wanted=f"{FEWEST_PINS} to {MOST_BLOBS} pins on grey levels",
+        found=f"{n} bright blobs that could be pins, grey levels {low:.0f} to {high:.0f}", do=do,
+    )  # fmt: skip
 
 
 def _select_pins(

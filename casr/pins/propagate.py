@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,79 +20,73 @@ MOST_SHIFTS = 8
 Points = NDArray[np.float64]
 
 
-def follow_neighbours(
-    before_px: Points,
-    guesses_px: Sequence[Points],
-    after_px: Points,
-    links: Points,
-    spacing_px: NDArray[np.float64],
-    shape: tuple[int, ...],
-) -> NDArray[np.intp]:
-    """Row of ``after_px`` for each pin, -1 where there is none; no row twice.
+@dataclass(frozen=True, eq=False)
+class Neighbours:
+    """Where pins were, those of the next frame, and who is beside whom.
 
-    Pins close to where they are expected are matched first; then the motion is handed on to those beside them, ring by
-    ring, so that a motion that changes slowly over the skin may end up far above half a pitch. A lattice also fits
-    itself one pitch further, all but its edge: of all ways to begin, each guess from every island of pins that fit, the
-    one is kept, the first on a tie, that leaves fewest pins unexplained: pins that should be in view and are not found,
-    and pins of the next frame that nobody claims.
-
-    Parameters
-    ----------
-    before_px : (N, 2) where pins were. guesses_px : each (N, 2), where they may be now.
-    after_px : (M, 2) pins of the next frame.
-    links : (N, N) of ``links_of``. spacing_px : (N,) distance to the nearest pin.
+    before_px : (N, 2). after_px : (M, 2). links : (N, N) of ``links_of``. spacing_px : (N,) distance to the nearest.
     shape : (height, width) of the frame.
     """
-    best = np.full(len(before_px), -1, np.intp)
-    fewest = len(before_px) + len(after_px)
-    for guess in guesses_px:
-        pins, hits = match_pins(guess, after_px, max_distance_px=SEED_REACH * spacing_px)
-        for island in _islands(pins, links):
-            rows = np.full(len(before_px), -1, np.intp)
-            rows[pins[island]] = hits[island]
-            _grow(rows, before_px, after_px, links, spacing_px)
-            unexplained = _unexplained(rows, before_px, after_px, links, spacing_px, shape)
-            if unexplained < fewest:
-                best, fewest = rows, unexplained
-            if (best >= 0).all():
-                return best
-    return best
 
+    before_px: Points
+    after_px: Points
+    links: Points
+    spacing_px: NDArray[np.float64]
+    shape: tuple[int, ...]
 
-def _unexplained(
-    rows: NDArray[np.intp],
-    before_px: Points,
-    after_px: Points,
-    links: Points,
-    spacing_px: NDArray[np.float64],
-    shape: tuple[int, ...],
-) -> int:
-    """Pins that ought to be in view but have no row, and rows that no pin has."""
-    found = rows >= 0
-    move = np.where(found[:, None], after_px[rows] - before_px, 0.0)
-    expected = before_px + neighbour_mean(move, found, links)
-    margin = spacing_px[:, None] / 2
-    in_view = ((expected > margin) & (expected < np.array(shape[1::-1]) - 1 - margin)).all(axis=1)
-    return int((~found & in_view).sum()) + len(after_px) - int(found.sum())
+    def followed(self, guesses_px: Sequence[Points]) -> NDArray[np.intp]:
+        """Row of ``after_px`` for each pin, -1 where there is none; no row twice.
 
+        Pins close to where they are expected are matched first; then the motion is handed on to those beside them, ring
+        by ring, so that a motion that changes slowly over the skin may end up far above half a pitch. A lattice also
+        fits itself one pitch further, all but its edge: of all ways to begin, each guess from every island of pins that
+        fit, the one is kept, the first on a tie, that leaves fewest pins unexplained: pins that should be in view and
+        are not found, and pins of the next frame that nobody claims.
 
-def _grow(
-    rows: NDArray[np.intp], before_px: Points, after_px: Points, links: Points, spacing_px: NDArray[np.float64]
-) -> None:
-    """Fill in the rows (N,) of pins beside those that have one, until no more fit."""
-    while True:
+        guesses_px : each (N, 2), where the pins may be now.
+        """
+        best = np.full(len(self.before_px), -1, np.intp)
+        fewest = len(self.before_px) + len(self.after_px)
+        for guess in guesses_px:
+            pins, hits = match_pins(guess, self.after_px, max_distance_px=SEED_REACH * self.spacing_px)
+            for island in _islands(pins, self.links):
+                rows = np.full(len(self.before_px), -1, np.intp)
+                rows[pins[island]] = hits[island]
+                self._grow(rows)
+                unexplained = self._unexplained(rows)
+                if unexplained < fewest:
+                    best, fewest = rows, unexplained
+                if (best >= 0).all():
+                    return best
+        return best
+
+    def _expected(self, rows: NDArray[np.intp]) -> Points:
+        """Where each pin should be by the motion of those beside it that have a row."""
         known = rows >= 0
-        support = np.where(known, 0.0, links @ known)
-        if not support.any():
-            return
-        ready = np.flatnonzero(support >= min(ENOUGH_NEIGHBOURS, support.max()))
-        move = np.where(known[:, None], after_px[rows] - before_px, 0.0)
-        expected = before_px[ready] + neighbour_mean(move, known, links)[ready]
-        free = np.setdiff1d(np.arange(len(after_px)), rows[known])
-        pins, hits = match_pins(expected, after_px[free], max_distance_px=GROWTH_REACH * spacing_px[ready])
-        if not pins.size:
-            return
-        rows[ready[pins]] = free[hits]
+        move = np.where(known[:, None], self.after_px[rows] - self.before_px, 0.0)
+        return np.asarray(self.before_px + neighbour_mean(move, known, self.links))
+
+    def _unexplained(self, rows: NDArray[np.intp]) -> int:
+        """Pins that ought to be in view but have no row, and rows that no pin has."""
+        found, expected = rows >= 0, self._expected(rows)
+        margin = self.spacing_px[:, None] / 2
+        in_view = ((expected > margin) & (expected < np.array(self.shape[1::-1]) - 1 - margin)).all(axis=1)
+        return int((~found & in_view).sum()) + len(self.after_px) - int(found.sum())
+
+    def _grow(self, rows: NDArray[np.intp]) -> None:
+        """Fill in the rows (N,) of pins beside those that have one, until no more fit."""
+        while True:
+            known = rows >= 0
+            support = np.where(known, 0.0, self.links @ known)
+            if not support.any():
+                return
+            ready = np.flatnonzero(support >= min(ENOUGH_NEIGHBOURS, support.max()))
+            free = np.setdiff1d(np.arange(len(self.after_px)), rows[known])
+            reach_px = GROWTH_REACH * self.spacing_px[ready]
+            pins, hits = match_pins(self._expected(rows)[ready], self.after_px[free], max_distance_px=reach_px)
+            if not pins.size:
+                return
+            rows[ready[pins]] = free[hits]
 
 
 def _islands(pins: NDArray[np.intp], links: Points) -> list[NDArray[np.bool_]]:

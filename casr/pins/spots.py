@@ -40,10 +40,7 @@ def measure_spots(image: Grey, near_px: NDArray[np.float64], reach_px: NDArray[n
     The weight of a pixel is d^2 / (d + s), where d is its height above background + 10 % of the contrast, and s is
     20 % of the contrast.
 
-    Parameters
-    ----------
-    image : (H, W) grey levels, pins bright.
-    near_px : (N, 2) starting points, finite.
+    image : (H, W) grey levels, pins bright. near_px : (N, 2) starting points, finite.
     reach_px : (N,) disc radii; at most half way to the next pin.
     """
     widest = max(float(reach_px.max(initial=0.0)), SMALLEST_REACH_PX)

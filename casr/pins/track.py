@@ -13,10 +13,9 @@ from casr.images import Grey
 from casr.median import median
 from casr.pins.detect import Pins, find_pins, fit_view, reach_px
 from casr.pins.lattice import NEIGHBOURS, at_border, nearest_pins
-from casr.pins.propagate import common_shifts_px, follow_neighbours, links_of, neighbour_mean
-from casr.pins.settings import PinSettings
+from casr.pins.propagate import Neighbours, common_shifts_px, links_of, neighbour_mean
 from casr.pins.spots import Spots, measure_spots
-from casr.pins.view import line_noise, noisy_share
+from casr.pins.view import PinSettings, line_noise, noisy_share
 
 LONGEST_LOOK = 0.25  # of the spacing: further than this from where it was expected, a pin may be taken for the next one
 AREA_CHANGE = 2.0  # a pin does not grow or shrink by more from one frame to the next
@@ -26,15 +25,9 @@ BELIEVED_SHARE, LIKELY_SHARE = 0.5, 0.75  # of the pins seen before that a frame
 MOST_DOUBTED = 2  # frames in a row; what stays so is no accident
 JUMPED_SHARE = 0.98  # the same where all jump by half a pitch: of a torn lattice parts fit one pitch further
 APART_SHARE, APART_PITCHES = 0.1, 0.06  # so many pins farther from where those around them went are torn off,
-FAR_APART_PITCHES = (
-    0.2  # if all along one line; the quickest unloading has 0.1, in all directions; and by so much always
-)
+FAR_APART_PITCHES = 0.2  # if all along one line; the quickest unloading has 0.1, everywhere; and by so much always
 ONE_WAY = 0.3  # mean square across a direction over that along it: a tear shifts along one, a contact spreads to all
-NOISY_GREY, NOISY_TIMES, NOISY_LINES = (
-    5.0,
-    3.0,
-    0.1,
-)  # noise over this many times that at first, on a share of the lines
+NOISY_GREY, NOISY_TIMES, NOISY_LINES = 5.0, 3.0, 0.1  # noise over so many times that at first, on a share of the lines
 KNOCK_NOTE = (
     "all pins jump alike by over half their pitch, those at the border too: a knock of the camera, which is taken out; "
     "if there are many, are these frames one press, in order?"
@@ -60,15 +53,13 @@ class PinTracker:
 
     A step looks for each pin around the place its last motion leads to and reads only those pixels. Where so many
     vanish as stand on one side of the array, or all jump by more than a quarter of the pitch, the whole frame is
-    searched and the motion handed on from pin to pin (``follow_neighbours``); for single pins only every tenth frame.
+    searched and the motion handed on from pin to pin (``Neighbours``); for single pins only every tenth frame.
 
     A frame that shows fewer than half of the pins seen before, or noise in their place, is not believed: no pin has a
     place in it, and the next frame is looked at as if it had not been. The same befalls one in which over a quarter of
     the pins vanish, or a few while all jump, or in which many part from those around them as where a frame is torn,
     unless it is the first, or the two before were not believed either: what stays so is no accident.
 
-    Attributes
-    ----------
     pitch_px : pin spacing in the first frame; NaN before ``start``.
     knock_px : (2,) how far knocks have moved the image since the first frame. A knock is a jump of the pins at the
         border of the array, all alike, by more than half a pitch between two frames: the border is what a contact moves
@@ -117,11 +108,9 @@ class PinTracker:
         grey = self._view.grey(image)
         if grey.shape != self._frame.shape or grey.dtype != self._frame.dtype:
             raise PinsError(
-                "frame",
-                wanted=f"size and type of the first frame, {self._frame.shape} {self._frame.dtype}",
-                found=f"{grey.shape} {grey.dtype}",
-                do="Start a new tracker when the camera's format changes.",
-            )
+                "frame", wanted=f"size and type of the first frame, {self._frame.shape} {self._frame.dtype}",
+                found=f"{grey.shape} {grey.dtype}", do="Start a new tracker when the camera's format changes.",
+            )  # fmt: skip
         self.notes = ()
         if not np.array_equal(grey, self._frame):  # a repeated frame moves nothing, to the last bit
             places = self._advanced(grey)
@@ -151,7 +140,10 @@ class PinTracker:
         most = APART_SHARE * len(apart)
         length = np.hypot(apart[:, 0], apart[:, 1])
         far = length > APART_PITCHES
-        return bool((length > FAR_APART_PITCHES).sum() > most or (far.sum() > most and _one_way(apart[far])))
+        if (length > FAR_APART_PITCHES).sum() > most or not far.sum() > most:
+            return bool((length > FAR_APART_PITCHES).sum() > most)
+        across, along = np.linalg.eigvalsh(apart[far].T @ apart[far])
+        return bool(across < ONE_WAY * along)
 
     def _advanced(self, grey: Grey) -> _Places:
         """All pins in the next frame."""
@@ -212,9 +204,8 @@ class PinTracker:
             return expected, last.area_px, np.zeros(len(expected), bool)
         shifts = common_shifts_px(last.at_px, pins.centroids_px, self._pitch_px)
         guesses = [expected, last.at_px, *(last.at_px + shift for shift in shifts)]
-        rows = follow_neighbours(
-            last.at_px, guesses, pins.centroids_px, self._links, self._spacing_px, self._frame.shape
-        )
+        beside = Neighbours(last.at_px, pins.centroids_px, self._links, self._spacing_px, self._frame.shape)
+        rows = beside.followed(guesses)
         seen = rows >= 0
         at_px = np.where(seen[:, None], pins.centroids_px[rows], expected)
         seen &= ~self._in_glare(measure_spots(grey, at_px, reach_px(self._spacing_px)))
@@ -236,11 +227,6 @@ def _gaps_px(place: Points, beside: NDArray[np.intp]) -> NDArray[np.float64]:
     dx, dy = x[:, None] - x[beside], y[:, None] - y[beside]
     gaps: NDArray[np.float64] = np.sqrt(dx * dx + dy * dy)
     return gaps
-
-
-def _one_way(vectors: Points) -> bool:
-    across, along = np.linalg.eigvalsh(vectors.T @ vectors)
-    return bool(across < ONE_WAY * along)
 
 
 def _median_length(vectors: Points) -> float:

@@ -8,10 +8,66 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import FramesError, SettingError
-from casr.spread.correlated_errors import normal_quantile, student_quantile
-from casr.spread.loading_points import frames_with_force, outside_dips, pooled
-from casr.spread.power_law import PowerLaw, fit_power_law
-from casr.spread.slope import force_slope
+from casr.spread.curves import PowerLaw, fit_power_law, force_slope
+from casr.spread.intervals import CONFIDENCE, normal_quantile, student_quantile
+
+Points = tuple[NDArray[np.float64], NDArray[np.float64], tuple[str, ...]]
+"""Area (n,), force (n,) in N, and what was done to get there."""
+
+
+DIP_N = 0.2
+"""Depth of a fall of force, N, up to which it is noise: four standard deviations of a frame at 0.05 N."""
+
+
+def frames_with_force(area: ArrayLike, force_n: ArrayLike) -> Points:
+    """The frames whose force is known; NaN marks an unknown force."""
+    area = np.asarray(area, dtype=np.float64).reshape(-1)
+    force = np.asarray(force_n, dtype=np.float64).reshape(-1)
+    known = ~np.isnan(force)
+    if area.size != force.size or not np.isfinite(area[known]).all() or np.isinf(force).any():
+        raise FramesError(
+            "area and force",
+            wanted="a finite area and a force, or NaN, for every frame",
+            found=f"{area.size} areas, {force.size} forces, {int(np.isinf(force).sum())} infinite forces and "
+            f"{int((~np.isfinite(area)).sum())} areas that are NaN or infinite",
+            do="Give the same frames for both.",
+        )
+    lost = int(known.size - known.sum())
+    notes = (f"{lost} of {known.size} frames carry no force and are left out.",) if lost else ()
+    return area[known], force[known], notes
+
+
+def outside_dips(area: NDArray[np.float64], force_n: NDArray[np.float64]) -> Points:
+    """The frames that lie no more than ``DIP_N`` below an earlier force.
+
+    When the force goes down and up again a contact keeps area that it had (hysteresis); from where the force was
+    before it grows on as if nothing had been. Falls within ``DIP_N`` are taken for noise and left to ``pooled``: to
+    keep rising frames only would choose those whose force reads too high.
+    """
+    kept = force_n >= np.maximum.accumulate(force_n) - DIP_N if force_n.size else np.ones(0, dtype=np.bool_)
+    lost = int(force_n.size - kept.sum())
+    notes = (f"{lost} of {force_n.size} frames in dips of the force deeper than {DIP_N:g} N are left out.",)
+    return area[kept], force_n[kept], notes if lost else ()
+
+
+def pooled(area: NDArray[np.float64], force_n: NDArray[np.float64]) -> Points:
+    """Isotonic force: neighbouring frames whose force does not rise become one point, their mean force and mean area.
+
+    The pools are those of the pool-adjacent-violators algorithm (Ayer et al. 1955), so the forces come out strictly
+    rising and nearest to the measured ones in the least-squares sense.
+    """
+    pools: list[tuple[float, float, int]] = []
+    for f, a in zip(force_n.tolist(), area.tolist(), strict=True):
+        pool = (f, a, 1)
+        while pools and pools[-1][0] / pools[-1][2] >= pool[0] / pool[2]:
+            last = pools.pop()
+            pool = (last[0] + pool[0], last[1] + pool[1], last[2] + pool[2])
+        pools.append(pool)
+    sums = np.array(pools, dtype=np.float64).reshape(-1, 3)
+    merged = force_n.size - len(pools)
+    notes = (f"Force does not rise in every frame: {merged} of {force_n.size} frames pooled.",) if merged else ()
+    return sums[:, 1] / sums[:, 2], sums[:, 0] / sums[:, 2], notes
+
 
 RATE_RULES = ("power", "slope", "paper")
 WINDOW_N = (0.5, 7.0)
@@ -19,8 +75,6 @@ WINDOW_N = (0.5, 7.0)
 MIN_STEP_N = 0.02
 """``paper`` divides only by steps of force this large; smaller ones are merged with the next, so no change of area is
 lost."""
-CONFIDENCE = 0.95
-"Of the intervals."
 FAR = 2.0  # times; frames that miss an end of the window by more are said to
 
 
@@ -28,15 +82,11 @@ FAR = 2.0  # times; frames that miss an end of the window by more are said to
 class SpreadRate:
     """Spread rate of the contact area over force.
 
-    Parameters
-    ----------
     value : in ``unit``.
     scatter_low, scatter_high : 95 % interval for the scatter of the single areas only; None where there is none. All
         that scales value and interval alike is not in it: see ``total_interval``.
     unit : ``mm2/N`` or ``px2/N``; for rule ``paper`` a sum of such quotients, which grows with the number of frames.
-    rule : one of ``RATE_RULES``.
-    n_frames : frames used.
-    notes : what was left out, pooled or merged.
+    rule : one of ``RATE_RULES``. n_frames : frames used. notes : what was left out, pooled or merged.
     law, window_n : for rule ``power``: the areas it found, and the forces between which ``value`` is their mean rate.
     """
 
@@ -72,20 +122,13 @@ def spread_rate(
 ) -> SpreadRate:
     """Contact area spread rate of a loading phase.
 
-    Parameters
-    ----------
-    area : (T,) contact areas, the first one A_c0.
-    force_n : (T,) force per frame, N; frames with NaN are left out.
+    area : (T,) contact areas, the first one A_c0. force_n : (T,) force per frame, N; frames with NaN are left out.
     rule : ``power``: mean rate from the lower to the higher force of ``window_n`` on the power law through the areas
         (``fit_power_law``), wherever between or near them the first and the last frame fell. ``slope``: slope of the
         line through A(F) over the forces that were reached; where the force does not rise, neighbouring frames are
         pooled (``pooled``). Both leave out dips of the force (``outside_dips``). ``paper``: eq. (2) as printed, the sum
         over frames of dA/dF with F_0 = 0.
-    area_unit : ``mm2`` or ``px2``, for the unit of the result.
-    window_n : of ``power``, N.
-
-    Raises
-    ------
+    area_unit : ``mm2`` or ``px2``, for the unit of the result. window_n : of ``power``, N.
     FramesError : lengths that do not fit, infinite values, a force that never changes enough, or for ``power`` areas
         below 0 or only some of them 0.
     SettingError : an unknown rule or a setting out of range.
@@ -118,11 +161,10 @@ def _power(
         return SpreadRate(0.0, None, None, unit, "power", force_n.size, notes, PowerLaw(0.0, 0.0), window_n)
     if not (area > 0).all():
         raise FramesError(
-            "area",
-            wanted="areas above 0 in all frames, or 0 in all",
+            "area", wanted="areas above 0 in all frames, or 0 in all",
             found=f"{int((area <= 0).sum())} of {area.size} at {area.min():.3g} or so",
             do="Check the growth of these frames, or use rule 'slope'.",
-        )
+        )  # fmt: skip
     fit = fit_power_law(area, force_n)
     value, error = fit.law.mean_rate(*window_n), fit.standard_error(*window_n)
     if not (force_n[0] <= FAR * window_n[0] and force_n.max() >= window_n[1] / FAR):
@@ -168,11 +210,9 @@ def _flat(force_n: NDArray[np.float64]) -> FramesError:
     if force_n.size:
         found += f" from {force_n.min():.3g} to {force_n.max():.3g} N"
     return FramesError(
-        "force of the loading phase",
-        wanted="at least two frames with rising force",
-        found=found,
+        "force of the loading phase", wanted="at least two frames with rising force", found=found,
         do="Score frames in which the force rises; check the force log.",
-    )
+    )  # fmt: skip
 
 
 Vector = NDArray[np.float64]

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from casr.stretch import Stretch, unlike_others
+from casr.doubts import Stretch, unlike_others
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.cut_presses import cut_all, cut_forces, cut_rates, cut_travel

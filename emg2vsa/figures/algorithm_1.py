@@ -17,12 +17,11 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from casr.flow.divergence import divergence, region_mask
+from casr.flow.dense_engine import divergence, region_mask
 from casr.flow.region import Region
-from casr.overlays.area import hexagons as cells_of
+from casr.overlays.frames import hexagons as cells_of
 from casr.pins import PinSettings
-from casr.pins.blobs import above_surroundings
-from casr.pins.detect import fit_view
+from casr.pins.detect import above_surroundings, fit_view
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.figures.canvas import panel_grid
 from emg2vsa.figures.palette import BLUE, INK, SKY, YELLOW, Look

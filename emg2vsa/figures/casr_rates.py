@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from casr.spread.power_law import fit_power_law
+from casr.spread.curves import fit_power_law
 from casr.spread.rate import MIN_STEP_N
 from emg2vsa.arrays import Floats
 from emg2vsa.figures.boxes import draw_box

@@ -14,8 +14,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from casr.counts import count
-from casr.decoder_child import Limits
-from casr.decoder_process import DecoderFailed, DecoderLost, InChild
+from casr.decoder_process import DecoderFailed, DecoderLost, InChild, Limits
 from casr.errors import said_by
 from emg2vsa.errors import Emg2vsaError, PassingError, RecordingError, UnsupportedError
 from emg2vsa.readers.formats import READERS, Reader, head_of, reader_of, refused

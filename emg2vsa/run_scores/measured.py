@@ -8,14 +8,14 @@ import numpy as np
 
 from casr.camera import undistorted
 from casr.contact_area import InitialArea, initial_area
-from casr.contact_area.array import array_area_px2
+from casr.contact_area.motion import array_area_px2
+from casr.doubts import Stretch, stretch_of
 from casr.errors import CasrError
 from casr.flow.estimate import FlowSettings
 from casr.frames import FrameSequence
 from casr.press_forces import press_forces
 from casr.scored import WHOLE_IMAGE, Score, ScoreSettings, SkinScore
 from casr.scoring import score, score_skin
-from casr.stretch import Stretch, stretch_of
 from emg2vsa.arrays import Floats
 from emg2vsa.settings import RECIPES, Recipe, RunSettings
 

@@ -31,7 +31,7 @@ class PressCurve:
     travel_mm : (K,) force, and travel of the shaft, of the rows of the rig's log from the approach on; empty without
     one.
     stretch_force_n, stretch_log_ratio, stretch_log_sd : how the skin of first contact grew against the contact, as
-    ``casr.stretch.Stretch``; empty where the front is not determined.
+    ``casr.doubts.Stretch``; empty where the front is not determined.
     """
 
     force_n: Floats

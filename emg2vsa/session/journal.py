@@ -16,7 +16,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
 
-from casr.json_text import finite
+from casr.terminal import finite
 from emg2vsa.errors import DataError
 from emg2vsa.session.views import ScreenReport
 

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.bench.run import read_area
 from benchmarks.bench.tables import tables
-from casr import source_checkout
+from casr import command_line
 from emg2vsa.cli import main
 
 
@@ -56,7 +56,7 @@ def test_bad_words_are_one_clear_error(
 def test_without_a_checkout_it_says_where_the_benchmarks_are(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(source_checkout, "SOURCE", tmp_path)
+    monkeypatch.setattr(command_line, "SOURCE", tmp_path)
     assert main(["tools", "bench"]) == 2
     complaint = capsys.readouterr().err
     assert complaint.count("\n") == 1

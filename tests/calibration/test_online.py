@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from casr.spread.power_law import fit_power_law
+from casr.spread.curves import fit_power_law
 from emg2vsa.calibration.cut_presses import cut_all, cut_forces, cut_rates, cut_travel, rising
 from emg2vsa.calibration.online import (
     BOTH,

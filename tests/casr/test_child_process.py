@@ -150,7 +150,6 @@ def test_it_ends_with_its_parent(start, tmp_path: Path, function: str, how: str)
         [sys.executable, "-c", PARENT, function], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
         env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
     )  # fmt: skip
-    assert parent.stdout is not None
     pid = int(parent.stdout.readline())
     if how == "killed":
         parent.kill()

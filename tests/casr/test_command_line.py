@@ -14,8 +14,7 @@ import pytest
 
 import casr.cli
 import emg2vsa.cli
-from casr.command_line import Commands, Program, add_command, add_json, add_options, print_json
-from casr.completion import SHELLS, completion
+from casr.command_line import SHELLS, Commands, Program, add_command, add_json, add_options, completion, print_json
 from casr.errors import SettingError
 from casr.terminal import VOICE, coloured, note
 from emg2vsa.errors import StudyError

@@ -1,4 +1,4 @@
-"""Images of every type a camera or file gives."""
+"""Images of every type a camera or file gives, and a sequence of frames with camera and force."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import cv2
 import numpy as np
 import pytest
 from hypothesis import given
-from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from benchmarks.tactile.array_frames import ArrayFrames
 from casr.errors import ImageError
+from casr.frames import FrameSequence
 from casr.images import as_grey
 
 LEVELS = np.arange(256, dtype=np.uint8).reshape(16, 16)
@@ -59,27 +60,51 @@ def test_grey_of_grey_changes_nothing(image):
     np.testing.assert_array_equal(as_grey(as_grey(image.astype(np.float64))), image)
 
 
-@given(st.sampled_from([np.nan, np.inf, -np.inf, 1e300]))
-def test_what_is_not_finite_is_counted_and_named(value):
-    image = np.zeros((3, 4))
-    image[1, 2] = value
-    with pytest.raises(ImageError, match=r"press.npy, frame 7.*1 of 12 values NaN or infinite"):
-        as_grey(image, where="press.npy, frame 7")
+FRAMES = np.arange(4 * 3 * 5, dtype=np.uint8).reshape(4, 3, 5)
 
 
-@pytest.mark.parametrize(
-    "image",
-    [
-        np.zeros((0, 5), np.uint8),
-        np.zeros(5, np.uint8),
-        np.zeros((2, 3, 2), np.uint8),
-        np.zeros((1, 2, 3, 3), np.uint8),
-        np.float64(3),
-        np.zeros((2, 2), np.int32),
-        np.zeros((2, 2), complex),
-        np.full((2, 2), "a"),
-    ],
-)
-def test_what_is_no_image_is_refused(image):
-    with pytest.raises(ImageError, match="expected"):
-        as_grey(image)
+def test_frames_by_number_from_either_end_and_in_turn():
+    sequence = FrameSequence(ArrayFrames(FRAMES, name="made"))
+    assert (sequence.name, len(sequence), sequence.shape) == ("made", 4, (3, 5))
+    np.testing.assert_array_equal(sequence[1], FRAMES[1])
+    np.testing.assert_array_equal(sequence[-1], FRAMES[3])
+    np.testing.assert_array_equal(list(sequence), FRAMES)
+
+
+def test_a_bad_frame_is_named_and_the_others_are_read():
+    frames = FRAMES.astype(float)
+    frames[2, 0, 0] = np.nan
+    sequence = FrameSequence(ArrayFrames(frames, name="made"))
+    with pytest.raises(ImageError, match="made, frame 2"):
+        sequence[2]
+    np.testing.assert_array_equal(sequence[3], FRAMES[3])
+
+
+class Counted(ArrayFrames):
+    def __init__(self, frames):
+        super().__init__(frames)
+        self.asked = []
+
+    def read(self, index):
+        self.asked.append(index)
+        return super().read(index)
+
+
+def test_a_frame_that_is_kept_is_decoded_once_and_cannot_be_written_to():
+    source = Counted(FRAMES.copy())
+    kept = FrameSequence(source).kept()
+    for index in (2, 0, 2, -2, 0):
+        np.testing.assert_array_equal(kept[index], FRAMES[index])
+    assert source.asked == [2, 0]
+    with pytest.raises(ValueError, match="read-only"):
+        kept[2][0, 0] = 1
+    assert source.read(2).flags.writeable
+
+
+def test_what_is_kept_has_a_limit(monkeypatch):
+    monkeypatch.setattr("casr.frames.sequence.MOST_KEPT_BYTES", 2 * FRAMES[0].nbytes)
+    source = Counted(FRAMES)
+    kept = FrameSequence(source).kept()
+    for _ in range(2):
+        np.testing.assert_array_equal(list(kept), FRAMES)
+    assert source.asked == [0, 1, 2, 3, 2, 3]

@@ -14,26 +14,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from casr.frames import FrameSequence, force_per_frame
+from casr.frames import FrameSequence
 from casr.overlays import Picture, press_pictures
-from casr.overlays.area import hexagons
 from casr.overlays.canvas import colours_of, photo, ticks, view_of
 from casr.overlays.curves import area_curve, growth_curve
-from casr.overlays.motion import flow_picture, growth_between
+from casr.overlays.frames import flow_picture, growth_between, hexagons
 from casr.palette import RED
 from casr.scoring import Score, ScoreSettings, score
-from emg2vsa.worlds.tactile import TACTIP_127, PressSettings, TimelineSettings, simulate_press
+from emg2vsa.worlds.tactile import TACTIP_127
 
 PINS_PX = TACTIP_127.pins_px((149.5, 149.5))
-
-
-@pytest.fixture(scope="module")
-def pressed() -> tuple[FrameSequence, Score]:
-    press = simulate_press(PressSettings(stiffness_n_per_mm=1.11, timeline=TimelineSettings(loading_s=0.5)))
-    log = press.timeline
-    force_n = force_per_frame(log.log_force_n, log.log_frame_index, len(press.frames))
-    sequence = FrameSequence(press.frames, press.settings.camera, force_n)
-    return sequence, score(sequence)
 
 
 @given(angle_deg=st.floats(-30, 30), x=st.floats(-50, 50))
@@ -72,8 +62,8 @@ def marks(picture: Picture, label: str) -> NDArray[np.float64]:
     return next(mark.at for mark in picture.axes.marks if mark.label.startswith(label))
 
 
-def test_the_front_the_skin_and_the_interval_are_those_of_the_score(pressed: tuple[FrameSequence, Score]) -> None:
-    _, scored = pressed
+def test_the_front_the_skin_and_the_interval_are_those_of_the_score(soft: tuple[FrameSequence, Score]) -> None:
+    _, scored = soft
     picture = area_curve(scored)
     counts = scored.front.determined
     assert counts.sum() > 0
@@ -87,10 +77,8 @@ def test_the_front_the_skin_and_the_interval_are_those_of_the_score(pressed: tup
     )
 
 
-def test_the_line_of_the_rate_joins_two_forces_on_the_power_law(pressed: tuple[FrameSequence, Score]) -> None:
-    _, scored = pressed
-    assert scored.rate is not None
-    assert scored.rate.law is not None
+def test_the_line_of_the_rate_joins_two_forces_on_the_power_law(soft: tuple[FrameSequence, Score]) -> None:
+    _, scored = soft
     curve, line = (marks(area_curve(scored), label) for label in ("power law", "CASR (front)"))
     assert curve[:, 1] == pytest.approx(scored.rate.law.area(curve[:, 0]))
     assert line[:, 0] == pytest.approx([0.5, 7.0])
@@ -98,23 +86,22 @@ def test_the_line_of_the_rate_joins_two_forces_on_the_power_law(pressed: tuple[F
 
 
 @pytest.mark.parametrize("quantity", ["front", "skin"])
-def test_the_line_of_a_slope_runs_through_the_curve(pressed: tuple[FrameSequence, Score], quantity: str) -> None:
-    sequence, _ = pressed
+def test_the_line_of_a_slope_runs_through_the_curve(soft: tuple[FrameSequence, Score], quantity: str) -> None:
+    sequence, _ = soft
     scored = score(sequence, ScoreSettings(rate_rule="slope", quantity=quantity))
-    assert scored.rate is not None
     line = marks(area_curve(scored), f"CASR ({quantity})")
     assert np.diff(line[:, 1]) / np.diff(line[:, 0]) == pytest.approx([scored.rate.value])
     assert np.nanmin(scored.area) < line[:, 1].mean() < np.nanmax(scored.area)
 
 
-def test_the_paper_rate_has_no_line(pressed: tuple[FrameSequence, Score]) -> None:
-    sequence, _ = pressed
+def test_the_paper_rate_has_no_line(soft: tuple[FrameSequence, Score]) -> None:
+    sequence, _ = soft
     picture = area_curve(score(sequence, ScoreSettings(rate_rule="paper")))
     assert not any(mark.kind == "line" for mark in picture.axes.marks)
 
 
-def test_frames_that_are_not_determined_are_grey(pressed: tuple[FrameSequence, Score]) -> None:
-    _, scored = pressed
+def test_frames_that_are_not_determined_are_grey(soft: tuple[FrameSequence, Score]) -> None:
+    _, scored = soft
     doubtful = dataclasses.replace(scored, front_doubt="too small", front_spread=None)
     picture = area_curve(doubtful)
     assert len(marks(picture, "front, not determined")) == len(scored.frames)
@@ -122,8 +109,8 @@ def test_frames_that_are_not_determined_are_grey(pressed: tuple[FrameSequence, S
     assert "Grey" in picture.caption
 
 
-def test_without_forces_areas_are_drawn_frame_by_frame(pressed: tuple[FrameSequence, Score]) -> None:
-    _, scored = pressed
+def test_without_forces_areas_are_drawn_frame_by_frame(soft: tuple[FrameSequence, Score]) -> None:
+    _, scored = soft
     found = dataclasses.replace(scored.front_spread, rate=None, interval=None)
     picture = area_curve(dataclasses.replace(scored, force_n=None, front_spread=found))
     assert marks(picture, "skin")[:, 0] == pytest.approx(scored.frames)
@@ -138,8 +125,8 @@ def test_growth_curve_ends_at_the_sum() -> None:
     assert f"{np.exp(0.25):.2f} times" in picture.caption
 
 
-def test_edges_are_the_fronts_of_a_few_frames_and_the_skin(pressed: tuple[FrameSequence, Score]) -> None:
-    sequence, scored = pressed
+def test_edges_are_the_fronts_of_a_few_frames_and_the_skin(soft: tuple[FrameSequence, Score]) -> None:
+    sequence, scored = soft
     picture = next(p for p in press_pictures(sequence, scored) if p.name == "edges")
     fronts = [mark.at for mark in picture.axes.marks if mark.label.startswith("front")]
     assert len(fronts) == 6
@@ -157,8 +144,8 @@ def test_flow_picture_says_the_divergence() -> None:
     ElementTree.fromstring(still.svg())
 
 
-def test_every_picture_of_a_press(pressed: tuple[FrameSequence, Score]) -> None:
-    pictures = press_pictures(*pressed)
+def test_every_picture_of_a_press(soft: tuple[FrameSequence, Score]) -> None:
+    pictures = press_pictures(*soft)
     assert [p.name for p in pictures] == ["area_curve", "edges", "growth", "pins", "area", "spreading"]
     assert all(p.title and p.caption.endswith(".") for p in pictures)
     for picture in pictures:
@@ -201,21 +188,21 @@ def test_a_lost_pin_leaves_a_gap() -> None:
     assert "nan" not in axes.svg("x")
 
 
-def test_counted_pins_are_the_selected_ones(pressed: tuple[FrameSequence, Score]) -> None:
-    sequence, scored = pressed
+def test_counted_pins_are_the_selected_ones(soft: tuple[FrameSequence, Score]) -> None:
+    sequence, scored = soft
     picture = next(p for p in press_pictures(sequence, scored) if p.name == "pins")
     assert marks(picture, f"counted in A_c0 (skin) ({len(scored.initial.selected)})") == pytest.approx(
         scored.rest.centroids_px[scored.initial.selected]
     )
 
 
-def test_the_same_bytes_every_time(pressed: tuple[FrameSequence, Score]) -> None:
-    one, two = (next(p for p in press_pictures(*pressed) if p.name == "area") for _ in range(2))
+def test_the_same_bytes_every_time(soft: tuple[FrameSequence, Score]) -> None:
+    one, two = (next(p for p in press_pictures(*soft) if p.name == "area") for _ in range(2))
     assert one.svg() == two.svg()
 
 
-def test_pictures_decode_three_frames(pressed: tuple[FrameSequence, Score]) -> None:
-    sequence, scored = pressed
+def test_pictures_decode_three_frames(soft: tuple[FrameSequence, Score]) -> None:
+    sequence, scored = soft
     asked: set[int] = set()
 
     class Counting:

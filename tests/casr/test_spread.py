@@ -1,17 +1,19 @@
-"""Areas from growth, and the spread rate from areas and forces."""
+"""Areas from growth; the spread rate from areas and forces, as a slope and on a power law; its total interval."""
 
 from __future__ import annotations
 
+import warnings
 from functools import partial
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import stats
 
-from casr.errors import CasrError, FramesError, NoContactError, SettingError
-from casr.spread import RATE_RULES, contact_areas, spread_rate
-from casr.spread.loading_points import pooled
+from casr.spread import RATE_RULES, PowerLaw, contact_areas, spread_rate
+from casr.spread.intervals import student_quantile, total_interval
+from casr.spread.rate import pooled
 
 slope = partial(spread_rate, rule="slope")
 
@@ -59,19 +61,6 @@ def test_no_initial_area_gives_no_area_and_no_rate(law, rule):
     area = contact_areas(0.0, np.full(9, 0.1), np.arange(1.0, 11.0), law=law)
     assert not area.any()
     assert spread_rate(area, np.arange(1.0, 11.0), rule=rule).value == 0.0
-
-
-def test_areas_refuse_what_they_cannot_use():
-    with pytest.raises(FramesError, match=r"frame 2.*709"):
-        contact_areas(1.0, [400.0, 400.0])
-    with pytest.raises(FramesError, match="step 1"):
-        contact_areas(1.0, [0.1, np.nan])
-    with pytest.raises(FramesError, match="3 frames"):
-        contact_areas(1.0, [0.1, 0.1], law="paper")
-    with pytest.raises(NoContactError):
-        contact_areas(-1.0, [0.1])
-    with pytest.raises(SettingError, match="ode or paper"):
-        contact_areas(1.0, [0.1], law="euler")
 
 
 def test_slope_of_a_line_is_exact_with_an_interval_of_nothing():
@@ -195,31 +184,101 @@ def test_few_points_give_a_slope_without_interval():
     assert "too few" in rate.notes[0]
 
 
-@pytest.mark.parametrize("rule", RATE_RULES)
-@pytest.mark.parametrize(
-    ("area", "force"),
-    [
-        ([], []),
-        ([1.0], [1.0]),
-        ([1.0, 2.0, 3.0], [np.nan] * 3),
-        ([1.0, 2.0], [1.0]),
-        ([1.0, np.nan, 3.0], [1.0, 2.0, 3.0]),
-        ([1.0, 2.0, 3.0], [1.0, np.inf, 3.0]),
-    ],
-)
-def test_what_has_no_rate_is_one_clear_error(rule, area, force):
-    with pytest.raises(CasrError):
-        spread_rate(area, force, rule=rule)
+def rate_of(area_of, force, **options):
+    return spread_rate(area_of(force), force, **options)
 
 
-@pytest.mark.parametrize("rule", ["power", "slope"])
-def test_constant_and_falling_force_have_no_rate(rule):
-    for force in (np.full(5, 3.0), np.linspace(7, 1, 5)):
-        with pytest.raises(FramesError, match="rising force"):
-            spread_rate(np.arange(5.0), force, rule=rule)
+def few_frames(rng, n=8):
+    """Frames of a fast press: the first lies from 0.5 to 0.8 N, the last from 6.2 to 7.2 N."""
+    first, last = rng.uniform(0.5, 0.8), rng.uniform(6.2, 7.2)
+    return first + (last - first) * np.linspace(0, 1, n) ** rng.uniform(1, 1.6)
 
 
-def test_bad_settings_are_refused():
-    for setting in ({"rule": "median"}, {"window_n": (7.0, 0.5)}):
-        with pytest.raises(SettingError):
-            spread_rate([1.0, 2.0], [1.0, 2.0], **setting)
+@given(st.floats(0.2, 1.0), st.floats(1, 100), st.integers(2, 40))
+def test_a_power_of_force_has_its_exact_mean_rate_wherever_its_frames_lie(exponent, coefficient, n):
+    force = np.linspace(0.8, 5.0, n)
+    rate = rate_of(lambda f: coefficient * f**exponent, force)
+    assert rate.value == pytest.approx(coefficient * (7**exponent - 0.5**exponent) / 6.5, rel=1e-9)
+    assert (rate.law.coefficient, rate.law.exponent) == pytest.approx((coefficient, exponent), rel=1e-9)
+    assert rate.window_n == (0.5, 7.0)
+
+
+def test_the_window_is_that_asked_for():
+    assert rate_of(lambda f: 3 * f, np.linspace(1, 2, 9), window_n=(1.0, 3.0)).value == pytest.approx(3.0)
+    assert PowerLaw(2.0, 2.0).mean_rate(1.0, 3.0) == pytest.approx(8.0)
+
+
+CURVES = {
+    "Hertz": lambda f: 60 * f ** (2 / 3),
+    "on an offset": lambda f: 40 + 60 * f ** (2 / 3),
+    "stiffening": lambda f: 100 * f ** (2 / 3) / (1 + 0.06 * f),
+    "saturating": lambda f: 300 * (1 - np.exp(-f / 3)),
+}
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_the_rate_depends_less_on_where_frames_fall_than_a_slope_does(name):
+    rng = np.random.default_rng(3)
+    forces = [few_frames(rng) for _ in range(100)]
+    power, slope = (
+        np.array([rate_of(CURVES[name], f, rule=rule).value for f in forces]) for rule in ("power", "slope")
+    )
+    assert power.std() / power.mean() < 0.7 * slope.std() / slope.mean()
+    area = CURVES[name]
+    assert power.mean() == pytest.approx((area(7.0) - area(0.5)) / 6.5, rel=0.03)
+
+
+@pytest.mark.parametrize(("frames", "least"), [(6, 0.88), (8, 0.9), (20, 0.9), (60, 0.9)])
+def test_interval_covers_the_rate_for_errors_of_area_and_force(frames, least):
+    rng = np.random.default_rng(5)
+    true = 60 * (7 ** (2 / 3) - 0.5 ** (2 / 3)) / 6.5
+    covered = 0
+    for _ in range(400):
+        force = few_frames(rng, frames)
+        area = 60 * force ** (2 / 3) * np.exp(0.01 * rng.standard_normal(frames))
+        rate = spread_rate(area, force + 0.01 * rng.standard_normal(frames))
+        covered += rate.scatter_low <= true <= rate.scatter_high
+    assert least < covered / 400 < 0.985
+
+
+def test_four_frames_have_a_rate_and_no_interval():
+    rate = rate_of(CURVES["Hertz"], np.array([0.6, 2.0, 4.0, 6.5]))
+    assert rate.scatter_low is None
+    assert rate.notes == ("No interval: 4 points are too few to judge their error.",)
+
+
+def test_a_wild_area_does_not_move_the_rate():
+    force = np.linspace(0.5, 7, 30)
+    area = CURVES["Hertz"](force) * np.exp(0.003 * np.random.default_rng(1).standard_normal(30))
+    wild = area.copy()
+    wild[[4, 25]] *= (2.0, 0.5)
+    assert spread_rate(wild, force).value == pytest.approx(spread_rate(area, force).value, rel=0.01)
+
+
+def test_frames_far_from_the_window_are_said():
+    assert rate_of(CURVES["Hertz"], np.linspace(0.6, 6, 20)).notes == ()
+    (said,) = rate_of(CURVES["Hertz"], np.linspace(0.6, 3, 20)).notes
+    assert "0.6 to 3 N" in said
+    assert "0.5 to 7 N" in said
+
+
+def test_student_quantile_is_that_of_scipy():
+    for freedom in (3, 5, 10, 60):
+        assert student_quantile(0.95, freedom) == pytest.approx(stats.t.ppf(0.975, freedom), rel=0.01)
+
+
+def test_it_reaches_as_far_as_its_parts_together() -> None:
+    found = total_interval(10.0, {"scatter": 0.03, "dome": 0.04})
+    assert (found.low, found.high) == pytest.approx((10 / np.exp(1.959964 * 0.05), 10 * np.exp(1.959964 * 0.05)))
+
+
+@pytest.mark.parametrize(("value", "part"), [(0.0, 0.1), (-1.0, 0.1), (np.nan, 0.1), (1.0, np.nan), (1.0, np.inf)])
+def test_there_is_none_of_what_is_not_known(value: float, part: float) -> None:
+    assert total_interval(value, {"scatter": 0.1, "dome": part}) is None
+
+
+def test_a_part_that_says_nothing_leaves_everything_possible_without_a_warning() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = total_interval(1.0, {"scatter": 1000.0})
+    assert (found.low, found.high) == (0.0, np.inf)

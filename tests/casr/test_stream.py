@@ -1,4 +1,4 @@
-"""The same numbers one frame at a time."""
+"""The same numbers one frame at a time, and the static frame of a long rest."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import casr.stream
 from benchmarks.tactile.array_frames import ArrayFrames
 from casr.errors import CasrError, FramesError, NoContactError
 from casr.flow.estimate import ENGINES, FlowSettings
-from casr.frames import FrameSequence, force_per_frame
+from casr.frames import FrameSequence, loading_phase
 from casr.scoring import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
-from casr.stream import StreamScorer, StreamState
+from casr.stream import RestFrame, StreamScorer, StreamState
 from emg2vsa.worlds.tactile import ContactWorld, PressSettings, TabulatedWorld, TimelineSettings, World, simulate_press
 
 Frames = tuple[NDArray[np.uint8], NDArray[np.float64]]
@@ -29,9 +30,7 @@ def press() -> Frames:
 
 def pressed(world: World) -> Frames:
     made = simulate_press(PressSettings(stiffness_n_per_mm=SPECIMENS["S3"], world=world, timeline=BRISK))
-    line = made.timeline
-    images = np.stack([made.frames.read(index) for index in range(len(made.frames))])
-    return images, force_per_frame(line.log_force_n, line.log_frame_index, len(images))
+    return np.stack([made.frames.read(index) for index in range(len(made.frames))]), made.sequence().force_n
 
 
 def streamed(
@@ -51,8 +50,6 @@ def assert_same(stream: Score, recording: Score) -> None:
     np.testing.assert_allclose(stream.front.area, recording.front.area, rtol=1e-9)
     np.testing.assert_allclose(stream.divergence, recording.divergence, rtol=0, atol=1e-9)
     np.testing.assert_allclose(stream.contact_px, recording.contact_px)
-    assert stream.rate is not None
-    assert recording.rate is not None
     assert stream.rate.value == pytest.approx(recording.rate.value, rel=1e-9)
     assert stream.notes == recording.notes
 
@@ -130,8 +127,8 @@ def test_state_and_rate_of_the_skin_after_each_frame() -> None:
 def test_front_after_each_frame_is_nearly_that_of_the_finished_press(settled: bool) -> None:
     """Against the score of the whole recording, of a world whose edge is computed by finite elements."""
     made = simulate_press(PressSettings(stiffness_n_per_mm=SPECIMENS["S2"], world=TabulatedWorld()))
-    line, n = made.timeline, int(made.truth.loading_frames[-1]) + 1
-    force = force_per_frame(line.log_force_n, line.log_frame_index, len(made.frames))[:n]
+    n = int(made.truth.loading_frames[-1]) + 1
+    force = made.sequence().force_n[:n]
     images = np.stack([made.frames.read(index) for index in range(n)])
     stream, states = StreamScorer(made.settings.camera), []
     for image, f in zip(images, force, strict=True):
@@ -139,7 +136,6 @@ def test_front_after_each_frame_is_nearly_that_of_the_finished_press(settled: bo
         if settled:
             stream.settle()
     recording = score(FrameSequence(ArrayFrames(images), made.settings.camera, force))
-    assert recording.rate is not None
     at_the_time = {state.frame: state.area for state in states if state.area is not None}
     share = np.array([at_the_time[int(k)] / a - 1 for k, a in zip(recording.frames, recording.area, strict=True)
                       if int(k) in at_the_time])  # fmt: skip
@@ -147,8 +143,6 @@ def test_front_after_each_frame_is_nearly_that_of_the_finished_press(settled: bo
     assert np.abs(share).max() < 0.03  # as little as the first frames know; areas alone are known to 2.5 %
     assert np.median(np.abs(share)) < 2e-3
     spread = stream.spread()
-    assert spread is not None
-    assert spread.rate is not None
     assert spread.interval is not None
     assert spread.rate.value == pytest.approx(recording.rate.value, rel=1e-3)
     force_n, area = stream.curve()
@@ -203,3 +197,31 @@ def test_memory_does_not_grow_with_the_sequence(press: Frames) -> None:
             used.append(tracemalloc.get_traced_memory()[0])
     tracemalloc.stop()
     assert used[1] - used[0] < 1_000_000, "1000 frames are 90 MB"
+
+
+START_N = 0.5
+
+
+def test_a_long_rest_is_looked_at_ever_more_rarely(monkeypatch: pytest.MonkeyPatch) -> None:
+    looks = []
+
+    def counted(force_n, **how):
+        looks.append(len(force_n))
+        return loading_phase(force_n, **how)
+
+    monkeypatch.setattr(casr.stream, "loading_phase", counted)
+    rest, image = RestFrame(START_N), np.zeros((1, 1), np.uint8)
+    for _ in range(20_000):
+        rest.take(image, 0.0)
+    assert len(looks) < 20_000 / 32 / 2
+    assert looks[1] - looks[0] == 32
+
+
+def test_the_frame_is_the_choice_of_all_forces_where_it_is_still_held() -> None:
+    rng, rest = np.random.default_rng(1), RestFrame(START_N)
+    force_n = 0.01 * rng.standard_normal(9000)
+    for k, force in enumerate(force_n.tolist()):
+        rest.take(np.array([[k % 256]], np.uint8), force)
+    chosen = loading_phase(np.append(force_n, (START_N, 2 * START_N)), start_n=START_N).rest
+    assert force_n.size - chosen < 64
+    assert rest.image()[0, 0] == chosen % 256

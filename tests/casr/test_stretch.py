@@ -8,10 +8,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from casr.frames import FrameSequence, force_per_frame
+from casr.doubts import Stretch, stretch_of, unlike_others
 from casr.scoring import Score, score
 from casr.specimens import SPECIMENS
-from casr.stretch import Stretch, stretch_of, unlike_others
 from emg2vsa.worlds.tactile import ContactWorld, PressSettings, TimelineSettings, simulate_press
 
 
@@ -22,10 +21,7 @@ def pressed(specimen: str, stick_force_n: float | None, repetition: int = 0) -> 
     settings = PressSettings(stiffness_n_per_mm=SPECIMENS[specimen], repetition=repetition, timeline=timeline)
     if stick_force_n is not None:
         settings = dataclasses.replace(settings, world=ContactWorld(stick_force_n=stick_force_n))
-    press = simulate_press(settings)
-    log = press.timeline
-    force_n = force_per_frame(log.log_force_n, log.log_frame_index, len(press.frames))
-    return score(FrameSequence(press.frames, press.settings.camera, force_n))
+    return score(simulate_press(settings).sequence())
 
 
 def stretches(**presses: tuple[str, float | None, int]) -> dict[str, Stretch]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casr.overlays.area import hexagons
+from casr.overlays.frames import hexagons
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.results import LawResult
 from emg2vsa.figures.algorithm_1 import PinCounts, draw_pin_counts, draw_steps

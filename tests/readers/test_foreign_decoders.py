@@ -30,7 +30,7 @@ from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSe
 from emg2vsa.study_file.problems import checked
 
 READER = """
-import ctypes, os, resource, signal
+import ctypes, os, signal
 import numpy as np
 from emg2vsa.readers.opened import Contents, StoredChannel
 from emg2vsa.recordings import ChannelInfo
@@ -51,8 +51,6 @@ class Opened:
             np.ones(10**9)
         if fault == "killed":
             os.kill(os.getpid(), signal.SIGKILL)
-        if fault == "no room":
-            resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
 
     def describe(self):
         return (ChannelInfo("EDC", "V", 100.0, 500), ChannelInfo("Fz", "N", 100.0, 500))
@@ -116,12 +114,8 @@ def test_a_fault_is_a_recording_error_and_the_next_file_is_read(odd: Path, fault
     [
         ("killed", "that its reader was killed from outside (libodd, killed)"),
         ("killed later", "that its reader was killed from outside (libodd, killed)"),
-        pytest.param(
-            "no room", "that the system gave its reader no room for what it read (file too large)",
-            marks=pytest.mark.skipif(sys.platform != "linux", reason="answers lie in shared memory on Linux only"),
-        ),
     ],
-)  # fmt: skip
+)
 def test_what_the_system_does_to_a_reader_is_not_the_files_fault(odd: Path, fault: str, found: str) -> None:
     odd.write_text(fault)
     with pytest.raises(PassingError) as caught:

@@ -161,7 +161,7 @@ def test_a_press_that_turned_back_early_is_not_scored(sequence):
 
 
 def test_where_no_edge_is_found_hexagons_are_no_stand_in(sequence, monkeypatch):
-    monkeypatch.setattr("casr.contact_area.rules._edge_rule", lambda motion, camera: "the fit explains 12 %")
+    monkeypatch.setattr("casr.contact_area.rules._within_edge", lambda motion, camera: "the fit explains 12 %")
     found = scored(press(sequence), settings=RunSettings(algorithm="edge"))
     assert found.verdicts == ("rejected",)
     assert "No contact edge: the fit explains 12 %" in found.reasons[0]

@@ -5,9 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from casr.command_line import JSON, Commands, add_command, answer
-from casr.completion import command_of
-from casr.source_checkout import benchmarks
+from casr.command_line import JSON, Commands, add_command, answer, benchmarks, command_of
 from emg2vsa.cli.arguments import COUNT, STUDY, WAIT, WORK, study_of
 from emg2vsa.errors import SettingError
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.flow.dis import dis_flow
+from casr.flow.dense_engine import dis_flow
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.curves.line import fit_line
 from emg2vsa.discrimination.run_table import RIGID

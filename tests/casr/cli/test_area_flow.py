@@ -1,12 +1,15 @@
-"""``casr area`` and ``casr flow``: numbers from few frames."""
+"""``casr area`` and ``casr flow``: numbers from few frames; options that say what the pins are, and bad frames."""
 
 from __future__ import annotations
 
 import json
 import math
+import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
+import tifffile
 
 from casr.cli import main
 
@@ -87,15 +90,83 @@ def test_flow_picture(engine: str, name: str, presses: Path, tmp_path: Path) -> 
     assert (tmp_path / f"{name}.svg").stat().st_size > 10_000
 
 
-@pytest.mark.parametrize("engine", ["dis", "horn-schunck"])
-def test_a_region_of_no_size_is_said_in_one_line(engine: str, presses: Path, capsys: Captured) -> None:
-    words = ["flow", str(presses / "S5_00deg_01"), "--frames", "9,11", "--engine", engine, "--region", "150,150,0.1"]
-    assert main(words) == 2
-    error = capsys.readouterr().err
-    assert "region: expected 3 or more rows" in error
-    assert len(error.splitlines()) == 1
+COMMANDS = (["score"], ["area"], ["flow", "--frames", "10,14"])
 
 
-def test_a_frame_that_is_not_there(presses: Path, capsys: Captured) -> None:
-    assert main(["flow", str(presses / "S5_00deg_01"), "--frames", "0,900"]) == 2
-    assert "900" in capsys.readouterr().err
+@pytest.fixture(scope="module")
+def dark(presses: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A press whose pins are darker than the skin."""
+    folder = tmp_path_factory.mktemp("dark") / "dark"
+    shutil.copytree(presses / "S5_00deg_01", folder)
+    frames = tifffile.imread(folder / "frames.tif")
+    tifffile.imwrite(folder / "frames.tif", 255 - frames, photometric="minisblack")
+    return folder
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda words: words[0])
+def test_dark_pins_are_measured_like_bright_ones(
+    command: list[str], presses: Path, dark: Path, capsys: Captured
+) -> None:
+    name, *words = command
+    assert main([name, str(dark), *words, "--dark-pins", "--expect-pins", "127", "--json"]) == 0
+    captured = capsys.readouterr()
+    assert "not 127" not in captured.err
+    found = json.loads(captured.out)
+    assert main([name, str(presses / "S5_00deg_01"), *words, "--json"]) == 0
+    bright = json.loads(capsys.readouterr().out)
+    if name == "score":
+        assert found["rate"]["value"] == pytest.approx(bright["rate"]["value"], rel=1e-3)
+        assert found["settings"]["flow"]["pins"]["dark_pins"] is True
+    elif name == "area":
+        assert found["areas"]["edge"]["area_mm2"] == pytest.approx(bright["areas"]["edge"]["area_mm2"], rel=2e-3)
+    else:
+        assert found["steps"][-1]["sum"] == pytest.approx(bright["steps"][-1]["sum"], rel=2e-3)
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda words: words[0])
+def test_another_count_of_pins_is_said(command: list[str], presses: Path, capsys: Captured) -> None:
+    name, *words = command
+    press = str(presses / "S5_00deg_01")
+    assert main([name, press, *words, "--expect-pins", "130"]) == 0
+    assert "127 pins are found at rest, not 130" in capsys.readouterr().err
+
+
+def test_bad_frames_are_left_out_by_score_and_flow(presses: Path, tmp_path: Path, capsys: Captured) -> None:
+    folder = tmp_path / "some_black"
+    shutil.copytree(presses / "S5_00deg_01", folder)
+    frames = tifffile.imread(folder / "frames.tif")
+    frames[[20, 30]] = 0
+    tifffile.imwrite(folder / "frames.tif", frames, photometric="minisblack")
+    assert main(["score", str(folder), "--json"]) == 0
+    captured = capsys.readouterr()
+    assert "frames 20, 30 are skipped" in captured.err
+    assert not {20, 30} & set(json.loads(captured.out)["frames"])
+    assert main(["flow", str(folder), "--frames", "18,22", "--json"]) == 0
+    captured = capsys.readouterr()
+    assert "frame 20 is left out" in captured.err
+    assert [(step["from"], step["to"]) for step in json.loads(captured.out)["steps"]] == [(18, 19), (19, 21), (21, 22)]
+    frames[20:23] = 0
+    tifffile.imwrite(folder / "frames.tif", frames, photometric="minisblack")
+    for command in (["score"], ["flow", "--frames", "18,24"]):
+        assert main([command[0], str(folder), *command[1:]]) == 2
+        assert "frame 22, " in capsys.readouterr().err
+
+
+def test_pages_do_not_go_among_the_raw_data(presses: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("S1_00deg_01", "S5_00deg_01"):
+        shutil.copytree(presses / name, tmp_path / "pr" / name)
+    before = sorted(path.relative_to(tmp_path) for path in (tmp_path / "pr").rglob("*"))
+    monkeypatch.chdir(tmp_path)
+    assert main(["score", "pr", "--page", "pr.html"]) == 0
+    assert sorted(path.relative_to(tmp_path) for path in (tmp_path / "pr").rglob("*")) == before
+    pages = sorted(path.name for path in (tmp_path / "pr_pages").iterdir())
+    assert pages == ["S1_00deg_01.html", "S5_00deg_01.html"]
+    index = (tmp_path / "pr.html").read_text(encoding="utf-8")
+    assert all(f"pr_pages/{page}" in index for page in pages)
+
+
+def test_a_white_noise_film_has_no_pins(tmp_path: Path, capsys: Captured) -> None:
+    noise = np.random.default_rng(0).normal(90, 25, (6, 300, 300)).clip(0, 255).astype(np.uint8)
+    np.save(tmp_path / "noise.npy", noise)
+    assert main(["score", str(tmp_path / "noise.npy")]) == 2
+    assert "pins" in capsys.readouterr().err

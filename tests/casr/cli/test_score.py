@@ -104,20 +104,6 @@ def test_domes_of_a_lab_are_taken(
     assert json.loads(capsys.readouterr().out)["front"]["dome"] == "A"
 
 
-def test_many_presses_are_a_line_each(presses: Path, capsys: Captured) -> None:
-    assert main(["score", str(presses)]) == 0
-    assert capsys.readouterr().out.count("mm2/N") == 4
-
-
-def test_json_is_all_there_is_on_the_standard_output(presses: Path, capsys: Captured) -> None:
-    assert main(["score", str(presses / "S5_00deg_01"), "--json"]) == 0
-    captured = capsys.readouterr()
-    found = json.loads(captured.out)
-    assert found["area_unit"] == "mm2"
-    assert len(found["area"]) == len(found["frames"])
-    assert found["rate"]["value"] > 0
-
-
 def test_the_papers_force_of_a_frame_is_that_of_half_a_frame_later(presses: Path, capsys: Captured) -> None:
     first = {}
     for rule in ("exposure", "mean"):
@@ -182,27 +168,6 @@ def test_a_press_to_check_says_so_first(presses: Path, tmp_path: Path, capsys: C
     assert "note: backwards: check this press: the pins go back" in captured.err
 
 
-def test_growth_is_the_truth(presses: Path, capsys: Captured) -> None:
-    folder = presses / "S1_00deg_02"
-    assert main(["score", str(folder), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    truth = json.loads((folder / "truth.json").read_text())["truth"]
-    pairs = zip(found["area"], (truth["area_mm2"][frame] for frame in found["frames"]), strict=True)
-    known = [(area, true) for area, true in pairs if area is not None]
-    assert len(known) > 30
-    assert known[-1][0] / known[0][0] == pytest.approx(known[-1][1] / known[0][1], rel=0.05)
-
-
-def test_skin_grows_as_the_contact_where_the_contact_is_a_piece_of_skin(tmp_path: Path, capsys: Captured) -> None:
-    sticking = PressSettings(stiffness_n_per_mm=7.63, world=ContactWorld(), repetition=1)
-    folder = write_press(simulate_press(sticking), tmp_path / "press", overwrite=False)
-    assert main(["score", str(folder), "--quantity", "skin", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    area = json.loads((folder / "truth.json").read_text())["truth"]["area_mm2"]
-    true_growth = area[found["frames"][-1]] / area[found["frames"][0]]
-    assert found["area"][-1] / found["area"][0] == pytest.approx(true_growth, rel=0.05)
-
-
 def test_a_bad_press_does_not_stop_the_others(presses: Path, tmp_path: Path, capsys: Captured) -> None:
     folder = tmp_path / "some"
     shutil.copytree(presses / "S5_00deg_01", folder / "good")
@@ -216,14 +181,6 @@ def test_a_bad_press_does_not_stop_the_others(presses: Path, tmp_path: Path, cap
     assert captured.err.startswith("not scored: bad")
     assert "Not scored: bad" in page.read_text(encoding="utf-8")
     assert [path.name for path in (tmp_path / "index_pages").iterdir()] == ["good.html"]
-
-
-def test_without_force_there_is_area_but_no_rate(presses: Path, tmp_path: Path, capsys: Captured) -> None:
-    shutil.copy(presses / "S5_00deg_01" / "frames.tif", tmp_path / "alone.tif")
-    assert main(["score", str(tmp_path / "alone.tif"), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["rate"] is None
-    assert found["area_unit"] == "px2"
 
 
 def without_camera(presses: Path, run: Path) -> Path:
@@ -272,53 +229,3 @@ def test_pictures_and_page_of_one_press(presses: Path, tmp_path: Path) -> None:
     assert "http" not in page.replace("http://www.w3.org", "")
     names = {path.name for path in (tmp_path / "pictures").iterdir()}
     assert names == {f"{name}.svg" for name in ("area_curve", "edges", "growth", "pins", "area", "spreading")}
-
-
-@pytest.mark.parametrize(
-    ("words", "complaint"),
-    [
-        (["{presses}/absent"], "absent"),
-        (["{presses}/S1_00deg_01", "--start-n", "3", "--stop-n", "2"], "--stop-n"),
-        (["{presses}/S1_00deg_01", "--start-n", "8"], "--stop-n"),
-        (
-            ["{presses}/S1_00deg_01", "--start-n", "20", "--stop-n", "30"],
-            "S1_00deg_01, force: expected contact, a force of 20 N",
-        ),
-        (
-            ["{presses}/S1_00deg_01", "--stop-n", "9"],
-            "S1_00deg_01, force: expected a load up to stop_n (--stop-n), 9 N",
-        ),
-        (["{presses}/S1_00deg_01", "--region", "1,2"], "region"),
-        (["{presses}/S1_00deg_01", "--force", "{presses}/none.csv"], "none.csv"),
-        (["{presses}/S1_00deg_01", "--camera-lag", "60"], "camera_lag_s: expected seconds from -10 to 10"),
-        (["{presses}/S1_00deg_01", "--force-rule", "mean", "--camera-lag", "0.05"], "expected a force log with time_s"),
-        (["{presses}/S1_00deg_01", "--force-rule", "mean", "--correct-lag"], "a force log without times"),
-        (["{presses}", "--force", "{presses}/S1_00deg_01/force.csv"], "one press"),
-        (["{presses}/S1_00deg_01", "--domes", "{presses}"], "tables of domes"),
-        (["{presses}/S1_00deg_01", "--region", "image"], "a dense engine"),
-        (["{presses}/S1_00deg_01", "--region", "150,150,140"], "at most the area of the pin array"),
-        (["{presses}/S1_00deg_01", "--pins", "{presses}/S1_00deg_01/p.csv"], "--pins: expected a place outside"),
-        (
-            ["{presses}/S1_00deg_01", "--frames", "{presses}/S1_00deg_01/new/p.csv"],
-            "--frames: expected a place outside",
-        ),
-        (["{presses}", "--page", "{presses}/p.html"], "--page: expected a place outside"),
-        (["{presses}/S1_00deg_01", "--figures", "{presses}/S1_00deg_01"], "--figures: expected a place outside"),
-        (["{presses}", "--pins", "p.csv"], "--pins: expected one press, but found 4 presses"),
-        (["{presses}/S1_00deg_01", "--pins", "p.csv", "--frames", "p.csv"], "expected two files"),
-    ],
-)
-def test_unusable_input_is_said_in_one_line(words: list[str], complaint: str, presses: Path, capsys: Captured) -> None:
-    assert main(["score", *(word.format(presses=presses) for word in words)]) == 2
-    error = capsys.readouterr().err
-    assert error.startswith("casr: ")
-    assert complaint in error
-    assert len(error.splitlines()) == 1
-
-
-@pytest.mark.parametrize("words", [["--pins", "p.txt"], ["--frames", "p"], ["--quantity", "both"]])
-def test_options_that_take_no_such_value(words: list[str], presses: Path, capsys: Captured) -> None:
-    with pytest.raises(SystemExit) as left:
-        main(["score", str(presses / "S1_00deg_01"), *words])
-    assert left.value.code == 2
-    assert words[1] in capsys.readouterr().err

@@ -12,7 +12,7 @@ import pytest
 from scipy.ndimage import map_coordinates
 
 from benchmarks.tactile.ours import NATURAL_IMAGES as NATURAL
-from casr.flow.divergence import divergence, mean_divergence
+from casr.flow.dense_engine import divergence, mean_divergence
 from casr.flow.horn_schunck import HornSchunck, HornSchunckSettings, horn_schunck
 from casr.pins import PinTracker
 

@@ -64,7 +64,6 @@ def test_wild_rows_of_the_log_are_left_out(press):
 def test_readings_with_times_go_along(press):
     (press / "force.csv").write_text(rows(np.linspace(0, 6, 65)))
     readings = open_frames(press).readings
-    assert readings is not None
     np.testing.assert_allclose(readings.frame_time_s, 0.045 + 0.05 * np.arange(12))
     np.testing.assert_allclose(readings.at_frames(0.05)[1:], readings.at_frames()[:-1], atol=1e-9)
     assert open_frames(press, force_rule="mean").readings is None

@@ -11,8 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
-from casr.decoder_child import Limits
-from casr.decoder_process import DecoderLost, InChild, child_pid, end_child
+from casr.decoder_process import DecoderLost, InChild, Limits, child_pid, end_child
 from casr.errors import FramesError, PassingError
 from casr.frame_files import open_frames, video
 from casr.frame_files.video import VideoDecoder

@@ -1,4 +1,4 @@
-"""How late frames are, from when pins and force set off."""
+"""Readings that cannot be, and how late frames are, from when pins and force set off."""
 
 from __future__ import annotations
 
@@ -7,9 +7,66 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from casr.errors import FramesError
-from casr.frames import CameraLag, ForceReadings, camera_lag, check_newtons, frame_times_by_rows
+from casr.frames import CameraLag, ForceReadings, camera_lag, check_newtons, frame_times_by_rows, note_on_spikes, spikes
+
+TIME_S = np.arange(0, 4, 0.005)
+
+
+def log(rate_n_s: float, noise_n: float, seed: int, peak_n: float = 7.0) -> np.ndarray:
+    """Rest, rise, a sharp peak, fall and rest."""
+    rise = rate_n_s * np.clip(TIME_S - 1.5, 0, None)
+    force = np.minimum(rise, np.clip(2 * peak_n - rise, 0, None))
+    return force + np.random.default_rng(seed).normal(0, noise_n, TIME_S.size)
+
+
+@given(st.floats(-1, 2.3), st.floats(-4, -0.7), st.integers(0, 10_000))
+def test_no_rise_or_peak_is_a_spike(log_rate, log_noise, seed):
+    assert not spikes(log(10**log_rate, 10**log_noise, seed)).any()
+
+
+@given(st.floats(-1, 1.5), st.integers(5, 790), st.integers(1, 2), st.floats(9, 20), st.integers(0, 10_000))
+def test_one_or_two_wild_rows_are_found_and_no_other(log_rate, at, width, height_n, seed):
+    force = log(10**log_rate, 0.01, seed)
+    force[at : at + width] = height_n
+    np.testing.assert_array_equal(np.flatnonzero(spikes(force)), np.arange(at, at + width))
+
+
+@pytest.mark.parametrize(
+    "force_n",
+    [
+        [0, 0, 0, 0, 3, 7, 3, 0, 0, 0],
+        [0, 0, 0, 0, 0, 8, 8, 8, 8, 8],
+        [0, 0.01, -0.01, 0, 0.2, 0.4, 0.6, 2, 4, 7, 5, 1, 0.2, 0],
+        [0, 0, 0, 0, 9, 9, 9, 0, 0, 0],
+        [0, 9, 0],
+        [],
+    ],
+    ids=["tap", "step", "press", "three", "short", "empty"],
+)
+def test_what_a_press_may_do_in_a_few_frames(force_n):
+    assert not spikes(force_n).any()
+
+
+def test_missing_readings_are_passed_over():
+    force = [0, 0, np.nan, 0.01, 12, np.nan, 0, 0, 0.01, 0, 0.01, 0]
+    np.testing.assert_array_equal(np.flatnonzero(spikes(force)), [4])
+    found = spikes(force)
+    assert note_on_spikes(found, np.array(force), "of 12 rows") == (
+        "1 of 12 rows is a spike (up to 12 N) and left out",
+    )
+    assert note_on_spikes(found & False, np.array(force), "of 12 rows") == ()
+
+
+def test_a_real_grip_keeps_all_but_one_glitch(shared_data: Callable[[str], Path]):
+    """5 s at 1000 Hz of 0 to 98 units; row 2539 falls by 2.7 for a millisecond amid steps of 0.06."""
+    force = np.loadtxt(shared_data("emg/emg_force/novainstrumentation_force.txt"))[1]
+    np.testing.assert_array_equal(np.flatnonzero(spikes(force)), [2539])
+    for every in (5, 20, 50):
+        assert not spikes(force[::every]).any(), "steep as it is at a frame's rate"
+
 
 ROW_S = np.arange(0, 2.5, 0.005)
 FRAME_S = np.arange(40) / 20 + 0.0213
@@ -103,7 +160,6 @@ def test_finite_element_contacts(shared_data: Callable[[str], Path], case: str) 
         readings = ForceReadings(ROW_S, noisy, FRAME_S + lag_s)
         found = camera_lag(np.arange(n), frames_px, readings, zero_n=0.0, start_n=0.5)
         assert found.lag_s == pytest.approx(lag_s, abs=0.02)
-        assert found.sd_s is not None
         assert abs(found.lag_s - lag_s) < 2 * found.sd_s
 
 
@@ -112,8 +168,6 @@ def test_frames_between_rows():
     np.testing.assert_array_equal(frame_times_by_rows(np.arange(7.0), index, 5), [1.5, 4.5, np.nan, 5.5, np.nan])
 
 
-def test_forces_that_are_no_newtons():
+def test_forces_that_may_be_newtons():
     check_newtons(np.array([np.nan, -150.0, 199.0]), "log")
     check_newtons(np.array([]), "log")
-    with pytest.raises(FramesError, match=r"log: expected forces in N, 200 at most, but found 7000. Which unit is it"):
-        check_newtons(np.array([1.0, -7000.0]), "log")

@@ -1,4 +1,4 @@
-"""Area as a power of force, and its mean growth between two forces."""
+"""Area over force as a power law and as a line: robust fits of a rate and its standard error."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.median import median
-from casr.spread.correlated_errors import standard_error
+from casr.spread.intervals import standard_error
 
 Vector = NDArray[np.float64]
 
 HUBER_LIMIT = 3.0  # scaled median residuals
-INTERVAL_POINTS = 5
+POWER_LAW_POINTS = 5
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class PowerLawFit:
 
         None below five points.
         """
-        if self.log_area.size < INTERVAL_POINTS:
+        if self.log_area.size < POWER_LAW_POINTS:
             return None
         x, mean, slope_of = _line(self.log_force, self.weights)
         ends = np.log([low_n, high_n]) - mean
@@ -69,8 +69,6 @@ def fit_power_law(area: Vector, force_n: Vector) -> PowerLawFit:
     equal errors of area in percent ask for (1) and equal errors of force in newtons (F^2). Areas far off are drawn to
     Huber's limit.
 
-    Parameters
-    ----------
     area, force_n : (n,) above 0 with n >= 2, forces not all alike.
     """
     log_area, log_force, weights = np.log(area), np.log(force_n), force_n / force_n.sum()
@@ -92,3 +90,54 @@ def _line(log_force: Vector, weights: Vector) -> tuple[Vector, float, Vector]:
     mean = float(weights @ log_force)
     x = log_force - mean
     return x, mean, weights * x / (weights @ x**2)
+
+
+SLOPE_POINTS = 10
+
+
+def force_slope(area: Vector, force_n: Vector) -> tuple[float, float | None]:
+    """Slope of A over F and its standard error, None below ten points.
+
+    A(F) is concave, so there is no true line: the slope is that of the least-squares line through the curve A(F) over
+    the force axis, each frame weighing the stretch of force it stands for. That makes it a property of the curve,
+    whatever the frame rate and however the force rose in time; counting frames alike, the same curve gives slopes
+    9 % apart for F ~ t and F ~ t^2. Areas far off the line are drawn to Huber's limit.
+
+    area, force_n : (n,) with n >= 2, force strictly rising.
+    """
+    area = area - area[0]  # exact for near areas, so that a large one costs no digits
+    slope_of, mean_of = _line_weights(force_n)
+    middle = (force_n[0] + force_n[-1]) / 2
+    drawn = area
+    for _ in range(50):
+        slope = float(slope_of @ drawn)
+        line = mean_of @ drawn + slope * (force_n - middle)
+        limit = HUBER_LIMIT * 1.4826 * float(np.median(np.abs(area - line)))
+        if limit == 0:
+            break
+        before, drawn = drawn, np.clip(area, line - limit, line + limit)
+        if np.abs(drawn - before).max() < 1e-9 * limit:
+            break
+    if area.size < SLOPE_POINTS:
+        return slope, None
+    return slope, standard_error(drawn, _bent(force_n), slope_of)[0]
+
+
+def _line_weights(force_n: Vector) -> tuple[Vector, Vector]:
+    """(n,) weights that give slope and mean of the least-squares line through the piecewise linear curve A(F)."""
+    width = np.diff(force_n)
+    x = force_n - (force_n[0] + force_n[-1]) / 2
+    slope_of, mean_of = np.zeros_like(x), np.zeros_like(x)
+    slope_of[:-1] += width * (2 * x[:-1] + x[1:]) / 6
+    slope_of[1:] += width * (x[:-1] + 2 * x[1:]) / 6
+    mean_of[:-1] += width / 2
+    mean_of[1:] += width / 2
+    length = width.sum()
+    return slope_of * (12 / length**3), mean_of / length
+
+
+def _bent(force_n: Vector) -> NDArray[np.float64]:
+    """(n, 4) columns of a smooth curve, so that the bend of A(F) does not count as noise."""
+    unit = (force_n - force_n[0]) / (force_n[-1] - force_n[0])
+    bend = np.log(unit + 0.1)
+    return np.column_stack([np.ones_like(unit), unit, bend, bend**2])
