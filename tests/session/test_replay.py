@@ -111,6 +111,11 @@ def test_a_session_that_was_killed_and_resumed_is_rebuilt(play):
     resumed = play("dips@1", session=FEW, resume=True, beside=watched)
     replayed = check(resumed, watched, 5)
     assert {press.before.press for press in replayed.presses} == {1, 2, 3, 4}
+    assert resumed.state.ended == "completed"
+    shown = resumed.state.presses
+    (broken,) = (press.number for press in shown if any("interrupted" in said for said, _ in press.problems))
+    assert [press.verdict for press in shown if press.number == broken][-2:] == ["rejected", "ok"]
+    assert all(fit.presses == 2 for fit in resumed.state.fits)
     before = replay(resumed.study, resumed.folder, line=killed.last_line)
     assert (without_devices(as_json(before.operator)), as_json(before.participant)) == (
         without_devices(killed.last[0]), killed.last[1],

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.devices.trigno.settings import TrignoSettings
-from emg2vsa.errors import DataError, DeviceError
+from emg2vsa.errors import DeviceError
 from emg2vsa.session import replay
 from emg2vsa.session.journal import (
     JOURNAL_FILE,
@@ -73,47 +73,6 @@ def test_a_lost_device_interrupts_the_press_and_the_session_goes_on_when_it_is_b
     lines, _ = read_journal(played.folder / JOURNAL_FILE)
     assert Paused("device") in [line.event for line in lines]
     assert len(list(played.folder.glob("*_emg*.samples"))) == 2
-
-
-def test_a_session_that_was_killed_goes_on_with_the_same_order_and_repeats_its_press(play):
-    killed = {}
-
-    class Killed(Exception):
-        pass
-
-    def kill(desk, now_s):
-        if now_s > 30 and desk.force().command == "press":
-            killed["press"] = desk.session.state.running.press.number
-            raise Killed
-
-    with pytest.raises(Killed):
-        play(session=FEW, beside=kill)
-    resumed = play(session=FEW, resume=True)
-    assert resumed.state.ended == "completed"
-    own = [press for press in resumed.state.presses if press.number == killed["press"]]
-    assert [press.attempt for press in own] == [1, 2]
-    assert [press.verdict for press in own] == ["rejected", "ok"]
-    assert len(resumed.state.presses) == 5
-    assert all(fit.presses == 2 for fit in resumed.state.fits)
-
-
-def test_two_processes_cannot_record_one_session_nor_begin_it_twice(play, study_file):
-    from emg2vsa.devices.clock import VirtualClock
-
-    played = play(operator=False, beside=lambda desk, now_s: desk.ask(Request("end")))
-    with (
-        pytest.raises(DataError, match="--resume"),
-        open_session(played.study, "P03", VirtualClock(), _sources(played.study), at_once=True),
-    ):
-        pass
-
-
-def _sources(study):
-    from emg2vsa.devices.clock import VirtualClock
-    from emg2vsa.worlds.people.sensors import simulate
-
-    _, emg, force = simulate(study, study.session, "P03", VirtualClock())
-    return (lambda: emg, lambda: force)
 
 
 def test_a_changed_study_file_is_told_on_resume_and_the_order_stays(play):

@@ -38,6 +38,17 @@ def test_a_small_session_from_its_signals_to_its_verdict(play, capsys):
     assert "S1 3/3, S3 3/3" in capsys.readouterr().out
 
 
+def checked(played):
+    """Of each specimen the presses that were judged, and the trials that `emg2vsa check` finds."""
+    write_dataset(played.folder, played.study)
+    own = of_participants(load_study(played.study_file), ["P03"])
+    board = run_study(own, stages=("trials",), jobs=1, progress=progress(quiet=True))
+    for entry in own.recordings:
+        (path,) = board.done("trials", (entry.key,))
+        pressed = [press for press in played.state.presses if press.specimen == entry.specimen and press.verdict]
+        yield pressed, artifacts.load(path)
+
+
 CHARACTERS = [
     ("too-fast@1", "warned", "faster than"),
     ("too-slow@1", "warned", "slower than"),
@@ -64,21 +75,14 @@ def test_each_character_has_its_verdict_and_check_agrees(play, mistake, verdict,
     assert {value[0] for value in others.values()} <= {"ok", "warned"}, others
     assert ((1, 2) in others) == (verdict == "rejected")
     assert played.state.ended == "completed"
-    write_dataset(played.folder, played.study)
-    study = load_study(played.study_file)
-    own = of_participants(study, ["P03"])
-    board = run_study(own, stages=("trials",), jobs=1, progress=progress(quiet=True))
-    for entry in own.recordings:
-        (path,) = board.done("trials", (entry.key,))
-        trials = artifacts.load(path)
-        own = [press for press in played.state.presses if press.specimen == entry.specimen and press.verdict]
+    for own, trials in checked(played):
         # an early press ends at once, so far below the upper force that no trial is found in it
         own = [press for press in own if not any("finds no press" in found for found, _ in press.problems)]
         live = ["rejected" if press.decision == "repeat" else press.verdict for press in own]
         pairs = zip(trials.verdict.tolist(), live, strict=True)
-        for checked, judged in pairs:
-            assert (checked == "rejected") == (judged == "rejected"), trials.reasons
-            assert checked == "ok" or judged != "ok", trials.reasons
+        for found, judged in pairs:
+            assert (found == "rejected") == (judged == "rejected"), trials.reasons
+            assert found == "ok" or judged != "ok", trials.reasons
 
 
 def asked(requests):
@@ -96,30 +100,30 @@ def asked(requests):
     return beside, said
 
 
-@pytest.mark.parametrize(
-    ("request_", "said"),
-    [
-        (Request("start"), "Place specimen"),
-        (Request("placed"), "Measure the signals"),
-        (Request("measure-contraction"), "Measure the rest first"),
-        (Request("abort"), "No press is under way"),
-        (Request("accept"), "no finished press"),
-        (Request("repeat", press=3), "Press 3 has not begun"),
-        (Request("skip", press=3), "Press 3 has not begun"),
-        (Request("accept", press=30), "Press 30 has not begun"),
-        (Request("note", press=3, text="late"), "Press 3 has not begun"),
-        (Request("note", text="a\x07"), "cannot be written"),
-        (Request("note", text="\ud83d"), "cannot be written"),
-        (Request("check", item="shoes"), "has no 'shoes'"),
-        (Request("note", text="  "), "empty"),
-        (Request("dance"), "no command"),
-    ],
-)
-def test_what_is_not_possible_is_refused_in_a_sentence(play, request_, said):
-    beside, answers = asked([(0.2, request_)])
+REFUSED = [
+    (Request("start"), "Place specimen"),
+    (Request("placed"), "Measure the signals"),
+    (Request("measure-contraction"), "Measure the rest first"),
+    (Request("abort"), "No press is under way"),
+    (Request("accept"), "no finished press"),
+    (Request("repeat", press=3), "Press 3 has not begun"),
+    (Request("skip", press=3), "Press 3 has not begun"),
+    (Request("accept", press=30), "Press 30 has not begun"),
+    (Request("note", press=3, text="late"), "Press 3 has not begun"),
+    (Request("note", text="a\x07"), "cannot be written"),
+    (Request("note", text="\ud83d"), "cannot be written"),
+    (Request("check", item="shoes"), "has no 'shoes'"),
+    (Request("note", text="  "), "empty"),
+    (Request("dance"), "no command"),
+]
+
+
+def test_what_is_not_possible_is_refused_in_a_sentence(play):
+    beside, answers = asked([(0.2, request) for request, _ in REFUSED])
     play(operator=False, beside=beside)
-    assert said in answers[0]
-    assert answers[0].endswith(".")
+    for answer, (request, said) in zip(answers, REFUSED, strict=True):
+        assert said in answer, request
+        assert answer.endswith(".")
 
 
 def test_start_needs_signals_specimen_checklist_and_rest(play):
@@ -170,12 +174,6 @@ def test_a_good_press_stays_good_whatever_comes_later_in_its_stay(play, mistake)
     good = {key: value for key, value in played.verdicts.items() if key != (number, 1)}
     assert {verdict for verdict, _ in good.values()} == {"ok"}, good
     assert not any("lag" in found for _, problems in good.values() for found in problems)
-    write_dataset(played.folder, played.study)
-    own = of_participants(load_study(played.study_file), ["P03"])
-    board = run_study(own, stages=("trials",), jobs=1, progress=progress(quiet=True))
-    for entry in own.recordings:
-        (path,) = board.done("trials", (entry.key,))
-        trials = artifacts.load(path)
-        tried = [press for press in played.state.presses if press.specimen == entry.specimen and press.verdict]
-        for press, checked in zip(tried, trials.verdict.tolist(), strict=True):
-            assert (checked == "rejected") == (press.decision == "repeat"), (press.number, trials.reasons)
+    for own, trials in checked(played):
+        for press, verdict in zip(own, trials.verdict.tolist(), strict=True):
+            assert (verdict == "rejected") == (press.decision == "repeat"), (press.number, trials.reasons)
