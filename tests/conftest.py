@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
-import time
 from collections.abc import Callable, Generator
 from functools import cache
 from pathlib import Path
@@ -17,9 +15,9 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
-from emg2vsa.held_lock import taken
 from emg2vsa.run_scores import ContactPicture, FirstContact, PressCurve, RunScores
 from tests.lateness import LIMIT_MS, Watched, lateness_ms
+from tests.once import Build, Once, built, place_for
 
 settings.register_profile("busy computer", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("busy computer")
@@ -78,25 +76,16 @@ def shared_data() -> Callable[[str], Path]:
 
 
 @pytest.fixture(scope="session")
-def built_once(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Callable[[Path], object]], Path]:
-    """A folder of this name that ``build`` fills; of several workers one builds, and the others wait for it.
+def built_once(tmp_path_factory: pytest.TempPathFactory) -> Once:
+    """A folder of this name that ``build`` fills, once for each version of the code; see ``tests.once``.
 
     It is for all tests: they read or copy it, and never change it.
     """
     base = tmp_path_factory.getbasetemp()
-    root = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+    here = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
 
-    def make(name: str, build: Callable[[Path], object]) -> Path:
-        folder, done = root / f"once-{name}", root / f"once-{name}.done"
-        with open(root / f"once-{name}.lock", "w") as lock:
-            while not taken(lock.fileno()):
-                time.sleep(0.1)
-            if not done.exists():
-                shutil.rmtree(folder, ignore_errors=True)
-                folder.mkdir()
-                build(folder)
-                done.touch()
-        return folder
+    def make(name: str, build: Build) -> Path:
+        return built(place_for(build.__code__.co_filename) or here, f"once-{name}", build)
 
     return make
 

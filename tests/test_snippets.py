@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from emg2vsa.cli import main
+from tests.once import Once
 from tests.snippets import Block, Reader, blocks_of, first_absent
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -58,7 +58,7 @@ def palpation(folder: Path) -> None:
 @pytest.fixture
 def scratch(
     request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-    built_once: Callable[[str, Callable[[Path], object]], Path],
+    built_once: Once,
 ) -> Path:  # fmt: skip
     """The present folder of a reader of the page."""
     if request.param in PALPATION:

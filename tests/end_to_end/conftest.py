@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from benchmarks.small_study import small_study
 from emg2vsa.cli import main
+from tests.once import Once
 
 STUDY = small_study(
     simulation="seed = 3\nrepetitions = 4\n",
@@ -21,9 +21,6 @@ new_specimen = "S_new"
 new_stiffness_n_per_mm = 5.32
 """,
 )
-
-
-Once = Callable[[str, Callable[[Path], object]], Path]
 
 
 def _simulate(root: Path) -> None:

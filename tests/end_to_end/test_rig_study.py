@@ -10,7 +10,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +20,7 @@ from casr.frame_files import read_camera
 from emg2vsa import artifacts
 from emg2vsa.cli import main
 from emg2vsa.run_scores import RunScores
+from tests.once import Once
 from tests.small import run_all
 
 pytestmark = pytest.mark.usefixtures("blank_drawings")
@@ -42,7 +42,7 @@ def scores(study: Path) -> dict[str, RunScores]:
 
 
 @pytest.fixture(scope="module")
-def pressed(built_once: Callable[[str, Callable[[Path], object]], Path]) -> Path:
+def pressed(built_once: Once) -> Path:
     """A study whose emulated rig has run, to its report; copied, never changed."""
     return built_once("finished", run_all) / "studies" / "small"
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import tifffile
 
 from emg2vsa.cli import main
+from tests.once import Once
 from tests.small import run_all
 
 MEASURED = """
@@ -24,9 +24,6 @@ stiffness_n_per_mm = 3.35
 [runs]
 root = "lab"
 """
-
-
-Once = Callable[[str, Callable[[Path], object]], Path]
 
 
 @pytest.fixture(scope="session")

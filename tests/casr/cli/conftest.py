@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from casr.cli import main
-
-Once = Callable[[str, Callable[[Path], object]], Path]
+from tests.once import Once
 
 
 def _simulate(folder: Path, *words: str) -> None:
