@@ -19,6 +19,7 @@ def small_study(
     title: str = "A small study",
     participants: Sequence[str] = ("P01", "P02"),
     specimens: Sequence[str] = ("S1", "S3", "S5"),
+    muscles: Sequence[str] = ("EDC", "FDS"),
     task: str = "palpation",
     simulation: str = "seed = 3\nrepetitions = 3\n",
     tables: str = "",
@@ -33,6 +34,7 @@ def small_study(
         for key, values in (("a_v", _A_V), ("b_v", _B_V))
     )
     people = ", ".join(f'"{one}"' for one in participants)
+    channels = "".join(f'[channels.emg.{one}]\nname = "{one}"\n' for one in muscles)
     return f"""\
 [study]
 name = "{name}"
@@ -43,11 +45,7 @@ ids = [{people}]
 layout = "bids"
 root = "data"
 task = "{task}"
-[channels.emg.EDC]
-name = "EDC"
-[channels.emg.FDS]
-name = "FDS"
-[channels.force]
+{channels}[channels.force]
 name = "Fz"
 sign = -1
 [simulation]

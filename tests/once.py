@@ -45,7 +45,9 @@ def place_for(file: str) -> Path | None:
     base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     of_checkout = base / "emg2vsa-tests" / hashlib.sha256(os.fsencode(ROOT)).hexdigest()[:12]
     version = of_checkout / _version()
-    folder = version / hashlib.sha256(Path(file).read_bytes()).hexdigest()[:12]
+    beside = [path for path in sorted(Path(file).parent.glob("*.py")) if not path.name.startswith("test_")]
+    builders = b"".join(path.read_bytes() for path in (Path(file), *beside))
+    folder = version / hashlib.sha256(builders).hexdigest()[:12]
     try:
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()

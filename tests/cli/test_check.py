@@ -15,6 +15,7 @@ from emg2vsa.cli import main
 from emg2vsa.pipeline.judged_sessions import landings, told
 from emg2vsa.session_verdict import SessionVerdict, SpecimenVerdict
 from emg2vsa.study import RecordingEntry
+from tests.small import study_of_files
 
 
 class Terminal(io.StringIO):
@@ -85,35 +86,7 @@ def _next(landed: Iterator[RecordingEntry]) -> RecordingEntry | None:
         return None
 
 
-STUDY = """
-[study]
-name = "s"
-[participants]
-ids = ["P01"]
-[[specimens]]
-name = "S1"
-[recordings]
-layout = "pattern"
-pattern = "raw/{participant}_{specimen}.csv"
-[channels.emg.EDC]
-name = "EDC"
-[channels.force]
-name = "Fz"
-"""
-
-
-@pytest.mark.parametrize(
-    ("folder", "says"), [("absent", "a folder to watch"), ("other", "a folder to which none of them belongs")]
-)
-def test_a_folder_that_cannot_be_watched(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], folder: str, says: str
-) -> None:
-    (tmp_path / "study.toml").write_text(STUDY)
-    (tmp_path / "other").mkdir()
-    assert main(["check", str(tmp_path / "study.toml"), "--watch", str(tmp_path / folder)]) == 2
-    said = capsys.readouterr().err
-    assert says in said
-    assert said.count("\n") == 1
+STUDY = study_of_files("raw/{participant}_{specimen}.csv")
 
 
 @pytest.mark.parametrize(

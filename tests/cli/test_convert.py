@@ -20,28 +20,13 @@ from emg2vsa.readers.roles import read_roles
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study_file import load_study
 from emg2vsa.worlds.people.recording import make_recording
+from tests.small import study_of_files
 
-STUDY = """
-[study]
-name = "mine"
-[participants]
-ids = ["anna_k", "ben"]
-[[specimens]]
-name = "foam"
-[recordings]
-layout = "pattern"
-pattern = "{participant}_{specimen}_{repetition}.csv"
-[channels.emg.EDC]
-name = "EMG 1"
-gain = 1000
-[channels.emg.FDS]
-name = "EMG 2"
-gain = 1000
-[channels.force]
-name = "Fz"
-unit = "kgf"
-sign = -1
-"""
+STUDY = study_of_files(
+    "{participant}_{specimen}_{repetition}.csv", name="mine", participants=("anna_k", "ben"), specimens=["foam"],
+    emg='[channels.emg.EDC]\nname = "EMG 1"\ngain = 1000\n[channels.emg.FDS]\nname = "EMG 2"\ngain = 1000\n',
+    force='name = "Fz"\nunit = "kgf"\nsign = -1\n',
+)  # fmt: skip
 
 
 def recording(path: Path, seed: int, fs_hz: float = 1000.0, hole: int = 0) -> None:
@@ -198,27 +183,6 @@ def test_rates_that_share_no_record_become_two_files(tmp_path: Path) -> None:
     assert main(["tools", "convert", str(tmp_path / "e.csv"), "--out", str(tmp_path / "b"), *words]) == 0
     names = sorted(path.name for path in (tmp_path / "b/sub-p/emg").glob("*.bdf"))
     assert names == [f"sub-p_task-palpation_recording-rate{n}_emg.bdf" for n in (1, 2)]
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["ben_foam_7.csv"], "found no --emg, --force, --participant"),
-        (["study.toml", "--task", "a_b"], "--task: expected letters and digits only"),
-        (["study.toml", "--electrode-distance", "0"], "--electrode-distance: expected millimetres above 0"),
-        (["study.toml", "--about", "study.toml"], "expected a JSON object"),
-        (["study.toml", "--about", "none.json"], "expected a JSON object, but found No such file or directory"),
-        (["none.toml"], "expected a study file"),
-    ],
-)
-def test_bad_input(
-    converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch,
-    words: list[str], said: str,
-) -> None:  # fmt: skip
-    monkeypatch.chdir(converted)
-    assert main(["tools", "convert", *words, "--out", str(tmp_path / "b")]) == 2
-    assert said in capsys.readouterr().err
-    assert not (tmp_path / "b").exists()
 
 
 def test_nothing_is_overwritten(converted: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -60,23 +60,6 @@ def test_the_page_has_pictures_and_escapes_names(folder: Path, capsys: pytest.Ca
     assert "F<z>" not in text
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["none.csv"], "No such file or directory"),
-        (["empty"], "expected recordings, but found a folder without any"),
-        (["a b.csv", "--fs", "-1"], "--fs: expected a rate above 0 Hz"),
-        (["a b.csv", "--max-seconds", "0"], "emg2vsa inspect: reading.max_seconds: expected a number >= 1"),
-    ],
-)
-def test_bad_input(folder: Path, capsys: pytest.CaptureFixture[str], words: list[str], said: str) -> None:
-    (folder / "empty").mkdir()
-    assert main(["inspect", str(folder / words[0]), *words[1:]]) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert "Traceback" not in error
-
-
 def test_fit_takes_the_rate_of_a_file_without_time(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     emg = np.random.default_rng(0).normal(0, 1e-4, TIME.size)
     path = tmp_path / "a.csv"

@@ -101,28 +101,6 @@ def test_force_in_files_of_its_own(folder: Path, tmp_path: Path) -> None:
     assert (force.name, force.unit, force.sign) == ("F", "N", -1)  # the unit is a guess, and marked
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["none"], "expected a folder of recordings, but found no folder"),
-        (["empty"], "found a folder without any"),
-        (["texts"], "found none that can be read"),
-        (["raw", "--stiffness", "hard"], "--stiffness: expected NAME=NUMBER"),
-        (["raw", "--stiffness", "foam=3"], "expected a specimen that the files name (hard, soft), but found 'foam'"),
-        (["raw", "--fs", "0"], "--fs: expected a rate above 0 Hz"),
-    ],
-)
-def test_bad_input(
-    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], said: str
-) -> None:
-    (folder / "empty").mkdir(exist_ok=True)
-    (folder / "texts").mkdir(exist_ok=True)
-    (folder / "texts" / "a.txt").write_text("not a\nrecording\n")
-    assert main(["new", str(folder / words[0]), *words[1:], "--out", str(tmp_path / "s.toml")]) == 2
-    assert said in capsys.readouterr().err
-    assert not (tmp_path / "s.toml").exists()
-
-
 @pytest.mark.slow
 def test_from_a_folder_to_schedules_with_three_lines_edited(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -7,84 +7,21 @@ from dataclasses import replace
 
 import pytest
 
+from benchmarks.small_study import small_study
 from emg2vsa.cli import main
 from emg2vsa.session.journal import Judged, line_bytes, read_journal
 
-STUDY = """\
-[study]
-name = "small"
-title = "A small study"
-[participants]
-ids = ["P03"]
-[[specimens]]
-name = "S1"
-[recordings]
-layout = "bids"
-root = "data"
-task = "press"
-[channels.emg.EDC]
-name = "EDC"
-[channels.force]
-name = "Fz"
-{session}
-[simulation]
-muscle_share = {{ EDC = 1.0 }}
-a_v = {{ S1 = 42e-6 }}
-b_v = {{ S1 = 20e-6 }}
-"""
+STUDY = small_study(
+    participants=["P03"], specimens=["S1"], muscles=["EDC"], task="press", simulation="muscle_share = { EDC = 1.0 }\n"
+)
 SESSION = '[session]\nemg.kind = "simulated"\nforce.kind = "simulated"\nrepetitions = 1\n'
 
 
 @pytest.fixture
 def study_file(tmp_path):
     path = tmp_path / "study.toml"
-    path.write_text(STUDY.format(session=SESSION), encoding="utf-8")
+    path.write_text(STUDY + SESSION, encoding="utf-8")
     return path
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["--participant", "P09"], "expected one of P03"),
-        (["--participant", "P03"], "expected a device"),
-        (["--participant", "P03", "--no-page"], "--no-page: expected --virtual"),
-        (["--participant", "P03", "--speed", "2"], "--speed: expected --virtual"),
-        (["--participant", "P03", "--virtual", "--speed", "1000"], "0.1 to 100"),
-        (["--participant", "P03", "--virtual", "--seed", "-1"], "--seed"),
-        (["--participant", "P03", "--virtual", "--no-page", "--mistake", "sneeze@1"], "--mistake"),
-        (["--participant", "P03", "--virtual", "--no-page", "--truth", "no/such/folder/truth.json"], "no such folder"),
-        (["--participant", "P03", "--virtual", "--no-page", "--resume"], "a session to resume"),
-        (["--participant", "P03", "--virtual", "--bind", "everywhere"], "--bind"),
-    ],
-)
-def test_what_cannot_be_run_is_refused_in_one_line(study_file, capsys, words, said):
-    assert main(["session", str(study_file), *words]) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert "Traceback" not in error
-    assert error.count("\n") == 1
-    assert not list(study_file.parent.glob("data/sourcedata/*/*/journal.jsonl"))
-
-
-def test_a_study_without_the_table_is_refused(tmp_path, capsys):
-    path = tmp_path / "study.toml"
-    path.write_text(STUDY.format(session=""), encoding="utf-8")
-    for command in (["session", str(path)], ["session", "finish", str(path)]):
-        assert main([*command, "--participant", "P03"]) == 2
-        assert "a table [session]" in capsys.readouterr().err
-
-
-def test_there_is_nothing_to_finish_before_a_session(study_file, capsys):
-    assert main(["session", "finish", str(study_file), "--participant", "P03"]) == 2
-    said = capsys.readouterr().err
-    assert "expected the folder of a session, but found none" in said
-    assert "run the session first" in said
-
-
-def test_a_misspelt_command_is_told_from_a_study_file(study_file, capsys):
-    with pytest.raises(SystemExit):
-        main(["session", "rnu", str(study_file), "--participant", "P03"])
-    assert "but found 'rnu'. Did you mean run?" in capsys.readouterr().err
 
 
 def test_a_session_of_one_press_without_a_page(study_file, capsys):
@@ -149,22 +86,3 @@ def test_a_session_is_replayed_from_its_folder(study_file, capsys):
     assert "verdict: was warned, is ok" in capsys.readouterr().out
     assert main([*words, "--json"]) == 1
     assert json.loads(capsys.readouterr().out)["presses"][0]["differences"] == ["verdict: was warned, is ok"]
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["nowhere"], "nowhere: expected the folder of a session, but found none"),
-        ([".", "--line", "0"], "plan.json: expected the plan of a session"),
-    ],
-)
-def test_what_cannot_be_replayed_is_refused(study_file, capsys, monkeypatch, words, said):
-    monkeypatch.chdir(study_file.parent)
-    assert main(["session", "replay", str(study_file), *words]) == 2
-    assert said in capsys.readouterr().err
-
-
-def test_a_line_that_is_no_number_is_refused(study_file, capsys):
-    with pytest.raises(SystemExit):
-        main(["session", "replay", str(study_file), ".", "--line", "last"])
-    assert "--line" in capsys.readouterr().err

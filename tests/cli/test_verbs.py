@@ -109,7 +109,7 @@ def test_an_older_spelling_gives_the_same_result(capsys: pytest.CaptureFixture[s
     assert capsys.readouterr().err == ""
 
 
-@pytest.mark.parametrize("words", [["--help"], ["tools", "--help"], ["tools", "simulate", "--help"]])
+@pytest.mark.parametrize("words", [["--help"], ["tools", "--help"], ["tools", "simulate", "--help"], ["run", "--help"]])
 def test_help_loads_nothing_heavy_and_only_what_is_asked_for(words: list[str]) -> None:
     code = (
         "import sys\nfrom emg2vsa.cli import main\ntry: main(sys.argv[1:])\nexcept SystemExit: pass\n"

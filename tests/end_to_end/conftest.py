@@ -9,6 +9,7 @@ import pytest
 
 from benchmarks.small_study import small_study
 from emg2vsa.cli import main
+from tests import small
 from tests.once import Once
 
 STUDY = small_study(
@@ -23,17 +24,10 @@ new_stiffness_n_per_mm = 5.32
 )
 
 
-def _simulate(root: Path) -> None:
-    study = root / "studies" / "small" / "study.toml"
-    study.parent.mkdir(parents=True)
-    study.write_text(STUDY)
-    assert main(["tools", "simulate", str(study), "--json"]) == 0
-
-
 @pytest.fixture(scope="session")
 def simulated(built_once: Once) -> Path:
     """Folder with the study file and its recordings; copied, never changed."""
-    return built_once("simulated", _simulate) / "studies" / "small"
+    return built_once("simulated", lambda root: small.simulated(root, STUDY)) / "studies" / "small"
 
 
 @pytest.fixture

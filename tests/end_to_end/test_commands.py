@@ -3,26 +3,11 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-from emg2vsa.cli import PROGRAM, main
-
-
-@pytest.mark.parametrize("command", ["", *PROGRAM.commands])
-def test_help_loads_nothing_heavy(command: str) -> None:
-    program = (
-        "import sys\nfrom emg2vsa.cli import main\n"
-        f"try: main([*{[command] if command else []!r}, '--help'])\n"
-        "except SystemExit as end: assert end.code == 0\nprint(*sys.modules, file=sys.stderr)"
-    )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.startswith("usage: emg2vsa")
-    heavy = {"numpy", "scipy", "pandas", "cv2", "numba", "matplotlib", "pydantic", "jinja2"}
-    assert set(done.stderr.split()) & heavy == set()
+from emg2vsa.cli import main
 
 
 def test_power_reproduces_the_sample_size(capsys: pytest.CaptureFixture[str]) -> None:
@@ -30,18 +15,6 @@ def test_power_reproduces_the_sample_size(capsys: pytest.CaptureFixture[str]) ->
     said = json.loads(capsys.readouterr().out)
     assert said["power"] == pytest.approx(0.819421399316, abs=1e-12)
     assert said["participants_needed"] == 14
-
-
-def test_power_outside_its_range_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["tools", "power", "--rho", "1"]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
-
-
-def test_a_missing_study_is_one_clear_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", str(tmp_path / "absent.toml")]) == 2
-    said = capsys.readouterr().err
-    assert "absent.toml" in said
-    assert "Traceback" not in said
 
 
 def test_check_judges_a_session(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -53,11 +26,6 @@ def test_check_judges_a_session(study: Path, capsys: pytest.CaptureFixture[str])
     assert said.startswith("P01    UNREADABLE")
     assert "S3: cannot be used: " in said
     assert "No such file" in said
-
-
-def test_check_names_an_unknown_participant(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["check", str(study), "P99"]) == 2
-    assert "P99" in capsys.readouterr().err
 
 
 def test_simulate_never_overwrites(study: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -21,7 +21,7 @@ from emg2vsa import artifacts
 from emg2vsa.cli import main
 from emg2vsa.run_scores import RunScores
 from tests.once import Once
-from tests.small import run_all
+from tests.small import run_all, study_of_runs
 
 pytestmark = pytest.mark.usefixtures("blank_drawings")
 SPECIMENS = ("S1", "S3", "S5", "S_new")
@@ -188,24 +188,7 @@ def test_measured_runs_without_any_hint_give_the_same_scores(pressed, copy, caps
     assert "emulated rig" not in page
 
 
-ALONE = """
-[study]
-name = "small"
-[[specimens]]
-name = "S1"
-stiffness_n_per_mm = 7.63
-[[specimens]]
-name = "S3"
-stiffness_n_per_mm = 3.35
-[[specimens]]
-name = "S5"
-stiffness_n_per_mm = 1.11
-[[specimens]]
-name = "S_new"
-stiffness_n_per_mm = 5.32
-[runs]
-root = "lab"
-"""
+ALONE = study_of_runs("small", "lab", SPECIMENS)
 NEW = """
 [profile]
 new_specimen = "S_new"

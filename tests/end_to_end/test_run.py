@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from emg2vsa.cli import main
+from tests.small import change_a_sample
 
 pytestmark = pytest.mark.usefixtures("blank_drawings")
 CELLS = [f"{p}/{s}" for p in ("P01", "P02") for s in ("S1", "S3", "S5")]
@@ -89,9 +90,7 @@ def test_session_normalisation_takes_the_whole_session(study: Path, capsys: pyte
     assert b == sorted(b, reverse=True)
     assert 0.05 < b[0] < 0.6  # shares of two muscles, not volts
     path = next(study.parent.glob("data/sub-P02/emg/*acq-S3_emg.bdf"))
-    data = bytearray(path.read_bytes())
-    data[len(data) // 2] ^= 1
-    path.write_bytes(data)
+    change_a_sample(path)
     ran = run(study, capsys)["ran"]
     assert {"trials/P02/S3", "fits/P02/S1", "fits/P02/S3", "fits/P02/S5"} <= set(ran)
     assert not any(str(step).endswith("P01/S1") for step in ran)
@@ -116,9 +115,7 @@ def test_a_setting_taken_back_finds_its_results(ran: Path, capsys: pytest.Captur
 
 def test_one_recording_changed(ran: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = next(ran.parent.glob("data/sub-P02/emg/*acq-S3_emg.bdf"))
-    data = bytearray(path.read_bytes())
-    data[len(data) // 2] ^= 1
-    path.write_bytes(data)
+    change_a_sample(path)
     capsys.readouterr()
     assert main(["status", str(ran), "--explain"]) == 0
     said = capsys.readouterr().out
@@ -162,6 +159,7 @@ def test_only_what_is_asked_for(study: Path, capsys: pytest.CaptureFixture[str])
     assert stages == {"trials", "fits", "exemplary", "profiles", "schedules"}
 
 
+@pytest.mark.slow
 def test_killed_and_resumed(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
     process = subprocess.Popen(
         [sys.executable, "-m", "emg2vsa.cli", "run", str(study), "--jobs", "1"], stderr=subprocess.DEVNULL

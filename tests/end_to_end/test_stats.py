@@ -87,33 +87,6 @@ def test_rows_left_out_are_said(table: Path, capsys: pytest.CaptureFixture[str])
     assert "note: 1 row without a group or block left out" in said
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--value", "bb", "--group", "specimen"], "Did you mean 'b'?"),
-        (["--value", "specimen", "--group", "participant"], "line 2, column 'specimen'"),
-        (["--value", "b", "--group", "b"], "different columns"),
-        (["--value", "b", "--group", "specimen", "--alpha", "2"], "--alpha"),
-        (["--value", "b", "--group", "specimen", "--margin", "-1"], "--margin"),
-    ],
-)
-def test_errors_are_one_line(table: Path, arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["stats", str(table), *arguments]) == 2
-    said = capsys.readouterr().err
-    assert words in said
-    assert said.count("\n") == 1
-
-
-def test_a_missing_file_and_one_group_are_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["stats", str(tmp_path / "absent.csv"), "--value", "b", "--group", "g"]) == 2
-    assert "absent.csv" in capsys.readouterr().err
-    (tmp_path / "one.csv").write_text("g,b\nx,1\nx,2\n")
-    assert main(["stats", str(tmp_path / "one.csv"), "--value", "b", "--group", "g"]) == 2
-    said = capsys.readouterr().err
-    assert "found one, 'x'" in said
-    assert said.count("\n") == 1
-
-
 def test_nist_digits_survive_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """1000000000000.4 is no float64: only exact differences give F = 2 here."""
     path = tmp_path / "large.csv"

@@ -10,20 +10,7 @@ import tifffile
 
 from emg2vsa.cli import main
 from tests.once import Once
-from tests.small import run_all
-
-MEASURED = """
-[study]
-name = "measured"
-[[specimens]]
-name = "S1"
-stiffness_n_per_mm = 7.63
-[[specimens]]
-name = "S3"
-stiffness_n_per_mm = 3.35
-[runs]
-root = "lab"
-"""
+from tests.small import run_all, study_of_runs
 
 
 @pytest.fixture(scope="session")
@@ -48,7 +35,7 @@ def measured(finished: Path, built_once: Once) -> Path:
 
 
 def _run_measured(finished: Path, folder: Path) -> None:
-    (folder / "study.toml").write_text(MEASURED)
+    (folder / "study.toml").write_text(study_of_runs("measured", "lab"))
     rows = ["folder\tspecimen\tangle_deg\tcondition"]
     for specimen in ("S1", "S3"):
         run = finished / "runs-virtual" / f"{specimen}_0_modular"

@@ -23,34 +23,11 @@ from emg2vsa.rig.record.ended import Ended
 from emg2vsa.study_file import load_study
 from emg2vsa.worlds.bench import virtual_run
 from emg2vsa.worlds.bench.settings import EmulatedSettings
+from tests.small import study_of_files, study_of_runs
 
-MEASURED = """
-[study]
-name = "lab"
-[[specimens]]
-name = "S1"
-stiffness_n_per_mm = 7.63
-[runs]
-root = "runs"
-"""
-PEOPLE = """
-[study]
-name = "b"
-reports = "out"
-[participants]
-ids = ["P01"]
-[[specimens]]
-name = "S1"
-[recordings]
-layout = "pattern"
-pattern = "{participant}_{specimen}.csv"
-[channels.emg.EDC]
-name = "EDC"
-unit = "V"
-[channels.force]
-name = "Fz"
-unit = "N"
-"""
+PEOPLE = study_of_files(name="b", emg='[channels.emg.EDC]\nname = "EDC"\nunit = "V"\n').replace(
+    "[participants]", 'reports = "out"\n[participants]'
+)
 
 
 @pytest.mark.parametrize(
@@ -115,7 +92,7 @@ class _Lab:
 
 @pytest.fixture
 def lab(tmp_path: Path) -> _Lab:
-    (tmp_path / "study.toml").write_text(MEASURED)
+    (tmp_path / "study.toml").write_text(study_of_runs("lab", "runs", ["S1"]))
     press = tmp_path / "runs" / "monday" / "press-001"
     press.mkdir(parents=True)
     (press / "force.csv").write_text("time_s,force_n\n")

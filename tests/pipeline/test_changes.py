@@ -21,6 +21,7 @@ from emg2vsa.cli import main
 from emg2vsa.pipeline.plan import Step, survey
 from emg2vsa.pipeline.stage_order import ORDER, stage
 from emg2vsa.study_file import load_study
+from tests.small import change_a_sample
 
 pytestmark = pytest.mark.usefixtures("blank_drawings")
 
@@ -30,12 +31,6 @@ RECORDING = "data/sub-P01/emg/sub-P01_task-palpation_acq-S1_emg.bdf"
 
 def look(study: Path) -> dict[str, Step]:
     return survey(load_study(study), ORDER, lambda text: pytest.fail(text)).steps
-
-
-def change_a_sample(path: Path) -> None:
-    data = bytearray(path.read_bytes())
-    data[len(data) // 2] ^= 0x40
-    path.write_bytes(data)
 
 
 def result_of(study: Path, step: str) -> Path:

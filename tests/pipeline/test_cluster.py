@@ -28,6 +28,7 @@ from emg2vsa.pipeline.lock import holder
 from emg2vsa.pipeline.tasks import Ended
 from emg2vsa.study_file import load_study
 from tests.pipeline.test_pool import DEEDS, soon
+from tests.small import simulated
 
 pytest.importorskip("distributed", reason="the extra for clusters is not installed")
 PEOPLE = ("trials", "fits", "pages")
@@ -91,11 +92,7 @@ def _pinned(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def small(tmp_path: Path) -> Path:
     """A study of people, of whom nothing was run."""
-    path = tmp_path / "studies" / "small" / "study.toml"
-    path.parent.mkdir(parents=True)
-    path.write_text(small_study(specimens=("S1", "S3"), simulation="seed = 3\nrepetitions = 2\n"))
-    assert main(["tools", "simulate", str(path), "--json"]) == 0
-    return path
+    return simulated(tmp_path, small_study(specimens=("S1", "S3"), simulation="seed = 3\nrepetitions = 2\n"))
 
 
 @pytest.fixture
@@ -235,6 +232,7 @@ def test_a_recording_replaced_while_it_waits_fails_its_step_alone(
     assert not ended[0].final
 
 
+@pytest.mark.slow
 def test_a_cluster_here_shows_no_page_and_is_reached_from_here_alone(
     small: Path, recwarn: pytest.WarningsRecorder
 ) -> None:
@@ -254,6 +252,7 @@ def test_a_cluster_here_shows_no_page_and_is_reached_from_here_alone(
     assert [str(one.message) for one in recwarn if "Port" in str(one.message)] == []
 
 
+@pytest.mark.slow
 def test_a_worker_that_would_compute_something_else_is_refused_by_name(
     small: Path, address: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -314,39 +313,6 @@ def test_a_worker_that_came_later_or_sees_another_file_carries_out_nothing(
     assert task.claim.exists()
     assert cluster.attempt(task, {str(file): size_and_time}, asked) == Ended(task.step, "done", str(os.getpid()))
     assert not task.claim.exists()
-
-
-@pytest.mark.parametrize(
-    ("option", "found"),
-    [
-        ("--scheduler=here", "expected an address such as tcp://10.0.0.1:8786, but found 'here'"),
-        ("--scheduler=ftp://a:1", "expected an address such as"),
-        ("--cluster=slurm", "expected local or local:N with N from 1, but found 'slurm'"),
-        ("--cluster=local:0", "expected local or local:N"),
-        ("--timeout=soon", "expected a number of seconds above 0, but found 'soon'"),
-        ("--timeout=0", "expected a number of seconds above 0"),
-    ],
-)
-def test_options_that_make_no_sense_are_refused(option: str, found: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as error:
-        main(["run", "study.toml", option])
-    assert error.value.code == 2
-    assert found in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("options", "found"),
-    [
-        (["--timeout", "3"], "emg2vsa run --timeout: expected --scheduler or --cluster, but found neither."),
-        (["--scheduler", "a:1", "--jobs", "2"], "expected workers of the scheduler alone, but found --jobs."),
-    ],
-)
-def test_options_that_do_not_go_together_are_refused(
-    tmp_path: Path, options: list[str], found: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    load_study_of(tmp_path)
-    assert main(["run", str(tmp_path / "study.toml"), *options]) == 2
-    assert found in capsys.readouterr().err
 
 
 def test_without_an_answer_or_the_extra_nothing_is_run(

@@ -20,6 +20,7 @@ import pytest
 
 import emg2vsa
 from emg2vsa.pipeline.stage_order import ORDER
+from tests.once import Once
 
 HERE = Path(__file__).parent
 PRODUCT = Path(emg2vsa.__file__).parent.parent
@@ -49,30 +50,36 @@ class Trace:
     product: bytes
 
 
-def traced(study: Path, steps: dict[str, str], out: Path) -> dict[str, Trace]:
-    """Stage to what its step did."""
+def trace(study: Path, steps: dict[str, str], out: Path) -> None:
+    """Run the step of each stage once more, and write what it did."""
     out.mkdir(parents=True)
     environment = os.environ | {"PYTHONHASHSEED": "7", "PYTHONPATH": os.pathsep.join([str(PRODUCT), *sys.path])}
     script = [sys.executable, str(HERE / "trace_step.py"), str(study), str(out), *map("/".join, steps.items())]
     done = subprocess.run(script, capture_output=True, text=True, env=environment, check=False)
     assert done.returncode == 0, done.stderr
-    found = {}
-    for stage in steps:
-        executed, imported = (
-            frozenset((out / stage / f"{name}.txt").read_text().split()) for name in ("executed", "imported")
-        )
-        found[stage] = Trace(executed, imported, (out / stage / "product.result").read_bytes())
-    return found
+
+
+def read_traces(out: Path) -> dict[str, Trace]:
+    """Stage to what its step did."""
+    texts = {of.name: [(of / f"{name}.txt").read_text().split() for name in ("executed", "imported")] for of in
+             out.iterdir()}  # fmt: skip
+    return {
+        stage: Trace(frozenset(executed), frozenset(imported), (out / stage / "product.result").read_bytes())
+        for stage, (executed, imported) in texts.items()
+    }
 
 
 @pytest.fixture(scope="session")
-def traces(finished: Path, measured: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Trace]:
+def traces(finished: Path, measured: Path, built_once: Once) -> dict[str, Trace]:
     """Stage to its trace; of a measured run too."""
-    root = tmp_path_factory.mktemp("traces")
-    of_measured = traced(measured / "study.toml", {"runs": "S1_0_modular", "report": "study"}, root / "measured")
-    return traced(finished / "study.toml", STEPS, root / "simulated") | {
-        f"{stage}, measured": found for stage, found in of_measured.items()
-    }
+
+    def build(root: Path) -> None:
+        trace(measured / "study.toml", {"runs": "S1_0_modular", "report": "study"}, root / "measured")
+        trace(finished / "study.toml", STEPS, root / "simulated")
+
+    root = built_once("traces", build)
+    of_measured = {f"{stage}, measured": found for stage, found in read_traces(root / "measured").items()}
+    return read_traces(root / "simulated") | of_measured
 
 
 def parts_of(study: Path) -> dict[str, dict[str, dict[str, str]]]:
@@ -133,7 +140,7 @@ for line in sys.stdin:
 """
 
 
-@pytest.mark.parametrize("n_edits", [12, pytest.param(36, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n_edits", [4, pytest.param(36, marks=pytest.mark.slow)])
 def test_an_edit_of_any_module_is_noticed(study: Path, traces: dict[str, Trace], tmp_path: Path, n_edits: int) -> None:
     """One constant or operator changed: what ran the module is stale, and nothing that cannot reach it."""
     copy = tmp_path / "product"

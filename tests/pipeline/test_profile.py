@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import subprocess
 import sys
 from pathlib import Path
 
@@ -14,15 +13,13 @@ from benchmarks.small_study import small_study
 from casr.counts import COUNTED, count, counting
 from emg2vsa.cli import main
 from emg2vsa.pipeline.profile import kind_of, measured
+from tests.small import simulated
 
 
 @pytest.fixture
 def people(tmp_path: Path) -> Path:
     """A study of two people whose recordings are there."""
-    path = tmp_path / "study.toml"
-    path.write_text(small_study(specimens=("S1", "S3")))
-    assert main(["tools", "simulate", str(path), "--json"]) == 0
-    return path
+    return simulated(tmp_path, small_study(specimens=("S1", "S3")))
 
 
 def profile(study: Path, capsys: pytest.CaptureFixture[str], *more: str) -> dict[str, dict]:
@@ -49,9 +46,8 @@ def test_the_first_run_and_the_one_after_it(people: Path, capsys: pytest.Capture
 
 
 def test_workers_bring_the_same_counts_home(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "study.toml"
-    path.write_text(small_study(participants=("P01", "P02", "P03"), simulation="seed = 3\nrepetitions = 1\n"))
-    assert main(["tools", "simulate", str(path), "--json"]) == 0
+    text = small_study(participants=("P01", "P02", "P03"), simulation="seed = 3\nrepetitions = 1\n")
+    path = simulated(tmp_path, text)
     one = profile(path, capsys, "--only", "trials", "--jobs", "1", "--work", str(tmp_path / "one"))
     two = profile(path, capsys, "--only", "trials", "--jobs", "2", "--work", str(tmp_path / "two"))
     assert one["trials"]["counts"]["files read"] == 9  # more than run in the calling process
@@ -116,12 +112,3 @@ def test_counts_are_of_what_is_inside_and_end_with_an_error() -> None:
     count("fits")
     assert inner == {"fits": 4}
     assert outer == {"fits": 7, "files read": 1}
-
-
-def test_an_unknown_option_is_refused(people: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "emg2vsa.cli", "run", str(people), "--profile=yes"],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 2
-    assert "--profile" in done.stderr

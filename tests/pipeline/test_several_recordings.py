@@ -11,24 +11,12 @@ import pytest
 from emg2vsa.cli import main
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.worlds.people.recording import make_recording
+from tests.small import study_of_files
 
-STUDY = """
-[study]
-name = "pieces"
-[participants]
-ids = ["ama"]
-[[specimens]]
-name = "foam"
-[recordings]
-layout = "pattern"
-pattern = "raw/*_{participant}_{specimen}_{repetition}.csv"
-[channels.emg.EDC]
-name = "EDC"
-[channels.emg.FDS]
-name = "FDS"
-[channels.force]
-name = "Fz"
-"""
+STUDY = study_of_files(
+    "raw/*_{participant}_{specimen}_{repetition}.csv", name="pieces", participants=["ama"], specimens=["foam"],
+    emg='[channels.emg]\nEDC.name = "EDC"\nFDS.name = "FDS"\n',
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")

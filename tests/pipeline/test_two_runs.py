@@ -17,6 +17,7 @@ import pytest
 from emg2vsa.cli import main
 from emg2vsa.pipeline.lock import holder
 
+pytestmark = pytest.mark.slow
 RUN = [sys.executable, "-m", "emg2vsa.cli", "run", "--jobs", "1"]
 
 

@@ -16,6 +16,7 @@ from emg2vsa.readers.front_door import open_recording, read
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study_file import load_study
 from emg2vsa.worlds.people.recording import make_recording
+from tests.small import study_of_files
 
 Install = Callable[..., Path]
 
@@ -125,24 +126,7 @@ def test_the_command_says_one_line(install: Install, recording: Path, capsys: py
     assert "tell the authors of lab-tools, or uninstall it" in said
 
 
-STUDY = """
-[study]
-name = "lab"
-[participants]
-ids = ["P01"]
-[[specimens]]
-name = "S1"
-stiffness_n_per_mm = 7.63
-[recordings]
-layout = "pattern"
-pattern = "{participant}_{specimen}.lab"
-[channels.emg.EDC]
-name = "EDC"
-[channels.emg.FDS]
-name = "FDS"
-[channels.force]
-name = "Fz"
-"""
+STUDY = study_of_files("{participant}_{specimen}.lab", emg='[channels.emg]\nEDC.name = "EDC"\nFDS.name = "FDS"\n')
 
 
 def test_another_version_makes_trials_stale(install: Install, tmp_path: Path, text: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -136,3 +137,17 @@ def rig(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, str
         return status, said.out, said.err
 
     return run
+
+
+MOTORS_OFF = bytes.fromhex("3a3a 01 03 81 00 81")
+
+
+def motors(bench: Any) -> bytes:
+    """What a qbmove answers to the question whether its motors are on."""
+    return bytes(bench.answer(bytes.fromhex("3a3a 01 02 81 81")))
+
+
+def ended_of(folder: Path) -> dict[str, Any]:
+    """How a run ended."""
+    found: dict[str, Any] = json.loads((folder / "ended.json").read_text())
+    return found

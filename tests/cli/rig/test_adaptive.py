@@ -96,34 +96,3 @@ def test_without_an_operator_a_change_by_hand_is_refused(
         "input. Run it in a terminal; the same command goes on from the presses that are done." in err
     )
     assert not (tmp_path / "runs").exists()
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("--specimen", "S3"), "--adaptive: expected --calibration beside this option, but found none."),
-        (("--calibration", "good.json"), "--specimen: expected one specimen, but found none."),
-        (("--specimen", "S1", "--specimen", "S3", "--calibration", "good.json"), "one specimen, but found S1, S3."),
-        (("--specimen", "S9", "--calibration", "good.json"), "specimen: expected S1, S3, but found S9."),
-        (("--specimen", "S3", "--angle", "0", "--calibration", "good.json"), "--angle: expected no choice of runs"),
-        (("--specimen", "S3", "--condition", "modular", "--calibration", "good.json"), "--condition: expected no choi"),
-        (("--specimen", "S3", "--mounting", "1", "--calibration", "good.json"), "--mounting: expected no choice of ru"),
-        (("--specimen", "S3", "--all", "--calibration", "good.json"), "--adaptive: expected no other choice of ru"),
-        (("--plate", "S3"), "--adaptive: expected no other choice of runs, but found --plate."),
-        (("--specimen", "S3", "--calibration", "far.json"), "angle: expected 0, 30, but found 45."),
-        (("--specimen", "S3", "--calibration", "good.json", "--calibration", "twice.json"), "expected one calibration"),
-        (("--specimen", "S3", "--calibration", "none.json"), "none.json: expected a calibration file"),
-    ],
-)  # fmt: skip
-def test_bad_input_is_one_line_and_nothing_moves(
-    rig: Rig, rig_file: RigFile, known: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-    words: tuple[str, ...], said: str,
-) -> None:  # fmt: skip
-    monkeypatch.chdir(tmp_path)
-    write_calibration(tmp_path / "far.json", known_calibration("modular", 45.0))
-    write_calibration(tmp_path / "twice.json", known_calibration())
-    status, _, err = rig("run", rig_file(), "--virtual", "--adaptive", *words)
-    assert status == 2
-    assert said in err
-    assert len(err.strip().splitlines()) == 1
-    assert not (tmp_path / "runs-virtual").exists()

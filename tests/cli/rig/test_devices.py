@@ -52,13 +52,6 @@ def test_scan_without_ports(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     assert rig("scan")[:2] == (1, "no serial port with an actuator's adapter; name another with --port\n")
 
 
-@pytest.mark.parametrize("wrong", ["-1", "256", "one"])
-def test_an_id_that_cannot_be(wrong: str, rig: Rig, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        rig("scan", "--id", wrong)
-    assert f"expected a device id of 0 to 255, but found '{wrong}'" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize(("kind", "wrong", "wanted"), [("qbmove", 0, "1 to 255"), ("dynamixel", 254, "0 to 252")])
 def test_an_id_that_no_device_of_the_kind_has_is_not_asked(
     kind: str, wrong: int, wanted: str, rig: Rig, served: SimpleNamespace

@@ -73,35 +73,6 @@ def test_a_run_that_breaks_a_limit_is_told_beside_the_others(rig: Rig, rig_file:
     assert "S1_0_high-stiffness " in out
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--specimen", "S31"], "rig.toml, specimen: expected S1, S3, but found S31. Did you mean 'S3'?"),
-        (
-            ["--specimen", "Q"],
-            "rig.toml, specimen: expected S1, S3, but found Q. Add it to [experiment], or choose another.",
-        ),
-        (
-            ["--angle", "45"],
-            "rig.toml, angle: expected 0, 30, but found 45. Add it to [experiment], or choose another.",
-        ),
-        (
-            ["--angle", "30", "--condition", "high-stiffness"],
-            "expected a run of the experiment, but found angle 30, condition high-stiffness. See "
-            "[experiment.angles_deg].",
-        ),
-        (
-            ["--condition", "constant-min"],
-            "rig.toml, condition: expected high-stiffness, modular, but found constant-min.",
-        ),
-    ],
-)
-def test_a_choice_that_is_none(options: list[str], said: str, rig: Rig, rig_file: RigFile) -> None:
-    status, out, err = rig("dry-run", rig_file(), *options)
-    assert (status, out) == (2, "")
-    assert said in err
-
-
 def test_schedules_that_are_absent_are_named(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
     path = rig_file()
     (tmp_path / "schedules" / "S3_modular.json").unlink()
@@ -123,11 +94,3 @@ def test_a_bad_rig_file_is_told_line_by_line(rig: Rig, rig_file: RigFile) -> Non
         "34: experiment.contact_s: expected a number >= 0, but found -1.",
     ]
     assert err.endswith("2 problems; nothing was run.\n")
-
-
-def test_a_schedule_for_another_model_is_refused(rig: Rig, rig_file: RigFile) -> None:
-    path = rig_file(("[actuator]\n", '[actuator]\nmodel = "advanced"\n'))
-    status, _, err = rig("dry-run", path)
-    assert status == 2
-    assert f"schedule of S1, modular, limits.actuator: expected qbmove-advanced, the actuator of {path}, but " in err
-    assert "found qbmove-maker-pro. Set [schedule] actuator of the study to this one and export again, or" in err

@@ -65,15 +65,6 @@ def test_faults_are_put_on_beforehand(rig: Rig, rig_file: Callable[..., Path], t
     assert "# gain: the force sensor gives 0.5 times the load\n" in out
 
 
-def test_a_fault_that_is_none_is_refused_before_anything_is_written(
-    rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
-) -> None:
-    status, _, err = rig("emulate", rig_file(), "--fault", "gain lots", "--write", tmp_path / "emulated.toml")
-    assert status == 2
-    assert "fault gain: expected off, or a number from -100 to 100, but found 'lots'" in err
-    assert not (tmp_path / "emulated.toml").exists()
-
-
 def test_it_serves_until_quit(
     rig: Rig, rig_file: Callable[..., Path], typed: Callable[[str], None], tmp_path: Path
 ) -> None:
@@ -89,33 +80,6 @@ def test_it_serves_until_quit(
     written = load_rig(tmp_path / "emulated.toml").devices
     assert written.motor
     assert (told["motor"]["port"], told["actuator"]["port"]) == (written.motor.port, written.actuator.port)
-
-
-@pytest.mark.parametrize(
-    ("change", "options", "says"),
-    [
-        (("[emulated]\ngap_mm = 2\n", ""), (), "a table [emulated]"),
-        (("", ""), ("--specimen", "S9"), "stiffness of the specimen"),
-        (("", ""), ("--angle", "90"), "0 to below 90"),
-    ],
-)
-def test_what_cannot_be_emulated(
-    rig: Rig, rig_file: Callable[..., Path], change: tuple[str, str], options: tuple[str, ...], says: str
-) -> None:
-    status, out, err = rig("emulate", rig_file(change), *options)
-    assert (status, out) == (2, "")
-    assert says in err
-    assert "Traceback" not in err
-
-
-def test_a_control_that_needs_a_schedule_cannot_be_emulated_behind_ports(
-    rig: Rig, rig_file: Callable[..., Path]
-) -> None:
-    path = rig_file(("[emulated]", '[emulated]\ncontrol = "P1"'))
-    path.write_text(path.read_text().replace("modular = [0, 30]", "modular = [0]"))
-    status, out, err = rig("emulate", path)
-    assert (status, out) == (2, "")
-    assert "a world that needs no schedule, but found P1" in err
 
 
 def test_on_windows_it_says_what_to_do(

@@ -108,57 +108,6 @@ def test_a_width_that_cannot_be_reached_is_said_before_the_first_press(
     assert second.startswith("1/1 ")
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (("--stop-at", "5"), "--stop-at: expected --calibration beside this option, but found none."),
-        (("--camera", "c.toml"), "--camera: expected --calibration beside this option, but found none."),
-        (("--calibration", "none.json"), "none.json: expected a calibration file, but found No such file"),
-        (("--calibration", "broken.json"), "broken.json: expected a JSON object"),
-        (("--calibration", "old.json"), "old.json, version: expected version"),
-        (("--calibration", "edited.json"), "edited.json, sha256: expected the digest"),
-        (("--calibration", "other.json"), "--calibration: expected one calibration for 0 degrees, high-stiffness, but "
-         "found other.json: 30 degrees, modular."),
-        (("--calibration", "known.json", "--calibration", "twice.json"), "expected one calibration for 0 degrees"),
-        (("--calibration", "pixels.json", "--camera", "c.toml"), "--camera: expected a calibration in mm2"),
-        (("--calibration", "known.json", "--camera", "c.toml"), "c.toml"),
-        (("--calibration", "quantity.json"), "quantity.json, quantity: expected front or edge"),
-        (("--calibration", "unit.json"), "unit.json, area_unit: expected mm2 or px2"),
-        (("--calibration", "known.json", "--plate", "S3"), "--calibration: expected presses of the tactile sensor"),
-    ],
-)  # fmt: skip
-def test_bad_input_is_one_line_and_nothing_moves(
-    rig: Rig, rig_file: RigFile, known: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-    options: tuple[str, ...], said: str,
-) -> None:  # fmt: skip
-    monkeypatch.chdir(tmp_path)
-    document = json.loads(known.read_text())
-    (tmp_path / "broken.json").write_text("{")
-    (tmp_path / "old.json").write_text(json.dumps(document | {"version": 0}))
-    (tmp_path / "edited.json").write_text(json.dumps(document | {"angle_deg": 30}))
-    write_calibration(tmp_path / "other.json", known_calibration("modular", 30.0))
-    write_calibration(tmp_path / "twice.json", known_calibration())
-    write_calibration(tmp_path / "pixels.json", known_calibration(area_unit="px2"))
-    write_calibration(tmp_path / "quantity.json", known_calibration(quantity="hexagons"))
-    write_calibration(tmp_path / "unit.json", known_calibration(area_unit="in2"))
-    chosen = ONE if "--plate" not in options else ("--virtual",)
-    status, _, err = rig("run", rig_file(), *chosen, *options)
-    assert status == 2
-    assert said in err
-    assert len(err.strip().splitlines()) == 1
-    assert not (tmp_path / "runs-virtual").exists()
-
-
-@pytest.mark.parametrize("width", ["0", "0.05", "101", "-5", "five", "nan", "5 N"])
-def test_a_width_out_of_range_is_refused(
-    rig: Rig, rig_file: RigFile, known: Path, width: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with pytest.raises(SystemExit) as exit_:
-        rig("run", rig_file(), *ONE, "--calibration", known, f"--stop-at={width}")
-    assert exit_.value.code == 2
-    assert "expected a percentage of kappa from 0.5 to 100, such as 5, but found" in capsys.readouterr().err
-
-
 def test_presses_unlike_those_of_the_calibration_are_noted_or_refused(
     rig: Rig, rig_file: RigFile, tmp_path: Path
 ) -> None:

@@ -74,29 +74,9 @@ def test_a_width_that_is_reached_ends_it(rig: Rig, known: list[Path], tmp_path: 
     assert "No further press is needed" in out
 
 
-@pytest.mark.parametrize(
-    ("options", "complaint"),
-    [
-        (("--presses", "0"), "expected a number of presses from 1 to 100, but found '0'"),
-        (("--presses", "many"), "but found 'many'"),
-        (("--stop-at", "-3"), "expected a percentage of kappa"),
-    ],
-)
-def test_bad_options_are_refused(
-    rig: Rig, known: list[Path], capsys: pytest.CaptureFixture[str], options: tuple[str, str], complaint: str
-) -> None:
-    with pytest.raises(SystemExit, match="2"):
-        rig("next", *known, *options)
-    assert complaint in capsys.readouterr().err
-
-
 def test_one_clear_error_for_a_calibration_or_run_that_cannot_be_used(
     rig: Rig, known: list[Path], tmp_path: Path
 ) -> None:
-    status, _, err = rig("next", tmp_path / "none.json")
-    assert (status, "none.json: expected a calibration file" in err) == (2, True)
-    status, _, err = rig("next", *known, "--done", tmp_path)
-    assert (status, "plan.json: expected the plan of a run" in err) == (2, True)
     other = judged_run(tmp_path / "other", condition="constant-min")
     status, _, err = rig("next", *known, "--done", other)
     assert status == 2

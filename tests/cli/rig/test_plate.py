@@ -71,20 +71,6 @@ def test_what_is_no_plate_run_is_refused(
     assert said in capsys.readouterr().err
     assert main(["tools", "stiffness", str(tmp_path)]) == 2
     assert "expected the folder of a plate indentation, but found " in capsys.readouterr().err
-    for words, complaint in (
-        (("--plate", "S9"), "--plate: expected S1, S3, but found S9."),
-        (("--plate", "S1", "--all"), "--plate: expected --plate alone, but found a choice of runs beside it."),
-    ):
-        status, _, err = rig(*run, *words)
-        assert status == 2
-        assert complaint in err
-
-
-def test_a_plate_beyond_the_guard_is_refused(rig: Rig, rig_file: Callable[..., Path]) -> None:
-    path = rig_file(("[emulated]", "[plate]\nf_max_n = 60\n\n[emulated]"))
-    status, _, err = rig("run", path, "--virtual", "--plate", "S1")
-    assert status == 2
-    assert "plate.f_max_n: expected a force above contact, 0.3 N, and below the guard rig.guards.force_n, 50 N" in err
 
 
 def test_a_specimen_that_the_study_has_not_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,25 +6,15 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
 from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames
+from tests.cli.rig.conftest import MOTORS_OFF, ended_of, motors
 
 Rig = Callable[..., tuple[int, str, str]]
 ONE = ("--specimen", "S1", "--angle", "0", "--condition", "modular")
-MOTORS_OFF = bytes.fromhex("3a3a 01 03 81 00 81")
-
-
-def motors(bench: Any) -> bytes:
-    return bytes(bench.answer(bytes.fromhex("3a3a 01 02 81 81")))
-
-
-def ended_of(folder: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((folder / "ended.json").read_text())
-    return found
 
 
 @pytest.mark.realtime

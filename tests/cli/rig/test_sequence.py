@@ -88,8 +88,6 @@ def test_runs_are_in_random_order_unless_the_rig_file_lists_them(
     assert json.loads(rig("dry-run", path, "--json")[1])["sequence"] == RUNS
     assert rig("run", path, *ALL)[0] == 0
     assert order_of(tmp_path / "runs-virtual") == RUNS
-    status, _, err = rig("run", path, *ALL, "--seed", 1)
-    assert (status, "--seed: expected a seed for a random order" in err) == (2, True)
 
 
 def test_a_run_that_goes_on_makes_other_presses(rig: Rig, rig_file: Callable[..., Path], tmp_path: Path) -> None:

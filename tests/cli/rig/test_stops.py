@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 import threading
@@ -10,25 +9,15 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
 from benchmarks.rig.logs import read_log
+from tests.cli.rig.conftest import MOTORS_OFF, ended_of, motors
 
 pytestmark = pytest.mark.realtime
 Rig = Callable[..., tuple[int, str, str]]
 ONE = ("--specimen", "S1", "--angle", "0", "--condition", "modular")
-MOTORS_OFF = bytes.fromhex("3a3a 01 03 81 00 81")
-
-
-def motors(bench: Any) -> bytes:
-    return bytes(bench.answer(bytes.fromhex("3a3a 01 02 81 81")))
-
-
-def ended_of(folder: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((folder / "ended.json").read_text())
-    return found
 
 
 def wait_for_presses(folder: Path) -> None:

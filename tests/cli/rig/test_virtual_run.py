@@ -91,23 +91,6 @@ def test_measured_runs_are_none_of_its_own(rig: Rig, rig_file: RigFile, tmp_path
     assert sorted(path.name for path in (tmp_path / "runs").iterdir()) == [measured.name, f"{measured.name}-2"]
 
 
-def test_without_an_emulated_rig(rig: Rig, rig_file: RigFile) -> None:
-    status, out, err = rig("run", rig_file(("[emulated]\ngap_mm = 2\n", "")), "--virtual")
-    assert (status, out) == (2, "")
-    assert "rig.toml: expected a table [emulated], but found none." in err
-
-
-def test_limits_are_checked_before_any_run(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
-    path = rig_file(("[rig.guards]", "[rig]\nmax_preset_ticks = 2800\n[rig.guards]"))
-    status, _, err = rig("run", path, "--virtual")
-    assert status == 2
-    assert (
-        "schedule of S1, modular, stiffness preset: expected 20 to 80 % of the device's maximum, but found 85.7143 %."
-        in err
-    )
-    assert not (tmp_path / "runs-virtual").exists()
-
-
 @pytest.mark.parametrize("how", ["interrupted", "full"])
 def test_what_stops_one_run(how: str, rig: Rig, rig_file: RigFile, monkeypatch: pytest.MonkeyPatch) -> None:
     ran: list[Path] = []
