@@ -16,7 +16,7 @@ PROGRAM = Program(
     epilog="Try: emg2vsa tools simulate studies/palpation/study.toml, then emg2vsa run studies/palpation/study.toml.",
     commands={
         "new": "recordings", "inspect": "recordings", "check": "check", "run": "run", "status": "run",
-        "report": "report", "fit": "recordings", "schedule": "schedule", "stats": "stats", "session": "session",
+        "report": "report", "fit": "recordings", "schedule": "report", "stats": "stats", "session": "session",
         "rig": "rig", "verify": "report", "tools": "tools",
     },
     stopped="What was finished is kept; the same command goes on from there.",

@@ -55,11 +55,6 @@ class Campaign:
         return {entry.key: entry for entry in self.study.runs}
 
     @cached_property
-    def run_of_mounting(self) -> dict[str, str]:
-        """Name of the folder of each mounting to the key of its run."""
-        return {folder.name: key for key, entry in self.runs.items() for folder in entry.folders}
-
-    @cached_property
     def mountings(self) -> dict[str, Run]:
         """Name of its folder to what the emulated rig is to press there, in the order of the experiment; empty for
         measured runs."""

@@ -94,46 +94,46 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _check_options(arguments: argparse.Namespace) -> None:
     """SettingError for options that do not go together, whatever the rig file says."""
-    for name in ("order", "seed"):
-        if getattr(arguments, name) is not None and not arguments.all:
-            _refuse(f"--{name}", "--all beside this option", "one run", "Add --all, or leave it out.")
-    for name in ("all", "plate"):
-        if arguments.adaptive and getattr(arguments, name):
-            _refuse("--adaptive", "no other choice of runs", f"--{name}", "Leave out one of the two.")
-    if arguments.all and arguments.repetitions:
-        do = "Leave it out: a sequence makes the presses that [experiment] repetitions asks for."
-        _refuse("--repetitions", "one run", "--all", do)
+    alone, beside_all = "Leave out one of the two.", "Add --all, or leave it out."
+    sequence = "Leave it out: a sequence makes the presses that [experiment] repetitions asks for."
+    one_run = not arguments.all
+    _refuse(
+        (arguments.order is not None and one_run, "--order", "--all beside this option", "one run", beside_all),
+        (arguments.seed is not None and one_run, "--seed", "--all beside this option", "one run", beside_all),
+        (arguments.adaptive and arguments.all, "--adaptive", "no other choice of runs", "--all", alone),
+        (arguments.adaptive and arguments.plate, "--adaptive", "no other choice of runs", "--plate", alone),
+        (arguments.all and arguments.repetitions, "--repetitions", "one run", "--all", sequence),
+    )
 
 
 def _check_for(arguments: argparse.Namespace, file: RigFile) -> None:
     """SettingError for options that do not go with the way of pressing, or with the order of the rig file."""
+    seed, plate, adaptive, names = arguments.seed, arguments.plate, arguments.adaptive, arguments.specimen
     listed = (arguments.order or file.experiment.order) == "listed"
-    if arguments.seed is not None and (listed or arguments.seed < 0):
-        do = "Choose --order random and a seed from 0."
-        _refuse("--seed", "a seed for a random order", str(arguments.seed), do)
-    if arguments.plate and arguments.calibration:
-        do = "Leave out --calibration: a plate has no pins."
-        _refuse("--calibration", "presses of the tactile sensor", "--plate", do)
-    chosen = arguments.specimen or arguments.angle or arguments.condition or arguments.repetitions
-    if arguments.plate and (arguments.all or chosen):
-        do = "Leave the others out: [plate] says how its trials go."
-        _refuse("--plate", "--plate alone", "a choice of runs beside it", do)
-    if not arguments.adaptive:
-        return
-    fixed = "the calibrations say which {}s there are"
-    told = {"angle": fixed, "condition": fixed, "mounting": "every new mounting gets the next number"}
-    for name, why in told.items():
-        if given := getattr(arguments, name):
-            do = f"Leave it out: {why.format(name)}."
-            _refuse(f"--{name}", "no choice of runs beside --adaptive", str(given[0]), do)
-    if len(arguments.specimen) != 1:
-        _refuse("--specimen", "one specimen", ", ".join(arguments.specimen) or "none", "Name the unknown specimen.")
-    if not arguments.calibration:
-        do = "Add --calibration FILE for every angle and condition that may be pressed."
-        _refuse("--adaptive", "--calibration beside this option", "none", do)
+    chosen = names or arguments.angle or arguments.condition or arguments.repetitions or arguments.all
+    none, random = "no choice of runs beside --adaptive", "Choose --order random and a seed from 0."
+    fixed = "Leave it out: the calibrations say which {}s there are."
+    by_number = "Leave it out: every new mounting gets the next number."
+    _refuse(
+        (seed is not None and (listed or seed < 0), "--seed", "a seed for a random order", str(seed), random),
+        (plate and arguments.calibration, "--calibration", "presses of the tactile sensor", "--plate",
+         "Leave out --calibration: a plate has no pins."),
+        (plate and chosen, "--plate", "--plate alone", "a choice of runs beside it",
+         "Leave the others out: [plate] says how its trials go."),
+        *((adaptive and given, f"--{name}", none, str(given[0]) if given else "", do.format(name))
+          for name, do in (("angle", fixed), ("condition", fixed), ("mounting", by_number))
+          for given in [getattr(arguments, name)]),
+        (adaptive and len(names) != 1, "--specimen", "one specimen", ", ".join(names) or "none",
+         "Name the unknown specimen."),
+        (adaptive and not arguments.calibration, "--adaptive", "--calibration beside this option", "none",
+         "Add --calibration FILE for every angle and condition that may be pressed."),
+    )  # fmt: skip
 
 
-def _refuse(option: str, wanted: str, found: str, do: str) -> None:
+def _refuse(*cases: tuple[Any, str, str, str, str]) -> None:
+    """SettingError for the first case that holds: which option, what was wanted and found, and what to do."""
     from emg2vsa.errors import SettingError
 
-    raise SettingError(option, wanted=wanted, found=found, do=do)
+    for holds, option, wanted, found, do in cases:
+        if holds:
+            raise SettingError(option, wanted=wanted, found=found, do=do)

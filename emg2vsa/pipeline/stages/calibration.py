@@ -53,11 +53,6 @@ def says(results: CalibrationResults) -> str:
 
 
 STAGE = Stage(
-    per="study",
-    of="runs",
-    needs=("runs",),
-    run=run,
-    settings=settings,
-    says=says,
+    per="study", of="runs", needs=("runs",), run=run, settings=settings, says=says,
     gives="The stiffness of the new specimen is",
-)
+)  # fmt: skip

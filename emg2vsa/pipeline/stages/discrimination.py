@@ -40,11 +40,6 @@ def says(found: Discrimination) -> str:
 
 
 STAGE = Stage(
-    per="study",
-    of="runs",
-    needs=("runs",),
-    run=run,
-    settings=settings,
-    says=says,
+    per="study", of="runs", needs=("runs",), run=run, settings=settings, says=says,
     gives="The tests on areas and spread rates are",
-)
+)  # fmt: skip

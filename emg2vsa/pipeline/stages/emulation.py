@@ -141,13 +141,6 @@ def _record(
 
 
 STAGE = Stage(
-    per="mounting",
-    of="emulated rig",
-    needs=("schedules",),
-    run=run,
-    loads=("emg2vsa.worlds.bench.virtual_run",),
-    settings=settings,
-    takes=takes,
-    folder=folder,
-    alone_in=alone_in,
-)
+    per="mounting", of="emulated rig", needs=("schedules",), run=run, loads=("emg2vsa.worlds.bench.virtual_run",),
+    settings=settings, takes=takes, folder=folder, alone_in=alone_in,
+)  # fmt: skip

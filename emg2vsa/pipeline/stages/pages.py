@@ -39,12 +39,6 @@ def run(given: Given) -> list[Path]:
 
 
 STAGE = Stage(
-    per="participant",
-    of="people",
-    needs=("trials", "fits"),
-    run=run,
-    settings=settings,
-    folder=folder,
-    tells_failures=True,
-    alone=64,
-)
+    per="participant", of="people", needs=("trials", "fits"), run=run, settings=settings, folder=folder,
+    tells_failures=True, alone=64,
+)  # fmt: skip

@@ -101,13 +101,7 @@ def says(scores: RunScores) -> str:
 
 
 STAGE = Stage(
-    per="run",
-    of="runs",
-    needs=("emulation",),
-    run=run,
-    loads=("emg2vsa.run_folders.presses", "emg2vsa.run_scores.score_run"),
-    settings=settings,
-    files=files,
-    takes=takes,
+    per="run", of="runs", needs=("emulation",), run=run,
+    loads=("emg2vsa.run_folders.presses", "emg2vsa.run_scores.score_run"), settings=settings, files=files, takes=takes,
     says=says,
-)
+)  # fmt: skip

@@ -89,11 +89,6 @@ def says(effect: StiffnessEffect | None) -> str:
 
 
 STAGE = Stage(
-    per="study",
-    of="emulated rig",
-    needs=("schedules",),
-    run=run,
-    settings=settings,
-    says=says,
+    per="study", of="emulated rig", needs=("schedules",), run=run, settings=settings, says=says,
     gives="What stiffness can do is",
-)
+)  # fmt: skip

@@ -160,12 +160,6 @@ def says(trials: Trials) -> str:
 
 
 STAGE = Stage(
-    per="recording",
-    of="people",
-    run=run,
-    settings=settings,
-    files=files,
-    says=says,
-    alone=8,
+    per="recording", of="people", run=run, settings=settings, files=files, says=says, alone=8,
     loads=("emg2vsa.readers.roles", "emg2vsa.extraction.extract"),
-)
+)  # fmt: skip
