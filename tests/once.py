@@ -19,7 +19,8 @@ ROOT = Path(__file__).resolve().parent.parent
 Build = Callable[[Path], object]
 Once = Callable[[str, Build], Path]
 KEPT_VERSIONS = 2
-"""Of a checkout: that of today and the one before, which a run may still read."""
+IN_USE_S = 2 * 3600
+"""Of a checkout: older versions than so many go, unless a run of the last hours may still read them."""
 
 
 def built(kept_in: Path, name: str, build: Build) -> Path:
@@ -55,7 +56,8 @@ def place_for(file: str) -> Path | None:
     except OSError:
         return None
     for old in sorted(of_checkout.iterdir(), key=lambda path: path.stat().st_mtime)[:-KEPT_VERSIONS]:
-        shutil.rmtree(old, ignore_errors=True)
+        if time.time() - old.stat().st_mtime > IN_USE_S:
+            shutil.rmtree(old, ignore_errors=True)
     return folder
 
 
