@@ -109,7 +109,9 @@ def test_an_older_spelling_gives_the_same_result(capsys: pytest.CaptureFixture[s
     assert capsys.readouterr().err == ""
 
 
-@pytest.mark.parametrize("words", [["--help"], ["tools", "--help"], ["tools", "simulate", "--help"], ["run", "--help"]])
+@pytest.mark.parametrize(
+    "words", [["--help"], ["tools", "simulate", "--help"], *([name, "--help"] for name in emg2vsa.cli.PROGRAM.commands)]
+)
 def test_help_loads_nothing_heavy_and_only_what_is_asked_for(words: list[str]) -> None:
     code = (
         "import sys\nfrom emg2vsa.cli import main\ntry: main(sys.argv[1:])\nexcept SystemExit: pass\n"
@@ -118,5 +120,5 @@ def test_help_loads_nothing_heavy_and_only_what_is_asked_for(words: list[str]) -
     done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=True)
     loaded = done.stderr.split()
     assert [name for name in HEAVY if name in loaded] == []
-    assert ("emg2vsa.cli.rig" in loaded) is (words == ["--help"])
+    assert ("emg2vsa.cli.rig" in loaded) is (words in (["--help"], ["rig", "--help"]))
     assert ("emg2vsa.cli.tools.sizes" in loaded) is (words == ["tools", "--help"])

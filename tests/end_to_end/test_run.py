@@ -129,13 +129,6 @@ def test_a_side_file_counts(ran: Path, capsys: pytest.CaptureFixture[str]) -> No
     assert "trials/P01/S1" in run(ran, capsys)["ran"]
 
 
-def test_a_deleted_output_is_made_again(ran: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    report = ran.parents[2] / "reports" / "small"
-    (report / "index.html").unlink()
-    assert run(ran, capsys)["ran"] == ["report/study"]
-    assert (report / "index.html").is_file()
-
-
 def test_a_bad_and_a_missing_recording_stop_nobody(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bad = next(study.parent.glob("data/sub-P01/emg/*acq-S1_emg.bdf"))
     whole = bad.read_bytes()

@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 
 import emg2vsa
+from benchmarks.small_study import SIMULATED_SESSION
 from emg2vsa import artifacts
 from emg2vsa.cli import main
 from emg2vsa.pipeline.plan import Step, survey
@@ -202,6 +203,6 @@ def test_a_session_table_makes_no_result_stale(study: Path) -> None:
     text = study.read_text()
     assert {step.status for step in look(study).values()} == {"fresh"}
     for more in ('training_specimens = ["T1"]\n', 'seed = 7\ntexts.start = "Los"\n'):
-        kinds = 'emg.kind = "simulated"\nforce.kind = "simulated"\nrepetitions = 3\n'
+        kinds = f"{SIMULATED_SESSION}repetitions = 3\n"
         study.write_text(f"{text}\n[session]\n{kinds}{more}")
         assert {step.status for step in look(study).values()} == {"fresh"}

@@ -1,7 +1,11 @@
-"""``emg2vsa rig run --virtual``: all runs of the file on the emulated rig, those done before left out."""
+"""``emg2vsa rig run --virtual``: all runs of the file on the emulated rig, those done before left out.
+
+``emg2vsa rig run --all``: the whole experiment in its order, stopped and taken up again.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,8 +14,13 @@ import pytest
 
 from benchmarks.rig.logs import read_log
 from emg2vsa.lab import virtual_runs
-from emg2vsa.rig.record.new_folder import how_ended
+from emg2vsa.lab.pressed import Pressed
+from emg2vsa.lab.pressing import Pressing
+from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.record.ended import Ended
+from emg2vsa.rig.record.new_folder import good_presses, how_ended
 from emg2vsa.run_folders.presses import read_presses
+from emg2vsa.worlds.bench.virtual_run import run_virtual
 
 Rig = Callable[..., tuple[int, str, str]]
 RigFile = Callable[..., Path]
@@ -109,3 +118,240 @@ def test_what_stops_one_run(how: str, rig: Rig, rig_file: RigFile, monkeypatch: 
         assert (status, len(ran)) == (1, 3)
         assert "not run. " in err
         assert out.count("not run") == 3
+
+
+ALL = ("--all", "--virtual", "--jobs", 1)
+LISTED = ("--all", "--order", "listed")
+RUNS = ["S1_0_high-stiffness", "S3_0_high-stiffness", "S1_0_modular", "S3_0_modular", "S1_30_modular", "S3_30_modular"]
+
+
+RANDOM = [
+    "S3_30_modular",
+    "S3_0_modular",
+    "S1_0_high-stiffness",
+    "S1_0_modular",
+    "S1_30_modular",
+    "S3_0_high-stiffness",
+]
+"""Of seed 0, for ever."""
+
+
+def order_of(runs: Path) -> list[str]:
+    kept = json.loads((runs / "order.json").read_text())
+    return ["{specimen}_{angle_deg:g}_{condition}".format(**run) for run in kept["runs"]]
+
+
+def places(runs: Path) -> dict[str, int]:
+    return {path.parent.name: json.loads(path.read_text())["plan"]["order"] for path in runs.glob("*/plan.json")}
+
+
+def test_a_random_order_is_kept_and_a_stopped_sequence_goes_on(
+    rig: Rig, rig_file: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, runs = rig_file(("repetitions = 2", "repetitions = 1")), tmp_path / "runs-virtual"
+    done: list[str] = []
+
+    def stopped(*arguments: Any, **options: Any) -> Any:
+        if len(done) == 2:
+            raise KeyboardInterrupt
+        done.append(options["run"])
+        return run_virtual(*arguments, **options)
+
+    monkeypatch.setattr(virtual_runs, "run_virtual", stopped)
+    status, _, err = rig("run", path, *ALL, "--order", "random", "--seed", 3)
+    assert status == 130, err
+    order = order_of(runs)
+    assert sorted(order) == sorted(RUNS)
+    assert order != RUNS
+    assert done == order[:2]
+
+    monkeypatch.setattr(virtual_runs, "run_virtual", run_virtual)
+    status, out, err = rig("run", path, *ALL)
+    assert status == 0, err
+    said = [line for line in err.splitlines() if "rig.guards." not in line]
+    assert [line.split()[1].rstrip(":") for line in said] == order[2:]
+    assert places(runs) == {name: number for number, name in enumerate(order, start=1)}
+    assert out.count("done before") == 2
+    assert rig("run", path, *ALL)[0] == 0
+    assert order_of(runs) == order
+
+
+def test_runs_are_in_random_order_unless_the_rig_file_lists_them(
+    rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
+) -> None:
+    drawn = rig("dry-run", rig_file())[1].split("order of the runs: ")[1]
+    assert drawn.startswith("random with seed 0\n")
+    assert [line.split()[0] for line in drawn.splitlines() if "_0_" in line or "_30_" in line] == RANDOM
+    other = rig("dry-run", rig_file(("[experiment]", "[experiment]\nseed = 1")), "--json")[1]
+    assert json.loads(other)["seed"] == 1
+    assert sorted(json.loads(other)["runs"]) == sorted(RUNS)
+    assert json.loads(other)["sequence"] != RANDOM
+    path = rig_file(("repetitions = 2", 'repetitions = 1\norder = "listed"'))
+    assert json.loads(rig("dry-run", path, "--json")[1])["sequence"] == RUNS
+    assert rig("run", path, *ALL)[0] == 0
+    assert order_of(tmp_path / "runs-virtual") == RUNS
+
+
+def test_a_run_that_goes_on_makes_other_presses(rig: Rig, rig_file: Callable[..., Path], tmp_path: Path) -> None:
+    path, runs = rig_file(), tmp_path / "runs-virtual"
+    one = ("--virtual", "--specimen", "S3", "--angle", 0, "--condition", "modular")
+    assert rig("run", path, *one, "--repetitions", 1)[0] == 0
+    assert rig("run", path, *one)[0] == 0
+    first, second = runs / "S3_0_modular", runs / "S3_0_modular-2"
+    assert (good_presses(first), good_presses(second)) == (1, 1)
+    assert (first / "log.csv").read_bytes() != (second / "log.csv").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--order", "random"), "--order: expected --all beside this option, but found one run."),
+        (("--seed", 1), "--seed: expected --all beside this option, but found one run."),
+        (("--all", "--order", "listed", "--seed", 1), "--seed: expected a seed for a random order, but found 1."),
+        (("--all", "--repetitions", 3), "--repetitions: expected one run, but found --all."),
+        (
+            ("--all", "--order", "random", "--seed", 4),
+            "order.json: expected order random with seed 4, but found listed, begun.",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused(
+    words: tuple[Any, ...], said: str, rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
+) -> None:
+    path = rig_file()
+    (tmp_path / "runs-virtual").mkdir()
+    kept = [dict(zip(("specimen", "angle_deg", "condition"), name.split("_"), strict=True)) for name in RUNS]
+    document = {"order": "file", "seed": None, "runs": kept}
+    (tmp_path / "runs-virtual" / "order.json").write_text(json.dumps(document))
+    status, _, err = rig("run", path, "--virtual", *words)
+    assert status == 2
+    assert said in err
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("{", "expected an order as emg2vsa rig run writes it, but found "),
+        (
+            '{"order": "file", "seed": null, "runs": []}',
+            "expected the 6 runs of the rig file, but found 0, not the same.",
+        ),
+        ('{"order": "up", "seed": 1, "runs": []}', "found order 'up'."),
+    ],
+)
+def test_an_order_of_another_form_is_refused(
+    text: str, said: str, rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
+) -> None:
+    (tmp_path / "runs-virtual").mkdir()
+    (tmp_path / "runs-virtual" / "order.json").write_text(text)
+    status, _, err = rig("run", rig_file(), *ALL)
+    assert status == 2
+    assert said in err
+
+
+class Rigged:
+    """Ends of runs as they are told, and folders that say so."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, *ends: tuple[Any, ...]) -> None:
+        self.ends, self.asked, self.pressed = list(ends), list[str](), list[tuple[str, int, int | None]]()
+        monkeypatch.setattr(Pressing, "press", lambda pressing, *press: self.press(*press))
+        monkeypatch.setattr("emg2vsa.cli.rig.choice._asked", self.answer)
+        self.answers: list[str] = []
+
+    def answer(self, question: str) -> str:
+        self.asked.append(question)
+        return self.answers.pop(0) if self.answers else ""
+
+    def press(self, plan: RunPlan, folder: Path, kappa: None) -> Pressed:
+        how, good, *away = self.ends.pop(0) if self.ends else ("completed", plan.repetitions)
+        folder.mkdir(parents=True)
+        (folder / "ended.json").write_text(json.dumps({"how": how, "repetitions_done": good}))
+        self.pressed.append((folder.name, plan.repetitions, plan.order))
+        retracted, deactivated = away or (True, True)
+        left = {"retracted": retracted, "deactivated": deactivated}
+        return Pressed(folder, Ended(how, "", "", "done", 1, 1.0, "", **left))
+
+
+def test_rejected_presses_are_repeated_and_a_guard_ends_the_sequence(
+    rig: Rig, rig_file: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = rig_file()
+    bench = Rigged(monkeypatch, ("completed", 2), ("rejected", 1), ("completed", 1), ("guard", 1))
+    status, out, err = rig("run", path, *LISTED)
+    assert status == 1
+    assert bench.pressed == [
+        ("S1_0_high-stiffness", 2, 1), ("S3_0_high-stiffness", 2, 2), ("S3_0_high-stiffness-2", 1, 2),
+        ("S1_0_modular", 2, 3),
+    ]  # fmt: skip
+    assert bench.asked[0].startswith("1/6: put S1 at 0 degrees under the rigid motor, 2 presses. Enter: press it; ")
+    assert len(bench.asked) == 3  # not again for the press that was rejected
+    assert out.endswith("2 of 6 runs are done; folder {}\n".format(path.parent / "runs"))
+    assert "The sequence ends here; the same command takes it up again." in err
+
+    bench.pressed.clear()
+    bench.asked.clear()
+    bench.answers = ["what", "", "s", "q"]
+    assert rig("run", path, *LISTED)[0] == 1
+    assert bench.pressed == [("S1_0_modular-2", 1, 3)]
+    assert len(bench.asked) == 4
+    assert bench.asked[0].startswith("3/6: put S1 at 0 degrees under the qbmove (modular), 1 presses. ")
+
+    assert rig("run", path, *LISTED, "--yes", "--json")[0] == 0
+    assert how_ended(path.parent / "runs" / "S3_30_modular") == "completed"
+
+
+@pytest.mark.parametrize("left", [(False, True), (True, False)])
+def test_a_probe_that_was_left_on_the_specimen_ends_the_sequence(
+    left: tuple[bool, bool], rig: Rig, rig_file: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Though all its presses are whole."""
+    path = rig_file()
+    bench = Rigged(monkeypatch, ("completed", 2), ("rejected", 2, *left))
+    status, _, err = rig("run", path, *LISTED, "--yes")
+    assert status == 1
+    assert [name for name, *_ in bench.pressed] == ["S1_0_high-stiffness", "S3_0_high-stiffness"]
+    assert "was left with the probe NOT retracted, or motors NOT confirmed off. " in err
+    assert f"Switch off with emg2vsa rig off {path}" in err
+
+
+def test_a_session_with_a_rejected_press_says_so_by_its_status(
+    rig: Rig, rig_file: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench = Rigged(monkeypatch, ("rejected", 1))
+    status, out, _ = rig("run", rig_file(), *LISTED, "--yes")
+    assert (status, len(bench.pressed)) == (1, 7)
+    assert out.startswith("6 of 6 runs are done")
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            ("f_max_n = 5", "f_max_n = 4"),
+            "expected f_max_n = 4.0, as the rig file and its schedules say now, but found 5.0.",
+        ),
+        (("[rig.guards]", "[rig]\nfilter_samples = 3\n[rig.guards]"), "expected filter_samples = 3, as the rig file"),
+    ],
+)
+def test_presses_made_in_another_way_are_not_mixed(
+    change: tuple[str, str], said: str, rig: Rig, rig_file: Callable[..., Path]
+) -> None:
+    path = rig_file()
+    one = ("--virtual", "--specimen", "S3", "--angle", 0, "--condition", "modular")
+    assert rig("run", path, *one, "--repetitions", 1)[0] == 0
+    path.write_text(path.read_text().replace(*change))
+    status, _, err = rig("run", path, *one)
+    assert status == 2
+    assert f"{path.parent / 'runs-virtual' / 'S3_0_modular' / 'plan.json'}: {said}" in err
+
+
+def test_a_schedule_of_other_steps_is_not_mixed(rig: Rig, rig_file: Callable[..., Path]) -> None:
+    path = rig_file()
+    one = ("--virtual", "--specimen", "S3", "--angle", 0, "--condition", "modular")
+    assert rig("run", path, *one, "--repetitions", 1)[0] == 0
+    plan = path.parent / "runs-virtual" / "S3_0_modular" / "plan.json"
+    document = json.loads(plan.read_text())
+    document["plan"]["schedule"]["steps"][0]["preset_ticks"] += 10
+    plan.write_text(json.dumps(document))
+    status, _, err = rig("run", path, *one)
+    assert (status, "plan.json: expected preset_ticks of the schedule = [" in err) == (2, True)
