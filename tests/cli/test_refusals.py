@@ -99,7 +99,7 @@ def cases(table: str) -> Iterator[object]:
         yield pytest.param(shlex.split(words), said.strip(), id=words.strip())
 
 
-@pytest.mark.parametrize(("words", "said"), cases(REFUSED))
+@pytest.mark.parametrize(("words", "said"), [*cases(REFUSED)])
 def test_bad_input_is_one_line(lab: Path, capsys: pytest.CaptureFixture[str], words: list[str], said: str) -> None:
     assert main(words) == 2
     found = capsys.readouterr()
@@ -110,7 +110,7 @@ def test_bad_input_is_one_line(lab: Path, capsys: pytest.CaptureFixture[str], wo
     }  # fmt: skip
 
 
-@pytest.mark.parametrize(("words", "said"), cases(MISSPELT))
+@pytest.mark.parametrize(("words", "said"), [*cases(MISSPELT)])
 def test_what_is_misspelt_is_named(lab: Path, capsys: pytest.CaptureFixture[str], words: list[str], said: str) -> None:
     with pytest.raises(SystemExit, match="2"):
         main(words)

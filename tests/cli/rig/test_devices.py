@@ -176,7 +176,7 @@ def test_it_serves_until_quit(
 def test_on_windows_it_says_what_to_do(
     rig: Rig, rig_file: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("emg2vsa.worlds.bench.servers.sys", SimpleNamespace(platform="win32"))
+    monkeypatch.setattr("emg2vsa.worlds.far_ends.ports.sys", SimpleNamespace(platform="win32"))
     status, out, err = rig("emulate", rig_file())
     assert (status, out) == (2, "")
     assert "expected a system with virtual serial ports, but found Windows. Use emg2vsa rig run --virtual." in err

@@ -124,7 +124,7 @@ def cases(table: str) -> Iterator[object]:
         yield pytest.param(shlex.split(words), said.strip(), id=words.strip())
 
 
-@pytest.mark.parametrize(("words", "said"), cases(REFUSED))
+@pytest.mark.parametrize(("words", "said"), [*cases(REFUSED)])
 def test_bad_input_is_one_line_and_nothing_is_written(
     lab: Path, rig: Callable[..., tuple[int, str, str]], words: list[str], said: str
 ) -> None:
@@ -136,7 +136,7 @@ def test_bad_input_is_one_line_and_nothing_is_written(
     assert sorted(os.listdir(lab)) == before
 
 
-@pytest.mark.parametrize(("words", "said"), cases(MISSPELT))
+@pytest.mark.parametrize(("words", "said"), [*cases(MISSPELT)])
 def test_what_is_misspelt_is_named(
     lab: Path, rig: Callable[..., tuple[int, str, str]], capsys: pytest.CaptureFixture[str], words: list[str], said: str
 ) -> None:
