@@ -13,7 +13,8 @@ from typing import Any
 import pytest
 
 from benchmarks.rig.logs import read_log
-from emg2vsa.lab import virtual_runs
+from emg2vsa.errors import SettingError
+from emg2vsa.lab import pressing
 from emg2vsa.lab.pressed import Pressed
 from emg2vsa.lab.pressing import Pressing
 from emg2vsa.rig.plan import RunPlan
@@ -104,13 +105,13 @@ def test_measured_runs_are_none_of_its_own(rig: Rig, rig_file: RigFile, tmp_path
 def test_what_stops_one_run(how: str, rig: Rig, rig_file: RigFile, monkeypatch: pytest.MonkeyPatch) -> None:
     ran: list[Path] = []
 
-    def run_virtual(plan: Any, rig: Any, emulated: Any, folder: Path, **other: Any) -> virtual_runs.Ended:
+    def run_virtual(plan: Any, rig: Any, emulated: Any, folder: Path, **other: Any) -> Ended:
         ran.append(folder)
         if how == "full":
-            raise virtual_runs.SettingError(folder, wanted="room", found="none", do="Free some.")
-        return virtual_runs.Ended("interrupted", "Ctrl-C", "", "load", 1, 1.0, "")
+            raise SettingError(folder, wanted="room", found="none", do="Free some.")
+        return Ended("interrupted", "Ctrl-C", "", "load", 1, 1.0, "")
 
-    monkeypatch.setattr(virtual_runs, "run_virtual", run_virtual)
+    monkeypatch.setattr(pressing, "run_virtual", run_virtual)
     status, out, err = rig("run", rig_file(), "--virtual", "--specimen", "S1", "--jobs", 1)
     if how == "interrupted":
         assert (status, len(ran)) == (130, 1)
@@ -157,7 +158,7 @@ def test_a_random_order_is_kept_and_a_stopped_sequence_goes_on(
         done.append(options["run"])
         return run_virtual(*arguments, **options)
 
-    monkeypatch.setattr(virtual_runs, "run_virtual", stopped)
+    monkeypatch.setattr(pressing, "run_virtual", stopped)
     status, _, err = rig("run", path, *ALL, "--order", "random", "--seed", 3)
     assert status == 130, err
     order = order_of(runs)
@@ -165,7 +166,7 @@ def test_a_random_order_is_kept_and_a_stopped_sequence_goes_on(
     assert order != RUNS
     assert done == order[:2]
 
-    monkeypatch.setattr(virtual_runs, "run_virtual", run_virtual)
+    monkeypatch.setattr(pressing, "run_virtual", run_virtual)
     status, out, err = rig("run", path, *ALL)
     assert status == 0, err
     said = [line for line in err.splitlines() if "rig.guards." not in line]
