@@ -35,8 +35,18 @@ def test_depth_and_radius_are_pure_geometry(exponent: float) -> None:
             assert law.force_n(depth_mm) == pytest.approx(force, rel=1e-12)
 
 
+@pytest.mark.parametrize("exponent", [0.2, 0.25, 1 / 3])
+def test_the_force_grows_by_the_radius_that_is_seen(exponent: float) -> None:
+    """dF/dd = 2 E* a."""
+    law = PowerLaw(0.26, 20.0, exponent)
+    for depth_mm in (0.1, 1.0, 5.0):
+        force_n, growth = law.resistance(depth_mm)
+        assert (force_n, growth) == (law.force_n(depth_mm), pytest.approx(2 * 0.26 * float(law.radius_mm(force_n))))
+
+
 def test_nothing_presses_without_a_force() -> None:
     assert PowerLaw(0.26).area_mm2([-1.0, 0.0]).tolist() == [0.0, 0.0]
+    assert [PowerLaw(0.26).resistance(depth_mm) for depth_mm in (-1e9, -1e-12, 0.0)] == [(0.0, 0.0)] * 3
 
 
 def test_adhesion_is_the_radius_of_johnson_kendall_and_roberts() -> None:

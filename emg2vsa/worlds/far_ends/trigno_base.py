@@ -123,9 +123,6 @@ class TrignoBase:
         self.master = client
         return "NEW MASTER"
 
-    def _start(self, client: object) -> str:
-        return self._set(client, streaming=True)
-
     def _stop(self, client: object) -> str:
         if client is not self.master:
             return IMPOSSIBLE
@@ -152,16 +149,13 @@ class TrignoBase:
         if fact := _OF_SENSOR.get(asked):
             return fact(int(said[1]), sensor)
         if mode := re.fullmatch(r"SETMODE ?(\d+)", asked):
-            return self._set_mode(client, int(said[1]), int(mode[1]))
+            if client is not self.master or self.streaming or int(mode[1]) not in MODES:
+                return IMPOSSIBLE
+            sensor.mode = int(mode[1])
+            return f"SENSOR {said[1]} SET TO MODE {mode[1]}"
         if channel := re.fullmatch(r"CHANNEL (\d+) (RATE|SAMPLES|GAIN|UNITS)\?", asked):
             return _of_channel(sensor.measures, int(channel[1]), channel[2])
         return INVALID
-
-    def _set_mode(self, client: object, number: int, mode: int) -> str:
-        if client is not self.master or self.streaming or mode not in MODES:
-            return IMPOSSIBLE
-        self.sensors[number].mode = mode
-        return f"SENSOR {number} SET TO MODE {mode}"
 
 
 def _of_channel(mode: Mode, channel: int, asked: str) -> str:
@@ -193,7 +187,7 @@ _OF_SENSOR: Mapping[str, Callable[[int, Sensor], str]] = {
     "BANDWIDTH?": lambda n, s: "NARROW",
 }
 _COMMANDS: Mapping[str, Callable[[TrignoBase, object, re.Match[str]], str]] = {
-    "START": lambda base, client, said: base._start(client),
+    "START": lambda base, client, said: base._set(client, streaming=True),
     "STOP": lambda base, client, said: base._stop(client),
     "QUIT": lambda base, client, said: base._quit(client),
     "MASTER": lambda base, client, said: base._take_over(client),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import os
 import selectors
 import socket
-import sys
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -125,6 +125,7 @@ class TrignoServer(Serving):
     # connections and commands
 
     def _listen(self, name: str, port: int) -> int:
+        """On one port of both families; where any will do, on another if it is taken in one of them."""
         for _ in range(_TRIES):
             bound: list[socket.socket] = []
             try:
@@ -138,7 +139,7 @@ class TrignoServer(Serving):
                     raise DeviceError(
                         f"port {port}",
                         wanted=f"a free TCP port for the emulated Trigno server ({name})",
-                        found=error.strerror or str(error),
+                        found=os.strerror(error.errno or 0),
                         do="End the program that holds it, or choose other ports.",
                     ) from error
                 continue
@@ -295,19 +296,9 @@ class _no_such_family(OSError):
 
 def _listener(family: socket.AddressFamily, host: str, port: int) -> socket.socket:
     try:
-        listener = socket.socket(family, socket.SOCK_STREAM)
-        if family == socket.AF_INET6:
-            listener.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+        listener = socket.create_server((host, port), family=family)
     except OSError as error:
-        raise _no_such_family from error
-    try:
-        if sys.platform != "win32":  # where it would let two programs have one port
-            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind((host, port))
-        listener.listen()
-    except OSError as error:
-        listener.close()
-        if family == socket.AF_INET6 and error.errno == errno.EADDRNOTAVAIL:
+        if family == socket.AF_INET6 and error.errno in (errno.EAFNOSUPPORT, errno.EADDRNOTAVAIL):
             raise _no_such_family from error
         raise
     listener.setblocking(False)

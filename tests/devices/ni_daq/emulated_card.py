@@ -9,11 +9,10 @@ from __future__ import annotations
 import enum
 import re
 from collections.abc import Mapping
-from types import SimpleNamespace, TracebackType
-from typing import Any, Self
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from emg2vsa.devices.clock import Clock
 from emg2vsa.worlds.people.participant import EmulatedParticipant
@@ -25,7 +24,7 @@ RANGES_V = (0.2, 1.0, 5.0, 10.0)
 STEPS = 1 << 16
 BUFFERS = ((100.0, 1_000), (10_000.0, 10_000), (1_000_000.0, 100_000))
 "Least samples a channel that the driver keeps, by rate."
-OVERFLOW, NOT_THERE_IN_TIME, NO_DEVICE, NO_CHANNEL, NO_CHANNELS_IN_TASK = -200279, -200284, -200220, -200170, -200478
+OVERFLOW, NO_DEVICE, NO_CHANNEL = -200279, -200220, -200170
 _INPUTS = 16
 
 
@@ -81,7 +80,6 @@ class EmulatedNi:
         self.constants = SimpleNamespace(
             TerminalConfiguration=TerminalConfiguration, AcquisitionType=AcquisitionType, READ_ALL_AVAILABLE=-1
         )
-        self.stream_readers = SimpleNamespace(AnalogMultiChannelReader=AnalogMultiChannelReader)
         self.lost = False
 
     def Task(self, new_task_name: str = "") -> Task:
@@ -105,25 +103,14 @@ class Task:
         self._sampler: EmgSampler | None = None
         self.ai_channels = SimpleNamespace(add_ai_voltage_chan=self._add)
         self.timing = SimpleNamespace(cfg_samp_clk_timing=self._set_timing, samp_clk_rate=self._rate_hz)
-        self.in_stream = InStream(self)
 
     @property
     def number_of_channels(self) -> int:
         return len(self._muscles)
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
     def start(self) -> None:
         """Begin sampling."""
         self._check()
-        if not self._muscles:
-            raise DaqError("Specified operation cannot be performed when there are no channels.", NO_CHANNELS_IN_TASK)
         ni = self._ni
         fs_hz = self._rate_hz * (1 + ni.clock_error)
         self._sampler = EmgSampler(ni.participant, self._muscles, fs_hz, range_v=np.inf, start_s=ni.clock.now_s())
@@ -136,38 +123,18 @@ class Task:
         """Give the card back."""
         self._sampler, self._muscles, self.channel_names = None, [], []
 
-    def read(self, number_of_samples_per_channel: int = 1, timeout: float = 10.0) -> Any:
-        """Lists of samples by channel; one list for one channel. -1: all that are there."""
-        rows = self.rows(number_of_samples_per_channel, timeout).T.tolist()
-        return rows[0] if len(rows) == 1 else rows
-
-    def rows(self, count: int, timeout_s: float) -> NDArray[np.float64]:
-        """(n, channels) volts. DaqReadError on overflow, or when they do not come in time."""
+    def read(self, number_of_samples_per_channel: int) -> Any:
+        """-1: lists of all samples that are there, by channel; one list for one channel. DaqReadError on overflow."""
+        assert number_of_samples_per_channel == -1
         self._check()
-        clock, sampler = self._ni.clock, self._sampler
-        if sampler is None:
-            self.start()
-            return self.rows(count, timeout_s)
-        self._check_overflow(sampler)
-        if count < 0:
-            count = sampler.due(clock.now_s())
-        missing = count - sampler.due(clock.now_s())
-        if missing > 0:
-            wait_s = missing / sampler.fs_hz
-            clock.sleep_until(clock.now_s() + min(wait_s, timeout_s))
-            if wait_s > timeout_s:
-                raise DaqReadError(
-                    "Some or all of the samples requested have not yet been acquired.", NOT_THERE_IN_TIME
-                )
-            while sampler.due(clock.now_s()) < count:
-                clock.sleep_until(clock.now_s() + 1 / sampler.fs_hz)
-        volts = sampler.take(count) * self._ni.gain
-        step_v = 2 * self._range_v / STEPS
-        return np.clip(np.round(volts / step_v), -STEPS // 2, STEPS // 2 - 1) * step_v
-
-    def _check_overflow(self, sampler: EmgSampler) -> None:
-        if sampler.due(self._ni.clock.now_s()) > self._buffer:
+        assert self._sampler is not None
+        due = self._sampler.due(self._ni.clock.now_s())
+        if due > self._buffer:
             raise DaqReadError("The application is not able to keep up with the hardware acquisition.", OVERFLOW)
+        volts = self._sampler.take(due) * self._ni.gain
+        step_v = 2 * self._range_v / STEPS
+        rows = (np.clip(np.round(volts / step_v), -STEPS // 2, STEPS // 2 - 1) * step_v).T.tolist()
+        return rows[0] if len(rows) == 1 else rows
 
     def _check(self) -> None:
         if self._ni.lost:
@@ -204,49 +171,6 @@ class Task:
         self._rate_hz = self.timing.samp_clk_rate = TIME_BASE_HZ / round(TIME_BASE_HZ / rate)
         least = next((samples for up_to_hz, samples in BUFFERS if rate <= up_to_hz), BUFFERS[-1][1])
         self._buffer = max(least, samps_per_chan)
-
-
-class InStream:
-    """nidaqmx.Task.in_stream, as far as it is used."""
-
-    def __init__(self, task: Task) -> None:
-        self._task = task
-
-    @property
-    def input_buf_size(self) -> int:
-        return self._task._buffer
-
-    @property
-    def avail_samp_per_chan(self) -> int:
-        self._task._check()
-        sampler = self._task._sampler
-        return 0 if sampler is None else sampler.due(self._task._ni.clock.now_s())
-
-    @property
-    def total_samp_per_chan_acquired(self) -> int:
-        sampler = self._task._sampler
-        return 0 if sampler is None else sampler.taken + self.avail_samp_per_chan
-
-    @property
-    def curr_read_pos(self) -> int:
-        return 0 if self._task._sampler is None else self._task._sampler.taken
-
-
-class AnalogMultiChannelReader:
-    """nidaqmx.stream_readers.AnalogMultiChannelReader."""
-
-    def __init__(self, task_in_stream: InStream) -> None:
-        self._task = task_in_stream._task
-
-    def read_many_sample(
-        self, data: NDArray[np.float64], number_of_samples_per_channel: int = -1, timeout: float = 10.0
-    ) -> int:
-        """Fill ``data`` (channels, n); the number of samples by channel that came."""
-        if number_of_samples_per_channel < 0:
-            number_of_samples_per_channel = min(self._task.in_stream.avail_samp_per_chan, data.shape[1])
-        rows = self._task.rows(number_of_samples_per_channel, timeout)
-        data[:, : len(rows)] = rows.T
-        return len(rows)
 
 
 def _channels(text: str) -> list[str]:

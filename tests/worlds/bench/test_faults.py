@@ -283,6 +283,7 @@ def test_every_fault_that_lasts_goes_off() -> None:
     [
         "late -1", "late soon", "late 1e9", "gain nan", "jam 3", "jam at 2", "jam at 2 mm", "jam at x s", "jam for 0",
         "jam for -1 s", "gap for 1 s", "weak -1", "jam on at -1 N", "jumped-motor-4", "shuffled 1", "few-frames 0", "",
+        "fire", "gap 0", "gap many", "stuck 3", "off now", "mute  maybe",
     ],
 )  # fmt: skip
 def test_a_line_that_is_no_fault(line: str) -> None:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import pickle
-import subprocess
-import sys
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
@@ -20,24 +18,6 @@ from emg2vsa.worlds.bench.settings import EmulatedSettings
 from emg2vsa.worlds.bench.virtual_run import run_virtual
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
-OWN_PROCESS = """
-import sys
-from datetime import UTC, datetime
-from pathlib import Path
-from emg2vsa.worlds.bench.settings import EmulatedSettings
-from emg2vsa.worlds.bench.virtual_run import run_virtual
-from emg2vsa.rig.executor.guards import GUARDS
-from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.rig_settings import RigSettings
-
-GUARDS["mine"] = lambda moment, limits: (
-    "deep" if moment.phase == "approach" and 1.0 < moment.depth_mm < 2.0 else None
-)
-plan = RunPlan("S3", 0.0, "high-stiffness", 1, None, 7.0, pause_s=0.2)
-started = datetime(2026, 3, 1, tzinfo=UTC)
-ended = run_virtual(plan, RigSettings(), EmulatedSettings(), Path(sys.argv[1]), started=started)
-print(ended.how, ended.cause, ended.why)
-"""
 
 
 def deep(moment: Moment, limits: GuardSettings) -> str | None:
@@ -71,13 +51,6 @@ def test_guards_that_are_handed_over_are_the_ones_asked(plan: Callable[..., RunP
     rigid = plan("high-stiffness", repetitions=1)
     assert run(rigid, tmp_path / "mine", guards={**handed_over, "mine": deep}).cause == "mine"
     assert run(rigid, tmp_path / "all", guards=handed_over).how == "completed"
-
-
-def test_a_guard_of_ones_own_in_a_process_of_its_own(tmp_path: Path) -> None:
-    found = subprocess.run(
-        [sys.executable, "-c", OWN_PROCESS, str(tmp_path / "run")], capture_output=True, text=True, check=True
-    )
-    assert found.stdout == "guard mine deep\n"
 
 
 @pytest.mark.parametrize("exact", [False, True])

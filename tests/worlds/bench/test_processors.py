@@ -26,6 +26,7 @@ def has_avx2() -> bool:
     return bool(__cpu_features__.get("AVX2"))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     platform.machine() not in ("x86_64", "AMD64") or not has_avx2(), reason="this processor has no AVX2 to hide"
 )

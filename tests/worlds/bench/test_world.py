@@ -16,7 +16,7 @@ from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
 from emg2vsa.worlds.bench.probe import WorldSettings
-from emg2vsa.worlds.bench.world import World
+from emg2vsa.worlds.bench.world import ShaftPath, World
 from emg2vsa.worlds.far_ends.qbmove.firmware import QbmoveFirmware
 from emg2vsa.worlds.far_ends.qbmove.memory import MAKER_PRO
 
@@ -161,17 +161,6 @@ def test_between_steps_the_shaft_moves_evenly() -> None:
         assert it.probe_mm(time_s) == pytest.approx(time_s * math.degrees(0.2))
 
 
-def test_a_past_that_is_forgotten_is_refused() -> None:
-    it = world(springs=None, gap_mm=0.0)  # off contact a whole way is one step
-    it.shaft_rad(0.0, (0.0, 0.0))
-    for k in range(1, 13):
-        it.shaft_rad(10.0 * k, (0.1 * k, 0.0))
-    assert it.probe_mm(61.0) > 0
-    it.shaft_rad(121.0, (1.3, 0.0))
-    with pytest.raises(DeviceError, match="expected a time from"):
-        it.force_n(10.0)
-
-
 def test_a_step_of_a_rounding_error_is_a_step() -> None:
     it = world()
     it.shaft_rad(0.3, motors(0.3, 1500))
@@ -210,3 +199,30 @@ def test_a_real_firmware_presses_and_lets_go(ask_s: float) -> None:
         assert it.probe_mm(clock.now_s()) == pytest.approx(shaft * DEG_PER_TICK * 0.2, abs=0.016)
         qbmove.command(0.0, 0.5)
         assert after(2.0) == 0.0
+
+
+def test_motion_is_straight_between_points_and_rest_is_flat() -> None:
+    path = ShaftPath(0.0, 0.0)
+    for time_s, angle_rad in ((1.0, 0.5), (2.0, 0.5), (4.0, 0.5), (5.0, 0.1)):
+        path.append(time_s, angle_rad)
+    times_s = (0.0, 0.5, 1.0, 1.5, 3.0, 4.0, 4.5, 5.0)
+    expected = [0.0, 0.25, 0.5, 0.5, 0.5, 0.5, 0.3, 0.1]
+    assert [path.angle_rad(time_s) for time_s in times_s] == pytest.approx(expected)
+    assert (path.end_s, path.end_rad) == (5.0, 0.1)
+
+
+def test_a_rest_of_any_length_is_remembered() -> None:
+    path = ShaftPath(0.0, 0.2)
+    for k in range(1, 200_000):
+        path.append(k * 0.001, 0.7)
+    assert path.angle_rad(0.0005) == pytest.approx(0.45)
+
+
+def test_a_minute_of_motion_is_remembered_and_not_much_more() -> None:
+    path = ShaftPath(0.0, 0.0)
+    for k in range(1, 200_001):
+        path.append(k * 0.001, k * 0.001)
+    assert path.angle_rad(140.0005) == pytest.approx(140.0005)
+    said = r"emulated world: expected a time from 1\d\d\.\d\d\d s on, but found 60\.000 s"
+    with pytest.raises(DeviceError, match=said):
+        path.angle_rad(60.0)

@@ -8,45 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from casr.specimens import SPECIMENS
 from emg2vsa.dome_contact import ElasticDome
 from emg2vsa.errors import SettingError
 from emg2vsa.worlds.bench.probe import Probe, WorldSettings
-from emg2vsa.worlds.tactile import ContactWorld
-
-KAPPAS = list(SPECIMENS.values())
-
-
-@pytest.mark.parametrize("kappa", KAPPAS)
-def test_with_the_radius_law_of_hertz_the_force_is_hertz(kappa: float) -> None:
-    contact = ContactWorld(exponent=1 / 3)
-    pressed = contact.on(kappa)
-    for depth_mm in (0.01, 0.5, 4.0):
-        hertz_n = 4 / 3 * contact.modulus_mpa(kappa) * math.sqrt(contact.tip_radius_mm) * depth_mm**1.5
-        assert pressed.force_n(depth_mm) == pytest.approx(hertz_n, rel=1e-12)
-
-
-@pytest.mark.parametrize("exponent", [0.2, 0.25, 1 / 3])
-@pytest.mark.parametrize("kappa", KAPPAS)
-def test_the_force_grows_by_the_contact_that_the_camera_shows(kappa: float, exponent: float) -> None:
-    contact = ContactWorld(exponent=exponent)
-    pressed = contact.on(kappa)
-    for depth_mm in (0.1, 1.0, 5.0):
-        by_area = 2 * contact.modulus_mpa(kappa) * float(contact.radius_mm(pressed.force_n(depth_mm), kappa))
-        by_difference = (pressed.force_n(depth_mm + 1e-5) - pressed.force_n(depth_mm - 1e-5)) / 2e-5
-        assert pressed.resistance(depth_mm)[1] == pytest.approx(by_area, rel=1e-12)
-        assert by_difference == pytest.approx(by_area, rel=1e-6)
-
-
-def test_without_contact_there_is_exactly_no_force() -> None:
-    pressed = ElasticDome().on(3.35)
-    assert [pressed.force_n(depth) for depth in (-1e9, -1.0, -1e-12, 0.0)] == [0.0] * 4
-    assert pressed.resistance(0.0) == pressed.resistance(-1.0) == (0.0, 0.0)
-
-
-def test_softer_specimens_push_back_less() -> None:
-    forces = [ElasticDome().on(kappa).force_n(2.0) for kappa in sorted(KAPPAS)]
-    assert np.all(np.diff(forces) > 0)
 
 
 def probe(**settings: Any) -> Probe:

@@ -8,9 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy import signal
 
-from emg2vsa.devices.clock import FastClock, VirtualClock, WallClock
+from emg2vsa.devices.clock import FastClock, WallClock
 from emg2vsa.devices.device_settings import ForceSettings
 from emg2vsa.devices.lsl.settings import LslEmgSettings
 from emg2vsa.devices.netft.driver import open_net_ft
@@ -27,7 +26,6 @@ from emg2vsa.worlds.far_ends.netft_server import RdtServer
 from emg2vsa.worlds.far_ends.serve import Table, force_box, serve
 from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.person import Person, Response
-from tests.devices.ni_daq.emulated_card import EmulatedNi
 
 PERSON = Person(
     name="P03", responses={"S1": Response(42e-6, 20e-6, 7.63)}, muscle_share={"EDC": 0.4, "FDS": 0.6}, seed=(3,)
@@ -43,76 +41,6 @@ class StillPage:
 
     def force(self) -> ForceMessage:
         return ForceMessage(0, 0.0, 0.0, "none", "", "start")
-
-
-def a_task(clock: VirtualClock, channels: str = "Dev1/ai0:1", **options: float) -> object:
-    ni = EmulatedNi(EmulatedParticipant(PERSON), {"Dev1/ai0": "EDC", "Dev1/ai1": "FDS"}, clock, **options)
-    task = ni.Task()
-    task.ai_channels.add_ai_voltage_chan(channels, min_val=-5.0, max_val=5.0)
-    task.timing.cfg_samp_clk_timing(1000.0, sample_mode=ni.constants.AcquisitionType.CONTINUOUS, samps_per_chan=4000)
-    return ni, task  # type: ignore[return-value]
-
-
-def test_ni_gives_volts_behind_the_gain_in_steps_of_16_bits() -> None:
-    clock = VirtualClock()
-    _, task = a_task(clock, gain=1000.0)
-    task.start()
-    clock.sleep_until(2.0)
-    rows = np.array(task.read(number_of_samples_per_channel=-1))
-    assert rows.shape == (2, 2001)
-    steps = rows / (10 / 65536)
-    assert np.allclose(steps, np.round(steps))
-    # rest tone, noise and hum, without the drift of the baseline
-    fast = signal.butter(2, 15, "highpass", fs=1000, output="sos")
-    rest_v = np.abs(signal.sosfiltfilt(fast, rows)).mean(axis=1) / 1000.0
-    assert rest_v[1] == pytest.approx(0.6 * PERSON.rest_v, rel=0.25)
-
-
-def test_ni_overflows_when_nobody_reads() -> None:
-    clock = VirtualClock()
-    ni, task = a_task(clock)
-    task.start()
-    assert task.in_stream.input_buf_size == 10_000  # the driver's own least size
-    clock.sleep_until(9.9)
-    assert task.in_stream.avail_samp_per_chan == 9901
-    assert len(task.read(number_of_samples_per_channel=-1)[0]) == 9901
-    clock.sleep_until(20.0)
-    with pytest.raises(ni.errors.DaqReadError, match="-200279") as caught:
-        task.read(number_of_samples_per_channel=-1)
-    assert caught.value.error_code == -200279
-    assert isinstance(caught.value, ni.errors.Error)
-
-
-def test_ni_waits_for_samples_and_gives_up_in_time() -> None:
-    clock = VirtualClock()
-    ni, task = a_task(clock)
-    task.start()
-    data = np.zeros((2, 100))
-    reader = ni.stream_readers.AnalogMultiChannelReader(task.in_stream)
-    assert reader.read_many_sample(data, 100) == 100
-    assert clock.now_s() == pytest.approx(0.1, abs=0.002)
-    assert np.all(data.std(axis=1) > 0)
-    with pytest.raises(ni.errors.DaqReadError, match="-200284"):
-        task.read(number_of_samples_per_channel=5000, timeout=1.0)
-
-
-@pytest.mark.parametrize(("channels", "code"), [("Dev2/ai0", -200220), ("Dev1/ai77", -200170), ("Dev1/port0", -200170)])
-def test_ni_refuses_what_the_card_has_not(channels: str, code: int) -> None:
-    with pytest.raises(Exception, match=str(code)):
-        a_task(VirtualClock(), channels)
-
-
-def test_ni_saturates_at_the_range_and_can_be_unplugged() -> None:
-    clock = VirtualClock()
-    ni, task = a_task(clock, gain=1e7)
-    task.start()
-    clock.sleep_until(1.0)
-    rows = np.array(task.read(number_of_samples_per_channel=-1))
-    assert rows.min() == -5.0
-    assert rows.max() == pytest.approx(5.0 - 10 / 65536)
-    ni.unplug()
-    with pytest.raises(ni.errors.DaqError, match="-200220"):
-        task.read(number_of_samples_per_channel=-1)
 
 
 def pressed(person: EmulatedParticipant, felt: Callable[[], float], most_s: float = 20.0) -> float:

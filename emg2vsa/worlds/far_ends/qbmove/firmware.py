@@ -20,13 +20,12 @@ from emg2vsa.worlds.far_ends.actuator_end import Loads, Shaft, Torques, no_loads
 from emg2vsa.worlds.far_ends.qbmove.memory import (
     FORMATS,
     Memory,
-    Now,
     Switches,
     info_text,
     parameter_list,
     set_slot,
     slots,
-)
+)  # fmt: skip
 from emg2vsa.worlds.far_ends.qbmove.motors import Loop, Motors, References
 
 START_LIMIT = 26000
@@ -66,68 +65,35 @@ class QbmoveFrames:
 
 
 class FrameParser:
-    """Bytes in; out come the bodies of frames for this device or for all, checksum not yet looked at: the
-    ``interrupt_manager`` of interruptions.c (v6.1), state for state.
+    """Bytes in; out come the bodies of frames for this device or for all, checksum not yet looked at: what the
+    ``interrupt_manager`` of interruptions.c (v6.1) does.
 
     It matches two colons and nothing else, so a third one becomes an id; it waits for missing bytes without limit;
     frames for others are skipped by their length.
     """
 
     def __init__(self, own_id: Callable[[], int]) -> None:
-        self._own_id = own_id
-        self._colons = 0
-        "Just before what comes next, outside a frame."
-        self._body = bytearray()
-        self._length = 0
-        self._mine = False
-        self._state = self._hunt
+        self._own_id, self._unread = own_id, bytearray()
 
     def feed(self, data: bytes) -> Iterator[bytes]:
         """Bodies, one at a time: what the one changes counts for the next."""
-        at = 0
-        while at < len(data):
-            end = self._end_of_frame(data, at)
-            if end:
-                body = data[at + _COMMAND : end] if self._is_mine(data[at + _ID]) else b""
-            else:
-                end, body = at + 1, self._state(data[at])
-            if body:
+        unread = self._unread
+        unread += data
+        while (start := unread.find(HEADER)) >= 0:
+            del unread[:start]
+            if len(unread) < _COMMAND:
+                return
+            length = unread[_LENGTH]
+            if not LEAST_LENGTH <= length <= LONGEST_BODY:
+                del unread[:_COMMAND]
+                continue
+            if len(unread) < _COMMAND + length:
+                return
+            device_id, body = unread[_ID], bytes(unread[_COMMAND : _COMMAND + length])
+            del unread[: _COMMAND + length]
+            if device_id in (BROADCAST_ID, self._own_id()):
                 yield body
-            at = end
-
-    def _end_of_frame(self, data: bytes, at: int) -> int:
-        """Where the frame ends that begins there, of which all has come at once; 0 of any other byte."""
-        if self._state != self._hunt or self._colons or data[at : at + 2] != HEADER:
-            return 0
-        length = data[at + _LENGTH] if at + _LENGTH < len(data) else 0
-        end = at + _COMMAND + length
-        return end if LEAST_LENGTH <= length <= LONGEST_BODY and end <= len(data) else 0
-
-    def _is_mine(self, device_id: int) -> bool:
-        return device_id in (BROADCAST_ID, self._own_id())
-
-    def _hunt(self, byte: int) -> bytes:
-        self._colons = self._colons + 1 if byte == HEADER[0] else 0
-        if self._colons == len(HEADER):
-            self._colons, self._state = 0, self._take_id
-        return b""
-
-    def _take_id(self, byte: int) -> bytes:
-        self._mine, self._state = self._is_mine(byte), self._take_length
-        return b""
-
-    def _take_length(self, byte: int) -> bytes:
-        self._length = byte
-        self._body.clear()
-        self._state = self._take_body if LEAST_LENGTH <= byte <= LONGEST_BODY else self._hunt
-        return b""
-
-    def _take_body(self, byte: int) -> bytes:
-        self._body.append(byte)
-        if len(self._body) < self._length:
-            return b""
-        self._state = self._hunt
-        return bytes(self._body) if self._mine else b""
+        del unread[:-1]
 
 
 class QbmoveFirmware:
@@ -339,9 +305,11 @@ class QbmoveFirmware:
         motors = self._loop.motors
         supply_mv = 0 if motors.faults.unsupplied else self._switches.supply_mv
         resolutions = self._shadow.resolutions
-        references = tuple(ticks >> bits for ticks, bits in zip(self._loop.old.ticks, resolutions, strict=False))
-        now = Now(references, tuple(self._measured()), motors.currents_ma(), self._loop.current.on, supply_mv)
-        return info_text(self._current, self._shadow, now, self._switches)
+        references = [ticks >> bits for ticks, bits in zip(self._loop.old.ticks, resolutions, strict=False)]
+        return info_text(
+            self._current, self._shadow, self._switches, references=references, measurements=self._measured(),
+            currents_ma=motors.currents_ma(), on=self._loop.current.on, supply_mv=supply_mv,
+        )  # fmt: skip
 
 
 @lru_cache(maxsize=256)

@@ -192,29 +192,21 @@ def parameter_list(memory: Memory, count: int, list_bytes: int = _LIST_BYTES) ->
     return body.ljust(list_bytes, b"\0")
 
 
-@dataclass(frozen=True)
-class Now:
-    """What the text says beside the settings, wire ticks and mA."""
-
-    references: tuple[int, ...]
-    measurements: tuple[int, ...]
-    currents_ma: tuple[int, int]
-    on: int
-    supply_mv: int
-
-
-def info_text(current: Memory, shadow: Memory, now: Now, switches: Switches) -> bytes:
+def info_text(
+    current: Memory, shadow: Memory, switches: Switches, *, references: Sequence[int], measurements: Sequence[int],
+    currents_ma: Sequence[int], on: int, supply_mv: int,
+) -> bytes:  # fmt: skip
     """The whole text, CR LF lines. Limits, stiffness and current limit come from what is set, not yet stored."""
     label = "Motor references - Position:" if switches.counts_backwards else "Motor references:"
     sign, limits = -1 if switches.counts_backwards else 1, _limits(shadow)
     lines = [
         "", f"Firmware version: {switches.version}.", "",
         "DEVICE INFO", f"ID: {current.device_id}", "Number of sensors: 3", f"PWM Limit: {switches.pwm_limit}", "",
-        "MOTOR INFO", f"{label} {now.references[0]} {now.references[1]} ",
-        f"Motor enabled: {'YES' if now.on & 3 else 'NO'}", "",
-        "MEASUREMENTS INFO", "Sensor value:", *_numbered(now.measurements),
-        f"Voltage (mV): {now.supply_mv}",
-        *(f"Current {k} (mA): {current_ma}" for k, current_ma in enumerate(now.currents_ma, 1)), "",
+        "MOTOR INFO", f"{label} {references[0]} {references[1]} ",
+        f"Motor enabled: {'YES' if on & 3 else 'NO'}", "",
+        "MEASUREMENTS INFO", "Sensor value:", *_numbered(measurements),
+        f"Voltage (mV): {supply_mv}",
+        *(f"Current {k} (mA): {current_ma}" for k, current_ma in enumerate(currents_ma, 1)), "",
         "DEVICE PARAMETERS", "PID Controller:", *_gains(current.position_pid),
         "Current PID Controller:", *_gains(current.current_pid), "",
         f"Startup activation: {'YES' if current.startup == _STARTS_ON else 'NO'}",

@@ -16,7 +16,6 @@ from emg2vsa.worlds.contact import Relaxation
 from emg2vsa.worlds.far_ends.dynamixel import table as t
 from emg2vsa.worlds.far_ends.dynamixel.firmware import DynamixelFirmware
 from emg2vsa.worlds.far_ends.dynamixel.table import (
-    CURRENT_UNIT_A,
     MODELS,
     PULSES_PER_RAD,
     XM430_W350,
@@ -66,19 +65,6 @@ def test_the_mean_of_loading_and_unloading_has_no_friction_in_it(desk: Callable[
         mean_rad, half_rad = (ways[0][step] + ways[1][step]) / 2, (ways[0][step] - ways[1][step]) / 2
         assert -mean_rad == pytest.approx(step * 0.01 / stiffness, abs=1 / PULSES_PER_RAD)
         assert half_rad == pytest.approx(XM430_W350.friction_nm / stiffness, abs=1 / PULSES_PER_RAD)
-
-
-@pytest.mark.parametrize("goal_current", [20, 60, 150])
-def test_the_goal_current_caps_the_torque(desk: Callable[..., Any], goal_current: int) -> None:
-    one = desk()
-    one.hold(2000)
-    one.write(t.GOAL_CURRENT, goal_current, 2)
-    one.load_nm = lambda angle_rad: 400.0 * angle_rad
-    one.write(t.GOAL_POSITION, 2548, 4)
-    angle_rad = one.wait(2.0)[-1]
-    cap_nm = XM430_W350.torque_constant_nm_per_a * CURRENT_UNIT_A * goal_current
-    assert 400.0 * angle_rad == pytest.approx(cap_nm, abs=XM430_W350.friction_nm + 1e-3)
-    assert one.read(t.PRESENT_CURRENT, 2) == goal_current
 
 
 @pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)

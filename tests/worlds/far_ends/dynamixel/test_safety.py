@@ -81,24 +81,6 @@ def test_the_watchdog_is_of_the_motor_that_is_addressed_and_sleeps_without_torqu
     assert one.motor.table.values[t.BUS_WATCHDOG] == 255
 
 
-def test_flag_only_says_that_it_stopped_and_goes_on(desk: Callable[..., Any]) -> None:
-    one = turning(desk)
-    put(one, "flag-only")
-    angles = one.wait(2.0)
-    assert one.read(t.BUS_WATCHDOG, 1) == 255
-    assert angles[-1] > angles[len(angles) // 2] + 0.1
-
-
-def test_a_deaf_watchdog_is_acknowledged_and_never_expires(desk: Callable[..., Any]) -> None:
-    one = desk()
-    one.hold(800)
-    put(one, "no-watchdog")
-    assert one.write(t.BUS_WATCHDOG, 10, 1) == 0
-    assert one.read(t.BUS_WATCHDOG, 1) == 0
-    one.wait(2.0)
-    assert one.write(t.GOAL_POSITION, 2100, 4) == 0
-
-
 @pytest.mark.parametrize(
     ("name", "bit", "stops"),
     [("hot", 4, True), ("supply", 1, False), ("overload", 32, True), ("shock", 16, True), ("broken-encoder", 8, False)],
