@@ -13,12 +13,12 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.statistics.anova import one_way
-from emg2vsa.statistics.mixed import balanced_mixed
+from emg2vsa.statistics.mixed import balanced_mixed, unbalanced_mixed
 from emg2vsa.statistics.multiplicity import adjust
 from emg2vsa.statistics.outcome import Outcome
-from emg2vsa.statistics.paired import paired_tests
 from emg2vsa.statistics.post_hoc import lsd
-from emg2vsa.statistics.unbalanced_mixed import unbalanced_mixed
+from emg2vsa.statistics.reml import fit_reml
+from emg2vsa.statistics.repeated import paired_tests
 
 SHAPE = (14, 5, 10)
 MODELS = ((0.0, 0.0), (1.0, 0.0), (0.0, 0.1), (0.0, 0.2), (0.0, 0.3), (0.0, 0.5), (1.0, 0.5), (1.0, 1.0))
@@ -53,10 +53,10 @@ def wrongly_different(y: Floats) -> list[bool]:
     rows = lsd(one_way(np.swapaxes(y, 0, 1).reshape(1, SHAPE[1], -1))).p
     means = np.nanmean(y, axis=2)
     paired = paired_tests(means)
-    model = unbalanced_mixed(y) if np.isnan(y).any() else balanced_mixed(y)
-    if isinstance(model, Outcome):
-        raise TypeError(f"no mixed model: {model.notes}")
-    contrasts = model.pairs() if callable(model.pairs) else model.pairs
+    fit = fit_reml(y)
+    if isinstance(fit, Outcome):
+        raise TypeError(f"no mixed model: {fit.notes}")
+    contrasts = (unbalanced_mixed(fit) if np.isnan(y).any() else balanced_mixed(y)).pairs
     families = (
         rows,
         adjust(rows, "holm"),

@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 
 from emg2vsa.arrays import Floats
-from emg2vsa.statistics.lilliefors_table import LARGE, LEVELS, reach
+from emg2vsa.statistics.lilliefors import LARGE, LEVELS, reach
 
 SIZES = [*range(4, 13), 14, 15, 17, 20, 25, 30, 40, 50, 70, 100, 300, 1000]
 SAMPLES, MOST_VALUES, DEGREE = 10_000_000, 300_000_000, 5

@@ -1,4 +1,4 @@
-"""Curves through presses: v = a + b log F, the exponential of a calibration, and NIST's regressions."""
+"""Curves through presses: v = a + b log F, the exponential of a calibration, and NIST's exponentials."""
 
 from __future__ import annotations
 
@@ -28,13 +28,6 @@ def coverage(size: Size) -> Iterator[Case]:
     return coverage_cases(size)
 
 
-def nist_nonlinear(size: Size) -> Iterator[Case]:
-    """General least squares on 27 sets."""
-    from benchmarks.statistics.nist_curves import nonlinear_cases
-
-    return nonlinear_cases(size)
-
-
 def nist_exponential(size: Size) -> Iterator[Case]:
     """The two sets that are exponentials."""
     from benchmarks.statistics.nist_curves import exponential_cases
@@ -42,22 +35,14 @@ def nist_exponential(size: Size) -> Iterator[Case]:
     return exponential_cases(size)
 
 
-def nist_linear(size: Size) -> Iterator[Case]:
-    """Eleven sets that try linear least squares."""
-    from benchmarks.statistics.nist_curves import linear_cases
-
-    return linear_cases(size)
-
-
 AREA = Area(
     name="fits",
     question="What do the fits of presses and of calibrations cost, and how many of their digits are right?",
-    parts=(logarithmic, exponential, coverage, nist_nonlinear, nist_exponential, nist_linear),
+    parts=(logarithmic, exponential, coverage, nist_exponential),
     peers={"lmfit": "lmfit", "statsmodels": "statsmodels", "pingouin": "pingouin"},
     meaning=(
         "A study makes hundreds of logarithmic fits and thousands of exponential refits of one shape: ours does "
         "each set in one call, others loop. The closed form of NumPy shows the floor: it gives a and b without "
-        "errors or checks. NIST's sets try what the data of a study never do; the error there is how many sets a "
-        "way does not solve."
+        "errors or checks."
     ),
 )

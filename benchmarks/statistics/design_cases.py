@@ -18,11 +18,11 @@ from benchmarks.statistics.exact_tests import fractions, mean, midranks, mpq, sq
 from benchmarks.statistics.mean_peers import tables
 from benchmarks.statistics.numbers import Exact, Numbers, looped, worst_error
 from benchmarks.statistics.peers import pingouin, statsmodels_api
+from emg2vsa.statistics.anova import welch
 from emg2vsa.statistics.bootstrap import bca
 from emg2vsa.statistics.equivalence import tost
-from emg2vsa.statistics.friedman import friedman
-from emg2vsa.statistics.repeated import rm_anova
-from emg2vsa.statistics.welch import games_howell, welch
+from emg2vsa.statistics.post_hoc import games_howell
+from emg2vsa.statistics.repeated import friedman, rm_anova
 
 MPMATH = "rational and 40-digit arithmetic"
 RESAMPLES = 2000
@@ -48,7 +48,7 @@ def _welch(b: np.ndarray) -> Case:
     def ours() -> Numbers:
         found = welch(b)
         games_howell(b)
-        return {"F": found.f, "p": found.p}
+        return {"F": found.statistic, "p": found.p}
 
     def scipy_each(design: np.ndarray) -> dict[str, Any]:
         found = stats.f_oneway(*design, equal_var=False)
@@ -108,7 +108,7 @@ def _repeated(people: np.ndarray) -> Case:
 def _friedman(people: np.ndarray) -> Case:
     def ours() -> Numbers:
         found = friedman(people)
-        return {"chi2": found.chi2, "p": found.p}
+        return {"chi2": found.statistic, "p": found.p}
 
     def scipy_each(design: np.ndarray) -> dict[str, Any]:
         found = stats.friedmanchisquare(*design.T)

@@ -45,10 +45,10 @@ def mixed_cases(size: Size) -> Iterator[Case]:
 def _ours(y: np.ndarray) -> Numbers:
     found = balanced_mixed(y)
     return {
-        "mean": found.mean[0],
-        "var people": found.variance[:, 0],
-        "var cells": found.variance[:, 1],
-        "var rep": found.variance[:, 2],
+        "mean": found.mean,
+        "var people": found.variance[0],
+        "var cells": found.variance[1],
+        "var rep": found.variance[2],
         "F": found.f,
     }
 

@@ -16,8 +16,7 @@ from benchmarks.statistics.exact_tests import exact_ks, exact_shapiro
 from benchmarks.statistics.numbers import Exact, Numbers, exact_rows, worst_error
 from benchmarks.statistics.peers import pingouin, statsmodels_api
 from emg2vsa.statistics.lilliefors import lilliefors
-from emg2vsa.statistics.normality import ks_normal
-from emg2vsa.statistics.shapiro import shapiro_wilk
+from emg2vsa.statistics.normality import ks_normal, shapiro_wilk
 
 MPMATH = "40-digit arithmetic"
 
@@ -62,7 +61,7 @@ def sample_cases(size: Size) -> Iterator[Case]:
 
 
 def _ours(found: Any, statistic: str) -> Numbers:
-    return {statistic: getattr(found, statistic.lower()), "p": found.p}
+    return {statistic: found.statistic, "p": found.p}
 
 
 def _simulated_p(rows: np.ndarray, simulated: int) -> Exact:

@@ -11,9 +11,8 @@ from mpmath import mp, mpf
 from benchmarks.stress.case import Case, Found
 from benchmarks.stress.exact_curves import exact_exponential, exact_huber, exact_line, mpfs
 from emg2vsa.curves.exponential import fit_exponential, fit_exponential_log
-from emg2vsa.curves.huber import TUNING, fit_line_huber
+from emg2vsa.curves.line import TUNING, fit_line_huber
 from emg2vsa.curves.logarithmic import fit_log, said_of_forces
-from emg2vsa.curves.nonlinear import fit_nonlinear
 from emg2vsa.curves.plate import fit_hooke
 
 
@@ -21,7 +20,6 @@ def cases() -> Iterator[Case]:
     yield from _logarithmic()
     yield from _robust()
     yield from _exponential()
-    yield from _nonlinear()
     yield from _hooke()
 
 
@@ -111,7 +109,7 @@ def huber_case(world: str, x: np.ndarray, y: np.ndarray, bound: float, smoke: bo
     def exact(x: np.ndarray, y: np.ndarray) -> dict[str, Any]:
         return exact_huber(mpfs(x), mpfs(y), mpf(TUNING))
 
-    return Case("curves.huber.fit_line_huber", world, (x, y), ours, exact, bound, smoke=smoke)
+    return Case("curves.line.fit_line_huber", world, (x, y), ours, exact, bound, smoke=smoke)
 
 
 def _exponential() -> Iterator[Case]:
@@ -164,34 +162,6 @@ def exponential_case(
         return {"q": found["q"], "curve": sign * found["level"] * mp.exp(found["q"] * (at[5] - found["centre"]))}
 
     return Case("curves.exponential", world, (x, y), ours, exact, bound, smoke=smoke)
-
-
-def _nonlinear() -> Iterator[Case]:
-    x = np.linspace(1, 4, 12)
-    y = 5 * np.exp(-0.7 * x) * (1 + 0.05 * np.random.default_rng(4).standard_normal(12))
-    for world, at, values, start, bound, smoke in (
-        ("exponential", x, y, (4.0, -0.5), 12.0, True),
-        ("y x 1e-100", x, y * 1e-100, (4e-100, -0.5), 12.0, False),
-        ("x x 1e-6", x * 1e-6, y, (4.0, -0.5e6), 12.0, False),
-        ("y x 1e100", x, y * 1e100, (4e100, -0.5), 12.0, False),
-    ):
-        yield nonlinear_case(world, at, values, start, bound, smoke)
-
-
-def nonlinear_case(
-    world: str, x: np.ndarray, y: np.ndarray, start: tuple[float, float], bound: float, smoke: bool
-) -> Case:
-    """The same exponential by the general fit."""
-
-    def ours(x: np.ndarray, y: np.ndarray) -> Found:
-        fit = fit_nonlinear(lambda at, b: b[0] * np.exp(b[1] * at), x, y, start)
-        return Found({"parameters": fit.parameters}, "; ".join(fit.notes))
-
-    def exact(x: np.ndarray, y: np.ndarray) -> dict[str, Any]:
-        found = exact_exponential(mpfs(x), mpfs(y))
-        return {"parameters": [found["level"] * mp.exp(-found["q"] * found["centre"]), found["q"]]}
-
-    return Case("curves.nonlinear.fit_nonlinear", world, (x, y), ours, exact, bound, smoke=smoke)
 
 
 def _hooke() -> Iterator[Case]:

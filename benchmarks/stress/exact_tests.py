@@ -157,16 +157,11 @@ def rm_anova(people: Groups) -> dict[str, Any]:
 
 
 def icc(subjects: Groups) -> dict[str, Any]:
-    """ICC(1,1), ICC(2,1), ICC(3,1)."""
+    """ICC(3,1)."""
     n, k = len(subjects), len(subjects[0])
-    raters, between, error, _ = _two_way(subjects)
-    within = mp.fsum(squares(row) for row in subjects) / (n * (k - 1))
-    b, r, e = between / (n - 1), raters / (k - 1), error / ((n - 1) * (k - 1))
-    return {
-        "ICC(1,1)": (b - within) / (b + (k - 1) * within),
-        "ICC(2,1)": (b - e) / (b + (k - 1) * e + k * (r - e) / n),
-        "ICC(3,1)": (b - e) / (b + (k - 1) * e),
-    }
+    _, between, error, _ = _two_way(subjects)
+    b, e = between / (n - 1), error / ((n - 1) * (k - 1))
+    return {"ICC(3,1)": (b - e) / (b + (k - 1) * e)}
 
 
 def two_factors(cells: Sequence[Groups]) -> dict[str, Any]:
@@ -196,18 +191,9 @@ def balanced_mixed(y: Any) -> dict[str, Any]:
     }
 
 
-def tost(first: Sequence[Any], second: Sequence[Any], margin: Any, kind: str) -> dict[str, Any]:
-    if kind == "paired":
-        difference = [a - b for a, b in zip(first, second, strict=True)]
-        centre, se, df = mean(difference), mp.sqrt(variance(difference) / len(difference)), len(difference) - 1
-    else:
-        a, b = variance(first) / len(first), variance(second) / len(second)
-        centre = mean(first) - mean(second)
-        if kind == "welch":
-            se, df = mp.sqrt(a + b), (a + b) ** 2 / (a * a / (len(first) - 1) + b * b / (len(second) - 1))
-        else:
-            df = len(first) + len(second) - 2
-            se = mp.sqrt((squares(first) + squares(second)) / df * (mpf(1) / len(first) + mpf(1) / len(second)))
+def tost(first: Sequence[Any], second: Sequence[Any], margin: Any) -> dict[str, Any]:
+    centre, df = mean(first) - mean(second), len(first) + len(second) - 2
+    se = mp.sqrt((squares(first) + squares(second)) / df * (mpf(1) / len(first) + mpf(1) / len(second)))
     t = (abs(centre) - margin) / se
     return {"t": -t if centre < 0 else t, "p": t_below(t, df)}
 

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.forms import casr_of, eta_of, kappa_of, kappa_slope, x_of, x_slope
 from emg2vsa.curves.exponential import ExponentialFit, fit_exponential, fit_exponential_log
-from emg2vsa.curves.line import fit_line
-from emg2vsa.curves.weighted_rows import weighted_rows
+from emg2vsa.curves.line import fit_line, weighted_rows
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import Law, Minimise
 

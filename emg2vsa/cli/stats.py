@@ -37,8 +37,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.companions.plugin_statistics import BROKEN
-    from emg2vsa.companions.tidy import tidy_tests
+    from emg2vsa.companions.tidy import BROKEN, tidy_tests
     from emg2vsa.readers.tidy_table import read_tidy_table
     from emg2vsa.report.tidy_text import as_json, lines
 

@@ -15,24 +15,22 @@ from emg2vsa.companions.groups import (
     EqualityTests,
     GroupTests,
     NormalityTests,
+    PairTests,
     equality_tests,
     group_tests,
     normality_of,
+    pair_tests,
 )
-from emg2vsa.companions.pairs import PairTests, pair_tests
-from emg2vsa.statistics.agreement import IntraclassCorrelations, icc
 from emg2vsa.statistics.clusters import Clusters
 from emg2vsa.statistics.equivalence import MarginUnit
-from emg2vsa.statistics.friedman import Friedman, friedman
-from emg2vsa.statistics.mixed import MixedModel, balanced_mixed
+from emg2vsa.statistics.mixed import MixedModel, balanced_mixed, unbalanced_mixed
 from emg2vsa.statistics.mixed_variances import MixedResiduals, MixedVariances, mixed_residuals, mixed_variances
 from emg2vsa.statistics.moments import group_moments
 from emg2vsa.statistics.multiplicity import adjust
-from emg2vsa.statistics.outcome import Outcome
-from emg2vsa.statistics.paired import PairedTests, paired_tests
+from emg2vsa.statistics.outcome import Outcome, Outcomes
 from emg2vsa.statistics.post_hoc import PairDifferences
-from emg2vsa.statistics.repeated import RepeatedAnova, rm_anova
-from emg2vsa.statistics.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
+from emg2vsa.statistics.reml import fit_reml
+from emg2vsa.statistics.repeated import PairedTests, RepeatedAnova, friedman, paired_tests, rm_anova
 
 _NO_DESIGN = np.empty((0, 2, 1))
 
@@ -47,9 +45,8 @@ class BlockTests:
     """
 
     repeated: RepeatedAnova
-    friedman: Friedman
-    icc: IntraclassCorrelations
-    model: MixedModel | UnbalancedMixed | Outcome | None
+    friedman: Outcomes
+    model: MixedModel | Outcome | None
     variances: MixedVariances | None
     residuals: MixedResiduals | None
     paired: PairedTests
@@ -57,21 +54,17 @@ class BlockTests:
     @property
     def mixed(self) -> Outcome | None:
         """The test of the mixed model."""
-        return self.model if isinstance(self.model, Outcome) or self.model is None else self.model.outcome()
+        return self.model.outcome() if isinstance(self.model, MixedModel) else self.model
 
     @property
-    def ratio_low(self) -> float:
-        """Lower end of the interval of SD of blocks / SD of values; NaN without a mixed model."""
-        if isinstance(self.model, MixedModel):
-            return float(self.model.ratio_low[0])
-        return self.model.ratio_low if isinstance(self.model, UnbalancedMixed) else float("nan")
+    def agreement(self) -> Outcome:
+        """Intraclass correlation of the means."""
+        return self.repeated.consistency(confidence=self.paired.t.confidence)
 
     @property
     def contrasts(self) -> PairDifferences | None:
         """Pairs of groups by the mixed model; None without one."""
-        if isinstance(self.model, MixedModel):
-            return self.model.pairs()
-        return self.model.pairs if isinstance(self.model, UnbalancedMixed) else None
+        return self.model.pairs if isinstance(self.model, MixedModel) else None
 
     @property
     def pair_families(self) -> dict[str, Floats]:
@@ -112,29 +105,27 @@ class BlockTests:
         mixed = (self.mixed,) if self.mixed else ()
         variances = () if self.variances is None else self.variances.outcomes()
         residuals = () if self.residuals is None else self.residuals.outcomes()
-        return (
-            *mixed, *variances, *repeated, self.friedman.outcome(), self.icc.outcome(kind="ICC(3,1)"), *residuals
-        )  # fmt: skip
+        return (*mixed, *variances, *repeated, self.friedman.outcome(), self.agreement, *residuals)
 
 
 def _block_tests(clusters: Clusters, confidence: float = 0.95) -> BlockTests | None:
     """Test the table of ``clusters``; None below two blocks or two groups."""
     if min(clusters.count.shape) < 2:
         return None
-    means = group_moments(clusters.values).mean
+    means, fewest, most = group_moments(clusters.values).mean, int(clusters.count.min()), int(clusters.count.max())
+    fit = fit_reml(clusters.values)
+    model: MixedModel | Outcome | None = None
+    if most > 1:
+        if fewest == most:
+            model = balanced_mixed(clusters.values, confidence)
+        else:
+            model = fit if isinstance(fit, Outcome) else unbalanced_mixed(fit, confidence)
     return BlockTests(
-        rm_anova(means), friedman(means), icc(means, confidence), _mixed(clusters, confidence),
-        mixed_variances(clusters.values, confidence), mixed_residuals(clusters.values), paired_tests(means, confidence),
+        rm_anova(means), friedman(means), model,
+        None if isinstance(fit, Outcome) else mixed_variances(fit, confidence),
+        None if isinstance(fit, Outcome) else mixed_residuals(clusters.values, fit),
+        paired_tests(means, confidence),
     )  # fmt: skip
-
-
-def _mixed(clusters: Clusters, confidence: float) -> MixedModel | UnbalancedMixed | Outcome | None:
-    fewest, most = int(clusters.count.min()), int(clusters.count.max())
-    if most < 2:
-        return None
-    if fewest == most:
-        return balanced_mixed(clusters.values, confidence)
-    return unbalanced_mixed(clusters.values, confidence)
 
 
 @dataclass(frozen=True)

@@ -1,23 +1,33 @@
-"""A tidy table, one row an observation, without a study: all rows together, and block by block."""
+"""A tidy table, one row an observation, without a study: all rows together, and block by block.
+
+Statistics of other installed packages, entry points of ``emg2vsa.statistics``, follow the tests here.
+``statistic(values, groups, blocks)`` gets (n,) float64, (n,) texts, and (n,) texts or None where there are no blocks.
+It returns an `Outcome`, or several. One that fails, or returns anything else, is an outcome without numbers whose note
+says so: it takes nothing from the other results.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 
 import numpy as np
 
+from casr.errors import PluginError, said_by
+from casr.plugins import Plugin, plugins
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.companions.groups import EqualityTests, equality_tests
-from emg2vsa.companions.plugin_statistics import plugin_outcomes
 from emg2vsa.companions.table import TableTests, table_tests
 from emg2vsa.errors import DataError
 from emg2vsa.statistics.clusters import Names, clusters_of
 from emg2vsa.statistics.equivalence import Equivalence, tost
 from emg2vsa.statistics.moments import shifted_doubles
 from emg2vsa.statistics.outcome import Outcome
+
+BROKEN = "no result: "
+"""Begins the note on a statistic that failed."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +112,7 @@ def tidy_tests(
         without_number=int(np.count_nonzero(~number)),
         without_name=int(np.count_nonzero(number & ~named)),
         alpha=alpha,
-        of_plugins=plugin_outcomes(doubles + origin, groups, blocks if block else None),
+        of_plugins=_plugin_outcomes(doubles + origin, groups, blocks if block else None),
     )
 
 
@@ -136,3 +146,28 @@ def _check_spelling(names: Names, column: str) -> None:
                 found=", ".join(map(repr, same)),
                 do=f"Write the number alike in all rows, or begin the names of different {column}s with a letter.",
             )  # fmt: skip
+
+
+def _plugin_outcomes(values: Floats, groups: Names, blocks: Names | None) -> tuple[tuple[str, Outcome], ...]:
+    """Every outcome of every statistic of another package, with the name of the statistic and its distribution."""
+    found = []
+    for plugin in plugins("emg2vsa.statistics"):
+        try:
+            outcomes = _outcomes(plugin, values.copy(), groups.copy(), None if blocks is None else blocks.copy())
+        except PluginError as fault:
+            outcomes = (Outcome(method=plugin.name, n=values.size, notes=(f"{BROKEN}{fault}",)),)
+        found += [(f"by {plugin}", outcome) for outcome in outcomes]
+    return tuple(found)
+
+
+def _outcomes(plugin: Plugin, values: Floats, groups: Names, blocks: Names | None) -> tuple[Outcome, ...]:
+    statistic = plugin.load()
+    try:
+        answer = statistic(values, groups, blocks)
+        outcomes = tuple(answer) if isinstance(answer, Iterable) else (answer,)
+    except Exception as error:  # of foreign code
+        raise plugin.fault("a statistic of these values", said_by(error)) from error
+    for outcome in outcomes:
+        if not isinstance(outcome, Outcome):
+            raise plugin.fault("an Outcome or several", repr(outcome)[:80])
+    return outcomes

@@ -20,11 +20,6 @@ from emg2vsa.settings import MOST_BINS
 Number = TypeVar("Number", np.float64, np.int64)
 
 
-def _row_of_each(offsets: Ints) -> Ints:
-    """Row number of every element (N,) for ``offsets`` (k + 1,), which start at 0 and end at N."""
-    return np.repeat(np.arange(offsets.size - 1), np.diff(offsets))
-
-
 def pad_rows(values: NDArray[Number], offsets: Ints, filler: float = np.nan) -> NDArray[Number]:
     """Rows ``values[offsets[i]:offsets[i + 1]]`` as (k, longest), ``filler`` beyond the end of each."""
     lengths = np.diff(offsets)
@@ -84,7 +79,8 @@ def bin_means(force_n: Floats, v: Floats, offsets: Ints, edges_n: Floats) -> For
     column[force_n == edges_n[-1]] = n_bins - 1
     inside = (column >= 0) & (column < n_bins) & np.isfinite(force_n) & np.isfinite(v)
     column[~inside] = -1
-    cell = (_row_of_each(offsets) * n_bins + column)[inside]
+    row = np.repeat(np.arange(offsets.size - 1), np.diff(offsets))
+    cell = (row * n_bins + column)[inside]
     shape = (offsets.size - 1, n_bins)
     samples = np.bincount(cell, minlength=shape[0] * n_bins)
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -11,8 +11,7 @@ from scipy import special
 
 from casr.counts import count
 from emg2vsa.arrays import Floats
-from emg2vsa.curves.huber import fit_line_huber
-from emg2vsa.curves.line import Line, fit_line, join
+from emg2vsa.curves.line import Line, fit_line, fit_line_huber, join
 
 LEVEL_FLOOR = 0.1
 """Smallest fitted level that sets a weight, as a share of the trial's largest: no weight exceeds 100 times another."""

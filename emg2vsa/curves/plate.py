@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike
 
 from casr.counts import count
 from emg2vsa.arrays import Floats, Ints, exponent_of
-from emg2vsa.curves.line import fit_line
-from emg2vsa.curves.weighted_rows import weighted_rows
+from emg2vsa.curves.line import fit_line, weighted_rows
 from emg2vsa.errors import SettingError
 
 _LEAST_POINTS = 3

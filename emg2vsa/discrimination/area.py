@@ -15,11 +15,12 @@ from emg2vsa.companions.groups import (
     EqualityTests,
     GroupTests,
     NormalityTests,
+    PairTests,
     equality_tests,
     group_tests,
     normality_of,
+    pair_tests,
 )
-from emg2vsa.companions.pairs import PairTests, pair_tests
 from emg2vsa.discrimination.run_table import RunTable, mean_of
 from emg2vsa.settings import DiscriminationSettings
 

@@ -20,8 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats
-from emg2vsa.companions.groups import GroupTests, NormalityTests, group_tests, normality_of
-from emg2vsa.companions.pairs import PairTests, pair_tests
+from emg2vsa.companions.groups import GroupTests, NormalityTests, PairTests, group_tests, normality_of, pair_tests
 from emg2vsa.discrimination.area import AreaByAngle, AreaBySpecimen, area_by_angle, area_by_specimen
 from emg2vsa.discrimination.conditions import ConditionComparison, compare_conditions
 from emg2vsa.discrimination.contrast import Contrast, contrasts

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.companions.groups import EqualityTests, GroupTests, NormalityTests
-from emg2vsa.companions.pairs import PairTests
+from emg2vsa.companions.groups import EqualityTests, GroupTests, NormalityTests, PairTests
 from emg2vsa.companions.table import BlockTests
 from emg2vsa.report.outcome_text import Style, effect_said, range_said, span_said, statistic_said
 from emg2vsa.report.table import Column, Table, records
@@ -48,8 +47,8 @@ def companion_table(name: str, caption: str, rows: Sequence[CompanionRow]) -> Ta
 def normality_rows(tests: NormalityTests, alpha: float, many: str, style: Style = "apa") -> list[CompanionRow]:
     """Both forms of Kolmogorov-Smirnov, each beside Lilliefors and Shapiro-Wilk. many : what each sample is."""
     companions = (
-        ("Lilliefors", tests.lilliefors.p, range_said("D", tests.lilliefors.d, style)),
-        ("Shapiro-Wilk", tests.shapiro.p, range_said("W", tests.shapiro.w, style)),
+        ("Lilliefors", tests.lilliefors.p, range_said("D", tests.lilliefors.statistic, style)),
+        ("Shapiro-Wilk", tests.shapiro.p, range_said("W", tests.shapiro.statistic, style)),
     )
     return [
         CompanionRow(
@@ -103,7 +102,7 @@ def evidence_row(paper: str, p: Floats, bf01: Floats, alpha: float, style: Style
 def variance_row(tests: GroupTests, alpha: float, many: str, style: Style = "apa") -> CompanionRow:
     """Not a test of the same hypothesis but of what the analysis of variance takes for granted."""
     found = [tests.brown_forsythe.outcome(i) for i in range(tests.anova.f.size)]
-    p = tests.brown_forsythe.anova.p
+    p = tests.brown_forsythe.p
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.fmax.reduce(tests.sd, axis=1, initial=-np.inf) / np.fmin.reduce(tests.sd, axis=1, initial=np.inf)
     unequal = int(np.count_nonzero(p < alpha))
@@ -217,9 +216,9 @@ def _margin_row(paper: str, equality: EqualityTests, factor: float, unit: str, s
 def _share_row(paper: str, blocks: BlockTests, style: Style) -> CompanionRow:
     """How much people differ, as a share of what is left unexplained."""
     mixed = blocks.mixed
-    low = blocks.ratio_low
+    low = mixed.interval[0] if mixed and mixed.interval else float("nan")
     if mixed is None or np.isnan(low):
-        found = blocks.icc.outcome(kind="ICC(3,1)")
+        found = blocks.agreement
         low = found.interval[0] if found.interval else float("nan")
         name = "Intraclass correlation of means, " + (found.estimate_name or "")
     else:

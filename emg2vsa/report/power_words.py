@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from emg2vsa.statistics.power import MEANING, PowerTable
-from emg2vsa.statistics.power_pairs import PairPower
+from emg2vsa.statistics.power import MEANING, PairPower, PowerTable
 
 Words = tuple[dict[str, Any], list[str]]
 

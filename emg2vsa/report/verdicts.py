@@ -89,5 +89,4 @@ def dunn_bounds(count: Ints) -> tuple[float, float] | None:
     sizes = np.unique(count)
     if sizes.size != 1 or sizes[0] < 1 or count.size < 2:
         return None
-    groups, each = count.size, int(sizes[0])
-    return smallest_worst_p(groups, each, "none"), smallest_worst_p(groups, each, "bonferroni")
+    return smallest_worst_p(count.size, int(sizes[0]))

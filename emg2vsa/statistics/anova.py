@@ -1,16 +1,18 @@
-"""One-way analysis of variance, many designs in one call; of distances from the groups' centres it is Levene's test."""
+"""One-way analysis of variance, many designs in one call: the classical one, Welch's for unequal variances, and
+of distances from the groups' medians, which is Brown and Forsythe's test of equal variances.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.statistics.moments import group_moments
-from emg2vsa.statistics.outcome import Outcome
+from emg2vsa.statistics.moments import GroupMoments, group_moments
+from emg2vsa.statistics.outcome import Outcome, Outcomes
 
 
 @dataclass(frozen=True)
@@ -91,33 +93,44 @@ def one_way(values: ArrayLike) -> Anova:
     )
 
 
-@dataclass(frozen=True)
-class VarianceTests:
-    """Analysis of variance of the distances from each group's median; F and p are NaN where no group can tell."""
+def welch(values: ArrayLike) -> Outcomes:
+    """Welch (1951) on ``values`` as ``one_way`` takes them; groups of one value are left out, they have no variance.
 
-    anova: Anova
+    A group without spread makes its weight infinite and the test undefined (NaN).
+    """
+    groups = group_moments(values)
+    used, per_mean = variance_of_means(groups)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        weight = np.where(used, 1 / per_mean, 0.0)
+        total = np.sum(weight, axis=1)
+        k = np.count_nonzero(used, axis=1)
+        grand = np.sum(weight * groups.offset, axis=1) / total
+        between = np.sum(weight * (groups.offset - grand[:, None]) ** 2, axis=1) / (k - 1)
+        spare = np.where(used, (1 - weight / total[:, None]) ** 2 / (groups.count - 1), 0.0)
+        lack = np.sum(spare, axis=1)
+        f = between / (1 + 2 * (k - 2) * lack / (k**2 - 1))
+        df2 = (k**2 - 1) / (3 * lack)
+        f, df2 = np.where(k > 1, f, np.nan), np.where(k > 1, df2, np.nan)
+    df1 = np.maximum(k - 1, 0)
+    return Outcomes(
+        method="Welch's analysis of variance",
+        statistic_name="F",
+        statistic=f,
+        df=(df1, df2),
+        p=np.asarray(special.fdtrc(df1, df2, f), dtype=np.float64),
+        n=np.sum(np.where(used, groups.count, 0), axis=1),
+        notes=(("undefined: needs two groups of two or more values that are not all equal", np.isnan(f)),),
+    )
 
-    def outcome(self, i: int = 0) -> Outcome:
-        found = self.anova.outcome(i)
-        most = int(np.max(self.anova.count[i], initial=0))
-        notes = found.notes
-        if np.isnan(self.anova.f[i]) and most > 1 and self.anova.df1[i] > 0:
-            alike = "every value is equally far from the median of its group"
-            notes = ("undefined: no group has three values" if most == 2 else f"undefined: {alike}",)
-        elif most == 3:
-            notes = (*notes, "groups of three values or fewer: next to no power")
-        return Outcome(
-            method="Brown-Forsythe (distances from medians)",
-            n=found.n,
-            statistic_name="F",
-            statistic=found.statistic,
-            df=found.df,
-            p=found.p,
-            notes=notes,
-        )
+
+def variance_of_means(groups: GroupMoments) -> tuple[np.ndarray, Floats]:
+    """Which groups (d, k) have two or more values, and the squared standard errors of their means, scaled unit."""
+    used = groups.count > 1
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return used, np.where(used, groups.squares / (groups.count - 1) / groups.count, np.nan)
 
 
-def brown_forsythe(values: ArrayLike) -> VarianceTests:
+def brown_forsythe(values: ArrayLike) -> Outcomes:
     """Brown and Forsythe's (1974) form of Levene's test; ``values`` as for ``one_way``.
 
     Two values are equally far from their median. A design without a group of three therefore has no scatter of these
@@ -126,8 +139,27 @@ def brown_forsythe(values: ArrayLike) -> VarianceTests:
     groups = group_moments(values)
     deviation = groups.deviation - _medians(groups.deviation, groups.valid)[..., None]
     anova = one_way(np.where(groups.valid, np.abs(deviation), np.nan))
-    tells = np.max(groups.count, axis=1, initial=0) > 2
-    return VarianceTests(replace(anova, f=np.where(tells, anova.f, np.nan), p=np.where(tells, anova.p, np.nan)))
+    most = np.max(groups.count, axis=1, initial=0)
+    f, p = (np.where(most > 2, each, np.nan) for each in (anova.f, anova.p))
+    several = anova.df1 > 0
+    undefined = several & (most > 1) & np.isnan(f)
+    alike = np.isnan(f) & ~undefined & several
+    return Outcomes(
+        method="Brown-Forsythe (distances from medians)",
+        statistic_name="F",
+        statistic=f,
+        df=(anova.df1, anova.df2),
+        p=p,
+        n=np.sum(groups.count, axis=1),
+        notes=(
+            *((f"undefined: {k} group(s) with values", anova.df1 == k - 1) for k in (0, 1)),
+            ("undefined: no group has three values", undefined & (most == 2)),
+            ("undefined: every value is equally far from the median of its group", undefined & (most > 2)),
+            ("undefined: one value a group leaves no variance within groups", alike),
+            ("the values within each group are equal: F is infinite", np.isinf(f)),
+            ("groups of three values or fewer: next to no power", (most == 3) & ~undefined),
+        ),
+    )
 
 
 def _medians(values: Floats, valid: np.ndarray) -> Floats:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -143,16 +142,16 @@ def dunn(found: KruskalWallis) -> RankPairs:
     return RankPairs(first, second, difference, z, p, found.count[:, first] + found.count[:, second])
 
 
-def smallest_worst_p(groups: int, count: int, adjustment: Literal["none", "bonferroni"] = "bonferroni") -> float:
-    """Smallest value that the largest p of all pairs can take with ``groups`` of ``count`` untied values each.
+def smallest_worst_p(groups: int, count: int) -> tuple[float, float]:
+    """Smallest value that the largest p of all pairs can take with ``groups`` of ``count`` untied values each:
+    uncorrected, and by Bonferroni.
 
     Mean ranks of equal groups span at most (groups - 1) count, so some neighbours lie no farther apart than count: the
     best case is groups that do not overlap at all. A smaller p cannot come from this test. NaN
     for fewer than two groups. With unequal groups no such simple bound holds.
     """
     if groups < 2 or count < 1:
-        return float("nan")
+        return float("nan"), float("nan")
     total = groups * count
-    gap = np.subtract(*np.triu_indices(groups, 1)[::-1]) * float(count)
-    z = gap / np.sqrt(total * (total + 1) / 12 * 2 / count)
-    return float(np.max(adjust(2 * special.ndtr(-z), adjustment)))
+    p = float(2 * special.ndtr(-count / np.sqrt(total * (total + 1) / 12 * 2 / count)))
+    return p, min(p * (groups * (groups - 1) // 2), 1.0)

@@ -11,14 +11,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import optimize, special
 
 from emg2vsa.arrays import Floats
 from emg2vsa.statistics.kruskal import midranks
 from emg2vsa.statistics.moments import unmasked
+from emg2vsa.statistics.normality import shapiro_wilk
 from emg2vsa.statistics.outcome import Outcome
-from emg2vsa.statistics.reml import LARGEST, Cells, Cost, best_ratios, by_ratios, by_variances, cells_of, lowest, solve
-from emg2vsa.statistics.shapiro import shapiro_wilk
+from emg2vsa.statistics.reml import LARGEST, Cells, Cost, RemlFit, by_ratios, by_variances, lowest
 
 SOURCES = ("participants", "participants by specimens", "repetitions")
 _RTOL = 4 * np.finfo(np.float64).eps
@@ -106,21 +107,13 @@ class MixedResiduals:
         )
 
 
-def mixed_variances(values: Floats, confidence: float = 0.95) -> MixedVariances | None:
-    """Fit ``values`` (P participants, S specimens, R repetitions), NaN where there is none; with or without gaps.
-
-    None where the study cannot bear the mixed model (`unbalanced_mixed` says why).
-    """
-    cells, _, unit, why = cells_of(np.asarray(unmasked(values), dtype=np.float64))
-    if why:
-        return None
-    ratios = best_ratios(cells)
-    if ratios.max() >= LARGEST:
-        return None
-    error = float(solve(cells, *ratios).residual_squares) / cells.free
+def mixed_variances(fit: RemlFit, confidence: float = 0.95) -> MixedVariances:
+    """Standard deviations of the study that was fitted, with or without gaps."""
+    cells, unit, ratios, error = fit.cells, fit.unit, fit.ratios, fit.error
     variance = np.array([*ratios, 1.0])
-    cost, scaled = by_variances(_in_units(cells, error)), variance.copy()
-    sds = np.sqrt([_ends(cost, scaled, i, confidence) for i in range(3)])
+    # in SDs of repetitions, so that the variances are of order 1
+    cost = by_variances(Cells(cells.count, cells.mean / np.sqrt(error), cells.within / error, cells.n))
+    sds = np.sqrt([_ends(cost, variance, i, confidence) for i in range(3)])
     by_ratio = np.sqrt([_ends(by_ratios(cells), ratios, i, confidence) for i in range(2)])
     in_data = np.sqrt(error)
     return MixedVariances(
@@ -141,29 +134,18 @@ def ratio_interval(cells: Cells, ratios: Floats, confidence: float) -> tuple[flo
     return float(low), float(high)
 
 
-def mixed_residuals(values: Floats) -> MixedResiduals | None:
-    """Residuals of ``values`` as for `mixed_variances`; None where the study cannot bear the model."""
+def mixed_residuals(values: ArrayLike, fit: RemlFit) -> MixedResiduals:
+    """Residuals of ``values`` (P, S, R), to which the model was fitted."""
     values = np.asarray(unmasked(values), dtype=np.float64)
-    cells, origin, unit, why = cells_of(values)
-    if why:
-        return None
-    t1, t2 = best_ratios(cells)
-    if max(t1, t2) >= LARGEST:
-        return None
-    at = solve(cells, t1, t2)
-    person = t1 * np.sum(at.projected, axis=1, keepdims=True)
+    t1, t2 = fit.ratios
+    person = t1 * np.sum(fit.at.projected, axis=1, keepdims=True)
     there = np.isfinite(values)
-    level = np.ldexp(at.beta + person + t2 * at.projected, unit)
-    error = np.ldexp(np.sqrt(float(at.residual_squares) / cells.free), unit)
-    residual = ((values - origin - level[..., None]) / error)[there]
+    level = np.ldexp(fit.at.beta + person + t2 * fit.at.projected, fit.unit)
+    error = np.ldexp(np.sqrt(fit.error), fit.unit)
+    residual = ((values - fit.origin - level[..., None]) / error)[there]
     quantile = special.ndtri((midranks(residual) - 0.375) / (residual.size + 0.25))
-    fitted = np.broadcast_to(origin + level[..., None], values.shape)[there]
+    fitted = np.broadcast_to(fit.origin + level[..., None], values.shape)[there]
     return MixedResiduals(fitted, residual, quantile)
-
-
-def _in_units(cells: Cells, error: float) -> Cells:
-    """Cells of the same study measured in SDs of repetitions, so that the variances are of order 1."""
-    return Cells(cells.count, cells.mean / np.sqrt(error), cells.within / error, cells.n)
 
 
 def _ends(cost: Cost, best: Floats, i: int, confidence: float) -> tuple[float, float]:

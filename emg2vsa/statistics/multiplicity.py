@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import SettingError
 
-Adjustment = Literal["none", "bonferroni", "holm", "fdr_bh"]
+Adjustment = Literal["bonferroni", "holm", "fdr_bh"]
 
 
 @dataclass(frozen=True)
@@ -55,25 +55,15 @@ def adjust(p: ArrayLike, method: Adjustment) -> Floats:
     positively dependent tests.
     """
     values = np.asarray(p, dtype=np.float64)
-    if method == "none":
-        return values.copy()
-    families = np.atleast_2d(values)
-    m = np.count_nonzero(~np.isnan(families), axis=1)[:, None]
+    m = np.count_nonzero(~np.isnan(values), axis=-1, keepdims=True)
     if method == "bonferroni":
-        return np.asarray(np.minimum(families * m, 1.0).reshape(values.shape))
-    order = np.argsort(families, axis=1)  # NaN last
-    rank = np.arange(1, families.shape[1] + 1)
-    ordered = np.take_along_axis(families, order, axis=1)
-    adjusted = np.empty_like(families)
-    np.put_along_axis(adjusted, order, _stepwise(ordered, m, rank, method), axis=1)
-    return np.minimum(adjusted, 1.0).reshape(values.shape)
-
-
-def _stepwise(ordered: Floats, m: np.ndarray, rank: np.ndarray, method: Adjustment) -> Floats:
-    """``ordered`` p (f, m), ascending with NaN last: the running maximum (Holm) or minimum from above (FDR)."""
+        return np.minimum(values * m, 1.0)
+    order = np.argsort(values, axis=-1)  # NaN last
+    ordered, rank = np.take_along_axis(values, order, axis=-1), np.arange(1, values.shape[-1] + 1)
     if method == "holm":
-        scaled = ordered * (m - rank + 1)
-        return np.where(np.isnan(ordered), np.nan, np.fmax.accumulate(scaled, axis=1))
-    scaled = ordered * (m / rank)
-    lowest = np.fmin.accumulate(scaled[:, ::-1], axis=1)[:, ::-1]
-    return np.where(np.isnan(ordered), np.nan, lowest)
+        stepped = np.fmax.accumulate(ordered * (m - rank + 1), axis=-1)
+    else:
+        stepped = np.fmin.accumulate((ordered * (m / rank))[..., ::-1], axis=-1)[..., ::-1]
+    adjusted = np.empty_like(values)
+    np.put_along_axis(adjusted, order, np.where(np.isnan(ordered), np.nan, np.minimum(stepped, 1.0)), axis=-1)
+    return adjusted

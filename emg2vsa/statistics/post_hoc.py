@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import DataError
 from emg2vsa.statistics import studentized_range
-from emg2vsa.statistics.anova import Anova
+from emg2vsa.statistics.anova import Anova, variance_of_means
+from emg2vsa.statistics.moments import group_moments
 from emg2vsa.statistics.outcome import Outcome
 
 
@@ -82,7 +84,8 @@ def student_pairs(
     first, second = pair_numbers(k)
     with np.errstate(divide="ignore", invalid="ignore"):
         t = difference / se
-    reach = special.stdtrit(df, 0.5 + 0.5 * confidence) * se
+    known, at = np.unique(df, return_inverse=True)  # few, and the quantile is slow
+    reach = special.stdtrit(known, 0.5 + 0.5 * confidence)[at].reshape(df.shape) * se
     return PairDifferences(
         method=method,
         caution=f"one of {first.size} pairs, not corrected for their number",
@@ -107,58 +110,73 @@ def lsd(anova: Anova, confidence: float = 0.95, *, protected: bool = False) -> P
     the family-wise error is not controlled beyond three groups: .276 without and up to .20 with protection for five
     groups (benchmarks/familywise.py).
     """
-    first, second = pair_numbers(anova.mean.shape[1])
+    difference, se, n = _pooled(anova)
     with np.errstate(divide="ignore", invalid="ignore"):
-        difference = anova.offset[:, first] - anova.offset[:, second]
-        per_value = 1 / anova.count[:, first] + 1 / anova.count[:, second]
-        se = anova.sd[:, None] * np.sqrt(per_value)
-        t = difference / se
-        df = np.where(np.isnan(t), np.nan, anova.df2[:, None])
-        critical = special.stdtrit(np.where(anova.df2 > 0, anova.df2, np.nan), 0.5 + 0.5 * confidence)
-        reach = np.where(np.isnan(t), np.nan, critical[:, None] * se)
-        p = 2 * special.stdtr(df, -np.abs(t))
-    if protected:
-        p = np.where((anova.p[:, None] > 1 - confidence) & ~np.isnan(p), 1.0, p)
+        df = np.where(np.isnan(difference / se), np.nan, anova.df2[:, None])
+    method = "Fisher's LSD, pooled SD" + (", protected by the F test" if protected else "")
+    pairs = student_pairs(method, difference, se, df, n, anova.mean.shape[1], confidence)
+    if not protected:
+        return pairs
+    return replace(pairs, p=np.where((anova.p[:, None] > 1 - confidence) & ~np.isnan(pairs.p), 1.0, pairs.p))
+
+
+def tukey(anova: Anova, confidence: float = 0.95) -> PairDifferences:
+    """Pairs by the studentized range of the k groups that have values, with the pooled SD (Tukey 1949, Kramer 1956)."""
+    difference, se, n = _pooled(anova)
+    df = np.where(anova.df2 < 1, np.nan, anova.df2)[:, None]
+    held, k = "family-wise error of the {} pairs held, equal variances assumed", anova.mean.shape[1]
+    return _range_pairs("Tukey's HSD", held, k, difference, se / np.sqrt(2), df, anova.df1 + 1, n, confidence)
+
+
+def games_howell(values: ArrayLike, confidence: float = 0.95) -> PairDifferences:
+    """All pairs with their own variances and Welch's df against Tukey's range (Games and Howell 1976)."""
+    groups = group_moments(values)
+    used, per_mean = variance_of_means(groups)
+    first, second = pair_numbers(groups.count.shape[1])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        squared = np.where(used[:, first] & used[:, second], per_mean[:, first] + per_mean[:, second], np.nan)
+        share = per_mean**2 / (groups.count - 1)
+        df = squared**2 / (share[:, first] + share[:, second])
+    n1, n2 = groups.count[:, first], groups.count[:, second]
+    difference = groups.to_data(groups.offset[:, first] - groups.offset[:, second])
+    difference = np.where((n1 > 0) & (n2 > 0), difference, np.nan)
+    held = "family-wise error of the {} pairs held approximately, variances may differ"
+    se, k = groups.to_data(np.sqrt(squared / 2)), groups.count.shape[1]
+    ranged = np.count_nonzero(used, axis=1)
+    return _range_pairs("Games-Howell", held, k, difference, se, df, ranged, n1 + n2, confidence)
+
+
+def _pooled(anova: Anova) -> tuple[Floats, Floats, Ints]:
+    """Of all pairs (d, q): difference of the means, its standard error by the pooled SD, values."""
+    first, second = pair_numbers(anova.mean.shape[1])
+    n1, n2 = anova.count[:, first], anova.count[:, second]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        se = anova.sd[:, None] * np.sqrt(1 / n1 + 1 / n2)
+    return anova.offset[:, first] - anova.offset[:, second], se, n1 + n2
+
+
+def _range_pairs(
+    method: str, held: str, k: int, difference: Floats, se: Floats, df: Floats, ranged: Ints, n: Ints, confidence: float
+) -> PairDifferences:
+    """All pairs of k groups by the studentized range of ``ranged`` (d,) means; others (d, q). held : a caution."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        q = np.abs(difference) / se
+    df = np.where(np.isnan(q), np.nan, df)
+    q, means = np.where(np.isnan(df), np.nan, q), np.where(np.isnan(df), np.nan, ranged[:, None])
+    reach = studentized_range.quantile(confidence, means, df) * se
+    first, second = pair_numbers(k)
     return PairDifferences(
-        method="Fisher's LSD, pooled SD" + (", protected by the F test" if protected else ""),
-        caution=f"one of {first.size} pairs, not corrected for their number",
-        statistic_name="t",
+        method=method,
+        caution=held.format(first.size),
+        statistic_name="q",
         first=first,
         second=second,
         difference=difference,
         low=difference - reach,
         high=difference + reach,
-        statistic=t,
-        df=df,
-        p=p,
-        n=anova.count[:, first] + anova.count[:, second],
-        confidence=confidence,
-    )
-
-
-def tukey(anova: Anova, confidence: float = 0.95) -> PairDifferences:
-    """Pairs by the studentized range of the k groups that have values, with the pooled SD (Tukey 1949, Kramer 1956)."""
-    first, second = pair_numbers(anova.mean.shape[1])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        difference = anova.offset[:, first] - anova.offset[:, second]
-        se = anova.sd[:, None] * np.sqrt((1 / anova.count[:, first] + 1 / anova.count[:, second]) / 2)
-        q = np.abs(difference) / se
-        se = np.where(np.isnan(q), np.nan, se)
-    df = np.where(np.isnan(q) | (anova.df2 < 1)[:, None], np.nan, anova.df2[:, None])
-    groups = (anova.df1 + 1)[:, None]
-    critical = studentized_range.quantile(confidence, np.where(np.isnan(df), np.nan, groups), df)
-    return PairDifferences(
-        method="Tukey's HSD",
-        caution=f"family-wise error of the {first.size} pairs held, equal variances assumed",
-        statistic_name="q",
-        first=first,
-        second=second,
-        difference=difference,
-        low=difference - critical * se,
-        high=difference + critical * se,
         statistic=q,
         df=df,
-        p=studentized_range.survival(q, groups, df),
-        n=anova.count[:, first] + anova.count[:, second],
+        p=studentized_range.survival(q, means, df),
+        n=n,
         confidence=confidence,
     )

@@ -15,12 +15,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy import optimize
 
 from emg2vsa.arrays import Floats, exponent_of
-from emg2vsa.statistics.moments import without_rounding
+from emg2vsa.statistics.moments import unmasked, without_rounding
+from emg2vsa.statistics.outcome import Outcome
 
+METHOD = "linear mixed model, REML, Satterthwaite df"
 LARGEST = 1e12
 """Ratio of variances beyond which the search does not go."""
 TINY_STEP = 1e-30
@@ -73,7 +75,7 @@ class At:
         return np.asarray(free * self.residual_slopes / self.residual_squares + self.log_slopes)
 
 
-def cells_of(values: Floats) -> tuple[Cells, float, int, str]:
+def _cells_of(values: Floats) -> tuple[Cells, float, int, str]:
     """Cells of the values less their first, scaled by 2**-unit to below 1, and why they cannot be fitted, or ""."""
     there = np.isfinite(values)
     count = np.count_nonzero(there, axis=2).astype(np.float64)
@@ -133,6 +135,36 @@ def solve(cells: Cells, t1: Any, t2: Any) -> At:
         residual_slopes=-np.array([np.sum(projected.sum(axis=1) ** 2), np.sum(projected**2)]),
         log_slopes=np.array([of_people, of_cells]),
     )
+
+
+@dataclass(frozen=True)
+class RemlFit:
+    """The cells of a study in units of 2**unit relative to ``origin``, the ratios (2,) where its restricted likelihood
+    is largest, the model there, and the variance of repetitions."""
+
+    cells: Cells
+    origin: float
+    unit: int
+    ratios: Floats
+    at: At
+    error: float
+
+
+def fit_reml(values: ArrayLike) -> RemlFit | Outcome:
+    """Fit ``values`` (P participants, S specimens, R repetitions), NaN where there is none.
+
+    An `Outcome` without numbers, with the reason, where the study cannot bear the model: fewer than two participants
+    or specimens, a specimen without values, no cell with two values, or values that do not differ within cells, or
+    next to nothing beside what people differ.
+    """
+    cells, origin, unit, why = _cells_of(np.asarray(unmasked(values), dtype=np.float64))
+    ratios = np.zeros(2) if why else best_ratios(cells)
+    if ratios.max() >= LARGEST:
+        why = "undefined: repetitions differ more than a million times less than participants"
+    if why:
+        return Outcome(method=METHOD, n=cells.n, statistic_name="F", statistic=np.nan, p=np.nan, notes=(why,))
+    at = solve(cells, *ratios)
+    return RemlFit(cells, origin, unit, ratios, at, float(at.residual_squares) / cells.free)
 
 
 def by_ratios(cells: Cells) -> Cost:

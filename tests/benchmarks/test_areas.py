@@ -16,7 +16,7 @@ OURS = {
     "conditioning": {"raw EMG": 0.2, "": 1e-12},
     "segmentation": {"": 2.0},
     "records": {"": 0.02},
-    "fits": {"intervals of b": 20.0, "nonlinear": 0.0, "MGH10": 3e-10, "DanWood": 1e-11, "Filip": 4e-8, "": 1e-13},
+    "fits": {"intervals of b": 20.0, "MGH10": 3e-10, "DanWood": 1e-11, "": 1e-13},
     "tests": {
         "large samples": 0.0,
         "all pairs": 0.0,

@@ -15,7 +15,7 @@ from emg2vsa.cli import main
 from emg2vsa.companions.tidy import TidyTests, tidy_tests
 from emg2vsa.errors import DataError
 from emg2vsa.report.tidy_text import hypotheses, outcomes, text
-from emg2vsa.statistics.unbalanced_mixed import UnbalancedMixed
+from emg2vsa.statistics.mixed import MixedModel
 
 SETS = ("SiRstv", "SmLs01", "SmLs02", "SmLs03", "AtmWtAg", "SmLs04", "SmLs05", "SmLs07", "SmLs08")
 
@@ -84,7 +84,7 @@ def test_rows_left_out_are_counted() -> None:
     assert (found.n, found.without_number, found.without_name) == (len(values) - 3, 1, 2)
     assert found.by_block is not None
     assert found.by_block.blocks is not None
-    assert isinstance(found.by_block.blocks.model, UnbalancedMixed)
+    assert isinstance(found.by_block.blocks.model, MixedModel)
 
 
 def test_one_value_a_cell_is_a_repeated_measures_design() -> None:

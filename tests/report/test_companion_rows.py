@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from emg2vsa.companions.groups import group_tests
-from emg2vsa.companions.pairs import pair_tests
+from emg2vsa.companions.groups import group_tests, pair_tests
 from emg2vsa.report.companion_rows import pair_rows
 
 

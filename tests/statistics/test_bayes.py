@@ -7,12 +7,9 @@ import tracemalloc
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy import integrate, linalg
 
 from emg2vsa.companions.groups import equality_tests
-from emg2vsa.errors import DataError
 from emg2vsa.statistics.anova import one_way
 from emg2vsa.statistics.bayes import SCALE, jzs_anova
 
@@ -90,18 +87,6 @@ def test_unbalanced_designs_are_their_marginal_likelihood() -> None:
         assert found.bf01[i] == pytest.approx(peer, rel=1e-9)
 
 
-@given(st.integers(0, 2**32 - 1), st.floats(-1e4, 1e4))
-@settings(max_examples=30, deadline=None)
-def test_shift_scale_and_order_do_not_matter(seed: int, shift: float) -> None:
-    rng = np.random.default_rng(seed)
-    values = rng.standard_normal((2, 4, 6))
-    values[1, 2, 4:] = np.nan
-    found = jzs_anova(values).log_bf01
-    others = ((values + shift) * 7, -values, values[:, rng.permutation(4)], values * 1e-300, values * 1e300)
-    for other in (*others, rng.permuted(values, axis=2)):
-        np.testing.assert_allclose(jzs_anova(other).log_bf01, found, atol=1e-8)
-
-
 def test_equal_groups_speak_for_the_null_the_more_the_more_values() -> None:
     values = np.full((4, 2, 5000), np.nan)
     for row, n in zip(values, (6, 50, 500, 5000), strict=True):
@@ -109,18 +94,6 @@ def test_equal_groups_speak_for_the_null_the_more_the_more_values() -> None:
     assert (np.diff(jzs_anova(values).bf01) > 0).all()
     apart = np.array([0.0, 1.0, 2.0, 9.0, 50.0])[:, None, None] * np.array([[0.0], [1.0]]) + values[1, :, :10]
     assert (np.diff(jzs_anova(apart).bf01) < 0).all()
-
-
-def test_hostile_designs() -> None:
-    nan = np.nan
-    hostile = np.array([[[1.0, 1.0], [1.0, 1.0]], [[1.0, 2.0], [nan, nan]], [[1.0, nan], [2.0, nan]], [[nan, nan]] * 2])
-    found = jzs_anova(hostile)
-    assert np.isnan(found.bf01).all()
-    assert all("undefined" in found.outcome(i).notes[1] for i in range(4))
-    assert jzs_anova([[1.0, 1.0], [2.0, 2.0]]).bf01[0] == 0.0
-    outcome = jzs_anova(np.arange(20.0).reshape(2, 10)).outcome()
-    assert (outcome.statistic_name, outcome.p, outcome.n) == ("BF01", None, 20)
-    assert "r = 0.5" in outcome.notes[0]
 
 
 def test_many_groups_take_no_matrix_of_all_pairs_of_them() -> None:
@@ -134,8 +107,3 @@ def test_many_groups_take_no_matrix_of_all_pairs_of_them() -> None:
     tracemalloc.stop()
     assert np.isfinite(found.log_bf01[0])
     assert peak < 4e6  # one number of every pair is 8 MB
-
-
-def test_bad_shape_is_refused() -> None:
-    with pytest.raises(DataError):
-        jzs_anova([1.0, 2.0])

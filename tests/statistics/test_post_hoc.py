@@ -1,23 +1,26 @@
-"""Welch, Games-Howell, Tukey, Levene and adjusted p beside scipy and statsmodels; what must not change the answer."""
+"""Pairs of groups and adjusted p beside scipy, statsmodels and rational numbers."""
 
 from __future__ import annotations
 
+from fractions import Fraction
+from itertools import combinations
+
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 from statsmodels.stats.multitest import multipletests
-from statsmodels.stats.oneway import anova_oneway
 
-from emg2vsa.companions.groups import group_tests
-from emg2vsa.companions.pairs import pair_tests
-from emg2vsa.errors import DataError
+from emg2vsa.companions.groups import group_tests, pair_tests
+from emg2vsa.errors import SettingError
 from emg2vsa.statistics import studentized_range
-from emg2vsa.statistics.anova import brown_forsythe, one_way
-from emg2vsa.statistics.multiplicity import Adjustment, adjust
-from emg2vsa.statistics.post_hoc import lsd, tukey
-from emg2vsa.statistics.welch import games_howell, welch
+from emg2vsa.statistics.anova import one_way
+from emg2vsa.statistics.equivalence import tost
+from emg2vsa.statistics.multiplicity import Adjustment, adjust, claim_family
+from emg2vsa.statistics.post_hoc import games_howell, lsd, tukey
+from emg2vsa.statistics.repeated import paired_tests
 
 UPPER = np.triu_indices(4, 1)
 
@@ -34,21 +37,6 @@ def groups_of(design: np.ndarray) -> list[np.ndarray]:
 
 
 DESIGNS = np.array([unequal(seed) for seed in range(12)])
-
-
-def test_welch_is_statsmodels() -> None:
-    found = welch(DESIGNS)
-    for i, design in enumerate(DESIGNS):
-        peer = anova_oneway(groups_of(design), use_var="unequal")
-        np.testing.assert_allclose(
-            [found.f[i], found.df2[i], found.p[i]], [peer.statistic, peer.df[1], peer.pvalue], 1e-11
-        )
-
-
-def test_brown_forsythe_is_scipys() -> None:
-    found = brown_forsythe(DESIGNS).anova
-    for i, design in enumerate(DESIGNS):
-        np.testing.assert_allclose([found.f[i], found.p[i]], stats.levene(*groups_of(design)), rtol=1e-10)
 
 
 SCIPY = {
@@ -156,59 +144,62 @@ def test_adjustments_keep_the_order_and_do_not_depend_on_it(p: list[float], rand
     assert (adjust(values, "holm") <= adjust(values, "bonferroni")).all()
 
 
-@pytest.mark.parametrize("scale", [1e-300, 1.0, 1e300])
-def test_scale_and_shift_do_not_matter(scale: float) -> None:
-    values = DESIGNS * scale
-    np.testing.assert_allclose(welch(values).p, welch(DESIGNS).p, rtol=1e-9)
-    np.testing.assert_allclose(games_howell(values).p, games_howell(DESIGNS).p, rtol=1e-9)
-    np.testing.assert_allclose(brown_forsythe(values).anova.p, brown_forsythe(DESIGNS).anova.p, rtol=1e-9)
+def test_holm_over_named_claims() -> None:
+    """.0391, the paper's worst p, does not survive beside two others that are hardly smaller."""
+    found = claim_family({"worst pair": 0.0391, "a": 0.02, "b": 0.001, "untested": np.nan})
+    np.testing.assert_allclose(found.p_holm, [0.0400, 0.0400, 0.003, np.nan], rtol=1e-12)
+    assert found.survives == (True, True, True, None)
+    found = claim_family({"worst pair": 0.0391, "a": 0.03, "b": 0.001})
+    assert found.survives == (False, False, True)
+    assert found.p_holm[0] == found.p_holm[1] == pytest.approx(0.06)
 
 
-def test_hostile_designs_are_undefined_and_say_so() -> None:
-    nan = np.nan
-    hostile = np.array(
-        [
-            [[1.0, 2.0, 4.0], [nan, nan, nan], [nan, nan, nan]],
-            [[3.0, 3.0, 3.0], [3.0, 3.0, 3.0], [3.0, 3.0, 3.0]],
-            [[1.0, nan, nan], [2.0, nan, nan], [5.0, nan, nan]],
-        ]
-    )
-    found = welch(hostile)
-    assert np.isnan(found.f).all()
-    assert all("undefined" in found.outcome(i).notes[0] for i in range(3))
-    assert np.isnan(games_howell(hostile).p).all()
-    assert np.isnan(tukey(one_way(hostile)).p).all()
-    assert np.isnan(brown_forsythe(hostile).anova.p).all()
-    one_missing = np.array([[1.0, 2.0, 4.0], [nan, nan, nan], [6.0, 7.5, 9.0]])
-    pair = games_howell(one_missing)
-    np.testing.assert_array_equal(np.isnan(pair.p[0]), [True, False, True])
-    assert pair.p[0, 1] == pytest.approx(
-        stats.ttest_ind(one_missing[0], one_missing[2], equal_var=False).pvalue, rel=1e-9
-    )
-    assert pair.outcome(0, 1).method == "Games-Howell"
+def test_error_of_the_family() -> None:
+    rng = np.random.default_rng(0)
+    wrong = [any(claim_family(dict(zip("abcdefg", rng.random(7), strict=True))).survives) for _ in range(2000)]
+    assert 0.035 < np.mean(wrong) < 0.065
 
 
-@pytest.mark.parametrize("offset", [2.0**30, 2.0**42])
-def test_an_origin_far_away_costs_pairs_no_digit(offset: float) -> None:
-    """Sixteenths keep all their bits beside 2^42, so that the answers must not move."""
-    values = np.round(np.random.default_rng(0).standard_normal((3, 10)) * 16) / 16
-    near, far = (one_way(values + shift) for shift in (0.0, offset))
-    for test in (lsd, tukey):
-        np.testing.assert_allclose(test(far).p, test(near).p, rtol=1e-12)
-        np.testing.assert_allclose(test(far).low, test(near).low, rtol=1e-12)
-    tests = [pair_tests(values + shift, group_tests(values + shift)) for shift in (0.0, offset)]
-    np.testing.assert_allclose(tests[1].g, tests[0].g, rtol=1e-12)
-    np.testing.assert_allclose(tests[1].games_howell.low, tests[0].games_howell.low, rtol=1e-12)
+@pytest.mark.parametrize(
+    ("p", "alpha"), [(-0.1, 0.05), (1.2, 0.05), (np.inf, 0.05), (0.5, 0.0), (0.5, 1.0), (0.5, np.nan)]
+)
+def test_what_is_no_p_or_no_level_is_refused(p: float, alpha: float) -> None:
+    with pytest.raises(SettingError, match="claims, a"):
+        claim_family({"a": p}, alpha)
+    assert claim_family({}).survives == ()
 
 
-def test_masked_values_are_not_there() -> None:
-    values = np.random.default_rng(4).standard_normal((3, 8))
-    gap = np.where(np.arange(8) == 2, np.nan, values)
-    masked = np.ma.masked_array(np.where(np.isnan(gap), 1e6, gap), np.isnan(gap))
-    assert one_way(masked).f[0] == one_way(gap).f[0]
-    assert lsd(one_way(masked)).p.tolist() == lsd(one_way(gap)).p.tolist()
+@pytest.mark.parametrize("power", [20, 30, 40])
+def test_pairs_keep_their_digits_at_a_large_offset(power: int) -> None:
+    """Values are multiples of 2**-10, so that the offset adds no rounding of its own, and t is exact in rationals."""
+    rng = np.random.default_rng(power)
+    values = np.round(rng.standard_normal((3, 7)) * 2**10) / 2**10
+    far = values + 2.0**power
+    exact = [[Fraction(float(v)) for v in group] for group in values]
+    means = [sum(g) / 7 for g in exact]
+    squares = [sum((v - m) ** 2 for v in g) for g, m in zip(exact, means, strict=True)]
+    pairs = pair_tests(far, group_tests(far))
+    paired = paired_tests(far.T)
+    for i, (a, b) in enumerate(combinations(range(3), 2)):
+        difference = means[a] - means[b]
+        pooled = _root(sum(squares) / 18 * Fraction(2, 7))
+        own = _root((squares[a] + squares[b]) / 12 * Fraction(2, 7))
+        welch_se = _root((squares[a] + squares[b]) / 42)
+        between = [x - y for x, y in zip(exact[a], exact[b], strict=True)]
+        paired_se = _root(sum((d - difference) ** 2 for d in between) / 42)
+        assert pairs.lsd.statistic[0, i] == pytest.approx(float(difference) / pooled, rel=1e-12)
+        assert pairs.tukey.statistic[0, i] == pytest.approx(abs(float(difference)) / pooled * np.sqrt(2), rel=1e-12)
+        assert pairs.games_howell.statistic[0, i] == pytest.approx(
+            abs(float(difference)) / welch_se * np.sqrt(2), rel=1e-12
+        )
+        correction = float(mpmath.gamma(6) / mpmath.gamma(5.5) / mpmath.sqrt(6))
+        assert pairs.g[0, i] == pytest.approx(float(difference) / own * np.sqrt(2 / 7) * correction, rel=1e-12)
+        assert paired.t.statistic[0, i] == pytest.approx(float(difference) / paired_se, rel=1e-12)
+        assert tost(far, 1.0).difference[0, i] == pytest.approx(float(difference), rel=1e-12)
+        shift = np.median(np.subtract.outer(values[a], values[b]))
+        assert pairs.mann_whitney.shift[0, i] == pytest.approx(shift, rel=1e-12)
 
 
-def test_complex_numbers_are_refused() -> None:
-    with pytest.raises(DataError, match="complex"):
-        one_way(np.ones((3, 4)) * 1j)
+def _root(value: Fraction) -> float:
+    with mpmath.workdps(30):
+        return float(mpmath.sqrt(mpmath.mpf(value.numerator) / value.denominator))

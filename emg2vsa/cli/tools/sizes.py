@@ -71,8 +71,7 @@ def add_to(commands: Commands) -> None:
 def power(arguments: argparse.Namespace) -> int:
     from emg2vsa.errors import SettingError
     from emg2vsa.report.power_words import pair_words, repeated_words
-    from emg2vsa.statistics.power import n_for_power, power_rm, power_table
-    from emg2vsa.statistics.power_pairs import pair_power
+    from emg2vsa.statistics.power import n_for_power, pair_power, power_rm, power_table
 
     design, n, m, alpha, target = (
         getattr(arguments, name) for name in ("design", "participants", "measurements", "alpha", "target")

@@ -13,7 +13,7 @@ from emg2vsa.report.sections.hypothesis_quantities import hypothesis_quantities
 from emg2vsa.report.sections.hypothesis_tables import hypothesis_tables
 from emg2vsa.report.verdicts import dunn_bounds
 from emg2vsa.report.wording import NO_BREAK, bounded, listed, p_text, percent
-from emg2vsa.statistics.ks_exact import ks_survival
+from emg2vsa.statistics.normality import ks_survival
 from emg2vsa.statistics.power import power_anova
 
 

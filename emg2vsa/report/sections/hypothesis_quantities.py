@@ -14,7 +14,6 @@ from emg2vsa.statistics.clusters import Names
 from emg2vsa.statistics.mixed import MixedModel
 from emg2vsa.statistics.studentized_range import survival
 from emg2vsa.statistics.trend import trend
-from emg2vsa.statistics.unbalanced_mixed import UnbalancedMixed
 
 
 def hypothesis_quantities(results: StudyResults) -> Items:
@@ -64,7 +63,7 @@ def _design_quantities(name: str, designs: Names, tests: GroupTests, alpha: floa
     yield f"{name}.smallest_p", least(anova.p)
     yield f"{name}.largest_p", most(anova.p)
     companions = {
-        "welch": tests.welch.p, "kruskal": tests.kruskal.p, "brown_forsythe": tests.brown_forsythe.anova.p,
+        "welch": tests.welch.p, "kruskal": tests.kruskal.p, "brown_forsythe": tests.brown_forsythe.p,
     }  # fmt: skip
     for kind, p in companions.items():
         yield f"{name}.{kind}.significant", int(np.count_nonzero(p < alpha))
@@ -105,15 +104,15 @@ def _over_people_quantities(found: Hypotheses) -> Items:
     yield f"{name}.repeated.f", repeated.f[0].item()
     for key in ("p", "p_gg", "p_hf", "epsilon_gg", "epsilon_hf", "mauchly_p", "eta2_generalised"):
         yield f"{name}.repeated.{key}", getattr(repeated, key)[0].item()
-    yield f"{name}.friedman.chi2", blocks.friedman.chi2[0].item()
+    yield f"{name}.friedman.chi2", blocks.friedman.statistic[0].item()
     yield f"{name}.friedman.p", blocks.friedman.p[0].item()
     if blocks.mixed is not None:
         yield f"{name}.mixed.f", _plain(blocks.mixed.statistic)
         yield f"{name}.mixed.p", _plain(blocks.mixed.p)
         yield f"{name}.mixed.icc", _plain(blocks.mixed.effect_size)
-    if isinstance(blocks.model, MixedModel | UnbalancedMixed):
+    if isinstance(blocks.model, MixedModel):
         for key in ("sd_ratio", "ratio_low", "ratio_high"):
-            yield f"{name}.mixed.{key}", np.ravel(getattr(blocks.model, key))[0].item()
+            yield f"{name}.mixed.{key}", getattr(blocks.model, key)
     pairs = blocks.paired.t
     for j, (first, second) in enumerate(zip(pairs.first.tolist(), pairs.second.tolist(), strict=True)):
         ends = f"{name}.pairs.{found.specimens[first]}-{found.specimens[second]}"

@@ -74,12 +74,12 @@ def _normality(found: Hypotheses) -> Table:
             "participant": np.repeat(found.participants, found.specimens.size),
             "specimen": np.tile(found.specimens, found.participants.size),
             "n": found.count.ravel(),
-            "d_standardised": tests.standardised.d,
+            "d_standardised": tests.standardised.statistic,
             "p_standardised": tests.standardised.p,
             "p_lilliefors": tests.lilliefors.p,
-            "w": tests.shapiro.w,
+            "w": tests.shapiro.statistic,
             "p_shapiro": tests.shapiro.p,
-            "d_raw": tests.raw.d,
+            "d_raw": tests.raw.statistic,
             "p_raw": tests.raw.p,
         }
     )
@@ -95,7 +95,7 @@ def _anova_rows(design: str, names: Names, tests: GroupTests, more: dict[str, np
     own: dict[str, np.ndarray] = {design: names[: anova.f.size]}
     own |= {key: getattr(anova, key) for key in ("f", "df1", "df2", "p", "eta2")}
     own |= {"omega2": tests.omega2, "eta2_low": tests.eta2_low, "eta2_high": tests.eta2_high, "p_welch": tests.welch.p}
-    own |= {"p_kruskal": tests.kruskal.p, "p_brown_forsythe": tests.brown_forsythe.anova.p, "bf01": tests.bayes.bf01}
+    own |= {"p_kruskal": tests.kruskal.p, "p_brown_forsythe": tests.brown_forsythe.p, "bf01": tests.bayes.bf01}
     return rows_of(own | more)
 
 
