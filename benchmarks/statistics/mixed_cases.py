@@ -46,10 +46,10 @@ def _ours(y: np.ndarray) -> Numbers:
     found = balanced_mixed(y)
     return {
         "mean": found.mean,
-        "var people": found.variance[0],
-        "var cells": found.variance[1],
-        "var rep": found.variance[2],
-        "F": found.f,
+        "var people": found.variance[:1],
+        "var cells": found.variance[1:2],
+        "var rep": found.variance[2:],
+        "F": [found.f],
     }
 
 

@@ -10,7 +10,7 @@ from mpmath import mp, mpf
 
 from benchmarks.statistics.exact_laws import ks_survival, power_of_rm, range_survival
 from benchmarks.stress.case import Case, Found, exactly
-from emg2vsa.statistics import effect_size, ks_exact, studentized_range
+from emg2vsa.statistics import effect_size, normality, studentized_range
 from emg2vsa.statistics.bootstrap import bca
 from emg2vsa.statistics.multiplicity import adjust
 from emg2vsa.statistics.power import power_rm
@@ -29,9 +29,9 @@ def cases() -> Iterator[Case]:
         )
     for d, n, bound, smoke in ((0.3, 10, 12.0, True), (0.9, 12, 12.0, False), (0.1, 60, 12.0, False)):
         yield _of(
-            "ks_exact.ks_survival",
+            "normality.ks_survival",
             f"D = {d:g}, n = {n}",
-            lambda d=d, n=n: ks_exact.ks_survival([d], [n]),
+            lambda d=d, n=n: normality.ks_survival([d], [n]),
             lambda d=d, n=n: ks_survival(mpf(d), n),
             bound,
             smoke,

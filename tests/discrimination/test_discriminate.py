@@ -104,7 +104,7 @@ def leaves(value):
     if dataclasses.is_dataclass(value):
         for field in dataclasses.fields(value):
             yield from leaves(getattr(value, field.name))
-    elif isinstance(value, tuple) and value and dataclasses.is_dataclass(value[0]):
+    elif isinstance(value, tuple) and not all(isinstance(each, str) for each in value):
         for each in value:
             yield from leaves(each)
     elif isinstance(value, dict):
