@@ -32,7 +32,7 @@ from emg2vsa.settings import (
     SimulationSettings,
     WindowSettings,
 )
-from emg2vsa.worlds.people.recording import make_recording
+from emg2vsa.worlds.people.recording import RecordingStream
 
 Floats = NDArray[np.float64]
 RESULTS = Path(__file__).parent / "results" / "mishaps.json"
@@ -61,7 +61,9 @@ class Record:
 
 
 def clean_record(seed: int, settings: SimulationSettings = SETTINGS) -> Record:
-    made = make_recording(np.random.SeedSequence(seed), settings, a_v=30e-6, b_v=15e-6, window_n=WINDOW.force_n)
+    made = RecordingStream(
+        np.random.SeedSequence(seed), settings, a_v=30e-6, b_v=15e-6, window_n=WINDOW.force_n
+    ).whole()
     onset_s = made.truth.presses.onset_s
     return Record(dict(made.emg_v), made.force_n, made.fs_hz, onset_s, np.random.default_rng([seed, 1]))
 

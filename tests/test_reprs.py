@@ -27,7 +27,7 @@ from emg2vsa.settings import (
     WindowSettings,
 )
 from emg2vsa.study_file import load_study
-from emg2vsa.worlds.people.recording import make_recording
+from emg2vsa.worlds.people.recording import RecordingStream
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -55,9 +55,9 @@ def test_reprs_of_a_press() -> None:
 
 
 def test_reprs_of_people(run_of: Callable[..., RunScores]) -> None:
-    made = make_recording(
+    made = RecordingStream(
         np.random.SeedSequence(4), SimulationSettings(repetitions=2), a_v=2e-5, b_v=8e-6, window_n=(0.5, 7.0)
-    )
+    ).whole()
     emg = {name: Channel(name, samples, "V", made.fs_hz, 0.0, "V") for name, samples in made.emg_v.items()}
     trials = extract_trials(
         emg, Channel("Fz", made.force_n, "N", made.fs_hz, 0.0, "N"), participant="P01", specimen="S1",

@@ -19,7 +19,7 @@ from emg2vsa.readers.front_door import read
 from emg2vsa.readers.roles import read_roles
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study_file import load_study
-from emg2vsa.worlds.people.recording import make_recording
+from emg2vsa.worlds.people.recording import RecordingStream
 from tests.small import study_of_files
 
 STUDY = study_of_files(
@@ -30,10 +30,10 @@ STUDY = study_of_files(
 
 
 def recording(path: Path, seed: int, fs_hz: float = 1000.0, hole: int = 0) -> None:
-    made = make_recording(
+    made = RecordingStream(
         np.random.SeedSequence(seed), SimulationSettings(repetitions=2, fs_hz=fs_hz), a_v=4e-5, b_v=2e-5,
         window_n=(0.5, 7),
-    )  # fmt: skip
+    ).whole()  # fmt: skip
     edc = 1e6 * made.emg_v["EDC"]
     edc[500 : 500 + hole] = np.nan
     time = np.arange(edc.size) / fs_hz

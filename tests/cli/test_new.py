@@ -12,7 +12,7 @@ import pytest
 from emg2vsa.cli import main
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study_file import load_study
-from emg2vsa.worlds.people.recording import make_recording
+from emg2vsa.worlds.people.recording import RecordingStream
 
 PEOPLE, SPECIMENS = ("ama", "bob"), {"hard": 40e-6, "soft": 20e-6}
 
@@ -24,10 +24,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "raw").mkdir()
     for i, person in enumerate(PEOPLE):
         for j, (specimen, b_v) in enumerate(SPECIMENS.items()):
-            made = make_recording(
+            made = RecordingStream(
                 np.random.SeedSequence([i, j]), SimulationSettings(repetitions=3), a_v=2 * b_v, b_v=b_v,
                 window_n=(0.5, 7),
-            )  # fmt: skip
+            ).whole()  # fmt: skip
             time = np.arange(made.force_n.size) / 1000
             table = np.column_stack([time, 1e3 * made.emg_v["EDC"], 1e3 * made.emg_v["FDS"], -made.force_n])
             head = "time (s),Ch1 ExtDig (mV),FDS_mV,Fz [N]"

@@ -10,7 +10,7 @@ import pytest
 
 from emg2vsa.cli import main
 from emg2vsa.settings import SimulationSettings
-from emg2vsa.worlds.people.recording import make_recording
+from emg2vsa.worlds.people.recording import RecordingStream
 from tests.small import study_of_files
 
 STUDY = study_of_files(
@@ -25,7 +25,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "raw").mkdir()
     for n in (1, 2, 10):
         settings = SimulationSettings(repetitions=1, seed=n)
-        made = make_recording(np.random.SeedSequence(n), settings, a_v=40e-6, b_v=20e-6, window_n=(0.5, 7))
+        made = RecordingStream(np.random.SeedSequence(n), settings, a_v=40e-6, b_v=20e-6, window_n=(0.5, 7)).whole()
         time_s = np.arange(made.force_n.size) / made.fs_hz
         table = np.column_stack([time_s, made.emg_v["EDC"], made.emg_v["FDS"], made.force_n])
         np.savetxt(

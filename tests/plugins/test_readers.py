@@ -15,7 +15,7 @@ from emg2vsa.pipeline.plan import survey
 from emg2vsa.readers.front_door import open_recording, read
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study_file import load_study
-from emg2vsa.worlds.people.recording import make_recording
+from emg2vsa.worlds.people.recording import RecordingStream
 from tests.small import study_of_files
 
 Install = Callable[..., Path]
@@ -27,7 +27,7 @@ ARGUMENTS = "--emg", "EDC", "--emg", "FDS", "--force", "Fz", "--json"
 def text() -> str:
     """Three presses in the format of the example package."""
     settings = SimulationSettings(repetitions=3)
-    made = make_recording(np.random.SeedSequence(4), settings, a_v=2e-5, b_v=8e-6, window_n=(0.5, 7.0))
+    made = RecordingStream(np.random.SeedSequence(4), settings, a_v=2e-5, b_v=8e-6, window_n=(0.5, 7.0)).whole()
     muscles = list(made.emg_v)[:2]
     rows = np.column_stack([*(made.emg_v[name] * 1e6 for name in muscles), made.force_n])
     lines = [f"LAB {made.fs_hz:g}", "EDC FDS Fz", "uV uV N", *(" ".join(f"{x:.6g}" for x in row) for row in rows)]

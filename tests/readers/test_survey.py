@@ -10,11 +10,11 @@ import pytest
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.survey import survey
 from emg2vsa.settings import SimulationSettings
-from emg2vsa.worlds.people.recording import make_recording
+from emg2vsa.worlds.people.recording import RecordingStream
 
-MADE = make_recording(
+MADE = RecordingStream(
     np.random.SeedSequence(1), SimulationSettings(repetitions=3), a_v=40e-6, b_v=20e-6, window_n=(0.5, 7)
-)
+).whole()
 N = MADE.force_n.size
 TIME = np.arange(N) / 1000
 RNG = np.random.default_rng(1)

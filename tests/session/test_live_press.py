@@ -21,7 +21,7 @@ from emg2vsa.settings import (
     SimulationSettings,
     WindowSettings,
 )
-from emg2vsa.worlds.people.recording import make_recording
+from emg2vsa.worlds.people.recording import RecordingStream
 
 SETTINGS = SessionSettings(emg=SimulatedEmgSettings(), force=SimulatedForceSettings())
 HOW = HowJudged(FilterSettings(), WindowSettings(), ForceChannelSettings(name="force"), FitSettings())
@@ -34,9 +34,9 @@ def around(**known):
 @pytest.fixture(scope="module")
 def stay():
     """A made stay of four presses, and its attempts as a session would have seen them."""
-    made = make_recording(
+    made = RecordingStream(
         np.random.SeedSequence(3), SimulationSettings(repetitions=4), a_v=28e-6, b_v=13e-6, window_n=(0.5, 7.0)
-    )
+    ).whole()
     emg = {m: Channel(m, x, "V", made.fs_hz, 100.0, "") for m, x in made.emg_v.items()}
     force = Channel("force", made.force_n, "N", made.fs_hz, 100.0, "")
     attempts = [

@@ -14,7 +14,7 @@ from emg2vsa.bids.tables import Column, described
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study import Study
-from emg2vsa.worlds.people.formats import StoredChannel, stored_channels
+from emg2vsa.worlds.people.formats import stored_channels
 from emg2vsa.worlds.people.plan import PlannedRecording
 from emg2vsa.worlds.people.recording import SyntheticRecording
 from emg2vsa.worlds.people.signals import AMPLIFIER_BAND_HZ
@@ -74,7 +74,13 @@ def write_bids(folder: Path, planned: PlannedRecording, recording: SyntheticReco
             "simulation.fs_hz", wanted="whole samples a second, for BDF stores whole seconds",
             found=f"{recording.fs_hz:g} Hz", do="Round it, or write another format.",
         )  # fmt: skip
-    channels = [_channel(channel, recording.fs_hz) for channel in stored_channels(planned, recording, "uV")]
+    channels = [
+        Channel(
+            stored.name, stored.samples, stored.unit, recording.fs_hz, stored.muscle, stated_hz=str(recording.fs_hz),
+            pair=stored.muscle or "", placed=" (simulated)", band_hz=AMPLIFIER_BAND_HZ,
+        )
+        for stored in stored_channels(planned, recording, "uV")
+    ]  # fmt: skip
     return write_recording(
         folder,
         Recording(
@@ -115,13 +121,6 @@ def write_around(folder: Path, study: Study, settings: SimulationSettings, plan:
 
 def _name(planned: PlannedRecording) -> RecordingName:
     return RecordingName(planned.participant, planned.task, planned.specimen)
-
-
-def _channel(stored: StoredChannel, fs_hz: float) -> Channel:
-    return Channel(
-        stored.name, stored.samples, stored.unit, fs_hz, stored.muscle, stated_hz=str(fs_hz),
-        pair=stored.muscle or "", placed=" (simulated)", band_hz=AMPLIFIER_BAND_HZ,
-    )  # fmt: skip
 
 
 def _cues(recording: SyntheticRecording) -> list[Event]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -59,12 +60,12 @@ class Person:
     release_n_per_s: float = 10.0
     electromechanical_delay_s: float = 0.0
     contraction_factor: float = 4.0
-    usual: Response = field(init=False)
 
-    def __post_init__(self) -> None:
-        known = list(self.responses.values())
-        a_v, b_v = (float(np.mean([getattr(r, name) for r in known])) for name in ("a_v", "b_v"))
-        object.__setattr__(self, "usual", Response(a_v, b_v, USUAL_STIFFNESS_N_PER_MM))
+    @cached_property
+    def usual(self) -> Response:
+        """On a specimen that the study does not know: the mean of the others."""
+        a_v, b_v, _ = np.mean(list(self.responses.values()), axis=0).tolist()
+        return Response(a_v, b_v, USUAL_STIFFNESS_N_PER_MM)
 
     @property
     def rest_v(self) -> float:

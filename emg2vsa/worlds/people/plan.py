@@ -13,7 +13,7 @@ from emg2vsa.errors import SettingError
 from emg2vsa.settings import ChannelSettings, SimulationSettings, WindowSettings
 from emg2vsa.study import RecordingEntry, Study
 from emg2vsa.worlds.people.person import check_coefficients, participant_factor
-from emg2vsa.worlds.people.recording import SyntheticRecording, longest_record_s, make_recording
+from emg2vsa.worlds.people.recording import RecordingStream, SyntheticRecording, longest_record_s
 
 FIRST_SESSION = datetime(2026, 1, 5, 9, 0, 0)
 "The first participant's first recording; the others follow, one participant a day. No clock is read."
@@ -41,14 +41,9 @@ class PlannedRecording:
 
     def make(self, settings: SimulationSettings) -> SyntheticRecording:
         """Its signals and truth; the same every time."""
-        return make_recording(
-            self.seed,
-            settings,
-            a_v=self.a_v,
-            b_v=self.b_v,
-            window_n=self.window.force_n,
-            force_delay_s=self.channels.force.delay_s,
-        )
+        window_n, delay_s = self.window.force_n, self.channels.force.delay_s
+        given = {"a_v": self.a_v, "b_v": self.b_v, "force_delay_s": delay_s}
+        return RecordingStream(self.seed, settings, window_n=window_n, **given).whole()
 
 
 def plan_study(study: Study) -> tuple[SimulationSettings, tuple[PlannedRecording, ...]]:

@@ -120,20 +120,9 @@ class RecordingStream:
         late_n = np.interp(number - self._delay_samples, np.arange(force_n.size), force_n)
         return emg_v, self._force.take(late_n)
 
-
-def make_recording(
-    seed: np.random.SeedSequence,
-    settings: SimulationSettings,
-    *,
-    a_v: float,
-    b_v: float,
-    window_n: tuple[float, float],
-    force_delay_s: float = 0.0,
-) -> SyntheticRecording:
-    """All that a `RecordingStream` gives; parameters as there."""
-    stream = RecordingStream(seed, settings, a_v=a_v, b_v=b_v, window_n=window_n, force_delay_s=force_delay_s)
-    emg_v, force_n = stream.take(stream.samples)
-    return SyntheticRecording(settings.fs_hz, emg_v, force_n, stream.truth)
+    def whole(self) -> SyntheticRecording:
+        """All that is left, collected."""
+        return SyntheticRecording(self.fs_hz, *self.take(self.samples), self.truth)
 
 
 def _streams(seed: np.random.SeedSequence, n: int) -> list[np.random.Generator]:

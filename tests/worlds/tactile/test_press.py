@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from casr.frames import FrameSequence, force_per_frame, loading_phase
-from casr.specimens import SPECIMENS
 from casr.spread import spread_rate
 from emg2vsa.worlds.tactile import (
     ContactWorld,
@@ -39,11 +38,7 @@ def test_force_rises_once_to_the_peak_and_falls(press: SimulatedPress) -> None:
     assert (np.diff(force[loading[-1] + 1 :]) <= 0).all()
     assert force[-1] == 0
     assert not force[: press.settings.timeline.rest_frames].any()
-
-
-def test_the_rate_is_constant_but_for_the_ends(press: SimulatedPress) -> None:
-    force = press.truth.force_n[press.truth.loading_frames]
-    steps = np.diff(force[force < 6.5])
+    steps = np.diff(force[loading][force[loading] < 6.5])
     np.testing.assert_allclose(steps, steps[0], rtol=1e-9)
     assert steps[0] == pytest.approx(6.5 / 3 / 20, rel=0.05)
 
@@ -78,17 +73,14 @@ def test_force_is_that_at_the_frame_or_by_the_papers_mean_half_a_frame_later(
     assert abs(lag_n.mean() - rate * lag_s) < 0.002
 
 
-def test_a_sequence_has_the_frames_and_their_forces(press: SimulatedPress) -> None:
-    sequence, log = press.sequence(), press.timeline
+def test_loading_phase_found_in_the_log_is_the_true_one(press: SimulatedPress) -> None:
+    sequence, log, true = press.sequence(), press.timeline, press.truth.loading_frames
     assert isinstance(sequence, FrameSequence)
     np.testing.assert_array_equal(
         sequence.force_n, force_per_frame(log.log_force_n, log.log_frame_index, len(press.frames))
     )
     np.testing.assert_array_equal(sequence[8], press.frames.read(8))
-
-
-def test_loading_phase_found_in_the_log_is_the_true_one(press: SimulatedPress) -> None:
-    found, true = loading_phase(press.sequence().force_n), press.truth.loading_frames
+    found = loading_phase(sequence.force_n)
     assert found.rest < true[0]
     assert press.truth.force_n[found.rest] == 0
     assert abs(found.frames[0] - true[0]) <= 1
@@ -120,13 +112,6 @@ def test_truth_agrees_with_itself() -> None:
         assert true == pytest.approx(found, rel=1e-4), rule
     assert truth.casr_paper_mm2_per_n == casr_truth(truth.area_mm2[loading], truth.force_n[loading], rule="paper")
     assert json.loads(json.dumps(truth.to_dict()))["area_mm2"] == truth.area_mm2.tolist()
-
-
-def test_a_press_can_be_made_again_alone() -> None:
-    settings = PressSettings(stiffness_n_per_mm=SPECIMENS["S5"], angle_deg=45.0, repetition=7, seed=3)
-    first, again = simulate_press(settings), simulate_press(settings)
-    np.testing.assert_array_equal(first.timeline.log_force_n, again.timeline.log_force_n)
-    np.testing.assert_array_equal(first.frames.read(30), again.frames.read(30))
 
 
 @pytest.mark.parametrize("change", [{"repetition": 1}, {"seed": 1}, {"stiffness_n_per_mm": 5.32}, {"angle_deg": 30.0}])

@@ -92,15 +92,6 @@ def test_noise_has_the_stated_spread_and_is_new_in_every_frame() -> None:
     assert abs(np.corrcoef(noise, other)[0, 1]) < 0.02
 
 
-def test_frames_depend_on_force_and_number_alone() -> None:
-    scene = Scene(PressSettings(repetition=3))
-    expected = scene.image(2.0, 40)
-    scene.image(6.0, 1)
-    np.testing.assert_array_equal(scene.image(2.0, 40), expected)
-    np.testing.assert_array_equal(Scene(PressSettings(repetition=3)).image(2.0, 40), expected)
-    assert (scene.image(2.0, 41) != expected).any()
-
-
 def test_texture_moves_with_the_skin() -> None:
     look = {"texture_grey": 12.0, "pin_grey": (0.0, 0.0), "background_grey": 100.0}
     scene = Scene(PressSettings(appearance=Appearance(noise_grey=0.0, **look), world=ContactWorld()))  # type: ignore[arg-type]
@@ -114,21 +105,6 @@ def test_texture_moves_with_the_skin() -> None:
     assert first[inside].std() > 6
     still, moved = ((image - first)[inside].std() for image in (second, pulled))
     assert moved < 0.25 * still
-
-
-def test_dirt_and_glare_stay() -> None:
-    look = {"dirt_grey": 8.0, "n_glare": 4, "pin_grey": (0.0, 0.0), "background_grey": 60.0}
-    scene = _scene(**look)
-    first = scene.image(1.0, 0)
-    np.testing.assert_array_equal(first, scene.image(5.0, 0))
-    assert (first > 200).sum() > 50
-
-
-def test_rms_of_texture_and_dirt_is_as_asked() -> None:
-    for look in ({"texture_grey": 10.0}, {"dirt_grey": 10.0}):
-        scene = _scene(**look, pin_grey=(0.0, 0.0), background_grey=120.0)
-        image = scene.image(0.0, 0)[scene.surface.visible > 0].astype(float)
-        assert image.std() == pytest.approx(10.0, rel=0.1)
 
 
 def test_missing_pins_are_dark_and_the_same_in_all_presses_of_a_sensor() -> None:
@@ -174,7 +150,22 @@ def test_pixels_and_frames_are_independent() -> None:
         assert abs(np.mean(one**2 * other**2) - 1) < 4 * math.sqrt(8 / one.size)
 
 
-def test_the_same_seed_gives_the_same_noise() -> None:
-    assert noise(7).dtype == np.float32
-    assert np.array_equal(noise(7), noise(7))
-    assert not np.array_equal(noise(7), noise(8))
+def test_dirt_and_glare_stay_and_have_the_rms_that_was_asked_for() -> None:
+    look = {"dirt_grey": 10.0, "pin_grey": (0.0, 0.0), "background_grey": 60.0}
+    scene = _scene(**look)
+    first = scene.image(1.0, 0)
+    assert first[scene.surface.visible > 0].std() == pytest.approx(10.0, rel=0.1)
+    assert (_scene(**look, n_glare=4).image(5.0, 0) > 200).sum() > 50
+    np.testing.assert_array_equal(first, scene.image(5.0, 0))
+    textured = _scene(texture_grey=10.0, pin_grey=(0.0, 0.0), background_grey=120.0)
+    assert textured.image(0.0, 0)[textured.surface.visible > 0].std() == pytest.approx(10.0, rel=0.1)
+
+
+def test_frames_depend_on_force_and_number_alone() -> None:
+    settings = PressSettings(stiffness_n_per_mm=1.11, angle_deg=45.0, repetition=7, seed=3)
+    scene = Scene(settings)
+    expected = scene.image(2.0, 40)
+    scene.image(6.0, 1)
+    np.testing.assert_array_equal(scene.image(2.0, 40), expected)
+    np.testing.assert_array_equal(Scene(settings).image(2.0, 40), expected)
+    assert (scene.image(2.0, 41) != expected).any()
