@@ -49,7 +49,7 @@ def main() -> None:
     print("| case | exact | reached |\n|---|---|---|")
     for row in (*power_limit(), *maxwell_ramp(), *force_ramp(), *relaxation(), *rigid_press(), *mindlin(), *cost()):
         print(f"| {' | '.join(row)} |")
-    print("\nHistory (unloading, Ting 1966) and 1500 elements: tests/worlds/contact/test_history.py.\n")
+    print("\nHistory (unloading, Ting 1966) and 1500 elements: tests/worlds/contact/test_relaxation.py.\n")
     print(
         "# Against the tables computed before\n\n"
         "Earlier value, then the difference of this package's in units of its last digit (0: the same digits). The row "

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import mpmath
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -22,7 +21,6 @@ from emg2vsa.worlds.contact import (
     in_series,
     simulate_presses,
 )
-from tests.worlds.contact.history_keeping import convolved_force_n
 
 MAKER_PRO = SPRINGS["qbmove-maker-pro"]
 SOFT = Drive(springs=MAKER_PRO)
@@ -134,48 +132,11 @@ def test_durations_by_stiffness() -> None:
     assert found == {"S1": [0.32, 0.34, 0.53, 0.65], "S5": [0.74, 0.94, 1.06, 1.06]}
 
 
-def contrasts(sensor: float) -> list[float]:
-    """ln of the slopes of S5 over S1 under the rigid motor, human-like, and at 20 %."""
-    slopes = {}
-    for name in ("S1", "S5"):
-        rigid = simulate_presses([contact(name)], body(name, sensor), Drive(), step_s=2e-3)
-        steps = [human_like(name), constant(20)]
-        soft = simulate_presses([contact(name)] * 2, body(name, sensor), SOFT, steps, step_s=2e-3)
-        slopes[name] = np.concatenate([rigid.slope_mm2_per_n(), soft.slope_mm2_per_n()])
-    return np.log(slopes["S5"] / slopes["S1"]).tolist()
-
-
-def test_stiffness_changes_the_contrast_of_relaxing_bodies_by_less_than_half_a_percent() -> None:
-    rigid, modular, softest = contrasts(0.15)
-    assert [round(each, 3) for each in (rigid, modular, softest)] == [0.563, 0.567, 0.559]
-
-
 def test_the_end_of_a_press_is_its_last_sample() -> None:
     paths = pressed("S1", SOFT, constant(20), constant(80))
     ends = [int(np.flatnonzero(np.isfinite(column))[-1]) for column in paths.force_n.T]
     assert paths.force_n[ends, [0, 1]].min() >= 7.0 > max(paths.force_n[end - 1, p] for p, end in enumerate(ends))
     assert max(ends) == paths.time_s.size - 1
-
-
-def test_the_convolved_force_of_a_press_is_the_integral() -> None:
-    """By mpmath's quadrature over a force like that of a rigid motor, 7 (t / 0.5 s)^(4/3)."""
-    relaxation, end_s = body("S5"), 0.5
-    growth = [
-        (mpmath.mpf(branch), mpmath.mpf(tau))
-        for branch, tau in zip(relaxation.branches, relaxation.taus_s, strict=True)
-    ]
-
-    def integrand(s: mpmath.mpf) -> mpmath.mpf:
-        creep = relaxation.instant + sum(b * -mpmath.expm1(-(end_s - s) / tau) for b, tau in growth)
-        return creep * 7 * mpmath.mpf(4) / 3 / end_s * (s / end_s) ** (mpmath.mpf(1) / 3)
-
-    exact = float(mpmath.quad(integrand, [0, 0.05, 0.3, 0.45, end_s]))
-    errors = []
-    for step_s in (0.005, 0.001):
-        time_s = np.arange(0, end_s + step_s / 2, step_s)
-        errors.append(abs(convolved_force_n(relaxation, time_s, 7 * (time_s / end_s) ** (4 / 3))[-1] / exact - 1))
-    assert errors[0] < 2e-6
-    assert errors[1] < 1e-7
 
 
 def test_a_press_without_stiffness_or_without_end_is_refused() -> None:
