@@ -12,10 +12,10 @@ import numpy as np
 
 from benchmarks.rig.dynamixel_faults import D_GAIN, GEAR_MM_PER_DEGREE
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.dynamixel.settings import DynamixelSettings
+from emg2vsa.devices.dynamixel import DynamixelSettings
 from emg2vsa.errors import DeviceError
+from emg2vsa.rig.commissioning.checks import measure_stiffness
 from emg2vsa.rig.commissioning.hand_motion import HandMotion
-from emg2vsa.rig.commissioning.stiffness import measure_stiffness
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.bench.bench import EmulatedRig
 from emg2vsa.worlds.bench.settings import EmulatedSettings

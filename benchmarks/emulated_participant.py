@@ -16,8 +16,8 @@ import time
 from multiprocessing.connection import Connection
 
 from emg2vsa.devices.clock import FastClock, VirtualClock, WallClock
+from emg2vsa.devices.netft.box import Command, parse_records, request_bytes
 from emg2vsa.devices.netft.datagrams import UdpLine
-from emg2vsa.devices.netft.rdt import Command, parse_records, request_bytes
 from emg2vsa.session.views import Command as Told
 from emg2vsa.session.views import ForceMessage, ParticipantState
 from emg2vsa.worlds.far_ends.netft_server import RdtServer

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.devices.clock import WallClock, undisturbed
-from emg2vsa.devices.netft.settings import NetFtSettings
-from emg2vsa.devices.rig_force.settings import RigForceSettings
+from emg2vsa.devices.netft import NetFtSettings
+from emg2vsa.devices.rig_force import RigForceSettings
 from emg2vsa.devices.streams import Source
-from emg2vsa.devices.trigno.settings import TrignoSettings
+from emg2vsa.devices.trigno import TrignoSettings
 from emg2vsa.session.open_session import source_makers
 from emg2vsa.session.sample_clock import SampleClock
 from emg2vsa.session_settings import SessionSettings

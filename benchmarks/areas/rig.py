@@ -19,7 +19,7 @@ RATE_HZ = 200.0
 def turns(size: Size) -> Iterator[Case]:
     """Presses on a clock of its own: executor, drivers and the far ends of their wires in one process."""
     from benchmarks.rig.plans import modular_plan
-    from emg2vsa.rig.executor.expected import largest_force_n
+    from emg2vsa.rig.executor.plan_limits import largest_force_n
     from emg2vsa.rig.rig_settings import RigSettings
     from emg2vsa.worlds.bench.settings import EmulatedSettings
     from emg2vsa.worlds.bench.virtual_run import run_virtual

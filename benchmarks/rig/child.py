@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import IO
 
 from emg2vsa.devices.clock import LEAST_PRIORITY, LoopTiming
-from emg2vsa.devices.netft.settings import NetFtSettings
-from emg2vsa.devices.opencv_camera.settings import OpenCvSettings
-from emg2vsa.devices.qbmove.settings import QbmoveSettings
-from emg2vsa.devices.rig_devices import DeviceSettings
+from emg2vsa.devices.netft import NetFtSettings
+from emg2vsa.devices.opencv_camera import OpenCvSettings
+from emg2vsa.devices.qbmove import QbmoveSettings
+from emg2vsa.rig.rig_settings import DeviceSettings
 
 HOG = "while True: pass"
 

@@ -15,7 +15,7 @@ from benchmarks.rig.plans import modular_plan, rigid_plan
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.protocols import Devices, ForceSample, ForceSensor
 from emg2vsa.rig.executor.execute import execute
-from emg2vsa.rig.executor.expected import largest_force_n
+from emg2vsa.rig.executor.plan_limits import largest_force_n
 from emg2vsa.rig.plan import RIGID, Condition
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings

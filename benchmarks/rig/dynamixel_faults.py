@@ -39,7 +39,7 @@ from benchmarks.rig.faults import (
     actuator_fault,
     words,
 )
-from emg2vsa.devices.dynamixel.settings import DynamixelSettings
+from emg2vsa.devices.dynamixel import DynamixelSettings
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.far_ends.dynamixel.table import XM430_W350
 

@@ -14,7 +14,7 @@ from typing import Any
 from unittest import mock
 
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.dynamixel.settings import DynamixelSettings
+from emg2vsa.devices.dynamixel import DynamixelSettings
 from emg2vsa.devices.protocols import Actuator, Devices
 from emg2vsa.devices.qbmove.packets import Command, frame
 from emg2vsa.errors import DeviceError

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 from benchmarks.rig.fault_bench import Built, FaultBench, Strike
-from emg2vsa.devices.netft import rdt
+from emg2vsa.devices.netft import box as rdt
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.bench.faults import put
 

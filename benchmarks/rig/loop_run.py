@@ -18,11 +18,10 @@ from benchmarks.rig.plans import modular_plan
 from benchmarks.rig.step_latency import StepLatency, TimedActuator, step_latency
 from emg2vsa.devices.clock import LoopTiming, WallClock, undisturbed
 from emg2vsa.devices.protocols import Devices
-from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.open_rig import open_rig
 from emg2vsa.rig.record.run_log import Row
-from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
+from emg2vsa.rig.rig_settings import DeviceSettings, GuardSettings, RigSettings
 
 PATIENT = GuardSettings(stale_s=1.0, camera_s=2.0, late_s=1.0)
 """What is measured must not end the measurement; the run of a rig is ended by a turn that is 50 ms late."""

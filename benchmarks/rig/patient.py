@@ -15,13 +15,12 @@ from benchmarks.rig.plans import modular_plan
 from emg2vsa.devices.clock import WallClock
 from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
 from emg2vsa.devices.protocols import Devices
+from emg2vsa.devices.qbmove import BAUD
 from emg2vsa.devices.qbmove.driver import Qbmove
-from emg2vsa.devices.qbmove.settings import BAUD
 from emg2vsa.devices.registry import Around, kinds, known
-from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.rig.executor.execute import execute
-from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
+from emg2vsa.rig.rig_settings import DeviceSettings, GuardSettings, RigSettings
 
 LONG_S = 2.0
 REPLY_S, WATCHDOG_S = 0.5, 5.0

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from casr.specimens import SPECIMENS
-from emg2vsa.devices.dynamixel.settings import DynamixelSettings
+from emg2vsa.devices.dynamixel import DynamixelSettings
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.rig.plan import RIGID, Condition, RunPlan
 from emg2vsa.schedules import Schedule

@@ -10,11 +10,12 @@ import os
 import sys
 import time
 from array import array
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
+T = TypeVar("T")
 _WAIT_S = 2e-4
 LEAST_PRIORITY = 1
 """The lowest of the real-time priorities is above every ordinary program."""
@@ -131,6 +132,16 @@ class Beat:
         return LoopTiming(self._turns, median, p99, p999, largest, self._overruns, self._late, self._latest_s)
 
 
+def awaited(clock: Clock, within_s: float, every_s: float, look: Callable[[], T]) -> T | None:
+    """What ``look`` gives once that is something, asked again and again; None where it gives nothing for so long."""
+    end_s = clock.now_s() + within_s
+    while not (found := look()):
+        if clock.now_s() >= end_s:
+            return None
+        clock.sleep_until(clock.now_s() + every_s)
+    return found
+
+
 def _quantile(ordered: list[float], share: float) -> float:
     """Linear between neighbours, as NumPy's, which folders of runs are known without."""
     place = share * (len(ordered) - 1)
@@ -154,12 +165,12 @@ def undisturbed() -> Iterator[bool]:
     gc.freeze()
     usual_s = sys.getswitchinterval()
     sys.setswitchinterval(_SWITCH_S)
-    permitted = _real_time(True)
+    permitted = _scheduled(LEAST_PRIORITY)
     try:
         yield permitted
     finally:
         if permitted:
-            _real_time(False)
+            _scheduled(0)
         sys.setswitchinterval(usual_s)
         gc.unfreeze()
 
@@ -171,22 +182,20 @@ def ahead() -> Iterator[None]:
     A frame that a thread makes grey takes a millisecond or two, which is a large part of a turn.
     """
     real_time = sys.platform == "linux" and os.sched_getscheduler(0) == os.SCHED_FIFO
-    _set_priority(LEAST_PRIORITY + 1, real_time)
+    if real_time:
+        _scheduled(LEAST_PRIORITY + 1)
     try:
         yield
     finally:
-        _set_priority(LEAST_PRIORITY, real_time)
+        if real_time:
+            _scheduled(LEAST_PRIORITY)
 
 
-def _set_priority(priority: int, real_time: bool) -> None:
-    if sys.platform == "linux" and real_time:
-        os.sched_setparam(0, os.sched_param(priority))
-
-
-def _real_time(on: bool) -> bool:
+def _scheduled(priority: int) -> bool:
+    """Whether the system gives the calling thread this priority in real time; 0 : that of an ordinary program."""
     if sys.platform == "win32" or not hasattr(os, "sched_setscheduler"):
         return False
-    policy, priority = (os.SCHED_FIFO, LEAST_PRIORITY) if on else (os.SCHED_OTHER, 0)
+    policy = os.SCHED_FIFO if priority else os.SCHED_OTHER
     try:
         os.sched_setscheduler(0, policy, os.sched_param(priority))
     except OSError:

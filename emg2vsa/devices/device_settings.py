@@ -1,4 +1,5 @@
-"""What every kind of actuator, force sensor and camera has: tables [actuator], [force] and [camera] of rig.toml.
+"""What every kind of actuator, force sensor and camera has: tables [actuator], [force] and [camera] of rig.toml; and
+which channel of a source of EMG is which muscle's.
 
 The keys of one kind stand in its folder. The facts that drivers and settings share stand here, so that a rig file is
 read without loading a driver.
@@ -6,9 +7,12 @@ read without loading a driver.
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
+from emg2vsa.devices.registry import Wrong
 from emg2vsa.settings import Ge, Gt, Le, MinLen, Positive
 
 RATE_HZ = 20.0
@@ -23,6 +27,8 @@ LARGEST_PRESS_BYTES = 2**32 - 1
 Text = Annotated[str, MinLen(1)]
 WatchdogS = Annotated[float, Ge(0.06), Le(5)]
 """Steps of 20 ms, at most 250; 1 and 2 are rounded to a period of 0, whose meaning is unknown (cmd_set_watchdog)."""
+Channels = Annotated[dict[str, Text], MinLen(1)]
+"""Muscle role of the study (EDC, FDS) to the source's name of its channel."""
 NetPort = Annotated[int, Ge(1), Le(65535)]
 
 
@@ -82,3 +88,18 @@ class CameraSettings:
     "Frames kept a second; a faster camera is thinned out."
     delay_s: Annotated[float, Ge(0), Le(0.5)] = 0.0
     "From exposure to arrival, as rig camera-delay measures it; frames are timed so much earlier."
+
+
+def alike(channels: Mapping[str, str], spelt: Callable[[str], str] = str) -> Iterator[Wrong]:
+    """Muscles with the channel of another one. ``spelt`` : one way of writing a channel that has several."""
+    first: dict[str, str] = {}
+    for role, name in channels.items():
+        if (same := first.setdefault(spelt(name), role)) != role:
+            yield Wrong(("channels", role), "a channel of its own for each muscle", f"{name!r}, as for {same}")
+
+
+def not_like(channels: Mapping[str, str], pattern: str, wanted: str) -> Iterator[Wrong]:
+    """Channels that are not written as the source writes them."""
+    for role, name in channels.items():
+        if not re.fullmatch(pattern, name):
+            yield Wrong(("channels", role), wanted, repr(name))

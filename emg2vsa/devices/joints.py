@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from emg2vsa.devices.protocols import Joint
-from emg2vsa.devices.registry import kinds
+from emg2vsa.devices.registry import kinds, loaded
 from emg2vsa.errors import ScheduleError
 
 
@@ -44,7 +44,7 @@ def export_of(name: str, where: str = "schedule.actuator") -> Export:
     """How schedules for the joint are written. ScheduleError where none has this name."""
     for kind in kinds("actuator").values():
         if name in kind.joints:
-            found: Export = kind.exports
+            found: Export = loaded(kind.export)
             return found._replace(limit=kind.full_key)
     do = "Correct the name of the actuator."
     raise ScheduleError(where, wanted=f"one of {', '.join(joint_names())}", found=repr(name), do=do)

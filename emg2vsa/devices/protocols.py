@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:  # a run with nothing to do knows folders of runs without loading NumPy
     import numpy as np
@@ -300,64 +298,6 @@ class Identity(Protocol):
     def firmware(self) -> str: ...
     @property
     def device_id(self) -> int: ...
-
-
-class Board(Protocol):
-    """An actuator as it is opened, for runs and for what people do with it by hand. DeviceError as `Actuator`.
-
-    Within a with statement: its motors go off at the end. where : port and id. rigid : it has no joint.
-    creep_deg_per_s : speed of `creep`; 0: it has no such motion.
-    """
-
-    where: str
-    rigid: bool
-    creep_deg_per_s: float
-
-    def close(self) -> None:
-        """Give the line back."""
-
-    def __enter__(self) -> Self: ...
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None: ...
-
-    def identify(self) -> Any:
-        """Its `Identity`. DeviceError: it is silent, or not as the rig file describes it."""
-
-    def usable(self, info: Any) -> Usable:
-        """What a run may ask of the device of this identity."""
-
-    def pressing(self) -> Actuator:
-        """What a run commands."""
-
-    def serial_number(self) -> str:
-        """Empty where the device tells none."""
-
-    def activate(self) -> None:
-        """As `Actuator`, and so the next four."""
-
-    def deactivate(self) -> None: ...
-    def is_active(self) -> bool: ...
-    def measurements(self) -> Measurements: ...
-    def currents_a(self) -> tuple[float, ...]: ...
-
-    def ask_active(self) -> bool:
-        """Motors on, by what the device says? Nothing else is sent."""
-
-    def move_motors(self, motors_deg: Sequence[float]) -> None:
-        """Send each motor there, without feeding the watchdog otherwise."""
-
-    def creep(self, motors_deg: Sequence[float]) -> None:
-        """Send each motor there once, at a speed that the device keeps by itself."""
-
-    def parameters(self) -> Mapping[int, Parameter]:
-        """All by number."""
-
-    def set_parameter(self, number: int, values: tuple[float, ...]) -> Parameter:
-        """Set and store one, and read it back."""
-
-    def set_zeros(self) -> Measurements:
-        """Make the present place of motors and shaft their zero, stored; what is read then."""
 
 
 @dataclass(frozen=True)

@@ -33,26 +33,26 @@ class _Role(NamedTuple):
 
 
 ROLES = {
-    "actuator": _Role("emg2vsa.devices.device_settings:ActuatorSettings", "emg2vsa.devices.protocols:Board", {
-        "qbmove": "emg2vsa.devices.qbmove.settings:QBMOVE",
-        "dynamixel": "emg2vsa.devices.dynamixel.settings:DYNAMIXEL",
+    "actuator": _Role("emg2vsa.devices.device_settings:ActuatorSettings", "emg2vsa.devices.board:Board", {
+        "qbmove": "emg2vsa.devices.qbmove:QBMOVE",
+        "dynamixel": "emg2vsa.devices.dynamixel:DYNAMIXEL",
     }, default="qbmove"),
     "force": _Role("emg2vsa.devices.device_settings:ForceSettings", "emg2vsa.devices.protocols:ForceSensor", {
-        "net-ft": "netft.settings:NET_FT",
-        "ni-daq": "ni_daq.settings:GAUGES",
+        "net-ft": "netft:NET_FT",
+        "ni-daq": "ni_daq:GAUGES",
     }),
     "camera": _Role("emg2vsa.devices.device_settings:CameraSettings", "emg2vsa.devices.protocols:Camera", {
-        "opencv": "opencv_camera.settings:OPENCV",
+        "opencv": "opencv_camera:OPENCV",
     }, default="opencv"),
     "emg": _Role("emg2vsa.session_settings:EmgSettings", "emg2vsa.devices.streams:Source", {
-        "ni-daq": "ni_daq.settings:EMG",
-        "trigno": "trigno.settings:TRIGNO",
-        "lsl": "lsl.settings:EMG",
+        "ni-daq": "ni_daq:EMG",
+        "trigno": "trigno:TRIGNO",
+        "lsl": "lsl:EMG",
         "simulated": "simulated:EMG",
     }),
     "session-force": _Role("emg2vsa.session_settings:SessionForceSettings", "emg2vsa.devices.streams:Source", {
-        "rig": "rig_force.settings:RIG",
-        "lsl": "lsl.settings:FORCE",
+        "rig": "rig_force:RIG",
+        "lsl": "lsl:FORCE",
         "simulated": "simulated:FORCE",
     }),
 }  # fmt: skip
@@ -120,16 +120,13 @@ class Kind:
     export: Any = None
     plugin: Plugin | None = None
 
-    @property
-    def exports(self) -> Any:
-        """How schedules for its joints are written."""
-        return _loaded(self.export)
-
     def opened(self, settings: Any, around: Around) -> Any:
         """The device. PluginError where that of another package fails, or lacks what its role wants."""
         device = self.call("open", settings, around)
         if self.plugin:
-            wanted = _members(_loaded(ROLES[self.role].device))
+            protocol = loaded(ROLES[self.role].device)
+            named = dict.fromkeys((*getattr(protocol, "__annotations__", ()), *vars(protocol)))
+            wanted = [name for name in named if not name.startswith("_")]
             if absent := [name for name in wanted if name not in dir(device)]:
                 raise self.plugin.fault(f"a device with {', '.join(wanted)}", f"no {', '.join(absent)}")
         return device
@@ -138,9 +135,8 @@ class Kind:
         """What one of its functions gives; nothing where there is none. PluginError where it fails."""
         with blamed(self.plugin, f"{function} of its Kind to do its work"):
             place = getattr(self, function)
-            if self.plugin is None:
-                place = _whole(place)
-            return _GIVES[function](_loaded(place)(*given) if place else ())
+            given_back = loaded(place if self.plugin else _whole(place))(*given) if place else ()
+            return given_back if function == "open" else _GIVES[function](given_back)
 
 
 @contextmanager
@@ -164,18 +160,15 @@ def _wrong(found: Any) -> Wrong:
 
 
 _GIVES: dict[str, Callable[[Any], Any]] = {
-    "open": lambda device: device,
-    "check": lambda found: tuple(map(_wrong, found)),
-    "about": lambda lines: tuple(map(str, lines)),
-    "facts": dict,
+    "check": lambda found: tuple(map(_wrong, found)), "about": lambda lines: tuple(map(str, lines)), "facts": dict,
     "scan": tuple,
-}
+}  # fmt: skip
 
 
 def kind_of(role: str, name: str) -> Kind | None:
     """The kind of a role; None where there is none. PluginError where another package's cannot be used."""
     if name in ROLES[role].kinds:
-        ours: Kind = _loaded(_whole(ROLES[role].kinds[name]))
+        ours: Kind = loaded(_whole(ROLES[role].kinds[name]))
         return ours
     kind = next((_of_plugin(each) for each in plugins(GROUP) if each.name == name), None)
     return kind if kind and kind.role == role else None
@@ -220,7 +213,7 @@ def _kept(plugin: Plugin, kind: Any) -> Kind:
         raise plugin.fault("a Kind of emg2vsa.devices.registry", f"an object of type {type(kind).__name__}")
     if kind.role not in tuple(ROLES):
         raise plugin.fault(f"one of the roles {', '.join(ROLES)}", repr(kind.role))
-    base = _loaded(ROLES[kind.role].base)
+    base = loaded(ROLES[kind.role].base)
     if not (isinstance(kind.settings, type) and issubclass(kind.settings, base)):
         raise plugin.fault(f"settings that inherit from {base.__module__}.{base.__name__}", repr(kind.settings))
     with blamed(plugin, "settings whose annotations can be read"):
@@ -231,19 +224,13 @@ def _kept(plugin: Plugin, kind: Any) -> Kind:
     return replace(kind, plugin=plugin)
 
 
-def _members(protocol: type) -> list[str]:
-    """What a protocol asks for."""
-    named = (*getattr(protocol, "__annotations__", ()), *vars(protocol))
-    return [name for name in dict.fromkeys(named) if not name.startswith("_")]
-
-
 def _whole(place: Any) -> Any:
     """A place of ours may be told from ``emg2vsa.devices`` on. Such a place is no part of the key of a step: no step
     opens a device. What a step uses, as ``export``, is told whole."""
     return f"{GROUP}.{place}" if isinstance(place, str) and not place.startswith(f"{GROUP}.") else place
 
 
-def _loaded(place: Any) -> Any:
+def loaded(place: Any) -> Any:
     """The object at "module:name"; any other object as it is."""
     if not isinstance(place, str):
         return place

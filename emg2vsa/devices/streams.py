@@ -8,6 +8,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.errors import DeviceError
+
 
 @dataclass(frozen=True)
 class StreamInfo:
@@ -53,6 +55,25 @@ class StreamCounts(NamedTuple):
 
     samples: int = 0
     lost: int = 0
+
+
+class SourceBase:
+    """Of a source of its own: what it states of its stream is known once it has been started."""
+
+    _info: StreamInfo | None = None
+    _where: str
+    _started = "stream"
+
+    @property
+    def info(self) -> StreamInfo:
+        """Known once started."""
+        if self._info is None:
+            raise self._not_started()
+        return self._info
+
+    def _not_started(self) -> DeviceError:
+        wanted, do = f"a started {self._started}", "Start the source first."
+        return DeviceError(self._where, wanted=wanted, found="none", do=do)
 
 
 class Source(Protocol):

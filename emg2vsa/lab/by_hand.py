@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from casr.atomic import write_text_atomic
+from emg2vsa.devices.board import Board
 from emg2vsa.devices.clock import WallClock
 from emg2vsa.devices.device_settings import ActuatorSettings
-from emg2vsa.devices.protocols import Board, Identity, Measurements, Parameter
-from emg2vsa.devices.qbmove.settings import MotorSettings
+from emg2vsa.devices.protocols import Identity, Measurements, Parameter
+from emg2vsa.devices.qbmove import MotorSettings
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.lab.device_states import angles, shown
 from emg2vsa.lab.person import NOBODY, Person

@@ -12,8 +12,8 @@ from casr.errors import PluginError
 from emg2vsa.devices.clock import Clock, WallClock
 from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings
 from emg2vsa.devices.protocols import Measurements, Parameter
-from emg2vsa.devices.qbmove.scan import qbmove_ports
-from emg2vsa.devices.qbmove.settings import MotorSettings
+from emg2vsa.devices.qbmove import MotorSettings
+from emg2vsa.devices.qbmove.conversation import qbmove_ports
 from emg2vsa.devices.registry import Kind, kinds, known
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.errors import DeviceError, InputError, SettingError

@@ -15,10 +15,9 @@ from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.pressed import Pressed
 from emg2vsa.lab.real_press import press_for_real
 from emg2vsa.process_pool import ProcessPool, WorkerDied
-from emg2vsa.rig.executor.dry_run import DryRun
-from emg2vsa.rig.executor.dry_run import dry_run as tried
 from emg2vsa.rig.executor.guards import changed_guards
-from emg2vsa.rig.executor.plan_limits import check_plan, is_count
+from emg2vsa.rig.executor.plan_limits import DryRun, check_plan, is_count
+from emg2vsa.rig.executor.plan_limits import dry_run as tried
 from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.kappa.live_kappa import KappaPlan
 from emg2vsa.rig.plan import Condition, RunPlan

@@ -25,12 +25,11 @@ from emg2vsa.lab.rig_lock import rig_lock
 from emg2vsa.rig.commissioning.watchdog import WatchdogProof, proof_document, read_proofs
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.guards import laxer_guards
-from emg2vsa.rig.executor.moving_average import MovingAverage
+from emg2vsa.rig.executor.motion import MovingAverage
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.executor.stop_requests import StopRequests
-from emg2vsa.rig.kappa.judges import write_about
+from emg2vsa.rig.kappa.judges import OwnProcess, write_about
 from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, KappaPlan
-from emg2vsa.rig.kappa.own_process import OwnProcess
 from emg2vsa.rig.open_rig import OpenRig, board_settings, open_rig
 from emg2vsa.rig.plan import RIGID, Condition, RunPlan
 from emg2vsa.rig.record.ended import Ended

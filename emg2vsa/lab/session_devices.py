@@ -10,7 +10,7 @@ from pathlib import Path
 
 from emg2vsa.devices.clock import Clock, FastClock, WallClock
 from emg2vsa.devices.device_settings import ForceSettings
-from emg2vsa.devices.rig_force.settings import RigForceSettings
+from emg2vsa.devices.rig_force import RigForceSettings
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig_file import load_rig
 from emg2vsa.session.open_session import Makers, settings_of, source_makers

@@ -20,7 +20,7 @@ from emg2vsa.live.follow import Curves, Follower, Snapshot, joined, newest_run
 from emg2vsa.live.run_facts import read_ending
 from emg2vsa.live.server import file_routes, listening, serve
 from emg2vsa.rig.executor.stop_requests import request_stop
-from emg2vsa.rig.record.tiff_pages import newest_page
+from emg2vsa.rig.record.press_recorder import newest_page
 
 STOP_REASON = "STOP on the live page"
 _PERIOD_S = 0.05

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from emg2vsa.ati.cal_file import AXES, read_calibration
+from emg2vsa.ati import AXES, read_calibration
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.opened import StoredChannel
 from emg2vsa.readers.units import si_factor

@@ -15,7 +15,7 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.section import Claim, Quantities, Verdict, not_tested, verdict_of_all
 from emg2vsa.report.verdicts import dunn_bounds
 from emg2vsa.report.wording import NO_BREAK, bounded, exact_p, number, p_text, signed
-from emg2vsa.rig.executor.moving_average import MovingAverage
+from emg2vsa.rig.executor.motion import MovingAverage
 from emg2vsa.statistics.kruskal import kruskal
 
 _RIGID, _HUMAN_LIKE = "high-stiffness", "modular"

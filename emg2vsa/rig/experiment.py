@@ -14,6 +14,8 @@ from emg2vsa.settings import Ge, Gt, Le, MinLen
 if TYPE_CHECKING:
     from emg2vsa.schedules import Schedule
 
+_OF_A_PRESS = "f_max_n", "f_contact_n", "contact_s", "ramp_mm_per_s", "travel_mm", "lead_s", "pause_s"
+"""Keys of an experiment that its plans take over."""
 Angles = tuple[Annotated[float, Ge(0)], ...]
 
 
@@ -118,20 +120,9 @@ class PlateSettings:
 
 def plate_plan(plate: PlateSettings, experiment: ExperimentSettings, specimen: str) -> RunPlan:
     """The plan of all trials of one specimen, along its normal and without a schedule."""
-    return RunPlan(
-        specimen=specimen,
-        angle_deg=0.0,
-        condition=RIGID,
-        repetitions=plate.trials,
-        schedule=None,
-        f_max_n=plate.f_max_n,
-        f_contact_n=plate.f_contact_n,
-        contact_s=experiment.contact_s,
-        ramp_mm_per_s=plate.ramp_mm_per_s,
-        travel_mm=experiment.travel_mm,
-        pause_s=plate.pause_s,
-        plate=True,
-    )
+    own = {name: getattr(plate, name) for name in ("f_max_n", "f_contact_n", "ramp_mm_per_s", "pause_s")}
+    own |= {name: getattr(experiment, name) for name in ("contact_s", "travel_mm")}
+    return RunPlan(specimen, 0.0, RIGID, plate.trials, None, plate=True, **own)
 
 
 def run_name(specimen: str, angle_deg: float, condition: str, mounting: int = 1) -> str:
@@ -149,25 +140,14 @@ def plan_of(
 
     ``emulated_n_per_mm`` : stiffness of specimens on the emulated bench, for those that the experiment does not name.
     """
+    other = experiment.schedule_of.get(run.specimen)
+    schedule = None if run.condition == RIGID else schedule_for(schedules, other or run.specimen, run.condition)
     return RunPlan(
-        specimen=run.specimen,
-        angle_deg=run.angle_deg,
-        condition=run.condition,
-        mounting=run.mounting,
-        schedule_from=experiment.schedule_of.get(run.specimen),
-        repetitions=experiment.repetitions,
-        schedule=None
-        if run.condition == RIGID
-        else schedule_for(schedules, experiment.schedule_of.get(run.specimen, run.specimen), run.condition),
-        f_max_n=experiment.f_max_n,
-        f_contact_n=experiment.f_contact_n,
-        contact_s=experiment.contact_s,
-        ramp_mm_per_s=experiment.ramp_mm_per_s,
-        travel_mm=experiment.travel_mm,
-        lead_s=experiment.lead_s,
-        pause_s=experiment.pause_s,
+        run.specimen, run.angle_deg, run.condition, experiment.repetitions, schedule,
+        mounting=run.mounting, schedule_from=other,
         stiffness_n_per_mm=(dict(emulated_n_per_mm or {}) | experiment.stiffness_n_per_mm).get(run.specimen),
-    )
+        **{name: getattr(experiment, name) for name in _OF_A_PRESS},
+    )  # fmt: skip
 
 
 def schedule_for(schedules: Sequence[Schedule], specimen: str, condition: str) -> Schedule:
@@ -176,9 +156,6 @@ def schedule_for(schedules: Sequence[Schedule], specimen: str, condition: str) -
         if (schedule.specimen, schedule.condition) == (specimen, condition):
             return schedule
     there = ", ".join(sorted({schedule.specimen for schedule in schedules})) or "none"
-    raise ScheduleError(
-        f"{specimen}, {condition}",
-        wanted="a schedule for every specimen of the experiment",
-        found=f"schedules of {there}",
-        do="Export it with emg2vsa schedule, or take the specimen out of rig.toml.",
-    )
+    wanted = "a schedule for every specimen of the experiment"
+    do = "Export it with emg2vsa schedule, or take the specimen out of rig.toml."
+    raise ScheduleError(f"{specimen}, {condition}", wanted=wanted, found=f"schedules of {there}", do=do)

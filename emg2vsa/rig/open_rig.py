@@ -7,18 +7,17 @@ from contextlib import ExitStack, closing, contextmanager
 from dataclasses import asdict, dataclass, replace
 from typing import Any, cast
 
+from emg2vsa.devices.board import Board
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings
-from emg2vsa.devices.protocols import Board, Camera, Devices, ForceSensor, Identity, Usable
-from emg2vsa.devices.qbmove.about import about
+from emg2vsa.devices.protocols import Camera, Devices, ForceSensor, Identity, Usable
+from emg2vsa.devices.qbmove import MotorSettings
 from emg2vsa.devices.qbmove.driver import Qbmove
-from emg2vsa.devices.qbmove.opening import open_qbmove
-from emg2vsa.devices.qbmove.settings import MotorSettings
+from emg2vsa.devices.qbmove.opening import about, open_qbmove
 from emg2vsa.devices.registry import Around, known
-from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.plan import RIGID, Condition
-from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
+from emg2vsa.rig.rig_settings import DeviceSettings, GuardSettings, RigSettings
 
 
 @dataclass(frozen=True)

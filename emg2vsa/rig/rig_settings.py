@@ -1,4 +1,4 @@
-"""What a rig is: gear, travel, device limits, loop and guards; the table [rig] of rig.toml."""
+"""What a rig is: gear, travel, device limits, loop and guards, the table [rig] of rig.toml; and its devices."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from emg2vsa.devices.device_settings import LOST_S
+from emg2vsa.devices.device_settings import LOST_S, ActuatorSettings, CameraSettings, ForceSettings
+from emg2vsa.devices.qbmove import MotorSettings
 from emg2vsa.devices.qbmove.ticks import in_degrees
 from emg2vsa.settings import Ge, Gt, Le, NonNegative, Positive
 
@@ -162,3 +163,14 @@ def axis_of(rig: Mapping[str, Any]) -> RigSettings:
     """The rig of a plan.json as far as depth needs it. KeyError where it does not say."""
     found = in_degrees(rig)
     return RigSettings(**{name: found[name] for name in ("gear_mm_per_degree", "home_deg", "push_sign")})
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeviceSettings:
+    """All devices of a rig, each of the kind that its table in rig.toml names. motor : None without a rigid motor.
+    camera : None where no frames are wanted."""
+
+    actuator: ActuatorSettings
+    force: ForceSettings
+    motor: MotorSettings | None = None
+    camera: CameraSettings | None = None

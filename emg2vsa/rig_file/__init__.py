@@ -6,8 +6,8 @@ import os
 from dataclasses import fields, replace
 from pathlib import Path
 
-from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.rig.experiment import ExperimentSettings
+from emg2vsa.rig.rig_settings import DeviceSettings
 from emg2vsa.rig_file.checks import problems_across
 from emg2vsa.rig_file.older_keys import with_todays_keys
 from emg2vsa.rig_file.tables import RigFile, RigTables

@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Annotated
 
 from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings, Text
-from emg2vsa.devices.qbmove.settings import MotorSettings
-from emg2vsa.devices.rig_devices import DeviceSettings
+from emg2vsa.devices.qbmove import MotorSettings
 from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings
-from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.rig_settings import DeviceSettings, RigSettings
 from emg2vsa.settings import Tagged
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from emg2vsa.ati.cal_file import AXES, read_calibration
+from emg2vsa.ati import AXES, read_calibration
 from emg2vsa.errors import DeviceError
 
 # Two gauges of a Mini40 (SI-20-1, serial FT35366, published in NavidFeizi/ATI-FTsensor_NI-DAQ): Axis values, their

@@ -13,12 +13,12 @@ from typing import Annotated, get_args, get_type_hints
 import pytest
 
 from emg2vsa.devices import registry
-from emg2vsa.devices.lsl.settings import LslEmgSettings, LslForceSettings
-from emg2vsa.devices.ni_daq.settings import NiEmgSettings
+from emg2vsa.devices.lsl import LslEmgSettings, LslForceSettings
+from emg2vsa.devices.ni_daq import NiEmgSettings
 from emg2vsa.devices.registry import ROLES, Kind
-from emg2vsa.devices.rig_force.settings import RigForceSettings
+from emg2vsa.devices.rig_force import RigForceSettings
 from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
-from emg2vsa.devices.trigno.settings import TrignoSettings
+from emg2vsa.devices.trigno import TrignoSettings
 from emg2vsa.session.plan import planned
 from emg2vsa.session_settings import EmgSettings, SessionForceSettings, SessionSettings
 from emg2vsa.settings import Tagged
@@ -51,9 +51,9 @@ def test_every_kind_is_whole(role: str, name: str) -> None:
     assert kind.role == role
     assert fields(kind.settings)[0].name == "kind"
     assert get_args(get_type_hints(kind.settings)["kind"]) == (name,)
-    assert issubclass(kind.settings, registry._loaded(ROLES[role].base))
+    assert issubclass(kind.settings, registry.loaded(ROLES[role].base))
     places = [registry._whole(each) for each in (kind.open, kind.about, kind.facts, kind.scan) if each]
-    assert all(callable(registry._loaded(each)) for each in places)
+    assert all(callable(registry.loaded(each)) for each in places)
 
 
 @pytest.mark.parametrize("role", ROLES)
@@ -62,7 +62,7 @@ def test_a_table_without_a_kind_is_of_the_one_that_there_was_before(role: str) -
     hint = dict.fromkeys(("actuator", "force", "camera"), "emg2vsa.rig_file.tables:RigTables").get(
         role, "emg2vsa.session_settings:SessionSettings"
     )
-    table = get_type_hints(registry._loaded(hint), include_extras=True)["force" if role == "session-force" else role]
+    table = get_type_hints(registry.loaded(hint), include_extras=True)["force" if role == "session-force" else role]
     made, problems = checked(table, {"source": 0} if role == "camera" else {}, ("table",))
     if default is None:
         assert [str(each) for each in problems] == ["table.kind: expected a key 'kind', but found nothing."]

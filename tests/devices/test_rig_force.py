@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.netft.config import parse_config
+from emg2vsa.devices.netft.box import parse_config
 from emg2vsa.devices.netft.datagrams import LoopbackDatagrams
 from emg2vsa.devices.netft.driver import NetFt
+from emg2vsa.devices.rig_force import RigForceSettings
 from emg2vsa.devices.rig_force.driver import RigForce, unit_axis
-from emg2vsa.devices.rig_force.settings import RigForceSettings
 from emg2vsa.devices.streams import Block
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.session.sample_clock import SampleClock

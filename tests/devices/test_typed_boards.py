@@ -12,11 +12,12 @@ ROOT = Path(__file__).parents[2]
 TYPED = """
 from collections.abc import Callable
 from emg2vsa.devices.dynamixel.driver import Dynamixel
-from emg2vsa.devices.dynamixel.opening import open_dynamixel
-from emg2vsa.devices.protocols import Actuator, Board, Measurements
+from emg2vsa.devices.dynamixel.driver import open_dynamixel
+from emg2vsa.devices.board import Board
+from emg2vsa.devices.protocols import Actuator, Measurements
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.opening import open_qbmove
-from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
+from emg2vsa.devices.qbmove.driver import RigidMotor
 from emg2vsa.worlds.far_ends.dynamixel.far_end import FAR_END as dynamixel
 from emg2vsa.worlds.far_ends.qbmove.far_end import FAR_END as qbmove
 from emg2vsa.worlds.far_ends.qbmove.far_end import FAR_END as motor

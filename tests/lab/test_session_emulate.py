@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.small_study import SIMULATED_SESSION, small_study
 from emg2vsa import session
-from emg2vsa.devices.trigno.settings import TrignoSettings
+from emg2vsa.devices.trigno import TrignoSettings
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.study_file import load_study
 

@@ -10,21 +10,19 @@ from typing import Any
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
+from emg2vsa.devices.netft import NetFtSettings
 from emg2vsa.devices.netft.driver import NetFt
-from emg2vsa.devices.netft.settings import NetFtSettings
-from emg2vsa.devices.ni_daq.settings import NiGaugeSettings
+from emg2vsa.devices.ni_daq import NiGaugeSettings
+from emg2vsa.devices.opencv_camera import OpenCvSettings
 from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
-from emg2vsa.devices.opencv_camera.settings import OpenCvSettings
-from emg2vsa.devices.qbmove.driver import Qbmove
+from emg2vsa.devices.qbmove import MotorSettings, QbmoveSettings
+from emg2vsa.devices.qbmove.driver import Qbmove, RigidMotor
 from emg2vsa.devices.qbmove.info import QbmoveInfo
-from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
-from emg2vsa.devices.qbmove.settings import MotorSettings, QbmoveSettings
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
-from emg2vsa.devices.rig_devices import DeviceSettings
 from emg2vsa.devices.serial_line import LoopbackLine, SerialLine
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.open_rig import open_force, open_rig, within_device
-from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
+from emg2vsa.rig.rig_settings import DeviceSettings, GuardSettings, RigSettings
 from emg2vsa.worlds.bench.bench import EmulatedRig, EmulatedServers
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from emg2vsa.devices.netft.settings import NetFtSettings
+from emg2vsa.devices.netft import NetFtSettings
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.experiment import ExperimentSettings

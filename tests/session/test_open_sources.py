@@ -9,15 +9,15 @@ from pathlib import Path
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
+from emg2vsa.devices.lsl import LslEmgSettings, LslForceSettings
 from emg2vsa.devices.lsl.driver import LslSource
-from emg2vsa.devices.lsl.settings import LslEmgSettings, LslForceSettings
-from emg2vsa.devices.netft.settings import NetFtSettings
-from emg2vsa.devices.ni_daq.emg import NiEmg
-from emg2vsa.devices.ni_daq.settings import NiEmgSettings, NiGaugeSettings
-from emg2vsa.devices.rig_force.settings import RigForceSettings
+from emg2vsa.devices.netft import NetFtSettings
+from emg2vsa.devices.ni_daq import NiEmgSettings, NiGaugeSettings
+from emg2vsa.devices.ni_daq.inputs import NiEmg
+from emg2vsa.devices.rig_force import RigForceSettings
 from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
+from emg2vsa.devices.trigno import TrignoSettings
 from emg2vsa.devices.trigno.driver import TrignoSource
-from emg2vsa.devices.trigno.settings import TrignoSettings
 from emg2vsa.errors import DeviceError, InputError, SettingError
 from emg2vsa.session.open_session import source_makers
 from emg2vsa.session_settings import EmgSettings, SessionForceSettings, SessionSettings

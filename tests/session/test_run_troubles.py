@@ -7,7 +7,7 @@ import errno
 import numpy as np
 import pytest
 
-from emg2vsa.devices.trigno.settings import TrignoSettings
+from emg2vsa.devices.trigno import TrignoSettings
 from emg2vsa.errors import DeviceError
 from emg2vsa.session import replay
 from emg2vsa.session.journal import (

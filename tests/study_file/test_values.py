@@ -27,11 +27,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import Field, TypeAdapter, ValidationError, create_model
 
-from emg2vsa.devices.netft.settings import NetFtSettings
-from emg2vsa.devices.ni_daq.settings import NiEmgSettings
-from emg2vsa.devices.opencv_camera.settings import OpenCvSettings
-from emg2vsa.devices.rig_force.settings import RigForceSettings
-from emg2vsa.devices.trigno.settings import TrignoSettings
+from emg2vsa.devices.netft import NetFtSettings
+from emg2vsa.devices.ni_daq import NiEmgSettings
+from emg2vsa.devices.opencv_camera import OpenCvSettings
+from emg2vsa.devices.rig_force import RigForceSettings
+from emg2vsa.devices.trigno import TrignoSettings
 from emg2vsa.errors import StudyError
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig.rig_settings import RigSettings

@@ -93,7 +93,7 @@ def prove_watchdog(arguments: argparse.Namespace) -> int:
 
 
 def off(arguments: argparse.Namespace) -> int:
-    from emg2vsa.devices.qbmove.settings import QbmoveSettings
+    from emg2vsa.devices.qbmove import QbmoveSettings
     from emg2vsa.errors import SettingError
     from emg2vsa.lab.by_hand import board_off
     from emg2vsa.lab.by_hand import off as motors_off

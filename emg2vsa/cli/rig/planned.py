@@ -11,7 +11,7 @@ from casr.command_line import JSON, Commands
 from emg2vsa.cli.rig.choice import CHOICE, RIG, add_rig_command, file_of, finish, runs_chosen, width
 
 if TYPE_CHECKING:
-    from emg2vsa.rig.executor.dry_run import DryRun
+    from emg2vsa.rig.executor.plan_limits import DryRun
 
 DRY_RUN = """
 Exit status 0: all runs keep the limits; 1: some break a limit; 2: the rig file or the schedules are unusable. The

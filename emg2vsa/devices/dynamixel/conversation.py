@@ -9,19 +9,22 @@ new list, which txPacket never sees. The driver writes no such value, as all its
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from importlib import import_module
 from typing import Any, NamedTuple
 
+from emg2vsa.devices.board import ids_asked
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.dynamixel.registers import ALERT, CRC_ERROR
-from emg2vsa.devices.dynamixel.settings import ATTEMPTS
+from emg2vsa.devices.dynamixel import ATTEMPTS
+from emg2vsa.devices.dynamixel.registers import ALERT, CRC_ERROR, model_named
 from emg2vsa.devices.serial_line import ByteLine, LineCounts
 from emg2vsa.errors import DeviceError
 
 _ID, _LENGTH, _ERROR, _DATA = 4, 5, 8, 9
 """Places in a status packet."""
 _PING_BYTES = 3
+_SCAN_ATTEMPTS = 2
 
 
 class Status(NamedTuple):
@@ -82,16 +85,13 @@ class Conversation:
 
     def read(self, device_id: int, address: int, count: int, attempts: int = ATTEMPTS) -> Status | None:
         """``count`` bytes of the control table; None after so many attempts."""
-        return self._ask(
-            device_id, count, attempts, lambda: self._handler.readTx(self._port, device_id, address, count)
-        )
+        send = partial(self._handler.readTx, self._port, device_id, address, count)
+        return self._ask(device_id, count, attempts, send)
 
     def write(self, device_id: int, address: int, data: bytes, attempts: int = ATTEMPTS) -> Status | None:
         """The motor's answer to new bytes of the control table; None after so many attempts."""
-        return self._ask(
-            device_id, 0, attempts,
-            lambda: self._handler.writeTxOnly(self._port, device_id, address, len(data), list(data)),
-        )  # fmt: skip
+        send = partial(self._handler.writeTxOnly, self._port, device_id, address, len(data), list(data))
+        return self._ask(device_id, 0, attempts, send)
 
     def ping(self, device_id: int, attempts: int) -> tuple[int, int] | None:
         """Model number and version of the firmware; None when nobody answers."""
@@ -116,7 +116,7 @@ class Conversation:
 
     def _ping(self, device_id: int) -> bytes | None:
         request = [0, 0, 0, 0, device_id, 3, 0, 1, 0, 0]
-        self._send(lambda: self._handler.txPacket(self._port, request), _PING_BYTES)
+        self._send(partial(self._handler.txPacket, self._port, request), _PING_BYTES)
         while status := self._hear(device_id, _PING_BYTES):
             if status.data:  # an error has none, and may be late
                 self._behind.discard(device_id)
@@ -143,14 +143,24 @@ class Conversation:
                 return Status(error, alert, bytes(packet[_DATA : _DATA + held]))
 
 
+def answers(line: ByteLine, clock: Clock, ids: Sequence[int], reply_s: float) -> Iterator[str]:
+    """Ping every id, or all where none is given, and tell who answers within ``reply_s``. About 3 s for all ids.
+
+    A motor that is set to another baud rate than the line, or to protocol 1.0, does not answer.
+
+    SettingError : an id that no motor has."""
+    talk = Conversation(line, clock, reply_s)
+    for device_id in ids_asked(ids, range(253)):
+        if answer := talk.ping(device_id, _SCAN_ATTEMPTS):
+            number, firmware = answer
+            yield f"id {device_id}, {model_named(number) or f'model {number}'}, firmware {firmware}"
+
+
 def load_sdk() -> Any:
     """The package dynamixel_sdk. DeviceError when it is not installed."""
     try:
         return import_module("dynamixel_sdk")
     except ImportError as error:
-        raise DeviceError(
-            '[actuator] kind = "dynamixel"',
-            wanted="the extra for Dynamixel motors",
-            found="no dynamixel_sdk",
-            do='Install it: pip install "emg2vsa[dynamixel]".',
-        ) from error
+        where, wanted = '[actuator] kind = "dynamixel"', "the extra for Dynamixel motors"
+        do = 'Install it: pip install "emg2vsa[dynamixel]".'
+        raise DeviceError(where, wanted=wanted, found="no dynamixel_sdk", do=do) from error

@@ -18,23 +18,26 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator, Sequence
 
-from emg2vsa.devices.board import BoardBase
+from emg2vsa.devices.board import Board, answering, no_address
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.dynamixel import registers
+from emg2vsa.devices.dynamixel import DynamixelSettings, registers
 from emg2vsa.devices.dynamixel.conversation import Conversation, Status
-from emg2vsa.devices.dynamixel.info import DynamixelInfo, check_model, check_ready, model_named
 from emg2vsa.devices.dynamixel.joint import GainJoint
 from emg2vsa.devices.dynamixel.registers import (
+    CURRENT_UNIT_A,
     DEG_PER_PULSE,
-    MOTORS,
     ZERO_PULSE,
+    DynamixelInfo,
     Item,
+    check_model,
+    check_ready,
     fault_words,
-    supposed_nm_per_rad,
+    model_named,
+    read_info,
 )
-from emg2vsa.devices.dynamixel.settings import DynamixelSettings
 from emg2vsa.devices.protocols import Measurements, Parameter, Usable
-from emg2vsa.devices.serial_line import ByteLine
+from emg2vsa.devices.registry import Around
+from emg2vsa.devices.serial_line import ByteLine, SerialLine
 from emg2vsa.errors import DeviceError
 
 ON, OFF = 1, 0
@@ -48,7 +51,20 @@ _STILL_S, _STILL_PULSES, _STILL_LOOKS = 0.05, 1, 20
 """A shaft that turns by no more in that time rests; it has so many of them to come to rest."""
 
 
-class Dynamixel(BoardBase):
+def open_dynamixel(settings: DynamixelSettings, around: Around) -> Dynamixel:
+    """The motor, which answers; nothing is switched. Its user closes it.
+
+    DeviceError : no such port or id, or no dynamixel-sdk. SettingError : the rig file names no port: none is guessed.
+    """
+    if settings.port is None:
+        do = "emg2vsa rig scan --port PORT --kind dynamixel asks a port."
+        raise no_address("actuator.port", "the serial port of the motor", do)
+    board = Dynamixel(SerialLine(settings.port, settings.baud), settings, clock=around.clock)
+    do = "Check power, cable, id and baud rate; emg2vsa rig scan lists who answers."
+    return answering(board, board.answers, do)
+
+
+class Dynamixel(Board):
     """One motor. As a context manager it switches the torque off at the end, however that comes."""
 
     creep_deg_per_s = _CREEP * registers.VELOCITY_DEG_PER_S
@@ -56,12 +72,11 @@ class Dynamixel(BoardBase):
     def __init__(self, line: ByteLine, settings: DynamixelSettings, *, clock: Clock) -> None:
         self.device_id, self.settings = settings.id, settings
         self.where = f"{line.name}, dynamixel {settings.id}"
-        supposed = supposed_nm_per_rad(settings.model, settings.full_gain)
+        supposed = registers.supposed_nm_per_rad(settings.model, settings.full_gain)
         self.joint = GainJoint(settings.full_stiffness_nm_per_rad or supposed, settings.full_gain)
         self._line, self._clock = line, clock
         self._talk = Conversation(line, clock, settings.reply_s)
         self.counts = self._talk.counts
-        self._unit_a = MOTORS[settings.model].current_unit_a
         self._usable_deg: tuple[float, float] | None = None
         self._limit_a = 0.0
         self._gain: int | None = None
@@ -69,31 +84,7 @@ class Dynamixel(BoardBase):
 
     def info(self) -> DynamixelInfo:
         """What the motor says about itself. DeviceError for a model that the driver does not know."""
-        number, firmware, get = self._get(registers.MODEL_NUMBER), self._get(registers.FIRMWARE), self._get
-        if model_named(number) is None:
-            raise self._trouble(f"one of {', '.join(MOTORS)}", f"model number {number}", "Check port and id.")
-        new = firmware >= registers.LEAST_FIRMWARE  # older ones lack items, and refuse to tell them
-        return DynamixelInfo(
-            model_number=number,
-            firmware=firmware,
-            device_id=get(registers.ID),
-            protocol=get(registers.PROTOCOL),
-            operating_mode=get(registers.OPERATING_MODE),
-            drive_mode=get(registers.DRIVE_MODE) if new else 0,
-            homing_pulses=get(registers.HOMING_OFFSET),
-            limits_pulses=(get(registers.MIN_POSITION), get(registers.MAX_POSITION)),
-            pwm_limit=get(registers.PWM_LIMIT),
-            current_limit_a=get(registers.CURRENT_LIMIT) * self._unit_a,
-            startup=get(registers.STARTUP) if new else 0,
-            shutdown=get(registers.SHUTDOWN),
-            status_return=get(registers.STATUS_RETURN),
-            hardware_error=get(registers.HARDWARE_ERROR),
-            p_gain=get(registers.P_GAIN),
-            i_gain=get(registers.I_GAIN),
-            d_gain=get(registers.D_GAIN),
-            voltage_v=get(registers.VOLTAGE) / 10,
-            temperature_c=get(registers.TEMPERATURE),
-        )
+        return read_info(self._get, self.where)
 
     def close(self) -> None:
         """Give the line back."""
@@ -116,10 +107,15 @@ class Dynamixel(BoardBase):
     def about(self) -> Iterator[str]:
         """Facts, state, whether a run may use it and why not, and parameters: lines for people."""
         info = self.identify()
-        yield from info.facts()
+        yield f"{model_named(info.model_number)}, firmware {info.firmware}, id {info.device_id}"
+        yield f"operating mode {info.operating_mode}, drive mode {info.drive_mode}, protocol {info.protocol}"
+        yield "position limits: {:.2f} to {:.2f} degrees".format(*info.limits_deg())
+        yield f"homing offset {info.homing_pulses} pulses, current limit {info.current_limit_a:.3f} A"
+        yield f"gains: P {info.p_gain}, I {info.i_gain}, D {info.d_gain}"
+        yield f"supply {info.voltage_v:.1f} V, {info.temperature_c} degrees Celsius inside"
         current, at = self._decoded(self._good(self._read(registers.PRESENT), registers.PRESENT))
         yield f"torque {'on' if self._get(registers.TORQUE) else 'off'}, shaft at {at.shaft_deg:.2f} degrees"
-        yield f"current {current * self._unit_a:.3f} A"
+        yield f"current {current * CURRENT_UNIT_A:.3f} A"
         if info.hardware_error:
             yield f"hardware error: {fault_words(info.hardware_error)[0]}"
         try:
@@ -140,7 +136,7 @@ class Dynamixel(BoardBase):
         usable = info.limits_deg()
         self._check_within(self._get(registers.PRESENT_POSITION), usable)
         watchdog = round(self.settings.watchdog_s / registers.WATCHDOG_STEP_S)
-        goal_current = int(self.settings.goal_current_a / self._unit_a)
+        goal_current = int(self.settings.goal_current_a / CURRENT_UNIT_A)
         for item, value in (
             (registers.TORQUE, OFF),
             (registers.WATCHDOG, 0),  # also clears one that has run out: goals are refused before
@@ -160,7 +156,7 @@ class Dynamixel(BoardBase):
         self._set_and_read(registers.GOAL_POSITION, at, within=_DRIFT_PULSES)
         self._set_and_read(registers.WATCHDOG, watchdog)
         self._set_and_read(registers.TORQUE, ON)
-        self._usable_deg, self._limit_a = usable, goal_current * self._unit_a
+        self._usable_deg, self._limit_a = usable, goal_current * CURRENT_UNIT_A
         self._gain, self._unused = self.settings.full_gain, None
 
     def deactivate(self) -> None:
@@ -225,7 +221,7 @@ class Dynamixel(BoardBase):
         asked for already."""
         current, _ = self._unused or self._reading()
         self._unused = None
-        return (current * self._unit_a,)
+        return (current * CURRENT_UNIT_A,)
 
     def current_limit_a(self) -> float:
         """The goal current, which the motor does not exceed, as it was read back at the activation."""

@@ -56,12 +56,9 @@ class GainJoint:
         """Percent of the full gain for stiffnesses in N m/rad (any shape). ScheduleError beyond what can be."""
         wanted = np.asarray(stiffness_nm_per_rad, dtype=np.float64)
         if not np.all((wanted >= 0) & (wanted <= self.full_preset * (1 + 1e-12))):
-            raise ScheduleError(
-                f"stiffness of {self.name}",
-                wanted=f"0 to {self.full_preset:.4g} N m/rad",
-                found=f"{np.min(wanted):.4g} to {np.max(wanted):.4g}",
-                do="Ask for a stiffness that the joint can reach, or commission a larger full_gain.",
-            )
+            text, asked = f"0 to {self.full_preset:.4g} N m/rad", f"{wanted.min():.4g} to {wanted.max():.4g}"
+            do = "Ask for a stiffness that the joint can reach, or commission a larger full_gain."
+            raise ScheduleError(f"stiffness of {self.name}", wanted=text, found=asked, do=do)
         return wanted * 100 / self.full_preset
 
     def rounded(self, preset: ArrayLike) -> Floats:

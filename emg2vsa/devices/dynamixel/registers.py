@@ -1,4 +1,5 @@
-"""The control table of the X series, as far as it is used, the models, and the errors in words.
+"""The control table of the X series, as far as it is used, the models, and the errors in words; what a motor says of
+itself, and whether a run may use it. A run checks EEPROM values and never changes them.
 
 Source: ROBOTIS e-Manual, pages of the models and "DYNAMIXEL Protocol 2.0" (emanual.robotis.com, repository
 ROBOTIS-GIT/emanual). The zero of the joint is pulse 2048, the middle of a turn, as in the repository
@@ -8,9 +9,12 @@ ROBOTIS-GIT/dynamixel_hardware_interface.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from typing import Any, NamedTuple
 
-from emg2vsa.devices.dynamixel.settings import Model
+from emg2vsa.devices.dynamixel import DynamixelSettings, Model
+from emg2vsa.errors import DeviceError
 
 DEG_PER_PULSE = 360 / 4096
 ZERO_PULSE = 2048
@@ -20,6 +24,7 @@ CURRENT_BASED_POSITION = 5
 WATCHDOG_EXPIRED = 255
 WATCHDOG_STEP_S = 0.02
 VELOCITY_DEG_PER_S = 0.229 * 6
+CURRENT_UNIT_A = 2.69e-3
 OVERLOAD = 0x20
 
 
@@ -28,29 +33,30 @@ class Motor(NamedTuple):
 
     number: int
     "Model Number (0)."
-    most_current: int
-    "Largest Current Limit (38), in units of ``current_unit_a``."
     nm_per_a: float
     "Stall torque over stall current at 12 V, by the e-Manual's specifications."
-    current_unit_a: float = 2.69e-3
 
 
 MOTORS: dict[Model, Motor] = {
-    "xm430-w350": Motor(1020, 1193, 4.1 / 2.3),
-    "xm430-w210": Motor(1030, 1193, 3.0 / 2.3),
-    "xh430-w350": Motor(1000, 648, 3.4 / 1.3),
-    "xh430-w210": Motor(1010, 648, 2.5 / 1.3),
-    "xm540-w150": Motor(1130, 2047, 7.3 / 4.4),
-    "xm540-w270": Motor(1120, 2047, 10.6 / 4.4),
+    "xm430-w350": Motor(1020, 4.1 / 2.3),
+    "xm430-w210": Motor(1030, 3.0 / 2.3),
+    "xh430-w350": Motor(1000, 3.4 / 1.3),
+    "xh430-w210": Motor(1010, 2.5 / 1.3),
+    "xm540-w150": Motor(1130, 7.3 / 4.4),
+    "xm540-w270": Motor(1120, 10.6 / 4.4),
 }
+
+
+def model_named(number: int) -> str | None:
+    """The model with this Model Number; None for one that the driver does not know."""
+    return next((name for name, motor in MOTORS.items() if motor.number == number), None)
 
 
 def supposed_nm_per_rad(model: Model, gain: int) -> float:
     """Stiffness at a gain that nobody has measured, for the guards of what measures it, and for nothing else.
 
     That an error of one pulse times gain / 128 is a current in its unit is a guess."""
-    motor = MOTORS[model]
-    return motor.nm_per_a * motor.current_unit_a * gain / 128 * 4096 / (2 * math.pi)
+    return MOTORS[model].nm_per_a * CURRENT_UNIT_A * gain / 128 * 4096 / (2 * math.pi)
 
 
 class Item(NamedTuple):
@@ -135,3 +141,103 @@ def fault_words(status: int) -> tuple[str, str]:
     faults = [fault for bit, fault in _FAULTS.items() if status & bit] or [(f"status 0x{status:02x}", _SUPPLY)]
     steps = dict.fromkeys(step for _, step in faults)
     return ", ".join(name for name, _ in faults), f"{' '.join(steps)} Then reboot it: power off and on."
+
+
+def _told(item: Item, to: Callable[[int], float] = int, *, new: bool = False) -> Any:
+    """By an item; ``to`` : what its number becomes. new : older firmware lacks it, and refuses to tell it."""
+    return field(metadata={"item": item, "to": to, "new": new})
+
+
+@dataclass(frozen=True)
+class DynamixelInfo:
+    """Values that a run depends on, as the motor has them."""
+
+    model_number: int = _told(MODEL_NUMBER)
+    firmware: int = _told(FIRMWARE)
+    device_id: int = _told(ID)
+    protocol: int = _told(PROTOCOL)
+    operating_mode: int = _told(OPERATING_MODE)
+    drive_mode: int = _told(DRIVE_MODE, new=True)
+    "Bits: 1 reverse, 2 slave, 4 time-based profile, 8 torque on by a goal."
+    homing_pulses: int = _told(HOMING_OFFSET)
+    "Added to the encoder; 4096 to a turn."
+    limits_pulses: tuple[int, int] = _told(MIN_POSITION)
+    "Lowest and highest position; the motor itself keeps them only in position control, not in the mode of a run."
+    pwm_limit: int = _told(PWM_LIMIT)
+    "Of 885."
+    current_limit_a: float = _told(CURRENT_LIMIT, lambda number: number * CURRENT_UNIT_A)
+    startup: int = _told(STARTUP, new=True)
+    shutdown: int = _told(SHUTDOWN)
+    "Hardware errors that switch the torque off, as bits."
+    status_return: int = _told(STATUS_RETURN)
+    hardware_error: int = _told(HARDWARE_ERROR)
+    p_gain: int = _told(P_GAIN)
+    i_gain: int = _told(I_GAIN)
+    d_gain: int = _told(D_GAIN)
+    voltage_v: float = _told(VOLTAGE, lambda number: number / 10)
+    temperature_c: int = _told(TEMPERATURE)
+
+    def limits_deg(self) -> tuple[float, float]:
+        """The position limits as angles of the joint, whose zero is the middle of a turn."""
+        low, high = ((pulses - ZERO_PULSE) * DEG_PER_PULSE for pulses in self.limits_pulses)
+        return low, high
+
+
+def read_info(get: Callable[[Item], int], where: str) -> DynamixelInfo:
+    """What a motor says of itself; ``get`` : asks it. DeviceError for a model that the driver does not know."""
+    told: dict[str, Any] = {}
+    for each in fields(DynamixelInfo):
+        asked = not each.metadata["new"] or told["firmware"] >= LEAST_FIRMWARE
+        told[each.name] = each.metadata["to"](get(each.metadata["item"])) if asked else 0
+        if each.name == "limits_pulses":
+            told[each.name] = told[each.name], get(MAX_POSITION)
+        if each.name == "firmware" and model_named(told["model_number"]) is None:
+            wanted, found = f"one of {', '.join(MOTORS)}", f"model number {told['model_number']}"
+            raise DeviceError(where, wanted=wanted, found=found, do="Check port and id.")
+    return DynamixelInfo(**told)
+
+
+def check_model(info: DynamixelInfo, settings: DynamixelSettings, where: str) -> None:
+    """DeviceError for another model than the rig file names: the same gain is another stiffness on it."""
+    number = MOTORS[settings.model].number
+    if info.model_number != number:
+        do = "Correct [actuator] model, and measure the stiffness of this motor."
+        wanted = f"{number}, the {settings.model}"
+        raise DeviceError(f"{where}, model number", wanted=wanted, found=str(info.model_number), do=do)
+
+
+def check_ready(info: DynamixelInfo, settings: DynamixelSettings, where: str) -> None:
+    """DeviceError at the first value with which a run would not do what it is told."""
+    low, high = info.limits_pulses
+    check_model(info, settings, where)
+    goal_a = settings.goal_current_a
+    set_it = "Set it: emg2vsa rig parameters RIG"
+    rules = (
+        ("firmware", f"{LEAST_FIRMWARE} or newer", info.firmware, info.firmware >= LEAST_FIRMWARE,
+         "Update it with DYNAMIXEL Wizard: older ones lack what protects a run."),
+        ("id", settings.id, info.device_id, info.device_id == settings.id,
+         "It answers to a Secondary ID (12); give the rig file its own id."),
+        ("protocol type", 2, info.protocol, info.protocol == 2, "Set Protocol Type (13) with DYNAMIXEL Wizard."),
+        ("operating mode", f"{CURRENT_BASED_POSITION}, current-based position control", info.operating_mode,
+         info.operating_mode == CURRENT_BASED_POSITION, f"{set_it} --set 11=5."),
+        ("drive mode", "0: not reversed, no slave, no time-based profile, no torque by a goal", info.drive_mode,
+         info.drive_mode == 0, f"{set_it} --set 10=0."),
+        ("homing offset", f"-{ZERO_PULSE} to {ZERO_PULSE} pulses, half a turn", info.homing_pulses,
+         abs(info.homing_pulses) <= ZERO_PULSE, "Run emg2vsa rig zero."),
+        ("position limits", "two pulses of 0 to 4095, the lower below the higher", f"{low} and {high}",
+         0 <= low < high <= 4095, "Set parameters 52 and 48: emg2vsa rig parameters RIG --set 52=0."),
+        ("current limit", f"at least goal_current_a, {goal_a:g} A", f"{info.current_limit_a:.3f} A",
+         info.current_limit_a >= goal_a, "Lower [actuator] goal_current_a, or raise parameter 38."),
+        ("shutdown", f"overload among the errors that switch the torque off, bit 0x{OVERLOAD:02x}",
+         f"0x{info.shutdown:02x}", bool(info.shutdown & OVERLOAD), f"{set_it} --set 63=52, as it leaves the factory."),
+        ("startup configuration", "0: torque off and no stored values at power-on", info.startup, info.startup == 0,
+         f"{set_it} --set 60=0."),
+        ("status return level", "2, an answer to everything", info.status_return, info.status_return == 2,
+         "Reboot it: power off and on."),
+    )  # fmt: skip
+    for name, wanted, found, good, do in rules:
+        if not good:
+            raise DeviceError(f"{where}, {name}", wanted=str(wanted), found=str(found), do=do)
+    if info.hardware_error:
+        found, do = fault_words(info.hardware_error)
+        raise DeviceError(f"{where}, hardware error", wanted="none", found=found, do=do)

@@ -17,10 +17,10 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.lsl.settings import LslEmgSettings, LslForceSettings
+from emg2vsa.devices.clock import Clock, awaited
+from emg2vsa.devices.lsl import LslEmgSettings, LslForceSettings
 from emg2vsa.devices.registry import Around
-from emg2vsa.devices.streams import Block, StreamCounts, StreamInfo
+from emg2vsa.devices.streams import Block, SourceBase, StreamCounts, StreamInfo
 from emg2vsa.errors import DeviceError, SettingError
 
 VOLTS = {"v": 1.0, "mv": 1e-3, "uv": 1e-6, "µv": 1e-6, "μv": 1e-6}
@@ -48,30 +48,21 @@ class Offset(NamedTuple):
     uncertainty_s: float
 
 
-def open_emg(settings: LslEmgSettings, around: Around) -> LslSource:
-    """The source of [session.emg]. DeviceError where LSL is not installed."""
-    return LslSource(
-        "emg", settings.channels, around.clock,
-        table="session.emg", stream=settings.stream, delay_s=settings.delay_s,
-    )  # fmt: skip
+def open_lsl(settings: LslEmgSettings | LslForceSettings, around: Around) -> LslSource:
+    """The source of [session.emg] or [session.force]. DeviceError where LSL is not installed."""
+    emg = isinstance(settings, LslEmgSettings)
+    channels = settings.channels if isinstance(settings, LslEmgSettings) else {"force": settings.channel}
+    kind = "emg" if emg else "force"
+    return LslSource(kind, channels, around.clock, stream=settings.stream, delay_s=settings.delay_s)
 
 
-def open_force(settings: LslForceSettings, around: Around) -> LslSource:
-    """The source of [session.force]. DeviceError where LSL is not installed."""
-    return LslSource(
-        "force", {"force": settings.channel}, around.clock,
-        table="session.force", stream=settings.stream, delay_s=settings.delay_s,
-    )  # fmt: skip
-
-
-class LslSource:
+class LslSource(SourceBase):
     """A `Source` on a stream.
 
     Parameters
     ----------
     kind : of the source. channels : name in the session to label in the stream; without a label the only channel.
-    table : table of the study file with the keys, for errors. stream : name of the stream; None for the only one of its
-    type.
+    stream : name of the stream; None for the only one of its type.
     """
 
     def __init__(
@@ -80,17 +71,15 @@ class LslSource:
         channels: Mapping[str, str | None],
         clock: Clock,
         *,
-        table: str,
         stream: str | None = None,
         delay_s: float = 0.0,
     ) -> None:
         self._kind, self._channels, self._clock = kind, dict(channels), clock
-        self._table, self._stream, self._delay_s = table, stream, delay_s
+        self._table, self._stream, self._delay_s = f"session.{kind}", stream, delay_s
         self._type = "EMG" if kind == "emg" else "Force"
-        self._lsl = load_pylsl(table)
+        self._lsl = load_pylsl(self._table)
         self._where = f"LSL stream {stream!r}" if stream else f"LSL stream of type {self._type}"
         self._inlet: Any = None
-        self._info: StreamInfo | None = None
         self._columns: list[int] = []
         self._scales = np.ones(len(channels))
         self._samples = 0
@@ -98,12 +87,6 @@ class LslSource:
         self._arrived_s = self._sound_s = 0.0
         self._first: tuple[Any, Any] | None = None
         self._ended = threading.Event()
-
-    @property
-    def info(self) -> StreamInfo:
-        if self._info is None:
-            raise DeviceError(self._where, wanted="a started stream", found="none", do="Start the source first.")
-        return self._info
 
     def start(self) -> None:
         self.close()
@@ -131,18 +114,17 @@ class LslSource:
 
     def read(self) -> list[Block]:
         if self._inlet is None:
-            raise DeviceError(self._where, wanted="a started stream", found="none", do="Start the source first.")
+            raise self._not_started()
         now_s = self._clock.now_s()
         try:
-            rows, stamps = self._first or self._inlet.pull_chunk(0.0, _MOST_SAMPLES)
-            self._first = None
+            pulled, self._first = self._first or self._pulled(), None
         except self._lost as error:
             raise self._gone(str(error).rstrip(".")) from error
-        if not len(stamps):
+        if pulled is None:
             if now_s - self._arrived_s > SILENT_S:
                 raise self._gone(f"nothing for {now_s - self._arrived_s:.0f} s")
             return []
-        self._arrived_s = now_s
+        (rows, stamps), self._arrived_s = pulled, now_s
         samples = np.array(rows, dtype=np.float64)[:, self._columns] * self._scales
         ages_s = self._ages_s(stamps)
         if AGES_S[0] <= (age_s := float(np.median(ages_s))) <= AGES_S[1]:
@@ -232,30 +214,26 @@ class LslSource:
         raise DeviceError(f"{self._where}, {name}", wanted=f"the unit {wanted}", found=repr(unit), do=do)
 
     def _wait_for_first(self) -> None:
-        end_s = self._clock.now_s() + FIRST_S
-        while True:
-            rows, stamps = self._inlet.pull_chunk(0.0, _MOST_SAMPLES)
-            if len(stamps):
-                break
-            if self._clock.now_s() >= end_s:
-                raise self._gone(f"no sample for {FIRST_S:g} s")
-            self._clock.sleep_until(self._clock.now_s() + _POLL_S)
-        age_s = float(np.median(self._ages_s(stamps)))
+        self._first = awaited(self._clock, FIRST_S, _POLL_S, self._pulled)
+        if self._first is None:
+            raise self._gone(f"no sample for {FIRST_S:g} s")
+        age_s = float(np.median(self._ages_s(self._first[1])))
         if not AGES_S[0] <= age_s <= AGES_S[1]:
             raise self._foreign(age_s)
-        self._first = rows, stamps
         self._arrived_s = self._sound_s = self._clock.now_s()
+
+    def _pulled(self) -> tuple[Any, Any] | None:
+        """Rows and stamps that have come; None where none have."""
+        rows, stamps = self._inlet.pull_chunk(0.0, _MOST_SAMPLES)
+        return (rows, stamps) if len(stamps) else None
 
     def _ages_s(self, stamps: Sequence[float]) -> NDArray[np.float64]:
         return np.asarray(self._lsl.local_clock() - (np.array(stamps) + self._offset.offset_s), dtype=np.float64)
 
     def _foreign(self, age_s: float) -> DeviceError:
-        return DeviceError(
-            self._where,
-            wanted=f"time stamps of the LSL clock: samples {AGES_S[0]:g} to {AGES_S[1]:g} s old",
-            found=f"samples {age_s:.3f} s old",
-            do="Let the sender stamp with local_clock() of LSL, or give no stamps.",
-        )
+        wanted = f"time stamps of the LSL clock: samples {AGES_S[0]:g} to {AGES_S[1]:g} s old"
+        do = "Let the sender stamp with local_clock() of LSL, or give no stamps."
+        return DeviceError(self._where, wanted=wanted, found=f"samples {age_s:.3f} s old", do=do)
 
     def _follow_offset(self, inlet: Any, ended: threading.Event) -> None:
         while not ended.wait(OFFSET_EVERY_S):

@@ -81,12 +81,8 @@ class UdpLine:
             raise self._gone(error) from error
 
     def _gone(self, error: OSError) -> DeviceError:
-        return DeviceError(
-            self.name,
-            wanted="a device that answers",
-            found=error.strerror or str(error),
-            do="Check address, cable and power.",
-        )
+        found, do = error.strerror or str(error), "Check address, cable and power."
+        return DeviceError(self.name, wanted="a device that answers", found=found, do=do)
 
 
 class DatagramDevice(Protocol):

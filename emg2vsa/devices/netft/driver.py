@@ -9,14 +9,24 @@ from typing import Any
 
 import numpy as np
 
-from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.netft.config import NetFtConfig, fetch_config
+from emg2vsa.devices.board import no_address
+from emg2vsa.devices.clock import Clock, awaited
+from emg2vsa.devices.netft import NetFtSettings
+from emg2vsa.devices.netft.box import (
+    Command,
+    NetFtConfig,
+    Record,
+    axia_status,
+    fetch_config,
+    netbox_status,
+    parse_records,
+    request_bytes,
+    steps,
+)
 from emg2vsa.devices.netft.datagrams import DatagramLine, UdpLine
-from emg2vsa.devices.netft.rdt import Command, Record, axia_status, netbox_status, parse_records, request_bytes, steps
-from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.protocols import ForceCounts, ForceSample
 from emg2vsa.devices.registry import Around
-from emg2vsa.errors import DeviceError, SettingError
+from emg2vsa.errors import DeviceError
 
 FIRST_S = 1.0
 "Time in which a started stream must bring its first record."
@@ -37,8 +47,7 @@ def open_net_ft(settings: NetFtSettings, around: Around) -> NetFt:
     """The sensor of [force], with the scales and units that its own web page gives. DeviceError where none answers;
     SettingError where the file names no host: none is guessed."""
     if settings.host is None:
-        do = "Write it into the rig file, or use the emulated rig (--virtual). It leaves the factory with 192.168.1.1."
-        raise SettingError("force.host", wanted="the address of the box", found="none", do=do)
+        raise no_address("force.host", "the address of the box", "It leaves the factory with 192.168.1.1.")
     config = fetch_config(settings.host, settings.http_port)
     line = UdpLine(settings.host, settings.rdt_port)
     return NetFt(line, config, around.clock, buffered=settings.buffered, stale_s=around.lost_s)
@@ -93,11 +102,8 @@ class NetFt:
             pass
         self._forget()
         self._line.send(request_bytes(self._command))
-        end_s = self._clock.now_s() + FIRST_S
-        while not self._arrived():
-            if self._clock.now_s() >= end_s:
-                raise self._silent(FIRST_S)
-            self._clock.sleep_until(self._clock.now_s() + _POLL_S)
+        if not awaited(self._clock, FIRST_S, _POLL_S, self._arrived):
+            raise self._silent(FIRST_S)
 
     def stop(self) -> None:
         """End the stream; `start` begins another."""
@@ -176,18 +182,12 @@ class NetFt:
         if now_s - time_s > self._stale_s:
             raise self._silent(now_s - time_s)
         if time_s - self._changed_s > self._frozen_s:
-            raise DeviceError(
-                self.name,
-                wanted="a force that moves, if only by its noise",
-                found=f"the same six counts for {1e3 * (time_s - self._changed_s):.0f} ms",
-                do="Restart the box; check the transducer's cable.",
-            )
+            wanted, do = "a force that moves, if only by its noise", "Restart the box; check the transducer's cable."
+            found = f"the same six counts for {1e3 * (time_s - self._changed_s):.0f} ms"
+            raise DeviceError(self.name, wanted=wanted, found=found, do=do)
         return record, time_s
 
     def _silent(self, age_s: float) -> DeviceError:
-        return DeviceError(
-            self.name,
-            wanted=f"{self.config.rate_hz:g} records a second",
-            found=f"none for {1e3 * age_s:.0f} ms",
-            do="Check cable and power; the box serves one client, another program may have taken the stream.",
-        )
+        wanted, found = f"{self.config.rate_hz:g} records a second", f"none for {1e3 * age_s:.0f} ms"
+        do = "Check cable and power; the box serves one client, another program may have taken the stream."
+        return DeviceError(self.name, wanted=wanted, found=found, do=do)

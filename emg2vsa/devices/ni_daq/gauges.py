@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.ati.cal_file import GaugeCalibration, read_calibration
-from emg2vsa.devices.clock import Clock
+from emg2vsa.ati import GaugeCalibration, read_calibration
+from emg2vsa.devices.clock import Clock, awaited
+from emg2vsa.devices.ni_daq import NiGaugeSettings
 from emg2vsa.devices.ni_daq.inputs import NiGroup, group_of, load_nidaqmx
-from emg2vsa.devices.ni_daq.settings import NiGaugeSettings
 from emg2vsa.devices.protocols import ForceCounts, ForceSample, Rating, SensorStatus
 from emg2vsa.devices.registry import Around
 from emg2vsa.errors import DeviceError
@@ -59,11 +59,8 @@ class DaqFt:
 
     def start(self) -> None:
         self._source.start()
-        end_s = self._clock.now_s() + FIRST_S
-        while not len(self._arrived()):
-            if self._clock.now_s() >= end_s:
-                raise self._silent(FIRST_S)
-            self._clock.sleep_until(self._clock.now_s() + _POLL_S)
+        if not awaited(self._clock, FIRST_S, _POLL_S, lambda: len(self._arrived())):
+            raise self._silent(FIRST_S)
 
     def read(self) -> ForceSample:
         self._arrived()
@@ -108,12 +105,9 @@ class DaqFt:
         return self._newest
 
     def _silent(self, age_s: float) -> DeviceError:
-        return DeviceError(
-            self.name,
-            wanted=f"{self._source.rate_hz:g} samples a second",
-            found=f"none for {1e3 * age_s:.0f} ms",
-            do="Check cable, power and the sample clock of the DAQ card.",
-        )
+        wanted, found = f"{self._source.rate_hz:g} samples a second", f"none for {1e3 * age_s:.0f} ms"
+        do = "Check cable, power and the sample clock of the DAQ card."
+        return DeviceError(self.name, wanted=wanted, found=found, do=do)
 
     def _sample(self, volts: NDArray[np.float64], time_s: float, sequence: int) -> ForceSample:
         wrench = self.calibration.wrench_per_volt @ (volts - self._bias_v)

@@ -11,14 +11,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.ati.cal_file import read_calibration
-from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.ni_daq.settings import NiEmgSettings, NiGaugeSettings
+from emg2vsa.ati import read_calibration
+from emg2vsa.devices.clock import Clock, awaited
+from emg2vsa.devices.ni_daq import NiEmgSettings, NiGaugeSettings
 from emg2vsa.devices.registry import Around
+from emg2vsa.devices.streams import Block, SourceBase, StreamCounts, StreamInfo
 from emg2vsa.errors import DeviceError
 
 BUFFER_S = 30.0
 "Samples kept by the driver while nobody reads."
+FIRST_S = 2.0
+"Time in which first samples of EMG must come."
+_POLL_S = 2e-3
 OVERFLOWS = (-200279, -200361)
 "Codes of NI's driver for samples that were overwritten before they were read: in its buffer, and in the card's."
 SILENT_S = 1.0
@@ -112,19 +116,15 @@ class NiInputs:
             for group in self._groups:
                 low_v, high_v = group.range_v
                 terminals = kinds.DIFF if group.differential else kinds.DEFAULT
+                how = {"terminal_config": terminals, "min_val": low_v, "max_val": high_v}
                 for channel in group.channels:
-                    self._task.ai_channels.add_ai_voltage_chan(
-                        channel, terminal_config=terminals, min_val=low_v, max_val=high_v
-                    )
+                    self._task.ai_channels.add_ai_voltage_chan(channel, **how)
                 group.columns = slice(self._columns, self._task.number_of_channels)
                 self._columns = self._task.number_of_channels
                 group.check_count()
                 group.waiting.clear()
-            self._task.timing.cfg_samp_clk_timing(
-                self._wanted_hz,
-                sample_mode=constants.AcquisitionType.CONTINUOUS,
-                samps_per_chan=int(BUFFER_S * self._wanted_hz),
-            )
+            kept, mode = int(BUFFER_S * self._wanted_hz), constants.AcquisitionType.CONTINUOUS
+            self._task.timing.cfg_samp_clk_timing(self._wanted_hz, sample_mode=mode, samps_per_chan=kept)
             self.fs_hz = float(self._task.timing.samp_clk_rate)
             for group in self._groups:
                 group.rate_hz = self.fs_hz
@@ -231,9 +231,55 @@ def load_nidaqmx(channels: str) -> Any:
     try:
         return import_module("nidaqmx")
     except ImportError as error:
-        raise DeviceError(
-            channels,
-            wanted="the package nidaqmx, which speaks to NI cards",
-            found="none",
-            do='Install nidaqmx (pip install "emg2vsa[daq]") and NI\'s DAQmx driver.',
-        ) from error
+        wanted = "the package nidaqmx, which speaks to NI cards"
+        do = 'Install nidaqmx (pip install "emg2vsa[daq]") and NI\'s DAQmx driver.'
+        raise DeviceError(channels, wanted=wanted, found="none", do=do) from error
+
+
+def open_emg(settings: NiEmgSettings, around: Around) -> NiEmg:
+    """The source of [session.emg]. DeviceError where nidaqmx is not installed."""
+    load_nidaqmx('session.emg.kind = "ni-daq"')
+    return NiEmg(settings, group_of(settings, around), around.clock)
+
+
+class NiEmg(SourceBase):
+    """A `Source` of EMG, V at the skin: voltages divided by the gain of the amplifier. ``group`` : see `group_of`."""
+
+    _started = "task"
+
+    def __init__(self, settings: NiEmgSettings, group: NiGroup, clock: Clock) -> None:
+        self._settings, self._group, self._clock = settings, group, clock
+        self._where = group.name
+        self._unread: list[Volts] = []
+        self._samples = self._next = self._before = 0
+
+    def start(self) -> None:
+        settings = self._settings
+        self._samples = self._next = 0
+        self._group.start()
+        if not (first := awaited(self._clock, FIRST_S, _POLL_S, self._group.read)):
+            do = "Check the card's sample clock."
+            raise DeviceError(self._group.name, wanted="samples", found=f"none for {FIRST_S:g} s", do=do)
+        self._unread, self._before = first, first[0].first
+        facts = {"device": "National Instruments analogue inputs", "gain": f"{settings.gain:g}"}
+        facts["range"] = f"±{settings.range_v:g} V before the gain is divided out"
+        facts |= {f"{role}, input": name for role, name in settings.channels.items()}
+        self._info = StreamInfo(
+            "emg", tuple(settings.channels), "V", self._group.rate_hz,
+            range_max=settings.range_v / settings.gain, delay_s=settings.delay_s, facts=facts,
+        )  # fmt: skip
+
+    def read(self) -> list[Block]:
+        taken = self._unread + self._group.read()
+        self._unread = []
+        for each in taken:
+            self._samples += len(each.volts)
+            self._next = each.first + len(each.volts) - self._before
+        gain, before = self._settings.gain, self._before
+        return [Block(each.volts / gain, each.first - before, each.arrived_s) for each in taken]
+
+    def counts(self) -> StreamCounts:
+        return StreamCounts(self._samples, self._next - self._samples)
+
+    def close(self) -> None:
+        self._group.close()

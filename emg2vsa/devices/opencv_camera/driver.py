@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.images import as_grey
-from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.clock import Clock, awaited
 from emg2vsa.devices.device_settings import LOST_S, RATE_HZ, SHAPE
-from emg2vsa.devices.opencv_camera.settings import OpenCvSettings
+from emg2vsa.devices.opencv_camera import OpenCvSettings
 from emg2vsa.devices.protocols import Frame
 from emg2vsa.devices.registry import Around
 from emg2vsa.errors import DeviceError
@@ -86,12 +86,9 @@ def lock_settings(capture: Any, wanted: Mapping[str, float | None], name: str) -
         taken = bool(capture.set(number, now[key] if asked is None else asked))
         locked[key] = float(capture.get(number)) if free and taken else None
         if asked is not None and not math.isclose(locked[key] or 0.0, asked, rel_tol=0.01, abs_tol=0.01):
-            raise DeviceError(
-                f"{name}, {key}",
-                wanted=f"{asked:g}, as the rig file says",
-                found="a camera that does not take it" if locked[key] is None else f"{locked[key]:g}",
-                do="Choose a value that the camera has (v4l2-ctl --list-ctrls), or leave it out.",
-            )
+            found = "a camera that does not take it" if locked[key] is None else f"{locked[key]:g}"
+            do = "Choose a value that the camera has (v4l2-ctl --list-ctrls), or leave it out."
+            raise DeviceError(f"{name}, {key}", wanted=f"{asked:g}, as the rig file says", found=found, do=do)
     return locked
 
 
@@ -158,11 +155,9 @@ class OpenCvCamera:
             self._warm_up()
             self.locked = lock_settings(self._capture, self._lock, self.name)
         self._thread.start()
-        end_s = self._clock.now_s() + FIRST_S
-        while not self._waiting:
-            if self._clock.now_s() >= end_s or not self._thread.is_alive():
-                raise self._lost("no frame")
-            self._clock.sleep_until(self._clock.now_s() + _POLL_S)
+        awaited(self._clock, FIRST_S, _POLL_S, lambda: self._waiting or not self._thread.is_alive())
+        if not self._waiting:
+            raise self._lost("no frame")
 
     def frames(self) -> list[Frame]:
         # asked before the frames are taken, or the last ones of a camera that ends would be lost
@@ -204,12 +199,9 @@ class OpenCvCamera:
         self._capture.release()
 
     def _lost(self, found: str) -> DeviceError:
-        return DeviceError(
-            self.name,
-            wanted=f"a camera that gives {self.rate_hz:g} frames a second",
-            found=found,
-            do="Check its cable and number, and that no other program uses it.",
-        )
+        wanted = f"a camera that gives {self.rate_hz:g} frames a second"
+        do = "Check its cable and number, and that no other program uses it."
+        return DeviceError(self.name, wanted=wanted, found=found, do=do)
 
 
 def open_camera(settings: OpenCvSettings, around: Around) -> OpenCvCamera:

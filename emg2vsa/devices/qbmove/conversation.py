@@ -1,13 +1,21 @@
-"""Question and answer over a line that may lose bytes: timeouts, retries, resynchronisation, and a count of losses."""
+"""Question and answer over a line that may lose bytes: timeouts, retries, resynchronisation, a count of losses; and who
+is on the line."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
+from serial.tools import list_ports
+
+from emg2vsa.devices.board import ids_asked
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.qbmove.packets import Reply, Wanted, find_reply, flushing
+from emg2vsa.devices.qbmove.packets import Command, Reply, Wanted, find_reply, flushing, frame, ping_reply
 from emg2vsa.devices.serial_line import ByteLine, LineCounts
 
 _QUIET_S = 0.05
 _TEXT_BYTES = 4096
+_FTDI_VENDOR, _MANUFACTURER = 0x0403, "QB Robotics"
+_SCAN_ATTEMPTS = 2
 
 
 class Conversation:
@@ -59,3 +67,23 @@ class Conversation:
                 return search.reply
             rest, missing = search.rest, search.missing
         return None
+
+
+def qbmove_ports() -> list[str]:
+    """Ports behind an FTDI bridge, which other instruments have too; nothing is sent to them."""
+    return [
+        port.device for port in list_ports.comports() if port.vid == _FTDI_VENDOR or port.manufacturer == _MANUFACTURER
+    ]
+
+
+def answers(line: ByteLine, clock: Clock, ids: Sequence[int], reply_s: float) -> Iterator[str]:
+    """Ping every id, or all where none is given, and tell who answers within ``reply_s``. About 3 s for all ids.
+
+    SettingError : an id that no qbmove has."""
+    talk = Conversation(line, clock)
+    for device_id in ids_asked(ids, range(1, 256)):
+        request = frame(device_id, Command.PING)
+        reply = talk.ask(request, ping_reply(device_id), timeout_s=reply_s, attempts=_SCAN_ATTEMPTS)
+        if reply:  # ten digits from firmware 7.1 on
+            number = f", serial number {int.from_bytes(reply.payload):010d}" if reply.payload else ""
+            yield f"id {device_id}{number}"

@@ -1,4 +1,5 @@
-"""Driver of a qbmove: variable stiffness actuator on a serial line, generations 6 and 7, Maker Pro and Advanced.
+"""Driver of a qbmove: variable stiffness actuator on a serial line, generations 6 and 7, Maker Pro and Advanced; and
+of the rigid motor on a board that speaks as a qbmove does.
 
 Ticks are wire ticks, 32768 to a turn of the shaft at the default resolution. What a run speaks of in degrees and shares
 of the full preset becomes ticks here.
@@ -10,34 +11,23 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
 
-from emg2vsa.devices.board import BoardBase
+from emg2vsa.devices.board import Board
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.protocols import Measurements, Parameter, Usable
+from emg2vsa.devices.protocols import LogColumns, Measurements, Parameter, Usable
+from emg2vsa.devices.qbmove import REPLY_S, Generation, Model, packets
 from emg2vsa.devices.qbmove.conversation import Conversation
-from emg2vsa.devices.qbmove.info import QbmoveInfo, check_kind, decode_parameters, parse_info
-from emg2vsa.devices.qbmove.limits import (
+from emg2vsa.devices.qbmove.info import (
     START_LIMIT_TICKS,
+    QbmoveInfo,
     QbmoveLimits,
-    roomy_positions,
+    decode_parameters,
+    parse_info,
     stiffness_on_wire,
-    watchdog_on_wire,
 )
-from emg2vsa.devices.qbmove.packets import (
-    Command,
-    Wanted,
-    acknowledgement,
-    frame,
-    info_frame,
-    parameter_list,
-    ping_reply,
-    wanted,
-)
-from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
-from emg2vsa.devices.qbmove.settings import REPLY_S, Generation, Model
+from emg2vsa.devices.qbmove.packets import Command, Wanted, frame
 from emg2vsa.devices.qbmove.springs import SpringJoint
-from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, LOG_COLUMNS, TICKS_PER_TURN
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, LOG_COLUMNS, TICKS_PER_TURN, Ticks
 from emg2vsa.devices.serial_line import ByteLine
 from emg2vsa.errors import DeviceError
 
@@ -47,6 +37,7 @@ _SETTLE_S = 0.005
 """From ACTIVATE until GET_ACTIVATE tells: the 1 kHz loop hands the new state on once per turn."""
 _ATTEMPTS = 3
 _READINGS = 5
+_WATCHDOG_STEPS_PER_S = 50
 _OFF_ATTEMPTS = 10
 _OFFSETS = 8
 """Parameter that holds what is added to the encoders."""
@@ -54,20 +45,7 @@ _ZERO_TICKS = 16
 """Two steps of the encoders."""
 
 
-class Ticks(NamedTuple):
-    """Encoder readings."""
-
-    motor_1: int
-    motor_2: int
-    shaft: int
-
-    def measurements(self) -> Measurements:
-        """The same in degrees."""
-        motor_1, motor_2, shaft = (ticks * DEG_PER_TICK for ticks in self)
-        return Measurements((motor_1, motor_2), shaft)
-
-
-class Qbmove(BoardBase):
+class Qbmove(Board):
     """One device. As a context manager it switches the motors off at the end, however that comes."""
 
     columns = LOG_COLUMNS
@@ -86,11 +64,8 @@ class Qbmove(BoardBase):
         reply_s: float = REPLY_S,
     ) -> None:
         """``stiffness_percent``: the study's range, of the maximum preset. ``rigid``: the board of a rigid motor, whose
-        motor 2 is not connected.
-
-        ``watchdog_s``: how long the device waits for a word before it lets go. ``reply_s``: how long each of three
-        attempts waits for a short reply.
-        """
+        motor 2 is not connected. ``watchdog_s``: how long the device waits for a word before it lets go. ``reply_s``:
+        how long each of three attempts waits for a short reply."""
         self.device_id, self.generation, self.model, self.rigid = device_id, generation, model, rigid
         self.joint: SpringJoint | None = None
         "Of the device, once its motors have been switched on."
@@ -98,7 +73,7 @@ class Qbmove(BoardBase):
         self._line, self._talk = line, Conversation(line, clock)
         self.counts = self._talk.counts
         self._clock, self.stiffness_percent, self._reply_s = clock, stiffness_percent, reply_s
-        self._watchdog = watchdog_on_wire(watchdog_s)
+        self._watchdog = round(watchdog_s * _WATCHDOG_STEPS_PER_S)
         self._limits: QbmoveLimits | None = None
         self._watching = False
 
@@ -108,17 +83,17 @@ class Qbmove(BoardBase):
 
     def answers(self) -> bool:
         """True when the device answers."""
-        return self._hear(Command.PING, ping_reply(self.device_id)) is not None
+        return self._hear(Command.PING, packets.ping_reply(self.device_id)) is not None
 
     def serial_number(self) -> str:
         """Ten digits, from firmware 7.1 on; else empty."""
-        reply = self._hear(Command.PING, ping_reply(self.device_id))
+        reply = self._hear(Command.PING, packets.ping_reply(self.device_id))
         return f"{int.from_bytes(reply):010d}" if reply else ""
 
     def info(self) -> QbmoveInfo:
         """What the device says about itself. Generation 6 has no checksum here: two equal readings count."""
         if self.generation == "v7":
-            payload = self._ask(Command.GET_INFO, info_frame(self.device_id), b"\0\0", _LONG_REPLY_S)
+            payload = self._ask(Command.GET_INFO, packets.info_frame(self.device_id), b"\0\0", _LONG_REPLY_S)
             return parse_info(payload.rstrip(b"\0").decode("ascii", "replace"), self.where)
         request = frame(self.device_id, Command.GET_INFO, b"\0\0")
         seen: list[QbmoveInfo] = []
@@ -155,7 +130,7 @@ class Qbmove(BoardBase):
                 do = f'Set generation = "{info.generation}" in the rig file.'
                 raise DeviceError(f"{self.where}, generation", wanted=f"firmware {said}", found=info.firmware, do=do)
             if not self.rigid:
-                check_kind(info, self.model, self.where)
+                info.check_model(self.model, self.where)
                 self.joint = self._joint_of(info)
             return info
         raise troubles[0]
@@ -165,7 +140,7 @@ class Qbmove(BoardBase):
 
     def usable(self, info: QbmoveInfo) -> Usable:
         """What a run may ask of the device of this ``info``: positions at which every stiffness has room."""
-        low, high = info.position_limits_ticks[0] if self.rigid else roomy_positions(info)
+        low, high = info.position_limits_ticks[0] if self.rigid else info.roomy_ticks
         return Usable((low * DEG_PER_TICK, high * DEG_PER_TICK), info.max_stiffness_ticks * DEG_PER_TICK)
 
     def pressing(self) -> Qbmove | RigidMotor:
@@ -192,10 +167,8 @@ class Qbmove(BoardBase):
     def deactivate(self) -> None:
         """Motors off, read back. DeviceError only when the device does not confirm after many attempts."""
         self._watching = False
-        for _ in range(_OFF_ATTEMPTS):
-            if self._switch(OFF) == OFF:
-                return
-        raise self._trouble("motors off", "no confirmation", "Switch the power off.")
+        if not any(self._switch(OFF) == OFF for _ in range(_OFF_ATTEMPTS)):
+            raise self._trouble("motors off", "no confirmation", "Switch the power off.")
 
     def is_active(self) -> bool:
         """Both motors on? The question also feeds the watchdog. A device whose watchdog has run out says no.
@@ -208,15 +181,14 @@ class Qbmove(BoardBase):
 
     def ask_active(self) -> bool:
         """Both motors on, by what the device says? Nothing else is sent; the question still feeds a watchdog."""
-        return self._ask(Command.GET_ACTIVATE, self._wanted(Command.GET_ACTIVATE, 1))[0] == ON
+        return self._ask(Command.GET_ACTIVATE, 1)[0] == ON
 
     def move_motors(self, motors_deg: Sequence[float]) -> None:
         """References of the two motors, to the nearest tick, whatever springs and study allow. DeviceError outside the
         device's limits."""
         limits = self._ready_limits()
-        motor_1_ticks, motor_2_ticks = self._whole(
-            "positions that are numbers", *(angle_deg / DEG_PER_TICK for angle_deg in motors_deg)
-        )
+        asked = (angle_deg / DEG_PER_TICK for angle_deg in motors_deg)
+        motor_1_ticks, motor_2_ticks = self._whole("positions that are numbers", *asked)
         limits.check_motor(1, motor_1_ticks)
         limits.check_motor(2, motor_2_ticks)
         self._tell_ticks(Command.SET_INPUTS, motor_1_ticks, motor_2_ticks)
@@ -225,17 +197,14 @@ class Qbmove(BoardBase):
         """Equilibrium (q1 + q2)/2, degrees, and preset (q1 - q2)/2, share of the device's own maximum; both to the
         nearest tick. DeviceError outside the device's or the study's limits."""
         limits = self._ready_limits()
-        wanted_text = "a position and a preset that are numbers"
-        position_ticks, preset_ticks = self._whole(
-            wanted_text, position_deg / DEG_PER_TICK, preset * limits.info.max_stiffness_ticks
-        )
+        asked = position_deg / DEG_PER_TICK, preset * limits.info.max_stiffness_ticks
+        position_ticks, preset_ticks = self._whole("a position and a preset that are numbers", *asked)
         limits.check_position(position_ticks)
         limits.check_preset(preset_ticks)
         stiffness = stiffness_on_wire(preset_ticks, limits.info.max_stiffness_ticks)
         if stiffness > 0x7FFF:
-            raise self._trouble(
-                "a preset below the device's maximum", f"{preset_ticks} ticks", "Ask for one tick less."
-            )
+            below = "a preset below the device's maximum"
+            raise self._trouble(below, f"{preset_ticks} ticks", "Ask for one tick less.")
         self._tell_ticks(Command.SET_POS_STIFF, position_ticks, stiffness)
 
     def position_deg(self) -> float:
@@ -251,10 +220,9 @@ class Qbmove(BoardBase):
         """Motors and shaft as they are on the wire."""
         return Ticks(*self._ask_words(Command.GET_MEASUREMENTS, 3))
 
-    def currents_a(self) -> tuple[float, float]:
+    def currents_a(self) -> tuple[float, ...]:
         """Motor currents with the sign of the PWM. (134, currents and positions at once, loses the shaft.)"""
-        first, second = self._ask_words(Command.GET_CURRENTS, 2)
-        return first / 1000, second / 1000
+        return tuple(current_ma / 1000 for current_ma in self._ask_words(Command.GET_CURRENTS, 2))
 
     def current_limit_a(self) -> float:
         """Largest current of a motor as the device told at its activation; its firmware keeps it only in the current
@@ -263,7 +231,7 @@ class Qbmove(BoardBase):
 
     def parameters(self) -> dict[int, Parameter]:
         """All parameters by number. Generation 6 shows what is stored, not what has been set since."""
-        reply = parameter_list(self.generation, self.device_id)
+        reply = packets.parameter_list(self.generation, self.device_id)
         return decode_parameters(self._ask(Command.GET_PARAM_LIST, reply, b"\0\0", _LONG_REPLY_S), self.where)
 
     def set_parameter(self, number: int, values: tuple[float, ...]) -> Parameter:
@@ -283,21 +251,17 @@ class Qbmove(BoardBase):
         except (struct.error, OverflowError, ValueError) as error:
             wanted_text = f"{len(before.values)} values of type {before.form!r} for parameter {number}, {before.name}"
             raise self._trouble(wanted_text, f"{_shown(values)} ({error})", "Correct the values.") from error
-        request = frame(self.device_id, Command.GET_PARAM_LIST, struct.pack(">h", number) + payload)
+        numbered = struct.pack(">h", number) + payload
         if self.generation == "v7":
-            self._acknowledged(Command.GET_PARAM_LIST, request)
-        else:
-            self._talk.tell(request)  # generation 6 does not answer, and shows the new value only when it is stored
-        self.store()
+            self._acknowledged(Command.GET_PARAM_LIST, numbered)
+        else:  # generation 6 does not answer, and shows the new value only when it is stored
+            self._talk.tell(frame(self.device_id, Command.GET_PARAM_LIST, numbered))
+        self._acknowledged(Command.STORE_PARAMS)
         after = self.parameters()[number]
         if struct.pack(f">{len(after.values)}{after.form}", *after.values) != payload:
             found, do = _shown(after.values), "Read the parameters again; the device may limit this one."
             raise self._trouble(f"{_shown(values)} in parameter {number}, {before.name}", found, do)
         return after
-
-    def store(self) -> None:
-        """Keep all parameters over a loss of power. DeviceError when the device does not acknowledge."""
-        self._acknowledged(Command.STORE_PARAMS, frame(self.device_id, Command.STORE_PARAMS))
 
     def set_zeros(self) -> Measurements:
         """Make the present place of motors and shaft their zero, store it, and return what is read then.
@@ -311,7 +275,7 @@ class Qbmove(BoardBase):
         for payload in dict.fromkeys((offsets, (-offsets[0], -offsets[1], offsets[2]))):
             self._send_zeros(payload)
             if max(map(abs, self.ticks())) <= _ZERO_TICKS:
-                self.store()
+                self._acknowledged(Command.STORE_PARAMS)
                 return self.measurements()
             if self.generation == "v7":
                 break
@@ -322,11 +286,12 @@ class Qbmove(BoardBase):
     def _send_zeros(self, offsets: tuple[int, ...]) -> None:
         """Generation 7 takes no offsets: it makes zero of where it is."""
         payload = b"" if self.generation == "v7" else struct.pack(">3h", *offsets)
-        self._acknowledged(Command.SET_ZEROS, frame(self.device_id, Command.SET_ZEROS, payload))
+        self._acknowledged(Command.SET_ZEROS, payload)
         self._clock.sleep_until(self._clock.now_s() + _SETTLE_S)
 
-    def _acknowledged(self, command: Command, request: bytes) -> None:
-        expected = acknowledgement(self.generation, self.device_id, command)
+    def _acknowledged(self, command: Command, payload: bytes = b"") -> None:
+        request = frame(self.device_id, command, payload)
+        expected = packets.acknowledgement(self.generation, self.device_id, command)
         reply = self._talk.ask(request, expected, timeout_s=max(_LONG_REPLY_S, self._reply_s), attempts=1)
         done = reply is not None and (reply.payload[0] if self.generation == "v7" else reply.command) == 1
         if not done:
@@ -334,7 +299,7 @@ class Qbmove(BoardBase):
             raise self._trouble(f"{command.name} done", found, "Read the device again: emg2vsa rig info.")
 
     def _check_off(self, what: str) -> None:
-        if self._ask(Command.GET_ACTIVATE, self._wanted(Command.GET_ACTIVATE, 1))[0] != OFF:
+        if self._ask(Command.GET_ACTIVATE, 1)[0] != OFF:
             raise self._trouble(f"motors off while {what} are set", "motors on", "Run emg2vsa rig off first.")
 
     def _set_watchdog(self) -> None:
@@ -343,7 +308,7 @@ class Qbmove(BoardBase):
     def _switch(self, state: int) -> int | None:
         self._talk.tell(frame(self.device_id, Command.ACTIVATE, bytes((state,))))
         self._clock.sleep_until(self._clock.now_s() + _SETTLE_S)
-        reply = self._hear(Command.GET_ACTIVATE, self._wanted(Command.GET_ACTIVATE, 1))
+        reply = self._hear(Command.GET_ACTIVATE, 1)
         return reply[0] if reply else None
 
     def _refusal(self) -> DeviceError:
@@ -368,25 +333,58 @@ class Qbmove(BoardBase):
         self._talk.tell(frame(self.device_id, command, struct.pack(">hh", first, second)))
 
     def _ask_words(self, command: Command, count: int) -> tuple[int, ...]:
-        return struct.unpack(f">{count}h", self._ask(command, self._wanted(command, 2 * count)))
+        return struct.unpack(f">{count}h", self._ask(command, 2 * count))
 
-    def _wanted(self, command: Command, payload_bytes: int) -> Wanted:
-        return wanted(self.device_id, command, payload_bytes)
-
-    def _ask(self, command: Command, expected: Wanted, payload: bytes = b"", least_s: float = 0.0) -> bytes:
+    def _ask(self, command: Command, expected: Wanted | int, payload: bytes = b"", least_s: float = 0.0) -> bytes:
+        """The reply, of a length in bytes where no more is to be said of it."""
         reply = self._hear(command, expected, payload, least_s)
         if reply is None:
             found = f"none in {_ATTEMPTS} attempts of {max(least_s, self._reply_s):g} s"
             raise self._trouble(f"a reply to {command.name}", found, "Check power, cable, id and baud rate.")
         return reply
 
-    def _hear(self, command: Command, expected: Wanted, payload: bytes = b"", least_s: float = 0.0) -> bytes | None:
+    def _hear(
+        self, command: Command, expected: Wanted | int, payload: bytes = b"", least_s: float = 0.0
+    ) -> bytes | None:
         request = frame(self.device_id, command, payload)
+        if isinstance(expected, int):
+            expected = packets.wanted(self.device_id, command, expected)
         reply = self._talk.ask(request, expected, timeout_s=max(least_s, self._reply_s), attempts=_ATTEMPTS)
         return None if reply is None else reply.payload
 
     def _trouble(self, wanted_text: str, found: str, do: str) -> DeviceError:
         return DeviceError(self.where, wanted=wanted_text, found=found, do=do)
+
+
+class RigidMotor:
+    """The paper's high-stiffness condition: motor 1 of a board, an actuator without springs; motor 2 is not connected.
+
+    Watchdog, limits and read-back are the board's.
+    """
+
+    joint = None
+    columns: LogColumns = LOG_COLUMNS
+
+    def __init__(self, board: Qbmove) -> None:
+        self._board, self.where = board, f"{board.where}, rigid motor"
+        self.activate, self.deactivate, self.is_active = board.activate, board.deactivate, board.is_active
+        self.currents_a, self.current_limit_a = board.currents_a, board.current_limit_a
+
+    def command(self, position_deg: float, preset: float) -> None:
+        """Send the motor there. DeviceError outside the board's limits, or for a preset other than 0."""
+        if preset != 0:
+            do = "Use the qbmove for a schedule of stiffness."
+            raise DeviceError(self.where, wanted="preset 0: it has no springs", found=f"{preset:g}", do=do)
+        self._board.move_motors((position_deg, 0.0))
+
+    def position_deg(self) -> float:
+        """Where motor 1 stands; motor 2, not connected, has no say."""
+        return self._board.measurements().motors_deg[0]
+
+    def measurements(self) -> Measurements:
+        """Encoders; the shaft is motor 1's."""
+        at = self._board.measurements()
+        return Measurements(at.motors_deg, at.motors_deg[0])
 
 
 def _wrapped(ticks: int) -> int:

@@ -1,15 +1,33 @@
-"""What a qbmove says about itself: the ASCII text of GET_INFO, ``infoPrepare`` in command_processing.c (v6.1), and the
-list of its parameters, one slot of 50 bytes each, with type, count, values and a name."""
+"""What a qbmove says about itself, and what may be asked of it.
+
+It says the ASCII text of GET_INFO, ``infoPrepare`` in command_processing.c (v6.1), and the list of its parameters, one
+slot of 50 bytes each, with type, count, values and a name. The firmware itself clips positions, refuses to start and
+drops commands in silence, so the driver asks only for what the device will do: everything outside is refused, nothing
+is clipped.
+"""
 
 from __future__ import annotations
 
+import math
 import re
 import struct
 from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
 
 from emg2vsa.devices.protocols import Parameter
-from emg2vsa.devices.qbmove.settings import Model
+from emg2vsa.devices.qbmove import Model
 from emg2vsa.errors import DeviceError
+
+FULL_STIFFNESS = 32768
+"""The stiffness of SET_POS_STIFF that would be the whole of max_stiffness."""
+START_LIMIT_TICKS = 13000
+"""cmd_activate: an encoder beyond this may have lost a rotation, and the motors stay off without a word."""
+_INTERNAL_PER_TICK = 2
+"""The firmware counts 65536 to the turn, the wire at resolution 1 half as many."""
+_MODELS: dict[str, Model] = {"QBMMP": "maker-pro", "QBADV": "advanced"}
+"""First word of the firmware's version."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +54,22 @@ class QbmoveInfo:
         found = re.search(r"v\d+", self.firmware)
         return found.group() if found else "unknown"
 
+    @property
+    def roomy_ticks(self) -> tuple[int, int]:
+        """First and last position that leaves room for full stiffness to both motors.
+
+        The firmware clips to the limits of motor 1 alone, so motor 2's are kept here."""
+        lows, highs = zip(*self.position_limits_ticks, strict=True)
+        return max(lows) + self.max_stiffness_ticks, min(highs) - self.max_stiffness_ticks
+
+    def check_model(self, model: Model, where: str) -> None:
+        """DeviceError unless the firmware is that of ``model``: the same ticks are another stiffness on the other."""
+        of = _MODELS.get((self.firmware.split() or [""])[0])
+        if of != model:
+            do = f'Set model = "{of}", and export the schedules for it.' if of else "Check port and id: is it a qbmove?"
+            wanted = f"firmware of the {model} that [actuator] model names"
+            raise DeviceError(f"{where}, model", wanted=wanted, found=self.firmware or "no name", do=do)
+
 
 def parse_info(text: str, where: str) -> QbmoveInfo:
     """The text of GET_INFO, read. DeviceError at the first line that is absent."""
@@ -44,12 +78,8 @@ def parse_info(text: str, where: str) -> QbmoveInfo:
         match = re.search(rf"^{re.escape(name)}{pattern}\s*$", text, re.MULTILINE)
         if match is None:
             heard = f"{len(text)} characters without it" if text else "nothing"
-            raise DeviceError(
-                f"{where}, info",
-                wanted=f"a line '{name}: ...'",
-                found=heard,
-                do="Check power, baud rate and generation.",
-            )
+            do = "Check power, baud rate and generation."
+            raise DeviceError(f"{where}, info", wanted=f"a line '{name}: ...'", found=heard, do=do)
         return match.groups()
 
     def number(name: str) -> int:
@@ -71,20 +101,6 @@ def parse_info(text: str, where: str) -> QbmoveInfo:
     )
 
 
-_MODELS: dict[str, Model] = {"QBMMP": "maker-pro", "QBADV": "advanced"}
-"""First word of the firmware's version."""
-
-
-def check_kind(info: QbmoveInfo, model: Model, where: str) -> None:
-    """DeviceError unless the firmware is that of ``model``: the same ticks are another stiffness on the other one."""
-    name = info.firmware.split()[0] if info.firmware.split() else ""
-    if _MODELS.get(name) != model:
-        of = _MODELS.get(name)
-        do = f'Set model = "{of}", and export the schedules for it.' if of else "Check port and id: is it a qbmove?"
-        wanted = f"firmware of the {model} that [actuator] model names"
-        raise DeviceError(f"{where}, model", wanted=wanted, found=info.firmware or "no name", do=do)
-
-
 SLOT_BYTES = 50
 FORMATS = {0: "B", 1: "b", 2: "B", 3: "h", 4: "H", 5: "i", 6: "I", 7: "f", 8: "d"}
 """Type byte to ``struct`` format: flag, then the integers by growing size, float and double."""
@@ -98,12 +114,10 @@ def decode_parameters(payload: bytes, where: str) -> dict[int, Parameter]:
         kind, count = slot[:2] if len(slot) >= 2 else (None, 0)
         size = struct.calcsize(f">{count}{FORMATS[kind]}") if kind in FORMATS else SLOT_BYTES
         if kind is None or 2 + size > len(slot):
-            raise DeviceError(
-                f"{where}, parameter {number}",
-                wanted=f"a slot of type {min(FORMATS)} to {max(FORMATS)} within {SLOT_BYTES} bytes",
-                found=f"{slot[:8].hex(' ')} ..." if slot else "the end of the list",
-                do="Check the generation of the firmware.",
-            )
+            wanted = f"a slot of type {min(FORMATS)} to {max(FORMATS)} within {SLOT_BYTES} bytes"
+            found_text = f"{slot[:8].hex(' ')} ..." if slot else "the end of the list"
+            do = "Check the generation of the firmware."
+            raise DeviceError(f"{where}, parameter {number}", wanted=wanted, found=found_text, do=do)
         values = struct.unpack(f">{count}{FORMATS[kind]}", slot[2 : 2 + size])
         found[number] = Parameter(number, _name(slot[2 + size :]), values, FORMATS[kind])
     return found
@@ -111,3 +125,58 @@ def decode_parameters(payload: bytes, where: str) -> dict[int, Parameter]:
 
 def _name(text: bytes) -> str:
     return text.split(b":")[0].split(b"\0")[0].decode("ascii", "replace").partition(" - ")[2]
+
+
+@dataclass(frozen=True)
+class QbmoveLimits:
+    """Limits of one device in one study."""
+
+    where: str
+    info: QbmoveInfo
+    stiffness_percent: tuple[float, float]
+    "Of the device's maximum preset."
+
+    def check_ready(self) -> None:
+        """DeviceError unless position commands in wire ticks of 1/32768 turn will move the motors."""
+        info, moves = self.info, "above 0, or the motors never start a large move"
+        for name, wanted, found, good, do in (
+            ("control mode", "Position", info.control_mode, info.control_mode == "Position", "Set parameter 6 to 0"),
+            ("input mode", "USB", info.input_mode, info.input_mode == "USB", "Set parameter 5 to 0"),
+            ("resolutions", "(1, 1, 1)", info.resolutions, info.resolutions == (1, 1, 1), "Set parameter 7 to 1, 1, 1"),
+            ("max PWM rate", moves, info.max_pwm_rate, info.max_pwm_rate != 0, "Set parameter 14"),
+        ):
+            if not good:
+                raise DeviceError(f"{self.where}, {name}", wanted=wanted, found=str(found), do=f"{do} and store it.")
+
+    def check_motor(self, motor: int, reference_ticks: int) -> None:
+        """DeviceError when motor 1 or 2 would be sent outside its position limits."""
+        limits, text = self.info.position_limits_ticks[motor - 1], "ticks, the device's position limits"
+        self._inside(f"reference of motor {motor}", reference_ticks, limits, text)
+
+    def check_position(self, position_ticks: int) -> None:
+        """DeviceError outside the positions that leave room for full stiffness: the firmware clips to them."""
+        self._inside("position", position_ticks, self.info.roomy_ticks, "ticks, at which every stiffness has room")
+
+    def check_preset(self, preset_ticks: int) -> None:
+        """DeviceError outside the study's range of stiffness."""
+        low, high = (round(percent / 100 * self.info.max_stiffness_ticks) for percent in self.stiffness_percent)
+        text = "ticks, {:g} to {:g} % of the device's maximum".format(*self.stiffness_percent)
+        self._inside("stiffness preset", preset_ticks, (low, high), text)
+
+    def _inside(self, what: str, value: int, limits: tuple[int, int], text: str) -> None:
+        if not limits[0] <= value <= limits[1]:
+            wanted, do = f"{limits[0]} to {limits[1]} {text}", "Correct the schedule, or the limits it was made for."
+            raise DeviceError(f"{self.where}, {what}", wanted=wanted, found=str(value), do=do)
+
+
+@lru_cache
+def stiffness_on_wire(preset_ticks: int, max_stiffness_ticks: int) -> int:
+    """The stiffness of SET_POS_STIFF for which the firmware comes to this very preset, 0 to max_stiffness_ticks - 1.
+
+    The firmware truncates max/32768 x stiffness in single precision to its internal ticks, half a wire tick each.
+    """
+    most = np.float32(max_stiffness_ticks * _INTERNAL_PER_TICK)
+    stiffness = math.ceil(preset_ticks * FULL_STIFFNESS / max_stiffness_ticks)
+    if int(most / np.float32(FULL_STIFFNESS) * np.float32(stiffness)) < preset_ticks * _INTERNAL_PER_TICK:
+        stiffness += 1
+    return stiffness

@@ -14,7 +14,7 @@ from functools import lru_cache, reduce
 from operator import xor
 from typing import NamedTuple
 
-from emg2vsa.devices.qbmove.settings import Generation
+from emg2vsa.devices.qbmove import Generation
 
 HEADER = b"::"
 LONGEST_BODY = 128

@@ -19,8 +19,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats
+from emg2vsa.devices.joints import Export
 from emg2vsa.devices.protocols import Measurements
-from emg2vsa.devices.qbmove.ticks import TICKS_PER_TURN, to_ticks
+from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, TICKS_PER_TURN, to_ticks
 from emg2vsa.errors import ScheduleError
 
 RAD_PER_TICK = 2 * math.pi / TICKS_PER_TURN
@@ -96,12 +97,12 @@ class SpringJoint:
         wanted = np.asarray(stiffness_nm_per_rad, dtype=np.float64)
         least, most = self.stiffness_nm_per_rad(np.array([0, MOTOR_LIMIT_TICKS]) / self.full_ticks)
         if not np.all((wanted >= least) & (wanted <= most)):
-            raise ScheduleError(
-                f"stiffness of {self.name}",
-                wanted=f"{least:.4g} to {most:.4g} N m/rad at zero load",
-                found=f"{np.min(wanted):.4g} to {np.max(wanted):.4g}",
-                do="Ask for a stiffness that the springs can reach.",
+            asked, do = (
+                f"{np.min(wanted):.4g} to {np.max(wanted):.4g}",
+                "Ask for a stiffness that the springs can reach.",
             )
+            text = f"{least:.4g} to {most:.4g} N m/rad at zero load"
+            raise ScheduleError(f"stiffness of {self.name}", wanted=text, found=asked, do=do)
         low, high = np.zeros(wanted.shape), np.full(wanted.shape, float(MOTOR_LIMIT_TICKS))
         for _ in range(_HALVINGS):
             middle = (low + high) / 2
@@ -145,3 +146,7 @@ def stiffness_at(deflection_rad: Floats, preset_rad: Floats, springs: Springs) -
 def _sinh(x: float) -> float:
     # encoders that have lost their turns may be anywhere
     return math.sinh(max(-100.0, min(100.0, x)))
+
+
+EXPORT = Export(SpringJoint, "preset_ticks", "ticks", 1 / DEG_PER_TICK, whole=True, most=MOTOR_LIMIT_TICKS)
+"""Schedules for a qbmove state presets in its ticks."""

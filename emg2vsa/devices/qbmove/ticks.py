@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
-from emg2vsa.devices.protocols import LogColumns
+from emg2vsa.devices.protocols import LogColumns, Measurements
 
 TICKS_PER_TURN = 32768
 """Wire ticks of a qbmove to a turn of its shaft, at the resolution 1 that is its default."""
@@ -39,6 +39,19 @@ PROOF_KEYS: Keys = {
     "moved_after_ticks": ("moved_after_deg", DEG_PER_TICK, int),
 }
 """The same of the proof of a watchdog."""
+
+
+class Ticks(NamedTuple):
+    """Encoder readings."""
+
+    motor_1: int
+    motor_2: int
+    shaft: int
+
+    def measurements(self) -> Measurements:
+        """The same in degrees."""
+        motor_1, motor_2, shaft = (ticks * DEG_PER_TICK for ticks in self)
+        return Measurements((motor_1, motor_2), shaft)
 
 
 def to_ticks(angle_deg: float) -> int:

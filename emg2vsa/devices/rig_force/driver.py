@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.protocols import ForceSample, ForceSensor
 from emg2vsa.devices.registry import Around, known
-from emg2vsa.devices.rig_force.settings import RigForceSettings
-from emg2vsa.devices.streams import Block, StreamCounts, StreamInfo
+from emg2vsa.devices.rig_force import RigForceSettings
+from emg2vsa.devices.streams import Block, SourceBase, StreamCounts, StreamInfo
 from emg2vsa.errors import DeviceError, SettingError
 
 BIAS_S = 0.1
@@ -29,7 +29,7 @@ def open_rig_force(settings: RigForceSettings, around: Around) -> RigForce:
     return RigForce(known("force", own).opened(own, around), settings, around.clock, bias=own.bias)
 
 
-class RigForce:
+class RigForce(SourceBase):
     """A `Source` of force, N.
 
     Parameters
@@ -37,21 +37,17 @@ class RigForce:
     sensor : not started. bias : whether the load at the start becomes its zero.
     """
 
+    _started = "sensor"
+
     def __init__(self, sensor: ForceSensor, settings: RigForceSettings, clock: Clock, *, bias: bool) -> None:
         self._sensor, self._clock, self._bias = sensor, clock, bias
         self._axis = unit_axis(settings.axis)
         self._delay_s, self._rate_hz = settings.delay_s, sensor.rate_hz
-        self._info: StreamInfo | None = None
+        self._where = sensor.name
         self._last_s: float | None = None
         self._faulty_s: float | None = None
         "Since when no sample has been free of faults."
         self._forget()
-
-    @property
-    def info(self) -> StreamInfo:
-        if self._info is None:
-            raise DeviceError(self._sensor.name, wanted="a started sensor", found="none", do="Start the source first.")
-        return self._info
 
     def start(self) -> None:
         self._forget()

@@ -16,13 +16,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.devices.clock import Clock
+from emg2vsa.devices.clock import Clock, awaited
 from emg2vsa.devices.registry import Around
-from emg2vsa.devices.streams import Block, StreamCounts, StreamInfo
-from emg2vsa.devices.trigno.commands import RECEIVE_BYTES, TrignoCommands, connect
-from emg2vsa.devices.trigno.settings import SENSOR, TrignoSettings
+from emg2vsa.devices.streams import Block, SourceBase, StreamCounts, StreamInfo
+from emg2vsa.devices.trigno import SENSOR, TrignoSettings
 from emg2vsa.errors import DeviceError, SettingError
 
+GREETING = "Delsys Trigno System Digital Protocol"
+END = b"\r\n\r\n"
+REPLY_S = 5.0
+"START takes up to this time."
+LEAVE_S = 0.5
+RECEIVE_BYTES = 1 << 16
+_BUFFER_BYTES = 1 << 20
 SLOTS = 16
 SAMPLE_BYTES = 4 * SLOTS
 FRAME_S = 0.0135
@@ -34,6 +40,83 @@ SILENT_S = 1.0
 ZEROS = 8
 "So many samples of exactly 0 V in a row were never measured: noise is 0 for a sample now and then, not for long."
 _POLL_S = 2e-3
+
+
+class TrignoCommands:
+    """The command port of a server: one reply for each command. Every method raises DeviceError when it is lost."""
+
+    def __init__(self, host: str, port: int) -> None:
+        self.where = f"Trigno server at {host}:{port}"
+        self._heard = b""
+        self._socket = connect(host, port, self.where)
+        self._socket.settimeout(REPLY_S)
+        try:
+            greeting = self._reply("the greeting")
+        except DeviceError:
+            self.close()
+            raise
+        if not greeting.startswith(GREETING):
+            self.close()
+            do = "Correct session.emg.host and session.emg.command_port."
+            raise DeviceError(self.where, wanted=f'the greeting "{GREETING}"', found=repr(greeting[:60]), do=do)
+        self.version = greeting.split()[-1]
+
+    def ask(self, command: str) -> str:
+        """The reply, without the blanks around it."""
+        try:
+            self._socket.sendall(command.encode("ascii") + END)
+        except OSError as error:
+            raise self._lost(command, error.strerror or str(error)) from error
+        reply = self._reply(command)
+        while reply.startswith("SENSOR") and reply.endswith(("PAIR COMPLETE", "PAIR INITIATED")):
+            reply = self._reply(command)  # told unasked, because somebody pairs a sensor meanwhile
+        return reply
+
+    def order(self, command: str, wanted: str = "OK", do: str = "Restart the Trigno Control Utility.") -> None:
+        """Give a command that must be obeyed."""
+        reply = self.ask(command)
+        if not reply.startswith(wanted):
+            raise DeviceError(self.where, wanted=f"{wanted} to {command}", found=reply, do=do)
+
+    def leave(self) -> None:
+        """End the stream and the conversation; a server that hangs is not waited for long."""
+        self._socket.settimeout(LEAVE_S)
+        self.ask("STOP")
+        self.ask("QUIT")
+
+    def close(self) -> None:
+        self._socket.close()
+
+    def _reply(self, command: str) -> str:
+        # a reply may end with one newline too many
+        while END not in (heard := self._heard.lstrip(b"\r\n")):
+            try:
+                data = self._socket.recv(RECEIVE_BYTES)
+            except TimeoutError as error:
+                raise self._lost(command, f"none within {self._socket.gettimeout():g} s") from error
+            except OSError as error:
+                raise self._lost(command, error.strerror or str(error)) from error
+            if not data:
+                raise self._lost(command, "a closed connection")
+            self._heard += data
+        reply, self._heard = heard.split(END, 1)
+        return reply.decode("ascii", "replace").strip()
+
+    def _lost(self, command: str, found: str) -> DeviceError:
+        do = "Restart the Trigno Control Utility; check the network."
+        return DeviceError(self.where, wanted=f"a reply to {command}", found=found, do=do)
+
+
+def connect(host: str, port: int, where: str) -> socket.socket:
+    """A connection by TCP. DeviceError when nobody answers."""
+    try:
+        connection = socket.create_connection((host, port), timeout=REPLY_S)
+    except OSError as error:
+        do = "Start the Trigno Control Utility on that computer, or correct session.emg.host and its ports."
+        raise DeviceError(where, wanted="a connection", found=error.strerror or str(error), do=do) from error
+    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _BUFFER_BYTES)
+    return connection
 
 
 class Place(NamedTuple):
@@ -48,12 +131,9 @@ def places_of(channels: Mapping[str, str]) -> dict[str, Place]:
     places = {}
     for role, text in channels.items():
         if not (said := re.fullmatch(SENSOR, text)):
-            raise SettingError(
-                f"session.emg.channels.{role}",
-                wanted='the number of a Trigno sensor: "1" to "16", or "3.2" for channel 2 of sensor 3',
-                found=repr(text),
-                do="Read the number off the Trigno Control Utility.",
-            )
+            wanted = 'the number of a Trigno sensor: "1" to "16", or "3.2" for channel 2 of sensor 3'
+            do = "Read the number off the Trigno Control Utility."
+            raise SettingError(f"session.emg.channels.{role}", wanted=wanted, found=repr(text), do=do)
         places[role] = Place(int(said[1]), int(said[2] or 1))
     return places
 
@@ -63,7 +143,7 @@ def open_trigno(settings: TrignoSettings, around: Around) -> TrignoSource:
     return TrignoSource(settings, around.clock)
 
 
-class TrignoSource:
+class TrignoSource(SourceBase):
     """A `Source` of EMG, V. ``clock``: the session's, on which blocks arrive.
 
     The port runs at the highest native rate of all paired sensors: nothing is resampled to 2000 Hz by the server.
@@ -72,26 +152,21 @@ class TrignoSource:
     def __init__(self, settings: TrignoSettings, clock: Clock) -> None:
         self._settings, self._clock = settings, clock
         self._places = places_of(settings.channels)
-        self._info: StreamInfo | None = None
         self._commands: TrignoCommands | None = None
         self._data: socket.socket | None = None
         self._columns: list[int] = []
+        self._where = "Trigno server"
+        self._forget()
+
+    def _forget(self) -> None:
+        self._bytes, self._next, self._lost, self._ended = b"", 0, 0, ""
         self._quiet_s: float | None = None
         "Since when nothing has come."
-        self._where = "Trigno server"
-        self._bytes, self._next, self._lost, self._ended = b"", 0, 0, ""
         self._zeros = _Zeros(len(self._places))
-
-    @property
-    def info(self) -> StreamInfo:
-        if self._info is None:
-            raise DeviceError(self._where, wanted="a started stream", found="none", do="Start the source first.")
-        return self._info
 
     def start(self) -> None:
         self.close()
-        self._bytes, self._next, self._lost, self._ended, self._quiet_s = b"", 0, 0, "", None
-        self._zeros = _Zeros(len(self._places))
+        self._forget()
         settings = self._settings
         commands = self._commands = TrignoCommands(settings.host, settings.command_port)
         self._where = commands.where
@@ -147,8 +222,8 @@ class TrignoSource:
         commands.order("BACKWARDS COMPATIBILITY OFF")
         commands.order("ENDIAN LITTLE")
         facts = {"device": "Delsys Trigno", "protocol": commands.version}
-        for name, command in _ABOUT.items():
-            facts[name] = commands.ask(command)
+        for name in _ABOUT:
+            facts[name] = commands.ask("ENDIANNESS?" if name == "byte order" else f"{name.upper()}?")
         for name, wanted, other in (
             ("byte order", "LITTLE", ("BIG",)), ("backwards compatibility", "NO", ("YES", "ON")),
         ):  # fmt: skip
@@ -161,12 +236,8 @@ class TrignoSource:
             facts |= {f"{role}, {name}": value for name, value in _sensor_facts(commands, role, place).items()}
             starts[role] = _slot(commands, role, place)
             if starts[role] in list(starts.values())[:-1]:
-                raise DeviceError(
-                    f"{commands.where}, sensor {place.sensor} ({role})",
-                    wanted="a slot of its own for each muscle",
-                    found=f"slot {starts[role]} again",
-                    do="Restart the Trigno Control Utility, or correct session.emg.channels.",
-                )
+                found = f"slot {starts[role]} again"
+                raise _at_sensor(commands, role, place, "a slot of its own for each muscle", found)
         self._columns = [slot - 1 for slot in starts.values()]
         facts |= {f"{role}, slot": str(slot) for role, slot in starts.items()}
         fs_hz = port_rate_hz(commands)
@@ -177,19 +248,19 @@ class TrignoSource:
         )  # fmt: skip
 
     def _wait_for_first(self) -> None:
-        end_s = self._clock.now_s() + FIRST_S
-        self._bytes = self._received()
-        while len(self._bytes) < SAMPLE_BYTES:
-            if self._ended or self._clock.now_s() >= end_s:
-                found = self._ended or f"none for {FIRST_S:g} s after START"
-                do = "Switch off the start trigger of the utility; check session.emg.emg_port."
-                raise DeviceError(self._where, wanted="first samples", found=found, do=do)
-            self._clock.sleep_until(self._clock.now_s() + _POLL_S)
+        def came() -> bool:
             self._bytes += self._received()
+            return bool(self._ended) or len(self._bytes) >= SAMPLE_BYTES
+
+        awaited(self._clock, FIRST_S, _POLL_S, came)
+        if len(self._bytes) < SAMPLE_BYTES:
+            found = self._ended or f"none for {FIRST_S:g} s after START"
+            do = "Switch off the start trigger of the utility; check session.emg.emg_port."
+            raise DeviceError(self._where, wanted="first samples", found=found, do=do)
 
     def _received(self) -> bytes:
         if self._data is None:
-            raise DeviceError(self._where, wanted="a started stream", found="none", do="Start the source first.")
+            raise self._not_started()
         parts = []
         while not self._ended:
             try:
@@ -255,17 +326,9 @@ def port_rate_hz(commands: TrignoCommands) -> float:
     return max(rates)
 
 
-_ABOUT = {
-    "base firmware": "BASE FIRMWARE?",
-    "base serial": "BASE SERIAL?",
-    "frame interval": "FRAME INTERVAL?",
-    "byte order": "ENDIANNESS?",
-    "backwards compatibility": "BACKWARDS COMPATIBILITY?",
-}
-_OF_SENSOR = {
-    "type": "TYPE?", "mode": "MODE?", "serial": "SERIAL?", "firmware": "FIRMWARE?", "range": "RANGE?",
-    "bandwidth": "BANDWIDTH?",
-}  # fmt: skip
+_ABOUT = ("base firmware", "base serial", "frame interval", "byte order", "backwards compatibility")
+_OF_SENSOR = ("type", "mode", "serial", "firmware", "range", "bandwidth")
+"""Facts by name, which are asked for in capitals."""
 
 
 def _number(reply: str) -> float:
@@ -292,13 +355,17 @@ def _slot(commands: TrignoCommands, role: str, place: Place) -> int:
     said = reply.split()[-1] if reply.split() else ""
     slot = int(said) + place.channel - 1 if said.isascii() and said.isdecimal() else 0
     if said.startswith("0") or not 1 <= slot <= SLOTS:
-        raise DeviceError(
-            f"{commands.where}, sensor {place.sensor} ({role})",
-            wanted=f"a slot from 1 to {SLOTS} for channel {place.channel}",
-            found=f"STARTINDEX {reply!r}",
-            do="Restart the Trigno Control Utility, or correct session.emg.channels.",
-        )
+        wanted = f"a slot from 1 to {SLOTS} for channel {place.channel}"
+        raise _at_sensor(commands, role, place, wanted, f"STARTINDEX {reply!r}")
     return slot
+
+
+def _at_sensor(
+    commands: TrignoCommands, role: str, place: Place, wanted: str, found: str, do: str = "Restart"
+) -> DeviceError:
+    where = f"{commands.where}, sensor {place.sensor} ({role})"
+    do = f"{do} the Trigno Control Utility, or correct session.emg.channels."
+    return DeviceError(where, wanted=wanted, found=found, do=do)
 
 
 def _check_present(commands: TrignoCommands, places: Mapping[str, Place]) -> None:
@@ -321,12 +388,8 @@ def _sensor_facts(commands: TrignoCommands, role: str, place: Place) -> dict[str
     count = commands.ask(f"SENSOR {sensor} EMGCHANNELCOUNT?")
     units = commands.ask(f"SENSOR {sensor} CHANNEL {channel} UNITS?")
     if units != "V" or (count.isdecimal() and int(count) < channel):
-        raise DeviceError(
-            f"{commands.where}, sensor {sensor} ({role})",
-            wanted=f"EMG in V on channel {channel}",
-            found=f"unit {units}, {count} EMG channels",
-            do="Choose a mode with EMG in the Trigno Control Utility, or correct session.emg.channels.",
-        )
-    facts = {name: commands.ask(f"SENSOR {sensor} {question}") for name, question in _OF_SENSOR.items()}
+        wanted, found = f"EMG in V on channel {channel}", f"unit {units}, {count} EMG channels"
+        raise _at_sensor(commands, role, place, wanted, found, "Choose a mode with EMG in")
+    facts = {name: commands.ask(f"SENSOR {sensor} {name.upper()}?") for name in _OF_SENSOR}
     facts |= {name: commands.ask(f"SENSOR {sensor} CHANNEL {channel} {name.upper()}?") for name in ("rate", "gain")}
     return {"sensor": str(sensor)} | facts

@@ -1,18 +1,24 @@
-"""The settings of a rig that protect it, found anew by a touch on a soft pad: axis, sign, gear, home."""
+"""The settings of a rig that protect it, found anew by a touch on a soft pad: axis, sign, gear, home; and the stiffness
+of a joint that nothing but a measurement tells: felt force over deflection, against the force sensor.
+
+For the stiffness the probe presses the pad in small steps. The torque of the felt force over the angle by which the
+shaft stays behind its command is the stiffness. A constant friction shifts that line and does not turn it, so its slope
+is taken. Friction that varies, and the steps of the encoder, are errors of the angle and not of the force: the line is
+that of the angle over the torque, as the other way round it would be too flat.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.commissioning.hand_motion import TOUCH_N, HandMotion, Place
-from emg2vsa.rig.commissioning.stiffness import measure_stiffness
 from emg2vsa.rig.rig_settings import RigSettings
 
 _TRY_DEG = 5.0
@@ -27,6 +33,12 @@ _CLEAR_MM = (1.0, 3.0)
 """Least distance of a retracted probe from what it presses, and the one that is proposed."""
 _ROOM_MM = 2.0
 """Least way left behind the first touch."""
+_STEP_N = 0.25
+"""Force that a step of the command adds, at most: of the stiffest joint on a pad that does not give way."""
+_MOST_N = 5.0
+"""And no more than half of the force limit."""
+_LEAST_POINTS = 6
+_MOST_STEPS = 200
 
 
 class Person(Protocol):
@@ -80,9 +92,8 @@ def check_rig(
     _check_free(back, "after the touch")
     with hand.resting():
         gear = _gear(rig, abs(zeroed_deg - hand.shaft_deg()), person)
-    found = replace(
-        rig, push_sign=sign.found, push_axis=axis.found, gear_mm_per_degree=gear.found or rig.gear_mm_per_degree
-    )
+    gear_mm_per_degree = gear.found or rig.gear_mm_per_degree
+    found = replace(rig, push_sign=sign.found, push_axis=axis.found, gear_mm_per_degree=gear_mm_per_degree)
     home, depth_mm = _home(found, touch, back)
     found = replace(found, home_deg=home.found)
     say(f"home: to {found.home_deg:.2f} degrees")
@@ -111,6 +122,66 @@ def _stiffness(
     good = said is not None and math.isclose(mean, said, rel_tol=_SAME_STIFFNESS)
     found = said if good else float(f"{mean:.4g}")
     return Check(str(joint.measured_key), said, found, good, remark, table="actuator")
+
+
+class MeasuredStiffness(NamedTuple):
+    """At one preset. se_nm_per_rad : standard error of the slope. points : of it."""
+
+    preset: float
+    nm_per_rad: float
+    se_nm_per_rad: float
+    points: int
+
+    @property
+    def full_nm_per_rad(self) -> float:
+        """At the full preset, as stiffness is proportional to it."""
+        return self.nm_per_rad / self.preset
+
+
+def measure_stiffness(
+    hand: HandMotion, rig: RigSettings, preset: float, from_deg: float, reach_deg: float, say: Callable[[str], None]
+) -> MeasuredStiffness:
+    """Press from ``from_deg``, where the probe is free, until 5 N are felt, and go back there.
+
+    DeviceError : as `HandMotion`; no 5 N within ``reach_deg``, or a shaft that does not stay behind.
+    """
+    hand.preset = preset
+    most_n = min(_MOST_N, rig.guards.force_n / 2)
+    touch = hand.go(from_deg + rig.push_sign * reach_deg, until_n=TOUCH_N)
+    bent_deg, torque_nm = [], []
+    step_deg = _step_deg(hand, rig, preset)
+    for _ in range(_MOST_STEPS if touch.touched else 0):
+        place = hand.go(hand.at_deg + rig.push_sign * step_deg, until_n=most_n)
+        bent_deg.append(rig.push_sign * (hand.at_deg - place.shaft_deg))
+        torque_nm.append(place.size_n * rig.lever_m)
+        if place.size_n >= most_n:
+            break
+    else:
+        hand.go(from_deg, from_zero=False)
+        do = "Use a stiffer pad, or put it nearer."
+        raise DeviceError("probe", wanted=f"{most_n:g} N within the reach", found="less", do=do)
+    hand.go(from_deg, from_zero=False)
+    found = _slope(np.radians(bent_deg), np.array(torque_nm), preset)
+    said = f"{found.nm_per_rad:.3g} +- {found.se_nm_per_rad:.1g} N m/rad at {100 * preset:.3g} % of the full gain"
+    say(f"stiffness: {said}, by {found.points} points")
+    return found
+
+
+def _step_deg(hand: HandMotion, rig: RigSettings, preset: float) -> float:
+    """A step that adds `_STEP_N` where only the joint gives way."""
+    joint = hand.joint
+    assert joint is not None
+    return math.degrees(_STEP_N * rig.lever_m / float(joint.stiffness_nm_per_rad(preset)))
+
+
+def _slope(bent_rad: Floats, torque_nm: Floats, preset: float) -> MeasuredStiffness:
+    if bent_rad.size < _LEAST_POINTS or np.ptp(bent_rad) <= 0:
+        do = "Use a stiffer pad, and check that the rig file names the gain that the motor has."
+        wanted = "a shaft that stays behind its command"
+        raise DeviceError("probe", wanted=wanted, found=f"{bent_rad.size} points", do=do)
+    (compliance, _), covariance = np.polyfit(torque_nm, bent_rad, 1, cov=True)
+    se = math.sqrt(float(covariance[0, 0])) / float(compliance) ** 2
+    return MeasuredStiffness(preset, 1 / float(compliance), se, bent_rad.size)
 
 
 def _approach(
@@ -163,19 +234,16 @@ def _gear(rig: RigSettings, way_deg: float, person: Person) -> Check:
 def _home(rig: RigSettings, touch: Place, start: Place) -> tuple[Check, float]:
     """The check, and the depth of the touch from the home that was found, mm. ``start``: where the probe was free."""
     said = rig.home_deg
-    depth_mm, free_mm = (
-        rig.depth_at(touch.shaft_deg),
-        rig.depth_at(touch.shaft_deg) - rig.depth_at(start.shaft_deg),
-    )
+    depth_mm = rig.depth_at(touch.shaft_deg)
+    free_mm = depth_mm - rig.depth_at(start.shaft_deg)
     least_mm, usual_mm = _CLEAR_MM
     if least_mm <= depth_mm <= min(rig.travel_mm - _ROOM_MM, rig.guards.contact_mm):
         return Check("home_deg", said, said, True, f"{depth_mm:.1f} mm before the touch"), depth_mm
     clear_mm = min(usual_mm, free_mm)  # no further up than the probe is known to come
     if clear_mm < least_mm:
         do = "Begin with the probe 3 mm above the pad."
-        raise DeviceError(
-            "probe", wanted=f"{least_mm:g} mm or more between start and touch", found=f"{free_mm:.1f} mm", do=do
-        )
+        wanted = f"{least_mm:g} mm or more between start and touch"
+        raise DeviceError("probe", wanted=wanted, found=f"{free_mm:.1f} mm", do=do)
     home = round(touch.shaft_deg - rig.position_at(clear_mm) + rig.home_deg, 3)
     where = f"{-depth_mm:.1f} mm beyond the touch" if depth_mm < 0 else f"{depth_mm:.1f} mm before the touch"
     measured = f"it is {where}; home_deg should be {clear_mm:.1f} mm before it"

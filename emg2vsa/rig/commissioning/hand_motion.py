@@ -18,6 +18,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.protocols import Devices, ForceSample, Joint, gives_way
 from emg2vsa.errors import DeviceError
+from emg2vsa.rig.executor.witnesses import MeanCurrent
 from emg2vsa.rig.rig_settings import RigSettings
 
 DEG_PER_S = 5.0
@@ -39,7 +40,6 @@ LIMIT_SHARE = 0.5
 """Of guards.force_n: the largest force that a move by hand may be told to end at."""
 _CURRENT_SHARE = 0.3
 """Of guards.current_a, over ten turns: 0.45 A, at which the emulated rigid motor presses with 8.5 N (a guess)."""
-_CURRENT_TURNS = 10
 _LAG_S = 0.3
 """So long after a retreat has begun the force may still rise: a sensor may lag."""
 
@@ -79,12 +79,14 @@ class HandMotion:
         self._rig, self._clock = rig, clock
         self._actuator, self._force = devices.actuator, devices.force
         self.preset = 0.0
-        "The softest that the rig may have: what is touched by mistake is pressed least. 0 until the motors are on."
-        self._at_deg = 0.0
+        """The softest that the rig may have: what is touched by mistake is pressed least. 0 until the motors are on.
+        Another one holds from the next command on."""
+        self.at_deg = 0.0
+        "Position that is commanded."
         self._zero_n: Floats = np.zeros(3)
         self._rest_n = 0.0
         self._limit_n = math.inf
-        self._currents: deque[tuple[float, ...]] = deque(maxlen=_CURRENT_TURNS)
+        self._current = MeanCurrent()
 
     def start(self) -> Place:
         """Motors on where they are; the force at this moment is the zero of all moves."""
@@ -97,16 +99,12 @@ class HandMotion:
         """Of the actuator, once its motors have been switched on."""
         return self._actuator.joint
 
-    def soften(self, preset: float) -> None:
-        """Another preset from the next command on."""
-        self.preset = preset
-
     def _begin(self) -> None:
         self._actuator.activate()
         if (joint := self._actuator.joint) is not None and self.preset == 0:
             self.preset = float(joint.rounded(self._rig.stiffness_percent[0] / 100))
-        self._at_deg = self._actuator.position_deg()
-        self._command(self._at_deg)
+        self.at_deg = self._actuator.position_deg()
+        self._command(self.at_deg)
 
     @contextmanager
     def resting(self) -> Iterator[None]:
@@ -151,7 +149,7 @@ class HandMotion:
             do = "Choose a shorter move, or correct position_deg in the rig file."
             wanted = f"a position of {low:.6g} to {high:.6g} degrees"
             raise DeviceError("probe", wanted=wanted, found=f"{to_deg:.2f}", do=do)
-        begin = self._at_deg
+        begin = self.at_deg
         try:
             return self._go(to_deg, until_n, deg_per_s, from_zero=from_zero)
         except DeviceError:
@@ -166,8 +164,8 @@ class HandMotion:
         force_n = self._rig.guards.force_n
         self._limit_n = force_n if from_zero else max(force_n, before_n + LIMIT_N)
         recent: deque[Floats] = deque(maxlen=_AVERAGED)
-        self._currents.clear()
-        while self._at_deg != to_deg:
+        self._current = MeanCurrent()
+        while self.at_deg != to_deg:
             recent.append(self._read().force_n)
             mean_n = np.mean(recent, axis=0)
             felt_n = float(np.linalg.norm(mean_n - self._zero_n))
@@ -175,7 +173,7 @@ class HandMotion:
             if len(recent) == _AVERAGED and size_n >= until_n:
                 return self.place(touched=True)
             self._judge(felt_n, relaxing=not from_zero)
-            self._at_deg += math.copysign(min(step, abs(to_deg - self._at_deg)), to_deg - self._at_deg)
+            self.at_deg += math.copysign(min(step, abs(to_deg - self.at_deg)), to_deg - self.at_deg)
             self._hold()
         return self.place()
 
@@ -183,9 +181,9 @@ class HandMotion:
         """After a force has ended a move: back towards ``from_deg`` until it is below half of a touch."""
         sign, end = self._back(from_deg)
         place = self.place()
-        while (place.size_n > TOUCH_N / 2 or self._borne_n() > TOUCH_N) and self._at_deg != end:
-            step = min(0.5, abs(end - self._at_deg))
-            self._at_deg += sign * step
+        while (place.size_n > TOUCH_N / 2 or self._borne_n() > TOUCH_N) and self.at_deg != end:
+            step = min(0.5, abs(end - self.at_deg))
+            self.at_deg += sign * step
             self._hold()
             place = self.place()
         return place
@@ -197,34 +195,29 @@ class HandMotion:
         first_n: float | None = None
         self._limit_n = math.inf
         with suppress(DeviceError):  # the error that began it is the one to tell
-            while self._at_deg != end:
+            while self.at_deg != end:
                 load_n = max(self._borne_n(), self._felt_anyhow_n())
                 first_n = load_n if first_n is None else first_n
                 old = self._clock.now_s() - begin_s > _LAG_S
                 if load_n > first_n + TOUCH_N and (old or load_n > self._rig.guards.force_n):
                     return
-                self._at_deg += sign * min(step, abs(end - self._at_deg))
+                self.at_deg += sign * min(step, abs(end - self.at_deg))
                 self._hold()
             self._clock.sleep_until(self._clock.now_s() + _LOOK_S)
 
     def _back(self, from_deg: float) -> tuple[float, float]:
         """Sign and end of the way back towards ``from_deg``."""
-        way = from_deg - self._at_deg
+        way = from_deg - self.at_deg
         sign = math.copysign(1.0, way)
-        return sign, self._at_deg + sign * min(_BACK_DEG, abs(way))
+        return sign, self.at_deg + sign * min(_BACK_DEG, abs(way))
 
     def _step_deg(self, deg_per_s: float) -> float:
         fastest = min(FASTEST_DEG_PER_S, self._rig.max_mm_per_s / self._rig.gear_mm_per_degree)
         return min(deg_per_s, fastest) * self._rig.period_s
 
-    @property
-    def at_deg(self) -> float:
-        """Position that is commanded."""
-        return self._at_deg
-
     def _hold(self) -> None:
         """One turn of the loop: command, ask, wait."""
-        self._command(self._at_deg)
+        self._command(self.at_deg)
         if not self._actuator.is_active():
             do = "Check its supply; prove the watchdog with emg2vsa rig prove-watchdog."
             raise DeviceError("probe", wanted="motors on", found="motors off: reset, or watchdog", do=do)
@@ -254,7 +247,7 @@ class HandMotion:
         """``relaxing`` : springs may bear less than at the zero, and the motors draw what a pressed probe needs."""
         joint = self._actuator.joint
         # of a motor that gives way its torque tells it
-        behind_deg = 0.0 if gives_way(joint) else abs(self._actuator.position_deg() - self._at_deg)
+        behind_deg = 0.0 if gives_way(joint) else abs(self._actuator.position_deg() - self.at_deg)
         if behind_deg > _FOLLOWING_DEG:
             do = "Look for what holds the gear or the probe, and check the supply."
             found = f"{behind_deg:.1f} degrees behind"
@@ -265,10 +258,9 @@ class HandMotion:
         if borne_n > felt_n + _GAP_N:
             found = f"springs that press with {borne_n:.1f} N or more, and {felt_n:.2f} N felt"
             raise DeviceError("probe", wanted="a force felt where the springs give way", found=found, do=do)
-        self._currents.append(self._actuator.currents_a())
-        mean_a = float(np.abs(self._currents).mean(axis=0).max())
+        mean_a = self._current.see(self._actuator.currents_a())
         most_a = (1.0 if relaxing else _CURRENT_SHARE) * self._rig.guards.current_a
-        if len(self._currents) == _CURRENT_TURNS and mean_a > most_a:
+        if mean_a > most_a:
             found = f"{mean_a:.2f} A, and {felt_n:.2f} N felt"
             raise DeviceError("probe", wanted=f"motors that draw at most {most_a:.2f} A", found=found, do=do)
 
@@ -284,4 +276,4 @@ class HandMotion:
         joint = self._actuator.joint
         if joint is None:
             return 0.0
-        return joint.torque_nm(self._actuator.measurements(), self._at_deg, self.preset) / self._rig.lever_m
+        return joint.torque_nm(self._actuator.measurements(), self.at_deg, self.preset) / self._rig.lever_m

@@ -15,8 +15,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from casr.atomic import write_text_atomic
+from emg2vsa.devices.board import Board
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.protocols import Board, Identity, LogColumns
+from emg2vsa.devices.protocols import Identity, LogColumns
 from emg2vsa.devices.qbmove.ticks import LOG_COLUMNS, PROOF_KEYS, in_degrees, in_ticks
 from emg2vsa.errors import DeviceError
 
@@ -76,12 +77,8 @@ def prove_watchdog(
         before = _moved(board, clock, there, feed=True)
         if before < _MOVED_DEG:
             do = "Check the supply of the motors, and what holds the probe."
-            raise DeviceError(
-                board.where,
-                wanted="motors that follow a small move",
-                found=f"{before:.2f} of {_MOVE_DEG:.2f} degrees",
-                do=do,
-            )
+            found = f"{before:.2f} of {_MOVE_DEG:.2f} degrees"
+            raise DeviceError(board.where, wanted="motors that follow a small move", found=found, do=do)
         _moved(board, clock, here, feed=True)
         left_deg = board.measurements().motors_deg[0]
         if slow_deg:

@@ -12,15 +12,14 @@ from typing import NamedTuple
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.protocols import Devices, ForceSample, Measurements
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.executor.expected import most_past_contact_mm
 from emg2vsa.rig.executor.guards import GUARDS, Check, Moment, tripped
-from emg2vsa.rig.executor.motion import Motion, advance
-from emg2vsa.rig.executor.moving_average import MovingAverage
+from emg2vsa.rig.executor.motion import Motion, MovingAverage, advance
+from emg2vsa.rig.executor.plan_limits import most_past_contact_mm
 from emg2vsa.rig.executor.safe_end import Start
 from emg2vsa.rig.executor.witnesses import Witnesses, at_rest
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import EndRun
-from emg2vsa.rig.record.run_log import Row, full_force, loads_of
+from emg2vsa.rig.record.run_log import Row, loads_of
 from emg2vsa.rig.record.run_record import RunRecord
 from emg2vsa.rig.rig_settings import RigSettings
 
@@ -160,11 +159,11 @@ class ControlCycle:
             self._note_peak(sample)
         row = Row(
             self._clock.now_s(), self.motion.repetition, "escape", time_s, force_n, None, position_deg,
-            preset * self._rig.full_preset,
-            frame_index=self._record.frame_index,
+            preset * self._rig.full_preset, None, (), self._record.frame_index, None,
+            *(loads_of(sample) if sample else ()),
         )  # fmt: skip
         try:
-            self._record.row(row._replace(**full_force(sample)) if sample else row)
+            self._record.row(row)
             self._record.all_forces(self._devices.force.read_all)
         except DeviceError as error:
             notes.append(str(error))

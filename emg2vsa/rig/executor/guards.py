@@ -117,11 +117,6 @@ def _sliding(angle_deg: float, friction: float) -> float:
     return math.tan(min(math.radians(angle_deg) + math.atan(friction), _STEEPEST_RAD))
 
 
-def torque(moment: Moment, limits: GuardSettings) -> str | None:
-    """The probe presses far from the middle of the sensor, or something else leans on it."""
-    return _above(moment.force.torque_size_nm, limits.torque_nm, "N m")
-
-
 def overload(moment: Moment, limits: GuardSettings) -> str | None:
     """More than the force sensor is made for."""
     if moment.rating is None:
@@ -131,12 +126,6 @@ def overload(moment: Moment, limits: GuardSettings) -> str | None:
         return None
     each = zip(_LOADS, map(abs, loads), ratings, strict=True)
     return next(_above(load, most, f"{name}, the sensor's rating") for name, load, most in each if load > most)
-
-
-def force_rate(moment: Moment, limits: GuardSettings) -> str | None:
-    """Force that jumps. Two samples may arrive close together, so their distance counts as a period at least."""
-    between_s = max(moment.force.time_s - moment.before.time_s, moment.period_s)
-    return _above(abs(moment.force_n - moment.force_before_n) / between_s, limits.force_rate_n_per_s, "N/s")
 
 
 def untrusted_force(moment: Moment, limits: GuardSettings) -> str | None:
@@ -160,20 +149,6 @@ def untrusted_force(moment: Moment, limits: GuardSettings) -> str | None:
     return _above(gap_n, limit_n, text)
 
 
-def springs_at_rest(moment: Moment, limits: GuardSettings) -> str | None:
-    """The springs are bent though nothing touches the probe: an encoder has a wrong zero, or a spring is broken."""
-    rest_n = moment.seen.spring_rest_n
-    text = "N by the springs at rest, with the probe free"
-    return None if rest_n is None else _above(abs(rest_n), limits.spring_rest_n, text)
-
-
-def spring_limit(moment: Moment, limits: GuardSettings) -> str | None:
-    """The springs are bent further than the largest force bends them, whatever the force sensor says."""
-    return (
-        None if moment.seen.spring_n is None else _above(abs(moment.seen.spring_n), limits.spring_n, "N by the springs")
-    )
-
-
 def frozen_force(moment: Moment, limits: GuardSettings) -> str | None:
     """The sensor goes on sending the same reading: no live one does while it is pressed, however coarse its steps."""
     pressed = _above(moment.seen.still_mm, limits.frozen_mm, "mm pressed with the same reading")
@@ -189,82 +164,65 @@ def following(moment: Moment, limits: GuardSettings) -> str | None:
     return unmoved or _above(moment.seen.astray_deg, limits.following_deg, "degrees off the way to its command")
 
 
-def motor_current(moment: Moment, limits: GuardSettings) -> str | None:
-    """A motor stalls, or works against something that the force sensor does not bear."""
-    return _above(moment.seen.current_a, limits.current_a, "A")
-
-
-def no_contact(moment: Moment, limits: GuardSettings) -> str | None:
-    """The shaft is deeper than the specimen's surface can be, and no contact was felt."""
-    return (
-        None
-        if moment.seen.approach_mm is None
-        else _above(moment.seen.approach_mm, limits.contact_mm, "mm without contact")
-    )
-
-
-def past_contact(moment: Moment, limits: GuardSettings) -> str | None:
-    """The specimen gives way more than it can: it is gone, or its force is not felt."""
-    if moment.seen.past_contact_mm is None:
-        return None
-    return _above(moment.seen.past_contact_mm, limits.past_contact_mm, "mm past contact")
-
-
-def way_home(moment: Moment, limits: GuardSettings) -> str | None:
-    """The way to the retracted position leads into something: home_deg or the encoders' zeros are wrong."""
-    return (
-        None if moment.seen.rise_n is None else _above(moment.seen.rise_n, moment.contact_n, "N more on the way home")
-    )
-
-
-def travel(moment: Moment, limits: GuardSettings) -> str | None:
-    """The ramp is over, and neither contact nor F_max has come."""
-    return _above(moment.depth_mm, moment.travel_mm, "mm")
-
-
-def stale_sensor(moment: Moment, limits: GuardSettings) -> str | None:
-    """The newest sample is old."""
-    return _above(moment.now_s - moment.force.time_s, limits.stale_s, "s without a sample")
-
-
-def lost_camera(moment: Moment, limits: GuardSettings) -> str | None:
-    """No frame for too long."""
-    if moment.frame_s is None:
-        return None
-    return _above(moment.now_s - moment.frame_s, limits.camera_s, "s without a frame")
-
-
 def lost_device(moment: Moment, limits: GuardSettings) -> str | None:
     """The actuator answers, but has switched its motors off."""
     return None if moment.active else "the motors are off: reset, or watchdog"
 
 
-def overrun(moment: Moment, limits: GuardSettings) -> str | None:
-    """The loop was held up."""
-    return _above(moment.late_s, limits.late_s, "s late")
+def _most(unit: str, compared: Callable[[Moment, GuardSettings], tuple[float | None, float]]) -> Check:
+    """A guard of one number and the limit that it must not pass. A number of None is not to be judged now."""
+
+    def check(moment: Moment, limits: GuardSettings) -> str | None:
+        value, limit = compared(moment, limits)
+        return None if value is None else _above(value, limit, unit)
+
+    return check
+
+
+def _between_s(moment: Moment) -> float:
+    """Two samples may arrive close together, so their distance counts as a period at least."""
+    return max(moment.force.time_s - moment.before.time_s, moment.period_s)
 
 
 GUARDS: dict[str, Check] = {
     "force limit": force_limit,
     "sensor overload": overload,
     "lost device": lost_device,
-    "overrun": overrun,
+    # the loop was held up
+    "overrun": _most("s late", lambda now, limits: (now.late_s, limits.late_s)),
     "following": following,
     "untrusted force": untrusted_force,
-    "force rate": force_rate,
+    # force that jumps
+    "force rate": _most("N/s", lambda now, limits: (
+        abs(now.force_n - now.force_before_n) / _between_s(now), limits.force_rate_n_per_s
+    )),
     "lateral force": lateral_force,
-    "torque": torque,
-    "springs at rest": springs_at_rest,
-    "spring limit": spring_limit,
+    # the probe presses far from the middle of the sensor, or something else leans on it
+    "torque": _most("N m", lambda now, limits: (now.force.torque_size_nm, limits.torque_nm)),
+    # the springs are bent though nothing touches the probe: an encoder has a wrong zero, or a spring is broken
+    "springs at rest": _most("N by the springs at rest, with the probe free", lambda now, limits: (
+        _size(now.seen.spring_rest_n), limits.spring_rest_n
+    )),
+    # the springs are bent further than the largest force bends them, whatever the force sensor says
+    "spring limit": _most("N by the springs", lambda now, limits: (_size(now.seen.spring_n), limits.spring_n)),
     "frozen force": frozen_force,
-    "way home": way_home,
-    "travel": travel,
-    "no contact": no_contact,
-    "past contact": past_contact,
-    "motor current": motor_current,
-    "stale sensor": stale_sensor,
-    "lost camera": lost_camera,
-}
+    # the way to the retracted position leads into something: home_deg or the encoders' zeros are wrong
+    "way home": _most("N more on the way home", lambda now, _: (now.seen.rise_n, now.contact_n)),
+    # the ramp is over, and neither contact nor F_max has come
+    "travel": _most("mm", lambda now, _: (now.depth_mm, now.travel_mm)),
+    # the shaft is deeper than the specimen's surface can be, and no contact was felt
+    "no contact": _most("mm without contact", lambda now, limits: (now.seen.approach_mm, limits.contact_mm)),
+    # the specimen gives way more than it can: it is gone, or its force is not felt
+    "past contact": _most("mm past contact", lambda now, limits: (now.seen.past_contact_mm, limits.past_contact_mm)),
+    # a motor stalls, or works against something that the force sensor does not bear
+    "motor current": _most("A", lambda now, limits: (now.seen.current_a, limits.current_a)),
+    # the newest sample is old
+    "stale sensor": _most("s without a sample", lambda now, limits: (now.now_s - now.force.time_s, limits.stale_s)),
+    # no frame for too long
+    "lost camera": _most("s without a frame", lambda now, limits: (
+        None if now.frame_s is None else now.now_s - now.frame_s, limits.camera_s
+    )),
+}  # fmt: skip
 """The first that speaks names the cause: a loop held up makes samples and frames look old, motors that have gone off
 stay behind their commands, and springs are known by the motors' encoders, so what explains them comes before them.
 
@@ -297,13 +255,14 @@ def laxer_guards(rig: RigSettings) -> list[str]:
     pairs.append(("rig.max_mm_per_s", rig.max_mm_per_s, usual.max_mm_per_s))
     lines = [f"{name} = {set_to:g} protects less than {default:g}, the default" for name, set_to, default in pairs
              if (set_to < default if name.endswith("following_deg_per_s") else set_to > default)]  # fmt: skip
-    if rig.escape_mm_per_s < usual.escape_mm_per_s:
-        lines.append(
-            f"rig.escape_mm_per_s = {rig.escape_mm_per_s:g} retreats more slowly than {usual.escape_mm_per_s:g}, "
-            "the default"
-        )
-    return lines
+    own, default = rig.escape_mm_per_s, usual.escape_mm_per_s
+    slower = [f"rig.escape_mm_per_s = {own:g} retreats more slowly than {default:g}, the default"]
+    return lines + slower if own < default else lines
 
 
 def _above(value: float, limit: float, unit: str) -> str | None:
     return f"{value:.6g} {unit}, limit {limit:.4g}" if value > limit else None
+
+
+def _size(value: float | None) -> float | None:
+    return None if value is None else abs(value)

@@ -1,18 +1,28 @@
-"""May this rig do this plan? Asked before any byte is sent; nothing is clipped to fit."""
+"""May this rig do this plan, what does it let expect, and what would be sent? Asked before any byte is sent; nothing is
+clipped to fit."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
 
 from emg2vsa.devices.joints import joint_of
 from emg2vsa.devices.protocols import Rating
+from emg2vsa.dome_contact import SHEAR_OVER_NORMAL, ElasticDome, PowerLaw
 from emg2vsa.errors import ScheduleError, SettingError
-from emg2vsa.rig.executor.expected import largest_force_n
+from emg2vsa.rig.executor.witnesses import DEAD_S
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.schedules import CONDITIONS, Schedule, check
 
+_NOISE_N = 0.05
+"""Of the force sensor, at most."""
+_STIFFENING_S = 0.1
+"""How long the motors take to a new stiffness."""
+_BEYOND_LIMIT = 1.2
+"""Of the force limit: a depth at which the specimen would bear so much is too deep."""
 _ROUNDED = 1e-9
 """Share of the full preset that rounding may make."""
 Rule = tuple[str, bool, str, object]
@@ -109,3 +119,111 @@ def _schedule_rules(plan: RunPlan, schedule: Schedule, rig: RigSettings) -> Iter
     presets = plan.presets(rig.full_preset)
     for preset in (min(presets), max(presets)):
         yield "stiffness preset", low - _ROUNDED <= preset <= high + _ROUNDED, text, f"{100 * preset:.6g} %"
+
+
+def largest_force_n(plan: RunPlan, rig: RigSettings) -> float | None:
+    """Largest force along the push axis that a run without a fault may reach, N; None without the specimen's stiffness.
+
+    Above F_max the probe goes on for as long as the filter of the force, a turn of the loop, bus, motors and shaft are
+    late; the specimen answers with its stiffness at F_max, and a step of stiffness near F_max adds to the speed.
+    """
+    if plan.stiffness_n_per_mm is None:
+        return None
+    contact = ElasticDome().on(plan.stiffness_n_per_mm)
+    # a skin that sticks takes a part of the force, and resists the way along the surface too
+    slope_n_per_mm = max(_slope(contact, plan, sticks=sticks) for sticks in (False, True))
+    # two lags in series, of motors and shaft, go on by less than half the time of the slow motors of the guard
+    delay_s = (rig.filter_samples - 1) / 2 * rig.period_s + rig.period_s + DEAD_S + rig.guards.following_s / 2
+    speed_mm_per_s = plan.ramp_mm_per_s + _stiffening_mm(plan, rig) / _STIFFENING_S
+    return plan.f_max_n + slope_n_per_mm * speed_mm_per_s * delay_s + _NOISE_N
+
+
+def most_past_contact_mm(plan: RunPlan, rig: RigSettings) -> float:
+    """How far the shaft may go after contact, mm: as deep as the specimen bears a little more than the force limit, and
+    never further than the guard says."""
+    most_mm = rig.guards.past_contact_mm
+    if plan.stiffness_n_per_mm is None:
+        return most_mm
+    across = math.cos(math.radians(plan.angle_deg))
+    contact = ElasticDome().on(plan.stiffness_n_per_mm)
+    between_n = plan.f_contact_n, _BEYOND_LIMIT * rig.guards.force_n
+    first_mm, last_mm = (contact.depth_mm(force_n / across) / across for force_n in between_n)
+    return min(most_mm, last_mm - first_mm)
+
+
+def _slope(contact: PowerLaw, plan: RunPlan, *, sticks: bool) -> float:
+    """Growth of the force along the axis at F_max, N/mm."""
+    tilt_rad, share = math.radians(plan.angle_deg), SHEAR_OVER_NORMAL * sticks
+    along = math.cos(tilt_rad) + share * math.sin(tilt_rad) * math.tan(tilt_rad)
+    growth_n_per_mm = contact.resistance(contact.depth_mm(plan.f_max_n / along))[1]
+    return growth_n_per_mm * (math.cos(tilt_rad) ** 2 + share * math.sin(tilt_rad) ** 2)
+
+
+def _stiffening_mm(plan: RunPlan, rig: RigSettings) -> float:
+    """By how much the last step of stiffness before F_max, at zero load, bends the joint back."""
+    if plan.schedule is None:
+        return 0.0
+    last = plan.step_at(plan.f_max_n)
+    before, after = plan.schedule.stiffness_nm_per_rad[[max(0, last - 1), last]].tolist()
+    newton_per_m = 1 / rig.lever_m**2
+    return float(max(0.0, 1000 * plan.f_max_n * (1 / before - 1 / after) / newton_per_m))
+
+
+@dataclass(frozen=True)
+class Leg:
+    """One part of a repetition: a ramp from one position to another, or a rest, at one stiffness.
+
+    Where contact comes, and how deep each force step lies, is the specimen's to say: approach and load may each take
+    the whole ramp, so ``position_deg`` are bounds and ``at_most_s`` the longest time.
+    """
+
+    phase: str
+    position_deg: tuple[float, float]
+    preset: float
+    "Share of the full preset."
+    force_n: tuple[float, float] | None
+    "Measured force between which the leg holds; None where force does not matter."
+    at_most_s: float
+
+
+@dataclass(frozen=True)
+class DryRun:
+    """A repetition as ``legs``, and how long all repetitions may take, without the way home before the first."""
+
+    legs: tuple[Leg, ...]
+    repetitions: int
+    at_most_s: float
+    largest_force_n: float | None
+    "To be expected, along the push axis; None where the stiffness of the specimen is not known."
+    past_contact_mm: float
+    "How far the probe may go after contact before a guard ends the run."
+
+
+def dry_run(plan: RunPlan, rig: RigSettings) -> DryRun:
+    """The plan in positions, presets and durations; SettingError or ScheduleError as ``check_plan``."""
+    check_plan(plan, rig)
+    home, deep, full = rig.position_at(0.0), rig.position_at(plan.travel_mm), rig.full_preset
+    ramp_s = plan.travel_mm / plan.ramp_mm_per_s
+    first, last = plan.preset(plan.step_at(0.0), full), plan.preset(plan.step_at(plan.f_max_n), full)
+    load = tuple(
+        Leg("load", (home, deep), plan.preset(plan.step_at(low), full), (low, high), ramp_s)
+        for low, high in _steps_n(plan)
+    )
+    legs = (
+        Leg("approach", (home, deep), first, (0.0, plan.f_contact_n), ramp_s),
+        Leg("contact", (home, deep), first, (plan.f_contact_n, plan.f_max_n), plan.contact_s),
+        *load,
+        Leg("retract", (deep, home), last, None, ramp_s),
+        Leg("pause", (home, home), first, None, plan.pause_s),
+    )
+    # approach and load share one ramp
+    once_s = 2 * ramp_s + plan.contact_s + plan.pause_s
+    return DryRun(
+        legs, plan.repetitions, plan.repetitions * once_s, largest_force_n(plan, rig), most_past_contact_mm(plan, rig)
+    )
+
+
+def _steps_n(plan: RunPlan) -> list[tuple[float, float]]:
+    inner = [] if plan.schedule is None else plan.schedule.step_force_n[1:-1].tolist()
+    edges = [plan.f_contact_n, *(edge for edge in inner if plan.f_contact_n < edge < plan.f_max_n), plan.f_max_n]
+    return list(pairwise(edges))

@@ -263,16 +263,10 @@ class _Escape:
     def _check(self, contact_n: float) -> None:
         depth_mm = self._rig.depth_at(self._actuator.position_deg())
         if abs(depth_mm) > self._there_mm():
-            raise DeviceError(
-                "probe",
-                wanted="motors at the retracted position",
-                found=f"{depth_mm:.1f} mm from it",
-                do="Take it away from the specimen by hand, or by the next run.",
-            )
+            do = "Take it away from the specimen by hand, or by the next run."
+            found = f"{depth_mm:.1f} mm from it"
+            raise DeviceError("probe", wanted="motors at the retracted position", found=found, do=do)
         if self._touches(contact_n):
-            raise DeviceError(
-                "probe",
-                wanted=f"less than {contact_n:g} N at the retracted position",
-                found=f"{self.felt_n:.2f} N",
-                do="See what touches the probe; check home_deg and the zero of the force sensor.",
-            )
+            do = "See what touches the probe; check home_deg and the zero of the force sensor."
+            wanted = f"less than {contact_n:g} N at the retracted position"
+            raise DeviceError("probe", wanted=wanted, found=f"{self.felt_n:.2f} N", do=do)

@@ -17,18 +17,14 @@ from casr.camera import Camera
 from casr.dome.library import worlds
 from casr.errors import CasrError
 from casr.flow.estimate import FlowSettings
-from casr.frames.force import WINDOW, force_at_exposure
+from casr.frames.force import force_at_exposure
 from casr.scored import ScoreSettings
 from casr.stream import StreamScorer
 from emg2vsa.calibration.forms import HERTZ
 from emg2vsa.calibration.online import AREA, BOTH, OnlineCalibration, OnlineEstimator, OnlineState
-from emg2vsa.devices.device_settings import RATE_HZ
-from emg2vsa.devices.protocols import Frame
 from emg2vsa.settings import RECIPES
 
 KAPPA_FILE = "kappa.csv"
-HOLD_S = WINDOW / RATE_HZ
-"""After a frame, until the readings that tell its force have come."""
 _RECENT_FRAMES = 8
 """Whose times tell the period of the camera."""
 Rows = Sequence[tuple[float, float, float]]
@@ -237,49 +233,3 @@ class _Press:
             return float("nan")
         read_s, force_n, _ = np.array(self.readings).T
         return float(force_at_exposure(np.array(self.frame_s), read_s, force_n)[-1])
-
-
-class Held:
-    """Frames of the press that is recorded, until the readings that tell their force have come."""
-
-    def __init__(self) -> None:
-        self._frames: deque[tuple[int, Frame]] = deque()
-        self._readings: list[tuple[float, float, float]] = []
-
-    def frame(self, repetition: int, frame: Frame) -> None:
-        """A frame that was kept."""
-        self._frames.append((repetition, frame))
-
-    def force(self, time_s: float, force_n: float, depth_mm: float) -> None:
-        """A reading that was kept."""
-        self._readings.append((time_s, force_n, depth_mm))
-
-    def ready(self, *, over: bool = False) -> list[tuple[int, Frame, Rows]]:
-        """Frames whose force is known now, with the readings since the last of them. over : nothing more comes."""
-        newest_s = self._readings[-1][0] if self._readings else -np.inf
-        found: list[tuple[int, Frame, Rows]] = []
-        while self._frames and (over or self._frames[0][1].time_s + HOLD_S <= newest_s):
-            found.append((*self._frames.popleft(), self._readings))
-            self._readings = []
-        if over:
-            self._readings = []
-        return found
-
-
-@dataclass
-class Tally:
-    """What became of the frames. latencies_s : of those that were answered in real time."""
-
-    frames: int = 0
-    dropped: int = 0
-    answered: int = 0
-    latencies_s: list[float] = field(default_factory=list)
-    trouble: str = ""
-
-    def about(self) -> dict[str, Any]:
-        """For kappa.json."""
-        known = np.array(self.latencies_s) if self.latencies_s else None
-        shares = {"median_s": 50, "p95_s": 95, "largest_s": 100}
-        latency = None if known is None else {key: float(np.percentile(known, at)) for key, at in shares.items()}
-        counts = {"frames": self.frames, "dropped": self.dropped, "answered": self.answered}
-        return {**counts, "latency": latency, "trouble": self.trouble}

@@ -6,15 +6,15 @@ import contextlib
 import csv
 import io
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Literal
 
 from emg2vsa.devices.clock import LATE_PERIODS
 from emg2vsa.devices.protocols import ForceCounts, Frame
 from emg2vsa.rig.record.run_log import Row
-from emg2vsa.rig.rig_settings import LossSettings, RigSettings
+from emg2vsa.rig.rig_settings import RigSettings
 
 PRESSES_FILE = "presses.csv"
 Verdict = Literal["ok", "doubtful", "rejected"]
@@ -22,31 +22,31 @@ _VERDICTS: dict[str, Verdict] = {"ok": "ok", "doubtful": "doubtful", "rejected":
 BUSY = "the computer was busy"
 
 
-@dataclass(frozen=True)
+@dataclass
 class PressCounts:
     """One press. Counts are of its approach, contact and loading, which is what is scored; forces of all of it."""
 
     repetition: int
-    verdict: Verdict
-    why: str
-    begun_s: float
-    turned_s: float
+    verdict: Verdict = "ok"
+    why: str = ""
+    begun_s: float = 0.0
+    turned_s: float = 0.0
     "End of loading, or of the run."
-    turns: int
-    late_turns: int
-    missing_turns: int
-    latest_s: float
+    turns: int = 0
+    late_turns: int = 0
+    missing_turns: int = 0
+    latest_s: float = 0.0
     "Largest delay of a turn."
-    force_records: int
-    force_lost: int
-    force_late: int
-    force_duplicated: int
-    force_refused: int
-    frames: int
-    frames_missing: int
-    peak_force_n: float
+    force_records: int = 0
+    force_lost: int = 0
+    force_late: int = 0
+    force_duplicated: int = 0
+    force_refused: int = 0
+    frames: int = 0
+    frames_missing: int = 0
+    peak_force_n: float = 0.0
     "Largest force along push_axis, of either sign, as measured."
-    peak_lateral_n: float
+    peak_lateral_n: float = 0.0
     "Largest force across it."
     stopped: str = ""
     "At which force and why a press was stopped before the force of a whole one; empty for a whole press."
@@ -68,7 +68,12 @@ def verdicts(folder: Path) -> dict[int, tuple[Verdict, str]]:
 
     Runs of version 0.1.0 have none. Half a last line is passed over; of two lines for a press the last holds.
     """
-    return dict(_verdicts(_rows(folder)))
+    found = {}
+    for row in _rows(folder):
+        number, verdict = row.get("repetition") or "", _VERDICTS.get(row.get("verdict") or "")
+        if number.isdecimal() and verdict:
+            found[int(number)] = verdict, row.get("why") or ""
+    return found
 
 
 def peak_forces_n(folder: Path) -> dict[int, float]:
@@ -87,6 +92,15 @@ def stopped_presses(folder: Path) -> dict[int, str]:
     return {int(number): why for number, why in said.items() if number.isdecimal() and why}
 
 
+def largest_forces(folder: Path) -> tuple[float, float]:
+    """Largest force along and across the push axis of the presses that are over, N; 0 before the first."""
+    try:
+        peaks = [(float(row["peak_force_n"]), float(row["peak_lateral_n"])) for row in _rows(folder)]
+    except (ValueError, TypeError, KeyError):
+        return 0.0, 0.0
+    return max((along for along, _ in peaks), default=0.0), max((across for _, across in peaks), default=0.0)
+
+
 def _rows(folder: Path) -> list[dict[str, str]]:
     """Whole lines of presses.csv."""
     try:
@@ -96,65 +110,48 @@ def _rows(folder: Path) -> list[dict[str, str]]:
     return list(csv.DictReader(text[: text.rfind("\n") + 1].splitlines()))
 
 
-def largest_forces(folder: Path) -> tuple[float, float]:
-    """Largest force along and across the push axis of the presses that are over, N; 0 before the first."""
-    try:
-        rows = list(csv.DictReader((folder / PRESSES_FILE).read_text(encoding="utf-8").splitlines()))
-        peaks = [(float(row["peak_force_n"]), float(row["peak_lateral_n"])) for row in rows]
-    except (OSError, ValueError, TypeError, KeyError):
-        return 0.0, 0.0
-    return max((along for along, _ in peaks), default=0.0), max((across for _, across in peaks), default=0.0)
-
-
-def _verdicts(rows: Iterable[Mapping[str, str]]) -> Iterator[tuple[int, tuple[Verdict, str]]]:
-    for row in rows:
-        number, verdict = row.get("repetition") or "", _VERDICTS.get(row.get("verdict") or "")
-        if number.isdecimal() and verdict:
-            yield int(number), (verdict, row.get("why") or "")
-
-
 class PressTally:
     """Counts one press as it happens. ``forces`` : of the sensor when it begins."""
 
     def __init__(self, repetition: int, begun_s: float, rig: RigSettings, forces: ForceCounts) -> None:
-        self._repetition, self._rig, self._before, self._after = repetition, rig, forces, forces
-        self._begun_s, self._turned_s, self._turned = begun_s, begun_s, False
-        self._last_s: float | None = None
-        self._turns = self._late = self._missing = self._frames = self._frames_missing = 0
-        self._latest_s = self._peak_n = self._lateral_n = 0.0
+        self._now = PressCounts(repetition, begun_s=begun_s, turned_s=begun_s)
+        self._rig, self._before, self._after = rig, forces, forces
+        self._turned, self._last_s = False, math.nan
         self._doubts: list[tuple[Verdict, str]] = []
-        self.stopped = ""
-        "As in `PressCounts`."
 
     @property
     def repetition(self) -> int:
         """Number of the press, from 1."""
-        return self._repetition
+        return self._now.repetition
 
     def row(self, row: Row) -> None:
         """A turn."""
-        force_n, across_n = forces_of(row)
-        self._peak_n, self._lateral_n = max(self._peak_n, force_n), max(self._lateral_n, across_n)
+        now, (force_n, across_n) = self._now, forces_of(row)
+        now.peak_force_n, now.peak_lateral_n = max(now.peak_force_n, force_n), max(now.peak_lateral_n, across_n)
         # while the probe is taken away nobody keeps the beat of the loop
         if self._turned or row.phase == "escape":
             return
-        self._turns += 1
-        period_s = self._rig.period_s
-        if self._last_s is not None:
-            self._missing += max(0, round((row.time_s - self._last_s) / period_s) - 1)
-        self._last_s = self._turned_s = row.time_s
-        self._late += (row.late_s or 0.0) >= LATE_PERIODS * period_s
-        self._latest_s = max(self._latest_s, row.late_s or 0.0)
+        period_s, late_s = self._rig.period_s, row.late_s or 0.0
+        if now.turns:
+            now.missing_turns += max(0, round((row.time_s - self._last_s) / period_s) - 1)
+        now.turns += 1
+        self._last_s = now.turned_s = row.time_s
+        now.late_turns += late_s >= LATE_PERIODS * period_s
+        now.latest_s = max(now.latest_s, late_s)
 
     def frame(self, frame: Frame) -> None:
         """A frame that was kept; what is missing before the first is not of this press."""
-        self._frames_missing += frame.dropped if self._frames else 0
-        self._frames += 1
+        self._now.frames_missing += frame.dropped if self._now.frames else 0
+        self._now.frames += 1
 
     def turn_back(self, time_s: float, forces: ForceCounts) -> None:
         """The end of loading, or of the run. ``forces`` : of the sensor now. Only the first call counts."""
         if not self._turned:
-            self._turned, self._turned_s, self._after = True, time_s, forces
+            self._turned, self._now.turned_s, self._after = True, time_s, forces
+
+    def stop(self, why: str) -> None:
+        """It was stopped: at which force, and why."""
+        self._now.stopped = why
 
     def doubt(self, why: str, verdict: Verdict = "rejected") -> None:
         """Somebody else has found the press ``verdict``."""
@@ -165,27 +162,24 @@ class PressTally:
         """So far."""
         came = ForceCounts(*(after - before for after, before in zip(self._after, self._before, strict=True)))
         found = [*self._doubts, *self._judged(came)]
-        rejected = [why for verdict, why in found if verdict == "rejected"]
-        verdict: Verdict = "rejected" if rejected else "doubtful" if found else "ok"
-        return PressCounts(
-            self._repetition, verdict, "; ".join(why for _, why in found), self._begun_s, self._turned_s,
-            self._turns, self._late, self._missing, self._latest_s,
-            came.records, came.lost, came.late, came.duplicated, came.refused,
-            self._frames, self._frames_missing, self._peak_n, self._lateral_n, self.stopped,
-        )  # fmt: skip
+        verdict: Verdict = "doubtful" if found else "ok"
+        if "rejected" in (each for each, _ in found):
+            verdict = "rejected"
+        forces = {f"force_{name}": count for name, count in came._asdict().items()}
+        return replace(self._now, verdict=verdict, why="; ".join(why for _, why in found), **forces)
 
     def _judged(self, came: ForceCounts) -> Iterator[tuple[Verdict, str]]:
-        losses: LossSettings = self._rig.losses
+        now, losses = self._now, self._rig.losses
         lost = came.lost + came.late
         for of, count, whole, limits in (
-            (f"turns were late, by up to {1e3 * self._latest_s:.0f} ms: {BUSY}", self._late, self._turns,
+            (f"turns were late, by up to {1e3 * now.latest_s:.0f} ms: {BUSY}", now.late_turns, now.turns,
              losses.late_turns_percent),
-            (f"turns are missing: {BUSY}, or a device slow", self._missing, self._turns + self._missing,
+            (f"turns are missing: {BUSY}, or a device slow", now.missing_turns, now.turns + now.missing_turns,
              losses.missing_turns_percent),
             ("records of the force sensor were lost: look at its network and cable", lost, came.records + lost,
              losses.lost_force_percent),
-            ("frames are missing: look at the camera and its cable", self._frames_missing,
-             self._frames + self._frames_missing, losses.missing_frames_percent),
+            ("frames are missing: look at the camera and its cable", now.frames_missing,
+             now.frames + now.frames_missing, losses.missing_frames_percent),
         ):  # fmt: skip
             percent = 100 * count / whole if whole else 0.0
             if percent > limits[0]:

@@ -114,13 +114,8 @@ class RunLog:
             yield None if value is None else round(value * scale) if whole else float(value * scale)
 
 
-def full_force(sample: ForceSample) -> dict[str, Any]:
-    """All that a reading says: the last fields of a row, from fx_n on."""
-    return dict(zip(_OF_FORCE, loads_of(sample), strict=True))
-
-
 def loads_of(sample: ForceSample) -> tuple[Any, ...]:
-    """The same, as the last fields of a row."""
+    """All that a reading says, as the last fields of a row, from fx_n on."""
     return (*sample.loads, sample.status.code, sample.sequence)
 
 

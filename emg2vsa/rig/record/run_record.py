@@ -139,7 +139,7 @@ class RunRecord:
         force, and not as a whole one."""
         if self._judge is None or self._tally is None or not (why := self._judge.stop(self._tally.repetition)):
             return False
-        self._tally.stopped = f"at {force_n:.2f} N: {why}"
+        self._tally.stop(f"at {force_n:.2f} N: {why}")
         return True
 
     def all_forces(self, samples: Callable[[], Sequence[ForceSample]]) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.netft.config import parse_config
+from emg2vsa.devices.netft.box import parse_config
 from emg2vsa.devices.netft.datagrams import LoopbackDatagrams
 from emg2vsa.devices.netft.driver import NetFt
 from emg2vsa.devices.protocols import Devices

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
+from emg2vsa.devices.board import Board
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.protocols import Board
 from emg2vsa.devices.qbmove.springs import Springs
 from emg2vsa.devices.serial_line import ByteLine
 from emg2vsa.rig.rig_settings import RigSettings

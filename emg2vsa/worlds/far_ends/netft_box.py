@@ -14,7 +14,7 @@ from operator import add, gt, mul, sub, truediv
 
 import numpy as np
 
-from emg2vsa.devices.netft.rdt import (
+from emg2vsa.devices.netft.box import (
     INTERNAL_RATE_HZ,
     LARGEST_BUFFER,
     Command,

@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 
-from emg2vsa.devices.netft.rdt import Record, record_bytes
+from emg2vsa.devices.netft.box import Record, record_bytes
 
 Client = Callable[[bytes, float], None]
 _SEQUENCE_BYTES = 4

@@ -9,9 +9,8 @@ from http.server import BaseHTTPRequestHandler
 from typing import Any
 
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.netft.config import PATH
+from emg2vsa.devices.netft.box import PATH, Record
 from emg2vsa.devices.netft.driver import NetFt
-from emg2vsa.devices.netft.rdt import Record
 from emg2vsa.errors import DeviceError
 from emg2vsa.worlds.far_ends.netft_box import RdtBox, configuration_page
 from emg2vsa.worlds.far_ends.ports import HOST, IDLE_S, Page, Serving

@@ -11,11 +11,11 @@ import numpy as np
 
 from emg2vsa.devices.clock import FastClock, WallClock
 from emg2vsa.devices.device_settings import ForceSettings
-from emg2vsa.devices.lsl.settings import LslEmgSettings, LslForceSettings
-from emg2vsa.devices.netft.settings import NetFtSettings
-from emg2vsa.devices.rig_force.settings import RigForceSettings
+from emg2vsa.devices.lsl import LslEmgSettings, LslForceSettings
+from emg2vsa.devices.netft import NetFtSettings
+from emg2vsa.devices.rig_force import RigForceSettings
+from emg2vsa.devices.trigno import COMMAND_PORT, TrignoSettings
 from emg2vsa.devices.trigno.driver import places_of
-from emg2vsa.devices.trigno.settings import COMMAND_PORT, TrignoSettings
 from emg2vsa.errors import SettingError
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.worlds.far_ends.lsl import LslOutlets

@@ -37,7 +37,7 @@ def test_scan_lists_ports_and_ids(rig: Rig, served: SimpleNamespace) -> None:
 
 def test_scan_asks_no_port_that_is_not_named(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     adapter = SimpleNamespace(device="/dev/no-such-adapter", vid=0x0403, manufacturer="")
-    monkeypatch.setattr("emg2vsa.devices.qbmove.scan.list_ports.comports", lambda: [adapter])
+    monkeypatch.setattr("emg2vsa.devices.qbmove.conversation.list_ports.comports", lambda: [adapter])
     monkeypatch.setattr("emg2vsa.devices.serial_line.serial.Serial", lambda *args, **options: pytest.fail("opened"))
     assert rig("scan")[:2] == (0, "/dev/no-such-adapter\n  an adapter as actuators have; ask it with --port\n")
 
@@ -60,7 +60,7 @@ def test_scan_of_a_silent_line(rig: Rig, served: SimpleNamespace) -> None:
 
 
 def test_scan_without_ports(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("emg2vsa.devices.qbmove.scan.list_ports.comports", list)
+    monkeypatch.setattr("emg2vsa.devices.qbmove.conversation.list_ports.comports", list)
     assert rig("scan")[:2] == (1, "no serial port with an actuator's adapter; name another with --port\n")
 
 

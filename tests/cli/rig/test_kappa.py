@@ -222,6 +222,6 @@ def estimator_of(parent: int) -> int:
     """The child of this process that judges its presses."""
     for each in Path("/proc").glob("[0-9]*/stat"):
         fields = each.read_text().rpartition(")")[2].split()
-        if int(fields[1]) == parent and "rig.kappa.own_process" in each.with_name("cmdline").read_text():
+        if int(fields[1]) == parent and "rig.kappa.judges" in each.with_name("cmdline").read_text():
             return int(each.parent.name)
     raise AssertionError("no estimator")

@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from typing import Any
 
 from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.dynamixel import DynamixelSettings
 from emg2vsa.devices.dynamixel.driver import Dynamixel
-from emg2vsa.devices.dynamixel.settings import DynamixelSettings
 from emg2vsa.devices.serial_line import LoopbackLine
 
 PING, READ, WRITE, STATUS = 0x01, 0x02, 0x03, 0x55

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable
 
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.dynamixel.conversation import Conversation
+from emg2vsa.devices.dynamixel import REPLY_S, DynamixelSettings
+from emg2vsa.devices.dynamixel.conversation import Conversation, Status, answers
 from emg2vsa.devices.dynamixel.driver import Dynamixel
-from emg2vsa.devices.dynamixel.scan import answers
-from emg2vsa.devices.dynamixel.settings import REPLY_S, DynamixelSettings
 from emg2vsa.devices.protocols import Measurements, Parameter, Usable
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
@@ -55,19 +55,20 @@ def test_the_ping_of_the_manual() -> None:
     assert list(answers(line, VirtualClock(), [1], REPLY_S)) == ["id 1, xm430-w210, firmware 38"]
 
 
-def test_the_read_of_the_manual() -> None:
-    sent = "ff ff fd 00 01 07 00 02 84 00 04 00 1d 15"
-    line = published(sent, "ff ff fd 00 01 08 00 55 00 a6 00 00 00 8c c0")
-    answer = Conversation(line, VirtualClock(), REPLY_S).read(1, 132, 4)
-    assert answer
-    assert (answer.error, answer.alert, answer.data) == (0, False, b"\xa6\0\0\0")
-
-
-def test_the_write_of_the_manual() -> None:
-    line = published("ff ff fd 00 01 09 00 03 74 00 00 02 00 00 ca 89", "ff ff fd 00 01 04 00 55 00 a1 0c")
-    answer = Conversation(line, VirtualClock(), REPLY_S).write(1, 116, b"\0\2\0\0")
-    assert answer
-    assert (answer.error, answer.alert, answer.data) == (0, False, b"")
+@pytest.mark.parametrize(
+    ("sent", "answer", "ask", "data"),
+    [
+        ("ff ff fd 00 01 07 00 02 84 00 04 00 1d 15", "ff ff fd 00 01 08 00 55 00 a6 00 00 00 8c c0",
+         lambda talk: talk.read(1, 132, 4), b"\xa6\0\0\0"),
+        ("ff ff fd 00 01 09 00 03 74 00 00 02 00 00 ca 89", "ff ff fd 00 01 04 00 55 00 a1 0c",
+         lambda talk: talk.write(1, 116, b"\0\2\0\0"), b""),
+    ],
+    ids=["read", "write"],
+)  # fmt: skip
+def test_the_read_and_the_write_of_the_manual(
+    sent: str, answer: str, ask: Callable[[Conversation], Status], data: bytes
+) -> None:
+    assert ask(Conversation(published(sent, answer), VirtualClock(), REPLY_S)) == (0, False, data)
 
 
 def test_the_script_catches_what_is_left_over() -> None:
@@ -126,24 +127,6 @@ def test_a_gain_that_was_not_confirmed_is_written_again() -> None:
         motor.command(0, 1)  # the gain of before, and perhaps no longer the motor's
 
 
-@pytest.mark.parametrize("position_deg", [-19.96, 29.98, math.nan, math.inf])
-def test_positions_outside_the_limits_are_refused_and_nothing_is_sent(position_deg: float) -> None:
-    with scripted(*activation(limits=(1821, 2389))) as motor:
-        motor.activate()
-        with pytest.raises(DeviceError, match=r"expected a position of -19.95 to 29.97 degrees"):
-            motor.command(position_deg, 0.5)
-        with pytest.raises(DeviceError, match=r"expected a position of -19.95 to 29.97 degrees"):
-            motor.move_motors((position_deg,))
-
-
-@pytest.mark.parametrize("preset", [-0.001, 1.001, math.nan])
-def test_presets_outside_0_to_1_are_refused_and_nothing_is_sent(preset: float) -> None:
-    with scripted(*activation()) as motor:
-        motor.activate()
-        with pytest.raises(DeviceError, match="expected a preset of 0 to 1"):
-            motor.command(0, preset)
-
-
 def test_before_its_stiffness_is_measured_the_gain_supposes_one() -> None:
     with scripted(*activation(), write(116, 4, 2048 + 57), full_stiffness_nm_per_rad=None) as motor:
         motor.activate()
@@ -152,15 +135,7 @@ def test_before_its_stiffness_is_measured_the_gain_supposes_one() -> None:
         assert motor.settings.unmeasured == "full_stiffness_nm_per_rad"
 
 
-def test_nothing_is_commanded_before_the_activation() -> None:
-    with scripted() as motor:
-        with pytest.raises(DeviceError, match="Call activate first"):
-            motor.command(0, 1)
-        with pytest.raises(DeviceError, match="Call activate first"):
-            motor.current_limit_a()
-
-
-REFUSED = [
+NOT_SET_UP = [
     ({(0, 2): 1030}, r"model number: expected 1020, the xm430-w350, but found 1030. Correct \[actuator\] model"),
     ({(6, 1): 45, (7, 1): 3}, "id: expected 1, but found 3. It answers to a Secondary ID"),
     ({(13, 1): 1}, "protocol type: expected 2, but found 1"),
@@ -181,61 +156,99 @@ REFUSED = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("changed", "told"), REFUSED)
-def test_a_motor_that_is_not_set_up_is_refused_and_nothing_is_written(
-    changed: dict[tuple[int, int], int], told: str
-) -> None:
-    with scripted(*info(changed)) as motor, pytest.raises(DeviceError, match=told):
-        motor.activate()
+def limited(*ask: Pair) -> list[Pair]:
+    return [*activation(limits=(1821, 2389)), *ask]
 
 
-def test_old_firmware_is_refused_without_asking_for_what_it_lacks() -> None:
-    pairs = [pair for pair in info({(6, 1): 44}) if pair[0] not in (asked(10, 1), asked(60, 1))]
-    told = "firmware: expected 45 or newer, but found 44. Update it with DYNAMIXEL Wizard"
-    with scripted(*pairs) as motor, pytest.raises(DeviceError, match=told):
-        motor.activate()
-
-
-def test_another_series_is_refused_before_its_other_table_is_read() -> None:
-    told = "expected one of xm430-w350, .*, but found model number 1060"
-    with scripted(read(0, 2, 1060), read(6, 1, 46)) as motor, pytest.raises(DeviceError, match=told):
-        motor.activate()
-
-
-def test_a_shaft_outside_the_limits_is_refused() -> None:
-    told = "expected a shaft at -90.00 to 90.00 degrees, but found 97.03. Turn it there by hand"
-    pairs = *info({(52, 4): 1024, (48, 4): 3072}), read(132, 4, 3152)
-    with scripted(*pairs) as motor, pytest.raises(DeviceError, match=told):
-        motor.activate()
-
-
-def test_what_is_not_read_back_is_told_before_the_torque_is_on() -> None:
+def until(*last: Pair) -> list[Pair]:
+    """An activation, with the first of these as the answer to the last question like it, and those after it."""
     pairs = activation()
-    at = pairs.index(read(98, 1, 25))
-    told = r"expected 25 in Bus Watchdog \(98\), but found 0"
-    script = scripted(*pairs[:at], read(98, 1, 0), read(70, 1, 0))
-    with script as motor, pytest.raises(DeviceError, match=told):
+    at = max(place for place, (sent, _) in enumerate(pairs) if sent == last[0][0])
+    return [*pairs[:at], *last]
+
+
+def activate(motor: Dynamixel) -> None:
+    motor.activate()
+
+
+def then(act: Callable[[Dynamixel], object]) -> Callable[[Dynamixel], None]:
+    """What is refused after an activation."""
+
+    def both(motor: Dynamixel) -> None:
         motor.activate()
+        act(motor)
+
+    return both
+
+
+def setting(number_of: int, *values: float) -> Callable[[Dynamixel], object]:
+    return lambda motor: motor.set_parameter(number_of, values)
+
+
+STILL_ON = [OFF[0], OFF[1], read(64, 1, 1), read(98, 1, 0)]
+LOADED = read(70, 1, 0x20, error=0x80)
+AFTER_THE_FIRST = "expected a position of -19.95 to 29.97 degrees"
+TROUBLES = [
+    *((info(changed), activate, told) for changed, told in NOT_SET_UP),
+    ([pair for pair in info({(6, 1): 44}) if pair[0] not in (asked(10, 1), asked(60, 1))], activate,
+     "firmware: expected 45 or newer, but found 44. Update it with DYNAMIXEL Wizard"),
+    # another series, before its other table is read
+    ([read(0, 2, 1060), read(6, 1, 46)], activate, "expected one of xm430-w350, .*, but found model number 1060"),
+    ([*info({(52, 4): 1024, (48, 4): 3072}), read(132, 4, 3152)], activate,
+     "expected a shaft at -90.00 to 90.00 degrees, but found 97.03. Turn it there by hand"),
+    (until(read(98, 1, 0), read(70, 1, 0)), activate, r"expected 25 in Bus Watchdog \(98\), but found 0"),
+    (until(read(64, 1, 0, error=0x80), read(70, 1, 0x10, error=0x80)), activate, "found electrical shock. Check"),
+    *((limited(), then(lambda motor, deg=deg: motor.command(deg, 0.5)), AFTER_THE_FIRST)
+      for deg in (-19.96, 29.98, math.nan, math.inf)),
+    *((limited(), then(lambda motor, deg=deg: motor.move_motors((deg,))), AFTER_THE_FIRST) for deg in (-19.96, 29.98)),
+    *((activation(), then(lambda motor, preset=preset: motor.command(0, preset)), "expected a preset of 0 to 1")
+      for preset in (-0.001, 1.001, math.nan)),
+    ([], lambda motor: motor.command(0, 1), "Call activate first"),
+    ([], lambda motor: motor.current_limit_a(), "Call activate first"),
+    ([*activation(), write(116, 4, 2048, error=4), read(98, 1, 25)], then(lambda motor: motor.command(0, 1)),
+     r"Goal Position \(116\) done, but found the motor says a value outside its range"),
+    ([*activation(), reading(0, 0, 2048, error=0x80), LOADED], then(lambda motor: motor.measurements()),
+     "hardware error: expected none, but found overload"),
+    ([*activation(), write(116, 4, 2048, error=0x80), LOADED], then(lambda motor: motor.command(0, 1)),
+     "hardware error: expected none, but found overload"),
+    (STILL_ON * 10, lambda motor: motor.deactivate(), r"torque off.*no confirmation.*power off"),
+    ([], setting(7, 2.0), "expected another parameter than 7, ID, but found the motor would no longer answer"),
+    ([], setting(8, 3.0), "expected another parameter than 8, Baud Rate, but found the motor would no longer answer"),
+    ([], setting(13, 1.0), "expected another parameter than 13, Protocol Type"),
+    ([], setting(116, 1.0), "expected a parameter of the motor, but found 116"),
+    ([], setting(9, 255.0), "one whole number of 0 to 254 for parameter 9, Return Delay Time, but found 255"),
+    *(([], setting(9, *values), f"but found {found}") for values, found in
+      (((1.5,), "1.5"), ((1.0, 2.0), "1, 2"), ((math.nan,), "nan"), ((math.inf,), "inf"))),
+    ([], setting(20, -131073.0), "one whole number of -2048 to 2048 for parameter 20, Homing Offset"),
+    ([read(64, 1, 1)], setting(11, 5.0), "torque off while Operating Mode is set, but found"),
+    ([read(64, 1, 0), write(11, 1, 2), read(11, 1, 3), read(70, 1, 0)], setting(11, 2.0),
+     r"expected 2 in Operating Mode \(11\), but found 3"),
+    ([read(64, 1, 0), write(11, 1, 2, error=6)], setting(11, 2.0), "the motor says a value outside its limits"),
+    # the offset of before is set again
+    ([read(64, 1, 0), read(20, 4, 10), read(132, 4, 2500), *written(20, 4, -442), reading(0, 0, 2060),
+      *written(20, 4, 10)], lambda motor: motor.set_zeros(), r"a shaft at 0 degrees, but found 1.05. Hold"),
+    ([read(64, 1, 0), read(20, 4, 0), read(132, 4, -6000)], lambda motor: motor.set_zeros(),
+     r"within a turn of its encoder, but found -1.5 turns"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("pairs", "act", "told"), TROUBLES)
+def test_what_is_refused_is_told_and_nothing_more_is_sent(
+    pairs: list[Pair], act: Callable[[Dynamixel], object], told: str
+) -> None:
+    with scripted(*pairs) as motor, pytest.raises(DeviceError, match=told):
+        act(motor)
 
 
 @pytest.mark.parametrize("pulses", [-12, -11, 11, 12])
 def test_a_goal_may_follow_a_shaft_that_creeps_by_a_degree(pulses: int) -> None:
-    pairs = activation()
-    at = len(pairs) - pairs[::-1].index(read(116, 4, 2048)) - 1
-    pairs[at] = read(116, 4, 2048 + pulses)
     if abs(pulses) <= 11:
-        with scripted(*pairs) as motor:
+        crept = (read(116, 4, 2048 + pulses) if pair == read(116, 4, 2048) else pair for pair in activation())
+        with scripted(*crept) as motor:
             motor.activate()
         return
-    script = scripted(*pairs[: at + 1], read(70, 1, 0))
+    script = scripted(*until(read(116, 4, 2048 + pulses), read(70, 1, 0)))
     with script as motor, pytest.raises(DeviceError, match=r"expected 2048 in Goal Position \(116\), but found"):
-        motor.activate()
-
-
-def test_a_torque_that_a_hardware_error_keeps_off_is_told() -> None:
-    pairs = activation()[:-1]
-    script = scripted(*pairs, read(64, 1, 0, error=0x80), read(70, 1, 0x10, error=0x80))
-    with script as motor, pytest.raises(DeviceError, match=r"found electrical shock. Check the supply"):
         motor.activate()
 
 
@@ -260,30 +273,10 @@ def test_a_goal_after_the_watchdog_is_told_as_such() -> None:
         assert motor.watchdog_ran_out()
 
 
-def test_another_refusal_names_the_error() -> None:
-    told = r"Goal Position \(116\) done, but found the motor says a value outside its range"
-    with scripted(*activation(), write(116, 4, 2048, error=4), read(98, 1, 25)) as motor:
-        motor.activate()
-        with pytest.raises(DeviceError, match=told):
-            motor.command(0, 1)
-
-
-def test_a_hardware_error_ends_a_run() -> None:
-    told = "hardware error: expected none, but found overload"
-    asks = read(70, 1, 0x20, error=0x80)
-    with scripted(*activation(), reading(0, 0, 2048, error=0x80), asks, write(116, 4, 2048, error=0x80), asks) as motor:
-        motor.activate()
-        with pytest.raises(DeviceError, match=told):
-            motor.measurements()
-        with pytest.raises(DeviceError, match=told):
-            motor.command(0, 1)
-
-
 def test_deactivation_insists() -> None:
-    still_on = [OFF[0], OFF[1], read(64, 1, 1), read(98, 1, 0)]
     deaf = [(OFF[0][0], b""), OFF[1], read(64, 1, 0), read(98, 1, 255)]
     mute = [(sent, b"") for sent, _ in OFF]
-    with scripted(*still_on, *deaf, *mute, *OFF) as motor:
+    with scripted(*STILL_ON, *deaf, *mute, *OFF) as motor:
         motor.deactivate()
 
 
@@ -292,20 +285,13 @@ def test_deactivation_heeds_no_alert() -> None:
         motor.deactivate()
 
 
-def test_a_motor_that_never_confirms_is_told() -> None:
-    still_on = [OFF[0], OFF[1], read(64, 1, 1), read(98, 1, 0)]
-    with scripted(*still_on * 10) as motor, pytest.raises(DeviceError, match=r"torque off.*no confirmation.*power off"):
-        motor.deactivate()
-
-
 def test_the_context_ends_with_torque_off_and_keeps_the_first_error() -> None:
     with pytest.raises(KeyboardInterrupt), scripted(*OFF) as motor, motor:
         raise KeyboardInterrupt
-    still_on = [OFF[0], OFF[1], read(64, 1, 1), read(98, 1, 0)]
-    with pytest.raises(ZeroDivisionError) as told, scripted(*still_on * 10) as motor, motor:
+    with pytest.raises(ZeroDivisionError) as told, scripted(*STILL_ON * 10) as motor, motor:
         raise ZeroDivisionError
     assert "Switch the power off" in told.value.__notes__[0]
-    with pytest.raises(DeviceError, match="Switch the power off"), scripted(*still_on * 10) as motor, motor:
+    with pytest.raises(DeviceError, match="Switch the power off"), scripted(*STILL_ON * 10) as motor, motor:
         pass
 
 
@@ -411,61 +397,10 @@ def test_a_parameter_is_set_with_the_torque_off_and_read_back() -> None:
         assert motor.set_parameter(11, (5.0,)).values == (5,)
 
 
-@pytest.mark.parametrize(
-    ("number_of", "values", "told"),
-    [
-        (7, (2.0,), "expected another parameter than 7, ID, but found the motor would no longer answer"),
-        (8, (3.0,), "expected another parameter than 8, Baud Rate, but found the motor would no longer answer"),
-        (13, (1.0,), "expected another parameter than 13, Protocol Type"),
-        (116, (1.0,), "expected a parameter of the motor, but found 116"),
-        (9, (255.0,), "one whole number of 0 to 254 for parameter 9, Return Delay Time, but found 255"),
-        (9, (1.5,), "but found 1.5"),
-        (9, (1.0, 2.0), "but found 1, 2"),
-        (20, (-131073.0,), "one whole number of -2048 to 2048 for parameter 20, Homing Offset"),
-        (9, (math.nan,), "but found nan"),
-        (9, (math.inf,), "but found inf"),
-    ],
-)
-def test_parameters_that_are_not_set(number_of: int, values: tuple[float, ...], told: str) -> None:
-    with scripted() as motor, pytest.raises(DeviceError, match=told):
-        motor.set_parameter(number_of, values)
-
-
-def test_a_parameter_is_not_set_with_the_torque_on() -> None:
-    script = scripted(read(64, 1, 1))
-    with script as motor, pytest.raises(DeviceError, match="torque off while Operating Mode is set, but found"):
-        motor.set_parameter(11, (5.0,))
-
-
-def test_a_parameter_that_is_read_back_otherwise_is_told() -> None:
-    script = scripted(read(64, 1, 0), write(11, 1, 2), read(11, 1, 3), read(70, 1, 0))
-    with script as motor, pytest.raises(DeviceError, match=r"expected 2 in Operating Mode \(11\), but found 3"):
-        motor.set_parameter(11, (2.0,))
-
-
-def test_a_parameter_that_the_motor_refuses_is_told() -> None:
-    script = scripted(read(64, 1, 0), write(11, 1, 2, error=6))
-    with script as motor, pytest.raises(DeviceError, match="the motor says a value outside its limits"):
-        motor.set_parameter(11, (2.0,))
-
-
 def test_zeros_are_a_homing_offset() -> None:
     pairs = read(64, 1, 0), read(20, 4, -24), read(132, 4, 2500), *written(20, 4, -476), reading(0, 0, 2049)
     with scripted(*pairs) as motor:
         assert motor.set_zeros().shaft_deg == pytest.approx(0.088, abs=0.001)
-
-
-def test_zeros_that_are_not_read_back_are_taken_back() -> None:
-    pairs = read(64, 1, 0), read(20, 4, 10), read(132, 4, 2500), *written(20, 4, -442), reading(0, 0, 2060)
-    script = scripted(*pairs, *written(20, 4, 10))
-    with script as motor, pytest.raises(DeviceError, match=r"a shaft at 0 degrees, but found 1.05. Hold"):
-        motor.set_zeros()
-
-
-def test_zeros_more_than_a_turn_away_are_refused() -> None:
-    script = scripted(read(64, 1, 0), read(20, 4, 0), read(132, 4, -6000))
-    with script as motor, pytest.raises(DeviceError, match=r"within a turn of its encoder, but found -1.5 turns"):
-        motor.set_zeros()
 
 
 EEPROM = [

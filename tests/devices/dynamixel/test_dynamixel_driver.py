@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
+from emg2vsa.devices.dynamixel import DynamixelSettings
+from emg2vsa.devices.dynamixel.conversation import answers
 from emg2vsa.devices.dynamixel.driver import Dynamixel
-from emg2vsa.devices.dynamixel.scan import answers
-from emg2vsa.devices.dynamixel.settings import DynamixelSettings
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.errors import DeviceError
 from emg2vsa.worlds.far_ends.dynamixel import table
@@ -218,19 +218,8 @@ def test_a_motor_that_has_lost_its_power_is_not_active(bench: Bench) -> None:
 @pytest.mark.parametrize(
     ("address", "value", "told"),
     [
-        (table.MODEL_NUMBER, 1030, "model number: expected 1020"),
-        (table.FIRMWARE, 44, "firmware: expected 45 or newer"),
-        (13, 1, "protocol type: expected 2"),
-        (table.OPERATING_MODE, 4, "operating mode: expected 5"),
-        (table.DRIVE_MODE, 1, "drive mode: expected 0"),
-        (table.DRIVE_MODE, 4, "drive mode: expected 0"),
         (table.HOMING_OFFSET, 4096, "homing offset: expected -2048 to 2048"),
-        (table.MIN_POSITION, 4095, "position limits: expected two pulses"),
         (table.MAX_POSITION, 1000, "a shaft at -180.00 to -92.11 degrees, but found 0.00"),
-        (table.CURRENT_LIMIT, 100, "current limit: expected at least goal_current_a"),
-        (table.SHUTDOWN, 20, "shutdown: expected overload"),
-        (table.STARTUP, 1, "startup configuration: expected 0"),
-        (table.STATUS_LEVEL, 1, "status return level: expected 2"),
     ],
 )
 def test_a_motor_that_is_not_set_up_is_refused_and_keeps_its_values(

@@ -94,7 +94,7 @@ def test_channels_by_label_in_volts_on_the_session_s_clock(pylsl: Any, clock: Wa
     units = ("uV", "mV", "microvolts", "V")
     sender = Sender(pylsl, "amplifier", "EMG", ("a", "b", "c", "d"), units)
     roles = {"EDC": "c", "FDS": "b", "FCR": "d"}
-    source = LslSource("emg", roles, clock, table="session.emg", stream="amplifier", delay_s=0.004)
+    source = LslSource("emg", roles, clock, stream="amplifier", delay_s=0.004)
     begun(source, sender)
     before = source.counts().samples
     blocks = sender.run(source, 1.0)
@@ -121,7 +121,7 @@ def test_channels_by_label_in_volts_on_the_session_s_clock(pylsl: Any, clock: Wa
 
 def test_a_sender_that_is_started_anew_is_found_again(pylsl: Any, clock: WallClock) -> None:
     sender = Sender(pylsl, "force plate", "Force", ("Fz",), ("N",))
-    source = LslSource("force", {"force": None}, clock, table="session.force", stream="force plate")
+    source = LslSource("force", {"force": None}, clock, stream="force plate")
     begun(source, sender)
     times = SampleClock(FS_HZ)
     for block in sender.run(source, 3.3):
@@ -172,7 +172,7 @@ def test_streams_that_cannot_be_used(pylsl: Any, clock: WallClock, monkeypatch: 
         ("force", {"force": None}, "undescribed", DeviceError, "found ''. Let the sender state the unit"),
         ("emg", one, "left", DeviceError, "expected samples, but found no sample for 0.3 s"),
     ):  # fmt: skip
-        source = LslSource(kind, channels, clock, table=f"session.{kind}", stream=stream)
+        source = LslSource(kind, channels, clock, stream=stream)
         with pytest.raises(error) as caught:
             source.start()
         assert words in str(caught.value)
@@ -182,14 +182,14 @@ def test_streams_that_cannot_be_used(pylsl: Any, clock: WallClock, monkeypatch: 
 def test_without_pylsl(clock: WallClock, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pylsl", None)
     with pytest.raises(DeviceError, match=r'session\.force\.kind = "lsl": expected the extra.*emg2vsa\[lsl\]'):
-        LslSource("force", {"force": None}, clock, table="session.force")
+        LslSource("force", {"force": None}, clock)
 
 
 def test_stamps_of_a_foreign_clock_are_refused(pylsl: Any, clock: WallClock) -> None:
     sender = Sender(pylsl, "foreign", "Force", ("Fz",), ("N",))
     push = sender.push
     sender.push = lambda n: push(n, time.time())  # type: ignore[method-assign, assignment, misc]
-    source = LslSource("force", {"force": None}, clock, table="session.force", stream="foreign")
+    source = LslSource("force", {"force": None}, clock, stream="foreign")
     with pytest.raises(DeviceError, match="time stamps of the LSL clock"):
         begun(source, sender)
 
@@ -198,7 +198,7 @@ def test_a_read_does_not_wait_for_the_sender_s_clock(
     pylsl: Any, clock: WallClock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sender = Sender(pylsl, "slow answer", "Force", ("Fz",), ("N",))
-    source = LslSource("force", {"force": None}, clock, table="session.force", stream="slow answer")
+    source = LslSource("force", {"force": None}, clock, stream="slow answer")
     begun(source, sender)
     asked = []
     monkeypatch.setattr(source, "_set_offset", lambda inlet: (asked.append(1), time.sleep(2.0)))

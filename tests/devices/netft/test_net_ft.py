@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.netft.config import NetFtConfig, parse_config
+from emg2vsa.devices.netft.box import NetFtConfig, parse_config
 from emg2vsa.devices.netft.datagrams import Datagram, LoopbackDatagrams
 from emg2vsa.devices.netft.driver import SPARE_DATAGRAMS, NetFt
 from emg2vsa.errors import DeviceError

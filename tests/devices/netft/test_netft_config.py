@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from emg2vsa.devices.netft.config import fetch_config, parse_config
+from emg2vsa.devices.netft.box import fetch_config, parse_config
 from emg2vsa.errors import DeviceError
 
 TAGS = {

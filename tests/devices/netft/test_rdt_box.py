@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 from emg2vsa.devices.clock import WallClock
+from emg2vsa.devices.netft import NetFtSettings
+from emg2vsa.devices.netft.box import Command, parse_records, request_bytes
 from emg2vsa.devices.netft.datagrams import UdpLine
 from emg2vsa.devices.netft.driver import open_net_ft
-from emg2vsa.devices.netft.rdt import Command, parse_records, request_bytes
-from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.registry import Around
 from emg2vsa.errors import DeviceError
 from emg2vsa.worlds.far_ends.netft_box import BoxSettings, RdtBox, configuration_page

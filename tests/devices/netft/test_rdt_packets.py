@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from emg2vsa.devices.netft.rdt import Command, Record, parse_records, parse_request, record_bytes, request_bytes, steps
-from emg2vsa.devices.netft.settings import RDT_PORT
+from emg2vsa.devices.netft import RDT_PORT
+from emg2vsa.devices.netft.box import Command, Record, parse_records, parse_request, record_bytes, request_bytes, steps
 
 REQUESTS = [
     (Command.STOP, 0, "1234 0000 00000000"),

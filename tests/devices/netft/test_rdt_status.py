@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from emg2vsa.devices.netft.rdt import axia_status, netbox_status
+from emg2vsa.devices.netft.box import axia_status, netbox_status
 
 NETBOX = [
     (0x00000000, (), ()),

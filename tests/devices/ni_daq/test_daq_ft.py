@@ -7,11 +7,11 @@ import sys
 import numpy as np
 import pytest
 
-from emg2vsa.ati.cal_file import GaugeCalibration
+from emg2vsa.ati import GaugeCalibration
 from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.ni_daq import NiGaugeSettings
 from emg2vsa.devices.ni_daq.gauges import DaqFt, open_gauges
 from emg2vsa.devices.ni_daq.inputs import BUFFER_S, NiInputs
-from emg2vsa.devices.ni_daq.settings import NiGaugeSettings
 from emg2vsa.devices.registry import Around
 from emg2vsa.errors import DeviceError
 from emg2vsa.worlds.people.participant import EmulatedParticipant

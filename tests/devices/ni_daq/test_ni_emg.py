@@ -9,15 +9,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from emg2vsa.ati.cal_file import GaugeCalibration
+from emg2vsa.ati import GaugeCalibration
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.ni_daq.emg import NiEmg, open_emg
+from emg2vsa.devices.ni_daq import NiEmgSettings
 from emg2vsa.devices.ni_daq.gauges import DaqFt
-from emg2vsa.devices.ni_daq.inputs import BUFFER_S, NiInputs
-from emg2vsa.devices.ni_daq.settings import NiEmgSettings
+from emg2vsa.devices.ni_daq.inputs import BUFFER_S, NiEmg, NiInputs, open_emg
 from emg2vsa.devices.registry import Around
+from emg2vsa.devices.rig_force import RigForceSettings
 from emg2vsa.devices.rig_force.driver import RigForce
-from emg2vsa.devices.rig_force.settings import RigForceSettings
 from emg2vsa.devices.streams import Block, Source
 from emg2vsa.errors import DeviceError
 from emg2vsa.session.sample_clock import SampleClock

@@ -307,23 +307,16 @@ def webcam(**changes):
 KEEP = {"exposure": None, "gain": None, "white_balance_k": None}
 
 
-def test_what_the_camera_has_chosen_stays():
+def test_what_the_camera_has_chosen_stays_and_what_the_rig_file_says_is_set():
     capture = webcam()
     assert lock_settings(capture, KEEP, "camera") == {"exposure": 90.0, "gain": 4.0, "white_balance_k": 4600.0}
-    assert (capture.has[cv2.CAP_PROP_AUTO_EXPOSURE], capture.has[cv2.CAP_PROP_AUTO_WB]) == (1.0, 0.0)
-
-
-def test_what_the_rig_file_says_is_set():
     assert lock_settings(webcam(), KEEP | {"exposure": 156.0}, "camera")["exposure"] == 156.0
-
-
-def test_a_network_camera_knows_none_of_it():
-    assert lock_settings(Capture(), KEEP, "camera") == KEEP
+    assert lock_settings(Capture(), KEEP, "camera") == KEEP  # a network camera knows none of it
+    assert (capture.has[cv2.CAP_PROP_AUTO_EXPOSURE], capture.has[cv2.CAP_PROP_AUTO_WB]) == (1.0, 0.0)
 
 
 @pytest.mark.parametrize("key", KEEP)
 def test_a_value_that_is_not_taken_is_told(key):
-    with pytest.raises(
-        DeviceError, match=f"camera, {key}: expected 7, as the rig file says, but found a camera that does"
-    ):
+    told = f"camera, {key}: expected 7, as the rig file says, but found a camera that does"
+    with pytest.raises(DeviceError, match=told):
         lock_settings(Capture(), KEEP | {key: 7.0}, "camera")

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.protocols import Measurements
+from emg2vsa.devices.qbmove import Generation
 from emg2vsa.devices.qbmove.driver import Qbmove, Ticks
-from emg2vsa.devices.qbmove.settings import Generation
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
@@ -38,36 +38,31 @@ def test_the_script_catches_what_is_left_over() -> None:
         pass
 
 
-def test_ping() -> None:
-    with scripted(("3a3a 01 02 00 00", "3a3a 01 02 00 00")) as device:
-        assert device.answers()
+PING = "3a3a 01 02 00 00"
+MEASURED = "3a3a 01 02 84 84", "3a3a 01 08 84 09c4 fe0c 03e8 50"
 
 
-def test_ping_of_generation_7_brings_a_serial_number() -> None:
-    with scripted(("3a3a 01 02 00 00", "3a3a 01 06 00 00980001 99"), generation="v7") as device:
-        assert device.answers()
-
-
-def test_measurements() -> None:
-    measured = "3a3a 01 02 84 84", "3a3a 01 08 84 09c4 fe0c 03e8 50"
-    with scripted(measured, measured) as device:
-        assert device.ticks() == Ticks(2500, -500, 1000)
-        assert device.measurements() == Measurements((27.4658203125, -5.4931640625), 10.986328125)
-
-
-def test_the_position_is_halfway_between_the_motors() -> None:
-    with scripted(("3a3a 01 02 84 84", "3a3a 01 08 84 09c4 fe0c 03e8 50")) as device:
-        assert device.position_deg() == 1000 * DEG_PER_TICK
-
-
-def test_currents_come_from_133() -> None:
-    with scripted(("3a3a 01 02 85 85", "3a3a 01 06 85 0064 ff9c 82")) as device:
-        assert device.currents_a() == (0.1, -0.1)
-
-
-def test_deactivate_reads_back() -> None:
-    with scripted((DEACTIVATE, ""), (IS_ACTIVE, INACTIVE)) as device:
-        device.deactivate()
+@pytest.mark.parametrize(
+    ("pair", "generation", "ask", "told"),
+    [
+        ((PING, PING), "v6", Qbmove.answers, True),
+        ((PING, "3a3a 01 06 00 00980001 99"), "v7", Qbmove.answers, True),
+        ((PING, "3a3a 01 06 00 00980001 99"), "v7", Qbmove.serial_number, "0009961473"),
+        (MEASURED, "v6", Qbmove.ticks, Ticks(2500, -500, 1000)),
+        (MEASURED, "v6", Qbmove.measurements, Measurements((27.4658203125, -5.4931640625), 10.986328125)),
+        # halfway between the motors
+        (MEASURED, "v6", Qbmove.position_deg, 1000 * DEG_PER_TICK),
+        (("3a3a 01 02 85 85", "3a3a 01 06 85 0064 ff9c 82"), "v6", Qbmove.currents_a, (0.1, -0.1)),
+        # garbage before a reply costs nothing
+        ((IS_ACTIVE, "3a ff 3a3a 01 08 84 3a" + ACTIVE), "v6", Qbmove.is_active, True),
+    ],
+)
+def test_what_is_asked_and_told(
+    pair: tuple[str, str], generation: Generation, ask: Callable[[Qbmove], object], told: object
+) -> None:
+    with scripted(pair, generation=generation) as device:
+        assert ask(device) == told
+        assert device.counts.lost == 0
 
 
 def test_deactivate_insists() -> None:
@@ -90,21 +85,13 @@ def test_a_lost_or_corrupt_reply_is_asked_for_again_after_a_flush(answer: str) -
         assert device.counts.requests == 2
 
 
-def test_garbage_before_a_reply_costs_nothing() -> None:
-    with scripted((IS_ACTIVE, "3a ff 3a3a 01 08 84 3a" + ACTIVE)) as device:
-        assert device.is_active()
-        assert device.counts.lost == 0
-
-
 def test_silence_is_told_after_three_attempts() -> None:
     flush = ("01" + "00" * 127, "")
     silent = [(IS_ACTIVE, ""), flush, (IS_ACTIVE, ""), flush, (IS_ACTIVE, "")]
     with (
         scripted(*silent) as device,
         pytest.raises(
-            DeviceError,
-            match=r"script, qbmove 1: expected a reply to GET_ACTIVATE, but found none in 3 "
-            r"attempts",
+            DeviceError, match="script, qbmove 1: expected a reply to GET_ACTIVATE, but found none in 3 atte"
         ),
     ):
         device.is_active()

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Literal
+from typing import Any, Literal
 
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.qbmove import REPLY_S
+from emg2vsa.devices.qbmove.conversation import answers
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.packets import Command
-from emg2vsa.devices.qbmove.scan import answers
-from emg2vsa.devices.qbmove.settings import REPLY_S
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError
@@ -144,26 +144,17 @@ def test_the_device_stops_by_itself_when_the_driver_falls_silent(bench: Bench) -
     assert not bench.qbmove.is_active()
 
 
-@pytest.mark.parametrize("at", range(6))
-def test_any_byte_lost_on_the_way_there_costs_one_attempt(bench: Bench, at: int) -> None:
-    bench.wire.lose("to device", at)
-    assert bench.qbmove.measurements().shaft_deg == 0
-    assert bench.qbmove.counts.lost == 1
-
-
-@pytest.mark.parametrize("at", range(12))
-@pytest.mark.parametrize("how", ["lose", "corrupt"])
-def test_any_byte_lost_or_changed_on_the_way_back_costs_one_attempt(bench: Bench, at: int, how: str) -> None:
-    getattr(bench.wire, how)("to host", at)
-    assert bench.qbmove.measurements().shaft_deg == 0
-    assert bench.qbmove.counts.lost == 1
-
-
-@pytest.mark.parametrize("at", range(6))
-@pytest.mark.parametrize("mask", [0x02, 0x40, 0xFF])
-def test_any_byte_changed_on_the_way_there_costs_one_attempt(bench: Bench, at: int, mask: int) -> None:
-    # the checksum leaves the id out: a change that makes it 0, all devices, would even be answered
-    bench.wire.corrupt("to device", at, mask)
+@pytest.mark.parametrize(
+    ("how", "what"),
+    [
+        *(("lose", ("to device", at)) for at in range(6)),
+        # the checksum leaves the id out: a change that makes it 0, all devices, would even be answered
+        *(("corrupt", ("to device", at, mask)) for at in range(6) for mask in (0x02, 0x40, 0xFF)),
+        *((how, ("to host", at)) for how in ("lose", "corrupt") for at in range(12)),
+    ],
+)
+def test_any_byte_lost_or_changed_costs_one_attempt(bench: Bench, how: str, what: tuple[Any, ...]) -> None:
+    getattr(bench.wire, how)(*what)
     assert bench.qbmove.measurements().shaft_deg == 0
     assert bench.qbmove.counts.lost == 1
 

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from emg2vsa.devices.qbmove.info import QbmoveInfo
-from emg2vsa.devices.qbmove.limits import QbmoveLimits, stiffness_on_wire, watchdog_on_wire
+from emg2vsa.devices.qbmove.info import QbmoveInfo, QbmoveLimits, stiffness_on_wire
 from emg2vsa.errors import DeviceError
 
 INFO = QbmoveInfo(
@@ -74,7 +73,3 @@ def test_a_device_that_would_not_obey_is_not_ready(changed: dict[str, object], n
     LIMITS.check_ready()
     with pytest.raises(DeviceError, match=named):
         replace(LIMITS, info=replace(INFO, **changed)).check_ready()
-
-
-def test_the_watchdog_counts_in_20_ms() -> None:
-    assert [watchdog_on_wire(period_s) for period_s in (0.06, 0.5, 5.0)] == [3, 25, 250]

@@ -8,9 +8,9 @@ import pytest
 import serial
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
+from emg2vsa.devices.qbmove import BAUD, Generation
+from emg2vsa.devices.qbmove.conversation import answers
 from emg2vsa.devices.qbmove.driver import Qbmove
-from emg2vsa.devices.qbmove.scan import answers
-from emg2vsa.devices.qbmove.settings import BAUD, Generation
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.errors import DeviceError
 from emg2vsa.worlds.far_ends.ports import VirtualSerialPort

@@ -73,9 +73,6 @@ def test_info_is_read() -> None:
     assert info.position_limits_ticks == ((-15000, 14000), (-13000, 15000))
     assert (info.control_mode, info.input_mode, info.resolutions) == ("Position and current", "USB", (1, 1, 1))
     assert (info.current_limit_ma, info.max_pwm_rate, info.voltage_mv) == (1500, 12, 23812)
-
-
-def test_a_firmware_without_pwm_rate_has_none() -> None:
     assert parse_info(INFO.replace("Max pwm rate: 12\r\n", ""), "line").max_pwm_rate is None
 
 
@@ -89,9 +86,7 @@ def test_two_readings_are_equal_when_only_the_supply_differs() -> None:
 )
 def test_an_absent_line_is_named(text: str) -> None:
     with pytest.raises(
-        DeviceError,
-        match=r"line, info: expected a line '(Firmware version|.*Position.*|Max "
-        r"stiffness)",
+        DeviceError, match=r"line, info: expected a line '(Firmware version|.*Position.*|Max stiffness)"
     ):
         parse_info(text, "line")
 

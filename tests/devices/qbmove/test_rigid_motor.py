@@ -8,8 +8,7 @@ import pytest
 
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.protocols import Actuator, Measurements
-from emg2vsa.devices.qbmove.driver import Qbmove
-from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
+from emg2vsa.devices.qbmove.driver import Qbmove, RigidMotor
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.devices.serial_line import LoopbackLine
 from emg2vsa.errors import DeviceError

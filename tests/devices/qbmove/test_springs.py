@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.protocols import Measurements
-from emg2vsa.devices.qbmove.export import EXPORT
 from emg2vsa.devices.qbmove.springs import (
+    EXPORT,
     MOTOR_LIMIT_TICKS,
     RAD_PER_TICK,
     SPRINGS,

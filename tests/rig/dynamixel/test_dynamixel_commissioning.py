@@ -12,12 +12,11 @@ import numpy as np
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.dynamixel import DynamixelSettings
 from emg2vsa.devices.dynamixel.driver import Dynamixel
-from emg2vsa.devices.dynamixel.settings import DynamixelSettings
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.commissioning.checks import Check, check_rig
+from emg2vsa.rig.commissioning.checks import Check, MeasuredStiffness, check_rig, measure_stiffness
 from emg2vsa.rig.commissioning.hand_motion import HandMotion
-from emg2vsa.rig.commissioning.stiffness import MeasuredStiffness, measure_stiffness
 from emg2vsa.rig.commissioning.watchdog import WatchdogProof, prove_watchdog
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.bench.bench import EmulatedRig

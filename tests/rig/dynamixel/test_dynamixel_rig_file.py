@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from emg2vsa import rig
-from emg2vsa.devices.dynamixel.settings import DynamixelSettings
+from emg2vsa.devices.dynamixel import DynamixelSettings
 from emg2vsa.errors import StudyError
 from tests.rig.dynamixel.conftest import FULL, Files
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import freqz, group_delay
 
-from emg2vsa.rig.executor.moving_average import MovingAverage
+from emg2vsa.rig.executor.motion import MovingAverage
 
 
 def test_it_is_the_mean_of_the_last_samples():

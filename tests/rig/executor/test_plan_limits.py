@@ -11,8 +11,7 @@ import pytest
 
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.errors import InputError
-from emg2vsa.rig.executor.dry_run import dry_run
-from emg2vsa.rig.executor.plan_limits import check_plan
+from emg2vsa.rig.executor.plan_limits import check_plan, dry_run
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
 

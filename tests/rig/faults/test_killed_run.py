@@ -17,10 +17,10 @@ from benchmarks.rig.patient import as_json
 from benchmarks.rig.plans import SPECIMEN
 from casr.frame_files import open_frames
 from emg2vsa.devices.clock import WallClock
-from emg2vsa.devices.netft.settings import NetFtSettings
-from emg2vsa.devices.opencv_camera.settings import OpenCvSettings
-from emg2vsa.devices.qbmove.settings import QbmoveSettings
-from emg2vsa.devices.rig_devices import DeviceSettings
+from emg2vsa.devices.netft import NetFtSettings
+from emg2vsa.devices.opencv_camera import OpenCvSettings
+from emg2vsa.devices.qbmove import QbmoveSettings
+from emg2vsa.rig.rig_settings import DeviceSettings
 from emg2vsa.worlds.bench.bench import EmulatedRig, EmulatedServers
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 

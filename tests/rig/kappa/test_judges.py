@@ -20,9 +20,8 @@ from casr.frames import force_per_frame
 from emg2vsa.calibration.online import NO_GAIN, WIDTH_REACHED
 from emg2vsa.devices.protocols import Frame
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.kappa.judges import SameProcess, stop_text, stop_word, write_about
-from emg2vsa.rig.kappa.live_kappa import HOLD_S, Held, KappaPlan, KappaRow, last_rows, line_of, rows_of
-from emg2vsa.rig.kappa.own_process import SLOTS, OwnProcess
+from emg2vsa.rig.kappa.judges import HOLD_S, SLOTS, Held, OwnProcess, SameProcess, stop_text, stop_word, write_about
+from emg2vsa.rig.kappa.live_kappa import KappaPlan, KappaRow, last_rows, line_of, rows_of
 from emg2vsa.worlds.tactile import PressSettings, TabulatedWorld, simulate_press
 
 KAPPA = 3.35

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.record.tiff_pages import TiffPages, newest_page
+from emg2vsa.rig.record.press_recorder import TiffPages, newest_page
 
 
 def images(count, shape):

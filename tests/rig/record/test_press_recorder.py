@@ -15,8 +15,7 @@ import tifffile
 
 from casr.frame_files import open_frames, read_force_log
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.record.press_recorder import PressRecorder
-from emg2vsa.rig.record.tiff_pages import TiffPages
+from emg2vsa.rig.record.press_recorder import PressRecorder, TiffPages
 
 SHAPE = (25, 31)
 

@@ -10,13 +10,12 @@ import numpy as np
 import pytest
 
 from emg2vsa.devices.clock import VirtualClock, WallClock
+from emg2vsa.devices.netft import NetFtSettings
 from emg2vsa.devices.netft.driver import open_net_ft
-from emg2vsa.devices.netft.settings import NetFtSettings
 from emg2vsa.devices.opencv_camera.driver import OpenCvCamera
 from emg2vsa.devices.protocols import Devices
-from emg2vsa.devices.qbmove.driver import Qbmove
-from emg2vsa.devices.qbmove.rigid_motor import RigidMotor
-from emg2vsa.devices.qbmove.settings import BAUD
+from emg2vsa.devices.qbmove import BAUD
+from emg2vsa.devices.qbmove.driver import Qbmove, RigidMotor
 from emg2vsa.devices.qbmove.springs import SPRINGS
 from emg2vsa.devices.registry import Around
 from emg2vsa.devices.serial_line import LoopbackLine, SerialLine

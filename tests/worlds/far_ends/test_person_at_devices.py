@@ -11,14 +11,14 @@ import pytest
 
 from emg2vsa.devices.clock import FastClock, WallClock
 from emg2vsa.devices.device_settings import ForceSettings
-from emg2vsa.devices.lsl.settings import LslEmgSettings
+from emg2vsa.devices.lsl import LslEmgSettings
+from emg2vsa.devices.netft import NetFtSettings
 from emg2vsa.devices.netft.driver import open_net_ft
-from emg2vsa.devices.netft.settings import NetFtSettings
-from emg2vsa.devices.ni_daq.settings import NiGaugeSettings
+from emg2vsa.devices.ni_daq import NiGaugeSettings
 from emg2vsa.devices.registry import Around
-from emg2vsa.devices.rig_force.settings import RigForceSettings
+from emg2vsa.devices.rig_force import RigForceSettings
 from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
-from emg2vsa.devices.trigno.settings import TrignoSettings
+from emg2vsa.devices.trigno import TrignoSettings
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.session.views import ForceMessage, ParticipantState
 from emg2vsa.session_settings import SessionSettings

@@ -6,8 +6,8 @@ import math
 from functools import partial
 from typing import Any, get_args
 
+from emg2vsa.devices.dynamixel import Baud
 from emg2vsa.devices.dynamixel.driver import Dynamixel
-from emg2vsa.devices.dynamixel.settings import Baud
 from emg2vsa.errors import SettingError
 from emg2vsa.worlds.far_ends.actuator_end import FarEnd, Place
 from emg2vsa.worlds.far_ends.dynamixel import table as t

@@ -1,17 +1,26 @@
-"""Raw data transfer (RDT) of ATI's Net F/T box and Ethernet Axia: datagrams, their numbers and their status words.
+"""What ATI's Net F/T box and Ethernet Axia say: records by raw data transfer (RDT), and of themselves over HTTP.
 
-ATI manuals 9620-05 (Net F/T) and 9610-05 (Ethernet Axia). All numbers are big-endian.
+ATI manuals 9620-05 (Net F/T) and 9610-05 (Ethernet Axia). All numbers are big-endian. The counts of a record mean
+nothing without the scales and units of the web page.
 """
 
 from __future__ import annotations
 
+import http.client
+import math
+from dataclasses import dataclass
 from enum import IntEnum
 from functools import lru_cache
 from struct import Struct
 from typing import NamedTuple
+from xml.etree import ElementTree
 
-from emg2vsa.devices.protocols import SensorStatus
+from emg2vsa.ati import FORCE_N, TORQUE_NM, unit_in_si
+from emg2vsa.devices.protocols import Rating, SensorStatus
+from emg2vsa.errors import DeviceError
 
+PATH = "/netftapi2.xml"
+_NO_BOX = "Check that the address is that of a Net F/T box."
 INTERNAL_RATE_HZ = 7000
 "Of a box's samples; it sends every one, or every second, third, ..."
 LARGEST_BUFFER = 40
@@ -152,3 +161,87 @@ def _status(word: int, names: dict[int, str], fault_bits: int, warnings: tuple[s
     if word & ANY_ERROR and not faults and not warnings:
         faults = ["an error without a cause"]
     return SensorStatus(word, tuple(faults), warnings)
+
+
+@dataclass(frozen=True)
+class NetFtConfig:
+    """Settings of a box that are needed to read its records.
+
+    n_per_count, nm_per_count : size of a count, N and N·m.
+    rate_hz : records a second.
+    axia : an Ethernet Axia, else a Net F/T box; their status words differ.
+    product, calibration_serial : as told; empty when not.
+    rating : of the transducer (``cfgmr``); None when it is not told as six numbers above 0.
+    """
+
+    n_per_count: float
+    nm_per_count: float
+    rate_hz: float
+    axia: bool = False
+    product: str = ""
+    calibration_serial: str = ""
+    rating: Rating | None = None
+
+
+def fetch_config(host: str, port: int = 80, timeout_s: float = 2.0) -> NetFtConfig:
+    """The active configuration of the box at ``host``. Raises DeviceError when it does not answer or makes no sense."""
+    where = f"http://{host}:{port}{PATH}"
+    # straight to the box: a proxy set for the web does not know it
+    connection = http.client.HTTPConnection(host, port, timeout=timeout_s)
+    try:
+        connection.request("GET", PATH)
+        answer = connection.getresponse()
+        page = answer.read()
+    except (OSError, http.client.HTTPException) as error:
+        do = "Check address, cable and power."
+        raise DeviceError(where, wanted="the box's configuration", found=str(error), do=do) from error
+    finally:
+        connection.close()
+    if answer.status != http.client.OK:
+        found = f"HTTP status {answer.status}"
+        raise DeviceError(where, wanted="the box's configuration", found=found, do=_NO_BOX)
+    return parse_config(page, where)
+
+
+def parse_config(page: bytes, where: object = PATH) -> NetFtConfig:
+    """Configuration from the page the box serves. Raises DeviceError when a scale, unit or rate is missing or odd."""
+    try:
+        tags = {element.tag: (element.text or "").strip() for element in ElementTree.fromstring(page).iter()}
+    except ElementTree.ParseError as error:
+        raise DeviceError(where, wanted="the box's configuration as XML", found=str(error), do=_NO_BOX) from error
+    if tags.get("comrdte", "Enabled") in ("Disabled", "0"):
+        do = "Enable RDT on the Communications page."
+        raise DeviceError(where, wanted="raw data transfer enabled", found="disabled", do=do)
+    product = tags.get("prodname", "")
+    newton = unit_in_si(FORCE_N, tags.get("scfgfu", ""), f"{where}, scfgfu")
+    newton_metre = unit_in_si(TORQUE_NM, tags.get("scfgtu", ""), f"{where}, scfgtu")
+    return NetFtConfig(
+        n_per_count=newton / _number(tags, "cfgcpf", where),
+        nm_per_count=newton_metre / _number(tags, "cfgcpt", where),
+        rate_hz=_number(tags, "comrdtrate", where),
+        axia="axia" in product.lower(),
+        product=product,
+        calibration_serial=tags.get("cfgcalsn", ""),
+        rating=_rating(tags.get("cfgmr", ""), newton, newton_metre),
+    )
+
+
+def _rating(text: str, newton: float, newton_metre: float) -> Rating | None:
+    try:
+        fx, fy, fz, tx, ty, tz = map(float, text.rstrip("; ").split(";"))
+    except ValueError:
+        return None
+    if not all(0 < value < math.inf for value in (fx, fy, fz, tx, ty, tz)):
+        return None
+    return Rating((fx * newton, fy * newton, fz * newton), (tx * newton_metre, ty * newton_metre, tz * newton_metre))
+
+
+def _number(tags: dict[str, str], tag: str, where: object) -> float:
+    try:
+        value = float(tags.get(tag, "nothing"))
+    except ValueError:
+        value = math.nan
+    if not 0 < value < math.inf:
+        found, do = repr(tags[tag]) if tag in tags else "nothing", "Check the box's configuration and firmware."
+        raise DeviceError(f"{where}, {tag}", wanted="a number above 0", found=found, do=do)
+    return value

@@ -1,4 +1,5 @@
-"""ATI .cal files: from the six gauge voltages of a DAQ transducer to force and torque."""
+"""ATI transducers: their .cal files, from the six gauge voltages to force and torque; and the units of ATI's boxes and
+calibration files, by name, in N, N·m and m."""
 
 from __future__ import annotations
 
@@ -10,8 +11,24 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.ati.units import FORCE_N, LENGTH_M, TORQUE_NM, unit_in_si
 from emg2vsa.errors import DeviceError
+
+LBF_N = 4.4482216152605
+KGF_N = 9.80665
+INCH_M = 0.0254
+
+FORCE_N = {"lbf": LBF_N, "N": 1.0, "klbf": 1e3 * LBF_N, "kN": 1e3, "kgf": KGF_N, "gf": 1e-3 * KGF_N}
+TORQUE_NM = {
+    "lbf-in": LBF_N * INCH_M,
+    "lbf-ft": LBF_N * 12 * INCH_M,
+    "N-m": 1.0,
+    "N-mm": 1e-3,
+    "kgf-cm": 1e-2 * KGF_N,
+    "kN-m": 1e3,
+}
+LENGTH_M = {"in": INCH_M, "ft": 12 * INCH_M, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
+
+_SPELLINGS = {"Nm": "N-m", "Nmm": "N-mm", "kNm": "kN-m", "kg-cm": "kgf-cm", "in-lbf": "lbf-in", "ft-lbf": "lbf-ft"}
 
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 
@@ -30,6 +47,16 @@ class GaugeCalibration:
     wrench_per_volt: NDArray[np.float64]
     range_v: tuple[float, float]
     largest: tuple[float, ...] | None = None
+
+
+def unit_in_si(units: dict[str, float], name: str, where: object) -> float:
+    """Size of the unit ``name`` of one of the tables above in N, N·m or m. Raises DeviceError when it is not there."""
+    name = name.strip()
+    size = units.get(_SPELLINGS.get(name, name))
+    if size is None:
+        do = "Choose one of these on the sensor's configuration page, or give the right file."
+        raise DeviceError(where, wanted=f"one of the units {', '.join(units)}", found=repr(name), do=do)
+    return size
 
 
 def read_calibration(path: Path | str) -> GaugeCalibration:

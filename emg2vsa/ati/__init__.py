@@ -1,1 +1,0 @@
-"""ATI transducers: the calibration file that comes with one, and the units it is written in."""
