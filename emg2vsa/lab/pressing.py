@@ -27,6 +27,7 @@ from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig_file import RigFile, load_rig
 from emg2vsa.rig_file.plans import Run, chosen_runs, ordered, plans_of, read_schedules
 from emg2vsa.schedules.document import document_of
+from emg2vsa.study_file.problems import shown
 from emg2vsa.worlds.bench.controls import ArtificialEffect, effect_of
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 from emg2vsa.worlds.bench.virtual_run import run_virtual
@@ -228,8 +229,8 @@ def check_same_presses(runs: Path, name: str, plan: RunPlan, rig: RigSettings, *
         for key, before in _pressed_with(folder / PLAN_FILE).items():
             if key in now and before != (today := now[key]):
                 do = "Take the earlier setting again, or move the folder away and begin anew, or choose another --out."
-                wanted = f"{key} = {_brief(today)}, as the rig file and its schedules say now"
-                raise DataError(folder / PLAN_FILE, wanted=wanted, found=_brief(before), do=do)
+                wanted = f"{key} = {shown(today)}, as the rig file and its schedules say now"
+                raise DataError(folder / PLAN_FILE, wanted=wanted, found=shown(before), do=do)
 
 
 def _made_with(document: Mapping[str, Any]) -> dict[str, Any]:
@@ -249,11 +250,6 @@ def _pressed_with(path: Path) -> dict[str, Any]:
         return _made_with(json.loads(path.read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError, KeyError, AttributeError):
         return {}
-
-
-def _brief(value: object) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def dry_run(file: RigFile, runs: Sequence[Run] = ()) -> dict[Run, DryRun | str]:
