@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from casr.atomic import write_text_atomic
 from emg2vsa.session.views import ForceMessage, ParticipantState
+from emg2vsa.worlds import VERSION
 from emg2vsa.worlds.people.mistakes import OF_HAND, Mistake
 from emg2vsa.worlds.people.person import Person, cocontraction_v, spread
 
@@ -171,8 +172,8 @@ class EmulatedParticipant:
             presses = [{k: _or_none(v) for k, v in asdict(press).items()} for press in self.presses]
             wrong = [{k: _or_none(v) for k, v in asdict(each).items()} for each in self.afflictions]
         return {
-            "participant": self.person.name, "specimens": responses, "muscle_share": self.person.muscle_share,
-            "presses": presses, "sensors_wrong": wrong,
+            "world": VERSION, "participant": self.person.name, "specimens": responses,
+            "muscle_share": self.person.muscle_share, "presses": presses, "sensors_wrong": wrong,
         }  # fmt: skip
 
     def write_truth(self, path: Path) -> None:

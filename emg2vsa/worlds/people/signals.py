@@ -26,8 +26,8 @@ EMG_DRIFT_V, EMG_DRIFT_HZ = 3e-6, 1.0
 "Baseline drift of each EMG channel, rms, and the frequency it ends at."
 FORCE_DRIFT_N, FORCE_DRIFT_HZ = 0.01, 0.02
 "Drift of the force sensor, rms, and the frequency it ends at."
-PAGE = 1 << 16
-"Samples of a page of a stream without an end: about a minute at 1 kHz."
+EMG_PAGE, FORCE_PAGE = 1 << 14, 1 << 16
+"Samples of a page of a stream without an end: some seconds of EMG, a minute of force, whose drift is slower."
 
 
 def muscle_spectrum(frequency_hz: FloatArray) -> FloatArray:
@@ -98,7 +98,7 @@ class Electrode:
     page : samples whose random numbers are drawn together, at least 1.
     """
 
-    def __init__(self, rng: np.random.Generator, fs_hz: float, faults: Faults, page: int = PAGE) -> None:
+    def __init__(self, rng: np.random.Generator, fs_hz: float, faults: Faults, page: int = EMG_PAGE) -> None:
         self._fs_hz, self._faults = fs_hz, faults
         self._phase, self._taken = rng.uniform(0, 2 * np.pi), 0
 
@@ -125,7 +125,7 @@ class ForceSensor:
     """True force as a sensor with offset, slow drift and white noise reports it."""
 
     def __init__(
-        self, rng: np.random.Generator, fs_hz: float, *, noise_n: float, offset_n: float = 0.0, page: int = PAGE
+        self, rng: np.random.Generator, fs_hz: float, *, noise_n: float, offset_n: float = 0.0, page: int = FORCE_PAGE
     ) -> None:
         self._offset_n = offset_n
 

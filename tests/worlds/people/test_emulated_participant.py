@@ -19,6 +19,7 @@ from emg2vsa.devices.clock import FastClock, VirtualClock
 from emg2vsa.errors import SettingError
 from emg2vsa.session.views import Command, ForceMessage, ParticipantState
 from emg2vsa.study_file import load_study
+from emg2vsa.worlds import VERSION
 from emg2vsa.worlds.people.mistakes import parse_mistakes
 from emg2vsa.worlds.people.participant import EmulatedParticipant, TruePress
 from emg2vsa.worlds.people.person import Person, Response, person_of
@@ -238,6 +239,7 @@ def test_truth_is_written_as_json(tmp_path: Path) -> None:
     table.person.write_truth(tmp_path / "truth.json")
     truth = json.loads((tmp_path / "truth.json").read_text())
     assert truth["specimens"]["S5"]["b_v"] == 7e-6
+    assert truth["world"] == VERSION
     assert truth["presses"][0]["mistake"] == "aborted"
     assert truth["presses"][0]["stop_s"] is None
 
