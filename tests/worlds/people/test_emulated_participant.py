@@ -21,9 +21,9 @@ from emg2vsa.session.views import Command, ForceMessage, ParticipantState
 from emg2vsa.study_file import load_study
 from emg2vsa.worlds import VERSION
 from emg2vsa.worlds.people.mistakes import parse_mistakes
-from emg2vsa.worlds.people.participant import EmulatedParticipant, TruePress
+from emg2vsa.worlds.people.participant import Affliction, EmulatedParticipant, TruePress
 from emg2vsa.worlds.people.person import Person, Response, person_of
-from emg2vsa.worlds.people.sensors import EmgSampler, SimulatedSource, simulated_emg, simulated_force
+from emg2vsa.worlds.people.sensors import EmgSampler, SimulatedSource, felt_n, simulated_emg, simulated_force
 
 PALPATION = Path(__file__).parents[3] / "studies" / "palpation" / "study.toml"
 PERSON = Person(
@@ -181,6 +181,7 @@ def test_a_maximum_contraction_lifts_no_force() -> None:
     pulling = np.concatenate(table.emg)[len(rest) + 2000 :]
     assert np.abs(pulling).mean(axis=0).sum() == pytest.approx(PERSON.contraction_v, rel=0.05)
     assert np.abs(rest).mean() < 0.05 * np.abs(pulling).mean()
+    assert table.person.cocontraction_v(np.array([3.5, 3.9])) == pytest.approx([PERSON.contraction_v] * 2)
     assert not table.person.presses
     assert np.concatenate(table.force_samples).max() < 0.2
     table.command = "wait"
@@ -197,6 +198,15 @@ def test_the_same_seed_gives_the_same_samples_however_they_are_taken() -> None:
     once = taken([2700])
     assert np.array_equal(once, taken([27] * 100))
     assert np.abs(once[:, 2]).max() < 20e-6
+
+
+def test_a_sensor_is_wrong_between_its_times_within_one_block() -> None:
+    person = EmulatedParticipant(PERSON)
+    person.afflictions += [Affliction("electrode-off", "EDC", 0.5, 1.0), Affliction("sensor-offset", "", 0.5, 1.0)]
+    lifted = np.abs(EmgSampler(person, ("EDC", "FDS"), FS_HZ).take(3000)) > 100e-6
+    assert np.flatnonzero(lifted.any(axis=1))[[0, -1]] == pytest.approx([1000, 1999], abs=3)
+    assert not lifted[:, 1].any()
+    assert felt_n(person, np.array([0.49, 0.5, 0.99, 1.0])).tolist() == [0.0, 0.25, 0.25, 0.0]
 
 
 def test_two_sessions_of_one_seed_are_one() -> None:
@@ -257,6 +267,7 @@ def test_the_participant_of_a_study_is_that_of_simulate() -> None:
     study = load_study(PALPATION)
     person = person_of(study, "P07")
     assert person.responses["S3"] == Response(28e-6, 13e-6, 3.35)
+    assert PERSON.usual == pytest.approx((29e-6, 13.5e-6, 3.0))
     with pytest.raises(SettingError, match=r"P99.*P01, P02"):
         person_of(study, "P99")
 

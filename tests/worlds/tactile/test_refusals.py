@@ -13,6 +13,7 @@ from casr.errors import InputError
 from emg2vsa.worlds.tactile import (
     Appearance,
     ContactWorld,
+    PressPlan,
     PressSettings,
     Scatter,
     Scene,
@@ -61,6 +62,13 @@ def on(sensor: Sensor) -> Scene:
         (lambda: TabulatedWorld(friction="glue"), "dome, friction: .* but found A glue"),
         (lambda: TabulatedWorld(dome="Z"), "found Z stick"),
         (lambda: TabulatedWorld(tables="nowhere/at/all"), "nowhere"),
+        (lambda: PressPlan(specimens=("S1", "S9")), "--specimens: expected specimens of the paper, .* but found S9"),
+        (lambda: PressPlan(angles=(0.0, 90.0)), "--angles: expected degrees from 0 to below 90, but found 0, 90"),
+        (lambda: PressPlan(force_max_n=0.5), "--force-max-n: expected more than the force of first contact, 0.5 N"),
+        (
+            lambda: PressPlan(stick_force_n=1.0),
+            "--stick-force-n: expected it with --world stick, .* found --world tab",
+        ),
         (lambda: on(Sensor()), "pin_length_mm, on a dome of 20 mm"),
         (lambda: on(Sensor(pin_length_mm=3.0, dome_radius_mm=25.0)), "pin_length_mm"),
         (lambda: casr_truth([1, 2], [1, 2], rule="ols"), "rule: expected slope or paper, but found 'ols'"),
