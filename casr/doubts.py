@@ -115,8 +115,6 @@ def _pair(own: Stretch, other: Stretch) -> tuple[float, float] | None:
     return own.between(low_n, high_n), other.between(low_n, high_n)
 
 
-_Array = NDArray[np.float64]
-
 STILL_SHARE = 0.25  # of the rise of the force; over it a contact moves its pins by a good part of their way
 STILL_PX, STILL_OF_ALL = 0.02, 0.01  # less motion than this, and than this part of the farthest, is none
 BACK = 0.3  # of the farthest motion of the press; more means that the frames go back
@@ -163,7 +161,7 @@ def doubts_on_motion(frames: NDArray[np.intp], force_n: ArrayLike, moved_px: Arr
     return (*_still(frames, force, moved), *_back(frames, force, moved))
 
 
-def _still(frames: NDArray[np.intp], force_n: _Array, moved_px: _Array) -> tuple[str, ...]:
+def _still(frames: NDArray[np.intp], force_n: Array, moved_px: Array) -> tuple[str, ...]:
     """The longest stretch without motion over which the force rises by a good part of all its rise."""
     least_n = STILL_SHARE * float(force_n.max() - force_n.min())
     room_px = max(STILL_PX, STILL_OF_ALL * float(moved_px.max()))
@@ -183,7 +181,7 @@ def _still(frames: NDArray[np.intp], force_n: _Array, moved_px: _Array) -> tuple
     )
 
 
-def _back(frames: NDArray[np.intp], force_n: _Array, moved_px: _Array) -> tuple[str, ...]:
+def _back(frames: NDArray[np.intp], force_n: Array, moved_px: Array) -> tuple[str, ...]:
     """The largest way back towards rest while the force does not fall."""
     best, found = BACK * float(moved_px.max()), ""
     top = 0

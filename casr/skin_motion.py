@@ -88,9 +88,9 @@ class SeenLoading:
         """The next frame after 0, and how far each pin seen in it is from its place in frame 0, (n,) px."""
         if moved_px.size == 0:
             return
+        moved = int(np.sum(moved_px > self._threshold_px))
         self._farthest_pin_px = max(self._farthest_pin_px, float(moved_px.max()))
-        self._most = max(self._most, int(np.sum(moved_px > self._threshold_px)))
-        self._touched = self._touched or touched(moved_px, self._threshold_px)
+        self._most, self._touched = max(self._most, moved), self._touched or moved >= TOUCHED_PINS
         if self.first is None:
             if not self._touched:
                 return
@@ -110,7 +110,7 @@ class SeenLoading:
         NoContactError where nothing touches, FramesError where loading has fewer than two frames.
         """
         if self.first is None:
-            raise nothing_touched(self._threshold_px, self._farthest_pin_px, self._most, rest_px)
+            raise self.nothing_touched(rest_px)
         if self.last <= self.first:
             raise FramesError(
                 "loading phase", wanted="at least two frames in contact while the pins move away from rest",
@@ -120,6 +120,21 @@ class SeenLoading:
         frames = np.arange(self.first, self.last + 1)
         return LoadingPhase(0, frames, (f"{note} on average; there is no spread rate",))
 
+    def nothing_touched(self, rest_px: NDArray[np.float64]) -> NoContactError:
+        """What to say of the frames taken if nothing touches in them; pins at (N, 2) in frame 0."""
+        do = "Begin with a frame at rest, lower threshold_px (--threshold-px), or give the region."
+        if not on_lattice(rest_px):
+            do = (
+                "Frame 0 shows no lattice of pins: only sensors with pins can be scored. If it has some, help to find "
+                "them (--pitch, --contrast, --min-area, --dark-pins)."
+            )
+        return NoContactError(
+            "pins",
+            wanted=f"{TOUCHED_PINS} pins that move more than {self._threshold_px:g} px from frame 0 in one frame",
+            found=f"at most {self._most} of {len(rest_px)}; "
+            f"the farthest that any moves is {self._farthest_pin_px:.2f} px", do=do,
+        )  # fmt: skip
+
 
 def first_touch(sequence: FrameSequence, threshold_px: float, pins: PinSettings | None = None) -> int:
     """The first frame in which three pins have moved more than ``threshold_px`` from where they are in frame 0.
@@ -127,32 +142,10 @@ def first_touch(sequence: FrameSequence, threshold_px: float, pins: PinSettings 
     NoContactError : there is none. PinsError : too few pins in frame 0.
     """
     tracker = PinTracker(pins)
-    rest_px = tracker.start(sequence[0]).centroids_px
-    most, farthest_px = 0, 0.0
+    rest_px, seen = tracker.start(sequence[0]).centroids_px, SeenLoading(threshold_px)
     for index in range(1, len(sequence)):
         moved_px = np.hypot(*(tracker.step(sequence[index]) - tracker.knock_px - rest_px).T)
-        moved_px = moved_px[np.isfinite(moved_px)]
-        if touched(moved_px, threshold_px):
+        seen.take(index, moved_px[np.isfinite(moved_px)])
+        if seen.first is not None:
             return index
-        most = max(most, int(np.sum(moved_px > threshold_px)))
-        farthest_px = max(farthest_px, float(moved_px.max(initial=0.0)))
-    raise nothing_touched(threshold_px, farthest_px, most, rest_px)
-
-
-def touched(moved_px: NDArray[np.float64], threshold_px: float) -> bool:
-    """Whether enough pins have moved far enough, of (n,) distances, px."""
-    return int(np.sum(moved_px > threshold_px)) >= TOUCHED_PINS
-
-
-def nothing_touched(threshold_px: float, farthest_px: float, most: int, rest_px: NDArray[np.float64]) -> NoContactError:
-    """What to say of frames in which at most so many pins moved, the farthest so far, of those at (N, 2) in frame 0."""
-    do = "Begin with a frame at rest, lower threshold_px (--threshold-px), or give the region."
-    if not on_lattice(rest_px):
-        do = (
-            "Frame 0 shows no lattice of pins: only sensors with pins can be scored. If it has some, help to find them "
-            "(--pitch, --contrast, --min-area, --dark-pins)."
-        )
-    return NoContactError(
-        "pins", wanted=f"{TOUCHED_PINS} pins that move more than {threshold_px:g} px from frame 0 in one frame",
-        found=f"at most {most} of {len(rest_px)}; the farthest that any moves is {farthest_px:.2f} px", do=do,
-    )  # fmt: skip
+    raise seen.nothing_touched(rest_px)

@@ -99,11 +99,7 @@ EXPLAINED, MOST_SHARE = 0.05, 0.5
 
 
 def contact_front(
-    rest_px: Array,
-    pins_px: Array,
-    camera: Camera | None,
-    library: Library,
-    fits: Sequence[FrontFit] | None = None,
+    rest_px: Array, pins_px: Array, camera: Camera | None, library: Library, fits: Sequence[FrontFit] | None = None
 ) -> ContactFront:
     """The contact in T frames: by the library of finite-element domes, analytically where that explains far more, or by
     both.

@@ -123,11 +123,7 @@ def library_fits(
 
 
 def library_front(
-    rest_px: Array,
-    pins_px: Array,
-    camera: Camera | None,
-    library: Library,
-    fits: Sequence[FrontFit] | None = None,
+    rest_px: Array, pins_px: Array, camera: Camera | None, library: Library, fits: Sequence[FrontFit] | None = None
 ) -> ContactFront:
     """The contact in T frames.
 

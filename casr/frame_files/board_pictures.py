@@ -18,8 +18,8 @@ from casr.camera_calibration import Board, Calibration, Charuco, Chessboard, Vie
 from casr.errors import CameraError, FramesError, SettingError
 from casr.frame_files.camera_file import read_camera
 from casr.frame_files.folder import folder_contents
-from casr.frame_files.pages import PAGE_KINDS
-from casr.frame_files.trouble import check_exists, unreadable
+from casr.frame_files.pages import PAGE_KINDS, image_in
+from casr.frame_files.trouble import check_exists
 
 
 def picture_files(paths: Iterable[Path]) -> list[Path]:
@@ -44,17 +44,9 @@ def read_picture(path: Path) -> NDArray[np.uint8]:
 
     Raises FramesError when it cannot be read or is no image.
     """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise unreadable(path, error) from error
-    how = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), how) if data else None
+    image, found = image_in(path, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION)
     if image is None:
-        raise FramesError(
-            path, wanted="an image", found=f"{len(data)} bytes that do not decode" if data else "an empty file",
-            do="Leave it out.",
-        )  # fmt: skip
+        raise FramesError(path, wanted="an image", found=found, do="Leave it out.")
     return image.astype(np.uint8, copy=False)
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from casr.errors import FramesError
-from casr.frame_files.trouble import other_size, undecodable, unreadable
+from casr.frame_files.trouble import OneSize, undecodable, unreadable
 from casr.images import Grey, as_grey
 
 # OpenCV keeps still about broken images: our errors name the file and the frame
@@ -18,21 +20,11 @@ if "OPENCV_LOG_LEVEL" not in os.environ:
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
 
 # suffix -> kind; a folder holds frames of one kind
-PAGE_KINDS = {
-    ".png": "PNG",
-    ".bmp": "BMP",
-    ".jpg": "JPEG",
-    ".jpeg": "JPEG",
-    ".tif": "TIFF",
-    ".tiff": "TIFF",
-}
+PAGE_KINDS = {".png": "PNG", ".bmp": "BMP", ".jpg": "JPEG", ".jpeg": "JPEG", ".tif": "TIFF", ".tiff": "TIFF"}
 
 
-class PageFrames:
-    """Image files of one folder, in the order given, decoded when asked for.
-
-    FramesError : files of different kinds; on reading, a file that is no image or has another size.
-    """
+class PageFrames(OneSize):
+    """Image files of one folder, in the order given. FramesError : files of different kinds, too."""
 
     def __init__(self, files: list[Path]) -> None:
         kinds = sorted({PAGE_KINDS[file.suffix.lower()] for file in files})
@@ -42,33 +34,28 @@ class PageFrames:
                 do="Move the images that are not frames to another folder.",
             )  # fmt: skip
         self.name = files[0].parent.name
-        self.notes: tuple[str, ...] = (
-            ("JPEG frames carry compression errors of some grey levels",) if kinds == ["JPEG"] else ()
-        )
-        self._folder = files[0].parent
+        self.notes = ("JPEG frames carry compression errors of some grey levels",) if kinds == ["JPEG"] else ()
         self._names = [file.name for file in files]
-        self.shape: tuple[int, int] = _decode(self._folder / self._names[0], 0).shape
+        super().__init__(files[0].parent, len(files))
 
-    def __len__(self) -> int:
-        return len(self._names)
+    def _file(self, index: int) -> Path:
+        return self._path / self._names[index]
 
-    def read(self, index: int) -> Grey:
-        file = self._folder / self._names[index]
-        frame = _decode(file, index)
-        if frame.shape != self.shape:
-            raise other_size(file, index, frame.shape, self.shape)
-        return frame
+    def _decoded(self, index: int) -> Grey:
+        image, found = image_in(self._file(index), cv2.IMREAD_UNCHANGED)
+        if image is None:
+            raise undecodable(self._file(index), index, found)
+        return as_grey(image, where=f"{self._file(index)}, frame {index}")
 
 
-def _decode(file: Path, index: int) -> Grey:
+def image_in(file: Path, how: int) -> tuple[NDArray[Any] | None, str]:
+    """Pixels by ``cv2.imdecode``; None where the file is no image, and what it is then. FramesError : unreadable."""
     try:
         data = file.read_bytes()
     except OSError as error:
         raise unreadable(file, error) from error
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
-    if image is None:
-        raise undecodable(file, index, f"{len(data)} bytes that do not decode" if data else "an empty file")
-    return as_grey(image, where=f"{file}, frame {index}")
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), how) if data else None
+    return image, f"{len(data)} bytes that do not decode" if data else "an empty file"
 
 
 class NpyFrames:

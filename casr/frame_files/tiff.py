@@ -14,7 +14,7 @@ import tifffile
 from numpy.typing import NDArray
 
 from casr.errors import FramesError
-from casr.frame_files.trouble import other_size, undecodable, unreadable
+from casr.frame_files.trouble import OneSize, undecodable, unreadable
 from casr.images import Grey, as_grey
 
 Decode = Callable[[int], NDArray[Any]]
@@ -48,32 +48,20 @@ class _Complaints(logging.Handler):
         self.said.append(f"the file is damaged or incomplete: {record.getMessage()}")
 
 
-class TiffFrames:
+class TiffFrames(OneSize):
     """Pages of one TIFF file, counted without decoding, read where they lie, one at a time.
 
     The file stays open as long as this object lives. A file that tifffile cannot decode without further packages
     (LZW, JPEG, palettes, separate colour planes) is decoded by OpenCV.
-
-    FramesError : the first page does not decode; on reading, a page that is damaged or has another size.
     """
 
     def __init__(self, path: Path, file: tifffile.TiffFile, n_pages: int, notes: tuple[str, ...]) -> None:
         self.name, self.notes = path.stem, notes
-        self._path = path
         weakref.finalize(self, file.close)
-        self._n, self._decode = _hidden_stack(path, file) or (n_pages, _decoder(path, file, n_pages))
-        self.shape: tuple[int, int] = self._grey(0).shape
+        n_frames, self._decode = _hidden_stack(path, file) or (n_pages, _decoder(path, file, n_pages))
+        super().__init__(path, n_frames)
 
-    def __len__(self) -> int:
-        return self._n
-
-    def read(self, index: int) -> Grey:
-        frame = self._grey(index)
-        if frame.shape != self.shape:
-            raise other_size(self._path, index, frame.shape, self.shape)
-        return frame
-
-    def _grey(self, index: int) -> Grey:
+    def _decoded(self, index: int) -> Grey:
         try:
             pixels = self._decode(index)
         except Exception as error:  # a damaged page fails anywhere in a decoder, in any way

@@ -1,18 +1,16 @@
-"""How the readers say that a file, or one frame of it, cannot be read."""
+"""How the readers say that a file, or one frame of it, cannot be read; frames that must be of one size."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from casr.errors import FramesError
+from casr.images import Grey
 
 
 def unreadable(path: Path, error: OSError) -> FramesError:
     """The operating system refuses the path."""
-    advice = {
-        FileNotFoundError: "Check the path.",
-        PermissionError: "Give yourself the right to read it.",
-    }
+    advice = {FileNotFoundError: "Check the path.", PermissionError: "Give yourself the right to read it."}
     return FramesError(
         path, wanted="a file or folder that can be read", found=error.strerror or str(error),
         do=advice.get(type(error), "Check the path and the disk."),
@@ -35,9 +33,33 @@ def undecodable(path: Path, index: int, found: str) -> FramesError:
     )  # fmt: skip
 
 
-def other_size(path: Path, index: int, shape: tuple[int, ...], wanted: tuple[int, int]) -> FramesError:
-    """One frame differs in size from the first."""
-    return FramesError(
-        f"{path}, frame {index}", wanted=f"{wanted[1]} x {wanted[0]} px like frame 0",
-        found=f"{shape[1]} x {shape[0]} px", do="Keep only the frames of one recording together.",
-    )  # fmt: skip
+class OneSize:
+    """Frames of one size, decoded one at a time when asked for.
+
+    FramesError : the first does not decode; on reading, one that is damaged or has another size than the first.
+    """
+
+    name: str
+    notes: tuple[str, ...]
+
+    def __init__(self, path: Path, n_frames: int) -> None:
+        self._path, self._n = path, n_frames
+        self.shape: tuple[int, int] = self._decoded(0).shape
+
+    def __len__(self) -> int:
+        return self._n
+
+    def _decoded(self, index: int) -> Grey:
+        raise NotImplementedError
+
+    def _file(self, index: int) -> Path:
+        return self._path
+
+    def read(self, index: int) -> Grey:
+        frame = self._decoded(index)
+        if frame.shape != self.shape:
+            raise FramesError(
+                f"{self._file(index)}, frame {index}", wanted=f"{self.shape[1]} x {self.shape[0]} px like frame 0",
+                found=f"{frame.shape[1]} x {frame.shape[0]} px", do="Keep only the frames of one recording together.",
+            )  # fmt: skip
+        return frame

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from casr.decoder_process import DecoderFailed, DecoderLost, InChild, Limits
 from casr.errors import FramesError, PassingError
-from casr.frame_files.trouble import other_size, undecodable, unreadable
+from casr.frame_files.trouble import OneSize, undecodable, unreadable
 from casr.images import Grey, as_grey
 
 # codecs that give back the grey levels they were given
@@ -71,7 +71,7 @@ class VideoFrames:
 open_file = VideoFrames
 
 
-class VideoDecoder:
+class VideoDecoder(OneSize):
     """Frames of a video, decoded one after the other; made in the child process.
 
     A container's own frame count may be wrong, so the packets are counted, without decoding them. Seeking is exact
@@ -89,22 +89,12 @@ class VideoDecoder:
         self._capture = _opened(path)
         claimed, codec = self._capture.get(cv2.CAP_PROP_FRAME_COUNT), self._capture.get(cv2.CAP_PROP_FOURCC)
         times_ms = _packet_times(path)
-        self._n = len(times_ms)
         self._stamped = self._keeps_stamps(times_ms)
         self._halfway_ms = (times_ms[1:] + times_ms[:-1]) / 2
-        if len(self) == 0:
+        if times_ms.size == 0:
             raise undecodable(path, 0, "a video without frames")
-        self.notes = _notes(len(self), int(claimed), int(codec))
-        self.shape: tuple[int, int] = self._decoded(0).shape
-
-    def __len__(self) -> int:
-        return self._n
-
-    def read(self, index: int) -> Grey:
-        frame = self._decoded(index)
-        if frame.shape != self.shape:
-            raise other_size(self._path, index, frame.shape, self.shape)
-        return frame
+        self.notes = _notes(times_ms.size, int(claimed), int(codec))
+        super().__init__(path, times_ms.size)
 
     def read_from(self, first: int, count: int) -> list[Grey]:
         """``count`` frames from ``first`` on; fewer where the video ends or a later one of them is damaged."""

@@ -152,12 +152,7 @@ def spreading_picture(
     )
 
 
-def flow_picture(
-    image: NDArray[Any],
-    flow: NDArray[np.float32],
-    region_px: NDArray[np.float64],
-    span: str,
-) -> Picture:
+def flow_picture(image: NDArray[Any], flow: NDArray[np.float32], region_px: NDArray[np.float64], span: str) -> Picture:
     """Dense flow (H, W, 2), px, as arrows, and its divergence inside the region, a (K, 2) polygon."""
     inside = region_mask(region_px, (image.shape[0], image.shape[1])) > 0.5
     low, high = region_px.min(axis=0), region_px.max(axis=0)

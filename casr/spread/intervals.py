@@ -55,11 +55,7 @@ def student_quantile(confidence: float, freedom: float) -> float:
     Expansion in 1/freedom (Abramowitz and Stegun 1964, 26.7.5): 1 % off at three degrees of freedom.
     """
     z = normal_quantile(confidence)
-    terms = (
-        (z**3 + z) / 4,
-        (5 * z**5 + 16 * z**3 + 3 * z) / 96,
-        (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / 384,
-    )
+    terms = ((z**3 + z) / 4, (5 * z**5 + 16 * z**3 + 3 * z) / 96, (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / 384)
     return z + sum(term / freedom**power for power, term in enumerate(terms, start=1))
 
 

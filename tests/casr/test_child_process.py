@@ -81,11 +81,7 @@ def test_one_thread_an_ordinary_priority_and_no_ctrl_c(start) -> None:
 
 @pytest.mark.parametrize(
     ("function", "died_of"),
-    [
-        ("half", ("killed", True)),
-        ("leave", ("exit code 3", False)),
-        ("fault", ("segmentation fault", False)),
-    ],
+    [("half", ("killed", True)), ("leave", ("exit code 3", False)), ("fault", ("segmentation fault", False))],
 )
 def test_a_child_that_dies_while_it_answers_is_noticed_and_says_of_what(start, function, died_of) -> None:
     child = start(function)

@@ -107,11 +107,7 @@ ANY = st.floats(allow_nan=False, allow_infinity=False)
         depth_mm=ABOVE_ZERO,
         distortion=st.sampled_from([0, 4, 5, 8]).flatmap(lambda n: st.tuples(*[ANY] * n)),
         frame_rate_hz=ABOVE_ZERO,
-        sensor=st.builds(
-            Sensor,
-            pin_length_mm=st.none() | ABOVE_ZERO,
-            dome_radius_mm=st.none() | ABOVE_ZERO,
-        ),
+        sensor=st.builds(Sensor, pin_length_mm=st.none() | ABOVE_ZERO, dome_radius_mm=st.none() | ABOVE_ZERO),
     )
 )
 def test_what_is_written_is_read_back_exactly(tmp_path, camera):
