@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.bench.record import keep
-from benchmarks.rig.known_calibration import known_calibration
+from benchmarks.rig.plans import known_calibration
 from emg2vsa.calibration_file import write_calibration
 
 RIG = """\

@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.optical_flow_data import Flow, Frames, barron_output, middlebury, translating_tree, yosemite
+from benchmarks.tactile.flow_scores import angular_error_deg, endpoint_error_px, percent_error
 from benchmarks.tactile.jacobi import relaxed
 from benchmarks.tactile.method import Method
-from benchmarks.tactile.metrics import angular_error_deg, endpoint_error_px, percent_error
 from benchmarks.tactile.ours import NATURAL_IMAGES, horn_schunck_method
 from benchmarks.tactile.peers import dense_peers, pin_peers
 from benchmarks.tactile.table import Cell, Table

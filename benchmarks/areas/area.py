@@ -9,7 +9,7 @@ from benchmarks.bench.case import Area, Case, Size
 
 def first_area(size: Size) -> Iterator[Case]:
     """Equal work: one area for each press, pins known."""
-    from benchmarks.tactile.press_cases import area_cases
+    from benchmarks.tactile.press_scores import area_cases
 
     return area_cases(size)
 

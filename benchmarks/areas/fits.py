@@ -23,7 +23,7 @@ def exponential(size: Size) -> Iterator[Case]:
 
 def coverage(size: Size) -> Iterator[Case]:
     """Intervals of b, which correlated samples make too short."""
-    from benchmarks.statistics.coverage_cases import coverage_cases
+    from benchmarks.statistics.sample_cases import coverage_cases
 
     return coverage_cases(size)
 

@@ -9,7 +9,7 @@ from benchmarks.bench.case import Area, Case, Size
 
 def spread_rate(size: Size) -> Iterator[Case]:
     """Frames in memory to dA/dF, by front and by skin."""
-    from benchmarks.tactile.press_cases import scoring_cases
+    from benchmarks.tactile.press_scores import scoring_cases
 
     return scoring_cases(size)
 

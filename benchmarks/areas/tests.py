@@ -37,14 +37,14 @@ def normality(size: Size) -> Iterator[Case]:
 
 def mixed_models(size: Size) -> Iterator[Case]:
     """Balanced mixed models, inside and at the boundary."""
-    from benchmarks.statistics.mixed_cases import mixed_cases
+    from benchmarks.statistics.group_cases import mixed_cases
 
     return mixed_cases(size)
 
 
 def nist(size: Size) -> Iterator[Case]:
     """NIST's analyses of variance."""
-    from benchmarks.statistics.nist_samples import anova_cases
+    from benchmarks.statistics.sample_cases import anova_cases
 
     return anova_cases(size)
 

@@ -13,8 +13,8 @@ from pathlib import Path
 from subprocess import PIPE, Popen
 from typing import Any
 
+from benchmarks.bench.measure import one_thread_environment
 from benchmarks.bench.results import AreaResult, from_json, to_json
-from benchmarks.bench.threads import one_thread_environment
 from casr.terminal import finite
 from emg2vsa.errors import DataError
 

@@ -1,18 +1,146 @@
-"""One area measured in this process."""
+"""One area measured in this process.
+
+Peak memory of one call, in a process of its own.
+
+On what a benchmark ran: processor, load, libraries. No host names and no paths.
+
+One thread for everybody: processor time adds threads up, so a threaded way would look slower than it is.
+"""
 
 from __future__ import annotations
 
+import ctypes
+import os
+import platform
+import re
+import subprocess
+import sys
 import warnings
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import replace
+from importlib import metadata
+from pathlib import Path
 from typing import Any
 
+import emg2vsa
 from benchmarks.bench.case import Area, Case, NotHere, Size, Way
-from benchmarks.bench.machine import machine
-from benchmarks.bench.memory import peak_mb
 from benchmarks.bench.results import AreaResult, CaseResult, Row, digits_of
-from benchmarks.bench.threads import pin_loaded
 from benchmarks.bench.timing import Timed, first_call, timed
+
+CLEAR, STATUS = Path("/proc/self/clear_refs"), Path("/proc/self/status")
+HOW = "Memory is the peak of resident pages during one call less those before it, in a forked process (Linux)."
+
+
+def peak_mb(run: Callable[[], Any]) -> float | None:
+    """Megabytes that one call adds at most to those the process holds; None where the system cannot say.
+
+    The call runs in a fork, so inputs and libraries are loaded and not counted, and its writes are lost.
+    """
+    if sys.platform != "linux":
+        return None
+    read_end, write_end = os.pipe()
+    pid = os.fork()
+    if pid == 0:
+        try:
+            os.write(write_end, repr(_added_kb(run) / 1024).encode())
+        finally:
+            os._exit(0)
+    os.close(write_end)
+    with os.fdopen(read_end) as answer:
+        text = answer.read()
+    os.waitpid(pid, 0)
+    return float(text) if text else None
+
+
+def _added_kb(run: Callable[[], Any]) -> int:
+    _give_back()
+    CLEAR.write_text("5")  # the peak becomes what is held now
+    before = _peak_kb()
+    output = run()
+    after = _peak_kb()
+    del output
+    return after - before
+
+
+def _give_back() -> None:
+    """Give memory that is held but free back to the system: taken again, it would not be seen."""
+    with suppress(AttributeError, OSError):  # another library of C than GNU's
+        ctypes.CDLL("libc.so.6").malloc_trim(0)
+
+
+def _peak_kb() -> int:
+    found = re.search(r"VmHWM:\s+(\d+) kB", STATUS.read_text())
+    assert found
+    return int(found.group(1))
+
+
+ALWAYS = ("numpy", "scipy", "pandas", "opencv-contrib-python-headless", "numba")
+
+
+def machine(peers: tuple[str, ...] = ()) -> dict[str, Any]:
+    """processor, cores, load (1 min), system, python, emg2vsa, revision, libraries (name -> version)."""
+    return {
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+        "load": round(os.getloadavg()[0], 1) if hasattr(os, "getloadavg") else None,
+        "system": platform.system(),
+        "python": platform.python_version(),
+        "emg2vsa": emg2vsa.__version__,
+        "revision": revision(),
+        "libraries": {name: version for name in sorted({*ALWAYS, *peers}) if (version := _version(name))},
+    }
+
+
+def revision(folder: Path | None = None) -> str | None:
+    """Short hash of the checkout, with ``+`` where the sources were changed; None without git."""
+    where = folder or Path(__file__).resolve().parents[2]
+    try:
+        said = [
+            subprocess.run(["git", "-C", str(where), *words], capture_output=True, text=True, check=True).stdout.strip()
+            for words in (
+                ("rev-parse", "--short=9", "HEAD"),
+                ("status", "--porcelain", "-uno", "--", "emg2vsa", "casr", "benchmarks"),
+            )
+        ]
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return said[0] + ("+" if said[1] else "")
+
+
+def _processor() -> str:
+    try:
+        found = re.search(r"model name\s*:\s*(.+)", Path("/proc/cpuinfo").read_text())
+    except OSError:
+        found = None
+    return found.group(1).strip() if found else platform.processor() or platform.machine()
+
+
+def _version(name: str) -> str | None:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+VARIABLES = (
+    "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS", "NUMEXPR_NUM_THREADS",
+    "NUMBA_NUM_THREADS", "POLARS_MAX_THREADS",
+)  # fmt: skip
+
+
+def one_thread_environment() -> dict[str, str]:
+    """The environment of a child process whose libraries take one thread."""
+    return os.environ | dict.fromkeys(VARIABLES, "1")
+
+
+def pin_loaded() -> None:
+    """One thread for the libraries that count threads of their own and are already loaded."""
+    if "cv2" in sys.modules:
+        sys.modules["cv2"].setNumThreads(1)
+    if "torch" in sys.modules:
+        sys.modules["torch"].set_num_threads(1)
+
 
 Say = Callable[[str], None]
 

@@ -1,10 +1,14 @@
-"""Time against error of a case, and time against size of a family, as SVG 600 px wide."""
+"""Time against error of a case, and time against size of a family, as SVG 600 px wide.
+
+How processor time grows with size: exponents with their standard errors.
+"""
 
 from __future__ import annotations
 
 import io
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib as mpl
@@ -16,11 +20,49 @@ from matplotlib.text import Annotation
 from matplotlib.ticker import LogFormatterMathtext, LogLocator, NullLocator
 from matplotlib.transforms import Bbox
 
-from benchmarks.bench.growth import Growth, growths
 from benchmarks.bench.results import AreaResult, CaseResult, Row
 from benchmarks.bench.tables import slug
 from casr.atomic import write_bytes_atomic
 from casr.palette import BLUE, GREEN, GREY, GRID, INK, MUTED, PURPLE, RED, SKY, YELLOW
+
+
+@dataclass(frozen=True)
+class Growth:
+    """One way over the cases of a family. exponent : slope of log time over log size; se : its standard error, NaN
+    with two sizes."""
+
+    label: str
+    ours: bool
+    sizes: tuple[float, ...]
+    median_ms: tuple[float, ...]
+    exponent: float
+    se: float
+
+
+def growths(cases: Sequence[CaseResult]) -> list[Growth]:
+    """Of every way that was measured at two sizes or more."""
+    points: dict[tuple[str, bool], list[tuple[float, float]]] = {}
+    for case in cases:
+        for row in case.rows:
+            if row.median_ms:
+                points.setdefault((row.label, row.ours), []).append((case.size, row.median_ms))
+    grown = []
+    for (label, ours), known in points.items():
+        if len({size for size, _ in known}) > 1:
+            sizes, times = zip(*sorted(known), strict=True)
+            grown.append(Growth(label, ours, sizes, times, *exponent(known)))
+    return grown
+
+
+def exponent(points: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Least-squares slope of log y over log x, and its standard error."""
+    x, y = np.log(np.array(points)).T
+    dx = x - x.mean()
+    slope = float(dx @ y / (dx @ dx))
+    left = y - y.mean() - slope * dx
+    se = np.sqrt(left @ left / (x.size - 2) / (dx @ dx)) if x.size > 2 else np.nan
+    return slope, float(se)
+
 
 WIDTH_IN = 6.25  # 450 points, which browsers show as 600 px
 STYLE = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
-from benchmarks.bench.memory import HOW
+from benchmarks.bench.measure import HOW
 from benchmarks.bench.results import AreaResult, CaseResult, Row
 from benchmarks.bench.timing import Spread
 

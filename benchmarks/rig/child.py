@@ -38,7 +38,7 @@ class BareLoop:
 @contextmanager
 def served_rig(real_time: bool) -> Iterator[Served]:
     """Start it and end it. ``real_time``: no program keeps it waiting, as none does a real device."""
-    with _module("benchmarks.rig.served") as process:
+    with _module("benchmarks.rig.plans") as process:
         at = json.loads(_lines(process).readline())
         if real_time:
             _make_real_time(process.pid)
@@ -56,7 +56,7 @@ def served_rig(real_time: bool) -> Iterator[Served]:
 @contextmanager
 def bare_loop(rate_hz: float) -> Iterator[BareLoop]:
     """Start and end it; scheduled as the program that starts it."""
-    with _module("benchmarks.rig.bare_loop", str(rate_hz)) as process:
+    with _module("benchmarks.rig.loop_run", str(rate_hz)) as process:
         bare = BareLoop()
         yield bare
         bare.timing = LoopTiming(**json.loads(process.communicate()[0]))

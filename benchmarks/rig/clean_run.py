@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.rig.logs import read_log
+from benchmarks.rig.fault_case import read_log
 from benchmarks.rig.plans import modular_plan, rigid_plan
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.protocols import Devices, ForceSample, ForceSensor

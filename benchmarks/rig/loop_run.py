@@ -1,27 +1,51 @@
-"""One run of the executor against the emulated rig in another process, and what is to be known of its timing."""
+"""One run of the executor against the emulated rig in another process, and what is to be known of its timing.
+
+The beat of the control loop with nothing to do: ``python -m benchmarks.rig.loop_run RATE`` until its input ends.
+
+What this loop misses, on the same machine at the same time, no loop can keep. The timing is printed as JSON.
+"""
 
 from __future__ import annotations
 
+import json
 import os
 import resource
+import sys
 import tempfile
+import threading
 import time
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from benchmarks.rig.child import bare_loop, hogs, served_rig
-from benchmarks.rig.logs import read_log
+from benchmarks.rig.fault_case import read_log
 from benchmarks.rig.plans import modular_plan
 from benchmarks.rig.step_latency import StepLatency, TimedActuator, step_latency
-from emg2vsa.devices.clock import LoopTiming, WallClock, undisturbed
+from emg2vsa.devices.clock import Beat, LoopTiming, WallClock, ahead, undisturbed
 from emg2vsa.devices.protocols import Devices
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.open_rig import open_rig
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import DeviceSettings, GuardSettings, RigSettings
+
+
+def main() -> None:
+    """Beat until standard input is closed."""
+    ended = threading.Event()
+    threading.Thread(target=lambda: (sys.stdin.read(), ended.set()), daemon=True).start()
+    beat = Beat(WallClock(), 1 / float(sys.argv[1]))
+    with ahead():
+        while not ended.is_set():
+            beat.wait()
+    print(json.dumps(asdict(beat.timing())))
+
+
+if __name__ == "__main__":
+    main()
+
 
 PATIENT = GuardSettings(stale_s=1.0, camera_s=2.0, late_s=1.0)
 """What is measured must not end the measurement; the run of a rig is ended by a turn that is 50 ms late."""

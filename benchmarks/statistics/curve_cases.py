@@ -9,8 +9,8 @@ import pandas as pd
 from scipy import optimize, stats
 
 from benchmarks.bench.case import Case, Size, Way
+from benchmarks.nist import Numbers, columns, exact_rows, worst_error
 from benchmarks.statistics.exact_curves import exact_exponential, exact_log_fit
-from benchmarks.statistics.numbers import Numbers, columns, exact_rows, worst_error
 from benchmarks.statistics.peers import lmfit, pingouin, statsmodels_api, statsmodels_formula
 from emg2vsa.curves.exponential import fit_exponential
 from emg2vsa.curves.logarithmic import fit_log

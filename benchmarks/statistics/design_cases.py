@@ -13,10 +13,10 @@ from mpmath import mp, mpf
 from scipy import stats
 
 from benchmarks.bench.case import Case, Size, Way
+from benchmarks.nist import Exact, Numbers, looped, worst_error
 from benchmarks.statistics.exact_laws import chi2_survival, f_survival
 from benchmarks.statistics.exact_tests import fractions, mean, midranks, mpq, squares
 from benchmarks.statistics.mean_peers import tables
-from benchmarks.statistics.numbers import Exact, Numbers, looped, worst_error
 from benchmarks.statistics.peers import pingouin, statsmodels_api
 from emg2vsa.statistics.anova import welch
 from emg2vsa.statistics.bootstrap import bca

@@ -11,7 +11,7 @@ import pandas as pd
 from scipy import stats
 
 from benchmarks.bench.case import Way
-from benchmarks.statistics.numbers import Numbers, looped
+from benchmarks.nist import Numbers, looped
 from benchmarks.statistics.peers import pingouin, scikit_posthocs, statsmodels_api, statsmodels_formula
 
 UPPER = np.triu_indices(5, 1)

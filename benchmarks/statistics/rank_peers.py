@@ -11,8 +11,8 @@ import pandas as pd
 from scipy import stats
 
 from benchmarks.bench.case import Way
+from benchmarks.nist import Numbers, looped
 from benchmarks.statistics.mean_peers import tables
-from benchmarks.statistics.numbers import Numbers, looped
 from benchmarks.statistics.peers import pingouin, scikit_posthocs
 
 UPPER = np.triu_indices(3, 1)

@@ -1,22 +1,160 @@
-"""Normality of 70 samples of ten: Kolmogorov-Smirnov with its exact p, Lilliefors, Shapiro-Wilk."""
+"""Normality of 70 samples of ten: Kolmogorov-Smirnov with its exact p, Lilliefors, Shapiro-Wilk.
+
+NIST's analyses of variance.
+
+Intervals of b on simulated presses: what the choices of points and weights promise, and what they hold.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from decimal import Decimal
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from mpmath import mpf
-from scipy import special, stats
+from scipy import signal, special, stats
 
 from benchmarks.bench.case import Case, Size, Way
-from benchmarks.statistics.exact_tests import exact_ks, exact_shapiro
-from benchmarks.statistics.numbers import Exact, Numbers, exact_rows, worst_error
-from benchmarks.statistics.peers import pingouin, statsmodels_api
+from benchmarks.nist import Exact, Numbers, digits, exact_rows, nist_files, worst_error
+from benchmarks.statistics.exact_tests import exact_ks, exact_shapiro, f_statistic, fractions, mpq
+from benchmarks.statistics.peers import pingouin, statsmodels_api, statsmodels_formula
+from emg2vsa.curves.force_bins import bin_edges
+from emg2vsa.curves.press_fits import fit_presses
+from emg2vsa.settings import FitSettings
+from emg2vsa.statistics.anova import one_way
 from emg2vsa.statistics.lilliefors import lilliefors
 from emg2vsa.statistics.normality import ks_normal, shapiro_wilk
+
+
+def anova_cases(size: Size) -> Iterator[Case]:
+    """One case for each set; the error is that of F. NotHere where NIST's data are absent."""
+    for path in nist_files("nist_anova")[: size.pick(2, None)]:
+        yield _anova_case(path)
+
+
+def _anova_case(path: Path) -> Case:
+    text, certified = _read(path)
+    decimals = [[Decimal(value) for value in group] for group in text]
+    doubles = np.array(text, dtype=np.float64)
+    ways = (
+        Way("emg2vsa", "one_way, doubles", lambda: one_way(doubles).f[0], "equal"),
+        Way("emg2vsa", "one_way, decimal text", lambda: one_way(decimals).f[0], "as used", "the file's own digits"),
+        Way("scipy", "f_oneway", lambda: stats.f_oneway(*doubles).statistic, "equal"),
+        *_anova_peers(doubles),
+    )
+    truth = f"NIST's certified F; the data as doubles allow {digits_allowed(path):.1f} digits"
+    return Case(
+        f"NIST {path.stem}", doubles.size, "values", ways, lambda f: 10 ** -digits(f, certified), "relative", truth
+    )
+
+
+def digits_allowed(path: Path) -> float:
+    """Digits of F that are left when the data of a set are rounded to doubles, all else exact."""
+    text, certified = _read(path)
+    return digits(float(mpq(f_statistic(fractions(np.array(text, dtype=np.float64)))[0])), certified)
+
+
+def _read(path: Path) -> tuple[list[list[str]], str]:
+    """Values of each group as text, and the certified F."""
+    lines = path.read_text().splitlines()
+    groups: dict[str, list[str]] = {}
+    for group, value in (line.split() for line in lines[60:] if len(line.split()) == 2):
+        groups.setdefault(group, []).append(value)
+    return list(groups.values()), next(line.split()[-1] for line in lines[40:60] if line.startswith("Between"))
+
+
+def _anova_peers(doubles: np.ndarray) -> Iterator[Way]:
+    table = pd.DataFrame({"y": doubles.ravel(), "g": np.repeat(np.arange(len(doubles)), doubles.shape[1])})
+    if statsmodels_api is not None:
+
+        def anova_lm() -> Any:
+            return statsmodels_api.stats.anova_lm(statsmodels_formula.ols("y ~ C(g)", table).fit())["F"].iloc[0]
+
+        def anova_oneway() -> Any:
+            return statsmodels_api.stats.anova_oneway(list(doubles), use_var="equal").statistic
+
+        yield Way("statsmodels", "anova_lm", anova_lm, "equal")
+        yield Way("statsmodels", "anova_oneway", anova_oneway, "equal")
+    if pingouin is not None:
+        yield Way("pingouin", "anova", lambda: pingouin.anova(table, dv="y", between="g")["F"].iloc[0], "equal")
+
+
+A_V, B_V = 30e-6, 15e-6
+FS_HZ, DURATION_S = 1000, 2.5
+WAYS = {
+    "bins, weighted (default)": FitSettings(),
+    "bins, robust": FitSettings(robust=True),
+    "bins, unweighted": FitSettings(weights="none"),
+    "samples at 100 Hz": FitSettings(points="samples", weights="none"),
+}
+Interval = tuple[np.ndarray, np.ndarray]
+"Low and high of b, V, one press each."
+
+
+def coverage_cases(size: Size) -> Iterator[Case]:
+    """Envelopes of Gaussian carriers on a ramp of force, whose samples are correlated."""
+    n = size.pick(20, 1000)
+    force_n, v = simulate(n)
+    slow_n, slow_v = force_n[:, ::10], v[:, ::10]
+    ways = [
+        Way("emg2vsa", f"fit_presses, {name}", _fitted(slow_n, slow_v, settings), "equal")
+        for name, settings in WAYS.items()
+    ]
+    ways.append(Way("scipy", "linregress on samples at 1000 Hz, loop", lambda: _linregress(force_n, v), "as used"))
+    chance = 100 * np.sqrt(0.95 * 0.05 / n)
+    yield Case(
+        f"95 % intervals of b of {n} presses",
+        n,
+        "presses",
+        tuple(ways),
+        _coverage_error,
+        "points of coverage off 95 %",
+        f"how many of {n} intervals hold the true b; chance alone is {chance:.1f} points",
+    )
+
+
+def simulate(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Force (n, 2500) and activity of presses of 2.5 s: carriers of two muscles, 60 to 40, FIR envelope, no noise."""
+    rng = np.random.default_rng(3)
+    n_samples, edge = int(DURATION_S * FS_HZ), FS_HZ // 2
+    force_n = 0.5 + 6.5 * np.arange(-edge, n_samples + edge) / (n_samples - 1)
+    level_v = A_V + B_V * np.log(np.maximum(force_n, 0.2))
+    taps = signal.firwin(51, 20, fs=FS_HZ)
+    spectrum = signal.butter(2, (20, 150), "bandpass", fs=FS_HZ, output="sos")
+    v = np.zeros((n, level_v.size))
+    for share in (0.4, 0.6):
+        carrier = signal.sosfilt(spectrum, rng.standard_normal((n, level_v.size + FS_HZ)), axis=1)[:, FS_HZ:]
+        emg = share * level_v * carrier / carrier.std()
+        v += np.sqrt(np.pi / 2) * signal.oaconvolve(np.abs(emg), taps[None], mode="same", axes=1)
+    return np.tile(force_n[edge:-edge], (n, 1)), v[:, edge:-edge]
+
+
+def _fitted(force_n: np.ndarray, v: np.ndarray, settings: FitSettings) -> Callable[[], Interval]:
+    flat_n, flat_v, offsets = force_n.ravel(), v.ravel(), np.arange(len(v) + 1) * v.shape[1]
+    edges = bin_edges(0.5, 7, 0.3)
+
+    def run() -> Interval:
+        found = fit_presses(flat_n, flat_v, offsets, edges, settings).reported
+        return found.b_lo, found.b_hi
+
+    return run
+
+
+def _linregress(force_n: np.ndarray, v: np.ndarray) -> Interval:
+    fits = [stats.linregress(np.log(x), y) for x, y in zip(force_n, v, strict=True)]
+    reach = stats.t.ppf(0.975, v.shape[1] - 2) * np.array([fit.stderr for fit in fits])
+    slope = np.array([fit.slope for fit in fits])
+    return slope - reach, slope + reach
+
+
+def _coverage_error(found: Interval) -> float:
+    low, high = found
+    return 100 * abs(float(np.mean((low < B_V) & (high > B_V))) - 0.95)
+
 
 MPMATH = "40-digit arithmetic"
 

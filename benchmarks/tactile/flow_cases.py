@@ -9,11 +9,19 @@ from typing import Any
 import numpy as np
 
 from benchmarks.bench.case import Case, Size, Way, Work
-from benchmarks.tactile.flow_growth import LOOKS, RADII_PITCHES, GrowingContact, growing_contact, growth_error_percent
 from benchmarks.tactile.flow_pairs import FlowPair, contact_pair
-from benchmarks.tactile.flow_scores import core_of, errors_of_pair
+from benchmarks.tactile.flow_scores import (
+    LOOKS,
+    RADII_PITCHES,
+    GrowingContact,
+    core_of,
+    errors_of_pair,
+    growing_contact,
+    growth_error_percent,
+    root_mean_square,
+    worst,
+)
 from benchmarks.tactile.method import Method
-from benchmarks.tactile.metrics import root_mean_square, worst
 from benchmarks.tactile.ours import dense, on_pins
 from benchmarks.tactile.peers import dense_peers, pin_peers
 from casr.flow.estimate import ENGINES, FlowSettings, FlowTracker

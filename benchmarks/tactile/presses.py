@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
-from benchmarks.tactile.chain_errors import (
+from benchmarks.tactile.flow_scores import median_sd, worst
+from benchmarks.tactile.numerics import (
     ANGLES_DEG,
     CALIBRATION,
     STIFFNESS_N_MM,
@@ -15,7 +16,6 @@ from benchmarks.tactile.chain_errors import (
     recommendation,
     stiffness_errors,
 )
-from benchmarks.tactile.metrics import median_sd, worst
 from benchmarks.tactile.press_scores import CHAINS, PressScores, scored
 from benchmarks.tactile.table import Cell, Table
 from casr.contact_area import RULES

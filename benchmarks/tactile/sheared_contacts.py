@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.bench.record import keep
-from benchmarks.tactile.worlds import named, world_named
+from benchmarks.tactile.world_scores import named, world_named
 from casr.contact_area import library_front as pulled
 from casr.contact_area.follow import contact_front
 from casr.contact_area.front import ContactFront

@@ -10,11 +10,10 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from benchmarks.tactile.chain_errors import ANGLES_DEG, CALIBRATION, UNKNOWN
-from benchmarks.tactile.metrics import percent_error, sample_sd
+from benchmarks.tactile.flow_scores import percent_error, sample_sd
+from benchmarks.tactile.numerics import ANGLES_DEG, CALIBRATION, UNKNOWN
 from benchmarks.tactile.table import Cell, Table
-from benchmarks.tactile.world_scores import FORCES_N, LEAST_PITCHES, Found, WorldScore, world_scored
-from benchmarks.tactile.worlds import named, world_named
+from benchmarks.tactile.world_scores import FORCES_N, LEAST_PITCHES, Found, WorldScore, named, world_named, world_scored
 from casr.doubts import unlike_others
 from casr.specimens import SPECIMENS
 from emg2vsa.calibration.laws import fit_law

@@ -12,12 +12,12 @@ from scipy import optimize, stats
 
 from benchmarks import nist
 from benchmarks.bench.case import NotHere, Size
+from benchmarks.nist import worst_error
 from benchmarks.statistics.design_cases import _exact_bca, _exact_friedman, _exact_repeated, _exact_tost, _exact_welch
 from benchmarks.statistics.exact_curves import exact_exponential
 from benchmarks.statistics.exact_laws import chi2_survival, f_survival, ks_survival, power_of_rm, range_survival
 from benchmarks.statistics.exact_tests import exact_kruskal, exact_mann_whitney
-from benchmarks.statistics.nist_samples import anova_cases, digits_allowed
-from benchmarks.statistics.numbers import worst_error
+from benchmarks.statistics.sample_cases import anova_cases, digits_allowed
 
 
 def test_the_worst_number_decides() -> None:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis.extra import numpy as hnp
 
-from benchmarks.tactile.array_frames import ArrayFrames
+from benchmarks.tactile.press_scores import ArrayFrames
 from casr.errors import ImageError
 from casr.frames import FrameSequence
 from casr.images import as_grey

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchmarks.tactile.array_frames import ArrayFrames
+from benchmarks.tactile.press_scores import ArrayFrames
 from casr.errors import AreaError, FramesError, PinsError
 from casr.frames import ForceReadings, FrameSequence
 from casr.page.wording import camera_lag, force_zero, verdict

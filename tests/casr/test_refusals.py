@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 import pytest
 
-from benchmarks.tactile.array_frames import ArrayFrames
 from benchmarks.tactile.flow_pairs import linear_pair
+from benchmarks.tactile.press_scores import ArrayFrames
 from casr.camera import Camera, Sensor
 from casr.camera_calibration import Charuco, Chessboard
 from casr.contact_area import AS_PRINTED, RULES, initial_area

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchmarks.tactile.array_frames import ArrayFrames
+from benchmarks.tactile.press_scores import ArrayFrames
 from casr.camera import Camera
 from casr.contact_area import initial_area
 from casr.errors import NoContactError, PinsError

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import casr.stream
-from benchmarks.tactile.array_frames import ArrayFrames
+from benchmarks.tactile.press_scores import ArrayFrames
 from casr.errors import CasrError, FramesError, NoContactError
 from casr.flow.estimate import ENGINES, FlowSettings
 from casr.frames import FrameSequence, loading_phase

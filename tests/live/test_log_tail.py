@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.rig.logs import read_log
+from benchmarks.rig.fault_case import read_log
 from emg2vsa.devices.qbmove.ticks import LOG_COLUMNS
 from emg2vsa.errors import RecordingError
 from emg2vsa.live.tails import LogTail

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchmarks.tactile.worlds import without
+from benchmarks.tactile.world_scores import without
 from casr.camera import Camera, Sensor
 from casr.contact_area import follow
 from casr.contact_area.follow import contact_front

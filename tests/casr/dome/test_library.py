@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.tactile.worlds import without
+from benchmarks.tactile.world_scores import without
 from casr.dome.library import (
     DEFAULT_WORLD,
     DIGESTS,

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchmarks.tactile.flow_growth import LOOKS, growing_contact, growth_error_percent
 from benchmarks.tactile.flow_pairs import linear_pair
+from benchmarks.tactile.flow_scores import LOOKS, growing_contact, growth_error_percent
 from casr.errors import ImageError, SettingError
 from casr.flow.estimate import ENGINES, LOST_PERCENT, FlowSettings, FlowStep, FlowTracker, doubt_of
 from casr.flow.region import Region

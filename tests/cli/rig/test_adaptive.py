@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.rig.known_calibration import known_calibration
+from benchmarks.rig.plans import known_calibration
 from emg2vsa.calibration.next_press import next_press
 from emg2vsa.calibration_file import open_calibration, write_calibration
 

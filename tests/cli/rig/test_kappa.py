@@ -15,7 +15,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from benchmarks.rig.known_calibration import known_calibration
+from benchmarks.rig.plans import known_calibration
 from emg2vsa.calibration.online import NO_GAIN, WIDTH_REACHED
 from emg2vsa.calibration_file import write_calibration
 from emg2vsa.devices.clock import FastClock

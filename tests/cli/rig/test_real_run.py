@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from benchmarks.rig.logs import read_log
+from benchmarks.rig.fault_case import read_log
 from casr.frame_files import open_frames
 from tests.cli.rig.conftest import MOTORS_OFF, ended_of, motors
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.rig.known_calibration import known_calibration
+from benchmarks.rig.plans import known_calibration
 from emg2vsa.calibration_file import write_calibration
 
 REFUSED = """

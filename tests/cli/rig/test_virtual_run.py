@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks.rig.logs import read_log
+from benchmarks.rig.fault_case import read_log
 from emg2vsa.errors import SettingError
 from emg2vsa.lab import pressing
 from emg2vsa.lab.pressed import Pressed

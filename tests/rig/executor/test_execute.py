@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.rig.logs import read_log
+from benchmarks.rig.fault_case import read_log
 from casr.frame_files import open_frames, read_force_log
 from emg2vsa.devices.clock import LoopTiming
 from emg2vsa.devices.protocols import ForceCounts, Rating

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks.rig.logs import read_log
+from benchmarks.rig.fault_case import read_log
 from emg2vsa.durable.append_file import AppendFile
 from emg2vsa.errors import DeviceError
 

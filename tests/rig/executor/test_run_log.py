@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.rig.logs import read_log
+from benchmarks.rig.fault_case import read_log
 from emg2vsa.devices.protocols import LogColumns, Measurements
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK, LOG_COLUMNS
 from emg2vsa.errors import RecordingError

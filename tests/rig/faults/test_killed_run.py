@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks.rig.logs import read_log
+from benchmarks.rig.fault_case import read_log
 from benchmarks.rig.patient import as_json
 from benchmarks.rig.plans import SPECIMEN
 from casr.frame_files import open_frames

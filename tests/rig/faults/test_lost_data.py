@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.rig.fault_bench import FaultBench
-from benchmarks.rig.lost_data import lost_data
+from benchmarks.rig.fault_case import lost_data
 from benchmarks.rig.plans import modular_plan
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.rig.known_calibration import known_calibration
+from benchmarks.rig.plans import known_calibration
 from casr.frames import force_per_frame
 from emg2vsa.calibration.online import NO_GAIN, WIDTH_REACHED
 from emg2vsa.devices.protocols import Frame

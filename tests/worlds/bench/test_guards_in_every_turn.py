@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.rig.logs import read_log
+from benchmarks.rig.fault_case import read_log
 from emg2vsa.rig.executor.guards import GUARDS, Check, Moment
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.rig.logs import read_log
+from benchmarks.rig.fault_case import read_log
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.protocols import Devices
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK

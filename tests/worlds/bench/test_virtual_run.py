@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.rig.logs import read_log
+from benchmarks.rig.fault_case import read_log
 from casr.frame_files import open_frames, read_force_log
 from casr.scoring import score
 from emg2vsa.arrays import Floats
