@@ -133,16 +133,15 @@ class _Pressed:
             bodies.append(in_series([(share, of_specimen), (1 - share, Relaxation.of_share(material.sensor))]))
             modulus_mpa = 1 / (1 / bench.sensor_mpa + 1 / specimen_mpa)
             contacts.append(PowerLaw(modulus_mpa, bench.tip_radius_mm, bench.exponent))
-        of = schedule_of or {}
-        steps = [own[of.get(name, name)] for own in bench.steps.values() for name in bench.stiffness_mpa]
-        kinds = len(bench.steps)
-        self._runs = [
-            self._with_areas(paths)
-            for paths in (
-                self._press(contacts, bodies, replace(bench.drive, springs=None), ()),
-                self._press(contacts * kinds, bodies * kinds, bench.drive, steps),
+        of, names, kinds = schedule_of or {}, list(bench.stiffness_mpa), len(bench.steps)
+        steps = [own[of.get(name, name)] for own in bench.steps.values() for name in names]
+        self._runs = []
+        for times, drive, schedules in ((1, replace(bench.drive, springs=None), ()), (kinds, bench.drive, steps)):
+            paths = simulate_presses(
+                contacts * times, bodies * times, drive, schedules, f_max_n=bench.window_n[1], step_s=STEP_S
             )
-        ]
+            areas = [bench.area_mm2(name, n) for name, n in zip(names * times, paths.convolved_n.T, strict=True)]
+            self._runs.append(replace(paths, area_mm2=np.stack(areas, axis=1)))
 
     def durations(self) -> Floats:
         """(K, C) seconds from the lower to the higher force of the window."""
@@ -172,16 +171,6 @@ class _Pressed:
                     frames = self._frames(run, p, firsts, errors, rng)
                     found.append(power_rates(*frames, self._bench.window_n))
         return np.array(found).reshape(-1, specimens, _DRAWS).swapaxes(0, 1)
-
-    def _press(
-        self, contacts: list[PowerLaw], bodies: list[Relaxation], drive: Drive, steps: Sequence[StiffnessSteps]
-    ) -> PressPaths:
-        return simulate_presses(contacts, bodies, drive, steps, f_max_n=self._bench.window_n[1], step_s=STEP_S)
-
-    def _with_areas(self, paths: PressPaths) -> PressPaths:
-        names = list(self._bench.stiffness_mpa)
-        columns = [self._bench.area_mm2(names[p % self._count], column) for p, column in enumerate(paths.convolved_n.T)]
-        return replace(paths, area_mm2=np.stack(columns, axis=1))
 
     def _frames(
         self, run: PressPaths, press: int, firsts: Floats, errors: FrameErrors, rng: np.random.Generator

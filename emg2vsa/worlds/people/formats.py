@@ -19,14 +19,12 @@ from numpy.typing import NDArray
 
 from casr.atomic import write_text_atomic
 from emg2vsa.errors import SettingError
-from emg2vsa.settings import EmgChannelSettings, ForceChannelSettings
+from emg2vsa.readers.units import si_factor
 from emg2vsa.worlds.people.plan import PlannedRecording
 from emg2vsa.worlds.people.recording import SyntheticRecording
 
 FloatArray = NDArray[np.float64]
 
-VOLTS = {"V": 1.0, "mV": 1e-3, "uV": 1e-6}
-NEWTONS = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605, "kgf": 9.80665, "gf": 9.80665e-3}
 SAMPLES_PER_FRAME = 10
 "Analog samples of a C3D frame: the format counts frames in 16 bits, and a minute at 1 kHz holds 60 000 samples."
 
@@ -43,32 +41,21 @@ class StoredChannel:
 
 def stored_channels(planned: PlannedRecording, recording: SyntheticRecording, emg_unit: str) -> list[StoredChannel]:
     """EMG channels, then force. emg_unit : unit of EMG where the study does not name one."""
-    channels = planned.channels
-    emg = [_stored_emg(muscle, recording.emg_v[muscle], setting, emg_unit) for muscle, setting in channels.emg.items()]
-    return [*emg, _stored_force(recording.force_n, channels.force)]
-
-
-def _stored_emg(muscle: str, emg_v: FloatArray, setting: EmgChannelSettings, default_unit: str) -> StoredChannel:
-    unit = setting.unit or default_unit
-    scale = VOLTS[unit] / setting.gain
-    return StoredChannel(setting.name, emg_v / scale, unit, muscle)
-
-
-def _stored_force(force_n: FloatArray, setting: ForceChannelSettings) -> StoredChannel:
-    if setting.newtons_per_unit is not None:
-        unit, newtons = setting.unit or "", setting.newtons_per_unit
-    else:
-        unit = setting.unit or "N"
-        if unit not in NEWTONS:
-            raise SettingError(
-                f"force channel {setting.name!r}, unit",
-                wanted="N, mN, kN, lbf, kgf or gf, or newtons_per_unit",
-                found=repr(unit),
-                do="Declare newtons_per_unit.",
-            )
-        newtons = NEWTONS[unit]
-    scale = setting.sign * newtons
-    return StoredChannel(setting.name, force_n / scale, unit, None)
+    stored, force = [], planned.channels.force
+    for muscle, channel in planned.channels.emg.items():
+        unit = channel.unit or emg_unit
+        _, volts = si_factor(unit) or ("V", 1.0)
+        stored.append(StoredChannel(channel.name, recording.emg_v[muscle] / (volts / channel.gain), unit, muscle))
+    unit = force.unit or ("N" if force.newtons_per_unit is None else "")
+    quantity, newtons = si_factor(unit) or ("", 1.0)
+    if force.newtons_per_unit is not None:
+        newtons = force.newtons_per_unit
+    elif quantity != "N":
+        raise SettingError(
+            f"force channel {force.name!r}, unit", wanted="N, mN, kN, lbf, kgf or gf, or newtons_per_unit",
+            found=repr(unit), do="Declare newtons_per_unit.",
+        )  # fmt: skip
+    return [*stored, StoredChannel(force.name, recording.force_n / (force.sign * newtons), unit, None)]
 
 
 def write_csv(folder: Path, planned: PlannedRecording, recording: SyntheticRecording) -> Path:
@@ -77,25 +64,11 @@ def write_csv(folder: Path, planned: PlannedRecording, recording: SyntheticRecor
     Nine significant digits: a round trip is exact to 5e-9 of each value.
     """
     channels = stored_channels(planned, recording, "V")
-    time_s = np.arange(recording.force_n.size) / recording.fs_hz
     header = io.StringIO()
-    csv.writer(header, lineterminator="\n").writerow(["time [s]", *map(_heading, channels)])
-    rows = _rows([time_s, *(channel.samples for channel in channels)], ["%.9g"] * (len(channels) + 1))
-    path = folder / f"{planned.participant}_{planned.specimen}.csv"
-    write_text_atomic(path, header.getvalue() + rows)
-    return path
-
-
-def _rows(columns: Sequence[FloatArray], formats: Sequence[str]) -> str:
-    """CSV rows of equally long columns, each with its printf format, lines ended by a line feed."""
-    table = np.column_stack(columns)
-    line = ",".join(formats) + "\n"
-    text: str = line * table.shape[0] % tuple(table.ravel().tolist())
-    return text
-
-
-def _heading(channel: StoredChannel) -> str:
-    return f"{channel.name} [{channel.unit}]" if channel.unit else channel.name
+    names = [f"{channel.name} [{channel.unit}]" if channel.unit else channel.name for channel in channels]
+    csv.writer(header, lineterminator="\n").writerow(["time [s]", *names])
+    columns = [recording.time_s, *(channel.samples for channel in channels)]
+    return _write_table(_path(folder, planned, "csv"), header.getvalue(), columns, "%.9g")
 
 
 def write_emgworks(folder: Path, planned: PlannedRecording, recording: SyntheticRecording) -> Path:
@@ -107,11 +80,20 @@ def write_emgworks(folder: Path, planned: PlannedRecording, recording: Synthetic
     a round trip is exact to 5e-7 of each value.
     """
     channels = stored_channels(planned, recording, "V")
-    time_s = np.arange(recording.force_n.size) / recording.fs_hz
     header = ",".join(f'X[s],"{channel.name}"' for channel in channels)
-    columns = [column for channel in channels for column in (time_s, channel.samples)]
-    path = folder / f"{planned.participant}_{planned.specimen}.csv"
-    write_text_atomic(path, f"{header}\n{_rows(columns, ['%.7g'] * len(columns))}")
+    columns = [column for channel in channels for column in (recording.time_s, channel.samples)]
+    return _write_table(_path(folder, planned, "csv"), f"{header}\n", columns, "%.7g")
+
+
+def _path(folder: Path, planned: PlannedRecording, suffix: str) -> Path:
+    return folder / f"{planned.participant}_{planned.specimen}.{suffix}"
+
+
+def _write_table(path: Path, header: str, columns: Sequence[FloatArray], number: str) -> Path:
+    """``columns`` are equally long, ``number`` is the printf format of each value."""
+    table = np.column_stack(columns)
+    line = ",".join([number] * table.shape[1]) + "\n"
+    write_text_atomic(path, header + line * table.shape[0] % tuple(table.ravel().tolist()))
     return path
 
 
@@ -132,8 +114,12 @@ def write_c3d(folder: Path, planned: PlannedRecording, recording: SyntheticRecor
     samples = np.stack([channel.samples[: frames * SAMPLES_PER_FRAME] for channel in channels])
     file["data"]["points"] = np.zeros((4, 0, frames))
     file["data"]["analogs"] = samples[np.newaxis]
-    path = folder / f"{planned.participant}_{planned.specimen}.c3d"
-    _write_atomic(file, path)
+    path = _path(folder, planned, "c3d")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    # ezc3d writes to a path only
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.stem}.") as temporary:
+        file.write(str(Path(temporary) / path.name))
+        os.replace(Path(temporary) / path.name, path)
     return path
 
 
@@ -143,12 +129,3 @@ def _rates_hz(fs_hz: float) -> tuple[float, float]:
     while float(analog_hz) / float(frame_hz) < SAMPLES_PER_FRAME:
         frame_hz = np.nextafter(frame_hz, np.float32(0))
     return float(frame_hz), float(analog_hz)
-
-
-def _write_atomic(file: ezc3d.c3d, path: Path) -> None:
-    # ezc3d writes to a path only
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.stem}.") as folder:
-        temporary = Path(folder) / path.name
-        file.write(str(temporary))
-        os.replace(temporary, path)

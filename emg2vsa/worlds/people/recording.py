@@ -77,6 +77,11 @@ class SyntheticRecording:
     def duration_s(self) -> float:
         return self.force_n.size / self.fs_hz
 
+    @property
+    def time_s(self) -> FloatArray:
+        """(n,) from the first sample."""
+        return np.arange(self.force_n.size) / self.fs_hz
+
 
 class RecordingStream:
     """A recording as it comes from its sensors; the same seed gives the same, whatever else is simulated.
