@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
-from emg2vsa.run_scores import ContactPicture, FirstContact, PressCurve, RunScores
+from emg2vsa.run_scores import ALGORITHMS, ContactPicture, FirstContact, PressCurve, RunScores
 from tests.lateness import LIMIT_MS, Watched, lateness_ms
 from tests.once import Build, Once, built, place_for
 
@@ -140,28 +140,11 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
         area_unit="mm2",
         pins_selected=np.round(area / step).astype(np.int64),
         first_n=np.full(presses, 0.5),
-        a_c0={
-            "front": area,
-            "edge": area,
-            "hexagon": step * np.round(area / step),
-            "circle": area * wide,
-            "paper": area * 1.1,
-        },
-        start_area={
-            "front": 0.9 * area,
-            "edge": 0.9 * area,
-            "hexagon": 0.9 * area,
-            "circle": area * wide,
-            "paper": area * 1.1,
-        },
-        casr={
-            "front": rate * noise,
-            "edge": rate * noise,
-            "hexagon": rate * noise,
-            "circle": rate * noise * wide,
-            "paper": 3 * rate * noise,
-        },
-        over_array={name: np.full(presses, np.nan) for name in ("front", "edge", "hexagon", "circle", "paper")},
+        a_c0=dict.fromkeys(ALGORITHMS, area)
+        | {"hexagon": step * np.round(area / step), "circle": area * wide, "paper": area * 1.1},
+        start_area=dict.fromkeys(ALGORITHMS, 0.9 * area) | {"circle": area * wide, "paper": area * 1.1},
+        casr=dict.fromkeys(ALGORITHMS, rate * noise) | {"circle": rate * noise * wide, "paper": 3 * rate * noise},
+        over_array=dict.fromkeys(ALGORITHMS, np.full(presses, np.nan)),
         true_a_c0=np.full(presses, float(area_mm2(specimen, angle_deg, 0.5))),
         indent_n_per_mm=4
         * (2.5 + 10 / KAPPA_N_PER_MM[specimen]) ** (-2 / 3)
