@@ -27,11 +27,14 @@ emulate controlled.toml                                   | a world that needs n
 emulate rig.toml --fault "gain lots" --write e.toml       | fault gain: expected off, or a number from -100 to 100, but found 'lots'
 run not-emulated.toml --virtual                           | not-emulated.toml: expected a table [emulated], but found none.
 run strong.toml --virtual                                 | schedule of S1, modular, stiffness preset: expected 20 to 80 % of the device's maximum, but found 85.7143 %.
-run listed.toml --all --virtual --seed 1                  | --seed: expected a seed for a random order
+run listed.toml --all --virtual --seed 1                  | --seed: expected a seed for a random order, but found 1.
 run rig.toml --virtual --plate S9                         | --plate: expected S1, S3, but found S9.
 run rig.toml --virtual --plate S1 --all                   | --plate: expected --plate alone, but found a choice of runs beside it.
 run far-plate.toml --virtual --plate S1                   | plate.f_max_n: expected a force above contact, 0.3 N, and below the guard rig.guards.force_n, 50 N
 run rig.toml --virtual --plate S3 --calibration good.json | --calibration: expected presses of the tactile sensor
+run rig.toml --virtual --order random                     | --order: expected --all beside this option, but found one run.
+run rig.toml --virtual --seed 1                           | --seed: expected --all beside this option, but found one run.
+run rig.toml --virtual --all --repetitions 3              | --repetitions: expected one run, but found --all.
 run ONE --stop-at 5                                       | --stop-at: expected --calibration beside this option, but found none.
 run ONE --camera c.toml                                   | --camera: expected --calibration beside this option, but found none.
 run ONE --calibration none.json                           | none.json: expected a calibration file, but found No such file

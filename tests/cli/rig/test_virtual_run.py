@@ -204,48 +204,24 @@ def test_a_run_that_goes_on_makes_other_presses(rig: Rig, rig_file: Callable[...
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("--order", "random"), "--order: expected --all beside this option, but found one run."),
-        (("--seed", 1), "--seed: expected --all beside this option, but found one run."),
-        (("--all", "--order", "listed", "--seed", 1), "--seed: expected a seed for a random order, but found 1."),
-        (("--all", "--repetitions", 3), "--repetitions: expected one run, but found --all."),
-        (
-            ("--all", "--order", "random", "--seed", 4),
-            "order.json: expected order random with seed 4, but found listed, begun.",
-        ),
-    ],
-)
-def test_what_cannot_be_is_refused(
-    words: tuple[Any, ...], said: str, rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
-) -> None:
-    path = rig_file()
-    (tmp_path / "runs-virtual").mkdir()
-    kept = [dict(zip(("specimen", "angle_deg", "condition"), name.split("_"), strict=True)) for name in RUNS]
-    document = {"order": "file", "seed": None, "runs": kept}
-    (tmp_path / "runs-virtual" / "order.json").write_text(json.dumps(document))
-    status, _, err = rig("run", path, "--virtual", *words)
-    assert status == 2
-    assert said in err
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
+    ("kept", "said"),
     [
         ("{", "expected an order as emg2vsa rig run writes it, but found "),
-        (
-            '{"order": "file", "seed": null, "runs": []}',
-            "expected the 6 runs of the rig file, but found 0, not the same.",
-        ),
+        ('{"order": "file", "seed": null, "runs": []}', "expected the 6 runs of the rig file, but found 0, not the"),
         ('{"order": "up", "seed": 1, "runs": []}', "found order 'up'."),
+        (RUNS, "order.json: expected order random with seed 4, but found listed, begun."),
     ],
-)
-def test_an_order_of_another_form_is_refused(
-    text: str, said: str, rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
+)  # fmt: skip
+def test_another_order_than_the_one_that_is_kept_is_refused(
+    kept: str | list[str], said: str, rig: Rig, rig_file: RigFile, tmp_path: Path
 ) -> None:
     (tmp_path / "runs-virtual").mkdir()
-    (tmp_path / "runs-virtual" / "order.json").write_text(text)
-    status, _, err = rig("run", rig_file(), *ALL)
+    asked = ("--order", "random", "--seed", 4) if isinstance(kept, list) else ()
+    if isinstance(kept, list):
+        runs = [dict(zip(("specimen", "angle_deg", "condition"), name.split("_"), strict=True)) for name in kept]
+        kept = json.dumps({"order": "file", "seed": None, "runs": runs})
+    (tmp_path / "runs-virtual" / "order.json").write_text(kept)
+    status, _, err = rig("run", rig_file(), *ALL, *asked)
     assert status == 2
     assert said in err
 
@@ -324,33 +300,19 @@ def test_a_session_with_a_rejected_press_says_so_by_its_status(
     assert out.startswith("6 of 6 runs are done")
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (
-            ("f_max_n = 5", "f_max_n = 4"),
-            "expected f_max_n = 4.0, as the rig file and its schedules say now, but found 5.0.",
-        ),
-        (("[rig.guards]", "[rig]\nfilter_samples = 3\n[rig.guards]"), "expected filter_samples = 3, as the rig file"),
-    ],
-)
-def test_presses_made_in_another_way_are_not_mixed(
-    change: tuple[str, str], said: str, rig: Rig, rig_file: Callable[..., Path]
-) -> None:
+def test_presses_made_in_another_way_are_not_mixed(rig: Rig, rig_file: RigFile) -> None:
     path = rig_file()
     one = ("--virtual", "--specimen", "S3", "--angle", 0, "--condition", "modular")
     assert rig("run", path, *one, "--repetitions", 1)[0] == 0
-    path.write_text(path.read_text().replace(*change))
-    status, _, err = rig("run", path, *one)
-    assert status == 2
-    assert f"{path.parent / 'runs-virtual' / 'S3_0_modular' / 'plan.json'}: {said}" in err
-
-
-def test_a_schedule_of_other_steps_is_not_mixed(rig: Rig, rig_file: Callable[..., Path]) -> None:
-    path = rig_file()
-    one = ("--virtual", "--specimen", "S3", "--angle", 0, "--condition", "modular")
-    assert rig("run", path, *one, "--repetitions", 1)[0] == 0
-    plan = path.parent / "runs-virtual" / "S3_0_modular" / "plan.json"
+    plan, text = path.parent / "runs-virtual" / "S3_0_modular" / "plan.json", path.read_text()
+    for change, said in (
+        (("f_max_n = 5", "f_max_n = 4"), "f_max_n = 4.0, as the rig file and its schedules say now, but found 5.0."),
+        (("[rig.guards]", "[rig]\nfilter_samples = 3\n[rig.guards]"), "filter_samples = 3, as the rig file"),
+    ):
+        path.write_text(text.replace(*change))
+        status, _, err = rig("run", path, *one)
+        assert (status, f"{plan}: expected {said}" in err) == (2, True)
+    path.write_text(text)
     document = json.loads(plan.read_text())
     document["plan"]["schedule"]["steps"][0]["preset_ticks"] += 10
     plan.write_text(json.dumps(document))
