@@ -18,28 +18,32 @@ import pytest
 from emg2vsa.cli import main
 from emg2vsa.deposit import verification
 from emg2vsa.deposit.crate import METADATA
+from tests.once import Once
 
 Verify = Callable[..., tuple[int, dict[str, Any]]]
 DATA = "data/sub-P01/emg/sub-P01_task-palpation_acq-S1_emg.bdf"
 
 
 @pytest.fixture(scope="module")
-def published(packaged_once: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def published(packaged_once: Path) -> Path:
     """A package beside its study; copied, never changed."""
-    root = tmp_path_factory.mktemp("published")
-    shutil.copytree(packaged_once, root, dirs_exist_ok=True)
-    return root / "reports" / "small" / "paper"
+    return packaged_once / "reports" / "small" / "paper"
 
 
 @pytest.fixture(scope="module")
-def untouched(published: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+def untouched(published: Path, built_once: Once) -> tuple[Path, str]:
     """The report that the package's study gives, recomputed once for all tests, and what the command said of it."""
-    work, root = tmp_path_factory.mktemp("recomputed"), published.parents[2]
-    before = {path: path.stat().st_mtime_ns for path in root.rglob("*")}
-    with contextlib.redirect_stdout(io.StringIO()) as said:
-        assert main(["verify", str(published), "--work", str(work), "--jobs", "1"]) == 0
-    assert {path: path.stat().st_mtime_ns for path in root.rglob("*")} == before
-    return next(work.iterdir()) / "report", said.getvalue()
+
+    def build(folder: Path) -> None:
+        root = published.parents[2]
+        before = {path: path.stat().st_mtime_ns for path in root.rglob("*")}
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            assert main(["verify", str(published), "--work", str(folder / "work"), "--jobs", "1"]) == 0
+        assert {path: path.stat().st_mtime_ns for path in root.rglob("*")} == before
+        (folder / "said.txt").write_text(said.getvalue())
+
+    folder = built_once("recomputed", build)
+    return next((folder / "work").iterdir()) / "report", (folder / "said.txt").read_text()
 
 
 @pytest.fixture
@@ -234,7 +238,8 @@ def test_only_some_keys(package: Path, verify: Verify) -> None:
 def test_another_version_is_said_and_compared(
     package: Path, study_folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    change(package / METADATA, '"softwareVersion": "', '"softwareVersion": "0.0.')
+    ours = '"name": "emg2vsa",\n   "softwareVersion": "'
+    change(package / METADATA, ours, f"{ours}0.0.")
     (package / "supplement.zip").unlink()
     assert main(["verify", str(package), "--data", str(study_folder)]) == 0
     assert "so methods may differ" in capsys.readouterr().out

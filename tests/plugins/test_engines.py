@@ -16,16 +16,16 @@ from casr.errors import PluginError, SettingError
 from casr.flow.estimate import FlowSettings, FlowTracker
 from casr.flow.region import Region
 from casr.images import as_grey
+from tests.once import Once
 
 Install = Callable[..., Path]
 
 
 @pytest.fixture(scope="module")
-def press(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("presses")
+def press(built_once: Once) -> Path:
     words = ("--scatter", "none", "--angles", "0", "--specimens", "S3", "--repetitions", "1")
-    assert main(["simulate", str(folder), *words]) == 0
-    return folder / "S3_00deg_01"
+    made = built_once("press", lambda folder: main(["simulate", str(folder / "presses"), *words]))
+    return made / "presses" / "S3_00deg_01"
 
 
 def told(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
