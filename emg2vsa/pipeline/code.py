@@ -116,6 +116,8 @@ def _installed() -> dict[str, list[tuple[str, str]]]:
 
     names = {name: list(of) for name, of in packages_distributions().items()}
     for distribution in distributions():
+        if distribution.name in PACKAGES:  # its modules count, whatever its version
+            continue
         for entry in distribution.entry_points:
             if entry.group.startswith(tuple(f"{package}." for package in PACKAGES)):
                 names.setdefault(f"{_PLUGINS}{entry.group}", []).append(distribution.name)

@@ -128,3 +128,4 @@ def test_the_texts_of_the_report_count_in_its_key(tmp_path: Path) -> None:
     found = Code(Fingerprints(tmp_path / "memory.json")).reached("emg2vsa.pipeline.stages.report")
     assert {f"emg2vsa.report.sections.{name}" for name in ("claims", "fits", "methods")} <= set(found.modules.value)
     assert "jinja2" in {name.lower() for name in found.libraries.value}
+    assert "emg2vsa" not in found.libraries.value
