@@ -160,10 +160,6 @@ def test_the_proof_holds_for_any_time_of_the_watchdog(watchdog_s: float) -> None
     assert proof_of(("flag-only",), watchdog_s=watchdog_s).verdict == "flag only"
 
 
-def test_a_motor_that_only_says_so_is_told() -> None:
-    assert proof_of(("flag-only",)).verdict == "flag only"
-
-
 def test_a_watchdog_that_is_forgotten_is_refused_before_the_torque_is_on() -> None:
     bench = Bench()
     put(bench.bench, "no-watchdog")
@@ -197,32 +193,6 @@ def test_a_motor_that_runs_away_is_told(monkeypatch: pytest.MonkeyPatch) -> None
 def test_a_jammed_motor_proves_nothing() -> None:
     with pytest.raises(DeviceError, match=r"expected motors that follow a small move, but found 0.00 of 2.50 degrees"):
         proof_of(("jam",))
-
-
-EEPROM = [
-    (table.MODEL_NUMBER, 1030, "model number: expected 1020"),
-    (table.FIRMWARE, 44, "firmware: expected 45 or newer"),
-    (13, 1, "protocol type: expected 2"),
-    (table.OPERATING_MODE, 3, r"operating mode: expected 5, .*--set 11=5"),
-    (table.DRIVE_MODE, 1, r"drive mode: expected 0.*--set 10=0"),
-    (table.HOMING_OFFSET, 4096, "homing offset: expected -2048 to 2048"),
-    (table.MIN_POSITION, 4095, "position limits: expected two pulses"),
-    (table.CURRENT_LIMIT, 100, "current limit: expected at least goal_current_a, 0.6 A, but found 0.269 A"),
-    (table.SHUTDOWN, 20, "shutdown: expected overload"),
-    (table.STARTUP, 1, "startup configuration: expected 0"),
-    (table.STATUS_LEVEL, 1, "status return level: expected 2"),
-]
-
-
-@pytest.mark.parametrize(("address", "value", "told"), EEPROM)
-def test_a_wrong_value_is_refused_before_the_torque_is_on(address: int, value: int, told: str) -> None:
-    bench = Bench()
-    values = bench.firmware.table.values
-    values[address] = value
-    with pytest.raises(DeviceError, match=told):
-        bench.hand.start()
-    assert values[table.TORQUE_ENABLE] == 0
-    assert values[address] == value, "a run changes nothing that is kept without power"
 
 
 def test_a_pressed_shaft_is_let_go_before_the_torque_is_on() -> None:
