@@ -97,7 +97,7 @@ def _row(outcome: Outcome) -> dict[str, Any]:
 def main() -> None:
     """Print a line for each case as it ends."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("faults", nargs="*", metavar="FAULT", help=", ".join((*FAULTS, *WRONG_RIGS)))
+    parser.add_argument("faults", nargs="*", metavar="FAULT", help=", ".join((*FAULTS, *WRONG_RIGS)).replace("%", "%%"))
     parser.add_argument("--phase", nargs="+", choices=(*ALL_PHASES, WHOLE_RUN), default=(*ALL_PHASES, WHOLE_RUN))
     parser.add_argument("--write", type=Path, metavar="FOLDER", help=f"{RESULTS} and dynamixel_faults.json there")
     parser.add_argument("--again", action="store_true", help="do again what FOLDER has")

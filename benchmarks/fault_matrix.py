@@ -42,7 +42,7 @@ class Case(NamedTuple):
 def main() -> None:
     """Print a line for each case as it ends."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("faults", nargs="*", metavar="FAULT", help=", ".join((*FAULTS, *WRONG_RIGS)))
+    parser.add_argument("faults", nargs="*", metavar="FAULT", help=", ".join((*FAULTS, *WRONG_RIGS)).replace("%", "%%"))
     parser.add_argument("--phase", nargs="+", choices=(*PHASES, WHOLE_RUN), default=(*PHASES, WHOLE_RUN))
     parser.add_argument("--actuator", nargs="+", choices=("qbmove", "rigid"), default=("qbmove", "rigid"))
     parser.add_argument("--write", type=Path, metavar="FOLDER", help="fault_matrix.csv and fault_matrix.json there")
