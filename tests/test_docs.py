@@ -15,7 +15,7 @@ PAGES = [
     ROOT / "README.md",
     ROOT / "CHANGELOG.md",
     ROOT / "CONTRIBUTING.md",
-    *sorted(path for path in DOCS.rglob("*.md") if DOCS / "_build" not in path.parents),
+    *sorted(path for path in DOCS.rglob("*.md") if not {"_build", "made"} & set(path.parts)),
 ]
 ARCHITECTURE = (DOCS / "architecture.md").read_text(encoding="utf-8")
 
