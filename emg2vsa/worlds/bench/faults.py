@@ -5,52 +5,22 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from functools import partial
+from dataclasses import replace
 
 from emg2vsa.errors import SettingError
 from emg2vsa.worlds.bench.bench import EmulatedRig
-from emg2vsa.worlds.far_ends.faults import Fault, of_part, percent, thousandth
+from emg2vsa.worlds.far_ends.camera import CameraFaults
+from emg2vsa.worlds.far_ends.faults import Fault, faults_in
+from emg2vsa.worlds.far_ends.netft_faults import BoxFaults
 
 
 def _drift(bench: EmulatedRig, n_per_s: float) -> None:
     bench.box.faults.drifts_from_s, bench.box.faults.drift_n_per_s = bench.clock.now_s(), n_per_s
 
 
-_box, _camera = partial(of_part, "box.faults"), partial(of_part, "camera.faults")
-SENSOR_FAULTS = {
-    "gap": Fault("the next N datagrams of the force sensor are lost", _box("lose", int)),
-    "skip": Fault("the force sensor leaves out N internal samples", _box("skip", int)),
-    "trash": Fault("the next N datagrams are each followed by one of random numbers", _box("trash", int)),
-    "garbage": Fault("every datagram is followed by one of a random sequence", _box("garbage"), "switch"),
-    "thinned": Fault(
-        "N % of the datagrams are lost", _box("thinned", percent), "amount", 50, 0, 0, 100
-    ),
-    "twice": Fault("every datagram comes twice", _box("doubled"), "switch"),
-    "shuffled": Fault("of N datagrams the oldest comes last", _box("shuffled", int), "amount", 4, 0, 2, 100),
-    "delayed": Fault("datagrams come N ms late", _box("late_s", thousandth), "amount", 20, 0, 0, 1000),
-    "lag": Fault("the force is that of N ms ago", _box("lag_s", thousandth), "amount", 20, 0, 0, 1000),
-    "cut": Fault("datagrams lack their last byte", _box("cut"), "switch"),
-    "replayed": Fault("the same datagram comes again and again", _box("replayed"), "switch"),
-    "stuck": Fault("the force stays as it is", _box("stuck"), "switch"),
-    "saturated": Fault("the force sensor says that it is saturated", _box("saturated"), "switch"),
-    "overflow": Fault("the force sensor sends its largest counts", _box("overflow"), "switch"),
-    "silent": Fault("the force sensor sends nothing", _box("mute"), "switch"),
-    "swapped": Fault("x and z of the force sensor are exchanged", _box("swapped"), "switch"),
-    "turned": Fault("z of the force sensor has the wrong sign", _box("turned"), "switch"),
-    "dead": Fault("z of the force sensor gives its noise only", _box("dead"), "switch"),
-    "gain": Fault("the force sensor gives N times the load", _box("gain", float), "amount", 0.2, 1, -100, 100),
-    "drift": Fault("z of the force sensor drifts by N N/s", _drift, "amount", -2, 0, -1000, 1000),
-    "push": Fault("somebody leans on the force sensor with N N", _box("push_n", float), "amount", 2, 0, -1000, 1000),
-    "drop": Fault("the next N frames are lost", _camera("drop", int)),
-    "dark": Fault("the camera gives no frames", _camera("mute"), "switch"),
-    "few-frames": Fault("of N frames only the first comes", _camera("kept_of", int), "amount", 2, 1, 1, 1000),
-    "old-frames": Fault(
-        "pictures show what was N ms before their time",
-        _camera("late_s", thousandth),
-        "amount", 400, 0, 0, 10000,
-    ),
-}  # fmt: skip
-"""Of force sensor and camera, by the name that is typed; those of an actuator stand beside its far end."""
+SENSOR_FAULTS = faults_in("box.faults", BoxFaults) | faults_in("camera.faults", CameraFaults)
+"""By the name that is typed; those of an actuator stand beside its far end."""
+SENSOR_FAULTS["drift"] = replace(SENSOR_FAULTS["drift"], strike=_drift)
 _ON_OFF = {"on": 1.0, "": 1.0, "off": 0.0}
 _LINE = re.compile(
     r"(?P<name>\S+)(?: +(?!at |for )(?P<how>\S+))?(?: +at +(?P<at>\S+) +(?P<unit>s|N))?(?: +for +(?P<lasting>\S+) +s)?"

@@ -17,6 +17,7 @@ from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.device_settings import LOST_S, RATE_HZ
 from emg2vsa.devices.protocols import Frame
 from emg2vsa.errors import DeviceError
+from emg2vsa.worlds.far_ends.faults import amount, count, switch, thousandth
 from emg2vsa.worlds.far_ends.ports import HOST, Page, Serving
 from emg2vsa.worlds.tactile import ContactState, Scene
 
@@ -27,16 +28,12 @@ _POLL_S = 2e-3
 
 @dataclass
 class CameraFaults:
-    """What goes wrong, changed while the camera runs.
+    """What goes wrong, changed while the camera runs."""
 
-    drop : the next so many frames. mute : all from now on. kept_of : of so many frames only the first comes.
-    late_s : pictures show what was so long before the time they bear.
-    """
-
-    drop: int = 0
-    mute: bool = False
-    kept_of: int = 1
-    late_s: float = 0.0
+    drop: int = count("drop", "the next N frames are lost")
+    mute: bool = switch("dark", "the camera gives no frames")
+    kept_of: int = amount("few-frames", "of N frames only the first comes", 2, 1, 1, 1000, int)
+    late_s: float = amount("old-frames", "pictures show what was N ms before their time", 400, 0, 0, 10000, thousandth)
 
 
 @dataclass(frozen=True)

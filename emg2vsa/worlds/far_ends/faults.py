@@ -7,12 +7,15 @@ import math
 import random
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from functools import partial
-from typing import Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.serial_line import LoopbackLine
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 Way = Literal["to device", "to host"]
 Spoil = Callable[[bytes], bytes]
@@ -42,6 +45,38 @@ class Fault:
     def lasts(self) -> bool:
         """Until it is put off."""
         return self.kind != "count"
+
+
+def switch(name: str, words: str) -> Any:
+    """Field of a dataclass of faults: on or off. name : that is typed. words : as of `Fault`."""
+    return _field(name, False, bool, words=words, kind="switch")
+
+
+def count(name: str, words: str) -> Any:
+    """So many times; as `switch`."""
+    return _field(name, 0, int, words=words)
+
+
+def amount(
+    name: str, words: str, usual: float, neutral: float, least: float = -math.inf, most: float = math.inf,
+    made: Callable[[float], object] = float,
+) -> Any:  # fmt: skip
+    """So much; as `switch`. made : what the field holds of a number."""
+    told = {"words": words, "usual": usual, "neutral": neutral, "least": least, "most": most}
+    return _field(name, made(neutral), made, kind="amount", **told)
+
+
+def _field(name: str, default: object, made: Callable[[float], object], **told: object) -> Any:
+    return field(default=default, metadata={"name": name, "made": made, "told": told})
+
+
+def faults_in(part: str, faults: type[DataclassInstance]) -> dict[str, Fault]:
+    """By the name that is typed: the fields of a dataclass that are faults. part : of the bench, that holds one."""
+    return {
+        each.metadata["name"]: Fault(strike=of_part(part, each.name, each.metadata["made"]), **each.metadata["told"])
+        for each in fields(faults)
+        if each.metadata
+    }
 
 
 def of_part(part: str, name: str, kind: Callable[[float], object] = bool) -> Strike:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 
 from emg2vsa.devices.netft.box import Record, record_bytes
+from emg2vsa.worlds.far_ends.faults import amount, count, percent, switch, thousandth
 
 Client = Callable[[bytes, float], None]
 _SEQUENCE_BYTES = 4
@@ -19,45 +20,33 @@ _ROUNDING_S = 1e-9
 class BoxFaults:
     """What goes wrong, changed while the box runs. The axis that fails is z, along which a rig pushes unless told else.
 
-    lose, repeat, swap : the next so many datagrams are lost, sent twice, or sent after the one that follows.
-    skip : the box leaves out so many internal samples once, without a gap in rdt_sequence.
-    trash : the next so many datagrams are followed by one of the right length full of random numbers.
-    mute : sends nothing. stuck : the counts stay. saturated : the status says so. overflow : the largest counts, under
-    a good status.
-    push_n : somebody leans on the sensor, N along z. drift_n_per_s : z drifts, from ``drifts_from_s`` on.
-    swapped : x and z are exchanged. dead : z gives its noise only. turned : z has the wrong sign.
-    gain : of all six. lag_s : loads are those of so long ago, in records that come in time.
-    late_s : datagrams come so late. thinned : share of datagrams lost. doubled : each comes twice.
-    shuffled : of so many datagrams the oldest comes last, again and again.
-    garbage : each datagram is followed by one with its counts and a random rdt_sequence.
-    cut : datagrams lack their last byte. replayed : one datagram again and again.
+    skip : once, without a gap in rdt_sequence. garbage : with the counts of the datagram before it. saturated : by the
+    status. overflow : under a good status. lag_s : in records that come in time. drifts_from_s : when a drift began.
     seed : of what is random.
     """
 
-    lose: int = 0
-    repeat: int = 0
-    swap: int = 0
-    skip: int = 0
-    trash: int = 0
-    mute: bool = False
-    stuck: bool = False
-    saturated: bool = False
-    overflow: bool = False
-    push_n: float = 0.0
-    drift_n_per_s: float = 0.0
+    lose: int = count("gap", "the next N datagrams of the force sensor are lost")
+    skip: int = count("skip", "the force sensor leaves out N internal samples")
+    trash: int = count("trash", "the next N datagrams are each followed by one of random numbers")
+    garbage: bool = switch("garbage", "every datagram is followed by one of a random sequence")
+    thinned: float = amount("thinned", "N % of the datagrams are lost", 50, 0, 0, 100, percent)
+    doubled: bool = switch("twice", "every datagram comes twice")
+    shuffled: int = amount("shuffled", "of N datagrams the oldest comes last", 4, 0, 2, 100, int)
+    late_s: float = amount("delayed", "datagrams come N ms late", 20, 0, 0, 1000, thousandth)
+    lag_s: float = amount("lag", "the force is that of N ms ago", 20, 0, 0, 1000, thousandth)
+    cut: bool = switch("cut", "datagrams lack their last byte")
+    replayed: bool = switch("replayed", "the same datagram comes again and again")
+    stuck: bool = switch("stuck", "the force stays as it is")
+    saturated: bool = switch("saturated", "the force sensor says that it is saturated")
+    overflow: bool = switch("overflow", "the force sensor sends its largest counts")
+    mute: bool = switch("silent", "the force sensor sends nothing")
+    swapped: bool = switch("swapped", "x and z of the force sensor are exchanged")
+    turned: bool = switch("turned", "z of the force sensor has the wrong sign")
+    dead: bool = switch("dead", "z of the force sensor gives its noise only")
+    gain: float = amount("gain", "the force sensor gives N times the load", 0.2, 1, -100, 100)
+    drift_n_per_s: float = amount("drift", "z of the force sensor drifts by N N/s", -2, 0, -1000, 1000)
+    push_n: float = amount("push", "somebody leans on the force sensor with N N", 2, 0, -1000, 1000)
     drifts_from_s: float = 0.0
-    swapped: bool = False
-    dead: bool = False
-    turned: bool = False
-    gain: float = 1.0
-    lag_s: float = 0.0
-    late_s: float = 0.0
-    thinned: float = 0.0
-    doubled: bool = False
-    shuffled: int = 0
-    garbage: bool = False
-    cut: bool = False
-    replayed: bool = False
     seed: int = 0
     chance: random.Random = field(init=False, repr=False)
 
@@ -122,21 +111,20 @@ class FaultyPost:
             return
         if faults.thinned and faults.chance.random() < faults.thinned:
             return
-        if self._held is None and (faults.swap or faults.shuffled):
+        if self._held is None and faults.shuffled:
             self._held, self._passed = data, 0
             return
         yield from _copies(data, faults)
         self._passed += 1
         if self._held is not None and self._passed >= faults.shuffled - 1:
             yield self._held
-            self._held, faults.swap = None, max(0, faults.swap - 1)
+            self._held = None
 
 
 def _copies(data: bytes, faults: BoxFaults) -> Iterator[bytes]:
     data = data[:-1] if faults.cut else data
     yield data
-    if faults.doubled or faults.repeat:
-        faults.repeat = max(0, faults.repeat - 1)
+    if faults.doubled:
         yield data
     if faults.garbage:
         yield faults.chance.randbytes(_SEQUENCE_BYTES) + data[_SEQUENCE_BYTES:]

@@ -299,10 +299,11 @@ def test_the_driver_speaks_on_a_serial_port_as_well() -> None:
             with Dynamixel(line, settings, clock=clock) as dynamixel:
                 dynamixel.activate()
                 dynamixel.command(3.0, 1.0)
-                until_s = clock.now_s() + 5
-                while abs(dynamixel.position_deg() - 3) > 0.3 and clock.now_s() < until_s:
+                until_s, at_deg = clock.now_s() + 5, 0.0
+                while abs(at_deg - 3) > 0.3 and clock.now_s() < until_s:
                     clock.sleep_until(clock.now_s() + 0.02)
-                assert dynamixel.position_deg() == pytest.approx(3, abs=0.3)
+                    at_deg = dynamixel.position_deg()
+                assert at_deg == pytest.approx(3, abs=0.3)
                 assert dynamixel.counts.corrupt == 0
         finally:
             line.close()

@@ -128,11 +128,11 @@ def test_lost_records_are_counted_once():
 
 def test_a_repeated_or_late_record_is_not_the_newest():
     rig = Rig(lambda time_s: [time_s] * 6)
-    rig.box.faults.repeat = 2
-    rig.wait(0.005)
+    rig.box.faults.doubled = True
+    rig.wait(0.002)
     rig.sensor.read()
     assert rig.sensor.counts().lost == 0
-    rig.box.faults.swap = 1
+    rig.box.faults.doubled, rig.box.faults.shuffled = False, 2
     rig.wait(0.0021)
     np.testing.assert_allclose(rig.sensor.read().force_n, rig.clock.now_s(), atol=1e-3)
     assert rig.sensor.counts()[1:] == (0, 1, 2, 0)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from functools import partial
 from typing import Any, get_args
 
 from emg2vsa.devices.dynamixel import Baud
@@ -12,9 +10,9 @@ from emg2vsa.errors import SettingError
 from emg2vsa.worlds.far_ends.actuator_end import FarEnd, Place
 from emg2vsa.worlds.far_ends.dynamixel import table as t
 from emg2vsa.worlds.far_ends.dynamixel.firmware import DynamixelFirmware
-from emg2vsa.worlds.far_ends.dynamixel.motor import RATED_V, MotorFaults
+from emg2vsa.worlds.far_ends.dynamixel.motor import MotorFaults
 from emg2vsa.worlds.far_ends.dynamixel.packets import DynamixelFrames
-from emg2vsa.worlds.far_ends.faults import WIRE_FAULTS, Fault, Strike, finite, of_part
+from emg2vsa.worlds.far_ends.faults import WIRE_FAULTS, Fault, Strike, faults_in
 
 _MIDDLE_DEG = 180.0
 """What the encoder reads where the joint's angle is 0."""
@@ -44,10 +42,6 @@ def _table(place: Place) -> dict[str, Any]:
     return {key: value for key in _KEYS if (value := getattr(place.settings, key)) is not None}
 
 
-def _freeze(bench: Any, on: float) -> None:
-    bench.firmware.motor.freeze(bool(on))
-
-
 def _hardware(bit: int) -> Strike:
     def strike(bench: Any, on: float) -> None:
         faults: MotorFaults = bench.firmware.motor.faults
@@ -56,28 +50,7 @@ def _hardware(bit: int) -> Strike:
     return strike
 
 
-_of_motor = partial(of_part, "firmware.motor.faults")
-MOTOR_FAULTS = {
-    "jam": Fault("the motor does not move, whatever it pulls", _of_motor("jammed"), "switch"),
-    "brown-out": Fault("the supply breaks down, the electronics live on", _of_motor("unsupplied"), "switch"),
-    "weak": Fault("the motor does no more than N N m", _of_motor("torque_nm", finite), "amount", 0.1, math.inf, 0),
-    "frozen-shaft": Fault("the encoder stays as it is", _freeze, "switch"),
-    "jumped-shaft": Fault(
-        "the encoder reads N degrees more", _of_motor("jumped_deg", float), "amount", 90, 0, -360, 360
-    ),
-    "current": Fault("the current reads N mA more", _of_motor("current_ma", float), "amount", 2000, 0, -2e4, 2e4),
-    "flag-only": Fault("an expired watchdog says so, and the motor goes on", _of_motor("flag_only"), "switch"),
-    "no-watchdog": Fault("a watchdog that is set is acknowledged and forgotten", _of_motor("deaf_watchdog"), "switch"),
-    "hot": Fault(
-        "the motor has N degrees C",
-        _of_motor("temperature_c", float),
-        "amount",
-        90,
-        MotorFaults.temperature_c,
-        -20,
-        125,
-    ),
-    "supply": Fault("the supply has N V", _of_motor("supply_v", float), "amount", 17, RATED_V, 5, 30),
+MOTOR_FAULTS = faults_in("firmware.motor.faults", MotorFaults) | {
     "overload": Fault("the motor says that it is overloaded", _hardware(0x20), "switch"),
     "shock": Fault("the motor says that its electronics had a shock", _hardware(0x10), "switch"),
     "broken-encoder": Fault("the motor says that its encoder is broken", _hardware(0x08), "switch"),

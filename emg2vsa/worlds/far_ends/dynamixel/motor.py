@@ -16,6 +16,7 @@ from emg2vsa.devices.clock import Clock
 from emg2vsa.worlds.far_ends.actuator_end import Loads, Shaft
 from emg2vsa.worlds.far_ends.dynamixel import table as t
 from emg2vsa.worlds.far_ends.dynamixel.table import CURRENT_UNIT_A, PULSES_PER_RAD, PULSES_PER_TURN, DynamixelModel
+from emg2vsa.worlds.far_ends.faults import amount, finite, switch
 
 STEP_S = 1e-3
 RATED_V = 12.0
@@ -37,22 +38,20 @@ _RATE = 0.229 * PULSES_PER_TURN / 60_000
 class MotorFaults:
     """What goes wrong, changed while the motor runs.
 
-    jammed : the shaft does not move. unsupplied : the supply has broken down to 5 V. torque_nm : most that the motor
-    can do; None is what it is built for. jumped_deg : added to what the encoder reads. current_ma : added to the
-    measured current. flag_only : an expired watchdog tells so, and the motor goes on. deaf_watchdog : a write of Bus
-    Watchdog is acknowledged and forgotten. supply_v, temperature_c : of the motor. hardware_error : bits of Hardware
-    Error Status that have no cause here: 8 encoder, 16 electrical shock, 32 overload.
+    unsupplied : down to 5 V. hardware_error : bits of Hardware Error Status that have no cause here: 8 encoder, 16
+    electrical shock, 32 overload.
     """
 
-    jammed: bool = False
-    unsupplied: bool = False
-    torque_nm: float | None = None
-    jumped_deg: float = 0.0
-    current_ma: float = 0.0
-    flag_only: bool = False
-    deaf_watchdog: bool = False
-    supply_v: float = RATED_V
-    temperature_c: float = 35.0
+    jammed: bool = switch("jam", "the motor does not move, whatever it pulls")
+    unsupplied: bool = switch("brown-out", "the supply breaks down, the electronics live on")
+    torque_nm: float | None = amount("weak", "the motor does no more than N N m", 0.1, math.inf, 0, made=finite)
+    frozen: bool = switch("frozen-shaft", "the encoder stays as it is")
+    jumped_deg: float = amount("jumped-shaft", "the encoder reads N degrees more", 90, 0, -360, 360)
+    current_ma: float = amount("current", "the current reads N mA more", 2000, 0, -2e4, 2e4)
+    flag_only: bool = switch("flag-only", "an expired watchdog says so, and the motor goes on")
+    deaf_watchdog: bool = switch("no-watchdog", "a watchdog that is set is acknowledged and forgotten")
+    temperature_c: float = amount("hot", "the motor has N degrees C", 90, 35, -20, 125)
+    supply_v: float = amount("supply", "the supply has N V", 17, RATED_V, 5, 30)
     hardware_error: int = 0
 
 
@@ -71,18 +70,19 @@ class Motor:
         """At the motor's plug."""
         return UNSUPPLIED_V if self.faults.unsupplied else self.faults.supply_v
 
-    def freeze(self, frozen: bool) -> None:
-        """The encoder stays as it is, or goes on."""
-        self._frozen = self._pulses() if frozen else None
-
     def pulses(self) -> int:
         """What the encoder has counted; within a turn at a start."""
+        pulses = math.floor((self.angle_rad + self._home_rad) * PULSES_PER_RAD + 1e-9)
+        if not self.faults.frozen:
+            self._frozen = None
+        elif self._frozen is None:
+            self._frozen = pulses
         jumped = round(self.faults.jumped_deg * PULSES_PER_TURN / 360)
-        return (self._pulses() if self._frozen is None else self._frozen) + jumped
+        return (pulses if self._frozen is None else self._frozen) + jumped
 
     def seen_rad_per_s(self) -> float:
         """Speed as the firmware takes it from the encoder; that it does so without error or delay is a guess."""
-        return self.speed_rad_per_s if self._frozen is None else 0.0
+        return 0.0 if self.faults.frozen else self.speed_rad_per_s
 
     def step(self, wanted_a: float | None, most_duty: float) -> bool:
         """A step with a wanted current, or with the bridge off where that is None; True when the shaft stands still
@@ -104,9 +104,6 @@ class Motor:
         self.speed_rad_per_s = speed
         self.angle_rad += speed * STEP_S
         return speed == 0
-
-    def _pulses(self) -> int:
-        return math.floor((self.angle_rad + self._home_rad) * PULSES_PER_RAD + 1e-9)
 
 
 class Loop:

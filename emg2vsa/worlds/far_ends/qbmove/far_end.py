@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -13,9 +12,10 @@ from emg2vsa.devices.qbmove.springs import SPRINGS
 from emg2vsa.devices.qbmove.ticks import to_ticks
 from emg2vsa.devices.serial_line import ByteLine
 from emg2vsa.worlds.far_ends.actuator_end import FarEnd, Place
-from emg2vsa.worlds.far_ends.faults import WIRE_FAULTS, Fault, finite, of_part
+from emg2vsa.worlds.far_ends.faults import WIRE_FAULTS, Fault, faults_in
 from emg2vsa.worlds.far_ends.qbmove.firmware import QbmoveFirmware, QbmoveFrames
 from emg2vsa.worlds.far_ends.qbmove.memory import ADVANCED, MAKER_PRO, Switches
+from emg2vsa.worlds.far_ends.qbmove.motors import MotorFaults
 
 DEVICE_ID = 1
 # with the rate limit of the factory, 0, a saturated move never starts; the one at which motors do move is a guess
@@ -92,23 +92,15 @@ def _encoder(sensor: int, name: str) -> dict[str, Fault]:
     }
 
 
-_of_motors = partial(of_part, "firmware.motors.faults")
-_MOTOR_FAULTS = {
-    "flag-only": Fault("an expired watchdog says off, and the motors stay on", _of_motors("flag_only"), "switch"),
-    "jam": Fault("no motor moves, whatever it pulls", _of_motors("jammed"), "switch"),
-    "brown-out": Fault("the motors have no supply, the electronics live on", _of_motors("unsupplied"), "switch"),
-    "weak": Fault("no motor does more than N N m", _of_motors("torque_nm", finite), "amount", 0.1, math.inf, 0),
-    **_encoder(0, "motor-1"),
-    **_encoder(1, "motor-2"),
-    **_encoder(2, "shaft"),
-    "current": Fault("both currents read N mA more", _of_motors("current_ma", float), "amount", 6000, 0, -2e4, 2e4),
-}
+_ENCODERS = _encoder(0, "motor-1") | _encoder(1, "motor-2") | _encoder(2, "shaft")
+_FAULTS = WIRE_FAULTS | faults_in("firmware.motors.faults", MotorFaults) | _ENCODERS
+_FAULTS["current"] = _FAULTS.pop("current")  # the last in a list
 QBMOVE = FarEnd(
     springs=SPRINGS.get,
     device=lambda place: _begun(_MODELS[_model(place)], place, motors=2),
     driver=_driver,
     table=lambda place: {"id": DEVICE_ID, "generation": "v6", "model": _model(place)},
-    faults=WIRE_FAULTS | _MOTOR_FAULTS,
+    faults=_FAULTS,
     frames=QbmoveFrames(),
 )
 RIGID_MOTOR = FarEnd(
@@ -116,6 +108,6 @@ RIGID_MOTOR = FarEnd(
     device=lambda place: _begun(MOTOR_BOARD, place, motors=1),
     driver=partial(_driver, rigid=True),
     table=lambda place: {"id": DEVICE_ID, "generation": "v6"},
-    faults=WIRE_FAULTS | _MOTOR_FAULTS,
+    faults=_FAULTS,
     frames=QbmoveFrames(),
 )

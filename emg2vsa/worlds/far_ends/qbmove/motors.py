@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 from emg2vsa.devices.clock import Clock
 from emg2vsa.worlds.far_ends.actuator_end import Loads, Shaft, Torques
+from emg2vsa.worlds.far_ends.faults import amount, finite, switch
 from emg2vsa.worlds.far_ends.qbmove.memory import INTERNAL_PER_TICK, Memory, Switches
 
 INTERNAL_PER_TURN = 65536
@@ -39,21 +40,18 @@ Pair = tuple[int, int]
 
 @dataclass
 class MotorFaults:
-    """What goes wrong, changed while the motors run.
+    """What goes wrong, changed while the motors run. The electronics live on USB.
 
-    jammed : no motor moves, whatever pulls. unsupplied : nor draws it current; the electronics live on USB.
-    torque_nm : most that a motor can do; None is what it is built for.
     frozen : what an encoder goes on reading, internal ticks. jumped_ticks : wire ticks added to what it reads.
-    current_ma : added to the measured currents. flag_only : an expired watchdog leaves the motors on.
     """
 
-    jammed: bool = False
-    unsupplied: bool = False
-    torque_nm: float | None = None
+    flag_only: bool = switch("flag-only", "an expired watchdog says off, and the motors stay on")
+    jammed: bool = switch("jam", "no motor moves, whatever it pulls")
+    unsupplied: bool = switch("brown-out", "the motors have no supply, the electronics live on")
+    torque_nm: float | None = amount("weak", "no motor does more than N N m", 0.1, math.inf, 0, made=finite)
     frozen: dict[int, int] = field(default_factory=dict)
     jumped_ticks: list[int] = field(default_factory=lambda: [0, 0, 0])
-    current_ma: float = 0.0
-    flag_only: bool = False
+    current_ma: float = amount("current", "both currents read N mA more", 6000, 0, -2e4, 2e4)
 
 
 class Motors:
