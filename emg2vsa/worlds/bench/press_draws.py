@@ -160,9 +160,8 @@ class PressDraws:
         )
         usual = ContactWorld()
         contact = replace(usual, sensor_modulus_mpa=usual.sensor_modulus_mpa * self._modulus)
-        specimen = specimen_share(stiffness_n_per_mm / (2 * contact.punch_radius_mm), contact.sensor_modulus_mpa)
-        if self.plate:
-            specimen = 1.0
+        specimen = 1.0 if self.plate else _specimen_share(stiffness_n_per_mm, contact)
+        of_specimen = Relaxation.of_share(e.relaxation_of(self.specimen))
         friction = 0.0 if self.plate else max(0.0, e.friction + e.friction_sd * mounting.friction)
         return WorldSettings(
             stiffness_n_per_mm=stiffness_n_per_mm,
@@ -173,12 +172,7 @@ class PressDraws:
             turns_to_push=self.rig.push_sign,
             plate=self.plate,
             gap_mm=e.gap_mm + e.gap_sd_mm * drawn.gap,
-            relaxation=in_series(
-                [
-                    (specimen, Relaxation.of_share(e.relaxation_of(self.specimen))),
-                    (1 - specimen, Relaxation.of_share(e.sensor_relaxation)),
-                ]
-            ),
+            relaxation=in_series([(specimen, of_specimen), (1 - specimen, Relaxation.of_share(e.sensor_relaxation))]),
             skin_friction=friction,
             friction_drop=min(e.friction_drop, friction / 2),
             mount_n_per_mm=e.mount_n_per_mm,
@@ -209,13 +203,10 @@ class PressDraws:
     def seen(self, press: int) -> SeenPress:
         """What the camera sees of it. SettingError as `scene`."""
         e, world, drawn = self._used, self.world(press), self._press(press)
-        contact = world.contact
         return SeenPress(
             scene=self.scene(press),
             modulus=self._modulus,
-            specimen=specimen_share(
-                world.stiffness_n_per_mm / (2 * contact.punch_radius_mm), contact.sensor_modulus_mpa
-            ),
+            specimen=_specimen_share(world.stiffness_n_per_mm, world.contact),
             friction=world.skin_friction,
             adhesion_mj_per_m2=max(0.0, e.adhesion_mj_per_m2 + e.adhesion_sd_mj_per_m2 * drawn.adhesion),
             latency_s=max(0.0, e.camera_latency_s + e.camera_latency_sd_s * (self._mounting.latency + drawn.latency)),
@@ -269,3 +260,8 @@ class PressDraws:
         # a list with one number gives the seeds of that number
         entropy = [self.emulated.seed, self.mounting][: 1 if self.mounting == 1 else 2]
         return np.random.SeedSequence(entropy, spawn_key=(stream, *name))
+
+
+def _specimen_share(stiffness_n_per_mm: float, contact: ContactWorld) -> float:
+    """In the compliance of sensor and specimen."""
+    return specimen_share(stiffness_n_per_mm / (2 * contact.punch_radius_mm), contact.sensor_modulus_mpa)

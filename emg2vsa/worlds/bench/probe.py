@@ -141,7 +141,7 @@ class Probe:
 
     def elastic_touch(self, shaft_rad: float) -> Touch:
         """The contact of elastic bodies without friction."""
-        normal_n = self._contact.force_n(self._depth_mm(shaft_rad))
+        normal_n = self._contact.force_n((shaft_rad - self.touch_rad) * self._depth_mm_per_rad)
         return Touch(normal_n, 0.0, normal_n, 0.0)
 
     def force_n(self, touch: Touch) -> Force:
@@ -163,18 +163,15 @@ class Probe:
         depth_mm = (shaft_rad - self.touch_rad) * self._depth_mm_per_rad
         if depth_mm <= 0:
             return 0.0, 0.0
-        elastic_n, growth_n_per_mm = self._resistance(depth_mm)
         if not self.remembers:
-            return elastic_n * self._lever_m_per_rad, growth_n_per_mm * self._depth_mm_per_rad * self._lever_m_per_rad
-        history = self._history if self._begun else self._in_step()
-        turned_rad = shaft_rad - self._at_rad
-        deeper_mm = turned_rad * self._depth_mm_per_rad
-        slope = (elastic_n - self._elastic_n) / deeper_mm if not -_SAME_MM <= deeper_mm <= _SAME_MM else growth_n_per_mm
-        normal_n, shear_n = history.forces(elastic_n, slope, turned_rad * self._mm_per_rad * self._sin)
+            elastic_n, growth = self._resistance(depth_mm)
+            return elastic_n * self._lever_m_per_rad, growth * self._depth_mm_per_rad * self._lever_m_per_rad
+        history, end, growth = self._end_of_step(shaft_rad, depth_mm)
+        normal_n, shear_n = history.forces(*end)
         if normal_n <= 0:
             return 0.0, 0.0
         # of a contact that sticks to a rigid mount: what a solver goes by need not be exact
-        growth_nm = growth_n_per_mm / history.beta * self._stiffer * self._mm2_per_rad2 / 1000
+        growth_nm = growth / history.beta * self._stiffer * self._mm2_per_rad2 / 1000
         return (normal_n * self._cos + shear_n * self._sin) * self._mm_per_rad / 1000, growth_nm
 
     def settle(self, shaft_rad: float) -> Touch:
@@ -188,14 +185,10 @@ class Probe:
                 self._history.reset()
             self._at_rad, self._elastic_n, self._touch = self.touch_rad, 0.0, APART
             return APART
-        elastic_n, growth_n_per_mm = self._resistance(depth_mm)
-        history = self._history if self._begun else self._in_step()
-        turned_rad = shaft_rad - self._at_rad
-        deeper_mm = turned_rad * self._depth_mm_per_rad
-        slope = (elastic_n - self._elastic_n) / deeper_mm if not -_SAME_MM <= deeper_mm <= _SAME_MM else growth_n_per_mm
-        normal_n, shear_n = history.advance(elastic_n, slope, turned_rad * self._mm_per_rad * self._sin)
-        self._at_rad, self._elastic_n = shaft_rad, elastic_n
-        self._touch = Touch(normal_n, shear_n, elastic_n, history.way_mm) if normal_n > 0 else APART
+        history, end, _ = self._end_of_step(shaft_rad, depth_mm)
+        normal_n, shear_n = history.advance(*end)
+        self._at_rad, self._elastic_n = shaft_rad, end[0]
+        self._touch = Touch(normal_n, shear_n, end[0], history.way_mm) if normal_n > 0 else APART
         return self._touch
 
     def load_nm(self, shaft_rad: float) -> float:
@@ -204,10 +197,16 @@ class Probe:
             return self.torque_nm(shaft_rad)[0]
         return self.along_n(self._touch.normal_n, self._touch.shear_n) * self._mm_per_rad / 1000
 
-    def _in_step(self) -> ContactHistory:
-        self._history.begin(self._step_s)
-        self._begun = True
-        return self._history
-
-    def _depth_mm(self, shaft_rad: float) -> float:
-        return (shaft_rad - self.touch_rad) * self._depth_mm_per_rad
+    def _end_of_step(
+        self, shaft_rad: float, depth_mm: float
+    ) -> tuple[ContactHistory, tuple[float, float, float], float]:
+        """The history in this step; elastic force, N, its slope, N/mm, and way along the surface, mm, with the shaft
+        there at its end; and the growth of the force there, N/mm."""
+        if not self._begun:
+            self._history.begin(self._step_s)
+            self._begun = True
+        elastic_n, growth = self._resistance(depth_mm)
+        turned_rad = shaft_rad - self._at_rad
+        deeper_mm = turned_rad * self._depth_mm_per_rad
+        slope = (elastic_n - self._elastic_n) / deeper_mm if not -_SAME_MM <= deeper_mm <= _SAME_MM else growth
+        return self._history, (elastic_n, slope, turned_rad * self._mm_per_rad * self._sin), growth

@@ -108,14 +108,6 @@ def test_a_retracted_probe_feels_exactly_nothing(springs: Any) -> None:
     assert it.normal_force_n(2.6) == 0.0
 
 
-def test_the_force_stands_on_the_tilted_surface() -> None:
-    it = world(angle_deg=30.0)
-    it.shaft_rad(0.0, motors(1.0, 1500))
-    x, y, z = it.force_n(1.0)
-    assert (x / z, y) == (pytest.approx(math.tan(math.radians(30))), 0.0)
-    assert math.hypot(x, z) == pytest.approx(it.normal_force_n(1.0))
-
-
 @pytest.mark.parametrize("springs", SPRINGS.values(), ids=SPRINGS)
 def test_no_motors_within_their_limits_break_it(springs: Any) -> None:
     it = world(springs=springs, angle_deg=45.0)

@@ -31,8 +31,6 @@ from emg2vsa.worlds.far_ends.qbmove.motors import Loop, Motors, References
 START_LIMIT = 26000
 """Internal ticks beyond which ACTIVATE is refused: a rotation may have been lost."""
 _LONGEST_WATCHDOG = 250
-_POSITION_MODES = (0, 3, 4, 5)
-_LIMITED_MODES_OF_ADVANCED = (0, 3)
 _OFFSETS = 8
 DONE = 1
 
@@ -128,9 +126,10 @@ class QbmoveFirmware:
 
     def __call__(self, data: bytes) -> bytes:
         """Hear ``data`` at the clock's time, and answer."""
-        self.advance()
         if data:
-            self._loop.feed_watchdog(self._watchdog_counts)
+            self._hear()
+        else:
+            self.advance()
         return b"".join(map(self._answer, self._parser.feed(data)))
 
     def ask(self, command: Command) -> tuple[int, ...]:
@@ -231,11 +230,9 @@ class QbmoveFirmware:
 
     def _set_inputs(self) -> bytes:
         ticks = [word << bits for word, bits in zip(self._words(2), self._shadow.resolutions, strict=False)]
-        backwards = self._switches.counts_backwards
-        if not backwards or self._shadow.control_mode in _LIMITED_MODES_OF_ADVANCED:
-            sign = -1 if backwards else 1
-            ticks = [sign * self._current.limited(sign * value, motor) for motor, value in enumerate(ticks)]
-        self._loop.command((ticks[0], ticks[1]))
+        sign = -1 if self._switches.counts_backwards else 1
+        first, second = (sign * self._current.limited(sign * value, motor) for motor, value in enumerate(ticks))
+        self._loop.command((first, second))
         return b""
 
     def _set_position_stiffness(self) -> bytes:
@@ -249,9 +246,7 @@ class QbmoveFirmware:
     def _activate(self) -> bytes:
         measured = self._loop.motors.measured(self._shadow)
         refused = any(abs(ticks) > START_LIMIT for ticks in measured)
-        keeps = self._shadow.control_mode not in _POSITION_MODES
-        ticks = self._loop.new.ticks if keeps else measured[:2]
-        self._loop.activate(References(ticks, 0 if refused else self._buffer[1]))
+        self._loop.activate(References(measured[:2], 0 if refused else self._buffer[1]))
         return b""
 
     def _set_watchdog(self) -> bytes:
@@ -268,14 +263,11 @@ class QbmoveFirmware:
 
     def _parameter(self) -> bytes:
         (index,) = self._words(1)
-        if index == 0:
-            return self._list()
         if 0 < index <= self._switches.parameters:
             self._set_parameter(index)
-        return b""
-
-    def _list(self) -> bytes:
-        """The length in one byte, and the checksum over as much as that byte says: 176 of 1200."""
+        if index:
+            return b""
+        # the length in one byte, and the checksum over as much as that byte says: 176 of 1200
         body = bytes((Command.GET_PARAM_LIST,)) + parameter_list(self._current, self._switches.parameters)
         covered = len(body) & 0xFF
         return b"::" + bytes((self._shadow.device_id, len(body) + 1 & 0xFF)) + body + bytes((lrc(body[:covered]),))
@@ -291,13 +283,12 @@ class QbmoveFirmware:
 
     def _store(self) -> bytes:
         old_id = self._current.device_id
-        if self._current.input_mode == 0:
-            moved = [new - old for new, old in zip(self._shadow.offsets, self._current.offsets, strict=True)]
-            first, second = (
-                self._current.limited(at + by, k)
-                for k, (at, by) in enumerate(zip(self._loop.new.ticks, moved, strict=False))
-            )
-            self._loop.new = References((first, second), self._loop.new.on)
+        moved = [new - old for new, old in zip(self._shadow.offsets, self._current.offsets, strict=True)]
+        first, second = (
+            self._current.limited(at + by, k)
+            for k, (at, by) in enumerate(zip(self._loop.new.ticks, moved, strict=False))
+        )
+        self._loop.new = References((first, second), self._loop.new.on)
         self._stored, self._current = copy.deepcopy(self._shadow), copy.deepcopy(self._shadow)
         return self._acknowledge(Command.STORE_PARAMS, old_id)
 
