@@ -20,7 +20,6 @@ from emg2vsa.errors import SettingError
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.bench.controls import ArtificialEffect
 from emg2vsa.worlds.bench.press_draws import PressDraws
-from emg2vsa.worlds.bench.probe import Touch
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 from emg2vsa.worlds.bench.truth import TrueLoading
 from emg2vsa.worlds.bench.world import World
@@ -104,7 +103,6 @@ class EmulatedRig:
         self._force_zero_n = 0.0
         self._mounting = _turned_to(self.rig.push_axis)
         self._rotation = self._mounting.tolist()
-        self._upright = bool(np.array_equal(self._mounting, np.eye(3)))
         self.box = RdtBox(self._wrenches, box)
         self.box.faults = BoxFaults(seed=self._draws.sensor_seed)
         self._seen = self._draws.seen(0)
@@ -127,12 +125,12 @@ class EmulatedRig:
     def loadings(self) -> list[TrueLoading]:
         """What is true of each press so far."""
         with self._lock:
-            return [self._loading(*each) for each in enumerate(self.world.loadings) if each[1]]
-
-    def _loading(self, press: int, kept: list[tuple[float, Touch]]) -> TrueLoading:
-        seen = self._draws.seen(press)
-        areas = [seen.area_mm2(touch) for _, touch in kept]
-        return TrueLoading(np.array([force_n for force_n, _ in kept]), np.array(areas))
+            return [
+                TrueLoading(np.array(forces_n), np.array(list(map(self._draws.seen(press).area_mm2, touches))))
+                for press, kept in enumerate(self.world.loadings)
+                if kept
+                for forces_n, touches in [zip(*kept, strict=True)]
+            ]
 
     def interrupt(self, action: Callable[[], None]) -> None:
         """Carry out ``action`` at the clock's time, while no device speaks; from any thread."""
@@ -173,15 +171,9 @@ class EmulatedRig:
         """Force and torque on the sensor; its origin is on the line of the force."""
         with self._lock:
             self._advance()
-            return [self._turned(force_n) for force_n in self.world.forces_n(times_s)]
-
-    def _turned(self, force_n: Sequence[float]) -> Sequence[float]:
+            forces_n, zero_n, rotation = self.world.forces_n(times_s), self._force_zero_n, self._rotation
         # plain numbers: three at a time are too few for arrays to pay
-        x, y, z = force_n
-        z += self._force_zero_n
-        if self._upright:
-            return [x, y, z, 0.0, 0.0, 0.0]
-        return [a * x + b * y + c * z for a, b, c in self._rotation] + [0.0, 0.0, 0.0]
+        return [[a * x + b * y + c * (z + zero_n) for a, b, c in rotation] + [0.0, 0.0, 0.0] for x, y, z in forces_n]
 
     def _contact(self, time_s: float) -> ContactState:
         with self._lock:

@@ -87,7 +87,6 @@ class EmulatedCamera:
         pressed: Callable[[float], float | ContactState],
         clock: Clock,
         *,
-        rate_hz: float = RATE_HZ,
         timing: FrameTiming | None = None,
     ) -> None:
         self.name = "emulated camera"
@@ -96,7 +95,7 @@ class EmulatedCamera:
         self.dropped = 0
         self.scene = scene
         "What it sees; may be exchanged between two frames."
-        self._pressed, self._clock, self._rate_hz = pressed, clock, rate_hz
+        self._pressed, self._clock = pressed, clock
         self._timing = timing or FrameTiming()
         self.delay_s = self._timing.mean_s
         self.latency_s = self._timing.mean_s
@@ -118,7 +117,7 @@ class EmulatedCamera:
         if silent_s > LOST_S:
             raise DeviceError(
                 self.name,
-                wanted=f"a camera that gives {self._rate_hz:g} frames a second",
+                wanted=f"a camera that gives {RATE_HZ:g} frames a second",
                 found=f"no frame for {silent_s:.1f} s",
                 do="End the fault of the camera.",
             )
@@ -128,7 +127,7 @@ class EmulatedCamera:
         """Frames since the last call, oldest first, if any."""
         now_s = self._clock.now_s()
         frames: list[Frame] = []
-        while (time_s := self._started_s + self._exposed / self._rate_hz) <= now_s + 1e-9:
+        while (time_s := self._started_s + self._exposed / RATE_HZ) <= now_s + 1e-9:
             if self._arrives_s is None:
                 self._arrives_s = self._arrival_s(time_s)
             if (arrives_s := self._arrives_s) > now_s + 1e-9:
