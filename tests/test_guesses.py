@@ -35,6 +35,8 @@ PLACES = {
     "figure 11, the interpolated profile": ("emg2vsa.figures.cocontraction", "", r"Figure 11"),
     "figure 14, conditions": ("emg2vsa.figures.casr_rates", "", r"Figure 14"),
     "Table I, stiffness of the new specimen": ("emg2vsa.report.sections.kappa", "", r"Table I"),
+    "weight kappa/10 of the softer neighbour": ("emg2vsa.profiles", "", r"kappa / 10"),
+    "spikes of EMG": ("emg2vsa.signals.spikes", "", r"spikes"),
 }
 """Thing to the module that a newcomer looks in, the object there, and what its docstring cites."""
 
