@@ -28,8 +28,8 @@ from emg2vsa.schedule_files import read_json
 from emg2vsa.study_file import load_study
 from emg2vsa.worlds import VERSION
 from emg2vsa.worlds.bench.virtual_run import run_virtual
-from emg2vsa.worlds.people.bids import write_bids
 from emg2vsa.worlds.people.plan import plan_study
+from emg2vsa.worlds.people.study import write_bids
 
 FIXTURE = Path(__file__).parent / "fixture"
 DIGESTS: dict[str, Any] = json.loads((FIXTURE / "digests.json").read_text())
