@@ -1,7 +1,7 @@
 """Made worlds: people, contacts, tactile frames, the rig, and the far ends of the wires. Analyses never import them."""
 
 VERSION = 2
-"""Of what the worlds draw; whatever changes a byte of it raises the version. Truth files of participants hold it.
+"""Of what the worlds draw; whatever changes a byte of it raises the version. Every truth file holds it.
 
 1 : recordings and runs as at commit 4a6cfa7a (tests/worlds/fixture). 2 : the same recordings and runs; a live
 participant is measured by the electrodes and force sensors of recordings, which drift.

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from casr.spread import WINDOW_N
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DataError
+from emg2vsa.worlds import VERSION
 
 TRUTH_FILE = "truth.json"
 _EVEN_FORCES = 1001
@@ -67,7 +68,7 @@ def truth_text(loadings: Sequence[TrueLoading]) -> str:
         }
         for each in loadings
     ]
-    return json.dumps({"presses": presses}) + "\n"
+    return json.dumps({"world": VERSION, "presses": presses}) + "\n"
 
 
 def read_truth(folder: Path) -> list[TrueLoading]:

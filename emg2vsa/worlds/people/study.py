@@ -19,6 +19,7 @@ from emg2vsa.bids.tables import Column, Json, described, write_json, write_tsv
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study import Study
+from emg2vsa.worlds import VERSION
 from emg2vsa.worlds.people.formats import stored_channels, write_c3d, write_csv, write_emgworks
 from emg2vsa.worlds.people.plan import PlannedRecording, plan_study
 from emg2vsa.worlds.people.recording import SyntheticRecording
@@ -157,7 +158,7 @@ def write_truth(folder: Path, settings: SimulationSettings, presses: Sequence[Ro
     """
     participants = list(dict.fromkeys(row[0] for row in recordings))
     in_time = sorted(recordings, key=lambda row: (participants.index(row[0]), row[1]))
-    _write_table(folder / "truth", PRESS_COLUMNS, presses, {"Simulation": asdict(settings)})
+    _write_table(folder / "truth", PRESS_COLUMNS, presses, {"Simulation": asdict(settings), "World": VERSION})
     _write_table(folder / "order", RECORDING_COLUMNS, in_time, {})
     return folder / "truth.tsv"
 

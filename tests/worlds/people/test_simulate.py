@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
@@ -14,6 +15,7 @@ import pytest
 
 from emg2vsa.errors import SettingError
 from emg2vsa.study import Study
+from emg2vsa.worlds import VERSION
 from emg2vsa.worlds.people.plan import plan_study
 from emg2vsa.worlds.people.study import WRITERS, Format, simulate_study
 
@@ -43,6 +45,7 @@ def test_a_recording_depends_on_the_seed_and_on_no_other_recording(
 def test_truth_is_what_the_recordings_were_made_from(study: Study, tmp_path: Path) -> None:
     made = simulate_study(study, tmp_path, format="csv")
     truth = pd.read_csv(made.truth, sep="\t")
+    assert json.loads(made.truth.with_suffix(".json").read_text())["World"] == VERSION
     settings, plan = plan_study(study)
     assert len(truth) == 8
     for planned in plan:
