@@ -1,4 +1,5 @@
-"""Faults that put 16 to 48 N on a specimen whose limit is 10 N before the guards were there."""
+"""Faults that put 16 to 48 N on a specimen whose limit is 10 N before the guards were there; and no guard speaks in a
+run without a fault, nor does such a run pass the largest force to expect: a small sample of benchmarks/rig."""
 
 from __future__ import annotations
 
@@ -7,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.rig.clean_run import clean_run
 from benchmarks.rig.fault_case import MOST_N, run_case, run_wrong
 
 CASES = [
@@ -41,3 +43,21 @@ def test_a_wrong_rig_file(wrong: str, cause: str, tmp_path: Path) -> None:
     assert outcome.left_n == pytest.approx(0.0, abs=0.05)
     assert not (outcome.told["retracted"] and not outcome.retracted)
     assert replace(outcome, wanted=(("guard", cause),)).failures() == []  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("specimen", "condition", "angle_deg", "step_n"),
+    [
+        ("S1", "modular", 0.0, 0.0),
+        ("S1", "constant-max", 45.0, 0.0625),
+        ("S5", "constant-min", 45.0, 0.0625),
+        ("S5", "constant-min", 0.0, 0.0625),
+        ("S3", "high-stiffness", 30.0, 0.0625),
+        ("S1", "high-stiffness", 0.0, 0.0),
+    ],
+)
+def test_a_clean_run_completes(specimen: str, condition: str, angle_deg: float, step_n: float, tmp_path: Path) -> None:
+    outcome = clean_run(specimen, condition, angle_deg, step_n, 0, tmp_path / "run")
+    assert (outcome.ended.how, outcome.ended.why) == ("completed", "")
+    assert outcome.ended.retracted
+    assert 0.9 * outcome.expected_n <= outcome.largest_n <= outcome.expected_n
