@@ -20,7 +20,7 @@ _NAMES = {
     "Emg2vsaError": "errors",
     "Recording": "public.recordings",
     "Results": "public.results",
-    "Settings": "public.settings",
+    "Settings": "public.given",
     "channels": "public.recordings",
     "fit": "public.recordings",
     "load": "public.results",

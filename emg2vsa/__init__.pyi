@@ -1,5 +1,6 @@
 from casr import __version__ as __version__
 from emg2vsa.errors import Emg2vsaError as Emg2vsaError
+from emg2vsa.public.given import Settings as Settings
 from emg2vsa.public.recordings import Recording as Recording
 from emg2vsa.public.recordings import channels as channels
 from emg2vsa.public.recordings import fit as fit
@@ -10,7 +11,6 @@ from emg2vsa.public.results import Results as Results
 from emg2vsa.public.results import load as load
 from emg2vsa.public.results import run as run
 from emg2vsa.public.schedules import schedule as schedule
-from emg2vsa.public.settings import Settings as Settings
 from emg2vsa.public.tests import stats as stats
 
 __all__ = [

@@ -86,7 +86,7 @@ def inspect(arguments: argparse.Namespace) -> int:
     from casr.atomic import write_text_atomic
     from emg2vsa.errors import RecordingError
     from emg2vsa.pipeline.places import recordings_in
-    from emg2vsa.report.recording_words import as_json, file_lines, folder_lines
+    from emg2vsa.report.recordings import as_json, file_lines, folder_lines
 
     check_rate(arguments.fs)
     paths = recordings_in(arguments.files)
@@ -101,7 +101,7 @@ def inspect(arguments: argparse.Namespace) -> int:
         told = {"files": [as_json(facts) for facts in found], "refused": unread}
         answer(arguments.json, told, folder_lines(paths, outcomes))
     if arguments.page is not None:
-        from emg2vsa.report.recording_page import recording_page
+        from emg2vsa.report.recordings import recording_page
 
         write_text_atomic(arguments.page, recording_page(found, [str(error) for error in refused]))
         if not arguments.json:
@@ -181,7 +181,7 @@ def fit(arguments: argparse.Namespace) -> int:
         return _list_channels(arguments)
     from emg2vsa.fits import fit_trials
     from emg2vsa.pipeline.stages.trials import trials_of
-    from emg2vsa.report.fit_words import fit_lines, rows
+    from emg2vsa.report.recordings import fit_lines, rows
     from emg2vsa.settings import CocontractionSettings
 
     settings = _settings(arguments)
@@ -211,7 +211,7 @@ def _settings(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _list_channels(arguments: argparse.Namespace) -> int:
     from emg2vsa.readers.front_door import open_recording
-    from emg2vsa.report.fit_words import channel_lines
+    from emg2vsa.report.recordings import channel_lines
 
     name, opened = open_recording(arguments.file, reading_of(arguments, "fit"))
     channels, notes = opened.describe(), list(opened.contents.notes)

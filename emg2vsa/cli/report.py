@@ -107,8 +107,7 @@ def _date(text: str) -> str:
 
 def verify(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
-    from emg2vsa.deposit.verification import verify_package
-    from emg2vsa.deposit.verification_words import as_json, lines
+    from emg2vsa.deposit.verification import as_json, lines, verify_package
 
     found = verify_package(
         arguments.package, data=arguments.data, work=arguments.work, keys=arguments.keys, jobs=jobs_of(arguments),

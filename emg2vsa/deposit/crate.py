@@ -6,12 +6,14 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from urllib.parse import quote, unquote
 
 import emg2vsa
 
 METADATA = "ro-crate-metadata.json"
+SUPPLEMENT = "supplement.zip"
+"""The archive in the package, which holds its other files."""
 SPECIFICATION = "https://w3id.org/ro/crate/1.1"
 CONTEXT = [f"{SPECIFICATION}/context", {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}]
 """RO-Crate 1.1 has no word for a checksum; the one of Workflow Run RO-Crate is declared beside its own."""
@@ -71,6 +73,12 @@ def parts_of(text: str) -> list[str]:
     if entities["#run"]["name"] != _RUN:
         raise ValueError("the metadata of another research object")
     return [METADATA, *(unquote(part["@id"]) for part in entities["./"]["hasPart"])]
+
+
+def sha256_of(path: Path) -> str:
+    """SHA-256 of a file."""
+    with path.open("rb") as opened:
+        return hashlib.file_digest(opened, "sha256").hexdigest()
 
 
 def _descriptor() -> Entity:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import zipfile
 from collections.abc import Iterator
@@ -11,8 +10,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from emg2vsa.deposit.crate import METADATA, parts_of
-from emg2vsa.deposit.package import SUPPLEMENT
+from emg2vsa.deposit.crate import METADATA, SUPPLEMENT, parts_of, sha256_of
 from emg2vsa.errors import DataError
 
 _WANTED = "an authors' package, as emg2vsa report STUDY --paper writes it"
@@ -90,12 +88,6 @@ class Deposit:
 
 _MEND = "Get the package again: this file was changed."
 _ZIP_ERRORS = (zipfile.BadZipFile, EOFError, NotImplementedError, RuntimeError, OSError)
-
-
-def sha256_of(path: Path) -> str:
-    """SHA-256 of a file."""
-    with path.open("rb") as opened:
-        return hashlib.file_digest(opened, "sha256").hexdigest()
 
 
 def open_deposit(source: Path, unpacked: Path) -> Deposit:

@@ -1,29 +1,28 @@
-"""The authors' package: what the report found, laid out for a paper and for a public archive."""
+"""The authors' package: what the report found, laid out for a paper and for an archive, and where numbers come from."""
 
 from __future__ import annotations
 
 import csv
-import hashlib
 import io
 import json
 import os
 import tempfile
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from casr.atomic import write_bytes_atomic
-from emg2vsa.deposit.crate import METADATA, SOURCES, UNPUBLISHED, Publication, metadata, parts_of
+from emg2vsa.deposit.crate import METADATA, SOURCES, SUPPLEMENT, UNPUBLISHED, Publication, metadata, parts_of, sha256_of
 from emg2vsa.deposit.documents import proof, readme
-from emg2vsa.deposit.lineage import Lineage, lineage
 from emg2vsa.errors import DataError
-from emg2vsa.pipeline.plan import StepPlan
+from emg2vsa.pipeline.plan import DONE, Step, StepPlan
+from emg2vsa.pipeline.stage_order import ORDER, stage
 from emg2vsa.pipeline.stages.report import results_of
 from emg2vsa.report.numbers import macro_names, unit_of
 from emg2vsa.report.study_report import write_figure_pdfs
 from emg2vsa.study import Study
 
-SUPPLEMENT = "supplement.zip"
 _FOR_SCREENS = {".html", ".svg", ".png"}
 _SIMULATED = "The recordings were simulated: these numbers are no evidence about people."
 _RECORDED = "The recordings are taken as made with people."
@@ -60,7 +59,8 @@ def _files(plan: StepPlan, publication: Publication) -> dict[str, bytes]:
     described = f"Numbers, tables, figures and schedules of the study {study.name}, for a paper. {about}"
     if publication.date == UNPUBLISHED:
         described += f" Not published yet: {UNPUBLISHED} stands for the date."
-    inputs = _sha256(study, traced.inputs)
+    taken = {path: study.path.parent / path for path in traced.inputs}
+    inputs = {path: sha256_of(file) for path, file in taken.items() if file.is_file()}
     crate = metadata(study.title, described, files, inputs, traced.libraries, publication)
     return files | {METADATA: crate.encode()}
 
@@ -101,16 +101,6 @@ def _results_csv(found: Mapping[str, object], traced: Lineage) -> str:
     return text.getvalue()
 
 
-def _sha256(study: Study, paths: Mapping[str, str]) -> dict[str, str]:
-    found = {}
-    for path in paths:
-        file = study.path.parent / path
-        if file.is_file():
-            with file.open("rb") as opened:
-                found[path] = hashlib.file_digest(opened, "sha256").hexdigest()
-    return found
-
-
 def _files_of_earlier(folder: Path) -> set[str]:
     """What an earlier package in this folder holds; a folder with anything but a package is left alone."""
     if not folder.exists() or not any(folder.iterdir()):
@@ -143,3 +133,76 @@ def zip_bytes(files: Mapping[str, bytes]) -> bytes:
             entry.external_attr = 0o100644 << 16
             archive.writestr(entry, files[name])
     return buffer.getvalue()
+
+
+_MADE_BY = {
+    "study": ("report",), "trials": ("trials",), "fit": ("fits",), "power": ("hypotheses", "report"),
+    "recovery": ("fits", "report"), "runs": ("runs", "discrimination"),
+}  # fmt: skip
+"""First word of a key to the stages behind it, where that word is not a stage's own name."""
+
+
+@dataclass(frozen=True)
+class Lineage:
+    """numbers : key to step ids. steps : id to the step as the ledger has it. inputs : path beside the study file to
+    the digest the steps took it with.
+    """
+
+    numbers: dict[str, tuple[str, ...]]
+    steps: dict[str, dict[str, object]]
+    inputs: dict[str, str]
+    libraries: dict[str, str]
+
+    def json(self) -> str:
+        """What provenance.json holds."""
+        about = (
+            "numbers: key in results.json to the steps that made it. steps: key of the step's result in the ledger, "
+            "and all it depends on: settings, files and inputs with their digests, code, libraries."
+        )
+        whole = {"about": about, "numbers": self.numbers, "steps": self.steps}
+        return json.dumps(whole, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
+
+
+def lineage(plan: StepPlan, keys: Iterable[str]) -> Lineage:
+    """Lineage of the numbers ``keys`` of a study that has just been run."""
+    done = [step for step in plan.steps.values() if step.status in DONE]
+    base = plan.study.path.parent
+    files: dict[str, str] = {}
+    libraries: dict[str, str] = {}
+    for step in done:
+        files |= {_beside(path, base): value for path, value in step.parts.files.items()}
+        libraries |= step.parts.libraries.value
+    return Lineage(
+        numbers={key: _steps_of(key, done, plan.study) for key in keys},
+        steps={step.id: _plain(step, base) for step in done},
+        inputs=dict(sorted(files.items())),
+        libraries=dict(sorted(libraries.items())),
+    )
+
+
+def _steps_of(key: str, steps: Iterable[Step], study: Study) -> tuple[str, ...]:
+    """Steps of the key's stages; of one specimen where the key names it. The report made what no stage claims."""
+    first, second = [*key.split("."), ""][:2]
+    stages = _MADE_BY.get(first, (first,) if first in ORDER else ("report",))
+    of = [step for step in steps if step.stage in stages]
+    if second in {specimen.name for specimen in study.specimens}:
+        of = [step for step in of if stage(step.stage).per != "recording" or step.item.endswith(f"/{second}")]
+    return tuple(step.id for step in of)
+
+
+def _plain(step: Step, base: Path) -> dict[str, object]:
+    parts = step.parts
+    return {
+        "key": step.key,
+        "result": step.result,
+        "settings": parts.settings.value,
+        "files": {_beside(path, base): value for path, value in parts.files.items()},
+        "inputs": dict(parts.inputs),
+        "code": parts.code.digest,
+        "libraries": parts.libraries.value,
+    }
+
+
+def _beside(path: str, base: Path) -> str:
+    """A path as seen from the study file, wherever the project lies."""
+    return Path(os.path.relpath(base / path, base)).as_posix()

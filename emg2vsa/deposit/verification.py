@@ -1,11 +1,17 @@
-"""Is a published package what its data give? Its manifest, its own numbers twice, and all of them recomputed."""
+"""Is a published package what its data give? Its manifest, its own numbers twice, and all of them recomputed.
+
+The numbers are made once more by the package's study file, on the data, in a place of its own.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import csv
+import json
+import os
 import tempfile
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
@@ -20,14 +26,93 @@ from emg2vsa.deposit.agreement import (
     restated_list,
     restated_macros,
 )
-from emg2vsa.deposit.crate import METADATA
-from emg2vsa.deposit.open_deposit import Deposit, open_deposit, sha256_of
-from emg2vsa.deposit.recomputed import Data, data_of, recompute, without_data
-from emg2vsa.errors import SettingError
-from emg2vsa.pipeline.run_study import Progress
+from emg2vsa.deposit.crate import METADATA, SOURCES, sha256_of
+from emg2vsa.deposit.open_deposit import Deposit, open_deposit
+from emg2vsa.errors import DataError, SettingError
+from emg2vsa.pipeline.places import OWNER_FILE, placed_in
+from emg2vsa.pipeline.run_study import Progress, run_study
+from emg2vsa.pipeline.stage_order import stages_for
+from emg2vsa.study_file import load_study
 
 RESULTS = "results.json"
 AGREES, DIFFERS, UNVERIFIED = 0, 1, 2
+
+
+@dataclass(frozen=True)
+class Data:
+    """The data of a package. folder : where the study file would lie. missing, changed : of its files."""
+
+    folder: Path
+    missing: frozenset[str]
+    changed: tuple[str, ...]
+
+
+def data_of(deposit: Deposit, given: Path | None) -> Data:
+    """The data in ``given``; without it inside the package, where its report says, or beside it."""
+    if given is not None and not given.is_dir():
+        found = "a file" if given.exists() else "no such folder"
+        do = "Name the folder from which the study file names its data."
+        raise DataError(f"--data {given}", wanted="a folder", found=found, do=do)
+    places = [given] if given is not None else [*dict.fromkeys(_places(deposit))]
+    folder = max(places, key=lambda place: sum((place / name).is_file() for name in deposit.inputs))
+    missing = frozenset(name for name in deposit.inputs if not (folder / name).is_file())
+    there = [name for name in deposit.inputs if name not in missing]
+    return Data(folder, missing, tuple(name for name in there if sha256_of(folder / name) != deposit.inputs[name]))
+
+
+def _places(deposit: Deposit) -> Iterator[Path]:
+    yield deposit.folder
+    around = [Path(os.path.abspath(deposit.source)), *Path(os.path.abspath(deposit.source)).parents[:3]]
+    for folder in around:
+        with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
+            owner = json.loads((folder / OWNER_FILE).read_text(encoding="utf-8"))
+            yield Path(os.path.normpath(folder / owner["file"])).parent
+    yield from around
+
+
+def without_data(keys: Iterable[str], provenance: Mapping[str, object], missing: frozenset[str]) -> set[str]:
+    """The numbers that a missing file leads to. DataError : the package does not say which steps made its numbers."""
+    if not missing:
+        return set()
+    try:
+        return _led_to(keys, provenance, missing)
+    except (KeyError, TypeError, AttributeError) as error:
+        where, found = "provenance.json", f"no steps of {error}"
+        raise DataError(where, wanted="the steps behind every number", found=found, do="Get it again.") from None
+
+
+def _led_to(keys: Iterable[str], provenance: Mapping[str, object], missing: frozenset[str]) -> set[str]:
+    numbers, steps = provenance["numbers"], provenance["steps"]
+    assert isinstance(numbers, dict)
+    assert isinstance(steps, dict)
+    known: dict[str, bool] = {}
+
+    def lacks(step: str) -> bool:
+        if step not in known:
+            known[step] = False  # steps form no circle
+            known[step] = bool(missing & set(steps[step]["files"])) or any(map(lacks, steps[step]["inputs"]))
+        return known[step]
+
+    # a number that the package does not trace may come from anywhere
+    return {key for key in keys if key not in numbers or any(map(lacks, numbers[key]))}
+
+
+def recompute(deposit: Deposit, data: Data, work: Path, jobs: int, progress: Progress) -> Path:
+    """Run the package's study with everything that is written in ``work``; the folder of the report.
+
+    DataError : the study in the package gives no report on these data.
+    """
+    study = placed_in(load_study(deposit.folder / SOURCES[0], data.folder), work)
+    source = study.runs_source
+    if source is not None and source.rig is not None:
+        study = replace(study, runs_source=replace(source, rig=deposit.folder / SOURCES[1]))
+    board = run_study(study, stages=stages_for("report"), jobs=jobs, progress=progress)
+    why = [message for item, stage, message in board.failures() if (item, stage) == ("study", "report")]
+    if why or not (study.reports / "results.json").is_file():
+        found = why[0] if why else "no report"
+        do = "Look whether --data names the data of this package."
+        raise DataError(deposit.source, wanted="numbers from the data", found=found, do=do)
+    return study.reports
 
 
 @dataclass(frozen=True)
@@ -153,3 +238,64 @@ def _check_work(work: Path | None, source: Path, data: Path | None) -> None:
         found = "a file" if work.is_file() else "a folder in the package or its data"
         do = "Name an empty folder elsewhere, or leave --work out."
         raise SettingError(f"--work {work}", wanted="a folder of its own", found=found, do=do)
+
+
+_SHOWN = 20
+
+
+def lines(found: Verification) -> Iterator[str]:
+    """The verdict last."""
+    deposit, data = found.deposit, found.data
+    other = "" if deposit.version == emg2vsa.__version__ else f"; this is {emg2vsa.__version__}, so methods may differ"
+    yield f"Package: {deposit.source}, written by emg2vsa {deposit.version}{other}"
+    yield f"Files: {len(deposit.sha256)} in the manifest, {len(found.damage)} not as it says"
+    yield from _few([f"{name}: {what}" for name, what in found.damage])
+    there = len(deposit.inputs) - len(data.missing)
+    yield f"Data: {there} of {len(deposit.inputs)} files in {data.folder}, {len(data.changed)} of them changed"
+    yield from _few([f"{name}: changed" for name in data.changed])
+    yield from _few([f"{name}: missing" for name in sorted(data.missing)])
+    if len(data.missing) == len(deposit.inputs) and data.missing:
+        yield "  Name the folder of the study file with --data."
+    yield f"Inside the package: {len(found.restated)} numbers are not as in results.json"
+    yield from _few(found.restated, "in the file", "in results.json")
+    unchecked = [name for name in found.unchecked if "/" not in name and not name.endswith(".tex")]
+    yield f"Numbers: {_counted(found.numbers)}, {len(unchecked)} not checked"
+    yield from _few(found.numbers.differ)
+    files = len(found.unchecked) - len(unchecked)
+    yield f"Lines of tables, statements and schedules: {_counted(found.texts)}, {files} files not checked"
+    yield from _few(found.texts.differ)
+    yield ("Verified.", "Not as published.", "Not verified: see what was not checked.")[found.status]
+
+
+def _counted(agreement: Agreement) -> str:
+    return f"{agreement.exact} equal, {agreement.within} within tolerance, {len(agreement.differ)} differ"
+
+
+def _few(
+    found: Sequence[Difference | str], published: str = "published", recomputed: str = "recomputed"
+) -> Iterator[str]:
+    for each in found[:_SHOWN]:
+        yield f"  {each}".replace(": published ", f": {published} ").replace(", recomputed ", f", {recomputed} ")
+    if len(found) > _SHOWN:
+        yield f"  and {len(found) - _SHOWN} more; --json lists all"
+
+
+def as_json(found: Verification) -> dict[str, object]:
+    """All of it."""
+    deposit, data = found.deposit, found.data
+    return {
+        "package": str(deposit.source),
+        "version": deposit.version,
+        "status": found.status,
+        "files": [{"file": name, "found": what} for name, what in found.damage],
+        "data": {"folder": str(data.folder), "missing": sorted(data.missing), "changed": list(data.changed)},
+        "restated": [vars(difference) for difference in found.restated],
+        "numbers": _agreement(found.numbers),
+        "lines": _agreement(found.texts),
+        "not_checked": list(found.unchecked),
+    }
+
+
+def _agreement(agreement: Agreement) -> dict[str, object]:
+    differ = [vars(difference) for difference in agreement.differ]
+    return {"equal": agreement.exact, "within_tolerance": agreement.within, "differ": differ}

@@ -23,7 +23,7 @@ from casr.overlays.frames import hexagons as cells_of
 from casr.pins import PinSettings
 from casr.pins.detect import above_surroundings, fit_view
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.figures.canvas import panel_grid
+from emg2vsa.figures.canvas import marks, one_scale, panel_grid
 from emg2vsa.figures.palette import BLUE, INK, SKY, YELLOW, Look
 from emg2vsa.run_scores import FirstContact
 
@@ -118,17 +118,13 @@ def draw_pin_counts(panels: Sequence[tuple[str, Sequence[PinCounts]]]) -> Figure
     figure, (row,) = panel_grid(1, [1] * len(panels), 46, (13, 2, 11, 13), (6, 0))
     for axes, (title, specimens) in zip(row, panels, strict=True):
         for each in specimens:
-            axes.plot(
-                each.force_n, each.pins, linestyle="none", marker=each.look.marker, markersize=4,
-                color=each.look.colour, alpha=0.8, markeredgecolor=INK, markeredgewidth=0.3, label=each.name,
-            )  # fmt: skip
+            marks(axes, each.force_n, each.pins, each.look, 4, 0.3, alpha=0.8, label=each.name)
         axes.set_title(title, loc="center")
         axes.set_xlabel("Force of the first frame (N)")
-    high = max(axes.get_ylim()[1] for axes in row)
     left, right = np.transpose([axes.get_xlim() for axes in row])
+    one_scale(row)
     for axes in row:
-        axes.set(ylim=(0, high), xlim=(left.min(), right.max()))
-        axes.tick_params(labelleft=axes is row[0])
+        axes.set(ylim=(0, None), xlim=(left.min(), right.max()))
     row[0].set_ylabel("Pins selected, n")
     handles, labels = max((axes.get_legend_handles_labels() for axes in row), key=lambda each: len(each[1]))
     figure.legend(handles, labels, loc="upper center", ncols=max(1, len(labels)))

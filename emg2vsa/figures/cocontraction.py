@@ -1,23 +1,34 @@
 """What the muscles do.
 
-Figure 4: (a) mean fitted trends; (b) the slopes b, with what the tests say of them. Figure 11: the interpolated profile
-of the new specimen beside the measured ones.
+Figure 4: (a) mean fitted trends; (b) the slopes b, with what the tests say of them. Figure 5: co-contraction mapped on
+the actuator, modular steps and constant levels against force. Figure 11: the interpolated profile of the new specimen
+beside the measured ones. And what the mixed model leaves of b: are the residuals normal, and alike at every level?
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from emg2vsa.arrays import Floats
-from emg2vsa.figures.activity_scale import ActivityScale
-from emg2vsa.figures.boxes import PairBar, draw_bars, draw_box
-from emg2vsa.figures.canvas import ONE_COLUMN_MM, TWO_COLUMNS_MM, new_figure, show_zero
-from emg2vsa.figures.palette import INK, NEW, Look
+from emg2vsa.figures.canvas import (
+    ONE_COLUMN_MM,
+    TWO_COLUMNS_MM,
+    PairBar,
+    draw_bars,
+    draw_box,
+    groups,
+    marks,
+    new_figure,
+    show_zero,
+)
+from emg2vsa.figures.palette import BLUE, INK, NEW, ActivityScale, Look
 from emg2vsa.profiles import Profile
+from emg2vsa.schedules import Schedule
 
 
 def draw_cocontraction(
@@ -29,32 +40,38 @@ def draw_cocontraction(
     bar_legend: str,
 ) -> Figure:
     """profiles, slopes (n,) and looks belong together, one per specimen; ``bar_legend`` names test and correction."""
-    figure, (trends, boxes) = new_figure(TWO_COLUMNS_MM, 72, (13, 2, 11, 6), shares=(1, 1), gap_mm=16)
+    figure, trends, boxes = _two_panels(72)
     for profile, look in zip(profiles, looks, strict=True):
-        _trend(trends, profile, look, scale)
-    trends.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None))
-    show_zero(trends, [profile.v for profile in profiles])
-    trends.set_title("(a)", loc="left")
+        v, sd = profile.v * scale.factor, profile.sd_v * scale.factor
+        trends.fill_between(profile.force_n, v - sd, v + sd, color=look.colour, alpha=0.18, linewidth=0)
+        _trend(trends, profile, look, scale, profile.specimen)
+    _label_trends(trends, profiles, scale)
     falling = sum(profile.b_v < 0 for profile in profiles)
     trends.legend(loc="upper right" if 2 * falling > len(profiles) else "upper left")
     for place, (b, look) in enumerate(zip(slopes, looks, strict=True)):
         draw_box(boxes, place, b * scale.factor, look)
-    boxes.set_xticks(range(len(profiles)), [profile.specimen for profile in profiles])
-    boxes.set(xlim=(-0.6, len(profiles) - 0.4), ylabel=scale.label("Slope b"))
-    boxes.grid(axis="x", visible=False)
-    boxes.set_title("(b)", loc="left")
+    groups(boxes, [profile.specimen for profile in profiles])
+    boxes.set_ylabel(scale.label("Slope b"))
     draw_bars(boxes, bars, bar_legend)
     return figure
 
 
-def _trend(axes: Axes, profile: Profile, look: Look, scale: ActivityScale) -> None:
-    v, sd = profile.v * scale.factor, profile.sd_v * scale.factor
-    axes.fill_between(profile.force_n, v - sd, v + sd, color=look.colour, alpha=0.18, linewidth=0)
+def _two_panels(height_mm: float) -> tuple[Figure, Axes, Axes]:
+    figure, panels = new_figure(TWO_COLUMNS_MM, height_mm, (13, 2, 11, 6), shares=(1, 1), gap_mm=16)
+    for axes, letter in zip(panels, "ab", strict=True):
+        axes.set_title(f"({letter})", loc="left")
+    return figure, panels[0], panels[1]
+
+
+def _trend(axes: Axes, profile: Profile, look: Look, scale: ActivityScale, label: str) -> None:
     every = max(1, profile.force_n.size // 8)
-    axes.plot(
-        profile.force_n, v, color=look.colour, linestyle=look.dash, marker=look.marker, markevery=every,
-        markeredgecolor=INK, markeredgewidth=0.4, label=profile.specimen,
-    )  # fmt: skip
+    v = profile.v * scale.factor
+    marks(axes, profile.force_n, v, look, linestyle=look.dash, markevery=every, label=label)
+
+
+def _label_trends(axes: Axes, profiles: Sequence[Profile], scale: ActivityScale) -> None:
+    axes.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None))
+    show_zero(axes, [profile.v for profile in profiles])
 
 
 def draw_interpolation(
@@ -62,17 +79,67 @@ def draw_interpolation(
 ) -> Figure:
     """``rmse`` in stored units, NaN where nobody measured the new specimen."""
     figure, (axes,) = new_figure(ONE_COLUMN_MM, 70, (13, 3, 11, 12))
-    for profile in [*measured, new]:
-        look = NEW if profile is new else looks[profile.specimen]
-        axes.plot(
-            profile.force_n, profile.v * scale.factor, color=look.colour, linestyle=look.dash, marker=look.marker,
-            markevery=max(1, profile.force_n.size // 8), markeredgecolor=INK, markeredgewidth=0.4,
-            label=f"{profile.specimen}{' (interpolated)' if profile.source == 'interpolated' else ''}",
-        )  # fmt: skip
-    axes.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None))
-    show_zero(axes, [profile.v for profile in [*measured, new]])
+    every = [*measured, new]
+    for profile in every:
+        label = f"{profile.specimen}{' (interpolated)' if profile.source == 'interpolated' else ''}"
+        _trend(axes, profile, NEW if profile is new else looks[profile.specimen], scale, label)
+    _label_trends(axes, every, scale)
     if not np.isnan(rmse):
         said = f"RMSE to measured: {rmse * scale.factor:.3g} {scale.unit}".rstrip()
         axes.text(0.98, 0.03, said, transform=axes.transAxes, ha="right", va="bottom")
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, columnspacing=1, handletextpad=0.4)
+    return figure
+
+
+def draw_schedules(schedules: Sequence[Schedule], looks: Mapping[str, Look]) -> Figure:
+    """Left, the steps of the modular schedules, marked at their middle; right, the constant levels of each specimen."""
+    figure, (steps, levels) = new_figure(ONE_COLUMN_MM, 74, (14, 2, 11, 10), shares=(3, 1), gap_mm=3)
+    specimens = list(dict.fromkeys(schedule.specimen for schedule in schedules))
+    for schedule in schedules:
+        if schedule.condition == "modular":
+            edges, look = schedule.step_force_n, looks[schedule.specimen]
+            steps.stairs(schedule.stiffness_percent, edges, baseline=None, color=look.colour, linewidth=1.0)
+            middle = (edges[1:] + edges[:-1]) / 2
+            marks(steps, middle, schedule.stiffness_percent, look, label=schedule.specimen)
+    for place, specimen in enumerate(specimens):
+        constant = {s.condition: float(s.stiffness_percent[0]) for s in schedules if s.specimen == specimen}
+        _levels(levels, place, constant, looks[specimen])
+    steps.set(xlabel="Force (N)", ylabel="Stiffness preset (% of maximum)", xlim=(0, None), ylim=(0, 100))
+    levels.set(xlabel="Constant", xlim=(-0.7, len(specimens) - 0.3), ylim=(0, 100), xticks=[])
+    levels.tick_params(axis="y", left=False, labelleft=False)
+    levels.spines["left"].set_visible(False)
+    shown, names = steps.get_legend_handles_labels()
+    if shown:
+        figure.legend(
+            shown, names, loc="upper center", bbox_to_anchor=(0.55, 1), ncols=4, columnspacing=1, handletextpad=0.3
+        )
+    return figure
+
+
+def _levels(axes: Axes, place: int, percent: Mapping[str, float], look: Look) -> None:
+    """percent : level by condition, of one specimen."""
+    ends = [percent[name] for name in ("constant-min", "constant-max") if name in percent]
+    axes.hlines(ends, place - 0.3, place + 0.3, colors=look.colour, linewidth=1.6)
+    if len(ends) > 1:
+        axes.vlines(place, min(ends), max(ends), colors=look.colour, linestyles=(0, (1, 1.5)), linewidth=1.0)
+    if "constant-mean" in percent:
+        marks(axes, place, percent["constant-mean"], look, 5)
+
+
+MOST_DRAWN = 2000
+"""Points that are drawn one by one; more are one picture, as a page with 100 000 shapes opens slowly."""
+
+
+def draw_mixed_residuals(fitted: Floats, residual: Floats, quantile: Floats, scale: ActivityScale) -> Figure:
+    """(a) Residuals over the SD of repetitions against normal quantiles; (b) against fitted slopes; (n,) each."""
+    figure, normal, level = _two_panels(66)
+    points: dict[str, Any] = {"color": BLUE, "linestyle": "none", "marker": "o", "markeredgewidth": 0, "alpha": 0.6}
+    points["rasterized"] = residual.size > MOST_DRAWN
+    ends = [float(quantile.min()), float(quantile.max())]
+    normal.plot(ends, ends, color=INK, linestyle="--", linewidth=0.8)
+    normal.plot(quantile, residual, **points)
+    normal.set(xlabel="Normal quantile", ylabel="Residual / SD of repetitions")
+    level.axhline(0, color=INK, linestyle="--", linewidth=0.8)
+    level.plot(fitted * scale.factor, residual, **points)
+    level.set(xlabel=scale.label("Fitted b"), ylabel="Residual / SD of repetitions")
     return figure

@@ -1,9 +1,12 @@
-"""Colours, markers and dashes: one look per specimen everywhere, told apart without colour too."""
+"""Colours, markers and dashes: one look per specimen everywhere, told apart without colour too. Units of activity."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from casr.palette import BLUE, GREEN, GREY, GRID, INK, MUTED, PURPLE, RED, SKY, YELLOW
 
@@ -40,3 +43,26 @@ def looks(specimens: Sequence[str], new: str | None = None) -> dict[str, Look]:
     """
     found = {name: _MEASURED[i % len(_MEASURED)] for i, name in enumerate(specimens)}
     return found | ({new: NEW} if new is not None else {})
+
+
+@dataclass(frozen=True)
+class ActivityScale:
+    """Volts are stored, microvolts are read: stored activity times ``factor`` is in ``unit`` ("": normalised)."""
+
+    unit: str
+    factor: float
+
+    def label(self, quantity: str) -> str:
+        """Axis label or table head: the quantity with its unit in brackets."""
+        return f"{quantity} ({self.unit})" if self.unit else quantity
+
+
+def activity_scale(activity_unit: str, values: ArrayLike) -> ActivityScale:
+    """The unit that brings the largest of ``values`` to one or more; volts stay volts from 1 V on."""
+    if activity_unit != "V":
+        return ActivityScale("", 1.0)
+    finite = np.abs(np.asarray(values, dtype=np.float64))
+    largest = float(np.max(finite, initial=0.0, where=np.isfinite(finite)))
+    if largest >= 1:
+        return ActivityScale("V", 1.0)
+    return ActivityScale("mV", 1e3) if largest >= 1e-3 else ActivityScale("µV", 1e6)

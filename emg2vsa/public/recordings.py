@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -19,10 +20,16 @@ from emg2vsa.errors import DataError, SettingError, StudyError
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.fits import Fits, fit_trials
-from emg2vsa.public.columns import LABELS, column, file_of, numbers_of, plain, refuse_missing_labels
-from emg2vsa.public.even_times import rate_and_start
-from emg2vsa.public.frames import frame_of
-from emg2vsa.public.settings import settings_or_default
+from emg2vsa.public.given import (
+    LABELS,
+    column,
+    file_of,
+    numbers_of,
+    of_kind,
+    plain,
+    refuse_missing_labels,
+    settings_or_default,
+)
 from emg2vsa.readers.front_door import inspect
 from emg2vsa.readers.opened import StoredChannel, usable
 from emg2vsa.readers.roles import (
@@ -176,7 +183,7 @@ def _of_table(
     columns = {name: numbers_of(table, name) for name in (*muscles.values(), force)}
     fs_hz, start_s = asked.force.fs_hz, 0.0
     if "time_s" in table.columns:
-        fs_hz, start_s = rate_and_start(numbers_of(table, "time_s", wanted="seconds as numbers"), fs_hz)
+        fs_hz, start_s = _rate_and_start(numbers_of(table, "time_s", wanted="seconds as numbers"), fs_hz)
     if fs_hz is None:
         do = "Give the sampling rate: fs_hz=1000."
         raise SettingError("read, fs_hz", wanted="a rate in Hz for a DataFrame without time_s", found="none", do=do)
@@ -194,11 +201,57 @@ def _of_table(
     return Recording("DataFrame", RoleChannels(emg, force_in_n(path, pressing, asked.force), "DataFrame", notes), asked)
 
 
+_REPEATING = 0.02
+"""Fewer steps of another length than the usual are lost or repeated samples, and no rounding."""
+_DRIFT = 0.5
+"""Of a step: the most that times wander about even spacing. One lost sample makes them wander by a whole step."""
+_RATES_DIFFER = 0.01
+
+
+def _rate_and_start(time_s: Floats, fs_hz: float | None) -> tuple[float, float]:
+    """Rate (Hz) and start (s) of times (n,) in seconds; ``fs_hz`` goes before the measured rate where it is given.
+
+    Times are judged as a whole: about the straight line through them they may wander by their rounding and half a step.
+    DataError: they are not evenly spaced. SettingError: ``fs_hz`` is another rate.
+    """
+    even = time_s.size > 1 and bool(np.isfinite(time_s).all())
+    steps = np.diff(time_s) if even else np.zeros(1)
+    rounding_s = _rounding_s(time_s, steps) if even else 0.0
+    even = even and bool(np.all(steps >= 0 if rounding_s else steps > 0)) and bool(time_s[-1] > time_s[0])
+    if even:
+        counts = np.arange(time_s.size) - (time_s.size - 1) / 2
+        since_s = time_s - time_s.mean()
+        step_s = float(counts @ since_s / (counts @ counts))
+        even = bool(np.ptp(since_s - step_s * counts) <= rounding_s * (1 + 1e-9) + _DRIFT * step_s)
+    if not even:
+        raise DataError(
+            "DataFrame, time_s", wanted="times that rise by one step", found="other steps",
+            do="Resample the table, split it at gaps, or give fs_hz and drop the column.",
+        )  # fmt: skip
+    measured_hz = (time_s.size - 1) / float(time_s[-1] - time_s[0])
+    # the ends are rounded too: a short table does not tell its rate better than that
+    slack = _RATES_DIFFER + 2 * rounding_s / float(time_s[-1] - time_s[0])
+    if fs_hz is not None and abs(fs_hz - measured_hz) > slack * measured_hz:
+        do = "Leave fs_hz out, or drop the column time_s."
+        found = f"{fs_hz:g} Hz"
+        raise SettingError("read, fs_hz", wanted=f"{measured_hz:.6g} Hz, as time_s says", found=found, do=do)
+    return fs_hz or measured_hz, float(time_s[0])
+
+
+def _rounding_s(time_s: Floats, steps: Floats) -> float:
+    """Worth of the last decimal of times whose steps differ by it; 0 where they hardly do, or no decimal is seen."""
+    usual = float(np.median(steps))
+    for decimals in range(7):
+        if np.allclose(time_s, np.round(time_s, decimals), rtol=1e-14, atol=1e-12):
+            last_s = 10.0**-decimals
+            return last_s if np.mean(np.abs(steps - usual) > 0.5 * last_s) > _REPEATING else 0.0
+    return 0.0
+
+
 def _extracted(recording: Recording, settings: StageSettings | None, participant: str, specimen: str) -> Trials:
     settings = settings_or_default(settings)
-    if not isinstance(recording, Recording):
-        do = "Read the file first: emg2vsa.read(file, emg=[...], force=...)."
-        raise SettingError("recording", wanted="a Recording", found=type(recording).__name__, do=do)
+    do = "Read the file first: emg2vsa.read(file, emg=[...], force=...)."
+    of_kind(recording, Recording, "recording", "a Recording", do)
     return extract_trials(
         recording.roles.emg,
         recording.roles.force,
@@ -308,9 +361,21 @@ def samples_frame(found: Trials) -> pd.DataFrame:
 
 def fits_frame(found: Fits) -> pd.DataFrame:
     """`Fits`, one row a press; bins are left out."""
-    frame = frame_of(found, found.repetition.size)
+    frame = _frame_of(found, found.repetition.size)
     frame.attrs = {
         "points": found.points, "weights": found.weights, "confidence": found.confidence,
         "activity_unit": found.activity_unit, "emg2vsa": __version__,
     }  # fmt: skip
     return frame
+
+
+def _frame_of(product: Any, rows: int) -> pd.DataFrame:
+    """The fields of a dataclass that hold ``rows`` values each, (rows,), as columns of their names."""
+    columns = {}
+    for field in dataclasses.fields(product):
+        value = getattr(product, field.name)
+        if isinstance(value, np.ndarray) and value.shape == (rows,):
+            columns[field.name] = value
+        elif isinstance(value, tuple) and len(value) == rows and all(isinstance(one, str) for one in value):
+            columns[field.name] = np.array(value, dtype=object)
+    return pd.DataFrame(columns)

@@ -17,10 +17,10 @@ from emg2vsa.pipeline.plan import StepPlan, survey
 from emg2vsa.pipeline.run_study import Progress, run_study
 from emg2vsa.pipeline.stage_order import ORDER, stages_for
 from emg2vsa.process_pool import available_cores
-from emg2vsa.public.columns import file_of, plain
-from emg2vsa.public.frames import outcomes_frame
+from emg2vsa.public.given import file_of, plain
 from emg2vsa.public.recordings import fits_frame, samples_frame, trials_frame
 from emg2vsa.public.schedules import profiles_frame, schedules_frame
+from emg2vsa.public.tests import outcomes_frame
 from emg2vsa.report.sections.hypothesis_tables import outcomes
 from emg2vsa.run_scores import RunScores
 from emg2vsa.study import Study

@@ -10,12 +10,11 @@ import numpy as np
 import pandas as pd
 
 from emg2vsa import __version__
-from emg2vsa.errors import DataError, SettingError
+from emg2vsa.errors import DataError
 from emg2vsa.exemplary import compare_participants
 from emg2vsa.fits import Fits
 from emg2vsa.profiles import Profiles, build_profiles
-from emg2vsa.public.columns import column, number_of, numbers_of, refuse_missing_labels, table_of
-from emg2vsa.public.settings import settings_or_default
+from emg2vsa.public.given import column, number_of, numbers_of, of_kind, refuse_missing_labels, settings_or_default
 from emg2vsa.schedules import Schedule
 from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import StageSettings
@@ -53,17 +52,14 @@ def schedule(
 
 def _stiffness_of(fits: Fits, given: Mapping[Any, Any], settings: StageSettings) -> dict[str, float]:
     """Every stiffness that is one. DataError: a specimen that takes part has none."""
-    if not isinstance(given, Mapping):
-        do = "Write {'S1': 1.4, 'S2': 0.6}."
-        raise SettingError(
-            "schedule, stiffness_n_per_mm", wanted="specimen to its stiffness", found=type(given).__name__, do=do
-        )
+    where = "schedule, stiffness_n_per_mm"
+    of_kind(given, Mapping, where, "specimen to its stiffness", "Write {'S1': 1.4, 'S2': 0.6}.")
     told = {str(name): one for name, one in given.items()}
     known = {name: value for name, one in told.items() if (value := number_of(one)) is not None and value > 0}
     for name in settings.profile.specimens or dict.fromkeys(fits.specimen.tolist()):
         if name not in known:
             raise DataError(
-                f"schedule, stiffness_n_per_mm, specimen {name!r}", wanted="a number above 0, in N/mm",
+                f"{where}, specimen {name!r}", wanted="a number above 0, in N/mm",
                 found=repr(told[name]) if name in told else "none",
                 do="Give its stiffness, or leave it out: Settings(profile={'specimens': [...]}).",
             )  # fmt: skip
@@ -72,7 +68,8 @@ def _stiffness_of(fits: Fits, given: Mapping[Any, Any], settings: StageSettings)
 
 def _fits_of(frame: pd.DataFrame) -> Fits:
     """A table of fits as the product that profiles are made from; what profiles do not need is NaN."""
-    frame = table_of(frame, "schedule, fits")
+    do = "Make a DataFrame of it: pandas.DataFrame(...)."
+    of_kind(frame, pd.DataFrame, "schedule, fits", "a DataFrame", do)
     absent = [name for name in _NEEDED if name not in frame.columns]
     if absent or frame.empty:
         found = f"no {', '.join(absent)}" if absent else "no row"

@@ -2,21 +2,42 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Iterable
 from contextlib import suppress
 from decimal import Decimal
 from os import PathLike
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from emg2vsa import __version__
 from emg2vsa.companions.tidy import tidy_tests
 from emg2vsa.errors import DataError, RecordingError, SettingError
-from emg2vsa.public.columns import column, file_of, is_missing, number_of, plain
-from emg2vsa.public.frames import outcomes_frame
+from emg2vsa.public.given import column, file_of, is_missing, number_of, plain
 from emg2vsa.readers.tidy_table import TidyTable, read_tidy_table
 from emg2vsa.report.tidy_text import outcomes, text
+from emg2vsa.statistics.outcome import Outcome
 from emg2vsa.study_file.problems import shown
+
+_COLUMNS = (
+    "of", "method", "n", "statistic_name", "statistic", "df", "p", "estimate_name", "estimate", "estimate_lo",
+    "estimate_hi", "confidence", "effect_name", "effect_size", "notes",
+)  # fmt: skip
+
+
+def outcomes_frame(found: Iterable[tuple[str, Outcome]]) -> pd.DataFrame:
+    """Outcomes of tests, each with what was tested, one row each."""
+    rows = []
+    for of, outcome in found:
+        row = {"of": of, **dataclasses.asdict(outcome)}
+        row["estimate_lo"], row["estimate_hi"] = row.pop("interval") or (None, None)
+        row["notes"] = "; ".join(outcome.notes)
+        rows.append(row)
+    frame = pd.DataFrame(rows, columns=list(_COLUMNS))
+    numbers = ("statistic", "p", "estimate", "estimate_lo", "estimate_hi", "confidence", "effect_size")
+    return frame.astype(dict.fromkeys(numbers, np.float64))
 
 
 def stats(

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from emg2vsa.arrays import Floats
+from emg2vsa.companions.groups import GroupTests
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import RunTable
-from emg2vsa.discrimination.separation import Gaps
 from emg2vsa.figures.palette import Look
 from emg2vsa.figures.palette import looks as looks_of
 from emg2vsa.report.drawing import Drawing
@@ -18,7 +19,6 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.table import Column
 from emg2vsa.report.wording import SIMULATED, number
-from emg2vsa.statistics.bootstrap import Bootstrap
 
 DESIGN = Column("design", "Condition, angle")
 BOXES = "Boxes are Hazen's quartiles, whiskers reach the furthest value within 1.5 interquartile ranges."
@@ -58,28 +58,10 @@ def keys(found: Discrimination) -> list[str]:
     return [f"runs.{c}.{a:g}" for c, a in zip(table.conditions, table.angles_deg.tolist(), strict=True)]
 
 
-def moments(name: str, values: Floats) -> Items:
-    """Mean and SD of the finite ``values``."""
-    known = finite(values)
-    yield f"{name}.mean", float(np.mean(known)) if known.size else np.nan
-    yield f"{name}.sd", float(np.std(known, ddof=1)) if known.size > 1 else np.nan
-
-
-def with_interval(name: str, estimate: float, low: float, high: float) -> Items:
-    """An estimate and its ends."""
-    yield name, estimate
-    yield f"{name}.low", low
-    yield f"{name}.high", high
-
-
-def interval_of(found: Bootstrap, i: int) -> tuple[float, float, float]:
-    """Estimate, low and high."""
-    return float(found.estimate[i]), float(found.low[i]), float(found.high[i])
-
-
-def gap_of(found: Gaps, i: int) -> tuple[float, float, float]:
-    """Gap, low and high."""
-    return float(found.gap[i]), float(found.low[i]), float(found.high[i])
+def ends_of(found: Any, i: int) -> tuple[float, float, float]:
+    """Estimate, low and high of one design: of a ``Bootstrap``, or of ``Gaps``."""
+    estimate = found.gap if hasattr(found, "gap") else found.estimate
+    return float(estimate[i]), float(found.low[i]), float(found.high[i])
 
 
 def looks(results: StudyResults) -> dict[str, Look]:
@@ -94,6 +76,12 @@ def drawing(results: StudyResults, name: str, title: str, caption: str, told: st
     """A figure of the runs, which says so where they were simulated."""
     origin = f" {SIMULATED}" if results.pressed.simulated else ""
     return Drawing(name, title, caption + origin, f"{told}{origin}", figure, None)
+
+
+def specimens_test(name: str, tests: GroupTests, i: int) -> Items:
+    """Kruskal and Wallis' test of the known specimens in one design."""
+    yield f"{name}.specimens_p", float(tests.kruskal.p[i])
+    yield f"{name}.specimens_epsilon2", float(tests.kruskal.epsilon2[i])
 
 
 def finite(values: Floats) -> Floats:

@@ -13,7 +13,7 @@ from emg2vsa.calibration.results import CalibrationResults
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.exemplary import Choice
 from emg2vsa.extraction import Trials
-from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
+from emg2vsa.figures.palette import ActivityScale, activity_scale
 from emg2vsa.fits import Fits, usable
 from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.profiles import Profiles

@@ -6,6 +6,7 @@ import json
 import math
 import re
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,31 @@ from emg2vsa.report.wording import p_parts
 
 Quantity = str | int | float | bool
 Items = Iterator[tuple[str, Quantity]]
+
+
+def fields_of(name: str, found: object, *keys: str, at: Any = None) -> Items:
+    """``name.key`` of attributes of ``found`` of these names. at : place in those that are arrays."""
+    for key in keys:
+        value = getattr(found, key)
+        value = value if at is None else value[at]
+        yield f"{name}.{key}", value.item() if isinstance(value, np.generic) else value
+
+
+def plain(value: float | None) -> float:
+    """NaN where there is none."""
+    return np.nan if value is None else value
+
+
+def with_interval(name: str, estimate: float, low: float, high: float) -> Items:
+    """An estimate and its ends."""
+    yield from zip((name, f"{name}.low", f"{name}.high"), map(float, (estimate, low, high)), strict=True)
+
+
+def moments(name: str, values: Floats) -> Items:
+    """Mean and SD of the finite ``values`` (n,); NaN where there are too few."""
+    known = values[np.isfinite(values)]
+    yield f"{name}.mean", float(np.mean(known)) if known.size else np.nan
+    yield f"{name}.sd", float(np.std(known, ddof=1)) if known.size > 1 else np.nan
 
 
 def least(values: Floats) -> float:

@@ -6,14 +6,15 @@ paper: its hexagons and equations) with its exponential law; the companion is th
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from emg2vsa.report import paper
+from emg2vsa.report.companion_rows import dunn_bounds
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.section import Claim, Quantities, Verdict, not_tested, verdict_of_all
-from emg2vsa.report.verdicts import dunn_bounds
+from emg2vsa.report.section import Claim, Quantities, judged, not_tested
 from emg2vsa.report.wording import NO_BREAK, bounded, exact_p, number, p_text, signed
 from emg2vsa.rig.executor.motion import MovingAverage
 from emg2vsa.statistics.kruskal import kruskal
@@ -21,17 +22,11 @@ from emg2vsa.statistics.kruskal import kruskal
 _RIGID, _HUMAN_LIKE = "high-stiffness", "modular"
 _OLD, _NEW = "circle", "paper"
 _CONSTANT = ("constant-min", "constant-mean", "constant-max")
-_NOT_PRESSED = "Accepted presses are missing."
 _POWERLESS = "Neighbours cannot reach significance."
 _PARTLY = "Not every angle was tested."
 _TOO_FEW = "So few presses cannot reach significance."
 _NOT_EQUAL = "Not rejected is not equal."
 _NOT_HEXAGON = "The area rule of this study is not of hexagons."
-_UNTESTED: Verdict = "cannot be tested here"
-
-
-def _verdict(known: bool, holds: bool) -> Verdict:
-    return _UNTESTED if not known else "holds" if holds else "does not hold"
 
 
 def _missing(results: StudyResults, designs: Iterable[tuple[str, float]]) -> list[str]:
@@ -44,11 +39,6 @@ def _missing(results: StudyResults, designs: Iterable[tuple[str, float]]) -> lis
     pressed = {run.specimen for run in results.pressed.scores} | {run.specimen for run in results.study.runs}
     known = sorted(pressed & results.study.stiffness_n_per_mm.keys() - {results.study.profile.new_specimen})
     return [f"{name} {c} {angle:g}°" for c, angle in designs for name in known if (name, c, angle) not in accepted]
-
-
-def _on_all(known: bool, holds: bool, missing: Sequence[str]) -> Verdict:
-    """A claim on all specimens can be refuted by some of them, and is confirmed by all of them only."""
-    return _verdict(known and not (holds and missing), holds)
 
 
 def _of(q: Quantities, keys: Sequence[str]) -> np.ndarray:
@@ -67,34 +57,25 @@ def area_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     angles = list(paper.AREA_SPECIMENS_P)
     p = _of(q, [f"runs.{_RIGID}.{angle:g}.area.specimens_p" for angle in angles])
     ratio = _of(q, [f"runs.{_RIGID}.{angle:g}.area.softest_over_stiffest" for angle in angles])
-    known = bool(np.isfinite(p).all())
+    known, alike = bool(np.isfinite(p).all()), bool((p >= alpha).all())
     missing = _missing(results, [(_RIGID, angle) for angle in angles])
-    alike = bool((p >= alpha).all())
-    powerless = known and alike and not _can_reject(results, alpha)
-    said = _said(not_tested(missing), _NOT_EQUAL if alike else "")
-    yield Claim(
-        "area_same_on_specimens",
-        "initial area is the same on all specimens (Kruskal-Wallis)",
-        f"p = {', '.join(bounded(each, 2) for each in paper.AREA_SPECIMENS_P.values())}",
-        p_text(float(p.min())) if known else "not tested",
-        float(p.min()),
-        _on_all(known and not powerless, alike, missing),
+    yield judged(
+        "area_same_on_specimens", "initial area is the same on all specimens (Kruskal-Wallis)",
+        f"p = {', '.join(bounded(each, 2) for each in paper.AREA_SPECIMENS_P.values())}", p_text(float(p.min())),
+        float(p.min()), alike, known=known, missing=missing,
+        untested=_TOO_FEW if known and alike and not _can_reject(results, alpha) else "",
+        why=_said(not_tested(missing), _NOT_EQUAL if alike else ""),
         companion=f"softest : stiffest up to {ratio.max():.2f}" if known else "",
-        why=_TOO_FEW if powerless else said if known else _NOT_PRESSED,
-    )
-    worst = float(q.get(f"runs.{_RIGID}.area.angles.worst_p", np.nan))
-    alone = [key for key in q if key.startswith(f"runs.{_RIGID}.area.angles.") and key.endswith(".worst_p")]
-    alone = [key for key in alone if key != f"runs.{_RIGID}.area.angles.worst_p"]
-    yield Claim(
-        "area_changes_with_angle",
-        "initial area differs between all angles (Dunn)",
-        f"worst p = {_power(paper.AREA_ANGLES_WORST_P)}",
-        p_text(worst) if worst == worst else "not tested",
-        worst,
-        _on_all(worst == worst, worst < alpha, missing),
+    )  # fmt: skip
+    begin, end = f"runs.{_RIGID}.area.angles", ".worst_p"
+    worst = float(q.get(begin + end, np.nan))
+    alone = [key for key in q if key.startswith(f"{begin}.") and key.endswith(end) and key != begin + end]
+    yield judged(
+        "area_changes_with_angle", "initial area differs between all angles (Dunn)",
+        f"worst p = {_power(paper.AREA_ANGLES_WORST_P)}", p_text(worst), worst, worst < alpha, known=worst == worst,
+        missing=missing, why=not_tested(missing) or "Pooling mixes specimens.",
         companion=f"specimens alone: {p_text(_largest(_of(q, alone)))}" if alone else "",
-        why=(not_tested(missing) or "Pooling mixes specimens.") if worst == worst else _NOT_PRESSED,
-    )
+    )  # fmt: skip
 
 
 def _power(value: float) -> str:
@@ -116,22 +97,18 @@ def rate_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         names = [f"runs.{condition}.{angle:g}.casr.worst_p" for condition, angle in designs]
         p, holm = _of(q, names), _of(q, [f"{name}.holm" for name in names])
         known, missing = bool(np.isfinite(p).all()), _missing(results, designs)
-        powerless = known and _largest(p) >= alpha and _bound(results, neighbours=False) >= alpha
         printed = dict.fromkeys(exact_p(paper.CASR_WORST_P[design]) for design in designs)
-        yield Claim(
-            key,
-            f"CASR tells specimens apart, {says} (Dunn)",
-            f"worst p = {', '.join(printed)}",
-            p_text(_largest(p)) if known else "not tested",
-            _largest(p),
-            _on_all(known and not powerless, bool((p < alpha).all()), missing),
+        powerless = known and _largest(p) >= alpha and _bound(results, neighbours=False) >= alpha
+        yield judged(
+            key, f"CASR tells specimens apart, {says} (Dunn)", f"worst p = {', '.join(printed)}", p_text(_largest(p)),
+            _largest(p), bool((p < alpha).all()), known=known, missing=missing,
+            untested=_POWERLESS if powerless else "", why=not_tested(missing),
             companion=f"Mann-Whitney: {p_text(_largest(holm))}" if known else "",
-            why=_POWERLESS if powerless else not_tested(missing) if known else _NOT_PRESSED,
-        )
+        )  # fmt: skip
     yield _order(results, q, 10, _RIGID, "rigid motor")
     yield _order(results, q, 12, _HUMAN_LIKE, "human-like stiffness")
-    yield from _new_specimen(results, q, alpha)
-    yield _discriminated(results, q)
+    yield _at_minimum(results, q, alpha)
+    yield _discriminated(results, q, alpha)
 
 
 def _order(results: StudyResults, q: Quantities, figure: int, condition: str, says: str) -> Claim:
@@ -140,40 +117,38 @@ def _order(results: StudyResults, q: Quantities, figure: int, condition: str, sa
     names = [f"runs.{condition}.{angle:g}" for _, angle in designs]
     found = [(q.get(f"{name}.casr.rises"), q.get(f"{name}.new.between")) for name in names]
     known = [each for each in found if None not in each]
-    right, missing = sum(all(each) for each in known), _missing(results, designs)
-    new = results.study.profile.new_specimen or "the new specimen"
-    return Claim(
-        f"fig{figure}_order",
-        f"CASR rises with softness, {new} in its place, {says}",
-        f"{len(designs)} of {len(designs)} angles",
-        f"{right} of {len(known)} angles" if known else "not tested",
-        right if known else np.nan,
-        verdict_of_all(refuted=right < len(known), complete=len(known) == len(designs) and not missing),
-        why=(not_tested(missing) or _PARTLY * (len(known) < len(designs))) if known else _NOT_PRESSED,
-    )
+    right, partly = sum(all(each) for each in known), [_PARTLY] * (len(known) < len(designs))
+    missing = _missing(results, designs)
+    return judged(
+        f"fig{figure}_order", f"CASR rises with softness, {_new(results)} in its place, {says}",
+        f"{len(designs)} of {len(designs)} angles", f"{right} of {len(known)} angles", right if known else np.nan,
+        right == len(known), known=bool(known), missing=missing or partly, why=not_tested(missing) or "".join(partly),
+    )  # fmt: skip
 
 
-def _discriminated(results: StudyResults, q: Quantities) -> Claim:
+def _new(results: StudyResults) -> str:
+    return results.study.profile.new_specimen or "the new specimen"
+
+
+def _discriminated(results: StudyResults, q: Quantities, alpha: float) -> Claim:
     """Fig. 13: at the mean and the highest level the new specimen is told from both neighbours."""
-    designs = [(condition, 0.0) for condition in paper.ERROR_CONSTANT]
-    alpha = results.study.discrimination.alpha
-    p = {
-        test: _of(q, [f"runs.{c}.0.new.{side}_{test}" for c, _ in designs for side in ("stiffer", "softer")])
-        for test in ("mean_rank_p", "p")
-    }
-    worst, known = _largest(p["mean_rank_p"]), bool(np.isfinite(p["mean_rank_p"]).all())
-    powerless = known and worst >= alpha and _bound(results) >= alpha
-    new = results.study.profile.new_specimen or "the new specimen"
-    return Claim(
-        "fig13_new_specimen",
-        f"mean and highest stiffness tell {new} from its neighbours (Dunn)",
-        "told apart",
-        p_text(worst) if known else "not tested",
-        worst,
-        _verdict(known and not powerless, worst < alpha),
-        companion=f"Mann-Whitney: {p_text(_largest(p['p']))}" if np.isfinite(p["p"]).all() else "",
-        why=_POWERLESS if powerless else "" if known else _NOT_PRESSED,
-    )
+    sides = [f"runs.{condition}.0.new.{side}" for condition in paper.ERROR_CONSTANT for side in ("stiffer", "softer")]
+    p, exact = (_of(q, [f"{side}_{test}" for side in sides]) for test in ("mean_rank_p", "p"))
+    worst, known = _largest(p), bool(np.isfinite(p).all())
+    return judged(
+        "fig13_new_specimen", f"mean and highest stiffness tell {_new(results)} from its neighbours (Dunn)",
+        "told apart", p_text(worst), worst, worst < alpha, known=known,
+        untested=_POWERLESS if known and worst >= alpha and _bound(results) >= alpha else "",
+        companion=f"Mann-Whitney: {p_text(_largest(exact))}" if np.isfinite(exact).all() else "",
+    )  # fmt: skip
+
+
+def _counts(results: StudyResults, *, neighbours: bool) -> np.ndarray:
+    """Presses with a CASR of each specimen; without ``neighbours`` of those of known stiffness alone."""
+    assert results.pressed.discrimination is not None
+    table = results.pressed.discrimination.table
+    count = np.isfinite(table.casr[table.algorithm]).sum(axis=2)[0]
+    return np.asarray(count if neighbours else count[table.known])
 
 
 def _bound(results: StudyResults, *, neighbours: bool = True) -> float:
@@ -181,11 +156,8 @@ def _bound(results: StudyResults, *, neighbours: bool = True) -> float:
 
     neighbours : among all specimens, as of the new one; else among those of known stiffness.
     """
-    if results.pressed.discrimination is None:
-        return np.nan
-    table = results.pressed.discrimination.table
-    count = np.isfinite(table.casr[table.algorithm]).sum(axis=2)[0]
-    bounds = dunn_bounds(count if neighbours else count[table.known])
+    tested = results.pressed.discrimination is not None
+    bounds = dunn_bounds(_counts(results, neighbours=neighbours)) if tested else None
     return bounds[1] if bounds else np.nan
 
 
@@ -193,8 +165,7 @@ def _can_reject(results: StudyResults, alpha: float) -> bool:
     """Whether Kruskal and Wallis' test of the specimens can reject with so few presses: as if none overlapped."""
     if results.pressed.discrimination is None:
         return True
-    table = results.pressed.discrimination.table
-    count = np.isfinite(table.casr[table.algorithm]).sum(axis=2)[0][table.known]
+    count = _counts(results, neighbours=False)
     apart = np.full((count.size, max(int(count.max(initial=0)), 1)), np.nan)
     for i, n in enumerate(count.tolist()):
         apart[i, :n] = np.arange(n) + 1e3 * i
@@ -205,126 +176,105 @@ def _said(*sentences: str) -> str:
     return " ".join(filter(None, sentences))
 
 
-def _new_specimen(results: StudyResults, q: Quantities, alpha: float) -> Iterator[Claim]:
+def _at_minimum(results: StudyResults, q: Quantities, alpha: float) -> Claim:
     name = "runs.constant-min.0.new"
     dunn, exact = (float(q.get(f"{name}.{key}", np.nan)) for key in ("stiffer_mean_rank_p", "stiffer_p"))
-    known, powerless = dunn == dunn, _bound(results) >= alpha
-    new = results.study.profile.new_specimen or "the new specimen"
-    yield Claim(
-        "new_specimen_at_minimum",
-        f"lowest stiffness does not tell {new} from its stiffer neighbour (Dunn)",
-        f"p = {exact_p(paper.NEW_MIN_STIFFNESS_P)}",
-        p_text(dunn) if known else "not tested",
-        dunn,
-        _verdict(known and not (powerless and dunn >= alpha), dunn >= alpha),
-        companion=f"Mann-Whitney: {p_text(exact)}" if known else "",
-        why=(_POWERLESS if powerless else _NOT_EQUAL if dunn >= alpha else "") if known else _NOT_PRESSED,
-    )
+    alike = dunn >= alpha
+    return judged(
+        "new_specimen_at_minimum", f"lowest stiffness does not tell {_new(results)} from its stiffer neighbour (Dunn)",
+        f"p = {exact_p(paper.NEW_MIN_STIFFNESS_P)}", p_text(dunn), dunn, alike, known=dunn == dunn,
+        untested=_POWERLESS if alike and _bound(results) >= alpha else "", why=_NOT_EQUAL if alike else "",
+        companion=f"Mann-Whitney: {p_text(exact)}" if dunn == dunn else "",
+    )  # fmt: skip
 
 
 def kappa_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     """How well is the stiffness of the new specimen found?"""
-    for key, what, conditions, printed in (
-        ("rigid", "rigid motor", (_RIGID,), paper.ERROR_NEW_VISION),
-        ("human_like", "human-like stiffness", (_HUMAN_LIKE,), paper.ERROR_HUMAN_LIKE),
-        ("constant", "constant stiffness", tuple(paper.ERROR_CONSTANT), None),
+    constant = {(condition, 0.0): error for condition, error in paper.ERROR_CONSTANT.items()}
+    for key, what, printed in (
+        ("rigid", "rigid motor", {(_RIGID, angle): error for angle, error in paper.ERROR_NEW_VISION.items()}),
+        (
+            "human_like",
+            "human-like stiffness",
+            {(_HUMAN_LIKE, angle): error for angle, error in paper.ERROR_HUMAN_LIKE.items()},
+        ),
+        ("constant", "constant stiffness", constant),
     ):
-        designs = (
-            [(conditions[0], angle) for angle in printed] if printed else [(condition, 0.0) for condition in conditions]
-        )
-        errors = list(printed.values()) if printed else list(paper.ERROR_CONSTANT.values())
-        yield _fit(q, key, what, designs, conditions, results)
-        yield _error(q, key, what, designs, errors, results)
+        yield _fit(results, q, key, what, list(printed))
+        yield _error(results, q, key, what, printed)
     yield _curves()
 
 
 def _curves() -> Claim:
     """The unit of CASR cancels in the ratio of two specimens, which contact mechanics bounds."""
     implied, bound = [paper.implied_ratio(angle) for angle in paper.CURVES], paper.largest_ratio()
-    return Claim(
-        "kappa_curves",
-        "one exponential curve for each angle gives κ of CASR",
+    return judged(
+        "kappa_curves", "one exponential curve for each angle gives κ of CASR",
         "; ".join(f"{level:g} exp({rate:g} x)" for level, rate in paper.CURVES.values()),
-        f"S5 : S1 of {', '.join(number(ratio, 2) for ratio in implied)} implied",
-        max(implied),
-        _verdict(True, max(implied) <= bound),
+        f"S5 : S1 of {', '.join(number(ratio, 2) for ratio in implied)} implied", max(implied), max(implied) <= bound,
         why=f"Contact mechanics allows a ratio of {number(bound, 2)} at most.",
-    )
+    )  # fmt: skip
 
 
-def _fit(
-    q: Quantities,
-    key: str,
-    what: str,
-    designs: Sequence[tuple[str, float]],
-    conditions: Sequence[str],
-    results: StudyResults,
-) -> Claim:
+_Design = tuple[str, float]
+"""Condition and angle."""
+
+
+def _fit(results: StudyResults, q: Quantities, key: str, what: str, designs: Sequence[_Design]) -> Claim:
     own, missing = results.study.scoring.algorithm, _missing(results, designs)
-    r2, companion = (
-        _of(q, [f"runs.{c}.{angle:g}.{algorithm}.kappa.paper_law.adj_r2" for c, angle in designs])
-        for algorithm in (_NEW, own)
-    )
-    printed = min(paper.WORST_ADJ_R2[condition] for condition in conditions)
-    slope = _of(q, [f"runs.{c}.{angle:g}.{_NEW}.kappa.paper_law.parameter.second" for c, angle in designs])
+    r2, companion = (_laws(q, designs, algorithm, "adj_r2") for algorithm in (_NEW, own))
+    printed = min(paper.WORST_ADJ_R2[condition] for condition, _ in designs)
+    slope = _laws(q, designs, _NEW, "parameter.second")
     rising = int(np.count_nonzero(slope > 0))
-    known, undetermined = bool(np.isfinite(r2).all()), _undetermined(q, [(c, angle, _NEW) for c, angle in designs])
     holds = bool((slope < 0).all()) and float(r2.min()) >= printed
-    tested = _hexagons(results) and not (holds and undetermined)
-    return Claim(
-        f"kappa_fit_{key}",
-        f"an exponential law gives κ, {what}",
-        f"adj. R² ≥ {bounded(printed, 4)}",
-        bounded(float(r2.min())) if known else "not defined",
-        float(r2.min()),
-        _on_all(known and tested, holds, missing),
-        companion=f"by {own}: {bounded(float(companion.min()))}"
-        if own != _NEW and np.isfinite(companion).all()
-        else "",
-        why=_NOT_HEXAGON
-        if not _hexagons(results)
-        else _said(
-            not_tested(missing),
-            f"κ rises with CASR in {rising} of {slope.size} designs, against the paper's." if rising else "",
-            undetermined if holds else "",
-        )
-        if known
-        else "Not every design gives a law.",
-    )
+    undetermined = _undetermined(q, [(*design, _NEW) for design in designs]) if holds else ""
+    rises = f"κ rises with CASR in {rising} of {slope.size} designs, against the paper's." if rising else ""
+    said = _said(not_tested(missing), rises, undetermined)
+    known = bool(np.isfinite(r2).all())
+    claim = judged(
+        f"kappa_fit_{key}", f"an exponential law gives κ, {what}", f"adj. R² ≥ {bounded(printed, 4)}",
+        bounded(float(r2.min())), float(r2.min()), holds, known=known, missing=missing,
+        untested=said if undetermined else "", why=said, companion=f"by {own}: {bounded(float(companion.min()))}"
+        if own != _NEW and np.isfinite(companion).all() else "",
+        absent=("not defined", "Not every design gives a law."),
+    )  # fmt: skip
+    return _of_hexagons(results, claim)
 
 
-def _error(
-    q: Quantities,
-    key: str,
-    what: str,
-    designs: Sequence[tuple[str, float]],
-    printed: Sequence[float],
-    results: StudyResults,
-) -> Claim:
+def _laws(q: Quantities, designs: Sequence[_Design], algorithm: str, key: str) -> np.ndarray:
+    """A number of the paper's law in each design."""
+    return _of(q, [f"runs.{c}.{angle:g}.{algorithm}.kappa.paper_law.{key}" for c, angle in designs])
+
+
+def _error(results: StudyResults, q: Quantities, key: str, what: str, printed: Mapping[_Design, float]) -> Claim:
     own = results.study.scoring.algorithm
-    here = _of(q, [f"runs.{c}.{angle:g}.{_NEW}.kappa.paper_law.error" for c, angle in designs])
-    mine = _of(q, [f"runs.{c}.{angle:g}.{own}.kappa.error" for c, angle in designs])
-    known, undetermined = bool(np.isfinite(here).all()), _undetermined(q, [(c, angle, _NEW) for c, angle in designs])
-    small = bool((np.abs(here) < np.array(printed) + _ROUNDED).all())
-    return Claim(
-        f"kappa_error_{key}",
-        f"the error of κ is small, {what}",
-        f"{', '.join(number(100 * error, 2) for error in printed)}{NO_BREAK}%",
-        _percents(here) if known else "not defined",
-        float(np.abs(here).max()),
-        _verdict(known and _hexagons(results) and not (small and undetermined), small),
-        companion=f"by {own}: {_percents(mine)}" if own != _NEW and np.isfinite(mine).all() else "",
-        why=(("" if not small else undetermined) if known else _no_kappa(q)) if _hexagons(results) else _NOT_HEXAGON,
-    )
+    here = _laws(q, list(printed), _NEW, "error")
+    mine = _of(q, [f"runs.{c}.{angle:g}.{own}.kappa.error" for c, angle in printed])
+    small = bool((np.abs(here) < np.array([*printed.values()]) + _ROUNDED).all())
+    claim = judged(
+        f"kappa_error_{key}", f"the error of κ is small, {what}",
+        f"{', '.join(number(100 * error, 2) for error in printed.values())}{NO_BREAK}%", _percents(here),
+        float(np.abs(here).max()), small, known=bool(np.isfinite(here).all()),
+        untested=_undetermined(q, [(*design, _NEW) for design in printed]) if small else "",
+        companion=_by(own, mine, _percents(mine)), absent=("not defined", _no_kappa(q)),
+    )  # fmt: skip
+    return _of_hexagons(results, claim)
+
+
+def _by(own: str, values: np.ndarray, said: str) -> str:
+    """What the algorithm of the study says, where that is another one."""
+    return f"by {own}: {said}" if own != _NEW and np.isfinite(values).all() else ""
 
 
 def _percents(errors: np.ndarray) -> str:
     return f"{', '.join(signed(100 * error) for error in errors.tolist())}{NO_BREAK}%"
 
 
-def _hexagons(results: StudyResults) -> bool:
-    """Whether the algorithm "paper" of this study has its hexagons: its keys can set another rule of the area."""
-    return results.study.scoring.recipe_of(_NEW).area_rule in ("paper", "hexagon")
+def _of_hexagons(results: StudyResults, claim: Claim) -> Claim:
+    """Not to be tested where the algorithm "paper" of this study has no hexagons: keys can set another area rule."""
+    if results.study.scoring.recipe_of(_NEW).area_rule in ("paper", "hexagon"):
+        return claim
+    return replace(claim, verdict="cannot be tested here", why=_NOT_HEXAGON)
 
 
 def _undetermined(q: Quantities, designs: Iterable[tuple[str, float, str]]) -> str:
@@ -360,22 +310,15 @@ def reduction_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     )  # fmt: skip
     for key, says, before, after, angles, printed in steps:
         here = _reduction(q, before, after, angles, "paper_law.error")
-        swap = {_NEW: own}
-        mine = _reduction(
-            q, (before[0], swap.get(before[1], before[1])), (after[0], swap.get(after[1], after[1])), angles, "error"
-        )
-        known, smaller = bool(np.isfinite(here).all()), bool((here > 0).all())
-        undetermined = _undetermined(q, [(c, angle, name) for c, name in (before, after) for angle in angles])
-        yield Claim(
-            f"reduction_{key}",
-            f"{says}, {'/'.join(f'{angle:g}' for angle in angles)}°",
-            printed,
-            _points(here) if known else "not defined",
-            float(here.min()),
-            _verdict(known and _hexagons(results) and not undetermined, smaller),
-            companion=f"by {own}: {_points(mine)}" if own != _NEW and np.isfinite(mine).all() else "",
-            why=(undetermined if known else _no_kappa(q)) if _hexagons(results) else _NOT_HEXAGON,
-        )
+        ours = [(condition, own if name == _NEW else name) for condition, name in (before, after)]
+        mine = _reduction(q, ours[0], ours[1], angles, "error")
+        claim = judged(
+            f"reduction_{key}", f"{says}, {'/'.join(f'{angle:g}' for angle in angles)}°", printed, _points(here),
+            float(here.min()), bool((here > 0).all()), known=bool(np.isfinite(here).all()),
+            untested=_undetermined(q, [(c, angle, name) for c, name in (before, after) for angle in angles]),
+            companion=_by(own, mine, _points(mine)), absent=("not defined", _no_kappa(q)),
+        )  # fmt: skip
+        yield _of_hexagons(results, claim)
     yield _levels(q)
 
 
@@ -396,18 +339,13 @@ def _points(values: np.ndarray) -> str:
 
 def _levels(q: Quantities) -> Claim:
     verdicts = [str(q.get(f"runs.human_like_against.{level}.0.verdict", "")) for level in _CONSTANT]
-    known = all(verdicts)
-    better = verdicts.count("better")
-    undecided = verdicts.count("undecided")
-    return Claim(
-        "constant_levels",
-        "the profile tells specimens apart better than one stiffness",
-        "3 of 3 levels",
-        f"{better} of 3 better, {undecided} undecided" if known else "not tested",
-        better if known else np.nan,
-        _UNTESTED if not known or undecided == len(_CONSTANT) else _verdict(True, better == len(_CONSTANT)),
-        why=_NOT_PRESSED if not known else "The intervals include zero." if undecided else "",
-    )
+    better, undecided = (verdicts.count(verdict) for verdict in ("better", "undecided"))
+    zero = "The intervals include zero."
+    return judged(
+        "constant_levels", "the profile tells specimens apart better than one stiffness", "3 of 3 levels",
+        f"{better} of 3 better, {undecided} undecided", better if all(verdicts) else np.nan, better == len(_CONSTANT),
+        known=all(verdicts), untested=zero if undecided == len(_CONSTANT) else "", why=zero if undecided else "",
+    )  # fmt: skip
 
 
 def filter_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:

@@ -50,6 +50,37 @@ def verdict_of_all(refuted: bool, complete: bool) -> Verdict:
     return "does not hold" if refuted else "holds" if complete else "cannot be tested here"
 
 
+NOT_PRESSED = "Accepted presses are missing."
+
+
+def judged(
+    key: str,
+    says: str,
+    printed: str,
+    here: str,
+    ours: float,
+    holds: bool,
+    *,
+    known: bool = True,
+    missing: Sequence[str] = (),
+    untested: str = "",
+    why: str = "",
+    companion: str = "",
+    absent: tuple[str, str] = ("not tested", NOT_PRESSED),
+) -> Claim:
+    """A claim, which cannot be tested where its numbers are not ``known``, or ``untested`` says why else.
+
+    missing : designs without a press: a claim on all of them can be refuted by some, and is confirmed by all only.
+    absent : what is said in place of ``here`` and ``why`` where nothing is known.
+    """
+    if not known:
+        here, untested = absent
+    verdict: Verdict = "holds" if holds else "does not hold"
+    if untested or (holds and missing):
+        verdict = "cannot be tested here"
+    return Claim(key, says, printed, here, ours, verdict, companion, untested or why)
+
+
 _NAMED = 4
 
 

@@ -13,7 +13,7 @@ from casr import html
 from casr.atomic import write_text_atomic
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.remedies import remedy_of
-from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
+from emg2vsa.figures.palette import ActivityScale, activity_scale
 from emg2vsa.fits import Fits, by_recording
 from emg2vsa.report.failures import Failure, ShortPaths
 from emg2vsa.report.session_plots import (
@@ -25,7 +25,7 @@ from emg2vsa.report.session_plots import (
     median_frequencies,
     spectra,
 )
-from emg2vsa.report.table import Column, Table, activity_column, rows_of
+from emg2vsa.report.table import Column, Table, activity_column, table_of
 from emg2vsa.report.wording import NO_BREAK, number, percent
 from emg2vsa.session_verdict import Advice, Doubts, SessionVerdict, SpecimenVerdict, doubts_between, judge_session
 from emg2vsa.study import RecordingEntry, Study
@@ -154,11 +154,10 @@ def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
         Column("adj_r2_bins", "adj. R², bins"),
         Column("adj_r2_samples", "adj. R², samples"), Column("verdict", "Verdict"), Column("reason", "Reason"),
     )  # fmt: skip
-    keys = [column.key for column in columns]
-    rows = rows_of({key: np.asarray(getattr(fits if hasattr(fits, key) else trials, key)) for key in keys})
+    values = {c: np.asarray(getattr(fits if hasattr(fits, c.key) else trials, c.key)) for c in columns}
     interval = f"{100 * fits.confidence:g}{NO_BREAK}%"
     caption = f"Presses on {trials.specimen}; b low and b high are the limits of the {interval} interval of b"
-    return Table("presses", caption, columns, rows)
+    return table_of("presses", caption, values)
 
 
 def _quality(trials: Trials) -> list[str]:

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, median
 from emg2vsa.extraction import Trials
-from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
-from emg2vsa.figures.palette import RED, VERDICT_COLOURS
+from emg2vsa.figures.palette import RED, VERDICT_COLOURS, ActivityScale, activity_scale
 from emg2vsa.fits import Fits
 from emg2vsa.report.wording import activity, number
 

@@ -19,7 +19,7 @@ from emg2vsa.report.numbers import numbers_tex, results_json, statements_tex
 from emg2vsa.report.section import Content, Section, rendered
 from emg2vsa.report.sections import SECTIONS
 from emg2vsa.report.sections.claims import claim_quantities, claims_tables
-from emg2vsa.report.sections.methods import methods_text, references_bib
+from emg2vsa.report.sections.provenance import methods_text, references_bib
 
 _TOO_LONG_FOR_PRINT = frozenset({"fits", "statements"})
 _MOST_PRINTED = 2000

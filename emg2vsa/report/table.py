@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from emg2vsa.figures.activity_scale import ActivityScale
+from emg2vsa.figures.palette import ActivityScale
 from emg2vsa.report.wording import UNDEFINED, number, p_value, typeset
 
 Cell = str | int | float | bool | None
@@ -46,6 +46,10 @@ class Column:
         if self.key == "p" or self.key.startswith("p_"):
             return p_value(value)
         return number(value * self.factor if self.factor != 1 else value, self.digits)
+
+
+Columns = dict[Column, Sequence[Cell] | np.ndarray]
+"""Values (n,) of each column of a table."""
 
 
 @dataclass(frozen=True)
@@ -170,9 +174,10 @@ class ColumnRows(Sequence[Row]):
         return (dict(zip(self._columns, values, strict=True)) for values in zip(*lists, strict=True))
 
 
-def rows_of(columns: Mapping[str, Sequence[Cell] | np.ndarray]) -> Sequence[Row]:
-    """Rows of plain values from columns of equal length, by key."""
-    return ColumnRows(columns)
+def table_of(name: str, caption: str, columns: Mapping[Column, Sequence[Cell] | np.ndarray]) -> Table:
+    """A table from the values (n,) of each of its columns."""
+    rows = ColumnRows({column.key: values for column, values in columns.items()})
+    return Table(name, caption, tuple(columns), rows)
 
 
 def records(objects: Iterable[object], columns: Sequence[Column]) -> tuple[Row, ...]:

@@ -16,8 +16,11 @@ from emg2vsa.companions.tidy import TidyTests
 from emg2vsa.report.companion_rows import (
     COLUMNS,
     CompanionRow,
+    decided,
+    dunn_bounds,
     equality_rows,
     group_rows,
+    how_many,
     normality_rows,
     over_people_pair_rows,
     over_people_rows,
@@ -25,7 +28,6 @@ from emg2vsa.report.companion_rows import (
     variance_row,
 )
 from emg2vsa.report.outcome_text import STYLES, Style, p_said, said
-from emg2vsa.report.verdicts import decided, dunn_bounds, how_many
 from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number
 from emg2vsa.statistics.outcome import Outcome
 from emg2vsa.statistics.post_hoc import PairDifferences

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 
-from emg2vsa.figures.activity_scale import ActivityScale
+from emg2vsa.figures.palette import ActivityScale
 from emg2vsa.settings import RunSettings
 
 UNDEFINED = "–"

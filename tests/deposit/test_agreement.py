@@ -12,16 +12,10 @@ from emg2vsa.deposit.agreement import compared, compared_texts, relative_differe
 @pytest.mark.parametrize(
     ("one", "other", "expected"),
     [
-        (1.0, 1.0, 0.0),
-        (1, 1.25, 0.2),
-        (-2.0, 2.0, 2.0),
-        (math.inf, math.inf, 0.0),
-        (1.0, math.inf, None),
-        (True, 1, None),
-        (None, 1.0, None),
-        ("1", 1.0, None),
+        (1.0, 1.0, 0.0), (1, 1.25, 0.2), (-2.0, 2.0, 2.0), (math.inf, math.inf, 0.0), (1.0, math.inf, None),
+        (True, 1, None), (None, 1.0, None), ("1", 1.0, None),
     ],
-)
+)  # fmt: skip
 def test_a_difference_is_relative_to_the_larger_number(one, other, expected):
     assert relative_difference(one, other) == relative_difference(other, one) == expected
 

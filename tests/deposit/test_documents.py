@@ -1,6 +1,10 @@
 from __future__ import annotations
 
+import io
+import zipfile
+
 from emg2vsa.deposit.documents import packages, proof, readme
+from emg2vsa.deposit.package import zip_bytes
 
 FILES = {
     "numbers.tex": b"% Written\n\\newcommand{\\emgFitUsed}{700} % fit.used\n",
@@ -11,17 +15,13 @@ FILES = {
 }
 
 
-def test_packages_are_those_the_files_name():
+def test_packages_are_those_the_files_name_and_the_readme_lists_every_file():
     assert packages(FILES) == ["amsmath", "booktabs", "graphicx", "longtable", "tabularx"]
-
-
-def test_the_readme_shows_inputs_that_exist_and_lists_every_file():
     text = readme("small", "A small study", "Simulated.", FILES)
     assert r"\usepackage{amsmath,booktabs,graphicx,longtable,tabularx}" in text
-    assert r"\input{paper/numbers}" in text
+    for name in ("numbers", "tables/long", "figures/f"):
+        assert rf"\input{{paper/{name}}}" in text
     assert r"\input{paper/statements}" not in text
-    assert r"\input{paper/tables/long}" in text
-    assert r"\input{paper/figures/f}" in text
     for name in ("numbers.tex", "tables/ (.tex)", "figures/ (.pdf, .tex)", "long, t"):
         assert name in text
 
@@ -53,3 +53,14 @@ def test_the_first_page_of_the_proof_has_text_and_no_character_that_latex_lacks(
     assert title < heading < figure
     assert text.isascii()
     assert text.count(r"\subsection*") == 2
+
+
+def test_an_archive_reads_back_sorted_without_times_and_depends_on_names_and_contents_alone():
+    made = zip_bytes({"b/c.txt": b"two", "a.txt": b"one"})
+    assert made == zip_bytes({"a.txt": b"one", "b/c.txt": b"two"})
+    assert made != zip_bytes({"a.txt": b"two", "b/c.txt": b"two"})
+    archive = zipfile.ZipFile(io.BytesIO(made))
+    assert archive.testzip() is None
+    times = [(entry.filename, entry.date_time) for entry in archive.infolist()]
+    assert times == [("a.txt", (1980, 1, 1, 0, 0, 0)), ("b/c.txt", (1980, 1, 1, 0, 0, 0))]
+    assert archive.read("b/c.txt") == b"two"

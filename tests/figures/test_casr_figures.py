@@ -9,11 +9,17 @@ from casr.overlays.frames import hexagons
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.results import LawResult
 from emg2vsa.figures.algorithm_1 import PinCounts, draw_pin_counts, draw_steps
-from emg2vsa.figures.boxes import PairBar
-from emg2vsa.figures.canvas import panel_grid, style, svg_text
-from emg2vsa.figures.casr_areas import AreaPanel, draw_areas, draw_contacts
-from emg2vsa.figures.casr_calibration import law_curve
-from emg2vsa.figures.casr_rates import ConditionBoxes, RateSeries, draw_conditions, draw_rates
+from emg2vsa.figures.canvas import PairBar, panel_grid, style, svg_text
+from emg2vsa.figures.casr import (
+    AreaPanel,
+    ConditionBoxes,
+    RateSeries,
+    draw_areas,
+    draw_conditions,
+    draw_contacts,
+    draw_rates,
+    law_curve,
+)
 from emg2vsa.figures.palette import looks
 from emg2vsa.settings import CalibrationSettings
 
@@ -34,27 +40,29 @@ def test_panels_lie_row_by_row_inside_the_page_and_apart():
     assert figure.get_figwidth() * 25.4 == pytest.approx(181)
 
 
+def draw(function, *arguments):
+    """The figure, drawn in the style of all figures."""
+    with style():
+        return function(*arguments)
+
+
+def marked(axes):
+    return [line for line in axes.lines if line.get_marker() not in (None, "None", "")]
+
+
 def test_differences_of_areas_share_one_scale_and_show_every_value():
     look = [LOOKS["S1"], LOOKS["S3"]]
     panels = [AreaPanel(f"{angle}°", ["S1", "S3"], [VALUES - 10, 4 * VALUES - 40], look, ()) for angle in (0, 30)]
     pooled = AreaPanel("beside 0°", ["0°", "30°"], [VALUES - 10, VALUES - 30], look, [PairBar(0, 1, 0.2)])
-    with style():
-        figure = draw_areas(panels, pooled)
-    limits = {axes.get_ylim() for axes in figure.axes}
-    assert len(limits) == 1
-    low, high = limits.pop()
+    figure = draw(draw_areas, panels, pooled)
+    ((low, high),) = {axes.get_ylim() for axes in figure.axes}
     assert low < -21 < 4 < high
     assert [text.get_text() for text in figure.axes[-1].texts] == ["ns"]
-    marks = [line for line in figure.axes[0].lines if line.get_marker() not in (None, "None", "")]
-    assert np.allclose(np.sort(marks[1].get_ydata()), 4 * VALUES - 40)
+    assert np.allclose(np.sort(marked(figure.axes[0])[1].get_ydata()), 4 * VALUES - 40)
     assert figure.axes[0].get_ylabel() == "Difference of area (%)"
-
-
-def test_a_box_without_values_leaves_its_place_empty():
-    panel = AreaPanel("0°", ["S1", "S3"], [VALUES, np.array([np.nan])], [LOOKS["S1"], LOOKS["S3"]], ())
-    with style():
-        axes = draw_areas([panel], None).axes[0]
-    assert len([line for line in axes.lines if line.get_marker() not in (None, "None", "")]) == 1
+    # a box without values leaves its place empty
+    axes = draw(draw_areas, [replace(panels[0], percent=[VALUES, np.array([np.nan])])], None).axes[0]
+    assert len(marked(axes)) == 1
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["S1", "S3"]
 
 
@@ -104,6 +112,8 @@ def test_the_fit_is_the_derivative_of_the_law_through_the_areas():
     assert rate == pytest.approx(12 * at**-0.4)
     at, rate = of_areas(lambda force_n: 9 * np.exp(0.3 * force_n), exponential=True).fit
     assert rate == pytest.approx(2.7 * np.exp(0.3 * at))
+    at, rate = RateSeries("S1", LOOKS["S1"], [(np.full(9, 2.0), np.full(9, 30.0))], VALUES).fit
+    assert at.size == rate.size == 0  # frames at one force
 
 
 def test_raw_quotients_are_those_of_neighbouring_frames_of_one_press():
@@ -114,32 +124,20 @@ def test_raw_quotients_are_those_of_neighbouring_frames_of_one_press():
     assert still.quotients[1].size == 1  # a step of 1 mN is no divisor
 
 
-def test_frames_at_one_force_have_no_fit():
-    at, rate = RateSeries("S1", LOOKS["S1"], [(np.full(9, 2.0), np.full(9, 30.0))], VALUES).fit
-    assert at.size == rate.size == 0
-
-
-def test_presses_without_a_rate_show_their_frames():
-    lost = series("S1", 8.0)
-    lost.casr[:] = np.nan
-    with style():
-        raw = draw_rates([("0°", [lost])], "mm²").axes[0]
-    assert len(raw.lines[1].get_xdata()) == 50
-
-
-def test_every_press_is_among_the_frames_that_are_drawn():
-    with style():
-        raw = draw_rates([("modular, 0°", [series("S1", 8.0)])], "mm²").axes[0]
+def test_every_press_is_among_the_frames_that_are_drawn_and_those_without_a_rate_too():
+    raw = draw(draw_rates, [("modular, 0°", [series("S1", 8.0)])], "mm²").axes[0]
     shown = raw.lines[0].get_xdata()
     assert 50 < shown.size < 200
     assert np.unique(np.round(shown, 6)).size == 19
+    lost = series("S1", 8.0)
+    lost.casr[:] = np.nan
+    assert len(draw(draw_rates, [("0°", [lost])], "mm²").axes[0].lines[1].get_xdata()) == 50
 
 
 def test_quotients_beyond_the_scale_are_counted():
     area = np.where(np.arange(20) == 10, 500.0, 20 + 8 * FORCE_N)
     wild = RateSeries("S1", LOOKS["S1"], [(FORCE_N, area)] + [(FORCE_N, 20 + 8 * FORCE_N)] * 19, VALUES)
-    with style():
-        raw = draw_rates([("0°", [wild])], "mm²").axes[0]
+    raw = draw(draw_rates, [("0°", [wild])], "mm²").axes[0]
     assert raw.get_title(loc="right") == "2 beyond"  # up to the wild frame, and down again
     assert raw.get_ylim()[1] < 100
 
@@ -148,9 +146,8 @@ def test_boxes_share_a_scale_unless_some_would_be_flat():
     def row(level, spread):
         return [RateSeries("S1", LOOKS["S1"], [], level + spread * (VALUES - 10))]
 
-    with style():
-        near = draw_rates([("0°", row(10, 1)), ("30°", row(12, 1))], "mm²")
-        far = draw_rates([("0°", row(10, 1)), ("45°", row(900, 100))], "mm²")
+    near = draw(draw_rates, [("0°", row(10, 1)), ("30°", row(12, 1))], "mm²")
+    far = draw(draw_rates, [("0°", row(10, 1)), ("45°", row(900, 100))], "mm²")
     assert near.axes[1].get_ylim() == near.axes[3].get_ylim()
     assert far.axes[1].get_ylim() != far.axes[3].get_ylim()
 
@@ -181,53 +178,40 @@ def test_pins_are_drawn_by_the_force_of_the_first_frame_on_one_scale():
         ("0°", [PinCounts("S1", LOOKS["S1"], np.array([0.5, 0.7]), low)]),
         ("45°", [PinCounts("S1", LOOKS["S1"], np.array([0.6, 0.9]), high)]),
     ]
-    with style():
-        figure = draw_pin_counts(panels)
-    first, second = figure.axes
-    assert first.get_ylim() == second.get_ylim()
-    assert first.get_xlim() == second.get_xlim()
+    first, second = draw(draw_pin_counts, panels).axes
+    assert (first.get_ylim(), first.get_xlim()) == (second.get_ylim(), second.get_xlim())
     assert first.get_ylim()[0] == 0
     assert first.get_ylim()[1] > 73
     np.testing.assert_allclose(second.lines[0].get_ydata(), high)
-    assert [axes.get_ylabel() for axes in figure.axes] == ["Pins selected, n", ""]
-    assert {axes.get_xlabel() for axes in figure.axes} == {"Force of the first frame (N)"}
+    assert [axes.get_ylabel() for axes in (first, second)] == ["Pins selected, n", ""]
+    assert {axes.get_xlabel() for axes in (first, second)} == {"Force of the first frame (N)"}
 
 
 def test_rates_have_a_row_for_each_design_and_one_legend():
-    with style():
-        figure = draw_rates([("0°", [series("S1", 8.0), series("S3", 9.0)]), ("30°", [series("S1", 7.0)])], "mm²")
+    rows = [("0°", [series("S1", 8.0), series("S3", 9.0)]), ("30°", [series("S1", 7.0)])]
+    figure = draw(draw_rates, rows, "mm²")
     assert len(figure.axes) == 4
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["S1", "S3"]
     assert figure.axes[1].get_ylabel() == "CASR (mm²/N)"
-
-
-def test_presses_without_frames_still_have_their_boxes():
-    nothing = RateSeries("S1", LOOKS["S1"], [], VALUES)
-    with style():
-        figure = draw_rates([("imported", [nothing])], "mm²")
-        assert "nan" not in svg_text(figure).lower()
+    # presses without frames still have their boxes
+    figure = draw(draw_rates, [("imported", [RateSeries("S1", LOOKS["S1"], [], VALUES)])], "mm²")
+    assert "nan" not in draw(svg_text, figure).lower()
     assert len(figure.axes[1].patches) == 1
 
 
 def test_both_conditions_stand_side_by_side_and_their_difference_below():
     boxes = [ConditionBoxes("S1", LOOKS["S1"], VALUES, VALUES + 5), ConditionBoxes("S3", LOOKS["S3"], VALUES, VALUES)]
-    with style():
-        figure = draw_conditions([("0°", boxes), ("30°", boxes[:1])], "mm²")
+    figure = draw(draw_conditions, [("0°", boxes), ("30°", boxes[:1])], "mm²")
     above, _, below, _ = figure.axes
     hollow, filled = above.patches[:2]
     assert hollow.get_x() + hollow.get_width() < filled.get_x()
     assert hollow.get_facecolor()[3] == 0 < filled.get_facecolor()[3]
     assert len(above.patches) == 4
     difference = below.patches[0]
-    middle = difference.get_y() + difference.get_height() / 2
-    assert middle == pytest.approx(50)  # 15 beside a mean of 10
+    assert difference.get_y() + difference.get_height() / 2 == pytest.approx(50)  # 15 beside a mean of 10
     assert len({axes.get_ylim() for axes in figure.axes[:2]}) == len({axes.get_ylim() for axes in figure.axes[2:]}) == 1
-
-
-def test_marks_tell_both_conditions_apart_where_boxes_are_thin():
-    with style():
-        figure = draw_conditions([("0°", [ConditionBoxes("S1", LOOKS["S1"], VALUES, VALUES)])], "mm²")
-    rigid, human_like = figure.axes[0].lines[:2]
+    # marks tell both apart where boxes are thin
+    rigid, human_like = above.lines[:2]
     assert (rigid.get_markerfacecolor(), rigid.get_markeredgecolor()) == ("white", LOOKS["S1"].colour)
     assert human_like.get_markerfacecolor() == LOOKS["S1"].colour
     labels = [text.get_text() for text in figure.legends[0].get_texts()]

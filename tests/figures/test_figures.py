@@ -7,11 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emg2vsa.figures.activity_scale import activity_scale
-from emg2vsa.figures.boxes import PairBar, hazen_box, stars
-from emg2vsa.figures.canvas import inline_svg, new_figure, pdf_bytes, style, svg_text
+from emg2vsa.figures.canvas import PairBar, hazen_box, inline_svg, new_figure, pdf_bytes, stars, style, svg_text
 from emg2vsa.figures.cocontraction import draw_cocontraction, draw_interpolation
-from emg2vsa.figures.palette import BLUE, GREEN, RED, YELLOW, looks
+from emg2vsa.figures.palette import BLUE, GREEN, RED, YELLOW, activity_scale, looks
 from emg2vsa.profiles import Profile
 
 PAPER = ["S1", "S2", "S3", "S4", "S5"]
@@ -22,26 +20,17 @@ def profile(name: str, b_v: float, sd: float = 1e-6, source: str = "measured") -
     return Profile(name, 1.0, 4e-5, b_v, force, 4e-5 + b_v * np.log(force), source, 10, np.full(50, sd))
 
 
-def test_specimens_wear_the_papers_colours():
+def test_specimens_wear_the_papers_colours_and_are_told_apart_without_colour():
     look = looks(PAPER, "S_new")
     assert [look[name].colour for name in ("S1", "S3", "S5", "S_new")] == [BLUE, GREEN, YELLOW, RED]
-
-
-def test_specimens_are_told_apart_without_colour():
-    look = looks(PAPER, "S_new").values()
-    assert len({one.marker for one in look}) == len({one.dash for one in look}) == 6
-
-
-def test_more_specimens_than_looks_still_have_one():
-    assert len(looks([f"S{i}" for i in range(20)])) == 20
+    assert len({one.marker for one in look.values()}) == len({one.dash for one in look.values()}) == 6
+    assert len(looks([f"S{i}" for i in range(20)])) == 20  # more specimens than looks
 
 
 def test_hazen_quartiles_as_matlab_draws_them():
     # prctile(1:10, [25 50 75]) in MATLAB is 3, 5.5, 8
     assert hazen_box(np.arange(1.0, 11.0)) == (1.0, 3.0, 5.5, 8.0, 10.0)
-
-
-def test_whiskers_stop_at_one_and_a_half_ranges():
+    # whiskers stop at one and a half ranges
     assert hazen_box(np.array([1.0, 2, 3, 4, 5, 6, 7, 8, 9, 100]))[4] == 9.0
 
 
@@ -63,16 +52,13 @@ def test_stars(p, mark):
 
 
 @pytest.mark.parametrize(
-    ("unit", "largest", "shown"), [("V", 4e-5, "µV"), ("V", 2e-3, "mV"), ("V", 3.0, "V"), ("1", 0.4, "")]
+    ("unit", "largest", "shown"),
+    [("V", 4e-5, "µV"), ("V", 2e-3, "mV"), ("V", 3.0, "V"), ("1", 0.4, ""), ("V", np.nan, "µV")],
 )
 def test_activity_is_shown_in_a_readable_unit(unit, largest, shown):
     scale = activity_scale(unit, [np.nan, largest])
     assert scale.unit == shown
     assert scale.label("b") == (f"b ({shown})" if shown else "b")
-
-
-def test_an_activity_of_nothing_has_a_unit_too():
-    assert activity_scale("V", [np.nan]).unit == "µV"
 
 
 ONE_BAR = (PairBar(0, 1, 0.0391),)
@@ -86,17 +72,12 @@ def drawn(bars=ONE_BAR, slopes=None, sd=1e-6):
     return draw_cocontraction(profiles, b, bars, [look["S1"], look["S5"]], scale, "Fisher's LSD, uncorrected")
 
 
-def test_every_slope_is_a_mark_in_shown_units():
+def test_every_slope_is_a_mark_in_shown_units_and_bars_carry_their_stars():
     with style():
         boxes = drawn().axes[1]
     marks = next(line for line in boxes.lines if len(line.get_ydata()) == 10)
     assert np.allclose(np.sort(marks.get_ydata()), np.linspace(18, 22, 10))
     assert np.allclose(np.round(marks.get_xdata()), 0)
-
-
-def test_bars_carry_their_stars_and_the_test_is_named():
-    with style():
-        boxes = drawn().axes[1]
     assert [text.get_text() for text in boxes.texts] == ["*"]
     assert boxes.get_title(loc="right") == "Fisher's LSD, uncorrected"
 

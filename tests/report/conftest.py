@@ -49,27 +49,15 @@ def make_study(participants: tuple[str, ...] = ("P01", "P02", "P03"), title: str
         for p in participants
         for s in TRUE
     )
+    kept = ("S1", "S3", "S5")
+    new = {"new_specimen": "S_new", "new_stiffness_n_per_mm": 5.32}
     return Study(
-        name="small",
-        title=title,
-        mode="default",
-        path=Path("study.toml"),
-        participants=participants,
-        specimens=tuple(Specimen(name, stiffness) for name, stiffness in STIFFNESS.items()),
-        recordings=recordings,
-        cocontraction=CocontractionSettings(),
-        fit=FitSettings(),
-        hypotheses=HypothesisSettings(kept_specimens=("S1", "S3", "S5")),
-        profile=ProfileSettings(
-            participant=participants[0], specimens=("S1", "S3", "S5"), new_specimen="S_new", new_stiffness_n_per_mm=5.32
-        ),
-        schedule=ScheduleSettings(),
-        simulation=None,
-        results=Path("results"),
-        reports=Path("reports"),
-        data=Path("data"),
-        window=window,
-    )
+        name="small", title=title, mode="default", path=Path("study.toml"), participants=participants,
+        specimens=tuple(Specimen(name, stiffness) for name, stiffness in STIFFNESS.items()), recordings=recordings,
+        cocontraction=CocontractionSettings(), fit=FitSettings(), hypotheses=HypothesisSettings(kept_specimens=kept),
+        profile=ProfileSettings(participant=participants[0], specimens=kept, **new), schedule=ScheduleSettings(),
+        simulation=None, results=Path("results"), reports=Path("reports"), data=Path("data"), window=window,
+    )  # fmt: skip
 
 
 def make_trials(participant: str, specimen: str, seed: int) -> Trials:
@@ -87,33 +75,15 @@ def make_trials(participant: str, specimen: str, seed: int) -> Trials:
     phase = (time[:, None] - start) / 2.0
     overview = np.where((phase > 0) & (phase < 1.2), np.clip(0.5 + 6.5 * phase, 0, 7.3), 0).sum(axis=1)
     return Trials(
-        participant=participant,
-        specimen=specimen,
-        muscles=("EDC", "FDS"),
-        repetition=np.arange(1, PRESSES + 1),
-        start_s=start,
-        stop_s=start + 2.0,
-        duration_s=np.full(PRESSES, 2.0),
-        peak_force_n=np.full(PRESSES, 7.3),
-        falling_share=np.full(PRESSES, 0.01),
-        snr_db=np.full(PRESSES, 20.0),
-        verdict=verdict,
-        reasons=tuple(reasons),
-        fs_hz=FS_HZ,
-        offsets=SAMPLES * np.arange(PRESSES + 1),
-        force_n=force,
-        activity=activity,
-        envelopes_v=np.stack([0.4 * activity, 0.6 * activity]),
-        activity_unit="V",
-        rest_force_n=0.12,
-        rest_envelope_v=np.array([1e-6, 1.5e-6]),
-        mains_ratio=np.array([0.01, 0.02]),
-        clip_share=np.zeros(2),
-        overview_time_s=time,
-        overview_force_n=overview,
-        delay=DelayBudget((("EMG band-pass", 0.0),), 0.0, 0.0, 0.0),
+        participant=participant, specimen=specimen, muscles=("EDC", "FDS"), repetition=np.arange(1, PRESSES + 1),
+        start_s=start, stop_s=start + 2.0, duration_s=np.full(PRESSES, 2.0), peak_force_n=np.full(PRESSES, 7.3),
+        falling_share=np.full(PRESSES, 0.01), snr_db=np.full(PRESSES, 20.0), verdict=verdict, reasons=tuple(reasons),
+        fs_hz=FS_HZ, offsets=SAMPLES * np.arange(PRESSES + 1), force_n=force, activity=activity,
+        envelopes_v=np.stack([0.4 * activity, 0.6 * activity]), activity_unit="V", rest_force_n=0.12,
+        rest_envelope_v=np.array([1e-6, 1.5e-6]), mains_ratio=np.array([0.01, 0.02]), clip_share=np.zeros(2),
+        overview_time_s=time, overview_force_n=overview, delay=DelayBudget((("EMG band-pass", 0.0),), 0.0, 0.0, 0.0),
         notes=("EMG band-pass: true -3 dB at 12.4 Hz and 438 Hz", "tare: 0.12 N"),
-    )
+    )  # fmt: skip
 
 
 def own_fits(trials: list[Trials], study: Study) -> Fits:
@@ -137,11 +107,6 @@ def make_results() -> StudyResults:
     return StudyResults(study, people, provenance={"emg2vsa": "0.1.0", "numpy": "2.3"})
 
 
-def with_people(results: StudyResults, **changed: object) -> StudyResults:
-    """The same results with other ones of people."""
-    return replace(results, people=replace(results.recorded, **changed))
-
-
 @pytest.fixture(scope="session")
 def fits_of() -> Callable[[list[Trials], Study], Fits]:
     return own_fits
@@ -160,8 +125,8 @@ def broken(results: StudyResults) -> StudyResults:
         Failure("study", "hypotheses", "no usable <trial>"),
         Failure("study", "profiles", "no profile of P01"),
     )
-    without = with_people(results, hypotheses=None, profiles=None, schedules=(), truth=None)
-    return replace(without, failures=failures)
+    people = replace(results.recorded, hypotheses=None, profiles=None, schedules=(), truth=None)
+    return replace(results, people=people, failures=failures)
 
 
 class PageReader(HTMLParser):

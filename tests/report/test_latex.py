@@ -5,7 +5,9 @@ import re
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.figure import Figure
 
+from emg2vsa.report.drawing import Drawing, figure_tex
 from emg2vsa.report.latex import latex_number, latex_table, latex_text
 from emg2vsa.report.table import Column, Table
 
@@ -90,3 +92,20 @@ def test_symbols_have_their_index_below_the_line():
     assert latex_text("A_c0 of S_1") == r"A\ensuremath{_\mathrm{c0}} of S\_1"
     assert latex_text("|r_rb|").count(r"r\ensuremath{_\mathrm{rb}}") == 1
     assert latex_text("A_c05, BA_c0, var_rb") == r"A\_c05, BA\_c0, var\_rb"
+
+
+@pytest.mark.parametrize(("width_pt", "environment"), [(252, "figure"), (513.07, "figure*")])
+def test_a_figure_stands_in_the_columns_it_was_drawn_for(width_pt, environment):
+    figure = Figure(figsize=(width_pt / 72, 0.5))
+    made = figure_tex(Drawing("fig04_x", "T", "Fig. 4. Slopes of S_1, p < .05.", "D", figure, None))
+    assert rf"\begin{{{environment}}}" in made
+    assert rf"\end{{{environment}}}" in made
+    assert r"\includegraphics[width=\linewidth]{\emgfolder/figures/fig04_x.pdf}" in made
+    assert r"\caption{Slopes of S\_1, p \ensuremath{<} .05.}" in made
+    assert r"\emgfigure{4}" in made
+    assert r"\providecommand{\emgfigure}[1]{\renewcommand{\thefigure}{#1}}" in made
+    assert made.index(r"\begin{") < made.index(r"\emgfigure{4}") < made.index(r"\caption")
+    without = figure_tex(Drawing("x", "T", "Slopes.", "D", figure, None))
+    assert r"\emgfigure{" not in without
+    assert r"\caption{Slopes.}" in without
+    assert r"\label{fig:fig04_x}" in made

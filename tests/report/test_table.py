@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emg2vsa.report.table import MOST_ON_PAGE, Column, Table, rows_of
+from emg2vsa.report.table import MOST_ON_PAGE, Column, ColumnRows, Table
 
 NAMES = st.text(st.characters(exclude_categories=("C",)), max_size=8)
 
@@ -57,7 +57,7 @@ def test_a_column_may_have_another_name_in_csv():
 
 
 def test_people_see_a_p_with_its_bound_and_programs_every_digit():
-    made = Table("t", "", (Column("p_holm", "p Holm"),), rows_of({"p_holm": [1.2345e-9, 0.0391, 0.99999, math.nan]}))
+    made = Table("t", "", (Column("p_holm", "p Holm"),), ColumnRows({"p_holm": [1.2345e-9, 0.0391, 0.99999, math.nan]}))
     assert made.cells() == [["< .001"], [".039"], ["> .999"], ["–"]]
     assert "".join(made.csv()).splitlines()[1:3] == ["1.2345e-09", "0.0391"]
 
@@ -88,7 +88,9 @@ def test_a_table_on_a_page_has_its_number_links_and_kinds():
 
 
 def test_a_long_table_is_cut_on_the_page_and_whole_in_its_file() -> None:
-    made = Table("t", "c", (Column("a", "A"), Column("b", "B")), rows_of({"a": np.arange(1234.0), "b": ["x"] * 1234}))
+    made = Table(
+        "t", "c", (Column("a", "A"), Column("b", "B")), ColumnRows({"a": np.arange(1234.0), "b": ["x"] * 1234})
+    )
     page, file = made.html(), list(made.csv())
     assert page.count("<tr>") == 1 + MOST_ON_PAGE
     assert f"The first {MOST_ON_PAGE} of 1234 rows" in page
@@ -99,20 +101,22 @@ def test_a_long_table_is_cut_on_the_page_and_whole_in_its_file() -> None:
 
 def test_a_long_table_with_links_has_a_page_of_its_own() -> None:
     names = [f"P{i}" for i in range(MOST_ON_PAGE + 1)]
-    made = Table("t", "c", (Column("a", "A"),), rows_of({"a": names}), links=tuple(f"p/{name}.html" for name in names))
+    made = Table(
+        "t", "c", (Column("a", "A"),), ColumnRows({"a": names}), links=tuple(f"p/{name}.html" for name in names)
+    )
     assert made.own_page == "t.html"
     assert 'href="t.html"' in made.html()
     assert f'href="p/P{MOST_ON_PAGE}.html"' not in made.html()
     assert f'href="p/P{MOST_ON_PAGE}.html"' in made.html(most=None)
-    assert Table("t", "c", (Column("a", "A"),), rows_of({"a": names[:2]}), links=("p", "q")).own_page == ""
+    assert Table("t", "c", (Column("a", "A"),), ColumnRows({"a": names[:2]}), links=("p", "q")).own_page == ""
 
 
 def test_rows_of_columns_are_made_when_they_are_asked_for() -> None:
-    rows = rows_of({"a": np.arange(1234), "b": [str(i) for i in range(1234)]})
+    rows = ColumnRows({"a": np.arange(1234), "b": [str(i) for i in range(1234)]})
     whole = [{"a": i, "b": str(i)} for i in range(1234)]
     assert (len(rows), list(rows), rows[7], rows[-1], rows[3:5]) == (1234, whole, whole[7], whole[-1], whole[3:5])
     assert type(rows[0]["a"]) is int
     with pytest.raises(IndexError):
         rows[1234]
     with pytest.raises(ValueError, match="unequal length"):
-        rows_of({"a": [1], "b": [1, 2]})
+        ColumnRows({"a": [1], "b": [1, 2]})

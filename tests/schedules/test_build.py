@@ -16,8 +16,8 @@ from emg2vsa.devices.joints import joint_of
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.errors import ScheduleError
 from emg2vsa.figures.canvas import ONE_COLUMN_MM, style
+from emg2vsa.figures.cocontraction import draw_schedules
 from emg2vsa.figures.palette import looks
-from emg2vsa.figures.schedule_map import draw_schedules
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.schedules import Limits, Schedule, check
 from emg2vsa.schedules.build import build_schedules, mean_over_steps

@@ -1,4 +1,4 @@
-"""The sections of the report, one file each; this tuple is the only list of them.
+"""The sections of the report, one or two of a subject in a file; this tuple is the only list of them.
 
 A section gives, each as a function of the results:
 
@@ -25,45 +25,22 @@ from __future__ import annotations
 
 from emg2vsa.report.section import Section
 from emg2vsa.report.sections.actuators import ACTUATORS
-from emg2vsa.report.sections.algorithm_1 import ALGORITHM_1
 from emg2vsa.report.sections.area import AREA
 from emg2vsa.report.sections.claims import CLAIMS
 from emg2vsa.report.sections.fits import FITS
-from emg2vsa.report.sections.glossary import GLOSSARY
 from emg2vsa.report.sections.hypotheses import HYPOTHESES
-from emg2vsa.report.sections.implied import IMPLIED
 from emg2vsa.report.sections.kappa import KAPPA
-from emg2vsa.report.sections.methods import METHODS
 from emg2vsa.report.sections.models import MODELS
-from emg2vsa.report.sections.participants import PARTICIPANTS
-from emg2vsa.report.sections.power import POWER
+from emg2vsa.report.sections.participants import PARTICIPANTS, POWER
 from emg2vsa.report.sections.profiles import PROFILES
-from emg2vsa.report.sections.provenance import PROVENANCE
-from emg2vsa.report.sections.rates import RATES
+from emg2vsa.report.sections.provenance import GLOSSARY, METHODS, PROVENANCE
+from emg2vsa.report.sections.rates import IMPLIED, RATES
 from emg2vsa.report.sections.rig_runs import RUNS
 from emg2vsa.report.sections.schedules import SCHEDULES
 from emg2vsa.report.sections.stiffness import STIFFNESS
-from emg2vsa.report.sections.vision import VISION
+from emg2vsa.report.sections.vision import ALGORITHM_1, VISION
 
 SECTIONS: tuple[Section, ...] = (
-    CLAIMS,
-    PARTICIPANTS,
-    POWER,
-    FITS,
-    HYPOTHESES,
-    PROFILES,
-    SCHEDULES,
-    RUNS,
-    AREA,
-    ALGORITHM_1,
-    RATES,
-    VISION,
-    ACTUATORS,
-    STIFFNESS,
-    KAPPA,
-    IMPLIED,
-    MODELS,
-    METHODS,
-    GLOSSARY,
-    PROVENANCE,
-)
+    CLAIMS, PARTICIPANTS, POWER, FITS, HYPOTHESES, PROFILES, SCHEDULES, RUNS, AREA, ALGORITHM_1, RATES, VISION,
+    ACTUATORS, STIFFNESS, KAPPA, IMPLIED, MODELS, METHODS, GLOSSARY, PROVENANCE,
+)  # fmt: skip

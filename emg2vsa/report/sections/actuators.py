@@ -11,28 +11,26 @@ from emg2vsa.discrimination.contrast import Contrast
 from emg2vsa.discrimination.contrast_words import change_percent, contrast_words, headline, schedule_words
 from emg2vsa.discrimination.discriminate import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID, RunTable
-from emg2vsa.figures.casr_rates import ConditionBoxes, draw_conditions
+from emg2vsa.figures.casr import ConditionBoxes, draw_conditions
 from emg2vsa.report.designs import (
     BOXES,
     DESIGN,
     design_name,
     design_names,
     drawing,
+    ends_of,
     finite,
-    gap_of,
-    interval_of,
     keys,
     looks,
     median_said,
     of_tests,
     tested,
-    with_interval,
 )
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items
+from emg2vsa.report.numbers import Items, with_interval
 from emg2vsa.report.section import Claim, Quantities, Section
-from emg2vsa.report.table import Column, Row, Table, rows_of
+from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import UNDEFINED, area_unit, interval, listed
 
 _MEASURES = {"slope": "slope", "frame_sum": "equation (2)"}
@@ -49,13 +47,13 @@ def _quantities(results: StudyResults) -> Items:
     yield "runs.closest_pair", " ".join(compared.pair)
     for i, name in enumerate(keys(found)):
         yield f"{name}.separation.epsilon2", float(compared.ranks.epsilon2[i])
-        yield from with_interval(f"{name}.separation.gap", *gap_of(compared.gaps, i))
+        yield from with_interval(f"{name}.separation.gap", *ends_of(compared.gaps, i))
         yield f"{name}.separation.cv", float(compared.cv[i])
     for i, other in enumerate(compared.other.tolist()):
         name = f"runs.human_like_against.{table.conditions[other]}.{table.angles_deg[other]:g}"
-        yield from with_interval(f"{name}.gap_difference", *gap_of(compared.gap_differences, i))
-        for key, ratio in (("level_ratio", compared.level_ratio), ("cv_ratio", compared.cv_ratio)):
-            yield from with_interval(f"{name}.{key}", *interval_of(ratio, i))
+        yield from with_interval(f"{name}.gap_difference", *ends_of(compared.gap_differences, i))
+        yield from with_interval(f"{name}.level_ratio", *ends_of(compared.level_ratio, i))
+        yield from with_interval(f"{name}.cv_ratio", *ends_of(compared.cv_ratio, i))
         yield f"{name}.verdict", _VERDICTS[compared.wins(i)]
     for contrast in found.contrasts:
         yield from _contrast_quantities(contrast, table)
@@ -83,74 +81,58 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     found = tested(results)
     compared, table = found.conditions, found.table
     level, others = f"{100 * compared.confidence:g}%", range(compared.other.size)
-    columns = (
-        Column("other", "Human-like (modular) against"), Column("gap_difference", "Gap: difference, in SDs"),
-        Column("cv_ratio", "CV: ratio"), Column("level_change_percent", "Mean CASR: difference (%)"),
-        Column("verdict", "Human-like is"),
-    )  # fmt: skip
-    rows = rows_of(
-        {
-            "other": [design_name(table, other) for other in compared.other.tolist()],
-            "gap_difference": [interval(*gap_of(compared.gap_differences, i)) for i in others],
-            "cv_ratio": [interval(*interval_of(compared.cv_ratio, i)) for i in others],
-            "level_change_percent": [level_change(compared, i) for i in others],
-            "verdict": [
-                _VERDICTS[compared.wins(i)] if np.isfinite(compared.gap_differences.gap[i]) else UNDEFINED
-                for i in others
-            ],
-        }
-    )
+    verdicts = [
+        _VERDICTS[compared.wins(i)] if np.isfinite(compared.gap_differences.gap[i]) else UNDEFINED for i in others
+    ]
+    columns: Columns = {
+        Column("other", "Human-like (modular) against"): [design_name(table, i) for i in compared.other.tolist()],
+        Column("gap_difference", "Gap: difference, in SDs"): [
+            interval(*ends_of(compared.gap_differences, i)) for i in others
+        ],
+        Column("cv_ratio", "CV: ratio"): [interval(*ends_of(compared.cv_ratio, i)) for i in others],
+        Column("level_change_percent", "Mean CASR: difference (%)"): [level_change(compared, i) for i in others],
+        Column("verdict", "Human-like is"): verdicts,
+    }
     caption = f"The human-like condition against every other at the same angle, {level} intervals"
-    yield Table("conditions_compared", caption, columns, rows)
-    each = (
-        DESIGN, Column("epsilon2", "ε²_R"), Column("gap", "Gap, in SDs"), Column("cv", "CV of repetitions (%)", 100.0),
-    )  # fmt: skip
-    rows = rows_of(
-        {
-            "design": design_names(table),
-            "epsilon2": compared.ranks.epsilon2,
-            "gap": [interval(*gap_of(compared.gaps, i)) for i in range(len(table.conditions))],
-            "cv": compared.cv,
-        }
-    )
+    yield table_of("conditions_compared", caption, columns)
+    gaps = [interval(*ends_of(compared.gaps, i)) for i in range(len(table.conditions))]
+    each: Columns = {
+        DESIGN: design_names(table),
+        Column("epsilon2", "ε²_R"): compared.ranks.epsilon2,
+        Column("gap", "Gap, in SDs"): gaps,
+        Column("cv", "CV of repetitions (%)", 100.0): compared.cv,
+    }
     caption = (
         f"How far {listed(compared.specimens)} lie apart; gap between {listed(compared.pair)}, the closest neighbours, "
         f"with {level} interval"
     )
-    yield Table("conditions", caption, each, rows)
+    yield table_of("conditions", caption, each)
     yield _contrast_table(found)
 
 
 def _contrast_table(found: Discrimination) -> Table:
     """Contrasts under every condition against every other that it is compared with."""
-    columns = (
-        Column("of", "CASR"), Column("pair", "Pair"), Column("compared", "Condition, against"),
-        Column("change", "Contrast: change"), Column("p", "p"), Column("p_adjusted", "p, corrected"),
-        Column("df", "df"), Column("verdict", "The condition"),
-    )  # fmt: skip
-    rows: list[Row] = [
-        {
-            "of": _MEASURES[contrast.measure],
-            "pair": " : ".join(contrast.pairs[pair]),
-            "compared": f"{design_name(found.table, one)}, against {found.table.conditions[other]}",
-            "change": change_percent(contrast.changes, i),
-            "p": float(contrast.changes.p[i]),
-            "p_adjusted": float(contrast.p_adjusted[i]),
-            "df": float(contrast.changes.df[i]),
-            "verdict": contrast.verdicts[i],
-        }
-        for contrast in found.contrasts
-        for i, (one, other, pair) in enumerate(
-            zip(contrast.one.tolist(), contrast.other.tolist(), contrast.pair.tolist(), strict=True)
-        )
-    ]
+    every = [(contrast, i) for contrast in found.contrasts for i in range(contrast.pair.size)]
+    conditions = found.table.conditions
+    columns: Columns = {
+        Column("of", "CASR"): [_MEASURES[c.measure] for c, _ in every],
+        Column("pair", "Pair"): [" : ".join(c.pairs[c.pair[i]]) for c, i in every],
+        Column("compared", "Condition, against"): [
+            f"{design_name(found.table, c.one[i])}, against {conditions[c.other[i]]}" for c, i in every
+        ],
+        Column("change", "Contrast: change"): [change_percent(c.changes, i) for c, i in every],
+        Column("p", "p"): [float(c.changes.p[i]) for c, i in every],
+        Column("p_adjusted", "p, corrected"): [float(c.p_adjusted[i]) for c, i in every],
+        Column("df", "df"): [float(c.changes.df[i]) for c, i in every],
+        Column("verdict", "The condition"): [c.verdicts[i] for c, i in every],
+    }
     fewest = min((int(contrast.mountings.min()) for contrast in found.contrasts), default=0)
     over = f"{fewest} mountings of each cell" if fewest > 1 else "cells mounted once, their scatter assumed"
     caption = (
         f"Contrast, the ratio of CASR of two specimens, by condition; {over}, "
         f"{100 * (1 - found.settings.alpha):g}% intervals"
     )
-    return Table("contrasts", caption, columns, tuple(rows))
+    return table_of("contrasts", caption, columns)
 
 
 def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
@@ -170,20 +152,18 @@ def contrast_claim(found: Discrimination) -> Claim | None:
         if contrast.measure == "slope" and i is not None:
             verdict = contrast.verdicts[i]
             return Claim(
-                CONTRAST_CLAIM,
-                CONTRAST_SAYS,
-                CONTRAST_PAPER,
+                CONTRAST_CLAIM, CONTRAST_SAYS, CONTRAST_PAPER,
                 f"{' : '.join(contrast.pairs[0])} {change_percent(contrast.changes, i)}",
                 float(100 * np.expm1(contrast.changes.estimate[i])),
                 "holds" if verdict == "raises" else "does not hold" if verdict == "lowers" else "cannot be tested here",
                 why="" if verdict in ("raises", "lowers") else _WHY[verdict],
-            )
+            )  # fmt: skip
     return None
 
 
 def level_change(compared: ConditionComparison, i: int) -> str:
     """Mean CASR, human-like less other, in percent of the other, with two decimals."""
-    ratios = interval_of(compared.level_ratio, i)
+    ratios = ends_of(compared.level_ratio, i)
     estimate, low, high = (f"{100 * (ratio - 1):+.2f}" for ratio in ratios)
     return UNDEFINED if np.isnan(ratios).any() else f"{estimate} [{low}, {high}]"
 

@@ -11,15 +11,17 @@ from emg2vsa.arrays import Floats
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.area import AreaByAngle
 from emg2vsa.discrimination.run_table import RIGID
-from emg2vsa.figures.boxes import PairBar
-from emg2vsa.figures.casr_areas import POOLED, AreaPanel, draw_areas, draw_contacts
+from emg2vsa.figures.canvas import PairBar
+from emg2vsa.figures.casr import POOLED, AreaPanel, draw_areas, draw_contacts
 from emg2vsa.figures.palette import Look
 from emg2vsa.report import paper
 from emg2vsa.report.companion_rows import (
     CompanionRow,
+    change,
     companion_table,
     equality_rows,
     evidence_row,
+    how_many,
     normality_rows,
     welch_row,
 )
@@ -32,18 +34,17 @@ from emg2vsa.report.designs import (
     keys,
     looks,
     medians_said,
-    moments,
     of_tests,
+    specimens_test,
     tested,
 )
 from emg2vsa.report.drawing import STARS, Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items
+from emg2vsa.report.numbers import Items, moments
 from emg2vsa.report.outcome_text import range_said
 from emg2vsa.report.rig_claims import area_claims
 from emg2vsa.report.section import Quantities, Section
-from emg2vsa.report.table import Column, Table, rows_of
-from emg2vsa.report.verdicts import change, how_many
+from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import area_unit, number, p_text, p_value
 from emg2vsa.run_scores import PICTURED_N
 
@@ -59,8 +60,7 @@ def _quantities(results: StudyResults) -> Items:
     found = tested(results)
     table, area, unit = found.table, found.area, found.table.area_unit
     for i, name in enumerate(keys(found)):
-        yield f"{name}.area.specimens_p", float(area.groups.kruskal.p[i])
-        yield f"{name}.area.specimens_epsilon2", float(area.groups.kruskal.epsilon2[i])
+        yield from specimens_test(f"{name}.area", area.groups, i)
         yield f"{name}.area.specimens_bf01", float(area.groups.bayes.bf01[i])
         yield f"{name}.area.equal_within", float(area.equality.bound[i])
         yield f"{name}.area.softest_over_stiffest", float(area.softest_over_stiffest[i])
@@ -82,64 +82,55 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     yield _by_specimen(found)
     yield _by_angle(found)
     for name, caption, rows in (
-        ("area", "A_c0 is the same on all specimens: the paper's test beside its companions", _same(found)),
-        ("angle", "A_c0 changes with the angle: the paper's test beside its companions", _angle(found)),
+        ("area", "A_c0 is the same on all specimens", _same(found)),
+        ("angle", "A_c0 changes with the angle", _angle(found)),
         (
             "runs_normality",
-            "Gaussian samples of A_c0 and CASR: the paper's test beside its companions",
+            "Gaussian samples of A_c0 and CASR",
             normality_rows(found.area.normality, alpha, "samples of A_c0")
             + normality_rows(found.spread.normality, alpha, "samples of CASR"),
         ),
     ):
-        yield companion_table(f"verdict_{name}", caption, rows)
+        yield companion_table(name, caption, rows)
 
 
 def _by_specimen(found: Discrimination) -> Table:
-    table, area, unit = found.table, found.area, area_unit(found.table.area_unit)
-    means = {f"{table.specimens[i]}_{table.area_unit}": table.specimens[i] for i in table.known}
-    columns = (
-        DESIGN, *(Column(key, f"{name} ({unit})") for key, name in means.items()),
-        Column("softest_over_stiffest", "Softest / stiffest"), Column("p", "Kruskal-Wallis p"),
-        Column("p_paper", "Paper's p"), Column("epsilon2", "ε²_R"), Column("bf01", "BF₀₁"),
-        Column("equal_within", "Equal within ± (%)", 100.0),
-    )  # fmt: skip
-    designs = zip(table.conditions, table.angles_deg.tolist(), strict=True)
-    rows = rows_of(
-        {
-            "design": design_names(table),
-            **dict(zip(means, area.groups.anova.mean.T, strict=True)),
-            "softest_over_stiffest": area.softest_over_stiffest,
-            "p": area.groups.kruskal.p,
-            "p_paper": [paper.AREA_SPECIMENS_P.get(angle) if c == RIGID else None for c, angle in designs],
-            "epsilon2": area.groups.kruskal.epsilon2,
-            "bf01": area.groups.bayes.bf01,
-            "equal_within": area.equality.bound,
-        }
-    )
-    return Table("area_by_specimen", f"Mean initial area by specimen ({table.algorithm} algorithm)", columns, rows)
+    table, area = found.table, found.area
+    unit, names = table.area_unit, [table.specimens[i] for i in table.known]
+    printed = [
+        paper.AREA_SPECIMENS_P.get(angle) if condition == RIGID else None
+        for condition, angle in zip(table.conditions, table.angles_deg.tolist(), strict=True)
+    ]
+    means = zip(names, area.groups.anova.mean.T, strict=True)
+    columns: Columns = {
+        DESIGN: design_names(table),
+        **{Column(f"{name}_{unit}", f"{name} ({area_unit(unit)})"): mean for name, mean in means},
+        Column("softest_over_stiffest", "Softest / stiffest"): area.softest_over_stiffest,
+        Column("p", "Kruskal-Wallis p"): area.groups.kruskal.p,
+        Column("p_paper", "Paper's p"): printed,
+        Column("epsilon2", "ε²_R"): area.groups.kruskal.epsilon2,
+        Column("bf01", "BF₀₁"): area.groups.bayes.bf01,
+        Column("equal_within", "Equal within ± (%)", 100.0): area.equality.bound,
+    }
+    return table_of("area_by_specimen", f"Mean initial area by specimen ({table.algorithm} algorithm)", columns)
 
 
 def _by_angle(found: Discrimination) -> Table:
     of, unit = found.area_by_angle, found.table.area_unit
-    angles = {f"area_{angle:g}_deg_{unit}": angle for angle in (of.angles_deg.tolist() if of else ())}
-    columns = (
-        Column("condition", "Condition"), Column("specimens", "Specimens"),
-        *(Column(key, f"{angle:g}° ({area_unit(unit)})") for key, angle in angles.items()),
-        Column("p", "Kruskal-Wallis p"), Column("worst_p", "Worst pair (Dunn, Bonferroni)", name="p_worst"),
-        Column("worst_p_holm", "Worst pair (Mann-Whitney, Holm)"), Column("falls", "Falls with angle"),
-    )  # fmt: skip
-    rows = rows_of(
-        {
-            "condition": of.conditions,
-            "specimens": [name or "all" for name in of.specimens],
-            **dict(zip(angles, of.mean.T, strict=True)),
-            "p": of.groups.kruskal.p,
-            "worst_p": [p_value(of.worst_p(i)) for i in range(len(of.conditions))],
-            "worst_p_holm": [p_value(float(np.fmax.reduce(p, initial=np.nan))) for p in of.pairs.p_rank_holm],
-            "falls": [of.falls(i) for i in range(len(of.conditions))],
-        }
-    ) if of else ()  # fmt: skip
-    return Table("area_by_angle", "Mean initial area by angle", columns, rows)
+    comparisons = range(len(of.conditions) if of else 0)
+    means = zip(of.angles_deg.tolist(), of.mean.T, strict=True) if of else ()
+    worst = [of.worst_p(i) for i in comparisons] if of else []
+    worst_holm = np.fmax.reduce(of.pairs.p_rank_holm, axis=1, initial=np.nan).tolist() if of else []
+    columns: Columns = {
+        Column("condition", "Condition"): of.conditions if of else (),
+        Column("specimens", "Specimens"): [name or "all" for name in of.specimens] if of else [],
+        **{Column(f"area_{angle:g}_deg_{unit}", f"{angle:g}° ({area_unit(unit)})"): mean for angle, mean in means},
+        Column("p", "Kruskal-Wallis p"): of.groups.kruskal.p if of else [],
+        Column("worst_p", "Worst pair (Dunn, Bonferroni)", name="p_worst"): list(map(p_value, worst)),
+        Column("worst_p_holm", "Worst pair (Mann-Whitney, Holm)"): list(map(p_value, worst_holm)),
+        Column("falls", "Falls with angle"): [of.falls(i) for i in comparisons] if of else [],
+    }
+    return table_of("area_by_angle", "Mean initial area by angle", columns)
 
 
 def _same(found: Discrimination) -> list[CompanionRow]:

@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.companions.force_laws import LAWS, LEFT_OUT, ForceLaws
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, least
+from emg2vsa.report.numbers import Items, fields_of, least, moments, with_interval
 from emg2vsa.report.section import Claim, Quantities, Section, not_tested, of_people, verdict_of_all
-from emg2vsa.report.table import Column, Table, activity_column, rows_of
+from emg2vsa.report.table import Column, Columns, Table, activity_column, table_of
 from emg2vsa.report.wording import bounded, number
 from emg2vsa.truth import Recovery, recover
 
 _SMOOTHNESS = "R² depends on smoothing, which the paper does not state."
+
+
+_R2 = {
+    "adj_r2": "adj. R²", "r2_bins": "R², bins", "adj_r2_bins": "adj. R², bins", "r2_samples": "R², samples",
+    "adj_r2_samples": "adj. R², samples",
+}  # fmt: skip
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -29,43 +37,36 @@ def _quantities(results: StudyResults) -> Items:
         yield "trials.largest_delay_mismatch_s", max(abs(t.delay.mismatch_s) for t in people.trials)
     yield "fit.curves", int(np.count_nonzero(np.isfinite(fits.b_v)))
     yield "fit.used", int(np.count_nonzero(used))
-    yield "fit.points", fits.points
-    yield "fit.weights", fits.weights
-    yield "fit.confidence", fits.confidence
-    yield "fit.activity_unit", fits.activity_unit
+    yield from fields_of("fit", fits, "points", "weights", "confidence", "activity_unit")
     yield "fit.b_not_positive", int(np.count_nonzero(fits.b_v[used] <= 0))
-    for name in ("adj_r2", "adj_r2_bins", "adj_r2_samples", "r2_bins", "r2_samples"):
+    for name in _R2:
         values = getattr(fits, name)[used]
         yield f"fit.{name}.min", least(values)
         yield f"fit.{name}.median", _median(values)
     yield "fit.n_effective.median", _median(fits.n_effective[used])
     yield "fit.lag1.median", _median(fits.lag1[used])
-    for specimen in (s.name for s in results.study.specimens):
+    for specimen in results.specimens:
         of = used & (fits.specimen == specimen)
         yield f"fit.{specimen}.n", int(np.count_nonzero(of))
-        for name in ("a", "b"):
-            values, name = getattr(fits, f"{name}_v")[of], name + results.activity_suffix
-            yield f"fit.{specimen}.{name}.mean", float(np.mean(values)) if values.size else np.nan
-            yield f"fit.{specimen}.{name}.sd", float(np.std(values, ddof=1)) if values.size > 1 else np.nan
-    yield from _recovered(results)
-    yield from _laws(results)
+        yield from moments(f"fit.{specimen}.a{results.activity_suffix}", fits.a_v[of])
+        yield from moments(f"fit.{specimen}.b{results.activity_suffix}", fits.b_v[of])
+    if people.truth is not None and fits.activity_unit == "V":
+        for specimen, recovery in _recoveries(results):
+            yield from fields_of(f"recovery.{specimen}".rstrip("."), recovery, *vars(recovery))
+    if people.hypotheses is not None:
+        yield from _laws(people.hypotheses.laws)
 
 
-def _laws(results: StudyResults) -> Items:
+def _laws(laws: ForceLaws) -> Items:
     """Power law and straight line beside the logarithm, by errors of prediction."""
-    found = results.recorded.hypotheses
-    if found is None:
-        return
-    laws = found.laws
     for kind, left_out in enumerate(LEFT_OUT):
         name = f"fit.laws.leave_one_{left_out}_out"
         yield f"{name}.cells", int(laws.compared[kind])
         for i, law in enumerate(LAWS):
             yield f"{name}.{law}.relative_error", _median(laws.error[kind, i])
             if i:
-                yield f"{name}.{law}.error_ratio", float(laws.ratio[kind, i])
-                yield f"{name}.{law}.error_ratio.low", float(laws.ratio_low[kind, i])
-                yield f"{name}.{law}.error_ratio.high", float(laws.ratio_high[kind, i])
+                ratio = (laws.ratio, laws.ratio_low, laws.ratio_high)
+                yield from with_interval(f"{name}.{law}.error_ratio", *(end[kind, i] for end in ratio))
                 yield f"{name}.{law}.p", float(laws.p[kind, i])
                 yield f"{name}.{law}.better_cells", int(laws.better[kind, i])
 
@@ -74,20 +75,11 @@ def _median(values: Floats) -> float:
     return float(np.nanmedian(values)) if np.isfinite(values).any() else np.nan
 
 
-def _recovered(results: StudyResults) -> Items:
-    if results.recorded.truth is None or results.recorded.fits.activity_unit != "V":
-        return
-    for specimen, recovery in _recoveries(results):
-        name = f"recovery.{specimen}" if specimen else "recovery"
-        for key, value in vars(recovery).items():
-            yield f"{name}.{key}", value
-
-
 def _recoveries(results: StudyResults) -> Iterator[tuple[str, Recovery]]:
     """Of all specimens together (""), then of each."""
     fits, truth = results.recorded.fits, results.recorded.truth
     assert truth is not None
-    for name in ("", *(specimen.name for specimen in results.study.specimens)):
+    for name in ("", *results.specimens):
         yield name, recover(fits, truth, results.study.hypotheses.use, name or None)
 
 
@@ -101,103 +93,72 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 
 
 def _laws_table(laws: ForceLaws) -> Table:
-    columns = (
-        Column("left_out", "Left out"), Column("law", "Law of v(F)"),
-        Column("relative_error", "Median error of prediction (%)", 100.0), Column("ratio", "Over the logarithm's"),
-        Column("ratio_low", "Low"), Column("ratio_high", "High"), Column("p", "p"), Column("better", "Better in"),
-        Column("compared", "of cells"),
-    )  # fmt: skip
-    rows = tuple(
-        {
-            "left_out": f"one {left_out}",
-            "law": law,
-            "relative_error": _median(laws.error[kind, i]),
-            "ratio": float(laws.ratio[kind, i]),
-            "ratio_low": float(laws.ratio_low[kind, i]),
-            "ratio_high": float(laws.ratio_high[kind, i]),
-            "p": float(laws.p[kind, i]) if i else None,
-            "better": int(laws.better[kind, i]) if i else None,
-            "compared": int(laws.compared[kind]),
-        }
-        for kind, left_out in enumerate(LEFT_OUT)
-        for i, law in enumerate(LAWS)
-        if laws.compared[kind]
-    )
+    cells = [(kind, i) for kind in range(len(LEFT_OUT)) for i in range(len(LAWS)) if laws.compared[kind]]
+    columns: Columns = {
+        Column("left_out", "Left out"): [f"one {LEFT_OUT[kind]}" for kind, _ in cells],
+        Column("law", "Law of v(F)"): [LAWS[i] for _, i in cells],
+        Column("relative_error", "Median error of prediction (%)", 100.0): [_median(laws.error[at]) for at in cells],
+        Column("ratio", "Over the logarithm's"): [float(laws.ratio[at]) for at in cells],
+        Column("ratio_low", "Low"): [float(laws.ratio_low[at]) for at in cells],
+        Column("ratio_high", "High"): [float(laws.ratio_high[at]) for at in cells],
+        Column("p", "p"): [float(laws.p[at]) if at[1] else None for at in cells],
+        Column("better", "Better in"): [int(laws.better[at]) if at[1] else None for at in cells],
+        Column("compared", "of cells"): [int(laws.compared[kind]) for kind, _ in cells],
+    }
     caption = "Logarithm, power law and straight line for v(F): errors in predicting what was left out of the fit"
-    return Table("force_laws", caption, columns, rows)
-
-
-_R2_HEADS = {
-    "adj_r2": "adj. R²", "r2_bins": "R², bins", "adj_r2_bins": "adj. R², bins", "r2_samples": "R², samples",
-    "adj_r2_samples": "adj. R², samples",
-}  # fmt: skip
+    return table_of("force_laws", caption, columns)
 
 
 def _every(results: StudyResults) -> Table:
     fits, scale = results.recorded.fits, results.scale
     texts = {"participant": "Participant", "specimen": "Specimen", "repetition": "Press", "verdict": "Verdict"}
     activities = {"a_v": "a", "b_v": "b", "a_se_v": "SE a", "b_se_v": "SE b", "b_lo_v": "b low", "b_hi_v": "b high"}
-    others = {"n_points": "Points", **_R2_HEADS, "n_effective": "n effective", "lag1": "lag-1", "start_s": "Start (s)"}
+    others = {"n_points": "Points", **_R2, "n_effective": "n effective", "lag1": "lag-1", "start_s": "Start (s)"}
     columns = (
         *(Column(key, head) for key, head in texts.items()),
         *(activity_column(key, head, scale) for key, head in activities.items()),
-        *(Column(key, head) for key, head in others.items()),
-        Column("reason", "Reason"),
+        *(Column(key, head) for key, head in (others | {"reason": "Reason"}).items()),
     )
-    rows = rows_of({column.key: getattr(fits, column.key) for column in columns})
-    return Table("fits", "All trials, rejected ones included: fit v = a + b ln F", columns, rows)
+    values = {column: getattr(fits, column.key) for column in columns}
+    return table_of("fits", "All trials, rejected ones included: fit v = a + b ln F", values)
 
 
 def _by_specimen(results: StudyResults) -> Table:
-    fits, scale = results.recorded.fits, results.scale
-    columns = (
-        Column("specimen", "Specimen"),
-        Column("stiffness_n_per_mm", "Stiffness κ (N/mm)"),
-        Column("trials", "Trials"),
-        Column("used", "Used"),
-        activity_column("a_mean_v", "Mean a", scale),
-        activity_column("b_mean_v", "Mean b", scale),
-        activity_column("b_sd_v", "SD b", scale),
-        Column("adj_r2_bins_min", "Worst adj. R², bins"),
-        Column("adj_r2_bins_median", "Median adj. R², bins"),
-        Column("adj_r2_samples_min", "Worst adj. R², samples"),
-        Column("adj_r2_samples_median", "Median adj. R², samples"),
-    )
-    rows = []
-    for specimen in results.study.specimens:
-        of = results.used & (fits.specimen == specimen.name)
-        n, b = int(np.count_nonzero(of)), fits.b_v[of]
-        rows.append(
-            {
-                "specimen": specimen.name,
-                "stiffness_n_per_mm": specimen.stiffness_n_per_mm,
-                "trials": int(np.count_nonzero(fits.specimen == specimen.name)),
-                "used": n,
-                "a_mean_v": float(np.mean(fits.a_v[of])) if n else None,
-                "b_mean_v": float(np.mean(b)) if n else None,
-                "b_sd_v": float(np.std(b, ddof=1)) if n > 1 else None,
-                "adj_r2_bins_min": float(np.min(fits.adj_r2_bins[of])) if n else None,
-                "adj_r2_bins_median": float(np.median(fits.adj_r2_bins[of])) if n else None,
-                "adj_r2_samples_min": float(np.min(fits.adj_r2_samples[of])) if n else None,
-                "adj_r2_samples_median": float(np.median(fits.adj_r2_samples[of])) if n else None,
-            }
-        )
-    return Table("fits_by_specimen", "Fits v = a + b ln F of the trials used, by specimen", columns, tuple(rows))
+    fits, scale, specimens = results.recorded.fits, results.scale, results.study.specimens
+    every = [fits.specimen == specimen.name for specimen in specimens]
+    used = [results.used & of for of in every]
+
+    def over(statistic: Callable[[Floats], Any], values: Floats, least: int = 1) -> list[float | None]:
+        return [float(statistic(values[of])) if np.count_nonzero(of) >= least else None for of in used]
+
+    columns: Columns = {
+        Column("specimen", "Specimen"): results.specimens,
+        Column("stiffness_n_per_mm", "Stiffness κ (N/mm)"): [specimen.stiffness_n_per_mm for specimen in specimens],
+        Column("trials", "Trials"): [int(np.count_nonzero(of)) for of in every],
+        Column("used", "Used"): [int(np.count_nonzero(of)) for of in used],
+        activity_column("a_mean_v", "Mean a", scale): over(np.mean, fits.a_v),
+        activity_column("b_mean_v", "Mean b", scale): over(np.mean, fits.b_v),
+        activity_column("b_sd_v", "SD b", scale): over(partial(np.std, ddof=1), fits.b_v, 2),
+        Column("adj_r2_bins_min", "Worst adj. R², bins"): over(np.min, fits.adj_r2_bins),
+        Column("adj_r2_bins_median", "Median adj. R², bins"): over(np.median, fits.adj_r2_bins),
+        Column("adj_r2_samples_min", "Worst adj. R², samples"): over(np.min, fits.adj_r2_samples),
+        Column("adj_r2_samples_median", "Median adj. R², samples"): over(np.median, fits.adj_r2_samples),
+    }
+    return table_of("fits_by_specimen", "Fits v = a + b ln F of the trials used, by specimen", columns)
 
 
 def _recovery(results: StudyResults) -> Table:
+    every = list(_recoveries(results))
     columns = (
-        Column("specimen", "Specimen"), Column("n", "Trials"), Column("mean_b_error", "Mean error of b (%)", 100.0),
+        Column("n", "Trials"), Column("mean_b_error", "Mean error of b (%)", 100.0),
         Column("mean_b_error_mcse", "Monte-Carlo SE (%)", 100.0, 2),
         Column("sd_b_error", "SD of the error of b (%)", 100.0),
         Column("coverage", "Intervals that hold the true b (%)", 100.0),
         Column("coverage_mcse", "Monte-Carlo SE (%)", 100.0, 2),
     )  # fmt: skip
-    rows = tuple(
-        {"specimen": name or "all"} | {column.key: getattr(found, column.key) for column in columns[1:]}
-        for name, found in _recoveries(results)
-    )
-    return Table("recovery", "Fitted slopes beside the true slopes of the simulation", columns, rows)
+    found = {column: [getattr(each, column.key) for _, each in every] for column in columns}
+    names = {Column("specimen", "Specimen"): [name or "all" for name, _ in every]}
+    return table_of("recovery", "Fitted slopes beside the true slopes of the simulation", names | found)
 
 
 def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
@@ -205,14 +166,10 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     unknown = [s.name for s in results.study.specimens if s.name not in straight]
     worst = min(straight.values(), default=np.nan)
     yield Claim(
-        "plate_r2",
-        "a straight line describes every plate indentation",
-        "adj. R² ≥ .882",
-        bounded(worst),
-        worst,
+        "plate_r2", "a straight line describes every plate indentation", "adj. R² ≥ .882", bounded(worst), worst,
         verdict_of_all(worst < 0.882, not unknown),
         why=not_tested(unknown) if straight else "The study file gives no R² of the plate tests.",
-    )
+    )  # fmt: skip
     r2, used, curves, asked = (
         float(q["fit.adj_r2_samples.min"]),
         int(q["fit.used"]),
@@ -220,22 +177,14 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         _asked(results),
     )
     yield Claim(
-        "log_fit_r2",
-        "the law a + b ln F describes every press",
-        "adj. R² ≥ .832",
-        bounded(r2),
-        r2,
+        "log_fit_r2", "the law a + b ln F describes every press", "adj. R² ≥ .832", bounded(r2), r2,
         verdict_of_all(r2 < 0.832, used == asked),
         companion=f"on force bins {bounded(float(q['fit.adj_r2_bins.min']))}" if used else "",
         why=_SMOOTHNESS if r2 < 0.832 or used == asked else _short(used, asked, "entered"),
-    )
+    )  # fmt: skip
     here = int(q["trials.total"])
     yield Claim(
-        "curves",
-        "every press of every participant gives a curve",
-        "700 curves",
-        number(curves),
-        curves,
+        "curves", "every press of every participant gives a curve", "700 curves", number(curves), curves,
         verdict_of_all(curves < here, here == asked),
         why=f"{here - curves} of {here} presses give none." if curves < here
         else "" if here == asked else _short(here, asked, "were recorded and read"),

@@ -3,18 +3,144 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
+from scipy.special import stdtrit
 
+from emg2vsa.arrays import Floats
+from emg2vsa.companions.groups import GroupTests
 from emg2vsa.hypotheses import EFFECT_F, Hypotheses
+from emg2vsa.report.companion_rows import dunn_bounds
 from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.numbers import Items, fields_of, least, most, plain
 from emg2vsa.report.section import Claim, Quantities, Section, not_tested, of_people, verdict_of_all
-from emg2vsa.report.sections.hypothesis_quantities import hypothesis_quantities
 from emg2vsa.report.sections.hypothesis_tables import hypothesis_tables
-from emg2vsa.report.verdicts import dunn_bounds
 from emg2vsa.report.wording import NO_BREAK, bounded, listed, p_text, percent
+from emg2vsa.statistics.clusters import Names
+from emg2vsa.statistics.mixed import MixedModel
 from emg2vsa.statistics.normality import ks_survival
 from emg2vsa.statistics.power import power_anova
+from emg2vsa.statistics.studentized_range import survival
+from emg2vsa.statistics.trend import trend
+
+
+def _quantities(results: StudyResults) -> Items:
+    if (found := results.recorded.hypotheses) is None:
+        return
+    yield "hypotheses.kept", ", ".join(found.kept)
+    yield from fields_of("hypotheses", found, "alpha", "worst_p", "worst_pair")
+    yield from _normality_quantities(found)
+    yield from _design_quantities("between_participants", found.specimens, found.tests.between_blocks, found.alpha)
+    yield from _design_quantities("between_specimens", found.participants, found.tests.between_groups, found.alpha)
+    yield from _pair_quantities(found)
+    yield from _over_people_quantities(found)
+    yield from _stiffness_quantities(results)
+
+
+def _stiffness_quantities(results: StudyResults) -> Items:
+    """Does b rise with stiffness? One slope of b over ln stiffness a participant, and Student's t of these slopes."""
+    fits, stiffness, used = results.recorded.fits, results.study.stiffness_n_per_mm, results.used
+    log = np.array([np.log(stiffness.get(name, np.nan)) for name in fits.specimen[used].tolist()])
+    one_group = np.zeros(log.size, dtype=np.str_)
+    found = trend(fits.participant[used], one_group, log, fits.b_v[used])
+    mean = {
+        name: float(np.mean(fits.b_v[used & (fits.specimen == name)])) for name in set(fits.specimen[used].tolist())
+    }
+    yield "hypotheses.b_order", ", ".join(sorted(mean, key=mean.__getitem__, reverse=True))
+    yield "hypotheses.b_over_log_stiffness.t", found.t
+    yield "hypotheses.b_over_log_stiffness.p", found.p
+
+
+def _normality_quantities(found: Hypotheses) -> Items:
+    yield "hypotheses.normality.clusters", int(np.count_nonzero(found.count))
+    for kind in ("standardised", "raw", "lilliefors", "shapiro"):
+        p = getattr(found.tests.normality, kind).p
+        yield from _family(f"hypotheses.normality.{kind}", p, found.alpha)
+        yield f"hypotheses.normality.{kind}.smallest_p", least(p)
+
+
+def _design_quantities(name: str, designs: Names, tests: GroupTests, alpha: float) -> Items:
+    name, anova = f"hypotheses.{name}", tests.anova
+    yield from _family(name, anova.p, alpha)
+    yield f"{name}.smallest_p", least(anova.p)
+    yield f"{name}.largest_p", most(anova.p)
+    yield f"{name}.welch.significant", _significant(tests.welch.p, alpha)
+    yield f"{name}.kruskal.significant", _significant(tests.kruskal.p, alpha)
+    yield f"{name}.brown_forsythe.significant", _significant(tests.brown_forsythe.p, alpha)
+    for i, design in enumerate(designs[: anova.f.size].tolist()):
+        yield from fields_of(f"{name}.{design}", anova, "f", "df1", "df2", "p", "eta2", at=i)
+        yield from fields_of(f"{name}.{design}", tests, "omega2", "eta2_low", "eta2_high", at=i)
+        yield from fields_of(f"{name}.{design}", tests.bayes, "bf01", at=i)
+
+
+def _pair_quantities(found: Hypotheses) -> Items:
+    pairs, name = found.tests.pairs, "hypotheses.pairs"
+    yield from _family(name, pairs.lsd.p, found.alpha, _chance_of_any_pair(found))
+    corrected = {
+        "holm": pairs.p_holm, "tukey": pairs.tukey.p, "games_howell": pairs.games_howell.p, "fdr": pairs.p_fdr,
+        "dunn": pairs.dunn.p, "mann_whitney": pairs.p_rank_holm,
+    }  # fmt: skip
+    for kind, p in corrected.items():
+        yield f"{name}.{kind}.significant", _significant(p, found.alpha)
+        yield f"hypotheses.worst_p.{kind}", float(p[found.worst]) if found.worst[0] >= 0 else np.nan
+    for i, participant in enumerate(found.participants[: len(pairs.lsd.p)].tolist()):
+        for j, ends in enumerate(_ends(found, pairs) if found.specimens.size > 1 else ()):
+            yield f"{name}.{participant}.{ends}.p", pairs.lsd.p[i, j].item()
+
+
+def _ends(found: Hypotheses, pairs: Any) -> list[str]:
+    """``S1-S3`` of every pair."""
+    return [f"{found.specimens[i]}-{found.specimens[j]}" for i, j in zip(pairs.first, pairs.second, strict=True)]
+
+
+def _over_people_quantities(found: Hypotheses) -> Items:
+    equality, blocks, name = found.tests.equality, found.tests.blocks, "hypotheses.over_people"
+    yield "hypotheses.equality.bound_sd", most(equality.bound_sd)
+    if equality.margin:
+        yield "hypotheses.equality.margin_sd", equality.margin
+        yield "hypotheses.equality.pairs_shown_equal", int(np.sum(equality.shown))
+        yield "hypotheses.equality.pairs", int(np.sum(equality.pairs))
+    if blocks is None:
+        return
+    of_means = ("f", "p", "p_gg", "p_hf", "epsilon_gg", "epsilon_hf", "mauchly_p", "eta2_generalised")
+    yield from fields_of(f"{name}.repeated", blocks.repeated, *of_means, at=0)
+    yield f"{name}.friedman.chi2", blocks.friedman.statistic[0].item()
+    yield f"{name}.friedman.p", blocks.friedman.p[0].item()
+    if (mixed := blocks.mixed) is not None:
+        for key, value in (("f", mixed.statistic), ("p", mixed.p), ("icc", mixed.effect_size)):
+            yield f"{name}.mixed.{key}", plain(value)
+    if isinstance(blocks.model, MixedModel):
+        yield from fields_of(f"{name}.mixed", blocks.model, "sd_ratio", "ratio_low", "ratio_high")
+    for j, ends in enumerate(_ends(found, blocks.paired.t)):
+        for test, p in blocks.pair_families.items():
+            yield f"{name}.pairs.{ends}.{test.lower().replace(' ', '_').replace('-', '_')}.p_holm", p[0, j].item()
+        yield from fields_of(f"{name}.pairs.{ends}", blocks.paired, "g", "g_low", "g_high", at=(0, j))
+
+
+def _significant(p: Floats, alpha: float) -> int:
+    return int(np.count_nonzero(p < alpha))
+
+
+def _family(name: str, p: Floats, alpha: float, chance: float | None = None) -> Items:
+    """``chance_of_any``: that of at least one rejection where nothing differs; without one, of independent tests."""
+    tested = int(np.count_nonzero(np.isfinite(p)))
+    yield f"{name}.tested", tested
+    yield f"{name}.significant", _significant(p, alpha)
+    yield f"{name}.chance_of_any", 1 - (1 - alpha) ** tested if chance is None else chance
+
+
+def _chance_of_any_pair(found: Hypotheses) -> float:
+    """Of Fisher's LSD without protection, independent participants: the pairs of one share their means and their SD.
+
+    All pairs of a participant stay below the critical t as long as the studentized range of his k groups does (exact
+    for groups of one size, a little too many otherwise).
+    """
+    anova = found.tests.between_groups.anova
+    tested = np.isfinite(anova.p) & (anova.df2 > 0)
+    df1, df2 = anova.df1[tested], anova.df2[tested]
+    some = survival(np.sqrt(2) * -stdtrit(df2, found.alpha / 2), df1 + 1, df2)
+    return float(1 - np.prod(1 - some))
 
 
 def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
@@ -37,15 +163,11 @@ def _gaussian(found: Hypotheses, q: Quantities) -> Claim:
     complete = tested > 0 and not small and not found.missing_cells
     lacks = not_tested(found.missing_cells) or f"Clusters too small for the test: {small}."
     return Claim(
-        "gaussian_clusters",
-        "every cluster of b is Gaussian (Kolmogorov-Smirnov)",
-        "0 of 70 deviate",
-        f"{_of_tested(q, f'{name}.standardised')} deviate",
-        deviate if tested else np.nan,
-        verdict_of_all(deviate > 0, complete),
-        companion=f"Lilliefors: {_of_tested(q, f'{name}.lilliefors')}",
+        "gaussian_clusters", "every cluster of b is Gaussian (Kolmogorov-Smirnov)", "0 of 70 deviate",
+        f"{_of_tested(q, f'{name}.standardised')} deviate", deviate if tested else np.nan,
+        verdict_of_all(deviate > 0, complete), companion=f"Lilliefors: {_of_tested(q, f'{name}.lilliefors')}",
         why="This form of the test is too lenient." if complete or deviate else lacks,
-    )
+    )  # fmt: skip
 
 
 def _equal(found: Hypotheses, q: Quantities) -> Claim:
@@ -55,11 +177,8 @@ def _equal(found: Hypotheses, q: Quantities) -> Claim:
     shown = "hypotheses.equality.pairs_shown_equal"
     equality = f"; equality shown for {q[shown]} of {q['hypotheses.equality.pairs']} pairs" if shown in q else ""
     return Claim(
-        "equal_participants",
-        "participants do not differ on any specimen (ANOVA)",
-        "0 of 5 differ",
-        f"{differ} of {tested} differ" if tested else "not tested",
-        differ if tested else np.nan,
+        "equal_participants", "participants do not differ on any specimen (ANOVA)", "0 of 5 differ",
+        f"{differ} of {tested} differ" if tested else "not tested", differ if tested else np.nan,
         verdict_of_all(differ > 0, complete),
         companion=f"Welch: {q[f'{name}.welch.significant']} of {tested}{equality}" if tested else "",
         why="This takes two participants or more."
@@ -69,7 +188,7 @@ def _equal(found: Hypotheses, q: Quantities) -> Claim:
         else f"Not rejected is not equal (power {bounded(_power_of_equality(found), 2)} at f = {EFFECT_F:g})."
         if complete
         else not_tested(found.missing_cells) or f"Tested on {tested} of {found.specimens.size} specimens.",
-    )
+    )  # fmt: skip
 
 
 def _power_of_equality(found: Hypotheses) -> float:
@@ -82,11 +201,8 @@ def _different(found: Hypotheses, q: Quantities) -> Iterator[Claim]:
     tested = bool(q["hypotheses.between_specimens.tested"])
     holm = float(q["hypotheses.worst_p.holm"])
     yield Claim(
-        "specimens_differ",
-        f"{listed(found.kept)} differ pairwise for every participant (LSD)",
-        "worst p = .0391",
-        p_text(found.worst_p) if found.worst_pair else "not tested",
-        found.worst_p,
+        "specimens_differ", f"{listed(found.kept)} differ pairwise for every participant (LSD)", "worst p = .0391",
+        p_text(found.worst_p) if found.worst_pair else "not tested", found.worst_p,
         verdict_of_all(found.worst_p >= found.alpha, found.worst_p == found.worst_p and not found.missing_pairs),
         companion=f"Holm: {p_text(holm)}" if holm == holm else "",
         why=not_tested(found.missing_pairs) if tested else "This takes two specimens or more.",
@@ -100,17 +216,14 @@ def _different(found: Hypotheses, q: Quantities) -> Iterator[Claim]:
     p, holm_p = pairs.lsd.p[:, touched], pairs.p_holm[:, touched]
     same, n = int(np.count_nonzero(p >= found.alpha)), int(np.count_nonzero(np.isfinite(p)))
     yield Claim(
-        "others_not_distinct",
-        f"{listed(sorted(others))} are not distinct for every participant",
-        "no number",
-        f"{same} of {n} pairs do not differ",
-        same,
+        "others_not_distinct", f"{listed(sorted(others))} are not distinct for every participant", "no number",
+        f"{same} of {n} pairs do not differ", same,
         "holds" if same else verdict_of_all(n == p.size and not found.missing_cells, False),
         companion=f"Holm: {np.count_nonzero(holm_p >= found.alpha)} of {n}",
         why=""
         if same
         else not_tested(found.missing_cells) or ("" if n == p.size else f"{p.size - n} pairs have no p."),
-    )
+    )  # fmt: skip
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
@@ -215,7 +328,7 @@ HYPOTHESES = Section(
     "Tests of the slopes b",
     _TEXT,
     of_people,
-    hypothesis_quantities,
+    _quantities,
     hypothesis_tables,
     claims=_claims,
     words=_words,

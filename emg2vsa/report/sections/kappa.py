@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults, ConditionResult, LawResult
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
-from emg2vsa.figures.casr_calibration import draw_calibrations
+from emg2vsa.figures.casr import draw_calibrations
 from emg2vsa.report import paper
-from emg2vsa.report.designs import looks, of_kappa
+from emg2vsa.report.designs import DESIGN, looks, of_kappa
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items
+from emg2vsa.report.numbers import Items, fields_of, with_interval
 from emg2vsa.report.rig_claims import kappa_claims, reduction_claims
 from emg2vsa.report.section import Claim, Quantities, Section
-from emg2vsa.report.table import Cell, Column, Row, Table
+from emg2vsa.report.table import Cell, Column, Columns, Table, table_of
 from emg2vsa.report.wording import NO_BREAK, SIMULATED, UNDEFINED, interval, number, signed
-from emg2vsa.settings import PAPER, Recipe
+from emg2vsa.settings import PAPER
 
 ACTUATORS = ((RIGID, "rigid", "Rigid"), (HUMAN_LIKE, "human_like", "Human-like"))
 """Condition, key and head of the two halves of Table I."""
@@ -88,43 +89,33 @@ def _quantities(results: StudyResults) -> Items:
 
 def _algorithm(name: str, of: AlgorithmResult) -> Items:
     for prefix, law in ((name, of.chosen), (f"{name}.paper_law", of.paper)):
-        yield f"{prefix}.n_per_mm", law.kappa
-        yield f"{prefix}.n_per_mm.low", law.low
-        yield f"{prefix}.n_per_mm.high", law.high
-        yield f"{prefix}.determined", law.determined
-        yield f"{prefix}.widened", law.widened
-        yield f"{prefix}.law_p", law.law_p
-        yield f"{prefix}.serial_p", law.serial_p
-        yield f"{prefix}.effective_presses", law.effective_presses
+        yield from with_interval(f"{prefix}.n_per_mm", law.kappa, law.low, law.high)
+        yield from fields_of(prefix, law, "determined", "widened", "law_p", "serial_p", "effective_presses")
+        yield from fields_of(prefix, law, "mounting_freedom", "error", "adj_r2", "law")
         yield f"{prefix}.percent_per_percent_casr", law.amplification
         yield f"{prefix}.mounting_sd_percent", 100 * law.mounting_sd
-        yield f"{prefix}.mounting_freedom", law.mounting_freedom
-        yield f"{prefix}.error", law.error
-        yield f"{prefix}.adj_r2", law.adj_r2
-        yield f"{prefix}.law", law.law
         for key, value in zip(("first", "second"), law.parameters, strict=True):
             yield f"{prefix}.parameter.{key}", value
     for law_name, rms in of.left_out_rms.items():
         yield f"{name}.left_out_rms.{law_name}", rms
     if of.fused is not None:
         yield f"{name}.fused.n_per_mm", of.fused.kappa
-        yield f"{name}.fused.error", of.fused.error
-        yield f"{name}.fused.weight", of.fused.weight
+        yield from fields_of(f"{name}.fused", of.fused, "error", "weight")
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
-    found, (algorithm, own) = _found(results), _own(results)
-    compared = tuple(dict.fromkeys((results.study.discrimination.old_algorithm, "paper", "front", algorithm)))
+    found, settings = _found(results), results.study.calibration
+    algorithms = (results.study.discrimination.old_algorithm, "paper", "front", results.study.scoring.algorithm)
+    compared = tuple(dict.fromkeys(algorithms))
     ours = {each.angle_deg for each in found.conditions if each.condition in (RIGID, HUMAN_LIKE)}
     designs = [(angle, name) for angle in sorted(ours | set(paper.ANGLES_DEG)) for name in compared]
-    settings = results.study.calibration
     same = all(getattr(settings, key) == value for key, value in PAPER["calibration"].items())
     laws = (_PAPERS,) if same else (_PAPERS, _OURS)
     yield _table_one(results, designs, laws)
     yield _table_one_intervals(results, designs, laws)
     yield _recipes(results, compared)
-    yield _every(found, algorithm, own)
-    yield _laws(own)
+    yield _every(results)
+    yield _laws(results)
 
 
 def _at(found: CalibrationResults, angle_deg: float, condition: str, algorithm: str) -> AlgorithmResult | None:
@@ -134,11 +125,10 @@ def _at(found: CalibrationResults, angle_deg: float, condition: str, algorithm: 
 
 _Designs = Sequence[tuple[float, str]]
 """Angle and vision algorithm of every row."""
-_FIRST = (Column("angle_deg", "Angle (°)", digits=2), Column("algorithm", "Vision algorithm"))
-
-
 _PAPERS, _OURS = ("_same", "paper's law"), ("", "law of this study")
 """End of a key and name: the exponential law of the paper, and that of the study where it is another."""
+
+
 _Laws = Sequence[tuple[str, str]]
 
 
@@ -146,8 +136,11 @@ def _by(of: AlgorithmResult, law: tuple[str, str]) -> LawResult:
     return of.paper if law is _PAPERS else of.chosen
 
 
-def _rows(results: StudyResults, designs: _Designs) -> list[dict[str, Cell]]:
-    return [{"angle_deg": angle, "algorithm": _name(results, name)} for angle, name in designs]
+def _first(results: StudyResults, designs: _Designs) -> Columns:
+    return {
+        Column("angle_deg", "Angle (°)", digits=2): [angle for angle, _ in designs],
+        Column("algorithm", "Vision algorithm"): [_name(results, name) for _, name in designs],
+    }
 
 
 def _over_array(results: StudyResults, angle_deg: float, condition: str, algorithm: str) -> tuple[float, int, int]:
@@ -159,54 +152,57 @@ def _over_array(results: StudyResults, angle_deg: float, condition: str, algorit
 
 
 def _table_one(results: StudyResults, designs: _Designs, laws: _Laws) -> Table:
-    found, beyond = _found(results), dict.fromkeys(name for _, name in designs)
-    columns, rows, shown = [*_FIRST], _rows(results, designs), _rows(results, designs)
+    found, columns, said = _found(results), _first(results, designs), dict[str, list[Cell]]()
     for condition, key, head in ACTUATORS:
-        columns.append(Column(f"{key}_paper", f"{head}: paper (%)", 100.0, 2))
-        columns += [Column(f"{key}{suffix}", f"{head}: here, {whose} (%)", 100.0) for suffix, whose in laws]
-        for row, of_people, (angle, name) in zip(rows, shown, designs, strict=True):
-            of = _at(found, angle, condition, name)
-            _, printed = PRINTED.get((name, condition), ("", {}))
-            row[f"{key}_paper"] = of_people[f"{key}_paper"] = printed.get(angle, np.nan)
-            for law in laws:
-                result, place = of and _by(of, law), f"{key}{law[0]}"
-                row[place] = result.error if result else np.nan
-                of_people[place] = _error_said(result) if result else None
-                most, _, _ = _over_array(results, angle, condition, name)
-                if result and np.isnan(result.kappa) and most == most:
-                    of_people[place] = f"areas up to {number(most, 2)} × the pin array"
-    for row in shown:
-        row["algorithm"] = str(row["algorithm"]).replace(" ", NO_BREAK)
+        printed = [PRINTED.get((name, condition), ("", {}))[1].get(angle, np.nan) for angle, name in designs]
+        columns[Column(f"{key}_paper", f"{head}: paper (%)", 100.0, 2)] = printed
+        for law in laws:
+            column = Column(f"{key}{law[0]}", f"{head}: here, {law[1]} (%)", 100.0)
+            each = [_at(found, angle, condition, name) for angle, name in designs]
+            columns[column] = [_by(of, law).error if of else np.nan for of in each]
+            said[column.key] = [
+                _error_said(_by(of, law), _over_array(results, angle, condition, name)[0]) if of else None
+                for of, (angle, name) in zip(each, designs, strict=True)
+            ]
+    made = table_of("table_one", "", columns)
+    said["algorithm"] = [str(row["algorithm"]).replace(" ", NO_BREAK) for row in made.rows]
+    shown = tuple(row | {key: cells[i] for key, cells in said.items()} for i, row in enumerate(map(dict, made.rows)))
     caption = (
         f"Table I: error on κ of {found.new_specimen} ({number(found.known_kappa_new)} N/mm). Ours have a sign, plus "
         "for too stiff. Not determined: the interval is wider than the range of the known stiffnesses. –: not in the "
         "paper or not pressed here"
     )
-    told = []
-    for name in beyond:
-        each = [_over_array(results, angle, c, name) for angle in {a for a, _ in designs} for c, *_ in ACTUATORS]
-        lost, presses = sum(n for _, n, _ in each), sum(n for *_, n in each)
-        if lost:
-            most = np.nanmax([ratio for ratio, *_ in each])
-            told.append(f"{_name(results, name)}, {lost} of {presses}, up to {number(most, 2)} × the pin array")
-    if told:
+    if told := list(_beyond(results, designs)):
         caption += f". Presses with areas above that of the pin array have no CASR: {'; '.join(told)}"
-    return Table("table_one", caption, tuple(columns), tuple(rows), tuple(shown))
+    return replace(made, caption=caption, shown_rows=shown)
 
 
-def _error_said(law: LawResult) -> str:
+def _beyond(results: StudyResults, designs: _Designs) -> Iterator[str]:
+    """Of every algorithm that lost presses in this way, how many."""
+    angles = {angle for angle, _ in designs}
+    for name in dict.fromkeys(name for _, name in designs):
+        each = [_over_array(results, angle, condition, name) for angle in angles for condition, *_ in ACTUATORS]
+        if lost := sum(n for _, n, _ in each):
+            most = np.nanmax([ratio for ratio, *_ in each])
+            presses = sum(n for *_, n in each)
+            yield f"{_name(results, name)}, {lost} of {presses}, up to {number(most, 2)} × the pin array"
+
+
+def _error_said(law: LawResult, over_array: float) -> str:
+    """The error; in its place the largest area over that of the pin array, where areas beyond it leave no κ."""
+    if np.isnan(law.kappa) and over_array == over_array:
+        return f"areas up to {number(over_array, 2)} × the pin array"
     return signed(100 * law.error) if law.determined else "not determined"
 
 
 def _table_one_intervals(results: StudyResults, designs: _Designs, laws: _Laws) -> Table:
-    found, columns, rows = _found(results), [*_FIRST], _rows(results, designs)
+    columns = _first(results, designs)
     for condition, key, head in ACTUATORS:
+        each = [_at(_found(results), angle, condition, name) for angle, name in designs]
         for law in laws:
-            columns.append(Column(f"{key}{law[0]}_interval_n_per_mm", f"{head}: {law[1]}"))
-            for row, (angle, name) in zip(rows, designs, strict=True):
-                of = _at(found, angle, condition, name)
-                row[columns[-1].key] = span(_by(of, law)) if of else UNDEFINED
-    return Table("table_one_laws", "κ and its interval behind Table I (N/mm)", tuple(columns), tuple(rows))
+            column = Column(f"{key}{law[0]}_interval_n_per_mm", f"{head}: {law[1]}")
+            columns[column] = [span(_by(of, law)) if of else UNDEFINED for of in each]
+    return table_of("table_one_laws", "κ and its interval behind Table I (N/mm)", columns)
 
 
 _STEPS = {
@@ -218,29 +214,30 @@ _STEPS = {
 _AS_PRINTED = {"area_rule": "hexagons of Algorithm 1", "law": "equation (1)", "rate": "equation (2)"}
 
 
+_STEP_HEADS = {"area_rule": "Initial area", "engine": "Growth", "force_rule": "Force of a frame", "law": "Area"}
+_STEP_HEADS |= {"rate": "CASR"}
+
+
 def _recipes(results: StudyResults, algorithms: Sequence[str]) -> Table:
     """Every step of the algorithms that are compared, by the name of its setting."""
     settings = results.study.scoring
-    columns = (
-        Column("algorithm", "Vision algorithm"), Column("area_rule", "Initial area"), Column("engine", "Growth"),
-        Column("force_rule", "Force of a frame"), Column("law", "Area"), Column("rate", "CASR"),
-        Column("force_low_n", "From (N)"), Column("force_high_n", "To (N)"),
-    )  # fmt: skip
-    rows: list[Row] = []
+    told = []
     for name in algorithms:
-        recipe = settings.recipe_of(name)
-        steps = {key: _AS_PRINTED[key] if step == "paper" else _STEPS[step] for key, step in _steps(recipe)}
-        if recipe.region == "image":
+        recipe = settings.recipe_of(name)._asdict()
+        steps = {key: _AS_PRINTED[key] if recipe[key] == "paper" else _STEPS[recipe[key]] for key in _STEP_HEADS}
+        if recipe["region"] == "image":
             steps["engine"] += ", whole image"
         if name == "front":
             steps |= {"area_rule": "front in every frame", "engine": UNDEFINED, "law": UNDEFINED}
-        low, high = settings.force_n
-        rows.append({"algorithm": _name(results, name), **steps, "force_low_n": low, "force_high_n": high})
-    return Table("recipes", "How each vision algorithm scores a press", columns, tuple(rows))
-
-
-def _steps(recipe: Recipe) -> list[tuple[str, str]]:
-    return [(key, step) for key, step in recipe._asdict().items() if key != "region"]
+        told.append(steps)
+    low, high = settings.force_n
+    columns: Columns = {
+        Column("algorithm", "Vision algorithm"): [_name(results, name) for name in algorithms],
+        **{Column(key, head): [steps[key] for steps in told] for key, head in _STEP_HEADS.items()},
+        Column("force_low_n", "From (N)"): [low] * len(told),
+        Column("force_high_n", "To (N)"): [high] * len(told),
+    }
+    return table_of("recipes", "How each vision algorithm scores a press", columns)
 
 
 def span(law: LawResult) -> str:
@@ -263,70 +260,59 @@ def holds(of: AlgorithmResult, truth: float) -> bool | None:
     return bool(low <= truth <= high)
 
 
-def _every(found: CalibrationResults, algorithm: str, own: Sequence[tuple[ConditionResult, AlgorithmResult]]) -> Table:
-    columns = (
-        Column("design", "Condition, angle"), Column("paper_error", "Paper's error, hexagon (%)", 100.0),
-        Column("exponential_error", "Error here, paper's law (%)", 100.0),
-        Column("paper_adj_r2", "Paper's worst adj. R²", digits=4),
-        Column("adj_r2", "adj. R² here, paper's law", digits=4), Column("kappa_n_per_mm", "κ (N/mm)"),
-        Column("low", "Low"), Column("high", "High"), Column("determined", "Determined"),
-        Column("error", "Error (%)", 100.0), Column("holds", "Interval holds κ"),
-        Column("per_percent", "1 % of CASR is (% of κ)"), Column("mountings", "SD between mountings (%)"),
-        Column("fused_error", "With indentation: error (%)", 100.0),
-    )  # fmt: skip
-    rows = tuple(
-        {
-            "design": _design(each),
-            "paper_error": _paper_error(each.condition, each.angle_deg),
-            "exponential_error": of.paper.error,
-            "paper_adj_r2": paper.WORST_ADJ_R2.get(each.condition)
-            if (each.condition, each.angle_deg) in paper.DESIGNS
-            else None,
-            "adj_r2": of.paper.adj_r2,
-            "kappa_n_per_mm": of.chosen.kappa,
-            "low": of.chosen.low,
-            "high": of.chosen.high,
-            "determined": bool(of.chosen.determined),
-            "error": of.chosen.error,
-            "holds": holds(of, found.known_kappa_new),
-            "per_percent": of.chosen.amplification,
-            "mountings": _mountings(of.chosen),
-            "fused_error": of.fused.error if of.fused else None,
-        }
-        for each, of in own
-    )
+def _every(results: StudyResults) -> Table:
+    found, (algorithm, own) = _found(results), _own(results)
+    printed = [
+        paper.WORST_ADJ_R2.get(each.condition) if (each.condition, each.angle_deg) in paper.DESIGNS else None
+        for each, _ in own
+    ]
+    columns: Columns = {
+        DESIGN: [_design(each) for each, _ in own],
+        Column("paper_error", "Paper's error, hexagon (%)", 100.0): [_paper_error(each) for each, _ in own],
+        Column("exponential_error", "Error here, paper's law (%)", 100.0): [of.paper.error for _, of in own],
+        Column("paper_adj_r2", "Paper's worst adj. R²", digits=4): printed,
+        Column("adj_r2", "adj. R² here, paper's law", digits=4): [of.paper.adj_r2 for _, of in own],
+        Column("kappa_n_per_mm", "κ (N/mm)"): [of.chosen.kappa for _, of in own],
+        Column("low", "Low"): [of.chosen.low for _, of in own],
+        Column("high", "High"): [of.chosen.high for _, of in own],
+        Column("determined", "Determined"): [bool(of.chosen.determined) for _, of in own],
+        Column("error", "Error (%)", 100.0): [of.chosen.error for _, of in own],
+        Column("holds", "Interval holds κ"): [holds(of, found.known_kappa_new) for _, of in own],
+        Column("per_percent", "1 % of CASR is (% of κ)"): [of.chosen.amplification for _, of in own],
+        Column("mountings", "SD between mountings (%)"): [_mountings(of.chosen) for _, of in own],
+        Column("fused_error", "With indentation: error (%)", 100.0): [
+            of.fused.error if of.fused else None for _, of in own
+        ],
+    }
     caption = f"κ of {found.new_specimen} by the {algorithm} algorithm, with the interval from repeated presses"
-    return Table("kappa_new", caption, columns, rows)
+    return table_of("kappa_new", caption, columns)
 
 
 def _mountings(law: LawResult) -> str:
     return f"{number(100 * law.mounting_sd)}, {'estimated' if law.mounting_freedom else 'assumed'}"
 
 
-def _laws(own: Sequence[tuple[ConditionResult, AlgorithmResult]]) -> Table:
-    columns = (
-        Column("design", "Condition, angle"), Column("chosen", "Law here"), Column("paper_law", "Paper's law here"),
-        Column("left_out", "Best on left-out specimens"), Column("paper", "Paper's curve (unit of CASR not printed)"),
-    )  # fmt: skip
+def _laws(results: StudyResults) -> Table:
+    _, own = _own(results)
     curves = {angle: f"kappa = {p:g} exp({q:g} CASR)" for angle, (p, q) in paper.CURVES.items()}
-    rows = tuple(
-        {
-            "design": _design(each),
-            "chosen": _equation(of.chosen),
-            "paper_law": _equation(of.paper),
-            "left_out": of.best_law or None,
-            "paper": curves.get(each.angle_deg) if each.condition == HUMAN_LIKE else None,
-        }
-        for each, of in own
-    )
-    return Table("calibration_laws", "The laws from CASR to stiffness", columns, rows)
+    columns: Columns = {
+        DESIGN: [_design(each) for each, _ in own],
+        Column("chosen", "Law here"): [_equation(of.chosen) for _, of in own],
+        Column("paper_law", "Paper's law here"): [_equation(of.paper) for _, of in own],
+        Column("left_out", "Best on left-out specimens"): [of.best_law or None for _, of in own],
+        Column("paper", "Paper's curve (unit of CASR not printed)"): [
+            curves.get(each.angle_deg) if each.condition == HUMAN_LIKE else None for each, _ in own
+        ],
+    }
+    return table_of("calibration_laws", "The laws from CASR to stiffness", columns)
 
 
 def _equation(law: LawResult) -> str | None:
     return law.equation if np.isfinite(law.parameters).all() else None
 
 
-def _paper_error(condition: str, angle_deg: float) -> float | None:
+def _paper_error(each: ConditionResult) -> float | None:
+    condition, angle_deg = each.condition, each.angle_deg
     if condition in paper.ERROR_CONSTANT and (condition, angle_deg) in paper.DESIGNS:
         return paper.ERROR_CONSTANT[condition]
     return {RIGID: paper.ERROR_NEW_VISION, HUMAN_LIKE: paper.ERROR_HUMAN_LIKE}.get(condition, {}).get(angle_deg)

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from emg2vsa.figures.mixed_residuals import draw_mixed_residuals
+from emg2vsa.figures.cocontraction import draw_mixed_residuals
 from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items
+from emg2vsa.report.numbers import Items, fields_of, plain, with_interval
 from emg2vsa.report.section import Quantities, Section
-from emg2vsa.report.table import Column, Row, Table, activity_column, rows_of
+from emg2vsa.report.table import Column, Columns, Table, activity_column, table_of
 from emg2vsa.report.wording import number
 from emg2vsa.statistics.factorial import Factorial
 from emg2vsa.statistics.mixed_variances import SOURCES, MixedResiduals, MixedVariances
@@ -60,42 +60,29 @@ def _factors(results: StudyResults) -> dict[str, Factorial]:
 
 def _quantities(results: StudyResults) -> Items:
     variances, residuals = _variances(results)
-    name = "hypotheses.over_people.mixed"
-    if variances is not None:
-        unit = results.activity_suffix
-        for i, source in enumerate(SOURCES):
-            key = f"{name}.sd_{source.replace(' ', '_')}{unit}"
-            yield key, float(variances.sd[i])
-            yield f"{key}.low", float(variances.low[i])
-            yield f"{key}.high", float(variances.high[i])
+    name, unit = "hypotheses.over_people.mixed", results.activity_suffix if results.people else ""
+    for i, source in enumerate(SOURCES if variances else ()):
+        assert variances is not None
+        ends = (variances.sd[i], variances.low[i], variances.high[i])
+        yield from with_interval(f"{name}.sd_{source.replace(' ', '_')}{unit}", *ends)
     if residuals is not None:
         normal, level = residuals.outcomes()
-        yield f"{name}.residuals.shapiro_p", _number(normal.p)
-        yield f"{name}.residuals.level_rho", _number(level.effect_size)
-        yield f"{name}.residuals.level_p", _number(level.p)
+        yield f"{name}.residuals.shapiro_p", plain(normal.p)
+        yield f"{name}.residuals.level_rho", plain(level.effect_size)
+        yield f"{name}.residuals.level_p", plain(level.p)
     if (found := _hypotheses(results)) is not None:
-        trend, key = found.trend, f"hypotheses.trend.b{results.activity_suffix}_per_repetition"
-        yield key, trend.mean
-        yield f"{key}.low", trend.low
-        yield f"{key}.high", trend.high
+        trend = found.trend
+        yield from with_interval(f"hypotheses.trend.b{unit}_per_repetition", trend.mean, trend.low, trend.high)
         yield "hypotheses.trend.relative_per_repetition", trend.per_mean
         yield "hypotheses.trend.p", trend.p
     for score, model in _factors(results).items():
         for i, effect in enumerate(model.effects):
             key = f"runs.factors.{score}.{effect.replace(' × ', '-')}"
-            yield f"{key}.f", float(model.f[i])
-            yield f"{key}.df", int(model.df[i])
-            yield f"{key}.p", float(model.p[i])
-            yield f"{key}.eta2", float(model.eta2[i])
-            for end in ("omega2", "low", "high"):
-                yield f"{key}.omega2{'' if end == 'omega2' else '.' + end}", float(getattr(model, end)[i])
+            yield from fields_of(key, model, "f", "df", "p", "eta2", at=i)
+            yield from with_interval(f"{key}.omega2", model.omega2[i], model.low[i], model.high[i])
     family = _family(results)
     for claim, p in zip(family.names, family.p_holm.tolist(), strict=True):
         yield f"claims.together.{claim}.p_holm", p
-
-
-def _number(value: float | None) -> float:
-    return np.nan if value is None else value
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
@@ -103,48 +90,35 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     if variances is not None:
         yield _sd_table(results, variances)
     if residuals is not None:
-        yield _residual_table(results, residuals)
+        columns: Columns = {
+            activity_column("fitted_v", "Fitted b", results.scale): residuals.fitted,
+            Column("residual", "Residual / SD of repetitions"): residuals.residual,
+            Column("quantile", "Normal quantile"): residuals.quantile,
+        }
+        caption = "Residuals of the mixed model, for a QQ plot and for residuals against fitted values"
+        yield table_of("mixed_residuals", caption, columns)
     if (found := _hypotheses(results)) is not None:
-        columns = (
-            Column("participant", "Participant"),
-            activity_column("slope_v", "Change of b per repetition", results.scale),
-        )
-        rows = rows_of({"participant": found.trend.blocks, "slope_v": found.trend.slope})
-        yield Table("trend", "Trend of b over the repetitions of each participant", columns, rows)
+        slopes: Columns = {
+            Column("participant", "Participant"): found.trend.blocks,
+            activity_column("slope_v", "Change of b per repetition", results.scale): found.trend.slope,
+        }
+        yield table_of("trend", "Trend of b over the repetitions of each participant", slopes)
     yield _factor_table(_factors(results))
     yield _claim_table(_family(results))
 
 
 def _sd_table(results: StudyResults, variances: MixedVariances) -> Table:
-    columns = (
-        Column("source", "Source"), activity_column("sd_v", "SD of b", results.scale),
-        activity_column("low_v", "Low", results.scale), activity_column("high_v", "High", results.scale),
-        Column("ratio", "SD / SD of repetitions"), Column("ratio_low", "Low"), Column("ratio_high", "High"),
-    )  # fmt: skip
-    rows = tuple(
-        {
-            "source": source,
-            "sd_v": float(variances.sd[i]),
-            "low_v": float(variances.low[i]),
-            "high_v": float(variances.high[i]),
-            "ratio": float(variances.ratio[i]) if i < 2 else 1.0,
-            "ratio_low": float(variances.ratio_low[i]) if i < 2 else None,
-            "ratio_high": float(variances.ratio_high[i]) if i < 2 else None,
-        }
-        for i, source in enumerate(SOURCES)
-    )
+    columns: Columns = {
+        Column("source", "Source"): SOURCES,
+        activity_column("sd_v", "SD of b", results.scale): variances.sd,
+        activity_column("low_v", "Low", results.scale): variances.low,
+        activity_column("high_v", "High", results.scale): variances.high,
+        Column("ratio", "SD / SD of repetitions"): [*variances.ratio[:2].tolist(), 1.0],
+        Column("ratio_low", "Low"): [*variances.ratio_low[:2].tolist(), None],
+        Column("ratio_high", "High"): [*variances.ratio_high[:2].tolist(), None],
+    }
     caption = "Scatter of b by the mixed model: standard deviations (REML) and their profile-likelihood intervals"
-    return Table("mixed_sd", caption, columns, rows)
-
-
-def _residual_table(results: StudyResults, residuals: MixedResiduals) -> Table:
-    columns = (
-        activity_column("fitted_v", "Fitted b", results.scale), Column("residual", "Residual / SD of repetitions"),
-        Column("quantile", "Normal quantile"),
-    )  # fmt: skip
-    rows = rows_of({"fitted_v": residuals.fitted, "residual": residuals.residual, "quantile": residuals.quantile})
-    caption = "Residuals of the mixed model, for a QQ plot and for residuals against fitted values"
-    return Table("mixed_residuals", caption, columns, rows)
+    return table_of("mixed_sd", caption, columns)
 
 
 _FAR = 3
@@ -153,40 +127,31 @@ _SCORES = {"start_area": "area", "casr": "CASR"}
 
 
 def _factor_table(models: dict[str, Factorial]) -> Table:
-    columns = (
-        Column("score", "Score"), Column("effect", "Effect"), Column("f", "F", digits=4), Column("df", "df"),
-        Column("error_df", "Error df"), Column("p", "p"), Column("eta2", "Partial η²"), Column("omega2", "Partial ω²"),
-        Column("omega2_low", "ω² low"), Column("omega2_high", "ω² high"),
-    )  # fmt: skip
-    rows: list[Row] = []
-    for score, model in models.items():
-        rows += [
-            {
-                "score": _SCORES[score], "effect": effect, "f": float(model.f[i]), "df": int(model.df[i]),
-                "error_df": model.error_df, "p": float(model.p[i]), "eta2": float(model.eta2[i]),
-                "omega2": float(model.omega2[i]), "omega2_low": float(model.low[i]),
-                "omega2_high": float(model.high[i]),
-            }
-            for i, effect in enumerate(model.effects)
-        ]  # fmt: skip
+    every = [(score, model, i) for score, model in models.items() for i in range(len(model.effects))]
+    columns: Columns = {
+        Column("score", "Score"): [_SCORES[score] for score, *_ in every],
+        Column("effect", "Effect"): [model.effects[i] for _, model, i in every],
+        Column("f", "F", digits=4): [float(model.f[i]) for _, model, i in every],
+        Column("df", "df"): [int(model.df[i]) for _, model, i in every],
+        Column("error_df", "Error df"): [model.error_df for _, model, _ in every],
+        Column("p", "p"): [float(model.p[i]) for _, model, i in every],
+        Column("eta2", "Partial η²"): [float(model.eta2[i]) for _, model, i in every],
+        Column("omega2", "Partial ω²"): [float(model.omega2[i]) for _, model, i in every],
+        Column("omega2_low", "ω² low"): [float(model.low[i]) for _, model, i in every],
+        Column("omega2_high", "ω² high"): [float(model.high[i]) for _, model, i in every],
+    }
     caption = "Condition, angle and specimen in one model of ln(score), type II (scores of the rig's presses)"
-    return Table("factors", caption, columns, tuple(rows))
+    return table_of("factors", caption, columns)
 
 
 def _claim_table(family: ClaimFamily) -> Table:
-    columns = (
-        Column("claim", "Claim"), Column("p", "Largest p that it needs"), Column("p_holm", "p, Holm over all claims"),
-        Column("survives", "Survives"),
-    )  # fmt: skip
-    rows = rows_of(
-        {
-            "claim": [_SAYS[name] for name in family.names],
-            "p": family.p,
-            "p_holm": family.p_holm,
-            "survives": family.survives,
-        }
-    )
-    return Table("claims_together", "Claims that rest on a p, corrected together by Holm", columns, rows)
+    columns: Columns = {
+        Column("claim", "Claim"): [_SAYS[name] for name in family.names],
+        Column("p", "Largest p that it needs"): family.p,
+        Column("p_holm", "p, Holm over all claims"): family.p_holm,
+        Column("survives", "Survives"): family.survives,
+    }
+    return table_of("claims_together", "Claims that rest on a p, corrected together by Holm", columns)
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:

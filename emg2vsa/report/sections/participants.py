@@ -1,21 +1,29 @@
-"""Who was recorded: the verdict on each session, what failed, and which trials were rejected or warned."""
+"""Who was recorded, and were they enough?
+
+The verdict on each session, what failed, and which trials were rejected or warned. Sample size: the computation of the
+paper, and the power of the test that its main claim rests on.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from emg2vsa.extraction.reasons import most_frequent
 from emg2vsa.fits import by_recording
+from emg2vsa.hypotheses import EFFECT_F, EPSILON, RHO, TARGET, Hypotheses
+from emg2vsa.report.companion_rows import CompanionRow, companion_table
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
-from emg2vsa.report.section import Quantities, Section
+from emg2vsa.report.section import Claim, Quantities, Section, of_people, verdict_of_all
 from emg2vsa.report.session_page import session_verdict
-from emg2vsa.report.table import Cell, Column, Row, Table, records, rows_of
-from emg2vsa.report.wording import count
+from emg2vsa.report.table import Column, Columns, Table, records, table_of
+from emg2vsa.report.wording import bounded, count
 from emg2vsa.session_verdict import doubts_between
+from emg2vsa.statistics.power import power_rm, power_table
 from emg2vsa.study import RecordingEntry
 
 
@@ -51,19 +59,22 @@ def _sessions(results: StudyResults) -> Table:
     for entry in results.study.recordings:
         entries.setdefault(entry.participant, []).append(entry)
     without_page = {failure.key for failure in results.failures if failure.stage == "pages"}
-    rows: list[Row] = []
-    links = []
-    for name, (trials, failures) in results.by_participant().items():
-        session = session_verdict(name, entries[name], trials, fits, failures, doubts)
-        row: dict[str, Cell] = {"participant": name, "session": session.verdict, "recordings": len(session.specimens)}
-        rows.append(row | {key: sum(getattr(each, key) for each in session.specimens) for key in _COUNTS})
-        links.append(f"{results.pages}/{name}.html" if results.pages and name not in without_page else "")
-    columns = (
-        Column("participant", "Participant"), Column("session", "Session"), Column("recordings", "Recordings"),
-        *(Column(key, head) for key, head in _COUNTS.items()),
-    )  # fmt: skip
-    caption = "Sessions: good, usable, to repeat, or unreadable"
-    return Table("sessions", caption, columns, tuple(rows), links=tuple(links))
+    own = results.by_participant()
+    judged = [
+        session_verdict(name, entries[name], trials, fits, failed, doubts) for name, (trials, failed) in own.items()
+    ]
+    columns: Columns = {
+        Column("participant", "Participant"): list(own),
+        Column("session", "Session"): [session.verdict for session in judged],
+        Column("recordings", "Recordings"): [len(session.specimens) for session in judged],
+        **{
+            Column(key, head): [sum(getattr(each, key) for each in session.specimens) for session in judged]
+            for key, head in _COUNTS.items()
+        },
+    }
+    links = (f"{results.pages}/{name}.html" if results.pages and name not in without_page else "" for name in own)
+    made = table_of("sessions", "Sessions: good, usable, to repeat, or unreadable", columns)
+    return replace(made, links=tuple(links))
 
 
 def _judged(results: StudyResults) -> dict[str, np.ndarray]:
@@ -78,19 +89,13 @@ def _judged(results: StudyResults) -> dict[str, np.ndarray]:
 
 def _listing(results: StudyResults, verdict: str, chosen: np.ndarray) -> Table:
     fits = results.recorded.fits
-    columns = (
-        Column("participant", "Participant"), Column("specimen", "Specimen"), Column("press", "Press"),
-        Column("reason", "Reason"),
-    )  # fmt: skip
-    rows = rows_of(
-        {
-            "participant": fits.participant[chosen],
-            "specimen": fits.specimen[chosen],
-            "press": fits.repetition[chosen].astype(str),
-            "reason": fits.reason[chosen],
-        }
-    )
-    return Table(verdict, f"Trials {verdict}, with reasons", columns, rows)
+    columns: Columns = {
+        Column("participant", "Participant"): fits.participant[chosen],
+        Column("specimen", "Specimen"): fits.specimen[chosen],
+        Column("press", "Press"): fits.repetition[chosen].astype(str),
+        Column("reason", "Reason"): fits.reason[chosen],
+    }
+    return table_of(verdict, f"Trials {verdict}, with reasons", columns)
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
@@ -127,3 +132,87 @@ _TEXT = """
 """
 
 PARTICIPANTS = Section("participants", "Participants", _TEXT, _applies, _quantities, _tables, words=_words)
+
+_PARTICIPANTS, _REPETITIONS, _ALPHA = 14, 10, 0.05
+_PLANNED = "Sample size: 14 people by ten measurements"
+_ROUNDED = 0.005
+"""The paper prints its power with two decimals."""
+
+
+def _power_quantities(results: StudyResults) -> Items:
+    planned = power_rm(_PARTICIPANTS, _REPETITIONS, EFFECT_F, RHO, EPSILON, _ALPHA)
+    yield f"power.n{_PARTICIPANTS}", float(planned)
+    if (found := results.recorded.hypotheses) is not None:
+        yield "power.study", found.power.repetitions
+        yield "power.study_specimens", found.power.specimens
+        yield "power.people_for_specimens", found.power.people
+
+
+def _power_tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
+    if (found := results.recorded.hypotheses) is not None:
+        yield companion_table("power", "Sample size", _rows(found), "the paper's computation beside others")
+        yield _sensitivity(found)
+
+
+def _rows(found: Hypotheses) -> list[CompanionRow]:
+    power, people = found.power, f"{found.power.people} people" if found.power.people else "not defined"
+    return [
+        CompanionRow(
+            _PLANNED,
+            f"Repeated-measures F between repetitions: power {bounded(power.repetitions)} here",
+            f"f = {EFFECT_F:g}, ρ = {RHO:g}, ε = {EPSILON:g}: chosen, not measured",
+            "not comparable: the study does not ask whether repetitions differ",
+        ),
+        CompanionRow(
+            _PLANNED,
+            f"Repeated-measures F between specimens: power {bounded(power.specimens)} here",
+            f"{people} for a power of {bounded(TARGET, 2)}",
+            "not defined" if np.isnan(power.specimens)
+            else "no" if power.specimens >= TARGET else "yes: the sample is too small for it",
+        ),
+    ]  # fmt: skip
+
+
+def _sensitivity(found: Hypotheses) -> Table:
+    """How the power to tell the specimens apart depends on what nobody knew beforehand."""
+    people, specimens = found.participants.size, found.specimens.size
+    columns = (
+        Column("rho", "Correlation ρ"), Column("epsilon", "Sphericity ε"), Column("power", "Power here"),
+        Column("people", f"People for a power of {bounded(TARGET, 2)}"),
+    )  # fmt: skip
+    values: tuple[Sequence[float] | np.ndarray, ...] = ((),) * len(columns)
+    if people > 1 and specimens > 1:
+        table = power_table(people, specimens, EFFECT_F, alpha=found.alpha, power=TARGET)
+        values = (*np.meshgrid(table.rho, table.epsilon, indexing="ij"), table.power, table.people)
+    caption = f"Power of {people} people to tell {specimens} specimens apart at f = {EFFECT_F:g}"
+    return table_of("power_sensitivity", caption, dict(zip(columns, map(np.ravel, values), strict=True)))
+
+
+def _power_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
+    own = float(q.get("power.study", np.nan))
+    enough, found = own >= TARGET - _ROUNDED, results.recorded.hypotheses
+    people_here = 0 if found is None else found.participants.size
+    repetitions = int(np.median(found.count[found.count > 0])) if found is not None and found.count.any() else 0
+    as_planned = people_here >= _PARTICIPANTS and repetitions >= _REPETITIONS
+    specimens = float(q.get("power.study_specimens", np.nan))
+    people = q.get("power.people_for_specimens", 0)
+    of_specimens = f"between specimens: {bounded(specimens)}" if specimens == specimens else ""
+    yield Claim(
+        "power", "14 participants with ten movements suffice (f = .25, α = .05)", "power about .80",
+        f"{bounded(own)} between repetitions" if own == own else "not defined", own,
+        verdict_of_all(as_planned and own < TARGET - _ROUNDED, enough),
+        companion=f"{of_specimens}; {people} people needed" if of_specimens and people else of_specimens,
+        why="Arithmetic, not a result: the study does not test repetitions."
+        if as_planned or enough
+        else f"This study has {count(people_here, 'participant')} and {count(repetitions, 'repetition')}.",
+    )  # fmt: skip
+
+
+_POWER_TEXT = """
+<p>The paper's sample size is that of a test between repetitions; its hypothesis is about specimens.
+The assumed correlation and sphericity are choices, not measurements.</p>
+{{ folded("verdict_power", "Power of both tests") }}
+{{ folded("power_sensitivity", "Power under other correlations and sphericities") }}
+"""
+
+POWER = Section("power", "Sample size", _POWER_TEXT, of_people, _power_quantities, _power_tables, claims=_power_claims)

@@ -9,7 +9,7 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.exemplary import Choice
-from emg2vsa.figures.boxes import PairBar, hazen_box
+from emg2vsa.figures.canvas import PairBar, hazen_box
 from emg2vsa.figures.cocontraction import draw_cocontraction, draw_interpolation
 from emg2vsa.figures.palette import looks
 from emg2vsa.hypotheses import Hypotheses
@@ -18,7 +18,7 @@ from emg2vsa.report.drawing import STARS, Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Claim, Quantities, Section, of_people
-from emg2vsa.report.table import Cell, Column, Row, Table, activity_column, records, rows_of
+from emg2vsa.report.table import Column, Columns, Table, activity_column, records, table_of
 from emg2vsa.report.wording import activity, count, listed, number, p_text, percent
 
 _ALL_PAIRS_UP_TO = 4
@@ -31,26 +31,21 @@ def _quantities(results: StudyResults) -> Items:
         return
     yield "profiles.participant", profiles.participant or "all"
     for profile in profiles.profiles:
-        yield f"profiles.{profile.specimen}.a{v}", profile.a_v
-        yield f"profiles.{profile.specimen}.b{v}", profile.b_v
+        yield from _coefficients(profile, v)
         yield f"profiles.{profile.specimen}.n_trials", profile.n_trials
     if (choice := results.recorded.choice) is not None:
         yield "profiles.choice.medoid", choice.medoid
         percent_of = float(np.ptp(results.study.schedule.stiffness_percent))
-        for name, to_others, to_used, largest in zip(
-            choice.participants, choice.to_others, choice.to_used, choice.largest, strict=True
-        ):
-            yield f"profiles.choice.{name}.to_others_percent", percent_of * float(to_others)
-            yield f"profiles.choice.{name}.to_used_percent", percent_of * float(to_used)
-            yield f"profiles.choice.{name}.largest_percent", percent_of * float(largest)
+        for i, name in enumerate(choice.participants):
+            for key in ("to_others", "to_used", "largest"):
+                yield f"profiles.choice.{name}.{key}_percent", percent_of * float(getattr(choice, key)[i])
     for left in profiles.leave_one_out:
         yield f"profiles.leave_one_out.{left.specimen}.rmse{v}", left.rmse_v
         yield f"profiles.leave_one_out.{left.specimen}.relative", left.relative
     if profiles.new is not None:
         name = f"profiles.{profiles.new.specimen}"
         yield f"{name}.alpha", profiles.weight_alpha
-        yield f"{name}.a{v}", profiles.new.a_v
-        yield f"{name}.b{v}", profiles.new.b_v
+        yield from _coefficients(profiles.new, v)
         for made in profiles.by_rule:
             yield f"{name}.by_{made.rule}.alpha", made.alpha
             if made.error is not None:
@@ -61,51 +56,47 @@ def _quantities(results: StudyResults) -> Items:
             yield f"{name}.rmse_relative", profiles.new_error.relative
 
 
+def _coefficients(profile: Profile, v: str) -> Items:
+    yield f"profiles.{profile.specimen}.a{v}", profile.a_v
+    yield f"profiles.{profile.specimen}.b{v}", profile.b_v
+
+
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     profiles, scale = results.recorded.profiles, results.scale
     if profiles is None:
         return
-    columns: tuple[Column, ...] = (
-        Column("specimen", "Specimen"),
-        Column("stiffness_n_per_mm", "Stiffness κ (N/mm)"),
-        Column("source", "Source"),
-        Column("n_trials", "Trials"),
-        activity_column("a_v", "a", scale),
-        activity_column("b_v", "b", scale),
-    )
-    shown = [*profiles.profiles, *([profiles.new] if profiles.new else [])]
-    whose = profiles.participant or "all participants"
-    yield Table("profiles", f"Mean profiles of {whose}", columns, records(shown, columns))
     columns = (
-        Column("specimen", "Left out"), Column("bracket", "Interpolated from"),
-        activity_column("rmse_v", "RMSE", scale), Column("relative", "RMSE (% of root mean square)", 100.0),
+        Column("specimen", "Specimen"), Column("stiffness_n_per_mm", "Stiffness κ (N/mm)"), Column("source", "Source"),
+        Column("n_trials", "Trials"), activity_column("a_v", "a", scale), activity_column("b_v", "b", scale),
     )  # fmt: skip
-    rows: tuple[Row, ...] = tuple(
-        {
-            "specimen": left.specimen,
-            "bracket": " and ".join(left.bracket) if left.bracket else None,
-            "rmse_v": left.rmse_v,
-            "relative": left.relative,
-        }
-        for left in profiles.leave_one_out
-    )
-    yield Table("leave_one_out", "Each measured profile beside its interpolation from its neighbours", columns, rows)
-
+    shown = [*profiles.profiles, *([profiles.new] if profiles.new else [])]
+    yield Table("profiles", f"Mean profiles of {_whose(profiles)}", columns, records(shown, columns))
+    every = profiles.leave_one_out
+    left_out: Columns = {
+        Column("specimen", "Left out"): [left.specimen for left in every],
+        Column("bracket", "Interpolated from"): [" and ".join(left.bracket or ()) or None for left in every],
+        activity_column("rmse_v", "RMSE", scale): [left.rmse_v for left in every],
+        Column("relative", "RMSE (% of root mean square)", 100.0): [left.relative for left in every],
+    }
+    yield table_of("leave_one_out", "Each measured profile beside its interpolation from its neighbours", left_out)
     if results.recorded.choice is not None:
         yield _choice(results.recorded.choice, results, q)
 
 
+def _whose(profiles: Profiles) -> str:
+    return profiles.participant or "all participants"
+
+
 def _choice(choice: Choice, results: StudyResults, q: Quantities) -> Table:
-    columns = (
-        Column("participant", "Participant"),
-        Column("to_others_percent", "Mean distance to the others (points)"),
-        Column("to_used_percent", "Distance to the schedules used (points)"),
-        Column("largest_percent", "Largest difference from them (points)"),
-    )
-    rows: tuple[Row, ...] = tuple(
-        {"participant": name, **{each.key: q[f"profiles.choice.{name}.{each.key}"] for each in columns[1:]}}
-        for name in choice.participants
-    )
+    distances = {
+        "to_others_percent": "Mean distance to the others (points)",
+        "to_used_percent": "Distance to the schedules used (points)",
+        "largest_percent": "Largest difference from them (points)",
+    }
+    columns = {Column("participant", "Participant"): choice.participants} | {
+        Column(key, head): [q[f"profiles.choice.{name}.{key}"] for name in choice.participants]
+        for key, head in distances.items()
+    }
     low, high = results.study.schedule.stiffness_percent
     caption = (
         f"Schedules that each participant would give, in points of stiffness percent ({low:g} to {high:g} %): root "
@@ -113,7 +104,7 @@ def _choice(choice: Choice, results: StudyResults, q: Quantities) -> Table:
     )
     if choice.left_out:
         caption += f"; {listed(choice.left_out)} did not press every specimen"
-    return Table("exemplary", caption, columns, rows)
+    return table_of("exemplary", caption, columns)
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
@@ -123,45 +114,43 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
             yield _interpolation(results, profiles, profiles.new)
 
 
+_BOX = {
+    "whisker_low_v": "b: lower whisker", "q1_v": "lower quartile", "median_v": "median", "q3_v": "upper quartile",
+    "whisker_high_v": "upper whisker",
+}  # fmt: skip
+
+
 def _cocontraction(results: StudyResults, exported: Profiles) -> Drawing:
-    tested = results.recorded.hypotheses
-    scale, whose = results.scale, exported.participant
+    tested, scale, whose = results.recorded.hypotheses, results.scale, exported.participant
     profiles = _shown(exported, tested)
     names = [profile.specimen for profile in profiles]
     slopes = [_slopes(results, name, whose) for name in names]
     bars = _bars(tested, names, whose)
-    of = whose or "all participants"
     test = "Fisher's LSD, uncorrected" + ("" if whose else "; largest p of all participants")
     look = looks(results.specimens)
     figure = draw_cocontraction(profiles, slopes, bars, [look[name] for name in names], scale, test if bars else "")
     pairs = "; ".join(f"{names[bar.first]} and {names[bar.second]}: {p_text(bar.p)}" for bar in bars)
     caption = (
-        f"Fig. 4. Co-contraction of {of}. (a) Mean fitted trend of each specimen; the band is one standard deviation "
-        f"{'between trials' if whose else 'between participants'}. (b) Slopes b, one mark a trial: boxes are Hazen's "
-        "quartiles, whiskers reach the furthest value within 1.5 interquartile ranges."
+        f"Fig. 4. Co-contraction of {_whose(exported)}. (a) Mean fitted trend of each specimen; the band is one "
+        f"standard deviation {'between trials' if whose else 'between participants'}. (b) Slopes b, one mark a trial: "
+        "boxes are Hazen's quartiles, whiskers reach the furthest value within 1.5 interquartile ranges."
     ) + (f" {test}: {STARS}." if bars else "")
     told = [
         f"{p.specimen}: {activity(p.v[0], scale)} to {activity(p.v[-1], scale)}, median b "
         f"{activity(float(np.median(b)), scale) if b.size else 'not known'} in {count(b.size, 'trial')}"
         for p, b in zip(profiles, slopes, strict=True)
     ]
-    activities = {
-        "v_low_v": "Trend, lowest force", "v_high_v": "Trend, highest force", "whisker_low_v": "b: lower whisker",
-        "q1_v": "lower quartile", "median_v": "median", "q3_v": "upper quartile", "whisker_high_v": "upper whisker",
-    }  # fmt: skip
-    columns = (
-        Column("specimen", "Specimen"),
-        Column("n", "Trials"),
-        *(activity_column(key, head, scale) for key, head in activities.items()),
-    )
-    rows: list[Row] = []
-    for p, b in zip(profiles, slopes, strict=True):
-        drawn = (float(p.v[0]), float(p.v[-1]), *(hazen_box(b) if b.size else [None] * 5))
-        row: dict[str, Cell] = {"specimen": p.specimen, "n": b.size}
-        rows.append(row | dict(zip(activities, drawn, strict=True)))
-    table = Table("fig04", "Numbers of figure 4", columns, tuple(rows))
-    title = "Co-contraction against force, and slopes b by specimen"
+    boxes = [hazen_box(b) if b.size else [None] * 5 for b in slopes]
+    columns: Columns = {
+        Column("specimen", "Specimen"): names,
+        Column("n", "Trials"): [b.size for b in slopes],
+        activity_column("v_low_v", "Trend, lowest force", scale): [float(p.v[0]) for p in profiles],
+        activity_column("v_high_v", "Trend, highest force", scale): [float(p.v[-1]) for p in profiles],
+        **{activity_column(key, head, scale): [box[i] for box in boxes] for i, (key, head) in enumerate(_BOX.items())},
+    }
     description = "; ".join(told) + (f". {test}: {pairs}" if pairs else "") + "."
+    title = "Co-contraction against force, and slopes b by specimen"
+    table = table_of("fig04", "Numbers of figure 4", columns)
     return Drawing("fig04_cocontraction", title, caption, description, figure, table)
 
 
@@ -202,7 +191,6 @@ def _interpolation(results: StudyResults, profiles: Profiles, new: Profile) -> D
         measured.sort(key=lambda profile: results.specimens.index(profile.specimen))
     rmse = error.rmse_v if error else float("nan")
     figure = draw_interpolation(measured, new, looks(results.specimens), scale, rmse)
-    bracket = listed(profiles.bracket or ())
     beside = (
         f"RMSE to the measured {error.specimen}: {activity(rmse, scale)}, "
         f"{percent(error.relative)} of its root mean square."
@@ -210,23 +198,18 @@ def _interpolation(results: StudyResults, profiles: Profiles, new: Profile) -> D
         else "Nobody palpated a specimen of this stiffness, so there is no measured profile to compare with."
     )
     caption = (
-        f"Fig. 11. Profile of {new.specimen} ({number(new.stiffness_n_per_mm)} N/mm), interpolated from {bracket}, "
-        f"with the measured profiles. {beside}"
-    )
-    drawn = {f"{p.specimen}_v": p for p in [*measured, new]}
-    columns = (
-        Column("force_n", "Force (N)"),
-        *(activity_column(key, p.specimen, scale) for key, p in drawn.items()),
+        f"Fig. 11. Profile of {new.specimen} ({number(new.stiffness_n_per_mm)} N/mm), interpolated from "
+        f"{listed(profiles.bracket or ())}, with the measured profiles. {beside}"
     )
     every = slice(None, None, max(1, new.force_n.size // 10))
-    rows = rows_of({"force_n": new.force_n[every]} | {key: p.v[every] for key, p in drawn.items()})
-    table = Table("fig11", "Numbers of figure 11", columns, rows)
+    # of two profiles of one name the new one counts
+    drawn = {f"{p.specimen}_v": p for p in [*measured, new]}
+    columns = {Column("force_n", "Force (N)"): new.force_n[every]} | {
+        activity_column(key, p.specimen, scale): p.v[every] for key, p in drawn.items()
+    }
     title = f"Interpolated profile of {new.specimen} beside measured profiles"
+    table = table_of("fig11", "Numbers of figure 11", columns)
     return Drawing("fig11_interpolation", title, caption, caption, figure, table)
-
-
-def _specimens(results: StudyResults) -> list[str]:
-    return [specimen.name for specimen in results.study.specimens]
 
 
 def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
@@ -236,26 +219,19 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     name = f"profiles.{profiles.new.specimen}"
     alpha, rule = float(q[f"{name}.alpha"]), results.study.profile.interpolation
     yield Claim(
-        "interpolation_weight",
-        f"weight α of the softer neighbour in the profile of {profiles.new.specimen}",
-        "α = .532",
-        number(alpha, 4),
-        alpha,
-        "holds" if abs(alpha - _PAPER_ALPHA) < _HALF_DIGIT else "does not hold",
+        "interpolation_weight", f"weight α of the softer neighbour in the profile of {profiles.new.specimen}",
+        "α = .532", number(alpha, 4), alpha, "holds" if abs(alpha - _PAPER_ALPHA) < _HALF_DIGIT else "does not hold",
         why=f"Rule here: {rule}.",
-    )
+    )  # fmt: skip
     rmse, share = float(q.get(f"{name}.rmse_v", np.nan)), float(q.get(f"{name}.rmse_relative", np.nan))
     known = bool(np.isfinite(rmse))
     yield Claim(
-        "interpolation_rmse",
-        "the interpolated profile agrees with a measured one",
-        "RMSE 0.0002 V",
-        activity(rmse, results.scale) if known else "not measured",
-        rmse,
+        "interpolation_rmse", "the interpolated profile agrees with a measured one", "RMSE 0.0002 V",
+        activity(rmse, results.scale) if known else "not measured", rmse,
         "cannot be tested here" if not known else "holds" if rmse <= _PAPER_RMSE_V else "does not hold",
         companion=f"{percent(share)} of the measured level" if known else "",
         why="Volts depend on electrodes and gain." if known else "No specimen of this stiffness was palpated.",
-    )
+    )  # fmt: skip
 
 
 _HALF_DIGIT = 0.0005

@@ -1,10 +1,84 @@
-"""Where the numbers come from, and what the words mean."""
+"""Where the numbers come from: methods as a journal prints them, with the works that they cite; terms; provenance."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from emg2vsa.extraction import Trials
 from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.methods import Paragraph, methods
 from emg2vsa.report.numbers import Items
+from emg2vsa.report.references import bibtex, cited, works_in
 from emg2vsa.report.section import Quantities, Section
+
+_FILTER_NOTES = ("NYQUIST RULE", "EMG band-pass", "EMG high-pass", "EMG envelope", "force low-pass", "delays:")
+
+
+def filters_as_run(trials: Sequence[Trials]) -> list[str]:
+    """What the filters did to these recordings, as their notes say: true edges and delays."""
+    return list(dict.fromkeys(note for t in trials for note in t.notes if note.startswith(_FILTER_NOTES)))
+
+
+def paragraphs(results: StudyResults) -> list[Paragraph]:
+    """The methods of this study, with citations as keys."""
+    people, runs = results.people, results.runs
+    versions = {name: value for name, value in results.provenance.items() if "digest of " not in name}
+    return methods(
+        results.study,
+        people.trials if people else (),
+        versions,
+        people is not None and people.truth is not None,
+        runs.scores if runs else (),
+        runs.calibration if runs else None,
+        people.choice if people else None,
+        people is None or people.profiles is not None,
+    )
+
+
+def methods_text(results: StudyResults) -> str:
+    """Plain text: headings, paragraphs, references."""
+    told = paragraphs(results)
+    works = works_in(each.text for each in told)
+    parts = [f"{each.heading}\n{cited(each.text)}" for each in told]
+    parts += ["References\n" + "\n".join(f"{work.text} {work.doi}".rstrip() for work in works)] if works else []
+    return "\n\n".join(parts)
+
+
+def references_bib(results: StudyResults) -> str:
+    """The works that the methods cite, as BibTeX."""
+    return bibtex(works_in(each.text for each in paragraphs(results)))
+
+
+def _methods_words(results: StudyResults, q: Quantities) -> dict[str, object]:
+    told = paragraphs(results)
+    return {
+        "told": [(each.heading, cited(each.text)) for each in told],
+        "works": works_in(each.text for each in told),
+        "filters": filters_as_run(results.people.trials) if results.people else [],
+    }
+
+
+_METHODS_TEXT = """
+<p>This text follows from the settings that ran, and may be printed as it stands:
+<a href="methods.txt">methods.txt</a>{% if works %}, <a href="references.bib">references.bib</a>{% endif %}.</p>
+{% for heading, text in told %}
+<details><summary>{{ heading }}</summary>
+<p>{{ text }}</p>
+{% if heading == "Signal processing" and filters %}
+<p>Filters as they ran:</p>
+{{ filters | bullets }}
+{% endif %}
+</details>
+{% endfor %}
+{% if works %}
+<details><summary>References</summary>
+<ul>{% for work in works %}<li>{{ work.text }}
+{% if work.doi %}<a href="https://doi.org/{{ work.doi }}">doi:{{ work.doi }}</a>{% endif %}</li>{% endfor %}</ul>
+</details>
+{% endif %}
+"""
+
+METHODS = Section("methods", "Methods", _METHODS_TEXT, words=_methods_words)
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -31,3 +105,71 @@ this page. LaTeX macros: <a href="numbers.tex">numbers.tex</a>.</p>
 """
 
 PROVENANCE = Section("provenance", "Provenance", _TEXT, quantities=_quantities, words=_words)
+
+TERMS = tuple(
+    tuple(line.split(": ", 1))
+    for line in """
+a, b: coefficients of the fit v = a + b ln(F / 1 N): a is the co-contraction at 1 N, b its growth when force grows
+  e-fold
+A_c0: initial contact area, in mm²
+adjusted R²: share of variance that a fit explains, corrected for the number of its parameters. It grows with the
+  smoothness of the points
+α: significance level of a test; in an interpolation, the weight of the softer neighbour
+BF₀₁: Bayes factor: how many times better equal means explain the data than different means. Above 3 it supports
+  equality, below 1/3 a difference
+bin: a force interval, 0.3 N by default; its mean is one point of the fit
+CASR: contact area spread rate: contact area gained per newton, in mm²/N
+circle, edge, front, hexagon, paper: vision algorithms that measure the contact area: the circle through the outermost
+  moving pin (the paper's old algorithm), the fold of the pins' motion, the contact front in every frame, one hexagon
+  per moving pin with our laws, and the paper's new algorithm with its own force rule and equations (in paper mode
+  with its dense flow too)
+cluster: the slopes b of one participant on one specimen
+co-contraction: activity of antagonist muscles at the same time; here the sum of their envelopes unless the study says
+  otherwise
+companion: a test that fits the question better than the paper's test, shown beside it
+condition: how the actuator's stiffness is set: high-stiffness (rigid), modular (the human-like profile) or
+  constant-min, constant-mean, constant-max
+CV: coefficient of variation: standard deviation over mean
+design: a condition at an angle
+Dunn's test: comparison of pairs by their mean ranks over all groups, with Bonferroni's correction
+ε (GG, HF): sphericity of repeated measures, estimated after Greenhouse and Geisser or Huynh and Feldt; 1 means
+  spherical
+ε²_R: effect size of the Kruskal-Wallis test, 0 to 1
+η², η²_G: share of variance between groups; generalised for repeated measures
+FDR: false discovery rate: the expected share of false ones among significant tests
+g, g_z: Hedges' g: a difference of means over the pooled standard deviation, corrected for small samples. g_z is over
+  the standard deviation of paired differences
+gap: Hedges' g between the closest neighbours in stiffness: how far two specimens lie apart in standard deviations of
+  their presses
+Hazen's quartiles: quartiles by linear interpolation at (i − 0.5) / n, as MATLAB's boxplot draws them
+Holm: correction of p for the number of tests; it keeps the chance of any false rejection below α
+ICC: intraclass correlation: share of variance that is due to differences between participants
+JZS: prior of the Bayes factor after Jeffreys, Zellner and Siow
+κ (kappa): stiffness of a specimen by plate indentation, in N/mm
+LSD: Fisher's least significant difference: t tests after an ANOVA without correction for their number
+ω², partial ω²: share of the population's variance that a factor explains, without the upward bias of η²; partial:
+  beside the scatter within cells alone
+profile likelihood: interval of all values of a standard deviation at which the best choice of the other parameters
+  fits almost as well
+r_rb: rank-biserial correlation: effect size of the Mann-Whitney test, −1 to 1
+RMSE: root mean square error
+SD, SE: standard deviation of values; standard error of an estimate
+slope b: growth of co-contraction when force grows e-fold
+specimen: a soft block to press
+TOST: two one-sided tests: they show equality within a stated margin
+trial, press: the loading phase of one press
+verdict: of a press: ok, warned, rejected. Of a session: good, usable, repeat, unreadable. Of a claim: holds, does not
+  hold, cannot be tested here
+""".replace("\n  ", " ")
+    .strip()
+    .splitlines()
+)
+"""Terms of the report that a reader may not know, and their meaning; docs/glossary.md has them in the same words."""
+
+_GLOSSARY_TEXT = """
+<details><summary>{{ terms | length }} terms of this page</summary>
+<dl>{% for term, meaning in terms %}<dt>{{ term }}</dt><dd>{{ meaning }}</dd>{% endfor %}</dl>
+</details>
+"""
+
+GLOSSARY = Section("glossary", "Glossary", _GLOSSARY_TEXT, words=lambda results, q: {"terms": TERMS})

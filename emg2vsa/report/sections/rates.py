@@ -1,4 +1,7 @@
-"""The contact area spread rate: does it tell the specimens apart, and the new one from its neighbours?"""
+"""The contact area spread rate: does it tell the specimens apart, and the new one from its neighbours?
+
+And CASR as the paper's printed curves imply it, beside what contact mechanics allows.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,13 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from emg2vsa.arrays import Floats
+from emg2vsa.calibration.presses import mean_of
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
-from emg2vsa.figures.casr_rates import RateSeries, draw_rates
+from emg2vsa.figures.casr import RateSeries, draw_rates
 from emg2vsa.figures.palette import Look
 from emg2vsa.report import paper
-from emg2vsa.report.companion_rows import CompanionRow, companion_table, welch_row
+from emg2vsa.report.companion_rows import CompanionRow, change, companion_table, dunn_bounds, how_many, welch_row
 from emg2vsa.report.designs import (
     BOXES,
     DESIGN,
@@ -23,18 +27,18 @@ from emg2vsa.report.designs import (
     keys,
     looks,
     medians_said,
-    moments,
+    of_kappa,
     of_tests,
+    specimens_test,
     tested,
 )
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items
+from emg2vsa.report.numbers import Items, fields_of, moments
 from emg2vsa.report.outcome_text import range_said
 from emg2vsa.report.rig_claims import rate_claims
 from emg2vsa.report.section import Quantities, Section
-from emg2vsa.report.table import Cell, Column, Table, rows_of
-from emg2vsa.report.verdicts import change, dunn_bounds, how_many
+from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import UNDEFINED, area_unit, bounded, exact_p, interval, listed, p_value, scored_by
 from emg2vsa.run_scores import PressCurve
 
@@ -52,21 +56,18 @@ def _quantities(results: StudyResults) -> Items:
     found = tested(results)
     table, spread, new = found.table, found.spread, found.new
     for i, name in enumerate(keys(found)):
-        yield f"{name}.casr.specimens_p", float(spread.groups.kruskal.p[i])
-        yield f"{name}.casr.specimens_epsilon2", float(spread.groups.kruskal.epsilon2[i])
+        yield from specimens_test(f"{name}.casr", spread.groups, i)
         yield f"{name}.casr.worst_p", float(spread.worst_p[i])
         yield f"{name}.casr.worst_p.holm", float(spread.worst_p_holm[i])
         if not table.unscored(i, spread.specimens):
             yield f"{name}.casr.rises", bool(spread.rises[i])
         for specimen, values in zip(table.specimens, table.casr[table.algorithm][i], strict=True):
             yield from moments(f"{name}.{specimen}.casr_{table.area_unit}_per_n", values)
-        if new is None:
-            continue
-        for side, neighbour in enumerate(("stiffer", "softer")):
-            yield f"{name}.new.{neighbour}_p", float(new.p[i, side])
-            yield f"{name}.new.{neighbour}_mean_rank_p", float(new.p_mean_rank[i, side])
-        yield f"{name}.new.between", bool(new.between[i])
-        yield f"{name}.new.discriminated", bool(new.discriminated[i])
+        if new is not None:
+            for side, neighbour in enumerate(("stiffer", "softer")):
+                yield f"{name}.new.{neighbour}_p", float(new.p[i, side])
+                yield f"{name}.new.{neighbour}_mean_rank_p", float(new.p_mean_rank[i, side])
+            yield from fields_of(f"{name}.new", new, "between", "discriminated", at=i)
     if new is not None:
         yield "runs.new.specimen", new.name
         yield "runs.new.discriminated", int(np.count_nonzero(new.discriminated))
@@ -75,8 +76,7 @@ def _quantities(results: StudyResults) -> Items:
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     found = tested(results)
-    caption = "CASR differs between specimens: the paper's test beside its companions"
-    yield companion_table("verdict_casr", caption, _verdicts(found))
+    yield companion_table("casr", "CASR differs between specimens", _verdicts(found))
     yield _by_specimen(found)
     if found.new is not None:
         yield _new(found)
@@ -101,56 +101,51 @@ def _verdicts(found: Discrimination) -> list[CompanionRow]:
 
 def _by_specimen(found: Discrimination) -> Table:
     table, spread, unit = found.table, found.spread, found.table.area_unit
-    means = {f"{name}_{unit}_per_n": name for name in spread.specimens}
-    columns = (
-        DESIGN, *(Column(key, f"{name} ({area_unit(unit)}/N)") for key, name in means.items()),
-        Column("rises", "Softer is larger"), Column("p", "Kruskal-Wallis p"),
-        Column("worst_paper", "Paper's worst p (Dunn, Bonferroni)"),
-        Column("worst_dunn", "Worst p here (Dunn, Bonferroni)"),
-        Column("worst_holm", "Companion: worst p (Mann-Whitney, Holm)"), Column("smallest_g", "Smallest |g|"),
-    )  # fmt: skip
-    designs = list(zip(table.conditions, table.angles_deg.tolist(), strict=True))
-    rows = rows_of(
-        {
-            "design": design_names(table),
-            **dict(zip(means, spread.groups.anova.mean.T, strict=True)),
-            "rises": [
-                None if table.unscored(i, spread.specimens) else bool(rises) for i, rises in enumerate(spread.rises)
-            ],
-            "p": spread.groups.kruskal.p,
-            "worst_paper": [exact_p(paper.CASR_WORST_P.get(design, np.nan)) for design in designs],
-            "worst_dunn": [p_value(p) for p in spread.worst_p.tolist()],
-            "worst_holm": [p_value(p) for p in spread.worst_p_holm.tolist()],
-            "smallest_g": np.fmin.reduce(np.abs(spread.pairs.g), axis=1, initial=np.nan),
-        }
-    )
-    return Table("casr_by_specimen", "Mean CASR by specimen, and whether it tells them apart", columns, rows)
+    designs = zip(table.conditions, table.angles_deg.tolist(), strict=True)
+    means = zip(spread.specimens, spread.groups.anova.mean.T, strict=True)
+    rises = [None if table.unscored(i, spread.specimens) else bool(each) for i, each in enumerate(spread.rises)]
+    columns: Columns = {
+        DESIGN: design_names(table),
+        **{Column(f"{name}_{unit}_per_n", f"{name} ({area_unit(unit)}/N)"): mean for name, mean in means},
+        Column("rises", "Softer is larger"): rises,
+        Column("p", "Kruskal-Wallis p"): spread.groups.kruskal.p,
+        Column("worst_paper", "Paper's worst p (Dunn, Bonferroni)"): [
+            exact_p(paper.CASR_WORST_P.get(design, np.nan)) for design in designs
+        ],
+        Column("worst_dunn", "Worst p here (Dunn, Bonferroni)"): list(map(p_value, spread.worst_p.tolist())),
+        Column("worst_holm", "Companion: worst p (Mann-Whitney, Holm)"): list(
+            map(p_value, spread.worst_p_holm.tolist())
+        ),
+        Column("smallest_g", "Smallest |g|"): np.fmin.reduce(np.abs(spread.pairs.g), axis=1, initial=np.nan),
+    }
+    return table_of("casr_by_specimen", "Mean CASR by specimen, and whether it tells them apart", columns)
 
 
 def _new(found: Discrimination) -> Table:
     new, table = found.new, found.table
     assert new is not None
-    sides = dict(zip(("stiffer", "softer"), (name or "none" for name in new.neighbours), strict=True))
-    unit = area_unit(table.area_unit)
-    columns = (
-        DESIGN, Column("paper", "Paper (Dunn, Bonferroni)"),
-        *(Column(f"p_rank_{side}", f"p against {name} (Dunn, Bonferroni)") for side, name in sides.items()),
-        *(Column(f"p_{side}", f"Companion: p against {name} (Mann-Whitney, Holm)") for side, name in sides.items()),
-        *(Column(f"shift_{side}", f"{new.name} less {name} ({unit}/N)") for side, name in sides.items()),
-        Column("between", "Lies between"), Column("discriminated", "Told apart (companion)"),
-    )  # fmt: skip
-    known = [bool(np.isfinite(shift).all()) for shift in new.shift]
-    columns_of: dict[str, Sequence[Cell] | Floats] = {
-        "design": design_names(table),
-        "paper": [_paper_new(c, a) for c, a in zip(table.conditions, table.angles_deg.tolist(), strict=True)],
-        "between": [v if k else None for v, k in zip(new.between.tolist(), known, strict=True)],
-        "discriminated": [v if k else None for v, k in zip(new.discriminated.tolist(), known, strict=True)],
+    sides = [(i, side, new.neighbours[i] or "none") for i, side in enumerate(("stiffer", "softer"))]
+    unit, known = area_unit(table.area_unit), [bool(np.isfinite(shift).all()) for shift in new.shift]
+    designs = zip(table.conditions, table.angles_deg.tolist(), strict=True)
+    shifts = [list(map(interval, *(each[:, i].tolist() for each in (new.shift, new.low, new.high)))) for i, *_ in sides]
+    between, apart = (
+        [value if k else None for value, k in zip(each.tolist(), known, strict=True)]
+        for each in (new.between, new.discriminated)
+    )
+    companion = "Companion: p against {} (Mann-Whitney, Holm)"
+    columns: Columns = {
+        DESIGN: design_names(table),
+        Column("paper", "Paper (Dunn, Bonferroni)"): [_paper_new(*design) for design in designs],
+        **{
+            Column(f"p_rank_{side}", f"p against {name} (Dunn, Bonferroni)"): new.p_mean_rank[:, i]
+            for i, side, name in sides
+        },
+        **{Column(f"p_{side}", companion.format(name)): new.p[:, i] for i, side, name in sides},
+        **{Column(f"shift_{side}", f"{new.name} less {name} ({unit}/N)"): shifts[i] for i, side, name in sides},
+        Column("between", "Lies between"): between,
+        Column("discriminated", "Told apart (companion)"): apart,
     }
-    for i, side in enumerate(sides):
-        columns_of |= {f"p_rank_{side}": new.p_mean_rank[:, i], f"p_{side}": new.p[:, i]}
-        shifts = zip(*(each[:, i].tolist() for each in (new.shift, new.low, new.high)), strict=True)
-        columns_of[f"shift_{side}"] = [interval(*shift) for shift in shifts]
-    return Table("new_specimen", f"{new.name} beside its neighbours in stiffness", columns, rows_of(columns_of))
+    return table_of("new_specimen", f"{new.name} beside its neighbours in stiffness", columns)
 
 
 def _paper_new(condition: str, angle_deg: float) -> str:
@@ -247,4 +242,89 @@ time.</p>
 
 RATES = Section(
     "casr", "Contact area spread rate", _TEXT, of_tests, _quantities, _tables, _drawings, rate_claims, _words
+)
+
+_STIFFEST, *_, _SOFTEST = paper.KAPPA_N_PER_MM
+
+
+def _implied_quantities(results: StudyResults) -> Items:
+    for angle in paper.CURVES:
+        for name, kappa in paper.KAPPA_N_PER_MM.items():
+            yield f"paper.modular.{angle:g}.casr_implied.{name}", paper.implied_casr(angle, kappa)
+        yield f"paper.modular.{angle:g}.casr_implied.ratio", paper.implied_ratio(angle)
+    yield "paper.casr_ratio_bound", paper.largest_ratio()
+
+
+def _implied_tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
+    columns: Columns = {
+        Column("angle_deg", "Angle (°)", digits=2): list(paper.CURVES),
+        Column("curve", "κ (N/mm) as printed"): [f"{p:g} exp({rate:g} CASR)" for p, rate in paper.CURVES.values()],
+        **{
+            Column(f"casr_{name}", f"{name}, {kappa:g} N/mm"): [paper.implied_casr(a, kappa) for a in paper.CURVES]
+            for name, kappa in paper.KAPPA_N_PER_MM.items()
+        },
+        Column("ratio", f"{_SOFTEST} : {_STIFFEST} implied"): list(map(paper.implied_ratio, paper.CURVES)),
+        Column("bound", "Largest possible", digits=2): [paper.largest_ratio()] * len(paper.CURVES),
+        Column("here", f"{_SOFTEST} : {_STIFFEST} here"): [_ratio_here(results, angle) for angle in paper.CURVES],
+    }
+    caption = "CASR of each specimen at which the paper's curves give its stiffness (unit not printed)"
+    yield table_of("casr_implied", caption, columns)
+
+
+def _ratio_here(results: StudyResults, angle_deg: float) -> float:
+    """Mean CASR of the softest over that of the stiffest of the paper's specimens; NaN where one was not pressed."""
+    table, ends = tested(results).table, {name: paper.KAPPA_N_PER_MM[name] for name in (_STIFFEST, _SOFTEST)}
+    design = table.design(HUMAN_LIKE, angle_deg)
+    if (
+        design < 0
+        or not ends.items() <= results.study.stiffness_n_per_mm.items()
+        or not ends.keys() <= {*table.specimens}
+    ):
+        return np.nan
+    scores = table.casr[table.algorithm][design]
+    softest, stiffest = (scores[table.specimens.index(name)] for name in (_SOFTEST, _STIFFEST))
+    if not (np.isfinite(softest).any() and np.isfinite(stiffest).any()):
+        return np.nan
+    return float(np.nanmean(softest) / np.nanmean(stiffest))
+
+
+def _implied_words(results: StudyResults, q: Quantities) -> dict[str, object]:
+    first, *_, last = paper.CURVES
+    falls = [
+        paper.implied_casr(first, kappa) / paper.implied_casr(last, kappa) for kappa in paper.KAPPA_N_PER_MM.values()
+    ]
+    fall_here = _fall_here(results, first, last) if results.study.scoring.recipe.region == "image" else None
+    return {"least_fall": min(falls), "largest_fall": max(falls), "first": first, "last": last, "fall_here": fall_here}
+
+
+def _fall_here(results: StudyResults, first: float, last: float) -> float | None:
+    """Geometric mean, over specimens, of mean CASR at the first angle over that at the last; None without both."""
+    table = tested(results).table
+    designs = [table.design(HUMAN_LIKE, angle) for angle in (first, last)]
+    if min(designs) < 0:
+        return None
+    means = mean_of(table.casr[table.algorithm][designs])
+    falls = means[0] / means[1]
+    known = falls[np.isfinite(falls) & (falls > 0)]
+    return float(np.exp(np.log(known).mean())) if known.size else None
+
+
+_IMPLIED_TEXT = """
+<p>Whatever the unit of CASR, Hertz's contact bounds the ratio of the
+softest to the stiffest specimen, and a sensor that yields makes it smaller.</p>
+{{ folded("casr_implied", "CASR that the paper's curves imply") }}
+<p>From {{ first | number(1) }}° to {{ last | number(2) }}° the implied CASR falls {{ least_fall | number(2) }} to
+{{ largest_fall | number(2) }} times, which no unit explains. A divergence averaged over the whole image could be so
+small. That is a hypothesis, which <code>region = "image"</code> tests{% if fall_here %}; here CASR over the whole image
+falls {{ fall_here | number(2) }} times (mean of the specimens){% endif %}.</p>
+"""
+
+IMPLIED = Section(
+    "implied",
+    "What the paper's curves imply",
+    _IMPLIED_TEXT,
+    of_kappa,
+    _implied_quantities,
+    _implied_tables,
+    words=_implied_words,
 )

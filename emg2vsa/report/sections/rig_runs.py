@@ -15,7 +15,7 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, most
 from emg2vsa.report.rig_claims import area_claims, filter_claims, kappa_claims, rate_claims, reduction_claims
 from emg2vsa.report.section import Claim, Quantities, Section, of_runs
-from emg2vsa.report.table import Column, Row, Table
+from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import count, listed
 from emg2vsa.run_scores import RunScores
 
@@ -36,37 +36,34 @@ def _quantities(results: StudyResults) -> Items:
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
-    columns = (
-        Column("condition", "Condition"), Column("angle_deg", "Angle (°)", digits=2), Column("specimens", "Specimens"),
-        Column("presses", "Presses"), Column("rejected", "Rejected"), Column("peak_n", "Largest force (N)", digits=3),
-        Column("reasons", "Reasons"),
-    )  # fmt: skip
-    runs, order = results.pressed.scores, {name: i for i, name in enumerate(CONDITIONS)}
-    designs = {(run.condition, run.angle_deg): None for run in runs}
-    ordered = sorted(designs, key=lambda design: (order.get(design[0], len(order)), *design))
-    rows = tuple(
-        _row(condition, angle_deg, [run for run in runs if (run.condition, run.angle_deg) == (condition, angle_deg)])
-        for condition, angle_deg in ordered
-    )
-    yield Table("runs", "Presses of every condition and angle", columns, rows)
+    order = {name: i for i, name in enumerate(CONDITIONS)}
+    by_design: dict[tuple[str, float], list[RunScores]] = {}
+    for run in results.pressed.scores:
+        by_design.setdefault((run.condition, run.angle_deg), []).append(run)
+    designs = sorted(by_design, key=lambda design: (order.get(design[0], len(order)), *design))
+    runs = [by_design[design] for design in designs]
+    rejected = [_rejected(of) for of in runs]
+    columns: Columns = {
+        Column("condition", "Condition"): [condition for condition, _ in designs],
+        Column("angle_deg", "Angle (°)", digits=2): [angle for _, angle in designs],
+        Column("specimens", "Specimens"): [listed([run.specimen for run in of]) for of in runs],
+        Column("presses", "Presses"): [sum(run.repetitions.size for run in of) for of in runs],
+        Column("rejected", "Rejected"): [sum(map(len, kinds)) for kinds in rejected],
+        Column("peak_n", "Largest force (N)", digits=3): list(map(_largest_n, runs)),
+        Column("reasons", "Reasons"): ["; ".join(f"{of[0]} ({len(of)})" for of in kinds) for kinds in rejected],
+    }
+    yield table_of("runs", "Presses of every condition and angle", columns)
 
 
-def _row(condition: str, angle_deg: float, runs: Sequence[RunScores]) -> Row:
+def _rejected(runs: Sequence[RunScores]) -> list[list[str]]:
+    """Reasons of rejected presses, those that differ by their numbers alone together, the most frequent kind first."""
     kinds: dict[str, list[str]] = {}
     for run in runs:
         for reason, verdict in zip(run.reasons, run.verdicts, strict=True):
             if verdict == "rejected":
                 what = _PLACE.sub("", reason).split(". ")[0].removesuffix(".")
                 kinds.setdefault(_NUMBER.sub("#", what), []).append(what)
-    return {
-        "condition": condition,
-        "angle_deg": angle_deg,
-        "specimens": listed([run.specimen for run in runs]),
-        "presses": sum(run.repetitions.size for run in runs),
-        "rejected": sum(map(len, kinds.values())),
-        "peak_n": _largest_n(runs),
-        "reasons": "; ".join(f"{of[0]} ({len(of)})" for of in sorted(kinds.values(), key=len, reverse=True)),
-    }
+    return sorted(kinds.values(), key=len, reverse=True)
 
 
 def _largest_n(runs: Sequence[RunScores]) -> float:

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from itertools import chain
 
-from numpy.typing import NDArray
-
-from emg2vsa.figures.activity_scale import ActivityScale
-from emg2vsa.figures.palette import looks
-from emg2vsa.figures.schedule_map import draw_schedules
+from emg2vsa.figures.cocontraction import draw_schedules
+from emg2vsa.figures.palette import ActivityScale, looks
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Claim, Quantities, Section, of_people
-from emg2vsa.report.table import Column, Row, Table, activity_column, rows_of
+from emg2vsa.report.table import Column, Columns, Table, activity_column, table_of
 from emg2vsa.report.wording import listed, number
 from emg2vsa.schedules import Schedule
 from emg2vsa.schedules.build import build_schedules
@@ -29,9 +26,7 @@ def _quantities(results: StudyResults) -> Items:
     for schedule in results.recorded.schedules:
         yield from _schedule(schedule, f"schedules.{schedule.specimen}.{schedule.condition}")
     for rule, schedule in _by_rule(results).items():
-        name = f"schedules.{schedule.specimen}.by_{rule}"
-        yield f"{name}.min_percent", float(schedule.stiffness_percent.min())
-        yield f"{name}.max_percent", float(schedule.stiffness_percent.max())
+        yield from _range(schedule, f"schedules.{schedule.specimen}.by_{rule}")
 
 
 def _by_rule(results: StudyResults) -> dict[str, Schedule]:
@@ -44,12 +39,16 @@ def _by_rule(results: StudyResults) -> dict[str, Schedule]:
     return {rule: build_schedules(other, modular, {})[-1] for rule, other in made.items()}
 
 
+def _range(schedule: Schedule, name: str) -> Items:
+    yield f"{name}.min_percent", float(schedule.stiffness_percent.min())
+    yield f"{name}.max_percent", float(schedule.stiffness_percent.max())
+
+
 def _schedule(schedule: Schedule, name: str) -> Items:
     if schedule.condition == "modular":
         yield f"{name}.steps", int(schedule.stiffness_percent.size)
         yield f"{name}.last_step_short", bool(schedule.last_step_short)
-        yield f"{name}.min_percent", float(schedule.stiffness_percent.min())
-        yield f"{name}.max_percent", float(schedule.stiffness_percent.max())
+        yield from _range(schedule, name)
         yield f"{name}.max_nm_per_rad", float(schedule.stiffness_nm_per_rad.max())
     else:
         yield f"{name}.percent", float(schedule.stiffness_percent[0])
@@ -64,52 +63,52 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         yield _beside(by_rule, results)
 
 
+def _forces(schedule: Schedule) -> Columns:
+    return {
+        Column("from_n", "From (N)"): schedule.step_force_n[:-1],
+        Column("to_n", "To (N)"): schedule.step_force_n[1:],
+    }
+
+
 def _beside(by_rule: Mapping[str, Schedule], results: StudyResults) -> Table:
     profiles, first = results.recorded.profiles, next(iter(by_rule.values()))
     assert profiles is not None
     unit = first.limits.export.unit
-    columns = (
-        Column("from_n", "From (N)"), Column("to_n", "To (N)"),
-        *(Column(f"{rule}_percent", f"{_RULES[rule]}: stiffness (%)") for rule in by_rule),
-        *(Column(f"{rule}_{unit}", f"{_RULES[rule]}: preset ({unit})") for rule in by_rule),
-    )  # fmt: skip
-    steps: dict[str, NDArray[Any]] = {"from_n": first.step_force_n[:-1], "to_n": first.step_force_n[1:]}
-    steps |= {f"{rule}_percent": made.stiffness_percent for rule, made in by_rule.items()}
-    steps |= {f"{rule}_{unit}": made.exported for rule, made in by_rule.items()}
+    percents = {
+        Column(f"{rule}_percent", f"{_RULES[rule]}: stiffness (%)"): made.stiffness_percent
+        for rule, made in by_rule.items()
+    }
+    presets = {
+        Column(f"{rule}_{unit}", f"{_RULES[rule]}: preset ({unit})"): made.exported for rule, made in by_rule.items()
+    }
     weights = listed([f"{number(each.alpha, 4)} by {_RULES[each.rule]}" for each in profiles.by_rule])
     caption = (
         f"Schedule of {first.specimen} by both rules of interpolation; weight α of the softer neighbour: {weights}"
     )
-    return Table("schedules_by_rule", caption, columns, rows_of(steps))
+    return table_of("schedules_by_rule", caption, _forces(first) | percents | presets)
 
 
 def _steps(schedules: Sequence[Schedule], scale: ActivityScale) -> Table:
     export = schedules[0].limits.export
-    columns = (
-        Column("specimen", "Specimen"), Column("condition", "Condition"), Column("from_n", "From (N)"),
-        Column("to_n", "To (N)"), activity_column("activity_v", "Co-contraction", scale),
-        Column("stiffness_percent", "Stiffness (%)"), Column(export.column, f"Preset ({export.unit})"),
-        Column("stiffness_nm_per_rad", "Stiffness at zero load (N·m/rad)"),
+    every = [
+        table_of("", "", {
+            Column("specimen", "Specimen"): [s.specimen] * s.preset.size,
+            Column("condition", "Condition"): [s.condition] * s.preset.size,
+            **_forces(s),
+            activity_column("activity_v", "Co-contraction", scale): s.activity_v,
+            Column("stiffness_percent", "Stiffness (%)"): s.stiffness_percent,
+            Column(export.column, f"Preset ({export.unit})"): s.exported,
+            Column("stiffness_nm_per_rad", "Stiffness at zero load (N·m/rad)"): s.stiffness_nm_per_rad,
+        })
+        for s in schedules
+    ]  # fmt: skip
+    rows = [tuple(each.rows) for each in every]
+    shown = (
+        own if s.condition == "modular" else ({**own[0], "to_n": own[-1]["to_n"]},)
+        for s, own in zip(schedules, rows, strict=True)
     )  # fmt: skip
-    rows: list[Row] = []
-    shown: list[Row] = []
-    for s in schedules:
-        own = rows_of(
-            {
-                "specimen": [s.specimen] * s.preset.size,
-                "condition": [s.condition] * s.preset.size,
-                "from_n": s.step_force_n[:-1],
-                "to_n": s.step_force_n[1:],
-                "activity_v": s.activity_v,
-                "stiffness_percent": s.stiffness_percent,
-                export.column: s.exported,
-                "stiffness_nm_per_rad": s.stiffness_nm_per_rad,
-            }
-        )
-        rows += own
-        shown += own if s.condition == "modular" else [{**own[0], "to_n": own[-1]["to_n"]}]
     caption = "Stiffness schedules: every step where the stiffness changes, one row where it is constant"
-    return Table("schedules", caption, columns, tuple(rows), tuple(shown))
+    return Table("schedules", caption, every[0].columns, tuple(chain(*rows)), tuple(chain(*shown)))
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
@@ -138,14 +137,10 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     same = settings.stiffness_percent == _PAPER_PERCENT and settings.step_n == _PAPER_STEP_N
     low, high = settings.stiffness_percent
     yield Claim(
-        "schedule_range",
-        "profiles are mapped on 20 to 80 % stiffness in steps of 0.3 N",
-        "20 to 80 %, 0.3 N",
-        f"{low:g} to {high:g} %, {settings.step_n:g} N",
-        f"{low:g} to {high:g} %, {settings.step_n:g} N",
-        "holds" if same else "does not hold",
-        why="Settings, not results.",
-    )
+        "schedule_range", "profiles are mapped on 20 to 80 % stiffness in steps of 0.3 N", "20 to 80 %, 0.3 N",
+        f"{low:g} to {high:g} %, {settings.step_n:g} N", f"{low:g} to {high:g} %, {settings.step_n:g} N",
+        "holds" if same else "does not hold", why="Settings, not results.",
+    )  # fmt: skip
 
 
 _TEXT = """

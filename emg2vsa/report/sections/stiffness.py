@@ -9,11 +9,12 @@ import numpy as np
 
 from casr.errors import InputError
 from casr.spread import spread_rate
+from emg2vsa.arrays import Floats
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items
+from emg2vsa.report.numbers import Items, fields_of
 from emg2vsa.report.section import Claim, Quantities, Section
 from emg2vsa.report.sections.actuators import CONTRAST_CLAIM, CONTRAST_PAPER, CONTRAST_SAYS, contrast_claim
-from emg2vsa.report.table import Cell, Column, Row, Table, rows_of
+from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import number, signed
 from emg2vsa.run_scores.product import PressCurve
 from emg2vsa.stiffness_effect import (
@@ -58,9 +59,8 @@ def _quantities(results: StudyResults) -> Items:
     for c, condition in enumerate(effect.conditions):
         name = f"stiffness.{condition}"
         for k, specimen in enumerate(effect.specimens):
-            yield f"{name}.{specimen}.duration_s", float(effect.duration_s[k, c])
-            yield f"{name}.{specimen}.frame_sum", float(effect.frame_sum[k, c])
-            yield f"{name}.{specimen}.frame_sum_swapped", float(effect.frame_sum_swapped[k, c])
+            each = ("duration_s", "frame_sum", "frame_sum_swapped")
+            yield from fields_of(f"{name}.{specimen}", effect, *each, at=(k, c))
         for m, material in enumerate(("elastic", "assumed", "lossy_sensor")):
             yield f"{name}.contrast.{material}", float(np.exp(effect.contrast(effect.slope)[m, c]))
             yield f"{name}.contrast_gain.{material}_percent", float(100 * np.expm1(gains[m, c]))
@@ -100,11 +100,14 @@ def _named(condition: str) -> str:
     return f"constant, {condition.removeprefix('all-')} % for all" if condition.startswith("all-") else condition
 
 
+_CONDITION = Column("condition", "Condition")
+
+
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     effect = _effect(results)
     names = [_named(condition) for condition in effect.conditions]
     yield _three_ways(effect, names)
-    yield _would_be(results, effect)
+    yield _would_be(effect)
     yield _leak(effect, names)
     yield _needed(results, effect, names)
     yield _measured(results, effect)
@@ -113,123 +116,93 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 
 def _three_ways(effect: StiffnessEffect, names: list[str]) -> Table:
     stiff, second, soft = effect.specimens[0], effect.specimens[1], effect.specimens[-1]
-    columns = (
-        Column("condition", "Condition"),
-        Column("duration_stiff_s", f"{stiff} lasts (s)"), Column("duration_soft_s", f"{soft} lasts (s)"),
-        Column("gain_percent", f"Creep: change of {soft} : {stiff} (%)", digits=2),
-        Column("frame_sum", f"Eq. (2): {soft} : {stiff}"),
-        Column("timing_d", f"Timing: d′ of {stiff} and {second}", digits=2),
-    )  # fmt: skip
-    rows = rows_of(
-        {
-            "condition": names,
-            "duration_stiff_s": effect.duration_s[0],
-            "duration_soft_s": effect.duration_s[-1],
-            "gain_percent": 100 * np.expm1(_gains(effect)[_ASSUMED]),
-            "frame_sum": np.exp(effect.contrast(effect.frame_sum)),
-            "timing_d": effect.timing_d,
-        }
-    )
+    gain = 100 * np.expm1(_gains(effect)[_ASSUMED])
+    columns: Columns = {
+        _CONDITION: names,
+        Column("duration_stiff_s", f"{stiff} lasts (s)"): effect.duration_s[0],
+        Column("duration_soft_s", f"{soft} lasts (s)"): effect.duration_s[-1],
+        Column("gain_percent", f"Creep: change of {soft} : {stiff} (%)", digits=2): gain,
+        Column("frame_sum", f"Eq. (2): {soft} : {stiff}"): np.exp(effect.contrast(effect.frame_sum)),
+        Column("timing_d", f"Timing: d′ of {stiff} and {second}", digits=2): effect.timing_d,
+    }
     caption = "What stiffness can do at 0°: change against the rigid motor, ratio of sums over frames, and d′"
-    return Table("stiffness_effect", caption, columns, rows)
+    return table_of("stiffness_effect", caption, columns)
 
 
 def _leak(effect: StiffnessEffect, names: list[str]) -> Table:
     stiff, second = effect.specimens[:2]
-    columns = (
-        Column("condition", "Condition"), Column("neighbour", "Eq. (2), own schedules"),
-        Column("neighbour_swapped", "Eq. (2), schedules swapped"), Column("slope_swapped", "Slope, schedules swapped"),
-    )  # fmt: skip
-    rows = rows_of(
-        {
-            "condition": names,
-            "neighbour": _neighbours(effect, effect.frame_sum),
-            "neighbour_swapped": _neighbours(effect, effect.frame_sum_swapped),
-            "slope_swapped": _neighbours(effect, effect.slope_swapped),
-        }
-    )
+    columns: Columns = {
+        _CONDITION: names,
+        Column("neighbour", "Eq. (2), own schedules"): _neighbours(effect, effect.frame_sum),
+        Column("neighbour_swapped", "Eq. (2), schedules swapped"): _neighbours(effect, effect.frame_sum_swapped),
+        Column("slope_swapped", "Slope, schedules swapped"): _neighbours(effect, effect.slope_swapped),
+    }
     caption = (
         f"Ratio {second} : {stiff} of elastic bodies; swapped: the stiffest specimen is pressed with the schedule of "
         "the softest, and so on"
     )
-    return Table("stiffness_leak", caption, columns, rows)
+    return table_of("stiffness_leak", caption, columns)
 
 
 def _needed(results: StudyResults, effect: StiffnessEffect, names: list[str]) -> Table:
-    gains = _gains(effect)
-    columns = (
-        Column("condition", "Condition"), Column("gain_percent", "Assumed creep: change (%)", digits=2),
-        Column("presses", "Presses per cell, without mountings", digits=2),
-        Column("mountings", "Mountings per cell", digits=2),
-        Column("gain_lossy_percent", "Lossy sensor: change (%)", digits=2),
-    )  # fmt: skip
-    rows = rows_of(
-        {
-            "condition": names[1:],
-            "gain_percent": 100 * np.expm1(gains[_ASSUMED, 1:]),
-            "presses": replicates_needed(gains[_ASSUMED], PRESS_CV)[1:],
-            "mountings": replicates_needed(gains[_ASSUMED], _mounting_sd(results))[1:],
-            "gain_lossy_percent": 100 * np.expm1(gains[_LOSSY, 1:]),
-        }
-    )
+    gains, mounting_sd = _gains(effect), _mounting_sd(results)
+    presses, mountings = (replicates_needed(gains[_ASSUMED], sd)[1:] for sd in (PRESS_CV, mounting_sd))
+    columns: Columns = {
+        _CONDITION: names[1:],
+        Column("gain_percent", "Assumed creep: change (%)", digits=2): 100 * np.expm1(gains[_ASSUMED, 1:]),
+        Column("presses", "Presses per cell, without mountings", digits=2): presses,
+        Column("mountings", "Mountings per cell", digits=2): mountings,
+        Column("gain_lossy_percent", "Lossy sensor: change (%)", digits=2): 100 * np.expm1(gains[_LOSSY, 1:]),
+    }
     caption = (
         "Change of the contrast by creep as the rig file assumes it (relaxation, sensor_relaxation), and what it takes "
         "to see it (5 % level, 80 % power): presses with a CV of "
-        f"{100 * PRESS_CV:g} %, or mountings with an SD of {100 * _mounting_sd(results):g} %. The lossy sensor relaxes "
+        f"{100 * PRESS_CV:g} %, or mountings with an SD of {100 * mounting_sd:g} %. The lossy sensor relaxes "
         f"by {100 * LOSSY_SENSOR:g} %, all specimens by {100 * LOSSY_SPECIMENS:g} %"
     )
-    return Table("stiffness_needed", caption, columns, rows)
+    return table_of("stiffness_needed", caption, columns)
 
 
 def _by_specimen(effect: StiffnessEffect, names: list[str]) -> Table:
-    columns = (
-        Column("condition", "Condition"), Column("specimen", "Specimen"), Column("duration_s", "Duration (s)"),
-        Column("slope_mm2_per_n", "Slope (mm²/N)"), Column("frame_sum", "Eq. (2) (mm²/N)"),
-        Column("frame_sum_swapped", "Eq. (2), schedules swapped"),
-    )  # fmt: skip
-    count = len(effect.specimens)
-    rows = rows_of(
-        {
-            "condition": [name for name in names for _ in range(count)],
-            "specimen": list(effect.specimens) * len(names),
-            "duration_s": effect.duration_s.T.ravel(),
-            "slope_mm2_per_n": effect.slope[0].T.ravel(),
-            "frame_sum": effect.frame_sum.T.ravel(),
-            "frame_sum_swapped": effect.frame_sum_swapped.T.ravel(),
-        }
-    )
-    return Table(
-        "stiffness_specimens", "Elastic bodies: duration, slope of area on force, and equation (2)", columns, rows
-    )
+    columns: Columns = {
+        _CONDITION: np.repeat(names, len(effect.specimens)),
+        Column("specimen", "Specimen"): list(effect.specimens) * len(names),
+        Column("duration_s", "Duration (s)"): effect.duration_s.T.ravel(),
+        Column("slope_mm2_per_n", "Slope (mm²/N)"): effect.slope[0].T.ravel(),
+        Column("frame_sum", "Eq. (2) (mm²/N)"): effect.frame_sum.T.ravel(),
+        Column("frame_sum_swapped", "Eq. (2), schedules swapped"): effect.frame_sum_swapped.T.ravel(),
+    }
+    caption = "Elastic bodies: duration, slope of area on force, and equation (2)"
+    return table_of("stiffness_specimens", caption, columns)
 
 
 def _measured(results: StudyResults, effect: StiffnessEffect) -> Table:
     """Contrasts of the scored runs at 0 degrees; no rows without them."""
-    columns = (
-        Column("condition", "Condition"), Column("casr", "CASR"), Column("frame_sum", "Eq. (2) as printed"),
-    )  # fmt: skip
     soft, stiff = effect.specimens[-1], effect.specimens[0]
-    rows: list[Row] = []
-    for condition in effect.conditions:
-        of_soft, of_stiff = (_medians(results, specimen, condition) for specimen in (soft, stiff))
-        if np.isfinite(of_soft[0] / of_stiff[0]):
-            row: dict[str, Cell] = {"condition": condition}
-            row |= {"casr": of_soft[0] / of_stiff[0], "frame_sum": of_soft[1] / of_stiff[1]}
-            rows.append(row)
+    contrast = {
+        condition: _medians(results, soft, condition) / _medians(results, stiff, condition)
+        for condition in effect.conditions
+    }
+    known = [condition for condition, (casr, _) in contrast.items() if np.isfinite(casr)]
+    columns: Columns = {
+        _CONDITION: known,
+        Column("casr", "CASR"): [float(contrast[condition][0]) for condition in known],
+        Column("frame_sum", "Eq. (2) as printed"): [float(contrast[condition][1]) for condition in known],
+    }
     caption = (
         f"The runs of this study at 0°, areas by {results.study.scoring.algorithm}: ratio {soft} : {stiff} of median "
         "CASR, and of the sum of dA/dF over frames"
     )
-    return Table("stiffness_measured", caption, columns, tuple(rows))
+    return table_of("stiffness_measured", caption, columns)
 
 
-def _medians(results: StudyResults, specimen: str, condition: str) -> tuple[float, float]:
-    """Median CASR of the presses, and median of the sum over frames of the same areas; NaN without them."""
+def _medians(results: StudyResults, specimen: str, condition: str) -> Floats:
+    """(2,) median CASR of the presses, and median of the sum over frames of the same areas; NaN without them."""
     runs = results.runs.scores if results.runs else ()
     own = [run for run in runs if (run.specimen, run.condition, run.angle_deg) == (specimen, condition, 0.0)]
     rates = [rate for run in own for rate in run.casr[run.algorithm].tolist() if np.isfinite(rate)]
     sums = [_sum_of(curve) for run in own for curve in run.curves if curve.force_n.size > 1]
-    return (float(np.median(rates)), float(np.median(sums))) if rates and sums else (np.nan, np.nan)
+    return np.array([np.median(rates), np.median(sums)] if rates and sums else [np.nan, np.nan])
 
 
 def _sum_of(curve: PressCurve) -> float:
@@ -239,40 +212,30 @@ def _sum_of(curve: PressCurve) -> float:
         return np.nan
 
 
-def _would_be(results: StudyResults, effect: StiffnessEffect) -> Table:
-    columns = (Column("need", "For the paper's claim this would have to be true"), Column("here", "Here"))
-    rows: list[Row] = []
+def _would_be(effect: StiffnessEffect) -> Table:
+    told: dict[str, str] = {}
     if _HUMAN_LIKE in effect.conditions:
         c = effect.conditions.index(_HUMAN_LIKE)
-        sums = np.exp(effect.contrast(effect.frame_sum))
-        best = int(effect.timing_d.argmax())
-        exponent = _exponent(effect)
-        rows = [
-            {
-                "need": "CASR counts frames or duration",
-                "here": f"Equation (2) as printed does: {number(sums[0])} (rigid), {number(sums[c])} (human-like). "
-                "Presses of equal duration, or a CASR free of the number of frames, would show it.",
-            },
-            {
-                "need": "Errors of timing dominate",
-                "here": f"Then {_named(effect.conditions[best])} is best (d′ {number(effect.timing_d[best])}; "
-                f"human-like {number(effect.timing_d[c])}).",
-            },
-            {
-                "need": "Specimens creep far more than solids do",
-                "here": f"{100 * _WANTED:g} % more contrast needs creep like t to the power {number(exponent)}"
-                + (" or more; a liquid has 1." if np.isfinite(exponent) else "."),
-            },
-            {
-                "need": "The skin's contact area depends on stiffness directly",
-                "here": "No such mechanism is known. Control world P1 has one made up.",
-            },
-            {
-                "need": "Rigid motor and variable stiffness actuator guide the probe differently",
-                "here": "They are different mechanics, never exchanged. Several mountings of both would show it.",
-            },
-        ]
-    return Table("stiffness_would_be", "What would have to be true for the paper's claim", columns, tuple(rows))
+        sums, d = np.exp(effect.contrast(effect.frame_sum)), effect.timing_d
+        best, exponent = int(d.argmax()), _exponent(effect)
+        told = {
+            "CASR counts frames or duration": "Equation (2) as printed does: "
+            f"{number(sums[0])} (rigid), {number(sums[c])} (human-like). Presses of equal duration, or a CASR free of "
+            "the number of frames, would show it.",
+            "Errors of timing dominate": f"Then {_named(effect.conditions[best])} is best (d′ {number(d[best])}; "
+            f"human-like {number(d[c])}).",
+            "Specimens creep far more than solids do": f"{100 * _WANTED:g} % more contrast needs creep like t to the "
+            f"power {number(exponent)}" + (" or more; a liquid has 1." if np.isfinite(exponent) else "."),
+            "The skin's contact area depends on stiffness directly": "No such mechanism is known. Control world P1 has "
+            "one made up.",
+            "Rigid motor and variable stiffness actuator guide the probe differently": "They are different mechanics, "
+            "never exchanged. Several mountings of both would show it.",
+        }
+    columns: Columns = {
+        Column("need", "For the paper's claim this would have to be true"): list(told),
+        Column("here", "Here"): list(told.values()),
+    }
+    return table_of("stiffness_would_be", "What would have to be true for the paper's claim", columns)
 
 
 def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:

@@ -1,8 +1,8 @@
-"""The section on all data together, and the laws beside the logarithm."""
+"""The sections on fits, the recovery of a simulated truth, and all data together."""
 
 from __future__ import annotations
 
-import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,15 +10,17 @@ import pytest
 from emg2vsa.discrimination import discriminate
 from emg2vsa.report.inputs import Runs
 from emg2vsa.report.section import Content, rendered
+from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.models import MODELS
 from emg2vsa.report.study_report import contents
 from emg2vsa.settings import DiscriminationSettings
+from emg2vsa.truth import recover
 
 
 @pytest.fixture(scope="module")
 def whole(results, runs, stiffness_n_per_mm):
     tested = discriminate(runs, stiffness_n_per_mm, "S_new", DiscriminationSettings(resamples=200))
-    return dataclasses.replace(results, runs=Runs(runs, tested))
+    return replace(results, runs=Runs(runs, tested))
 
 
 @pytest.fixture(scope="module")
@@ -72,8 +74,60 @@ def test_the_text_says_what_survives(whole, content: Content) -> None:
 
 @pytest.mark.parametrize("part", ["people", "runs"])
 def test_a_study_of_one_half_has_the_models_of_that_half(whole, part: str) -> None:
-    half = dataclasses.replace(whole, people=None) if part == "runs" else dataclasses.replace(whole, runs=None)
+    half = replace(whole, people=None) if part == "runs" else replace(whole, runs=None)
     content = contents(half)
     assert ("mixed_sd" in content.tables) == ("mixed_residuals" in content.drawings) == (part == "people")
     assert bool(content.tables["factors"].rows) == (part == "runs")
     assert rendered(MODELS, half, content)
+
+
+@pytest.mark.parametrize("n", [0, 1, 2])
+def test_a_specimen_has_a_mean_from_one_fit_on_and_a_spread_from_two(results, n):
+    fits = results.recorded.fits
+    verdict = fits.verdict.copy()
+    (of_s1,) = np.nonzero(results.used & (fits.specimen == "S1"))
+    verdict[of_s1[n:]] = "rejected"
+    few = replace(results, people=replace(results.recorded, fits=replace(fits, verdict=verdict)))
+    found, b_v = dict(FITS.quantities(few)), fits.b_v[of_s1[:n]]
+    assert found["fit.S1.n"] == n
+    expected = np.mean(b_v) if n else np.nan, np.ptp(b_v) / np.sqrt(2) if n == 2 else np.nan
+    b = f"fit.S1.b{results.activity_suffix}"
+    assert (found[f"{b}.mean"], found[f"{b}.sd"]) == pytest.approx(expected, nan_ok=True)
+
+
+@pytest.fixture
+def biased(results):
+    """Every b 2 % above its truth; one interval in four misses it."""
+    true_b = np.array([results.people.truth[key][1] for key in keys_of(results.people.fits)])
+    miss = np.arange(true_b.size) % 4 == 0
+    low = np.where(miss, 1.01, 0.9) * true_b
+    return replace(results.people.fits, b_v=1.02 * true_b, b_lo_v=low, b_hi_v=1.2 * true_b)
+
+
+def keys_of(fits):
+    return list(zip(fits.participant.tolist(), fits.specimen.tolist(), fits.repetition.tolist(), strict=True))
+
+
+def test_bias_and_coverage_are_found(results, biased):
+    found = recover(biased, results.people.truth, "ok+warned")
+    used = biased.verdict != "rejected"
+    covered = np.mean(np.arange(used.size)[used] % 4 != 0)
+    assert found.n == 71
+    assert found.mean_b_error == pytest.approx(0.02)
+    assert found.sd_b_error == pytest.approx(0.0, abs=1e-12)
+    assert found.coverage == pytest.approx(covered)
+    assert found.coverage_mcse == pytest.approx(np.sqrt(covered * (1 - covered) / 71))
+
+
+def test_monte_carlo_error_is_the_standard_error_of_the_mean(results):
+    found = recover(results.people.fits, results.people.truth, "ok+warned")
+    assert found.mean_b_error_mcse == pytest.approx(found.sd_b_error / np.sqrt(found.n))
+    assert abs(found.mean_b_error) < 4 * found.mean_b_error_mcse
+
+
+def test_only_known_and_usable_trials_enter(results):
+    known = {key: value for key, value in results.people.truth.items() if key[1] == "S3"}
+    assert recover(results.people.fits, known, "ok+warned").n == 17
+    assert recover(results.people.fits, known, "ok").n == 16
+    assert recover(results.people.fits, known, "ok", "S1").n == 0
+    assert np.isnan(recover(results.people.fits, known, "ok", "S1").mean_b_error)

@@ -1,0 +1,295 @@
+"""The rig's presses.
+
+The initial area A_c0, Figure 8: by specimen at each angle, and by angle, as differences. Figure 9: the contact at each
+angle at one force, with the outline of its area. The contact area spread rate, Figures 10, 12 and 13: dA/dF from frame
+to frame against force with its fit, and box plots of the rates of the presses, row by row. Figure 14: rates by specimen
+at each angle, pressed rigidly and as people do. Calibration: stiffness over CASR through the known specimens, and the
+new one read off the curve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon
+
+from casr.spread.curves import fit_power_law
+from casr.spread.rate import MIN_STEP_N
+from emg2vsa.arrays import Floats
+from emg2vsa.calibration.forms import kappa_of, x_of
+from emg2vsa.calibration.results import AlgorithmResult, ConditionResult, LawResult
+from emg2vsa.figures.canvas import PairBar, draw_bars, draw_box, groups, marks, one_scale, panel_grid
+from emg2vsa.figures.palette import GREY, INK, MUTED, YELLOW, Look
+from emg2vsa.run_scores import ContactPicture
+from emg2vsa.settings import Law
+
+POOLED = Look(GREY, "o", "-")
+"""All specimens of an angle together."""
+
+
+@dataclass(frozen=True)
+class AreaPanel:
+    """One panel: ``percent`` (n,) of each group, their names and looks, and bars between them."""
+
+    title: str
+    names: Sequence[str]
+    percent: Sequence[Floats]
+    looks: Sequence[Look]
+    bars: Sequence[PairBar]
+
+
+def draw_areas(by_specimen: Sequence[AreaPanel], by_angle: AreaPanel | None) -> Figure:
+    """Differences of areas in percent. All panels share one scale, which the levels, from zero, would not leave."""
+    panels = [*by_specimen, *([by_angle] if by_angle else [])]
+    figure, (row,) = panel_grid(1, [1] * len(panels), 50, (15, 2, 11, 10), (11, 0))
+    values = [v[np.isfinite(v)] for panel in panels for v in panel.percent]
+    together = np.concatenate([np.zeros(1), *values])
+    room = 0.05 * (np.ptp(together) or 1.0)
+    for axes, panel in zip(row, panels, strict=True):
+        axes.axhline(0, color=INK, linewidth=0.6)
+        for place, (percent, look) in enumerate(zip(panel.percent, panel.looks, strict=True)):
+            draw_box(axes, place, percent, look)
+        axes.set_ylim(together.min() - room, together.max() + room)
+        draw_bars(axes, panel.bars, "")
+        groups(axes, panel.names)
+        axes.set_title(panel.title, loc="center")
+    row[0].set_ylabel("Difference of area (%)")
+    highest = max(axes.get_ylim()[1] for axes in row)
+    for axes in row:
+        axes.set_ylim(top=highest)
+    return figure
+
+
+_BRIGHTEST = 255
+
+
+def draw_contacts(pictures: Sequence[tuple[str, ContactPicture]], unit: str) -> Figure:
+    """pictures : title and picture of each panel, whose force and area are added to the title."""
+    figure, (row,) = panel_grid(1, [1] * len(pictures), 52, (2, 2, 2, 10), (4, 0))
+    for axes, (title, picture) in zip(row, pictures, strict=True):
+        axes.imshow(picture.image, cmap="gray", vmin=0, vmax=_BRIGHTEST, interpolation="nearest")
+        axes.add_patch(Polygon(picture.outline_px, facecolor=YELLOW, alpha=0.25, linewidth=0))
+        axes.add_patch(Polygon(picture.outline_px, fill=False, edgecolor=YELLOW, linewidth=1.4))
+        axes.set_axis_off()
+        axes.set_title(f"{title}, {picture.force_n:.2f} N\n{picture.area_mm2:.3g} {unit}", loc="center")
+    return figure
+
+
+_MARKS = 120
+_SHARE_SHOWN = 0.98
+
+
+@dataclass(frozen=True)
+class RateSeries:
+    """One specimen of a row. presses : forces (T,) and areas (T,) of the frames of each. casr : (n,) of the presses."""
+
+    name: str
+    look: Look
+    presses: Sequence[tuple[Floats, Floats]]
+    casr: Floats
+    exponential: bool = False
+    "Whether areas follow equation (1) as printed, A = c exp(D F); else a power law, A = c F^m."
+
+    @property
+    def quotients(self) -> tuple[Floats, Floats]:
+        """(M,) forces midway and dA/dF from each frame of a press to the next, but for steps of nearly no force."""
+        force_n, rate = [np.empty(0)], [np.empty(0)]
+        for force, area in self.presses:
+            step = np.diff(force)
+            known = np.abs(step) >= MIN_STEP_N
+            force_n.append((force[:-1] + force[1:])[known] / 2)
+            rate.append(np.diff(area)[known] / step[known])
+        return np.concatenate(force_n), np.concatenate(rate)
+
+    @property
+    def fit(self) -> tuple[Floats, Floats]:
+        """(50,) forces and dA/dF of the law through the areas of all presses; (0,) where they have one force."""
+        force_n, area = (np.concatenate([np.empty(0), *(press[part] for press in self.presses)]) for part in (0, 1))
+        known = (force_n > 0) & (area > 0)
+        force_n, area = force_n[known], area[known]
+        if not force_n.size or np.ptp(force_n) == 0:
+            return np.empty(0), np.empty(0)
+        at = np.linspace(force_n.min(), force_n.max(), 50)
+        if self.exponential:
+            rate, level = np.polyfit(force_n, np.log(area), 1)
+            return at, rate * np.exp(level + rate * at)
+        law = fit_power_law(area, force_n).law
+        return at, law.exponent * law.area(at) / at
+
+
+def draw_rates(rows: Sequence[tuple[str, Sequence[RateSeries]]], unit: str) -> Figure:
+    """rows : title and specimens, stiffest first; ``unit`` of the area."""
+    figure, panels = panel_grid(len(rows), (1.15, 1), 46, (13, 2, 11, 13), (17, 12))
+    for (raw, boxes), (title, specimens) in zip(panels, rows, strict=True):
+        for place, series in enumerate(specimens):
+            _raw(raw, series)
+            draw_box(boxes, place, series.casr, series.look)
+        raw.set(ylabel=f"dA/dF ({unit}/N)", xlim=(0, None))
+        _keep_most(raw, [series.quotients[1] for series in specimens])
+        groups(boxes, [series.name for series in specimens])
+        boxes.set_ylabel(f"CASR ({unit}/N)")
+        raw.set_title(title, loc="center")
+    panels[-1][0].set_xlabel("Force (N)")
+    _one_scale_unless_flat([boxes for _, boxes in panels])
+    named = {series.name: series.look for _, specimens in rows for series in specimens}
+    for name, look in named.items():
+        marks(panels[0][0], [], [], look, linestyle=look.dash, label=name)
+    figure.legend(loc="upper center", ncols=len(named) or 1)
+    return figure
+
+
+_LEAST_SPAN = 0.15
+
+
+def _one_scale_unless_flat(column: Sequence[Axes]) -> None:
+    """The same scale for all, unless that would leave the boxes of one of them flat."""
+    low, high = np.transpose([axes.get_ylim() for axes in column])
+    if (high - low).min() >= _LEAST_SPAN * (high.max() - low.min()):
+        for axes in column:
+            axes.set_ylim(low.min(), high.max())
+
+
+def _keep_most(axes: Axes, rates: Sequence[Floats]) -> None:
+    """A quotient of two small differences may be anything: the scale leaves the furthest of them out, and says so."""
+    together = np.concatenate([np.zeros(1), *rates])
+    far = (1 - _SHARE_SHOWN) / 2
+    low, high = np.quantile(together, (far, 1 - far))
+    room = 0.08 * (high - low) or 1.0
+    low, high = min(low - room, 0.0) if low < 0 else 0.0, high + room
+    axes.set_ylim(low, high)
+    if outside := int(np.count_nonzero((together < low) | (together > high))):
+        axes.set_title(f"{outside} beyond", loc="right", fontsize=7)
+
+
+def _raw(axes: Axes, series: RateSeries) -> None:
+    force_n, rate = series.quotients
+    if not force_n.size:
+        return
+    # a step prime to the frames of a press shows all presses and all forces alike
+    every = max(1, force_n.size // _MARKS) | 1
+    marks(axes, force_n[::every], rate[::every], series.look, 2.5, 0, alpha=0.55)
+    axes.plot(*series.fit, color=series.look.colour, linestyle=series.look.dash)
+
+
+_ASIDE = 0.21
+_RIGID = "left, hollow: rigid (high stiffness)"
+_HUMAN_LIKE = "right, filled: human-like (modular stiffness)"
+
+
+@dataclass(frozen=True)
+class ConditionBoxes:
+    """One specimen at one angle: scores (n,) of both conditions."""
+
+    name: str
+    look: Look
+    rigid: Floats
+    human_like: Floats
+
+    @property
+    def percent(self) -> Floats:
+        """(n,) by which the human-like presses exceed the mean of the rigid ones."""
+        rigid = self.rigid[np.isfinite(self.rigid)]
+        return 100 * (self.human_like / rigid.mean() - 1) if rigid.size else np.empty(0)
+
+
+def draw_conditions(panels: Sequence[tuple[str, Sequence[ConditionBoxes]]], unit: str) -> Figure:
+    """panels : title and specimens, stiffest first; ``unit`` of the area.
+
+    Above the levels, left and hollow rigid, right and filled human-like; below how far the human-like presses lie from
+    the mean of the rigid ones. Each row has one scale.
+    """
+    figure, (levels, differences) = panel_grid(2, [1] * len(panels), 42, (15, 2, 8, 13), (6, 9))
+    for above, below, (title, specimens) in zip(levels, differences, panels, strict=True):
+        below.axhline(0, color=INK, linewidth=0.6)
+        for place, each in enumerate(specimens):
+            draw_box(above, place - _ASIDE, each.rigid, each.look, width=0.36, hollow_marks=True)
+            draw_box(above, place + _ASIDE, each.human_like, each.look, width=0.36, filled=True)
+            draw_box(below, place, each.percent, each.look, filled=True)
+        for axes in (above, below):
+            groups(axes, [each.name for each in specimens])
+        above.set_title(title, loc="center")
+    for row, name in ((levels, f"CASR ({unit}/N)"), (differences, "Human-like less rigid (%)")):
+        one_scale(row)
+        row[0].set_ylabel(name)
+    handles = [
+        Line2D([], [], marker="o", linestyle="none", markerfacecolor=face, markeredgecolor=INK, label=label)
+        for face, label in (("white", _RIGID), (INK, _HUMAN_LIKE))
+    ]
+    figure.legend(handles=handles, loc="upper center", ncols=2)
+    return figure
+
+
+_ACROSS = 3
+_BEYOND = 0.08
+
+
+def draw_calibrations(
+    panels: Sequence[tuple[str, ConditionResult, AlgorithmResult]],
+    looks: Mapping[str, Look],
+    new: str,
+    known_new: float,
+) -> Figure:
+    """panels : title, and what the chosen vision algorithm gives; known_new : stiffness of ``new``, NaN if unknown."""
+    rows = -(-len(panels) // _ACROSS)
+    figure, grid = panel_grid(rows, [1] * min(_ACROSS, len(panels)), 44, (13, 2, 12, 13), (12, 16))
+    axes = [each for row in grid for each in row]
+    for each, (title, condition, found) in zip(axes, panels, strict=False):
+        _panel(each, condition, found, looks, new, known_new)
+        each.set_title(title, loc="center")
+        each.set_xlabel(f"CASR ({found.casr_unit.replace('2', '²')})")
+    for unused in axes[len(panels) :]:
+        unused.remove()
+    for row in grid:
+        row[0].set_ylabel("κ (N/mm)")
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="upper center", ncols=max(1, len(labels)), columnspacing=1, handletextpad=0.4)
+    return figure
+
+
+def law_curve(result: LawResult, casr: Floats) -> Floats:
+    """Stiffness (n,) in N/mm that the law gives for scores (n,); NaN where it gives none."""
+    law = cast(Law, result.law)
+    first, second = result.parameters
+    level = np.log(first) if law in ("exponential", "power") else first
+    return kappa_of(law, level + second * x_of(law, casr))
+
+
+def _panel(
+    axes: Axes,
+    condition: ConditionResult,
+    found: AlgorithmResult,
+    looks: Mapping[str, Look],
+    new: str,
+    known_new: float,
+) -> None:
+    scores = [row[np.isfinite(row)] for row in (*found.casr, found.new_casr)]
+    together = np.concatenate(scores)
+    if not together.size:
+        return
+    reach = _BEYOND * (together.max() - together.min())
+    casr = np.linspace(together.min() - reach, together.max() + reach, 200)
+    top = 1.35 * float(np.max(condition.known_kappa))
+    for result, dash, colour in ((found.chosen, "-", INK), (found.paper, ":", MUTED)):
+        curve = law_curve(result, casr)
+        shown = np.where(curve <= top, curve, np.nan)
+        axes.plot(casr, shown, color=colour, linestyle=dash, label=f"{result.law}{' (paper)' if dash == ':' else ''}")
+    for name, kappa, own in zip(condition.specimens, condition.known_kappa.tolist(), scores, strict=False):
+        # all presses, pale, and their mean
+        marks(axes, own, np.full(own.size, kappa), looks[name], 2.5, 0, alpha=0.5)
+        if own.size:
+            marks(axes, float(np.mean(own)), kappa, looks[name], 5, label=name)
+    mean, look = float(np.mean(scores[-1])) if scores[-1].size else np.nan, looks[new]
+    axes.vlines(mean, found.chosen.low, min(found.chosen.high, top), colors=look.colour, linewidth=1.4)
+    if found.chosen.high > top:
+        # the interval goes on beyond the panel
+        axes.plot(mean, top, marker="^", markersize=5, color=look.colour, clip_on=False)
+    marks(axes, mean, found.chosen.kappa, look, 6, label=new)
+    if np.isfinite(known_new):
+        axes.axhline(known_new, color=look.colour, linestyle=(0, (1, 1)), linewidth=0.8, label="known κ")
+    axes.set_ylim(0, top)
