@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
 
 from casr.command_line import JSON, Commands, add_command, answer
-
-if TYPE_CHECKING:
-    from emg2vsa.statistics.power import PairPower, PowerTable
 
 POWER_SUMMARY = (
     "Power of a repeated-measures ANOVA, a paired t test or a test of equality, and the participants needed."
@@ -74,7 +70,8 @@ def add_to(commands: Commands) -> None:
 
 def power(arguments: argparse.Namespace) -> int:
     from emg2vsa.errors import SettingError
-    from emg2vsa.statistics.power import MEANING, n_for_power, pair_power, power_rm, power_table
+    from emg2vsa.report.outcome_text import pair_words, repeated_words
+    from emg2vsa.statistics.power import n_for_power, pair_power, power_rm, power_table
 
     design, n, m, alpha, target = (
         getattr(arguments, name) for name in ("design", "participants", "measurements", "alpha", "target")
@@ -87,60 +84,16 @@ def power(arguments: argparse.Namespace) -> int:
         raise SettingError("--sensitivity", wanted="the design repeated", found=f"--design {design}", do=do)
     if design != "repeated":
         pair = pair_power(design, n, effect=arguments.effect, margin=arguments.margin, alpha=alpha, target=target)
-        told, lines = _pair_words(pair, design, n, target)
+        told, lines = pair_words(pair, design, n, target)
     else:
         effect = 0.25 if arguments.effect is None else arguments.effect
         numbers = (effect, arguments.rho, arguments.epsilon, alpha)
         power = float(power_rm(n, m, *numbers, arguments.convention))
         needed = n_for_power(m, *numbers, target, arguments.convention)
         table = power_table(n, m, effect, alpha=alpha, power=target, convention=arguments.convention)
-        told, lines = _repeated_words(power, needed, table, n, m, target, sensitivity=arguments.sensitivity)
-        lines.append(f"The paper's design: {MEANING}")
+        told, lines = repeated_words(power, needed, table, n, m, target, sensitivity=arguments.sensitivity)
     answer(arguments.json, told, lines)
     return 0
-
-
-def _pair_words(found: PairPower, design: str, n: int, target: float) -> tuple[dict[str, Any], list[str]]:
-    """Of two treatments; n : people, of each group for "equal-groups". target : the wanted power."""
-    each = " in each group" if design == "equal-groups" else ""
-    who = f"two groups of {n} participants" if each else f"{n} participants"
-    if design == "paired":
-        name, of = "smallest_effect", f"to find a mean difference of {found.effect:g} SD of the differences"
-        least = f"smallest difference found with power {target:g}: {found.least:.3f} SD of the differences"
-    else:
-        name = "smallest_margin"
-        of = f"to find equality within {found.margin:g} SD where the true difference is {found.effect:g} SD"
-        least = f"smallest margin shown with power {target:g}: {found.least:.3f} SD"
-    lines = [
-        f"power {found.power:.4f} with {who} {of}",
-        f"participants needed{each} for power {target:g}: {found.needed or 'more than a million'}",
-        least,
-    ]
-    told = {"design": design, "power": found.power, "participants_needed": found.needed or None, name: found.least}
-    return told, lines
-
-
-def _repeated_words(
-    power: float, needed: int, table: PowerTable, n: int, m: int, target: float, *, sensitivity: bool
-) -> tuple[dict[str, Any], list[str]]:
-    """Of n people measured m times each. needed : people, 0 where more than a million. sensitivity : lines of the
-    table too."""
-    lines = [
-        f"power {power:.4f} with {n} participants measured {m} times each",
-        f"participants needed for power {target:g}: {needed or 'more than a million'}",
-    ]
-    if sensitivity:
-        lines.append("power (participants needed) over rho (down) and epsilon (across)")
-        lines.append("rho    " + "".join(f"{epsilon:>16.2f}" for epsilon in table.epsilon))
-        for rho, powers, people in zip(table.rho, table.power, table.people, strict=True):
-            cells = (f"{p:.4f} ({k or '>1e6'})" for p, k in zip(powers, people, strict=True))
-            lines.append(f"{rho:<7.2f}" + "".join(f"{cell:>16}" for cell in cells))
-    over = {
-        "rho": table.rho.tolist(), "epsilon": table.epsilon.tolist(), "power": table.power.tolist(),
-        "participants_needed": table.people.tolist(),
-    }  # fmt: skip
-    told = {"power": power, "participants_needed": needed or None, "sensitivity": over}
-    return told, lines
 
 
 def design(arguments: argparse.Namespace) -> int:
