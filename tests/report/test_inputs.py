@@ -33,37 +33,36 @@ def test_each_participant_gets_own_trials_and_failures(results):
     assert [list(failed) for _, failed in own.values()] == [[failures[0]], [failures[2]], []]
 
 
-def test_the_first_line_says_that_the_data_are_simulated(results):
-    assert origin(results).strong == "These data are simulated."
-    assert origin(replace(results, people=replace(results.people, truth={}))).strong == "These data are simulated."
+@dataclass
+class Run:
+    simulated: bool
 
 
-def test_without_a_truth_the_report_says_what_it_saw_and_claims_no_more(results):
-    said = origin(replace(results, people=replace(results.people, truth=None)))
-    assert said.strong.startswith("No sign of a simulation was found")
-    assert said.kind == ""
-
-
-def test_a_study_that_can_be_simulated_warns(results):
-    study = replace(results.study, simulation=SimulationSettings())
-    said = origin(replace(results, study=study, people=replace(results.people, truth=None)))
-    assert said.strong == "These data may be simulated."
+SIMULATED, PART = "These data are simulated.", "Part of these data is simulated."
 
 
 @pytest.mark.parametrize(
-    ("made", "strong"),
-    [((True, True), "These data are simulated."), ((False, True), "Part of these data is simulated.")],
+    ("people", "study", "made", "strong"),
+    [
+        ({}, {}, None, SIMULATED),
+        ({"truth": {}}, {}, None, SIMULATED),
+        # without a truth the report says what it saw and claims no more
+        ({"truth": None}, {}, None, "No sign of a simulation was found, so the data are taken as measured."),
+        ({"truth": None}, {"simulation": SimulationSettings()}, None, "These data may be simulated."),
+        ({"truth": None}, {}, (True, True), PART),
+        (None, {}, (True, True), SIMULATED),
+        (None, {}, (False, True), PART),
+    ],
 )
-def test_an_emulated_run_makes_it_a_simulation(results, made, strong):
-    @dataclass
-    class Run:
-        simulated: bool
-
-    runs = Runs(tuple(map(Run, made)))
-    alone = origin(replace(results, people=None, runs=runs))
-    assert alone.strong == strong
-    assert ("the runs" if all(made) else "1 of 2 runs") in alone.text
-    assert origin(replace(results, people=replace(results.people, truth=None), runs=runs)).strong.startswith("Part")
+def test_the_first_line_says_what_was_simulated(results, people, study, made, strong):
+    shown = replace(
+        results, study=replace(results.study, **study), runs=Runs(tuple(map(Run, made))) if made else None,
+        people=None if people is None else replace(results.people, **people),
+    )  # fmt: skip
+    said = origin(shown)
+    assert said.strong == strong
+    assert said.kind == ("" if strong.startswith("No") else "repeat" if "may" in strong else "usable")
+    assert not made or ("the runs" if all(made) else "1 of 2 runs") in said.text
 
 
 def test_the_table_of_participants_looks_through_all_recordings_a_fixed_number_of_times(results):

@@ -37,13 +37,10 @@ def test_text_leaves_no_bare_special_character(text):
 @pytest.mark.parametrize(
     ("shown", "made"),
     [
-        ("1.50", "1.50"),
-        ("-0.2", r"\ensuremath{-0.2}"),
-        ("4.4e-25", r"\ensuremath{4.4\times10^{-25}}"),
-        ("-1e+07", r"\ensuremath{-1\times10^{7}}"),
-        ("–", "--"),
+        ("1.50", "1.50"), ("-0.2", r"\ensuremath{-0.2}"), ("4.4e-25", r"\ensuremath{4.4\times10^{-25}}"),
+        ("-1e+07", r"\ensuremath{-1\times10^{7}}"), ("–", "--"),
     ],
-)
+)  # fmt: skip
 def test_numbers_have_minus_signs_and_powers(shown, made):
     assert latex_number(shown) == made
 
@@ -53,38 +50,31 @@ def test_long_heads_are_broken_so_that_numbers_set_the_width():
     assert r"\begin{tabular}[b]{@{}r@{}}Stiffness\\at zero\\load\\" in made
 
 
-def test_a_narrow_table_takes_one_column_and_a_wide_one_both():
+WORDS = "a quantity of so many words that it is a sentence"
+
+
+def test_a_narrow_table_takes_one_column_a_wide_one_both_and_long_texts_are_broken():
     assert r"\begin{table}" in latex_table(table(("S1", 1.0)))
     wide = latex_table(table(tuple(range(8)), heads=("A head",) * 8))
     assert r"\begin{table*}" in wide
     assert r"\footnotesize" in wide
+    broken = latex_table(table((WORDS, 1.0), (WORDS, 2.0)))
+    assert broken.startswith("% takes the packages booktabs, tabularx")
+    assert r"\begin{tabularx}{\linewidth}{>{\raggedright\arraybackslash}Xr}" in broken
+    assert broken.count(r"\addlinespace") == 1  # rows of several lines stand apart
+    assert r"\addlinespace" not in latex_table(table(("S1", 1.0), ("S2", 2.0)))
 
 
-def test_long_texts_are_broken():
-    made = latex_table(table(("a quantity of so many words that it is a sentence", 1.0)))
-    assert made.startswith("% takes the packages booktabs, tabularx")
-    assert r"\begin{tabularx}{\linewidth}{>{\raggedright\arraybackslash}Xr}" in made
-
-
-def test_a_long_table_goes_over_pages_with_its_head_on_each():
+def test_a_long_table_goes_over_pages_with_its_head_on_each_and_across_where_it_is_too_wide():
     made = latex_table(table(*[("S1", float(i)) for i in range(100)]))
     assert r"\begin{longtable}{lr}" in made
     assert "tabularx" not in made
     assert made.count("Na\\_me") == 2
     assert "longtable" not in latex_table(table(*[("S1", float(i)) for i in range(20)]))
-
-
-def test_a_long_table_that_is_too_wide_lies_across_the_page():
     made = latex_table(table(*[tuple(1e-6 * i for i in range(20))] * 50, heads=("A head",) * 20))
     assert made.startswith("% takes the packages booktabs, longtable and lscape")
     assert made.index(r"\begin{landscape}") < made.index(r"\begin{longtable}")
     assert made.rstrip().endswith(r"\end{landscape}")
-
-
-def test_rows_of_several_lines_stand_apart():
-    words = "a quantity of so many words that it is a sentence"
-    assert latex_table(table((words, 1.0), (words, 2.0))).count(r"\addlinespace") == 1
-    assert r"\addlinespace" not in latex_table(table(("S1", 1.0), ("S2", 2.0)))
 
 
 def test_symbols_have_their_index_below_the_line():
