@@ -343,11 +343,27 @@ def print_json(value: object) -> None:
     print(json.dumps(finite(value), indent=2, sort_keys=True))
 
 
-def whole_number(text: str) -> int:
-    """A whole number from 1, for argparse."""
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"expected a whole number from 1, but found {text!r}")
-    return int(text)
+def wanted(what: str, parse: Callable[[str], Any]) -> Callable[[str], Any]:
+    """For argparse: what ``parse`` makes of a text. A text of which that is None or a ValueError is refused."""
+
+    def value(text: str) -> Any:
+        try:
+            found = parse(text)
+        except ValueError:
+            found = None
+        if found is None:
+            raise argparse.ArgumentTypeError(f"expected {what}, but found {text!r}")
+        return found
+
+    return value
+
+
+def whole(low: int, high: float = float("inf")) -> Callable[[str], int | None]:
+    """What makes a whole number within limits of a text, for `wanted`."""
+    return lambda text: int(text) if text.isdecimal() and low <= int(text) <= high else None
+
+
+whole_number = wanted("a whole number from 1", whole(1))
 
 
 SHELLS = ("bash", "zsh", "tcsh")

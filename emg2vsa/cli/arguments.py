@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from casr.command_line import JSON, Group, add_options, whole_number
+from casr.command_line import JSON, Group, add_options, wanted, whole, whole_number
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -151,13 +151,8 @@ def say_not_used(plan: StepPlan) -> None:
 
 def add_port(group: Group, default: int) -> None:
     """Port of a page."""
-    add_options(group, f"--port N = {default}  port (default: {default}; 0: any free port)", {"N": _port})
-
-
-def _port(text: str) -> int:
-    if not text.isdecimal() or int(text) > 65535:
-        raise argparse.ArgumentTypeError(f"expected a port from 0 to 65535, but found {text!r}")
-    return int(text)
+    port = {"N": wanted("a port from 0 to 65535", whole(0, 65535))}
+    add_options(group, f"--port N = {default}  port (default: {default}; 0: any free port)", port)
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from casr.command_line import JSON, Commands, add_command, add_options, answer
+from casr.command_line import JSON, Commands, add_command, add_options, answer, wanted
 from emg2vsa.cli.arguments import COUNT, JOBS, ON_STUDY, STUDY, jobs_of, say_not_used, study_of
 from emg2vsa.errors import SettingError
 
@@ -51,8 +51,9 @@ SCHEDULE_OPTIONS = f"""
 
 def add_to(commands: Commands) -> None:
     add_command(commands, "schedule", schedule, SCHEDULE_SUMMARY, SCHEDULE, SCHEDULE_OPTIONS, COUNT)
+    date = wanted("a date as 2026-01-31", lambda text: datetime.date.fromisoformat(text).isoformat())
     parser = add_command(commands, "report", report, REPORT_SUMMARY, "", STUDY)
-    add_options(parser.add_argument_group("authors' package"), PACKAGE, {"DATE": _date})
+    add_options(parser.add_argument_group("authors' package"), PACKAGE, {"DATE": date})
     add_options(parser, ON_STUDY, COUNT)
     add_command(commands, "verify", verify, VERIFY_SUMMARY, VERIFY, VERIFY_OPTIONS, COUNT | {"PACKAGE": Path})
 
@@ -96,13 +97,6 @@ def _check_package(arguments: argparse.Namespace) -> None:
         if getattr(arguments, name) and not arguments.paper:
             do = f"Add --paper: --{name} is an option of the authors' package."
             raise SettingError(f"--{name}", wanted="--paper beside this option", found="no --paper", do=do)
-
-
-def _date(text: str) -> str:
-    try:
-        return datetime.date.fromisoformat(text).isoformat()
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"expected a date as 2026-01-31, but found {text!r}") from None
 
 
 def verify(arguments: argparse.Namespace) -> int:

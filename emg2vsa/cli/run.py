@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from casr.command_line import JSON, Commands, add_command, add_options, answer
+from casr.command_line import JSON, Commands, add_command, add_options, answer, wanted
 from emg2vsa.cli.arguments import COUNT, ON_STUDY, STUDY, WORK, jobs_of, say_not_used, study_of
 from emg2vsa.pipeline.stage_order import ORDER
 
@@ -108,7 +108,11 @@ def _stages(arguments: argparse.Namespace, study: Study) -> tuple[str, ...]:
 def _add_machines(parser: argparse.ArgumentParser) -> None:
     """A scheduler, or a cluster of this computer."""
     group = parser.add_argument_group("more than one machine (docs/how-to/many-machines.md)")
-    types = {"ADDRESS": _address, "LOCAL": _local, "S": _seconds}
+    types = {
+        "ADDRESS": wanted("an address such as tcp://10.0.0.1:8786", lambda text: _ADDRESS.fullmatch(text) and text),
+        "LOCAL": wanted("local or local:N with N from 1", _local),
+        "S": wanted("a number of seconds above 0", lambda text: s if 0 < (s := float(text)) < 1e6 else None),
+    }
     add_options(group.add_mutually_exclusive_group(), _ONE_OF, types, cluster={"metavar": "local[:N]"})
     add_options(group, _TIMEOUT, types)
 
@@ -135,28 +139,10 @@ def _cluster_of(
     return ClusterWorkers(study, stages, address=arguments.scheduler or "", local=local, timeout_s=timeout_s, say=say)
 
 
-def _address(text: str) -> str:
-    if not _ADDRESS.fullmatch(text):
-        raise argparse.ArgumentTypeError(f"expected an address such as tcp://10.0.0.1:8786, but found {text!r}")
-    return text
-
-
-def _local(text: str) -> int:
+def _local(text: str) -> int | None:
     """Number of workers; 0 where none is given."""
     found = re.fullmatch(r"local(:[1-9]\d{0,3})?", text)
-    if not found:
-        raise argparse.ArgumentTypeError(f"expected local or local:N with N from 1, but found {text!r}")
-    return int((found[1] or ":0")[1:])
-
-
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = -1.0
-    if not 0 < seconds < 1e6:
-        raise argparse.ArgumentTypeError(f"expected a number of seconds above 0, but found {text!r}")
-    return seconds
+    return int((found[1] or ":0")[1:]) if found else None
 
 
 def status(arguments: argparse.Namespace) -> int:

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from casr.command_line import Commands, Types, add_command, answer, whole_number
+from casr.command_line import Commands, Types, add_command, answer, wanted, whole_number
 from casr.terminal import note
 
 if TYPE_CHECKING:
@@ -82,15 +82,10 @@ def _asked(question: str) -> str | None:
         return None
 
 
-def width(text: str) -> float:
-    """``5`` or ``5%`` as 0.05."""
-    try:
-        percent = float(text.removesuffix("%").strip())
-    except ValueError:
-        percent = float("nan")
-    low, high = 0.5, 100.0
-    if not low <= percent <= high:
-        raise argparse.ArgumentTypeError(
-            f"expected a percentage of kappa from {low:g} to {high:g}, such as 5, but found {text!r}"
-        )
-    return percent / 100
+def _width(text: str) -> float | None:
+    percent = float(text.removesuffix("%").strip())
+    return percent / 100 if 0.5 <= percent <= 100 else None
+
+
+width = wanted("a percentage of kappa from 0.5 to 100, such as 5", _width)
+"""``5`` or ``5%`` as 0.05."""

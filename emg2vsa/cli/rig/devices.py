@@ -9,7 +9,7 @@ import threading
 from dataclasses import asdict
 from functools import partial
 
-from casr.command_line import JSON, Commands, whole_number
+from casr.command_line import JSON, Commands, wanted, whole, whole_number
 from emg2vsa.cli.rig.choice import RIG, add_rig_command, file_of, finish, person_of
 
 SCAN = """
@@ -44,7 +44,7 @@ BENCH = f"""
 
 def add_to(commands: Commands) -> None:
     add = partial(add_rig_command, commands)
-    numbers = {"ID": _device_id, "BAUD": whole_number, "MS": whole_number}
+    numbers = {"ID": wanted("a device id of 0 to 255", whole(0, 255)), "BAUD": whole_number, "MS": whole_number}
     add("scan", scan, "List the serial adapters of actuators, and ask the devices that --port or a rig file names.",
         SCAN, NAMED, numbers)  # fmt: skip
     add("info", info, "Ask each device of a rig file for its firmware, limits, parameters and readings. The motors are "
@@ -69,12 +69,6 @@ def scan(arguments: argparse.Namespace) -> int:
         person.say("no serial port with an actuator's adapter; name another with --port")
     result = {"devices": [asdict(each) for each in devices]}
     return finish(arguments, result, good=not none and all(each.usable for each in devices))
-
-
-def _device_id(text: str) -> int:
-    if not text.isdecimal() or not 0 <= int(text) <= 255:
-        raise argparse.ArgumentTypeError(f"expected a device id of 0 to 255, but found {text!r}")
-    return int(text)
 
 
 def info(arguments: argparse.Namespace) -> int:

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from casr.command_line import JSON, Commands
+from casr.command_line import JSON, Commands, wanted, whole
 from emg2vsa.cli.rig.choice import CHOICE, RIG, add_rig_command, file_of, finish, runs_chosen, width
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def add_to(commands: Commands) -> None:
     details = "--details  list every part of a press: ramps, rests and force steps\n"
     add_rig_command(commands, "dry-run", dry_run, summary, DRY_RUN, RIG + CHOICE + details + JSON)
     summary = "List the presses that would narrow the stiffness of an unknown specimen most."
-    types = {"CALIBRATION": Path, "N": _presses, "PERCENT": width}
+    types = {"CALIBRATION": Path, "N": wanted("a number of presses from 1 to 100", whole(1, 100)), "PERCENT": width}
     add_rig_command(commands, "next", next_press, summary, NEXT, NEXT_OPTIONS, types, stop_at={"default": 0.0})
 
 
@@ -111,9 +111,3 @@ def next_press(arguments: argparse.Namespace) -> int:
         lines.append(f"Next: {again} by {by}. It gives the most information for each press.")
     result = {"belief": asdict(found.belief), "next": named, "options": documents}
     return finish(arguments, result, *lines, good=chosen is not None)
-
-
-def _presses(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text) <= 100:
-        raise argparse.ArgumentTypeError(f"expected a number of presses from 1 to 100, but found {text!r}")
-    return int(text)
