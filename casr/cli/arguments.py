@@ -8,7 +8,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from casr.command_line import Group, add_options, whole_number
+from casr.command_line import Group, add_options, wanted, whole, whole_number
 from casr.errors import SettingError
 from casr.plugins import ENGINES, known_engines
 from casr.terminal import note
@@ -30,8 +30,8 @@ class Engines:
         return iter(known_engines())
 
 
-def _refused(wanted: str, text: str) -> argparse.ArgumentTypeError:
-    return argparse.ArgumentTypeError(f"expected {wanted}, but found {text!r}")
+def _refused(what: str, text: str) -> argparse.ArgumentTypeError:
+    return argparse.ArgumentTypeError(f"expected {what}, but found {text!r}")
 
 
 def numbers(text: str, count: int | None = None) -> tuple[float, ...]:
@@ -41,8 +41,8 @@ def numbers(text: str, count: int | None = None) -> tuple[float, ...]:
     except ValueError:
         found = ()
     if not found or (count is not None and len(found) != count) or any(x - x != 0 for x in found):
-        wanted = f"{count} numbers" if count else "numbers"
-        raise _refused(f"{wanted} with commas between them", text)
+        what = f"{count} numbers" if count else "numbers"
+        raise _refused(f"{what} with commas between them", text)
     return found
 
 
@@ -65,11 +65,7 @@ def not_negative(text: str) -> float:
     return value
 
 
-def count(text: str) -> int:
-    """A whole number from 0."""
-    if not text.isdecimal():
-        raise _refused("a whole number from 0", text)
-    return int(text)
+count = wanted("a whole number from 0", whole(0))
 
 
 def frame_pair(text: str) -> tuple[int, int]:
@@ -80,12 +76,12 @@ def frame_pair(text: str) -> tuple[int, int]:
     return int(first), int(second)
 
 
-def grid(text: str) -> tuple[int, int]:
-    """``"9x7"``."""
+def _grid(text: str) -> tuple[int, int] | None:
     columns, _, rows = text.lower().partition("x")
-    if not (columns.isdecimal() and rows.isdecimal()):
-        raise _refused("columns and rows such as 9x7", text)
-    return int(columns), int(rows)
+    return (int(columns), int(rows)) if columns.isdecimal() and rows.isdecimal() else None
+
+
+grid = wanted("columns and rows such as 9x7", _grid)
 
 
 def names(text: str) -> tuple[str, ...]:
@@ -94,12 +90,8 @@ def names(text: str) -> tuple[str, ...]:
 
 
 def _file(suffix: str) -> Callable[[str], Path]:
-    def read(text: str) -> Path:
-        if not text.lower().endswith(suffix):
-            raise _refused(f"a file name that ends in {suffix}", text)
-        return Path(text)
-
-    return read
+    right = lambda text: Path(text) if text.lower().endswith(suffix) else None  # noqa: E731
+    return wanted(f"a file name that ends in {suffix}", right)
 
 
 TYPES: Mapping[str, Any] = {

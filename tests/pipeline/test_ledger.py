@@ -55,6 +55,8 @@ def test_what_steps_share_is_written_once(tmp_path: Path) -> None:
     path = with_entries(tmp_path, *(entry(f"fits/P{n}/S1") for n in range(9)))
     assert path.read_text().count('"emg2vsa.fits"') == 1
     assert len(read(tmp_path)[0].keys("fits/P8/S1")) == 1
+    read(tmp_path)[0].record(entry("fits/P9/S1"))  # nor by the next program
+    assert path.read_text().count('"emg2vsa.fits"') == 1
 
 
 def test_half_a_last_line_is_skipped_and_removed(tmp_path: Path) -> None:
