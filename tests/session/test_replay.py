@@ -327,6 +327,7 @@ def test_a_session_is_rebuilt_while_it_runs(play):
     assert as_json(found[0].participant) == found[1]
 
 
+@pytest.mark.slow
 @pytest.mark.realtime
 def test_sittings_that_were_killed_with_a_judge_of_their_own_are_rebuilt(tmp_path):
     path = tmp_path / "study.toml"
