@@ -16,7 +16,8 @@ from starlette.routing import BaseRoute, Route
 
 from emg2vsa.devices.clock import Clock, FastClock
 from emg2vsa.live.server import Pages, file_routes
-from emg2vsa.session.views import REQUESTS, Desk, ForceMessage, Request, ScreenReport
+from emg2vsa.session.desk import SessionDesk
+from emg2vsa.session.views import REQUESTS, ForceMessage, Request, ScreenReport
 
 _FORCE_PERIOD_S = 0.004
 """A little shorter than that of the messages, so that none waits long to be fetched."""
@@ -32,7 +33,7 @@ _MORE = ("width", "height", "pixel_ratio", "messages", "full_screen")
 _PAGES = Path(__file__).parent / "page"
 
 
-def session_pages(desk: Desk, clock: Clock) -> Pages:
+def session_pages(desk: SessionDesk, clock: Clock) -> Pages:
     """The pages "operator" and "participant" of a session. clock : the one that the session's times are on.
 
     A page fetches the newest from the desk when it can take it, so one that is slow misses messages and holds nobody
@@ -42,7 +43,7 @@ def session_pages(desk: Desk, clock: Clock) -> Pages:
     return {"operator": _operator_routes(desk), "participant": _participant_routes(desk, clock)}
 
 
-def _operator_routes(desk: Desk) -> list[BaseRoute]:
+def _operator_routes(desk: SessionDesk) -> list[BaseRoute]:
     async def ask(request: WebRequest) -> Response:
         try:
             wanted = operator_request(await _document(request))
@@ -56,7 +57,7 @@ def _operator_routes(desk: Desk) -> list[BaseRoute]:
     return [Route("/stream", stream.answer), Route("/request", ask, methods=["POST"]), *files]
 
 
-def _participant_routes(desk: Desk, clock: Clock) -> list[BaseRoute]:
+def _participant_routes(desk: SessionDesk, clock: Clock) -> list[BaseRoute]:
     async def screen(request: WebRequest) -> Response:
         try:
             report = screen_report(await _document(request))
@@ -98,7 +99,7 @@ class _Stream:
             self._viewers -= 1
 
 
-async def participant_events(desk: Desk, clock: Clock) -> AsyncIterator[str]:
+async def participant_events(desk: SessionDesk, clock: Clock) -> AsyncIterator[str]:
     """The state whenever it changes, and each new force."""
     state, sequence = None, None
     factor = clock.factor if isinstance(clock, FastClock) else 1.0
@@ -123,7 +124,7 @@ def _force_event(force: ForceMessage, age_s: float) -> str:
 class _OperatorEvents:
     """The state is written out once for all who see it. "participant" is what the participant's page shows."""
 
-    def __init__(self, desk: Desk) -> None:
+    def __init__(self, desk: SessionDesk) -> None:
         self._desk = desk
         self._number, self._text = -1, ""
 

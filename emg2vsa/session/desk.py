@@ -23,9 +23,9 @@ STATE_S = 1.0
 
 
 class SessionDesk:
-    """`emg2vsa.session.views.Desk` of a session. Views are whole objects that are replaced, never changed.
+    """What a session offers to its pages. Views are whole objects that are replaced, never changed.
 
-    ``turn`` belongs to one thread; every other method may be called from any.
+    ``turn`` belongs to one thread; every other method may be called from any, and none waits.
     """
 
     def __init__(self, session: Session) -> None:
@@ -74,7 +74,7 @@ class SessionDesk:
         return self._operator
 
     def traces(self, after: int) -> tuple[int, TraceMessage]:
-        """What has come after the trace message numbered ``after``, and the new number."""
+        """What has come after the trace message numbered ``after`` (0: the last ten seconds), and the new number."""
         return self.session.traces.after(after)
 
     def ask(self, request: Request) -> str:

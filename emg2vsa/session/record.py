@@ -54,6 +54,7 @@ class SessionRecord:
     """The folder of a session, open for recording. Methods never wait for the disk, but those that say so.
 
     plan : as it was drawn. sitting : number of this one. repaired_bytes : of a torn last line that was cut off.
+    lines : of the journal so far, of all sittings.
     past : lines of earlier sittings, and those of this one until ``follow`` is set, which is called with each line.
     """
 
@@ -66,7 +67,7 @@ class SessionRecord:
         self.follow: Callable[[Line], None] = self.past.append
         path = folder / JOURNAL_FILE
         whole_bytes = self._read(path) if path.exists() else None
-        self._lines = self._lines_before = self.past[-1].number if self.past else 0
+        self.lines = self._lines_before = self.past[-1].number if self.past else 0
         self.sitting = max((line.sitting for line in self.past), default=0) + 1
         self._disk = Writer(background=background, system=system)
         self._journal = SealedFile(path, self._disk, whole_bytes)
@@ -78,9 +79,9 @@ class SessionRecord:
         UnicodeEncodeError : a text of the event cannot be written; no line is used up, and nobody is told.
         """
         time_s = self._now_s() if time_s is None else time_s
-        line = Line(self._lines + 1, self.sitting, time_s, now_text(), event)
+        line = Line(self.lines + 1, self.sitting, time_s, now_text(), event)
         content = line_bytes(line)
-        self._lines = line.number
+        self.lines = line.number
         self._journal.seal(content)
         self.follow(line)
         return line
@@ -107,11 +108,6 @@ class SessionRecord:
         return self._disk.trouble
 
     @property
-    def lines(self) -> int:
-        """Lines of the journal so far, of all sittings."""
-        return self._lines
-
-    @property
     def safe_lines(self) -> int:
         """Lines that have reached the disk itself, of all sittings."""
         return self._lines_before + self._disk.sealed_lines
@@ -119,7 +115,7 @@ class SessionRecord:
     @property
     def is_safe(self) -> bool:
         """Whether every line has reached the disk itself."""
-        return self.safe_lines == self._lines
+        return self.safe_lines == self.lines
 
     def wait(self, timeout_s: float = 30.0) -> bool:
         """Return when everything has reached the disk, or after the time; whether everything has."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Literal, NamedTuple
 
 from emg2vsa.arrays import Floats
-from emg2vsa.devices.streams import Source, StreamCounts, StreamInfo
+from emg2vsa.devices.streams import Source, StreamCounts
 from emg2vsa.errors import DeviceError, Emg2vsaError
 from emg2vsa.session.journal import ClockFitted, SamplesLost
 from emg2vsa.session.raw_files import SampleWriter
@@ -47,7 +47,11 @@ def device_view(stream: str, clock: SampleClock, samples: int, lost: int, silent
 
 
 class RecordedStream:
-    """``read`` never waits. A lost device is opened again by itself, until it answers."""
+    """``read`` never waits. A lost device is opened again by itself, until it answers.
+
+    info : as the source states it; of the last one while the device is lost. clock : number of a sample to its time.
+    next_index : number of the sample that comes next.
+    """
 
     def __init__(
         self, name: str, source: Source, make: Callable[[], Source], record: SessionRecord, now_s: float, beside: bool
@@ -60,7 +64,7 @@ class RecordedStream:
         self._opened: Source | None = None
         self._next_try_s = 0.0
         self._heard_s = 0.0
-        self._given_up = self._expected = 0
+        self._given_up = self.next_index = 0
         self._lost_before = 0
         self.lost_why = ""
         "Why the device is lost; empty while it delivers."
@@ -69,25 +73,10 @@ class RecordedStream:
         self._take(source, now_s)
 
     @property
-    def info(self) -> StreamInfo:
-        """As the source states it; of the last one while the device is lost."""
-        return self._info
-
-    @property
-    def clock(self) -> SampleClock:
-        """Index of a sample to its time."""
-        return self._clock
-
-    @property
-    def next_index(self) -> int:
-        """Number of the sample that comes next."""
-        return self._expected
-
-    @property
     def lost_samples(self) -> int:
         """Since the session began: told by the source, missing by the clock, or given up by a full disk."""
         counts = StreamCounts() if self._source is None else self._source.counts()
-        return self._lost_before + counts.lost + self._clock.report().missing + self._given_up
+        return self._lost_before + counts.lost + self.clock.report().missing + self._given_up
 
     def read(self, now_s: float) -> Iterator[Arrived]:
         """What has come; nothing while the device is lost."""
@@ -106,27 +95,27 @@ class RecordedStream:
             if not self._writer.append(block):
                 self._given_up += n
                 self._record.append(SamplesLost(self.name, block.first, n, "the disk does not take them"))
-            if block.first > self._expected:
-                gone = block.first - self._expected
-                self._record.append(SamplesLost(self.name, self._expected, gone, "the device lost them"))
-            self._clock.add(block.first, n, block.arrived_s)
-            self._expected = block.first + n
+            if block.first > self.next_index:
+                gone = block.first - self.next_index
+                self._record.append(SamplesLost(self.name, self.next_index, gone, "the device lost them"))
+            self.clock.add(block.first, n, block.arrived_s)
+            self.next_index = block.first + n
             self._heard_s = now_s
-            yield Arrived(block.first, block.samples, float(self._clock.time_s(self._expected - 1)))
+            yield Arrived(block.first, block.samples, float(self.clock.time_s(self.next_index - 1)))
         if now_s - self._heard_s > LOST_S:
             self._lose(now_s, f"no samples for {now_s - self._heard_s:.1f} s")
 
     def tell_clock(self) -> None:
         """A line of the journal with the clock as it is fitted now."""
-        if self._expected == 0 or self.lost_why:
+        if self.next_index == 0 or self.lost_why:
             return
-        start_s, fs_hz = self._clock.timing(0, self._expected)
-        self._record.append(ClockFitted(self.name, start_s, fs_hz, self._clock.report().se_s or 0.0, self._expected))
+        start_s, fs_hz = self.clock.timing(0, self.next_index)
+        self._record.append(ClockFitted(self.name, start_s, fs_hz, self.clock.report().se_s or 0.0, self.next_index))
 
     def view(self, now_s: float) -> DeviceView:
         """As the operator's page shows it."""
         samples = 0 if self._source is None else self._source.counts().samples
-        return device_view(self.name, self._clock, samples, self.lost_samples, now_s - self._heard_s, self.lost_why)
+        return device_view(self.name, self.clock, samples, self.lost_samples, now_s - self._heard_s, self.lost_why)
 
     def close(self) -> None:
         """Give the device back."""
@@ -140,12 +129,12 @@ class RecordedStream:
                 self._opened.close()
 
     def _take(self, source: Source, now_s: float) -> None:
-        self._info = source.info
+        self.info = source.info
         self._writer: SampleWriter = self._record.open_stream(self.name, source.info)
-        self._clock = SampleClock(
+        self.clock = SampleClock(
             source.info.fs_hz, delay_s=source.info.delay_s, quantum=source.info.frame, stamped=source.info.stamped
         )
-        self._source, self._expected, self._heard_s = source, 0, now_s
+        self._source, self.next_index, self._heard_s = source, 0, now_s
         self.lost_why = ""
         self.epoch += 1
 

@@ -6,7 +6,7 @@ The participant's view says nothing of the specimen. Names of fields are the nam
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple
 
 Command = Literal["wait", "ready", "start", "press", "stop", "rest", "pause", "done"]
 """What the participant is to do. start: the finger is not yet on the specimen; press: force rises; stop: lift it."""
@@ -180,25 +180,3 @@ class ScreenReport:
     hidden: bool
     more: dict[str, Any] = field(default_factory=dict)
     "Size of the screen, pixel ratio, refresh rate."
-
-
-class Desk(Protocol):
-    """What a session offers to its pages. Every method may be called from any thread, and none waits."""
-
-    def participant(self) -> ParticipantState:
-        """The newest."""
-
-    def force(self) -> ForceMessage:
-        """The newest."""
-
-    def operator(self) -> tuple[int, OperatorState]:
-        """A number that grows with every change, and the state."""
-
-    def traces(self, after: int) -> tuple[int, TraceMessage]:
-        """What has come after the trace message numbered ``after`` (0: the last ten seconds), and the new number."""
-
-    def ask(self, request: Request) -> str:
-        """Take a command: "" when taken, else why not, in a sentence."""
-
-    def screen(self, report: ScreenReport) -> None:
-        """Keep what the participant's page says of itself."""

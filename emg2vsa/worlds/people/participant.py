@@ -51,7 +51,7 @@ _KEPT_STEPS = 1 << 14
 
 
 class Page(Protocol):
-    """What a participant sees; a `emg2vsa.session.views.Desk` is one."""
+    """What a participant sees; a `emg2vsa.session.desk.SessionDesk` is one."""
 
     def participant(self) -> ParticipantState:
         """The newest."""
