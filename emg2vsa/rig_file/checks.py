@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from emg2vsa.devices.device_settings import LARGEST_PRESS_BYTES, CameraSettings
-from emg2vsa.devices.netft.box import INTERNAL_RATE_HZ
+from emg2vsa.devices.netft import INTERNAL_RATE_HZ
 from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings
 from emg2vsa.rig.plan import RIGID
 from emg2vsa.rig.rig_settings import RigSettings

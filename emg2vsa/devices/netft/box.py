@@ -21,8 +21,6 @@ from emg2vsa.errors import DeviceError
 
 PATH = "/netftapi2.xml"
 _NO_BOX = "Check that the address is that of a Net F/T box."
-INTERNAL_RATE_HZ = 7000
-"Of a box's samples; it sends every one, or every second, third, ..."
 LARGEST_BUFFER = 40
 "Records that one datagram carries at most in buffered mode."
 

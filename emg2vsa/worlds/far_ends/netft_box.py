@@ -14,14 +14,8 @@ from operator import add, gt, mul, sub, truediv
 
 import numpy as np
 
-from emg2vsa.devices.netft.box import (
-    INTERNAL_RATE_HZ,
-    LARGEST_BUFFER,
-    Command,
-    Record,
-    parse_request,
-    record_bytes,
-)
+from emg2vsa.devices.netft import INTERNAL_RATE_HZ
+from emg2vsa.devices.netft.box import LARGEST_BUFFER, Command, Record, parse_request, record_bytes
 from emg2vsa.worlds.far_ends.netft_faults import BoxFaults, Client, FaultyPost
 
 NETBOX_SATURATED = 0x80020000
