@@ -78,8 +78,9 @@ class _Pages:
         self._draw, self._page, self._left = draw, page, draw(page)
 
     def take(self, n: int) -> FloatArray:
-        while len(self._left) < n:
-            self._left = np.concatenate([self._left, self._draw(self._page)])
+        pages = -(-(n - len(self._left)) // self._page)
+        if pages > 0:
+            self._left = np.concatenate([self._left, *(self._draw(self._page) for _ in range(pages))])
         taken, self._left = self._left[:n], self._left[n:]
         return taken
 
