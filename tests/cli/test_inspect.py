@@ -22,7 +22,8 @@ def folder(tmp_path: Path) -> Path:
     for name in ("a b.csv", "b.csv"):
         np.savetxt(tmp_path / name, table, "%.7g", ",", header="time (s),EDC (V),F<z> (N)", comments="")
     (tmp_path / "notes.json").write_text("{}")
-    (tmp_path / ".hidden.csv").write_text("x")
+    for name in (".hidden.csv", "README.txt", "licence-of-data.md", "LICENSE", "sources.csv"):
+        (tmp_path / name).write_text("x")
     return tmp_path
 
 

@@ -25,6 +25,7 @@ new raw --stiffness foam=3                      | expected a specimen that the f
 new raw --fs 0                                  | --fs: expected a rate above 0 Hz
 run absent.toml                                 | absent.toml: expected a study file
 run study.toml --timeout 3                      | emg2vsa run --timeout: expected --scheduler or --cluster, but found neither.
+run study.toml --timeout 3 --jobs 2             | emg2vsa run --timeout: expected --scheduler or --cluster, but found neither.
 run study.toml --scheduler a:1 --jobs 2         | expected workers of the scheduler alone, but found --jobs.
 check study.toml P99                            | P99
 check study.toml --watch absent                 | a folder to watch

@@ -40,19 +40,6 @@ def test_a_session_of_one_press_without_a_page(study_file, capsys):
     assert "--resume" in capsys.readouterr().err
 
 
-def test_a_session_in_json_is_one_object_with_its_verdict(study_file, capsys):
-    words = [str(study_file), "--participant", "P03"]
-    assert main(["session", *words, "--virtual", "--no-page", "--json"]) == 0
-    told = capsys.readouterr()
-    found = json.loads(told.out)
-    assert (found["how"], found["why"]) == ("completed", "")
-    assert found["folder"].endswith("sub-P03/press")
-    assert found["judged"]["verdicts"]["P03"]["specimens"][0]["ok"] == 1
-    assert "completed; recorded in" in told.err
-    assert main(["session", "finish", *words, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out) == found["judged"]
-
-
 def test_a_stopped_session_tells_how_it_goes_on(study_file, capsys, monkeypatch):
     def stop(self, now_s):
         raise KeyboardInterrupt
@@ -70,9 +57,19 @@ def test_a_stopped_session_tells_how_it_goes_on(study_file, capsys, monkeypatch)
     assert "Go on: " in told.err
 
 
-def test_a_session_is_replayed_from_its_folder(study_file, capsys):
-    assert main(["session", str(study_file), "--participant", "P03", "--virtual", "--no-page", "--json"]) == 0
-    folder = json.loads(capsys.readouterr().out)["folder"]
+def test_a_session_in_json_is_one_object_with_its_verdict_and_is_replayed_from_its_folder(study_file, capsys):
+    words = [str(study_file), "--participant", "P03"]
+    assert main(["session", *words, "--virtual", "--no-page", "--json"]) == 0
+    told = capsys.readouterr()
+    found = json.loads(told.out)
+    assert (found["how"], found["why"]) == ("completed", "")
+    assert found["folder"].endswith("sub-P03/press")
+    assert found["judged"]["verdicts"]["P03"]["specimens"][0]["ok"] == 1
+    assert "completed; recorded in" in told.err
+    assert main(["session", "finish", *words, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == found["judged"]
+
+    folder = found["folder"]
     words = ["session", "replay", str(study_file), folder]
     assert main(words) == 0
     line, operator, participant, _, press = capsys.readouterr().out.splitlines()

@@ -6,13 +6,14 @@ import contextlib
 import json
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from benchmarks.small_study import small_study
 from casr.counts import COUNTED, count, counting
 from emg2vsa.cli import main
-from emg2vsa.pipeline.profile import kind_of, measured
+from emg2vsa.pipeline.profile import Spent, StageProfile, kind_of, measured
 from tests.small import simulated
 
 
@@ -72,6 +73,13 @@ def test_the_table_is_for_people(people: Path, capsys: pytest.CaptureFixture[str
     out = capsys.readouterr().out
     assert "trials: 4 ran because: never ran" in out
     assert "samples conditioned" in out
+
+
+def test_a_stage_has_the_largest_peak_and_the_slowest_step() -> None:
+    own = StageProfile()
+    for item, wall_s, peak_mb in (("a", 2.0, 5.0), ("b", 1.0, 3.0)):
+        own.add(SimpleNamespace(item=item, status="done", reasons=()), Spent(wall_s=wall_s, peak_mb=peak_mb))
+    assert (own.peak_mb, own.slowest, own.slowest_s, own.wall_s, own.computed) == (5.0, "a", 2.0, 3.0, 2)
 
 
 def test_reasons_of_one_kind_are_one() -> None:
