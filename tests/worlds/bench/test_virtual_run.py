@@ -224,7 +224,7 @@ def test_another_run_is_neither_overwritten_nor_marked(plan: Plan, tmp_path: Pat
     ("changes", "rig", "emulated", "error", "says"),
     [
         ({"f_max_n": 12.0}, RIG, EmulatedSettings(), SettingError, "guard"),
-        ({"specimen": "S9"}, RIG, EmulatedSettings(), SettingError, "stiffness of the specimen"),
+        ({}, RIG, EmulatedSettings(stiffness_n_per_mm={"S1": 7.6}), SettingError, "stiffness of the specimen"),
         (
             {"angle_deg": 45.0},
             RIG,

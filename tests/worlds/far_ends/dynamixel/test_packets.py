@@ -43,21 +43,6 @@ def test_an_example_is_answered_as_the_manual_says(desk: Callable[..., Any], ask
     assert one.send(bytes.fromhex(asked)) == bytes.fromhex(answered)
 
 
-def test_what_looks_like_a_header_is_stuffed_both_ways(desk: Callable[..., Any]) -> None:
-    one = desk()
-    data = bytes.fromhex("FF FF FD FD FF FF FD")
-    sent = packet(1, 3, t.PRESENT_CURRENT.to_bytes(2, "little") + data)
-    assert data.replace(b"\xff\xff\xfd", b"\xff\xff\xfd\xfd") in sent
-    assert unstuffed(sent[7:-2])[3:] == data
-    # -131073 is FF FF FD FF
-    assert one.write(t.OPERATING_MODE, 5, 1) == 0
-    assert one.write(t.GOAL_POSITION, -131073, 4) == 0
-    answer = one.send(packet(1, 2, bytes((116, 0, 4, 0))))
-    assert answer[5:7] == b"\x09\x00"
-    assert answer[9:14] == bytes.fromhex("FF FF FD FD FF")
-    assert one.read(t.GOAL_POSITION, 4, signed=True) == -131073
-
-
 def test_answers_come_after_the_return_delay(desk: Callable[..., Any]) -> None:
     one = desk(OLD)
     assert one.motor(packet(0xFE, 1) + packet(1, 1)) == b""
