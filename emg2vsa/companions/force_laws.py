@@ -19,7 +19,6 @@ from emg2vsa.curves.line import fit_line
 from emg2vsa.curves.logarithmic import fit_log
 from emg2vsa.fits import Fits, usable
 from emg2vsa.statistics.clusters import Names, in_order
-from emg2vsa.statistics.outcome import Outcome
 
 LAWS = ("logarithm", "power", "linear")
 LEFT_OUT = ("press", "bin")
@@ -31,60 +30,30 @@ class ForceLaws:
     """C cells of P participants; the first axis of errors is that of ``LEFT_OUT``.
 
     participant, specimen : (C,). error : (2, L, C) root mean square error of prediction over the cell's mean activity,
-    laws in the order of ``LAWS``; NaN where it cannot be had. unpredicted : (2,) points left aside because a law could
-    not be fitted without them. ratio : (2, L) geometric mean over participants of a law's error over that of the
-    logarithm; ratio_low, ratio_high : its interval, t, df, p : of no difference, over participants. better : (2, L)
-    cells in which the law's error is the smaller one, compared : (2,) cells.
+    laws in the order of ``LAWS``; NaN where it cannot be had. ratio : (2, L) geometric mean over participants of a
+    law's error over that of the logarithm; ratio_low, ratio_high : its interval, p : of no difference, Student's t over
+    participants, NaN below two. better : (2, L) cells in which the law's error is the smaller one, compared : (2,)
+    cells.
     """
 
     participant: Names
     specimen: Names
     error: Floats
-    unpredicted: Ints
     ratio: Floats
     ratio_low: Floats
     ratio_high: Floats
-    t: Floats
-    df: Floats
     p: Floats
     better: Ints
     compared: Ints
-    participants: int
-    confidence: float
-
-    def outcomes(self) -> tuple[Outcome, ...]:
-        """Power and straight line beside the logarithm, each kind of prediction."""
-        undefined = "undefined: fewer than two participants"
-        return tuple(
-            Outcome(
-                method=f"{LAWS[law]} law beside the logarithm, leave one {left_out} out",
-                n=self.participants,
-                statistic_name="t",
-                statistic=float(self.t[kind, law]),
-                df=(float(self.df[kind, law]),),
-                p=float(self.p[kind, law]),
-                estimate_name="ratio of errors of prediction",
-                estimate=float(self.ratio[kind, law]),
-                interval=(float(self.ratio_low[kind, law]), float(self.ratio_high[kind, law])),
-                confidence=self.confidence,
-                notes=(
-                    f"smaller error in {self.better[kind, law]} of {self.compared[kind]} cells",
-                    *([undefined] if np.isnan(self.p[kind, law]) else []),
-                ),
-            )
-            for kind, left_out in enumerate(LEFT_OUT)
-            for law in (1, 2)
-        )
 
 
 @dataclass(frozen=True, eq=False)
 class CellErrors:
-    """Of one cell: error (2, L), and unpredicted (2,) points, as in ``ForceLaws``."""
+    """Of one cell: error (2, L) as in ``ForceLaws``."""
 
     participant: str
     specimen: str
     error: Floats
-    unpredicted: Ints
 
 
 def force_laws(fits: Fits, use: str, confidence: float = 0.95) -> ForceLaws:
@@ -102,8 +71,7 @@ def cell_errors(fits: Fits, use: str) -> list[CellErrors]:
     found = []
     for (participant, specimen), own in rows.items():
         kinds = [_errors(fits.bin_force_n[own], fits.bin_v[own], split) for split in (_without_a_press, _without_a_bin)]
-        errors, aside = zip(*kinds, strict=True)
-        found.append(CellErrors(participant, specimen, np.array(errors), np.array(aside, dtype=np.int64)))
+        found.append(CellErrors(participant, specimen, np.array(kinds)))
     return found
 
 
@@ -116,10 +84,9 @@ def compare_laws(cells: Iterable[CellErrors], confidence: float = 0.95) -> Force
     )
     cells.sort(key=lambda cell: (people[cell.participant], specimens[cell.specimen]))
     error = np.stack([cell.error for cell in cells], axis=-1) if cells else np.empty((2, len(LAWS), 0))
-    unpredicted = np.sum([cell.unpredicted for cell in cells], axis=0) if cells else np.zeros(2, dtype=np.int64)
     participant = np.array([cell.participant for cell in cells], dtype=np.str_)
     specimen = np.array([cell.specimen for cell in cells], dtype=np.str_)
-    return _compared(participant, specimen, error, unpredicted, confidence)
+    return _compared(participant, specimen, error, confidence)
 
 
 _Split = Callable[[Floats, Floats], tuple[Floats, Floats, Floats, Floats]]
@@ -140,22 +107,22 @@ def _without_a_bin(force_n: Floats, v: Floats) -> tuple[Floats, Floats, Floats, 
     return seen_f, seen_v, force_n.reshape(r * b, 1), v.reshape(r * b, 1)
 
 
-def _errors(force_n: Floats, v: Floats, split: _Split) -> tuple[Floats, int]:
-    """Relative error (L,) of every law, and how many points a law could not predict."""
+def _errors(force_n: Floats, v: Floats, split: _Split) -> Floats:
+    """Relative error (L,) of every law, over the points that every law could predict."""
     seen_f, seen_v, force_n, v = split(force_n, v)
     enough = (np.count_nonzero(np.isfinite(seen_v) & (seen_f > 0), axis=1) >= _MIN_POINTS) if seen_v.size else []
     if not np.any(enough):
-        return np.full(len(LAWS), np.nan), int(np.count_nonzero(np.isfinite(v)))
+        return np.full(len(LAWS), np.nan)
     seen_f, seen_v, force_n, v = (values[enough] for values in (seen_f, seen_v, force_n, v))
     predicted = np.stack([law(seen_f, seen_v, force_n) for law in (_logarithm, _power, _linear)])
     known = np.isfinite(v) & np.isfinite(force_n)
     all_of = known & np.all(np.isfinite(predicted), axis=0)
     if not np.any(all_of):
-        return np.full(len(LAWS), np.nan), int(np.count_nonzero(known))
+        return np.full(len(LAWS), np.nan)
     residual = np.where(all_of, predicted - np.where(known, v, 0.0), 0.0)
     level = abs(float(np.mean(v[all_of])))
     found = np.sqrt(np.sum(residual**2, axis=(1, 2)) / np.count_nonzero(all_of))
-    return found / (level if level > 0 else np.nan), int(np.count_nonzero(known & ~all_of))
+    return np.asarray(found / (level if level > 0 else np.nan))
 
 
 def _logarithm(seen_f: Floats, seen_v: Floats, force_n: Floats) -> Floats:
@@ -174,7 +141,7 @@ def _linear(seen_f: Floats, seen_v: Floats, force_n: Floats) -> Floats:
     return fit_line(f, v, there.astype(np.float64)).at(force_n)
 
 
-def _compared(participant: Names, specimen: Names, error: Floats, unpredicted: Ints, confidence: float) -> ForceLaws:
+def _compared(participant: Names, specimen: Names, error: Floats, confidence: float) -> ForceLaws:
     people = in_order(participant)
     with np.errstate(divide="ignore", invalid="ignore"):
         log_ratio = np.log(error / error[:, :1])
@@ -200,15 +167,10 @@ def _compared(participant: Names, specimen: Names, error: Floats, unpredicted: I
         participant=participant,
         specimen=specimen,
         error=error,
-        unpredicted=unpredicted,
         ratio=np.exp(mean),
         ratio_low=np.exp(mean - reach),
         ratio_high=np.exp(mean + reach),
-        t=t,
-        df=df,
         p=2 * special.stdtr(df, -np.abs(t)),
         better=np.count_nonzero(log_ratio < 0, axis=2),
         compared=np.count_nonzero(there[:, 0], axis=1),
-        participants=people.size,
-        confidence=confidence,
     )

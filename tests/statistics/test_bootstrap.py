@@ -40,7 +40,6 @@ def test_one_sample_interval_is_scipys_of_the_same_resamples(statistic: object) 
         mine = BootstrapResult(None, drawn[i], None)
         peer = stats.bootstrap((one[i, 0],), PEERS[statistic], n_resamples=0, bootstrap_result=mine)  # type: ignore[index]
         np.testing.assert_allclose([found.low[i], found.high[i]], peer.confidence_interval, rtol=1e-11)
-        np.testing.assert_allclose(found.se[i], peer.standard_error, rtol=1e-12)
 
 
 def test_two_sample_interval_is_scipys_of_the_same_resamples() -> None:
@@ -81,7 +80,6 @@ def test_interval_follows_a_monotone_map() -> None:
     found, mapped = bca(DESIGNS, mean, 4000, 1), bca(DESIGNS, lambda x: np.exp(mean(x) / 100), 4000, 1)
     np.testing.assert_allclose(np.log(mapped.low) * 100, found.low, rtol=0.01)
     np.testing.assert_allclose(np.log(mapped.high) * 100, found.high, rtol=0.01)
-    np.testing.assert_array_equal(mapped.z0, found.z0)
 
 
 def test_shift_and_scale() -> None:
@@ -90,7 +88,6 @@ def test_shift_and_scale() -> None:
         other = bca(DESIGNS * scale + shift, mean, 300, 1)
         ends = np.sort([found.low * scale + shift, found.high * scale + shift], axis=0)
         np.testing.assert_allclose([other.low, other.high], ends, rtol=1e-8)
-        np.testing.assert_allclose(other.se, found.se * abs(scale), rtol=1e-7)
 
 
 def test_coverage_beats_percentiles_on_skewed_samples() -> None:
@@ -105,29 +102,19 @@ def test_coverage_beats_percentiles_on_skewed_samples() -> None:
 
 
 def test_degenerate_samples() -> None:
-    nan = np.nan
-    equal = bca([[2.0, 2.0, 2.0]], mean, 100)
+    nan, one = np.nan, [[1.0, 2.0, 4.0]]
+    equal, single = bca([[2.0, 2.0, 2.0]], mean, 100), bca([[2.0, nan]], mean, 100)
     assert (equal.low[0], equal.high[0]) == (2.0, 2.0)
-    assert "same value" in equal.outcome().notes[0]
-    single = bca([[2.0, nan]], mean, 100)
     assert np.isnan(single.low[0])
-    assert "no group of two values" in single.outcome().notes[0]
-    outside = bca([[1.0, 2.0, 4.0]], lambda x: np.where(np.nansum(x, axis=(-2, -1)) == 7.0, 99.0, mean(x)), 100, 4)
-    assert np.isnan(outside.high[0]) == np.isinf(outside.z0[0])
-    undefined = bca([[1.0, 2.0, 4.0]], lambda x: np.full(x.shape[:-2], nan), 100)
-    assert "undefined" in undefined.outcome().notes[0]
-    few = bca([[1.0, 2.0, 4.0]], lambda x: np.where(sd(x) > 0, mean(x), nan), 500, 1)
-    assert few.undefined[0] > 0
-    assert "left out" in few.outcome().notes[-1]
+    eight = np.arange(8.0)[None]
+    outside = bca(eight, lambda x: np.where(np.all(x == eight, axis=(-2, -1)), 99.0, mean(x)), 100, 4)
+    undefined = bca(one, lambda x: np.full(x.shape[:-2], nan), 100)
+    assert np.isnan([outside.high[0], undefined.low[0], undefined.estimate[0]]).all()
+    few = bca(one, lambda x: np.where(sd(x) > 0, mean(x), nan), 500, 1)
     assert 1.0 < few.low[0] < few.high[0] < 4.0
 
 
-def test_outcome_and_refusals() -> None:
-    outcome = bca(DESIGNS, difference, 200, name="difference of means").outcome(3)
-    assert outcome.estimate_name == "difference of means"
-    assert outcome.n == 20
-    assert "groups of 8" in outcome.notes[0]
-    assert "200" in outcome.method
+def test_refusals() -> None:
     with pytest.raises(DataError, match="statistic"):
         bca(DESIGNS, lambda x: np.nanmean(x, axis=-1))
     with pytest.raises(SettingError, match="resamples"):
