@@ -26,8 +26,7 @@ from statsmodels.stats.power import TTestPower, ftest_power_f2
 from benchmarks.bench.case import Case, Size, Way
 from benchmarks.statistics.design_cases import design_cases
 from benchmarks.statistics.exact_laws import power_of_rm, range_survival
-from benchmarks.statistics.group_cases import group_cases
-from benchmarks.statistics.mixed_cases import mixed_cases
+from benchmarks.statistics.group_cases import group_cases, mixed_cases
 from benchmarks.statistics.sample_cases import sample_cases
 from benchmarks.stress.exact_curves import exact_huber, mpfs
 from emg2vsa.curves.line import TUNING, fit_line_huber
@@ -283,9 +282,8 @@ def main() -> None:
     told = {
         "title": "Statistics on libraries",
         "blocks": [
-            "`python -m benchmarks.statistics.on_libraries`: least CPU time of three runs on one core (of one, above 0.3 s); "
-            "digits of the "
-            "worst number against exact arithmetic. What was decided, and why: docs/decisions.",
+            "`python -m benchmarks.statistics.on_libraries`: least CPU time of three runs on one core (of one, above "
+            "0.3 s); digits of the worst number against exact arithmetic. What was decided: docs/decisions.",
             {"head": head, "rows": list(library_rows())},
             "What a library costs before its first call, beyond NumPy and the parts of SciPy that the stage has:",
             {"head": ["", "CPU s"], "rows": list(import_rows())},
