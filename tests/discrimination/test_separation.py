@@ -235,8 +235,7 @@ def test_the_experiments_factors(runs: tuple[RunScores, ...], stiffness_n_per_mm
     assert factors.constant == ()
     for found in (factors.casr, factors.area):
         assert found is not None
-        assert found.n == 270
-        assert found.empty_cells == 18  # constant stiffness at one angle only
+        assert found.error_df == 270 - 27  # constant stiffness at one angle only: 18 of 45 cells are empty
         at = {name: i for i, name in enumerate(found.effects)}
         assert found.p[at["specimen"]] < 1e-50
         assert found.p[at["angle"]] < 1e-50
@@ -264,9 +263,9 @@ def test_scores_without_a_logarithm_are_counted(
     factors = discriminate(runs, stiffness_n_per_mm, "S_new").factors
     assert factors.not_positive == (0, 2)
     assert factors.casr is not None
-    assert factors.casr.n == 28
+    assert factors.casr.error_df == 28 - 3
     assert factors.area is not None
-    assert factors.area.n == 30
+    assert factors.area.error_df == 30 - 3
 
 
 @pytest.mark.parametrize("presses", [0, 1])
