@@ -170,12 +170,8 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         verdict_of_all(worst < 0.882, not unknown),
         why=not_tested(unknown) if straight else "The study file gives no R² of the plate tests.",
     )  # fmt: skip
-    r2, used, curves, asked = (
-        float(q["fit.adj_r2_samples.min"]),
-        int(q["fit.used"]),
-        int(q["fit.curves"]),
-        _asked(results),
-    )
+    r2, used = float(q["fit.adj_r2_samples.min"]), int(q["fit.used"])
+    curves, asked = int(q["fit.curves"]), _asked(results)
     yield Claim(
         "log_fit_r2", "the law a + b ln F describes every press", "adj. R² ≥ .832", bounded(r2), r2,
         verdict_of_all(r2 < 0.832, used == asked),
