@@ -42,11 +42,6 @@ _READING = """
 """
 
 
-def add_jobs(parser: argparse.ArgumentParser) -> None:
-    """Number of processes."""
-    add_options(parser, JOBS, COUNT)
-
-
 def add_channels(parser: argparse.ArgumentParser) -> None:
     """Which channels of a single recording play which role."""
     add_options(parser.add_argument_group("channels"), _CHANNELS, sign={"type": int, "choices": (1, -1)})

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from casr.command_line import Commands, add_json, add_options
-from emg2vsa.cli.arguments import add_jobs, jobs_of
+from casr.command_line import JSON, Commands, add_options
+from emg2vsa.cli.arguments import COUNT, JOBS, jobs_of
 from emg2vsa.cli.rig.choice import CHOICE, RIG, add_rig_command, file_of, finish, person_of, runs_chosen, width
 
 if TYPE_CHECKING:
@@ -52,8 +52,7 @@ KAPPA = """
 def add_to(commands: Commands) -> None:
     parser = add_rig_command(commands, "run", run, SUMMARY, EPILOG, OPTIONS, seed={"type": int})
     add_options(parser.add_argument_group("kappa while the finger presses"), KAPPA, {"PERCENT": width})
-    add_jobs(parser)
-    add_json(parser)
+    add_options(parser, JOBS + JSON, COUNT)
 
 
 def run(arguments: argparse.Namespace) -> int:
