@@ -126,6 +126,8 @@ def test_an_edit_while_a_study_runs_is_noticed_by_stages_looked_up_later(package
 def test_the_texts_of_the_report_count_in_its_key(tmp_path: Path) -> None:
     """They stand in the sections, as strings; the library that fills them counts too."""
     found = Code(Fingerprints(tmp_path / "memory.json")).reached("emg2vsa.pipeline.stages.report")
-    assert {f"emg2vsa.report.sections.{name}" for name in ("claims", "fits", "methods")} <= set(found.modules.value)
+    assert {f"emg2vsa.report.{name}" for name in ("sections.claims", "sections.fits", "methods")} <= set(
+        found.modules.value
+    )
     assert "jinja2" in {name.lower() for name in found.libraries.value}
     assert "emg2vsa" not in found.libraries.value
