@@ -7,8 +7,10 @@ from collections.abc import Iterator
 import pytest
 
 from emg2vsa.errors import SettingError
-from emg2vsa.lab.commissioning import AtThePad
+from emg2vsa.lab.commissioning import AtThePad, mend_settings
 from emg2vsa.lab.person import NOBODY, Person
+from emg2vsa.rig.commissioning.checks import Check
+from emg2vsa.rig_file import RigFile
 
 
 def answering(said: list[str], heard: list[str] | None = None) -> tuple[AtThePad, Iterator[str]]:
@@ -33,6 +35,16 @@ def test_a_distance_is_taken_with_point_or_comma_and_asked_again_where_it_is_no_
 @pytest.mark.parametrize(("said", "towards"), [(["y"], True), (["No"], False), (["perhaps", "yes"], True)])
 def test_a_direction_is_asked_for_until_it_is_yes_or_no(said: list[str], towards: bool) -> None:
     assert answering(said)[0].towards(5.0) is towards
+
+
+def test_settings_that_are_wrong_are_written_where_the_person_agrees(file: RigFile) -> None:
+    wrong, before = [Check("push_sign", 1, -1, False, "")], file.path.read_text()
+    asked: list[str] = []
+    assert not mend_settings(file, wrong, Person(ask=lambda question: asked.append(question) or "n"))
+    assert asked == [f"Write push_sign into {file.path}? [y/N] "]
+    assert file.path.read_text() == before
+    assert mend_settings(file, wrong, Person(yes=True))
+    assert file.path.read_text() == f"{before}\n[rig]\npush_sign = -1\n"
 
 
 def test_who_says_yes_beforehand_is_not_asked() -> None:

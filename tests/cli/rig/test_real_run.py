@@ -54,7 +54,8 @@ def test_a_run_after_one_that_was_ended_is_completed_told_and_recorded(
 
     status, _, err = rig("run", served.path, *ONE)
     assert status == 2
-    assert f"{folder}: expected a run that is still to do, but found one with all its presses." in err
+    first = tmp_path / "runs" / "S1_0_modular"
+    assert f"{first}: expected a run that is still to do, but found one with all its presses." in err
 
 
 def test_a_device_that_is_absent_is_told_and_nothing_is_recorded(
