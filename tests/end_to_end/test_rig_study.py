@@ -296,6 +296,7 @@ def test_a_measured_run_is_never_overwritten(copy, capsys):
     assert (copy.parent / "runs-virtual" / "S1_0_modular" / "log.csv").is_file()
 
 
+@pytest.mark.slow
 def test_killed_halfway_and_run_again(pressed, copy, capsys):
     """Four runs of the eight, after the people's steps."""
     rig = copy.with_name("rig.toml")
