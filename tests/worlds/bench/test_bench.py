@@ -157,7 +157,7 @@ def test_help_names_every_fault(bench: EmulatedRig) -> None:
 
 def test_a_press_in_real_time(plan: Callable[..., RunPlan], tmp_path: Path) -> None:
     """The rigid motor over real ports; a machine with other work must not trip the guards."""
-    guards = GuardSettings(force_n=250, force_rate_n_per_s=1e5, stale_s=2, late_s=2, camera_s=10)
+    guards = GuardSettings(force_n=250, force_rate_n_per_s=1e5, stale_s=20, late_s=20, camera_s=20)
     rig = RigSettings(guards=guards)
     clock = WallClock()
     with EmulatedServers(EmulatedRig(EmulatedSettings(gap_mm=2.0), "S1", 0.0, True, clock, rig=rig)) as servers:
@@ -165,9 +165,9 @@ def test_a_press_in_real_time(plan: Callable[..., RunPlan], tmp_path: Path) -> N
             NetFtSettings(host="127.0.0.1", rdt_port=servers.force.rdt_port, http_port=servers.force.http_port),
             Around(clock, 4),
         )
-        camera = OpenCvCamera(servers.camera_url, clock, lost_s=10)
+        camera = OpenCvCamera(servers.camera_url, clock, lost_s=20)
         line = SerialLine(servers.port, BAUD)
-        board = RigidMotor(Qbmove(line, 1, clock=clock, watchdog_s=5.0, reply_s=2.0))
+        board = RigidMotor(Qbmove(line, 1, clock=clock, watchdog_s=60.0, reply_s=10.0))
         force.start()
         camera.start()
         fast = plan("high-stiffness", specimen="S1", repetitions=1, f_max_n=3.0, ramp_mm_per_s=20.0, pause_s=0.0)
