@@ -167,7 +167,7 @@ def test_a_press_in_real_time(plan: Callable[..., RunPlan], tmp_path: Path) -> N
         )
         camera = OpenCvCamera(servers.camera_url, clock, lost_s=20)
         line = SerialLine(servers.port, BAUD)
-        board = RigidMotor(Qbmove(line, 1, clock=clock, watchdog_s=60.0, reply_s=10.0))
+        board = RigidMotor(Qbmove(line, 1, clock=clock, watchdog_s=5.0, reply_s=4.0))
         force.start()
         camera.start()
         fast = plan("high-stiffness", specimen="S1", repetitions=1, f_max_n=3.0, ramp_mm_per_s=20.0, pause_s=0.0)
