@@ -80,7 +80,7 @@ def test_ctrl_c_at_a_terminal_reaches_calls_under_way_and_begins_no_other() -> N
     assert process.stdout is not None
     assert {process.stdout.readline() for _ in range(2)} == {"first\n", "0\n"}
     os.killpg(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=30)
+    out, err = process.communicate(timeout=35)
     assert out == ""
     assert err.count("Traceback") == 1
     assert err.endswith("KeyboardInterrupt\n")

@@ -97,7 +97,7 @@ def test_a_child_that_was_killed_is_noticed(start) -> None:
     child.pipes.send(b"one")
     child.pipes.receive()
     os.kill(child.pid, signal.SIGKILL)
-    assert child.wait(5.0) == -signal.SIGKILL
+    assert child.wait(60) == -signal.SIGKILL
     assert child.pipes.readable()
     assert not child.alive
 
@@ -149,8 +149,8 @@ def test_it_ends_with_its_parent(start, tmp_path: Path, function: str, how: str)
     pid = int(parent.stdout.readline())
     if how == "killed":
         parent.kill()
-    parent.communicate(timeout=20)
-    end_s = time.monotonic() + 5.0
+    parent.communicate(timeout=60)
+    end_s = time.monotonic() + 60
     while _runs(pid) and time.monotonic() < end_s:
         time.sleep(0.02)
     assert not _runs(pid)

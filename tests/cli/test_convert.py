@@ -59,7 +59,7 @@ def test_the_validator_finds_no_error(converted: Path) -> None:
     if program is None:
         pytest.skip("bids-validator-deno is not installed (extra 'test')")
     done = subprocess.run(
-        [program, str(converted / "bids"), "--format", "json"], capture_output=True, text=True, timeout=60
+        [program, str(converted / "bids"), "--format", "json"], capture_output=True, text=True, timeout=300
     )
     issues = json.loads(done.stdout)["issues"]["issues"]
     assert issues

@@ -57,7 +57,7 @@ def test_a_session_like_the_papers_gives_back_a_and_b(tmp_path, capsys):
 
     if program := shutil.which("bids-validator-deno", path=str(Path(sys.executable).parent)):
         words = [program, str(tmp_path / "data"), "--format", "json"]
-        done = subprocess.run(words, capture_output=True, text=True, timeout=120)
+        done = subprocess.run(words, capture_output=True, text=True, timeout=600)
         issues = json.loads(done.stdout)["issues"]["issues"]
         assert [issue for issue in issues if issue["severity"] == "error"] == []
 

@@ -43,7 +43,7 @@ def test_devices_are_served_until_the_block_ends_and_the_truth_is_kept(study, tm
     with session.emulate(study, "P03", virtual=virtual) as table:
         emg = table.served.addresses["emg"]
         assert emg["ports"]["command"] == study.session.emg.command_port
-        with socket.create_connection(("127.0.0.1", emg["ports"]["command"]), timeout=5) as line:
+        with socket.create_connection(("127.0.0.1", emg["ports"]["command"]), timeout=60) as line:
             assert line.recv(20).startswith(b"Delsys")
         table.place("S1")
         table.served.trigno.drop(2)
@@ -53,7 +53,7 @@ def test_devices_are_served_until_the_block_ends_and_the_truth_is_kept(study, tm
         assert not virtual.truth.exists()
     assert json.loads(virtual.truth.read_text())["participant"] == "P03"
     with pytest.raises(ConnectionRefusedError):
-        socket.create_connection(("127.0.0.1", emg["ports"]["command"]), timeout=5)
+        socket.create_connection(("127.0.0.1", emg["ports"]["command"]), timeout=60)
     assert capsys.readouterr().out == ""
 
 

@@ -157,7 +157,7 @@ def test_the_pages_answer_until_the_session_has_ended(study):
         threading.Thread(target=lambda: answers.extend(map(answer, addresses[:2])), daemon=True).start()
 
     def answer(address):
-        with urllib.request.urlopen(address, timeout=10) as page:
+        with urllib.request.urlopen(address, timeout=60) as page:
             return page.status
 
     def stop(state):

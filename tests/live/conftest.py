@@ -85,7 +85,7 @@ def computed_by() -> Callable[[str], Callable[..., Any]]:
             )
             done = subprocess.run(
                 [program, "run", "--quiet", "--no-config", "--ext=js", "-"],
-                input=script, capture_output=True, text=True, timeout=60, check=True,
+                input=script, capture_output=True, text=True, timeout=300, check=True,
             )  # fmt: skip
             results: list[Any] = json.loads(done.stdout)
             return results

@@ -44,12 +44,12 @@ def test_a_page_is_watched_and_ctrl_c_ends_it_while_somebody_looks(begin, row, r
     with started(command) as server:
         lines = [server.stdout.readline() for _ in range(3)]
         address = urlsplit(lines[1].split()[1])
-        page = http.client.HTTPConnection(address.netloc, timeout=30)
+        page = http.client.HTTPConnection(address.netloc, timeout=120)
         page.request("GET", f"{address.path}stream")
         answer = page.getresponse()
         told = [answer.readline() for _ in range(3)]
         server.send_signal(signal.SIGINT)
-        _, complaints = server.communicate(timeout=30)
+        _, complaints = server.communicate(timeout=120)
     assert lines[0] == f"Watching {runs}\n"
     assert address.hostname == "127.0.0.1"
     assert len(address.path.split("/")[1]) >= 20

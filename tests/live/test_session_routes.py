@@ -318,20 +318,20 @@ class Served:
 
         self._thread = threading.Thread(target=served)
         self._thread.start()
-        assert ready.wait(10)
+        assert ready.wait(60)
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
         self._end.set()
-        self._thread.join(10)
+        self._thread.join(60)
         assert not self._thread.is_alive()
 
 
 def status(address, **headers):
     try:
-        with urllib.request.urlopen(urllib.request.Request(address, headers=headers), timeout=10) as answer:
+        with urllib.request.urlopen(urllib.request.Request(address, headers=headers), timeout=60) as answer:
             return answer.status
     except urllib.error.HTTPError as error:
         return error.code

@@ -123,7 +123,7 @@ def test_workers_end_with_a_process_that_is_killed(tmp_path: Path, tasks: Callab
     workers = [Path("/proc", path.read_text()) for path in pids]
     parent.send_signal(signal.SIGKILL)
     parent.wait()
-    assert soon(lambda: not any(map(runs, workers)), 10)
+    assert soon(lambda: not any(map(runs, workers)), 60)
 
 
 def runs(process: Path) -> bool:

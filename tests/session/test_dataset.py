@@ -236,7 +236,7 @@ def test_the_validator_finds_no_error(made):
         pytest.skip("bids-validator-deno is not installed (extra 'test')")
     write_dataset(made.folder, made.study)
     done = subprocess.run(
-        [program, str(made.study.data), "--format", "json"], capture_output=True, text=True, timeout=60
+        [program, str(made.study.data), "--format", "json"], capture_output=True, text=True, timeout=300
     )
     issues = json.loads(done.stdout)["issues"]["issues"]
     assert [issue for issue in issues if issue["severity"] == "error"] == []

@@ -32,12 +32,18 @@ SETTINGS = SessionSettings(emg=SimulatedEmgSettings(), force=SimulatedForceSetti
 EMG = StreamInfo("emg", ("EDC",), "V", 1000.0)
 
 
+def running() -> threading.Event:
+    event = threading.Event()
+    event.set()
+    return event
+
+
 @dataclass
 class SmallDisk(OperatingSystem):
-    """A disk with so much room; a write that does not fit is taken in part, as disks do. slow_s : of an fsync."""
+    """A disk with so much room, which takes a part of what does not fit. An fsync ends when it goes on."""
 
     room: int = 10_000
-    slow_s: float = 0.0
+    goes_on: threading.Event = field(default_factory=running)
     broken: bool = False
     sizes: dict[int, int] = field(default_factory=dict)
 
@@ -54,7 +60,7 @@ class SmallDisk(OperatingSystem):
         self.sizes[handle] = size
 
     def sync(self, handle: int) -> None:
-        time.sleep(self.slow_s)
+        self.goes_on.wait(20)
         if self.broken:
             raise OSError(errno.EIO, os.strerror(errno.EIO))
 
@@ -132,16 +138,16 @@ def test_samples_beyond_what_may_wait_are_given_up_and_counted(tmp_path, monkeyp
 
 def test_no_caller_waits_for_a_slow_disk(tmp_path):
     threads = threading.active_count()
-    record = a_session(tmp_path, SmallDisk(room=10**9, slow_s=0.05), background=True)
+    disk = SmallDisk(room=10**9)
+    record = a_session(tmp_path, disk, background=True)
     stream = record.open_stream("emg", EMG)
-    longest_s = 0.0
+    assert record.wait()
+    disk.goes_on.clear()
     for i in range(8):
-        begin_s = time.perf_counter()
         stream.append(Block(np.ones((10, 1)), 10 * i, 0.0))
         record.append(Noted(str(i)))
-        longest_s = max(longest_s, time.perf_counter() - begin_s)
-    assert not record.is_safe
-    assert longest_s < 0.05, longest_s
+    assert not record.is_safe  # so no call has waited
+    disk.goes_on.set()
     assert record.wait()
     assert record.is_safe
     record.close()
@@ -228,18 +234,24 @@ def test_lines_that_wait_together_share_the_time_of_their_samples(tmp_path):
 
         def sync(self, handle: int) -> None:
             self.calls.append(f"sync {handle}")
-            time.sleep(0.05)
+            goes_on.wait(20)
 
+    goes_on = running()
     system = Slow()
     record = a_session(tmp_path, system, background=True)
     stream = record.open_stream("emg", EMG)
     assert record.wait()
-    record.append(Noted("first"))
-    time.sleep(0.02)  # it is being written
+    goes_on.clear()
     system.calls.clear()
+    record.append(Noted("first"))
+    end_s = time.monotonic() + 60
+    while not any(call.startswith("sync") for call in system.calls) and time.monotonic() < end_s:
+        time.sleep(0.001)
+    system.calls.clear()  # it is being written
     for i in range(5):
         stream.append(Block(np.zeros((100, 1)), 100 * i, 0.0))
         record.append(Noted(f"{i}"))
+    goes_on.set()
     assert record.wait()
     syncs = [call for call in system.calls if call.startswith("sync")]
     record.close()

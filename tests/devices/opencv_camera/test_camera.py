@@ -89,7 +89,7 @@ class Capture:
 
     def grab(self):
         self.taken.release()
-        self.allowed.acquire(timeout=5)
+        self.allowed.acquire(timeout=60)
         return not self.fails
 
     def retrieve(self):
@@ -101,11 +101,11 @@ class Capture:
 
     def give(self, fails=False):
         """Let a frame come, and return when it was taken and the camera waits for the next."""
-        self.taken.acquire(timeout=5)
+        self.taken.acquire(timeout=60)
         self.fails = fails
         self.allowed.release()
         if not fails:
-            self.taken.acquire(timeout=5)
+            self.taken.acquire(timeout=60)
             self.taken.release()
 
 
@@ -129,13 +129,13 @@ def camera(hand, capture):
     capture.allowed.release()
     camera = OpenCvCamera(3, hand, open_capture=lambda source: capture)
     camera.start()
-    capture.taken.acquire(timeout=5)
+    capture.taken.acquire(timeout=60)
     yield camera
     camera._ended.set()
     capture.fails = True
     capture.allowed.release()
     camera.close()
-    assert capture.released.wait(5)
+    assert capture.released.wait(60)
 
 
 def test_frames_come_with_their_times(hand, capture, camera):
@@ -156,12 +156,12 @@ def test_a_frame_is_timed_when_it_was_exposed(hand, capture):
     capture.allowed.release()
     camera = OpenCvCamera(3, hand, delay_s=0.06, open_capture=lambda source: capture)
     camera.start()
-    capture.taken.acquire(timeout=5)
+    capture.taken.acquire(timeout=60)
     assert camera.frames()[0].time_s == pytest.approx(hand.now_s() - 0.06)
     hand.time_s = 0.45  # lost is one that brings nothing, not one whose frames are old
     assert camera.frames() == []
     capture.give(fails=True)
-    assert capture.released.wait(5)
+    assert capture.released.wait(60)
 
 
 def test_a_camera_that_falls_silent(hand, camera):
@@ -176,7 +176,7 @@ def test_a_camera_that_falls_silent(hand, camera):
 def test_a_camera_that_is_pulled_out(capture, camera):
     camera.frames()
     capture.give(fails=True)
-    assert capture.released.wait(5)
+    assert capture.released.wait(60)
     camera._thread.join(5)
     with pytest.raises(DeviceError, match="no frame"):
         camera.frames()

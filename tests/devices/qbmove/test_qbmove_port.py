@@ -33,7 +33,7 @@ def port() -> Iterator[str]:
 
 
 def test_a_plain_client_sends_and_receives_bytes(port: str) -> None:
-    with serial.Serial(port, 2_000_000, timeout=2.0) as client:
+    with serial.Serial(port, 2_000_000, timeout=60) as client:
         client.write(bytes.fromhex("3a3a 01 02 84 84"))
         assert client.read(12) == bytes.fromhex("3a3a 01 08 84 0000 0000 0000 84")
         client.write(bytes.fromhex("3a3a 01 02 00 00") * 5)
@@ -42,7 +42,7 @@ def test_a_plain_client_sends_and_receives_bytes(port: str) -> None:
 
 def test_every_byte_value_passes_unchanged(port: str) -> None:
     # a terminal that is not raw would translate 0d, echo, or stop at 13
-    with serial.Serial(port, 2_000_000, timeout=2.0) as client:
+    with serial.Serial(port, 2_000_000, timeout=60) as client:
         client.write(bytes(range(256)).replace(b":", b"") + bytes.fromhex("3a3a 01 02 00 00"))
         assert client.read(6) == bytes.fromhex("3a3a 01 02 00 00")
         client.write(bytes.fromhex("3a3a 01 04 0c 0000 0c"))

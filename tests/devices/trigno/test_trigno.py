@@ -110,7 +110,7 @@ def counter(n: int) -> np.ndarray:
 
 def read_until_lost(source: TrignoSource) -> tuple[list[Block], str]:
     blocks: list[Block] = []
-    end_s = time.monotonic() + 5
+    end_s = time.monotonic() + 60
     while time.monotonic() < end_s:
         try:
             blocks += source.read()

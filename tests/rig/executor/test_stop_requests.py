@@ -74,7 +74,7 @@ def test_bytes_that_are_no_text_stop_as_well(tmp_path: Path) -> None:
 def test_the_stop_file_is_seen_soon_while_a_run_goes_on_without_a_look_at_the_disk(tmp_path: Path) -> None:
     with StopRequests(tmp_path) as stop:
         (tmp_path / STOP_FILE).write_text("the page")
-        end_s = time.monotonic() + 5
+        end_s = time.monotonic() + 60
         while stop() is None and time.monotonic() < end_s:
             time.sleep(0.001)
         assert stop() == "the page"

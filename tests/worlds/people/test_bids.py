@@ -30,7 +30,7 @@ def validate() -> Callable[[Path], list[dict[str, str]]]:
         pytest.skip("bids-validator-deno is not installed (extra 'test')")
 
     def run(folder: Path) -> list[dict[str, str]]:
-        done = subprocess.run([program, str(folder), "--format", "json"], capture_output=True, text=True, timeout=60)
+        done = subprocess.run([program, str(folder), "--format", "json"], capture_output=True, text=True, timeout=300)
         return list(json.loads(done.stdout)["issues"]["issues"])
 
     return run
