@@ -15,6 +15,8 @@ from benchmarks.bench.record import RESULTS, is_record, markdown
 from benchmarks.bench.run import read_area
 from benchmarks.bench.tables import tables as area_tables
 from benchmarks.mutation.table import tables as mutation_tables
+from benchmarks.scale.results import kept as kept_scale
+from benchmarks.scale.results import tables as scale_tables
 from benchmarks.stress.table import tables as stress_tables
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -89,6 +91,8 @@ def _show_tables(app: Sphinx, name: str, source: list[str]) -> None:
 def _tables(file: str) -> str:
     if file == "mutation":
         return mutation_tables([json.loads(path.read_text()) for path in sorted(RESULTS.glob("mutation_*.json"))])
+    if file == "scale.json":
+        return scale_tables(kept_scale())
     path = ROOT / "docs" / "benchmarks" / file
     if file == "stress.json":
         return stress_tables(json.loads(path.read_text(encoding="utf-8")))

@@ -206,16 +206,21 @@ def _tables(definitions: dict[str, Any], names: list[str], at: str, level: str, 
     for name in names:
         (kind,) = definitions[name]["properties"]["kind"]["enum"]
         lines += ["", f'{level} `{_heading(at, many=False)}` with `kind = "{kind}"`', ""]
-        lines += [definitions[name]["description"], "", *_table(definitions, name, paper)]
+        default = " The default." if "default" in definitions[name]["properties"]["kind"] else ""
+        lines += [definitions[name]["description"] + default, "", *_table(definitions, name, paper, of_kind=True)]
     return lines[1:]
 
 
-def _table(definitions: dict[str, Any], name: str, paper: dict[str, Any]) -> list[str]:
+_OF_KIND = "Of the device; each kind has keys of its own."
+
+
+def _table(definitions: dict[str, Any], name: str, paper: dict[str, Any], *, of_kind: bool = False) -> list[str]:
+    """The keys of a table; of_kind: the heading above it says its kind."""
     heads = ["key", "value", "default", *(["paper"] if paper else []), "meaning"]
     rows = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
     definition = definitions[name]
     for key, described in definition["properties"].items():
-        if _targets(described):
+        if _targets(described) or (of_kind and key == "kind" and described["description"] == _OF_KIND):
             continue
         default = "required" if key in definition.get("required", ()) else _value(described.get("default"))
         paper_cell = [_value(paper.get(key))] if paper else []

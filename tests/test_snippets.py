@@ -19,8 +19,10 @@ PAGES = {
     for path in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
     if NOTEBOOKS not in path.parents and ROOT / "docs" / "_build" not in path.parents and blocks_of(path)
 }
-FAST = ("README.md", "docs/how-to/add-a-device.md", "docs/how-to/measured-runs.md", "docs/how-to/tactile.md")
-PALPATION = ("docs/architecture.md", "docs/tutorial.md", *(f"docs/how-to/{name}.md" for name in (
+FAST = ("README.md", "docs/architecture.md", *(f"docs/how-to/{name}.md" for name in (
+    "add-a-device", "measured-runs", "tactile",
+)))  # fmt: skip
+PALPATION = ("docs/tutorial.md", *(f"docs/how-to/{name}.md" for name in (
     "coordinator", "dynamixel", "engineer", "session", "watch-a-run",
 )))  # fmt: skip
 """Pages of which the reader has the recordings of studies/palpation and its results up to the schedules."""

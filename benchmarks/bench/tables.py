@@ -10,11 +10,8 @@ from benchmarks.bench.results import AreaResult, CaseResult, Row
 from benchmarks.bench.timing import Spread
 
 HOW_MEASURED = (
-    "Processor time of one thread. All ways of a case run in turn, in rounds, and the order turns by one each round. "
     "A time is the median of the rounds, with its interquartile range. A ratio is taken within each round against the "
-    "first row: median and 5 % to 95 % of the rounds; above 1 means slower than the first row. The first call of a way "
-    "counts nowhere; it is named where it took over five times the median. `equal` work has the input and output of "
-    "the first row; `as used` is the library as its documentation shows it."
+    "first row: median and 5 % to 95 % of the rounds; above 1 means slower than the first row."
 )
 HEAD = ("#", "library", "way", "work", "CPU ms", "ratio", "error", "digits", "peak MB")
 
@@ -27,8 +24,7 @@ def page(area: AreaResult, picture: str = "") -> str:
     """The page of an area: question, answer and one picture. The site adds `tables` where the page ends."""
     lines = [
         f"# {area.name}", "", area.question, "",
-        f"Written by `emg2vsa tools bench {area.name}`; do not edit. All tables are in `{area.name}.json`; the "
-        "documentation site shows them here. How it is timed: [benchmarks](README.md).", "",
+        f"Written by `emg2vsa tools bench {area.name}` ([how it is timed](README.md)).", "",
         f"**Answer.** {_answer(area)}{area.meaning}", "",
         *([f"![{area.name}: time against size or error]({picture})", ""] if picture else []),
         TABLES.format(f"{area.name}.json"),
@@ -64,17 +60,17 @@ def case_lines(case: CaseResult) -> list[str]:
 
 
 def index(areas: Iterable[AreaResult]) -> str:
-    """The page of all areas, one headline row each."""
+    """The page of all areas, one row each; the answer stands on the page of the area."""
     lines = [
         "# Benchmarks", "",
         "Time and error of this project beside other libraries, measured in one run.",
         "`emg2vsa tools bench AREA` writes the page of an area again; `emg2vsa tools bench --list` names the areas.",
+        "The tables of an area are in its JSON file; the documentation site shows them on its page.",
         "How it is timed, and why: [decision 29](../decisions/0029-how-we-time.md).", "",
         HOW_MEASURED, "",
     ]  # fmt: skip
-    rows = [(f"[{area.name}]({area.name}.md)", area.question, *_headline(area)) for area in areas]
-    head = ("area", "question", "first case", "CPU ms", "nearest peer, equal work", "ratio", "error ours", "error peer")
-    return "\n".join(lines + table(head, rows)) + "\n"
+    rows = [(f"[{area.name}]({area.name}.md)", area.question) for area in areas]
+    return "\n".join(lines + table(("area", "question"), rows)) + "\n"
 
 
 def provenance(area: AreaResult) -> str:

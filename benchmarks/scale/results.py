@@ -1,4 +1,4 @@
-"""Results of the scale benchmark: kept as JSON, shown as a table with exponents of growth and as curves."""
+"""Results of the scale benchmark: kept as JSON, shown as curves, and on the site as tables with exponents of growth."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.bench.tables import table
 from casr.atomic import write_text_atomic
 from emg2vsa.figures.canvas import style, svg_text
 
@@ -36,12 +37,12 @@ def kept() -> dict[str, Rows]:
 
 
 def keep(kind: str, key: str, row: dict[str, Any]) -> None:
-    """Keep a row in the place of an earlier one of the same size, and write table and curves anew."""
+    """Keep a row in the place of an earlier one of the same size, and write page and curves anew."""
     found = kept()
     rows = [other for other in found[kind] if other[key] != row[key]] + [row]
     found[kind] = sorted(rows, key=lambda each: each[key])
     write_text_atomic(FOLDER / "scale.json", json.dumps(found, indent=1) + "\n")
-    write_text_atomic(FOLDER / "scale.md", "\n".join(_text(found)) + "\n")
+    write_text_atomic(FOLDER / "scale.md", PAGE)
     _draw(found)
 
 
@@ -62,39 +63,55 @@ def per_person(sizes: Sequence[float], values: Sequence[float]) -> float:
     return float(np.polyfit(sizes, values, 1)[0]) if len(sizes) > 1 else float("nan")
 
 
-def _text(found: dict[str, Rows]) -> list[str]:
-    lines = [
-        "# Scale on one machine",
-        "",
-        "Made by `python -m benchmarks.scale`. CPU seconds of one process, one thread.",
-    ]
+PAGE = """\
+# Scale on one machine
+
+Made by `python -m benchmarks.scale`. CPU seconds of one process, one thread. The tables are in `scale.json`; the
+documentation site shows them here.
+
+**Answer.** Time, memory and files of a whole run grow no faster than the participants. Memory of a stream of frames
+does not grow.
+
+![People: time, memory and page over participants](scale_people.svg)
+
+![Frames: time and memory over frames](scale_frames.svg)
+
+<!-- tables: scale.json -->
+"""
+
+
+def tables(found: dict[str, Rows]) -> str:
+    """What the documentation site shows of the JSON."""
+    lines: list[str] = []
     if people := found["people"]:
         sizes = [row["participants"] for row in people]
         lines += [
-            "", "## People", "",
+            "## People", "",
             "Five recordings a participant, no rig. Trials are stored beforehand (`benchmarks/scale/people.py`); all "
             "else is computed. The exponent is of value over participants, with its standard error. A constant part, "
             "such as loading libraries, makes it smaller.", "",
-            "| | " + " | ".join(map(str, sizes)) + " | exponent | slope for a participant |",
-            "|---|" + "---:|" * (len(sizes) + 2),
         ]  # fmt: skip
+        rows = []
         for head, value in PEOPLE.values():
             values = [value(row) for row in people]
             slope, error = growth(sizes, values)
-            shown = " | ".join(f"{each:.3g}" for each in values)
-            lines.append(f"| {head} | {shown} | {slope:.2f} ± {error:.2f} | {per_person(sizes, values):.2g} |")
+            shown = [f"{each:.3g}" for each in values]
+            rows.append([head, *shown, f"{slope:.2f} ± {error:.2f}", f"{per_person(sizes, values):.2g}"])
+        lines += table(["", *map(str, sizes), "exponent", "slope for a participant"], rows)
     if frames := found["frames"]:
         lines += [
             "", "## Frames", "",
             "Through `casr.stream.StreamScorer`, 300 x 300 px, one press every 50 000 frames, rest between.", "",
-            "| frames | in contact | CPU s | ms a frame | resident MB |", "|---:|---:|---:|---:|---:|",
         ]  # fmt: skip
-        lines += [
-            f"| {row['frames']} | {row['in_contact']} | {row['cpu_s']:.2f} | {1e3 * row['cpu_s'] / row['frames']:.3f} "
-            f"| {row['memory_mb']:.0f} |"
+        rows = [
+            [
+                str(row["frames"]), str(row["in_contact"]), f"{row['cpu_s']:.2f}",
+                f"{1e3 * row['cpu_s'] / row['frames']:.3f}", f"{row['memory_mb']:.0f}",
+            ]
             for row in frames
-        ]
-    return lines
+        ]  # fmt: skip
+        lines += table(["frames", "in contact", "CPU s", "ms a frame", "resident MB"], rows)
+    return "\n".join(lines) + "\n"
 
 
 def _draw(found: dict[str, Rows]) -> None:
