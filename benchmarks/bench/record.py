@@ -19,7 +19,7 @@ _CELLS = re.compile(r"(?<!\\)\|")
 
 
 def of_markdown(text: str) -> dict[str, Any]:
-    """``title`` and ``blocks``: a text each, or a table with ``head``, ``right`` (of each column) and ``rows``."""
+    """``title`` and ``blocks``: a text each, or a table with ``head``, ``right`` (of each column; may be absent) and ``rows``."""
     title, _, rest = text.partition("\n")
     blocks: list[Any] = []
     for part in re.split(r"\n{2,}", rest.strip("\n")):
@@ -43,7 +43,7 @@ def markdown(record: dict[str, Any]) -> str:
         if isinstance(block, str):
             parts.append(block)
         else:
-            rule = ["---:" if right else "---" for right in block["right"]]
+            rule = ["---:" if right else "---" for right in block.get("right", [False] * len(block["head"]))]
             parts.append("\n".join(f"| {' | '.join(row)} |" for row in [block["head"], rule, *block["rows"]]))
     return "\n\n".join(parts) + "\n"
 
