@@ -19,7 +19,7 @@ _CELLS = re.compile(r"(?<!\\)\|")
 
 
 def of_markdown(text: str) -> dict[str, Any]:
-    """``title`` and ``blocks``: a text each, or a table with ``head``, ``right`` (of each column; may be absent) and ``rows``."""
+    """``title`` and ``blocks``: a text each, or a table with ``head``, ``right`` (of each column) and ``rows``."""
     title, _, rest = text.partition("\n")
     blocks: list[Any] = []
     for part in re.split(r"\n{2,}", rest.strip("\n")):
@@ -37,7 +37,7 @@ def of_markdown(text: str) -> dict[str, Any]:
 
 
 def markdown(record: dict[str, Any]) -> str:
-    """The page of a record."""
+    """The page of a record; a table without ``right`` has every column at the left."""
     parts = [f"# {record['title']}"]
     for block in record["blocks"]:
         if isinstance(block, str):
