@@ -26,7 +26,7 @@ def read_truth(path: Path, fits: Fits) -> Truth:
     """
     presses: dict[tuple[str, str], list[tuple[float, float, float]]] = {}
     try:
-        with path.open(newline="") as file:
+        with path.open(newline="", encoding="utf-8") as file:
             for row in csv.DictReader(file, delimiter="\t"):
                 cell = presses.setdefault((row["participant"], row["specimen"]), [])
                 cell.append((float(row["onset_s"]), float(row["a_v"]), float(row["b_v"])))

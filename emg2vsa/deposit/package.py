@@ -106,7 +106,7 @@ def _files_of_earlier(folder: Path) -> set[str]:
     if not folder.exists() or not any(folder.iterdir()):
         return set()
     try:
-        names = parts_of((folder / METADATA).read_text())
+        names = parts_of((folder / METADATA).read_text(encoding="utf-8"))
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise DataError(
             folder, wanted="an empty folder, or one that holds an earlier authors' package", found="other files",

@@ -97,7 +97,7 @@ def test_a_press_that_is_being_recorded_is_followed_to_its_end(
 
     thread = threading.Thread(target=record)
     thread.start()
-    assert main(["stream", str(folder), "--follow", "--idle", "10", "--json"]) == 0
+    assert main(["stream", str(folder), "--follow", "--idle", "60", "--json"]) == 0
     thread.join()
     *frames, last = lines_of(capsys.readouterr().out)
     score = last["score"]
@@ -150,7 +150,7 @@ def test_frames_later_than_their_forces_are_waited_for(press: Path, tmp_path: Pa
 
     thread = threading.Thread(target=record)
     thread.start()
-    main(["stream", str(folder), "--follow", "--idle", "2.5"])
+    main(["stream", str(folder), "--follow", "--idle", "6"])
     thread.join()
     said = capsys.readouterr()
     assert said.err.startswith(f"waiting for frames and forces in {folder}\n")
