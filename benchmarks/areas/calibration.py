@@ -68,8 +68,6 @@ def _ways(scores: Scores) -> Iterator[Way]:
         NO_BOOTSTRAP,
     )
     yield Way("scipy", "curve_fit, loop", _looped(_by_curve_fit, scores), "as used", NO_BOOTSTRAP)
-    if odr := peer("scipy.odr"):
-        yield Way("scipy", "odr, errors in x, loop", _looped(_odr(odr), scores), "as used", NO_BOOTSTRAP)
     if lmfit := peer("lmfit"):
         yield Way("lmfit", "Model.fit, loop", _looped(_lmfit(lmfit), scores), "as used", NO_BOOTSTRAP)
 
@@ -107,16 +105,6 @@ def law(casr: np.ndarray, a: float, b: float) -> np.ndarray:
 def _by_curve_fit(means: np.ndarray, unknown: np.ndarray) -> tuple[float, float, float]:
     parameters, covariance = optimize.curve_fit(law, means, KAPPA, p0=(0.1, 0.4))
     return _with_interval(parameters, covariance, unknown)
-
-
-def _odr(odr: Any) -> EachFit:
-    def fit(means: np.ndarray, unknown: np.ndarray) -> tuple[float, float, float]:
-        model = odr.Model(lambda p, x: law(x, *p))
-        data = odr.RealData(means, KAPPA, sx=means * REPETITION_CV / np.sqrt(PRESSES), sy=1e-3 * KAPPA)
-        found = odr.ODR(data, model, beta0=[0.1, 0.4]).run()
-        return _with_interval(found.beta, found.cov_beta * found.res_var, unknown)
-
-    return fit
 
 
 def _lmfit(lmfit: Any) -> EachFit:

@@ -55,12 +55,6 @@ def whole_records(size: Size) -> Iterator[Case]:
             (
                 Way("emg2vsa", "filter_record", ours, "equal"),
                 Way("scipy", "sosfiltfilt, 2-D batch", lambda x=together, f=iir: signal.sosfiltfilt(f.sos, x), "equal"),
-                Way(
-                    "scipy",
-                    "filtfilt, transfer function",
-                    lambda x=together, f=iir: _transfer_function(x, f.sos),
-                    "equal",
-                ),
                 *_sections_of_peers(together, iir),
             ),
             lambda found, truth=truth: _relative(found[0], truth),
@@ -162,10 +156,6 @@ def _peers(records: Records, filters: Any) -> Iterator[Way]:
 
     yield Way("scipy", "sosfiltfilt, 2-D batch", lambda: finished(signal.sosfiltfilt(band.sos, rows)), "equal", CUT)
 
-    def loop() -> np.ndarray:
-        return finished(np.array([signal.sosfiltfilt(band.sos, row) for row in rows]))
-
-    yield Way("scipy", "sosfiltfilt, loop over trials", loop, "equal", CUT)
     for way in _sections_of_peers(rows, band):
         yield Way(way.library, way.name, lambda way=way: finished(way.run()), "equal", CUT)
     whole = np.array(records.emg).reshape(len(records.emg) * len(MUSCLES), -1)
@@ -216,14 +206,6 @@ def _sections_of_peers(rows: np.ndarray, iir: Any) -> Iterator[Way]:
             )
 
         yield Way("NeuroKit2", "signal_filter, loop", by_neurokit, "equal")
-    if tools := _biosppy("tools"):
-        band = "bandpass" if len(edges) == 2 else "lowpass"
-
-        def by_biosppy() -> np.ndarray:
-            frequency = edges if len(edges) == 2 else edges[0]
-            return np.array([tools.filter_signal(row, "butter", band, 2, frequency, FS_HZ)["signal"] for row in rows])
-
-        yield Way("BioSPPy", "filter_signal, loop", by_biosppy, "equal", "runs a transfer function, not sections")
 
 
 def _design_edges(iir: Any) -> list[float]:
@@ -255,32 +237,6 @@ def _recipes() -> Iterator[tuple[str, str, Callable[[np.ndarray], np.ndarray]]]:
             return np.asarray(neurokit.emg_amplitude(neurokit.emg_clean(row, sampling_rate=int(FS_HZ))))
 
         yield "NeuroKit2", "emg_clean, emg_amplitude", by_neurokit
-    if package := peer("pyemgpipeline"):
-
-        def by_pyemgpipeline(row: np.ndarray) -> np.ndarray:
-            trial = package.wrappers.EMGMeasurement(row, hz=FS_HZ)
-            trial.apply_dc_offset_remover()
-            trial.apply_bandpass_filter(bf_order=4, bf_cutoff_fq_lo=10, bf_cutoff_fq_hi=450)
-            trial.apply_full_wave_rectifier()
-            trial.apply_linear_envelope(le_order=4, le_cutoff_fq=20)
-            return np.asarray(trial.data)
-
-        yield "pyemgpipeline", "EMGMeasurement", by_pyemgpipeline
-    if tools := _biosppy("tools"):
-
-        def by_biosppy(row: np.ndarray) -> np.ndarray:
-            filtered = tools.filter_signal(row, "butter", "highpass", 4, 100.0, FS_HZ)["signal"]
-            return np.asarray(tools.smoother(np.abs(filtered), "boxzen", 50)["signal"])
-
-        yield "BioSPPy", "high-pass 100 Hz as in emg.emg, smoother", by_biosppy
-
-
-def _biosppy(module: str) -> Any:
-    return peer(f"biosppy.signals.{module}")
-
-
-def _transfer_function(rows: np.ndarray, sos: np.ndarray) -> np.ndarray:
-    return np.asarray(signal.filtfilt(*signal.sos2tf(sos), rows))
 
 
 def _scipy_whole(rows: np.ndarray, filters: Any) -> np.ndarray:
@@ -362,7 +318,7 @@ AREA = Area(
     name="conditioning",
     question="What does conditioning EMG and force cost, and how exact is it, beside libraries that filter signals?",
     parts=(emg_in_windows, whole_records, as_people_use_them),
-    peers={"mne": "mne", "neurokit2": "neurokit2", "pyemgpipeline": "pyemgpipeline", "biosppy": "biosppy"},
+    peers={"mne": "mne", "neurokit2": "neurokit2"},
     meaning=(
         "In the force windows all ways give one output, so their ratios are of speed alone; the row over whole records "
         "shows what is saved by not filtering what no window needs. In the last table every library follows its own "

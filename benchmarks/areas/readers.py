@@ -32,7 +32,7 @@ def files_of_formats(size: Size) -> Iterator[Case]:
     """A recording of the study's size: 70 s of two EMG channels and force at 1000 Hz."""
     folder, n = _folder(), size.pick(7_000, 70_000)
     truth = made_samples(n)
-    yield _case("BDF", write_bdf(folder, truth), truth, _bdf_peers)
+    yield _case("BDF", write_bdf(folder, truth), truth, _edf_peers)
     yield _case("EDF", write_edf(folder, truth), truth, _edf_peers)
     yield _case("CSV", write_csv(folder, truth), truth, _csv_peers)
     yield _case("C3D", write_c3d(folder, truth), truth, _c3d_peers)
@@ -47,7 +47,7 @@ def growth_with_length(size: Size) -> Iterator[Case]:
     """BDF files of growing length: what the child process costs is a share of the file, and a constant."""
     for n in size.pick((2_000, 4_000), (10_000, 100_000, 1_000_000)):
         folder, truth = _folder(), made_samples(n)
-        yield _case(f"BDF, {n} samples", write_bdf(folder, truth), truth, _bdf_peers, "BDF by length")
+        yield _case(f"BDF, {n} samples", write_bdf(folder, truth), truth, _edf_peers, "BDF by length")
 
 
 def one_channel(size: Size) -> Iterator[Case]:
@@ -145,26 +145,15 @@ def _ours(path: Path, names: tuple[str, ...] = NAMES, stream: str = "") -> Sampl
     return {channel.name.removeprefix(stream): channel.samples for channel in found}
 
 
-def _bdf_peers(path: Path) -> Iterator[Way]:
-    if edfio := peer("edfio"):
-        yield Way("edfio", "read_bdf", lambda: _edfio(edfio.read_bdf(path)), "equal", "no checks of the file")
-    if mne := peer("mne"):
-
-        def by_mne() -> Samples:
-            return _mne(mne.io.read_raw_bdf(path, preload=True, verbose="error"))
-
-        yield Way("MNE", "read_raw_bdf", by_mne, "equal")
-
-
 def _edf_peers(path: Path) -> Iterator[Way]:
+    """Of EDF and of BDF."""
+    kind = path.suffix[1:]
     if edfio := peer("edfio"):
-        yield Way("edfio", "read_edf", lambda: _edfio(edfio.read_edf(path)), "equal", "no checks of the file")
+        own = getattr(edfio, f"read_{kind}")
+        yield Way("edfio", f"read_{kind}", lambda: _edfio(own(path)), "equal", "no checks of the file")
     if mne := peer("mne"):
-
-        def by_mne() -> Samples:
-            return _mne(mne.io.read_raw_edf(path, preload=True, verbose="error"))
-
-        yield Way("MNE", "read_raw_edf", by_mne, "equal")
+        raw = getattr(mne.io, f"read_raw_{kind}")
+        yield Way("MNE", f"read_raw_{kind}", lambda: _mne(raw(path, preload=True, verbose="error")), "equal")
 
 
 def _edfio(file: Any) -> Samples:
@@ -194,14 +183,6 @@ def _c3d_peers(path: Path) -> Iterator[Way]:
             return dict(zip(NAMES, ezc3d.c3d(str(path))["data"]["analogs"][0], strict=True))
 
         yield Way("ezc3d", "c3d", by_ezc3d, "equal")
-    if c3d := peer("c3d"):
-
-        def by_c3d() -> Samples:
-            with path.open("rb") as file:
-                blocks = [analog for _, _, analog in c3d.Reader(file).read_frames()]
-            return dict(zip(NAMES, np.concatenate(blocks, axis=1), strict=True))
-
-        yield Way("c3d", "Reader.read_frames", by_c3d, "equal")
 
 
 def _mat_peers(path: Path) -> Iterator[Way]:
@@ -212,13 +193,6 @@ def _mat_peers(path: Path) -> Iterator[Way]:
         return {name: found[name].ravel() for name in NAMES}
 
     yield Way("scipy", "io.loadmat", by_scipy, "equal", "no units, no rate")
-    if pymatreader := peer("pymatreader"):
-
-        def by_pymatreader() -> Samples:
-            found = pymatreader.read_mat(str(path))
-            return {name: found[name] for name in NAMES}
-
-        yield Way("pymatreader", "read_mat", by_pymatreader, "equal", "no units, no rate")
 
 
 def _tdms_peers(path: Path) -> Iterator[Way]:
@@ -270,8 +244,6 @@ AREA = Area(
         "mne": "mne",
         "pandas": "pandas",
         "ezc3d": "ezc3d",
-        "c3d": "c3d",
-        "pymatreader": "pymatreader",
         "nptdms": "npTDMS",
         "pyxdf": "pyxdf",
     },

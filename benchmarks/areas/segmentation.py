@@ -142,17 +142,6 @@ def _detectors() -> Iterator[tuple[str, str, Any]]:
             return np.asarray(found["EMG_Onsets"]) / FS_HZ
 
         yield "NeuroKit2", "emg_activation, threshold", by_neurokit
-    if biosppy := peer("biosppy.signals.emg"):
-
-        def by_biosppy(row: np.ndarray) -> np.ndarray:
-            return np.asarray(biosppy.find_onsets(row, FS_HZ)["onsets"]) / FS_HZ
-
-        def by_hodges_bui(row: np.ndarray) -> np.ndarray:
-            found = biosppy.hodges_bui_onset_detector(row, row[:2000], FS_HZ, size=50, threshold=5)
-            return np.asarray(found["onsets"]) / FS_HZ
-
-        yield "BioSPPy", "find_onsets", by_biosppy
-        yield "BioSPPy", "hodges_bui_onset_detector", by_hodges_bui
 
 
 def _true_s(force_n: float) -> np.ndarray:
@@ -185,7 +174,7 @@ AREA = Area(
     name="segmentation",
     question="How exactly, and at what cost, are presses found in a record?",
     parts=(by_force, by_emg),
-    peers={"neurokit2": "neurokit2", "biosppy": "biosppy"},
+    peers={"neurokit2": "neurokit2"},
     meaning=(
         f"The simulated force has noise of {1e3 * NOISE_N:g} mN, so raw thresholds are crossed early; a low-pass "
         "mends this and rounds the corner of contact. Ours interpolates between samples, follows the drift of "

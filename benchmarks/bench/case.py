@@ -86,6 +86,20 @@ class Case:
         return None if error is None else float(error(output))
 
 
+Part = Callable[[Size], Iterable[Case]]
+
+
+def part_of(module: str, function: str) -> Part:
+    """A part of an area whose module is imported when it is asked for."""
+
+    def part(size: Size) -> Iterable[Case]:
+        found: Iterable[Case] = getattr(importlib.import_module(module), function)(size)
+        return found
+
+    part.__name__ = function
+    return part
+
+
 @dataclass(frozen=True)
 class Area:
     """A question, and the cases that answer it.
@@ -102,7 +116,7 @@ class Area:
 
     name: str
     question: str
-    parts: tuple[Callable[[Size], Iterable[Case]], ...]
+    parts: tuple[Part, ...]
     peers: dict[str, str]
     meaning: str
 

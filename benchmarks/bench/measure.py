@@ -10,6 +10,7 @@ One thread for everybody: processor time adds threads up, so a threaded way woul
 from __future__ import annotations
 
 import ctypes
+import importlib
 import os
 import platform
 import re
@@ -73,6 +74,17 @@ def _peak_kb() -> int:
     found = re.search(r"VmHWM:\s+(\d+) kB", STATUS.read_text())
     assert found
     return int(found.group(1))
+
+
+def peak_so_far_mb() -> float:
+    """Most memory this process ever held, MB; NaN on systems that do not say."""
+    try:
+        resource = importlib.import_module("resource")
+    except ImportError:
+        return float("nan")
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    # macOS counts bytes, Linux KiB
+    return float(peak / 1e6 if sys.platform == "darwin" else peak * 1024 / 1e6)
 
 
 ALWAYS = ("numpy", "scipy", "pandas", "opencv-contrib-python-headless", "numba")

@@ -1,24 +1,34 @@
-"""700 logarithmic fits, and 2000 exponential ones on resampled data."""
+"""700 logarithmic fits, and 2000 exponential ones on resampled data; NIST's exponential regressions."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
 
 import numpy as np
-import pandas as pd
+from mpmath import mp
 from scipy import optimize, stats
 
-from benchmarks.bench.case import Case, Size, Way
-from benchmarks.nist import Numbers, columns, exact_rows, worst_error
-from benchmarks.statistics.exact_curves import exact_exponential, exact_log_fit
-from benchmarks.statistics.peers import lmfit, pingouin, statsmodels_api, statsmodels_formula
+from benchmarks.bench.case import Case, Size, Way, peer
+from benchmarks.nist import (
+    Numbers,
+    columns,
+    digits,
+    exact_rows,
+    nist_files,
+    nonlinear_data,
+    read_regression,
+    worst_error,
+)
+from benchmarks.stress.exact_curves import exact_exponential, exact_line, mpfs
 from emg2vsa.curves.exponential import fit_exponential
 from emg2vsa.curves.logarithmic import fit_log
 
 A_V, B_V, NOISE_V = 30e-6, 15e-6, 5e-6
 KAPPA, CASR, REPETITION_CV = np.array([7.63, 3.35, 1.11]), np.array([0.186, 0.711, 1.416]), 0.05
 LOG_NUMBERS = ("a", "b", "SE(b)", "adj R2")
-MPMATH = "40-digit arithmetic"
+MPMATH = "50-digit arithmetic"
+lmfit, statsmodels_api = peer("lmfit"), peer("statsmodels.api")
 
 
 def log_cases(size: Size) -> Iterator[Case]:
@@ -62,7 +72,7 @@ def _noisy(force: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 
 def _log_error(force: np.ndarray, v: np.ndarray) -> Callable[[Numbers], float]:
-    return worst_error(lambda: exact_rows(exact_log_fit, LOG_NUMBERS, force, v))
+    return worst_error(lambda: exact_rows(_exact_log_fit, LOG_NUMBERS, force, v))
 
 
 def _ours(x: np.ndarray, v: np.ndarray) -> Numbers:
@@ -80,17 +90,10 @@ def _log_peers(force: np.ndarray, v: np.ndarray, few: bool) -> Iterator[Way]:
         fit = stats.linregress(x, y)
         return fit.intercept, fit.slope, fit.stderr, 1 - (1 - fit.rvalue**2) * (x.size - 1) / (x.size - 2)
 
-    def curve_fit(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
-        (a, b), covariance = optimize.curve_fit(lambda z, p, q: p + q * z, x, y)
-        return a, b, np.sqrt(covariance[1, 1])
-
     yield Way("numpy", "closed form, a and b alone", lambda: _closed_form(force, v), "as used", "no errors, no checks")
-    polyfit = each(lambda x, y: tuple(np.polyfit(x, y, 1)[::-1]), "a", "b")
-    yield Way("numpy", "polyfit, loop", polyfit, "as used", "a and b alone")
     yield Way("scipy", "linregress, loop", each(linregress), "equal")
     if not few:
         return
-    yield Way("scipy", "curve_fit, loop", each(curve_fit, "a", "b", "SE(b)"), "as used", "no R2")
     if lmfit is not None:
         line = lmfit.models.LinearModel()
 
@@ -101,24 +104,11 @@ def _log_peers(force: np.ndarray, v: np.ndarray, few: bool) -> Iterator[Way]:
         yield Way("lmfit", "LinearModel, loop", each(by_lmfit, "a", "b", "SE(b)"), "as used", "no adjusted R2")
     if statsmodels_api is not None:
         yield Way("statsmodels", "OLS, loop", each(_ols), "equal")
-        yield Way("statsmodels", "formula ols, loop", each(_formula_ols), "as used")
-    if pingouin is not None:
-        yield Way("pingouin", "linear_regression, loop", each(_pingouin), "equal")
 
 
 def _ols(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
     fit = statsmodels_api.OLS(y, np.column_stack([np.ones(x.size), x])).fit()
     return *fit.params, fit.bse[1], fit.rsquared_adj
-
-
-def _formula_ols(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
-    fit = statsmodels_formula.ols("y ~ x", pd.DataFrame({"x": x, "y": y})).fit()
-    return fit.params["Intercept"], fit.params["x"], fit.bse["x"], fit.rsquared_adj
-
-
-def _pingouin(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
-    fit = pingouin.linear_regression(x, y, as_dataframe=False)
-    return *fit["coef"], fit["se"][1], fit["adj_r2"]
 
 
 def _grid_peers(grid: np.ndarray, v: np.ndarray) -> Iterator[Way]:
@@ -149,21 +139,9 @@ def _refits(name: str, x: np.ndarray, y: np.ndarray, family: str = "", loops: bo
 
         return columns([each(row) for row in x], names)
 
-    def with_jacobian() -> Numbers:
-        def gradient(z: np.ndarray, p: float, q: float) -> np.ndarray:
-            u = np.exp(q * z)
-            return np.column_stack([u, p * z * u])
-
-        def each(row: np.ndarray) -> tuple[float, ...]:
-            start = (8.0, -1.0)
-            return tuple(optimize.curve_fit(lambda z, p, q: p * np.exp(q * z), row, y, p0=start, jac=gradient)[0])
-
-        return columns([each(row) for row in x], names)
-
     ways = [Way("emg2vsa", "fit_exponential, all in one call", ours, "equal")]
     if loops:
         ways.append(Way("scipy", "curve_fit, good start, loop", curve_fit, "equal"))
-        ways.append(Way("scipy", "curve_fit with the Jacobian, loop", with_jacobian, "equal"))
     if loops and lmfit is not None:
         curve = lmfit.models.ExponentialModel()
 
@@ -173,7 +151,7 @@ def _refits(name: str, x: np.ndarray, y: np.ndarray, family: str = "", loops: bo
 
         ways.append(Way("lmfit", "ExponentialModel, loop", by_lmfit, "equal", "with covariance and report"))
     rows = np.broadcast_to(y, x.shape)
-    error = worst_error(lambda: exact_rows(exact_exponential, names, x, rows, most=2 if len(x) < 100 else 20))
+    error = worst_error(lambda: exact_rows(_exact_exponential, names, x, rows, most=2 if len(x) < 100 else 20))
     return Case(name, len(x), "refits", tuple(ways), error, "relative", MPMATH, family)
 
 
@@ -183,3 +161,56 @@ def _closed_form(force: np.ndarray, v: np.ndarray) -> Numbers:
     dx = x - mean_x[:, None]
     b = np.einsum("ij,ij->i", dx, v) / np.einsum("ij,ij->i", dx, dx)
     return {"a": mean_v - b * mean_x, "b": b}
+
+
+def _exact_log_fit(force: np.ndarray, v: np.ndarray) -> dict[str, Any]:
+    fit = exact_line([mp.log(each) for each in mpfs(force)], mpfs(v))
+    return fit | {"adj R2": 1 - (1 - fit["R2"]) * (len(v) - 1) / (len(v) - 2)}
+
+
+def _exact_exponential(x: np.ndarray, y: np.ndarray) -> dict[str, Any]:
+    """p exp(q x)."""
+    fit = exact_exponential(mpfs(x), mpfs(y))
+    return {"p": fit["level"] * mp.exp(-fit["q"] * fit["centre"]), "q": fit["q"]}
+
+
+def nist_exponential_cases(size: Size) -> Iterator[Case]:
+    """The two sets that are exponentials: DanWood in ln x, MGH10 with b3 given."""
+    known = {path.stem: path for path in nist_files("nist_nonlinear")}
+    for name in ("DanWood", "MGH10"):
+        data = read_regression(known[name])
+        x, y = nonlinear_data(data)
+        z = np.log(x) if name == "DanWood" else 1 / (x + float(data.estimates[2]))
+        yield Case(
+            f"NIST {name} as an exponential",
+            y.size,
+            "points",
+            (
+                Way("emg2vsa", "fit_exponential", lambda z=z, y=y: _fitted(z, y), "equal"),
+                Way(
+                    "scipy",
+                    "curve_fit from the logarithmic line",
+                    lambda z=z, y=y: _curve_fit_exponential(z, y),
+                    "equal",
+                ),
+            ),
+            lambda found, data=data: _relative(found, data.estimates[:2]),
+            "relative",
+            "NIST's certified values, 11 digits",
+        )
+
+
+def _fitted(z: np.ndarray, y: np.ndarray) -> np.ndarray:
+    fit = fit_exponential(z, y)
+    return np.array([fit.y0[0] * np.exp(-fit.q[0] * fit.x0[0]), fit.q[0]])
+
+
+def _curve_fit_exponential(z: np.ndarray, y: np.ndarray) -> np.ndarray:
+    slope, intercept = np.polyfit(z, np.log(y), 1)
+    start = np.exp(intercept), slope
+    return np.asarray(optimize.curve_fit(lambda x, p, q: p * np.exp(q * x), z, y, p0=start, maxfev=10_000)[0])
+
+
+def _relative(found: Iterable[float], certified: tuple[str, ...]) -> float:
+    """Of the worst of the values."""
+    return float(10 ** -min(digits(value, truth) for value, truth in zip(found, certified, strict=True)))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from fractions import Fraction
 from itertools import combinations_with_replacement
 from typing import Any
 
@@ -12,19 +11,18 @@ import pandas as pd
 from mpmath import mp, mpf
 from scipy import stats
 
-from benchmarks.bench.case import Case, Size, Way
+from benchmarks.bench.case import Case, Size, Way, peer
 from benchmarks.nist import Exact, Numbers, looped, worst_error
-from benchmarks.statistics.exact_laws import chi2_survival, f_survival
-from benchmarks.statistics.exact_tests import fractions, mean, midranks, mpq, squares
-from benchmarks.statistics.mean_peers import tables
-from benchmarks.statistics.peers import pingouin, statsmodels_api
+from benchmarks.statistics.group_peers import tables
+from benchmarks.stress import exact_tests
 from emg2vsa.statistics.anova import welch
 from emg2vsa.statistics.bootstrap import bca
 from emg2vsa.statistics.equivalence import tost
 from emg2vsa.statistics.post_hoc import games_howell
 from emg2vsa.statistics.repeated import friedman, rm_anova
 
-MPMATH = "rational and 40-digit arithmetic"
+statsmodels_api, pingouin = peer("statsmodels.api"), peer("pingouin")
+MPMATH = "50-digit arithmetic"
 RESAMPLES = 2000
 LOW, HIGH = 0.025, 0.975
 
@@ -75,7 +73,9 @@ def _welch(b: np.ndarray) -> Case:
         name = "welch_anova and pairwise_gameshowell, loop"
         ways.append(Way("pingouin", name, looped(pingouin_each, frames), "as used", "no intervals"))
     name = f"Welch's ANOVA of 5 x 10 with the pairs of Games and Howell, {len(b)} designs"
-    return Case(name, len(b), "designs", tuple(ways), worst_error(lambda: _each(_exact_welch, b)), "relative", MPMATH)
+    return Case(
+        name, len(b), "designs", tuple(ways), worst_error(lambda: _each(exact_tests.welch, b)), "relative", MPMATH
+    )
 
 
 def _repeated(people: np.ndarray) -> Case:
@@ -101,7 +101,7 @@ def _repeated(people: np.ndarray) -> Case:
 
         ways.append(Way("pingouin", "rm_anova, loop", looped(pingouin_each, frames), "equal"))
     name = f"repeated-measures ANOVA, 14 people x 5, {len(people)} designs"
-    exact = worst_error(lambda: _each(_exact_repeated, people))
+    exact = worst_error(lambda: _each(exact_tests.rm_anova, people))
     return Case(name, len(people), "designs", tuple(ways), exact, "relative", MPMATH)
 
 
@@ -118,16 +118,8 @@ def _friedman(people: np.ndarray) -> Case:
         Way("emg2vsa", "friedman, all in one call", ours, "equal"),
         Way("scipy", "friedmanchisquare, loop", looped(scipy_each, people), "equal"),
     ]
-    if pingouin is not None:
-
-        def pingouin_each(table: pd.DataFrame) -> dict[str, Any]:
-            found = pingouin.friedman(table, dv="y", within="treatment", subject="person")
-            return {"chi2": found["Q"].iloc[0], "p": found["p_unc"].iloc[0]}
-
-        frames = [_long(design) for design in people]
-        ways.append(Way("pingouin", "friedman, loop", looped(pingouin_each, frames), "equal"))
     name = f"Friedman, 14 people x 5, {len(people)} designs"
-    exact = worst_error(lambda: _each(_exact_friedman, people))
+    exact = worst_error(lambda: _each(exact_tests.friedman, people))
     return Case(name, len(people), "designs", tuple(ways), exact, "relative", MPMATH)
 
 
@@ -148,13 +140,7 @@ def _tost(pairs: np.ndarray, margin: float = 1.0) -> Case:
             return {"p": statsmodels_api.stats.ttost_ind(*pair, -margin, margin)[0]}
 
         ways.append(Way("statsmodels", "ttost_ind, loop", looped(statsmodels_each, pairs), "equal"))
-    if pingouin is not None:
-
-        def pingouin_each(pair: np.ndarray) -> dict[str, Any]:
-            return {"p": pingouin.tost(*pair, bound=margin)["pval"].iloc[0]}
-
-        ways.append(Way("pingouin", "tost, loop", looped(pingouin_each, pairs), "equal"))
-    exact = worst_error(lambda: _each(lambda pair: _exact_tost(pair, margin), pairs))
+    exact = worst_error(lambda: _each(lambda pair: exact_tests.tost(*pair, mpf(margin)), pairs))
     name = f"two one-sided t tests of 10 and 10, {len(pairs)} pairs"
     return Case(name, len(pairs), "pairs", tuple(ways), exact, "relative", MPMATH)
 
@@ -189,48 +175,8 @@ def _bootstrap(rows: np.ndarray) -> Case:
 
 
 def _each(exact: Any, designs: np.ndarray) -> Exact:
-    found = [exact(design) for design in designs[:8]]
+    found = [exact(exact_tests.groups_of(design)) for design in designs[:8]]
     return {name: {i: numbers[name] for i, numbers in enumerate(found)} for name in found[0]}
-
-
-def _exact_welch(design: np.ndarray) -> dict[str, mpf]:
-    groups = fractions(design)
-    k = len(groups)
-    weights = [len(group) * (len(group) - 1) / squares(group) for group in groups]
-    total = sum(weights, Fraction(0))
-    grand = sum((w * mean(group) for w, group in zip(weights, groups, strict=True)), Fraction(0)) / total
-    between = sum((w * (mean(group) - grand) ** 2 for w, group in zip(weights, groups, strict=True)), Fraction(0))
-    lack = sum(((1 - w / total) ** 2 / (len(g) - 1) for w, g in zip(weights, groups, strict=True)), Fraction(0))
-    f = between / (k - 1) / (1 + 2 * (k - 2) * lack / (k**2 - 1))
-    return {"F": mpq(f), "p": f_survival(mpq(f), k - 1, mpq((k**2 - 1) / (3 * lack)))}
-
-
-def _exact_repeated(people: np.ndarray) -> dict[str, mpf]:
-    rows = fractions(people)
-    n, k = people.shape
-    of_people = k * squares([mean(row) for row in rows])
-    of_treatments = n * squares([mean(list(column)) for column in zip(*rows, strict=True)])
-    left = squares([value for row in rows for value in row]) - of_people - of_treatments
-    df1, df2 = k - 1, (n - 1) * (k - 1)
-    f = mpq(of_treatments / df1 / (left / df2))
-    return {"F": f, "p": f_survival(f, df1, df2)}
-
-
-def _exact_friedman(people: np.ndarray) -> dict[str, mpf]:
-    n, k = people.shape
-    ranks = [midranks(row) for row in fractions(people)]
-    spread = sum((squares(row) for row in ranks), Fraction(0)) / (n * (k - 1))
-    chi2 = mpq(n * squares([mean(list(column)) for column in zip(*ranks, strict=True)]) / spread)
-    return {"chi2": chi2, "p": chi2_survival(chi2, k - 1)}
-
-
-def _exact_tost(pair: np.ndarray, margin: float) -> dict[str, mpf]:
-    x, y = fractions(pair)
-    df = len(x) + len(y) - 2
-    per_mean = (squares(x) + squares(y)) / df * (Fraction(1, len(x)) + Fraction(1, len(y)))
-    t = mpq(Fraction(margin) - abs(mean(x) - mean(y))) / mp.sqrt(mpq(per_mean))
-    tail = mp.betainc(mpf(df) / 2, mpf(1) / 2, 0, df / (df + t * t), regularized=True) / 2
-    return {"p": tail if t > 0 else 1 - tail}
 
 
 def _exact_bca(rows: np.ndarray) -> np.ndarray:

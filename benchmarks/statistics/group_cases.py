@@ -6,27 +6,17 @@ The mixed model of a balanced study, with and without variance between participa
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from fractions import Fraction
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from mpmath import mpf
 from scipy import stats
 
-from benchmarks.bench.case import Case, Size, Way
+from benchmarks.bench.case import Case, Size, Way, peer
 from benchmarks.nist import Exact, Numbers, Run, worst_error
-from benchmarks.statistics import mean_peers, rank_peers
-from benchmarks.statistics.exact_tests import (
-    exact_anova,
-    exact_kruskal,
-    exact_mann_whitney,
-    exact_tukey,
-    mean,
-    mpq,
-    squares,
-)
-from benchmarks.statistics.peers import statsmodels_formula
+from benchmarks.statistics import group_peers
+from benchmarks.stress import exact_tests
 from emg2vsa.statistics.anova import one_way
 from emg2vsa.statistics.kruskal import dunn, kruskal
 from emg2vsa.statistics.mann_whitney import mann_whitney
@@ -34,6 +24,7 @@ from emg2vsa.statistics.mixed import balanced_mixed
 from emg2vsa.statistics.post_hoc import lsd, tukey
 
 VOLTS = 1e-5
+statsmodels_formula = peer("statsmodels.formula.api")
 
 
 def mixed_cases(size: Size) -> Iterator[Case]:
@@ -56,7 +47,7 @@ def mixed_cases(size: Size) -> Iterator[Case]:
             (ours, *_statsmodels(VOLTS * y)),
             worst_error(lambda y=VOLTS * y: _exact(y)),
             "relative",
-            "REML of a balanced study in rational arithmetic",
+            "REML of a balanced study in 50-digit arithmetic",
         )
 
 
@@ -106,42 +97,12 @@ def _means(fit: Any) -> np.ndarray:
 
 
 def _exact(y: np.ndarray) -> Exact:
-    """The mean squares in rational arithmetic, pooled until in order: REML of a balanced study."""
-    n_p, n_s, n_r = y.shape
-    values = [[[Fraction(value) for value in cell] for cell in row] for row in y]
-    cells = [[mean(cell) for cell in row] for row in values]
-    people, specimens = [mean(row) for row in cells], [mean(list(column)) for column in zip(*cells, strict=True)]
-    within = sum((squares(cell) for row in values for cell in row), Fraction(0))
-    total = n_r * squares([cell for row in cells for cell in row])
-    of_people, of_specimens = n_s * n_r * squares(people), n_p * n_r * squares(specimens)
-    sums = [within, total - of_people - of_specimens, of_people]
-    df = [n_p * n_s * (n_r - 1), (n_p - 1) * (n_s - 1), n_p - 1]
-    level = _pooled(sums, df)
-    return {
-        "mean": {i: mpq(value) for i, value in enumerate(specimens)},
-        "var people": {0: mpq((level[2] - level[1]) / (n_s * n_r))},
-        "var cells": {0: mpq((level[1] - level[0]) / n_r)},
-        "var rep": {0: mpq(level[0])},
-        "F": {0: mpq(of_specimens / (n_s - 1) / (sums[1] / df[1]))},
-    }
+    found = exact_tests.balanced_mixed([exact_tests.groups_of(row) for row in y])
+    variances = dict(zip(("var people", "var cells", "var rep"), found["variances"], strict=True))
+    return {"mean": dict(enumerate(found["mean"])), **{k: {0: v} for k, v in variances.items()}, "F": {0: found["F"]}}
 
 
-def _pooled(sums: list[Fraction], df: list[int]) -> list[Fraction]:
-    """Mean squares that do not fall, neighbours pooled where they would."""
-    blocks: list[list[int]] = []
-
-    def level(block: list[int]) -> Fraction:
-        return sum((sums[i] for i in block), Fraction(0)) / sum(df[i] for i in block)
-
-    for i in range(len(sums)):
-        blocks.append([i])
-        while len(blocks) > 1 and level(blocks[-2]) > level(blocks[-1]):
-            last = blocks.pop()
-            blocks[-1] = blocks[-1] + last
-    return [level(block) for block in blocks for _ in block]
-
-
-MPMATH = "rational and 40-digit arithmetic"
+MPMATH = "50-digit arithmetic"
 
 
 def group_cases(size: Size) -> Iterator[Case]:
@@ -155,8 +116,8 @@ def group_cases(size: Size) -> Iterator[Case]:
             f"{family}, {n_designs} designs",
             n_designs,
             lambda b=b: _anova(b),
-            mean_peers.anova_and_lsd(b),
-            lambda b=b: _exact_designs(exact_anova, b[:5]),
+            group_peers.anova_and_lsd(b),
+            lambda b=b: _exact_designs(_exact_anova, b[:5]),
             family,
         )
     b = rng.standard_normal((size.pick(2, 4), 5, n)) + 0.4 * np.arange(5)[:, None]
@@ -164,8 +125,10 @@ def group_cases(size: Size) -> Iterator[Case]:
         f"ANOVA of 5 x 10 with Tukey's pairs and intervals, {len(b)} designs",
         len(b),
         lambda: _tukey(b),
-        mean_peers.anova_and_tukey(b),
-        lambda: {"p Tukey": {(0, pair): exact_tukey(b[0], pair) for pair in (0, 3, 7)}},
+        group_peers.anova_and_tukey(b),
+        lambda: {
+            "p Tukey": {(0, pair): exact_tests.tukey(exact_tests.groups_of(b[0]), pair)["p"] for pair in (0, 3, 7)}
+        },
     )
     for n_designs in size.pick((2,), (1, 8, 64)):
         scores = rng.standard_normal((n_designs, 3, n)) + np.arange(3)[:, None]
@@ -174,20 +137,20 @@ def group_cases(size: Size) -> Iterator[Case]:
             f"{family}, {n_designs} designs",
             n_designs,
             lambda x=scores: _kruskal(x),
-            rank_peers.kruskal_and_pairs(scores),
-            lambda x=scores: _exact_designs(exact_kruskal, x[:8]),
+            group_peers.kruskal_and_pairs(scores),
+            lambda x=scores: _exact_designs(exact_tests.kruskal, x[:8]),
             family,
         )
     for title, values, peers in (
-        ("without ties", scores[: size.pick(1, 8)], rank_peers.mann_whitney_untied),
-        ("with ties", np.round(2 * scores[:1]), size.pick(_no_peers, rank_peers.mann_whitney_tied)),
+        ("without ties", scores[: size.pick(1, 8)], group_peers.mann_whitney_untied),
+        ("with ties", np.round(2 * scores[:1]), size.pick(_no_peers, group_peers.mann_whitney_tied)),
     ):
         yield _case(
             f"exact Mann-Whitney of 10 and 10, {title}, {len(values)} x 3 pairs",
             len(values),
             lambda x=values: {"p": mann_whitney(x).p},
             peers(values),
-            lambda x=values: _exact_mann_whitney(x),
+            lambda x=values: _exact_designs(_exact_mann_whitney, x[:3]),
         )
 
 
@@ -275,21 +238,24 @@ def _kruskal(scores: np.ndarray) -> Numbers:
     return {"H": found.h, "p": found.p, "p Dunn": dunn(found).p}
 
 
-def _exact_designs(exact: Callable[[np.ndarray], Mapping[Any, mpf]], designs: np.ndarray) -> Exact:
-    """Keys of ``exact`` are names, or names with a pair."""
-    found: dict[str, dict[Any, mpf]] = {}
+def _exact_designs(exact: Callable[[exact_tests.Groups], Mapping[str, Any]], designs: np.ndarray) -> Exact:
+    """A number of each design, or one of each of its pairs."""
+    found: dict[str, dict[Any, Any]] = {}
     for i, design in enumerate(designs):
-        for key, value in exact(design).items():
-            name, index = (key, i) if isinstance(key, str) else (key[0], (i, key[1]))
-            found.setdefault(name, {})[index] = value
+        for name, value in exact(exact_tests.groups_of(design)).items():
+            of_pairs = {(i, pair): each for pair, each in enumerate(value)} if isinstance(value, list) else {i: value}
+            found.setdefault(name, {}).update(of_pairs)
     return found
 
 
-def _exact_mann_whitney(scores: np.ndarray) -> Exact:
-    return {
-        "p": {
-            (i, pair): exact_mann_whitney(design[first], design[second])
-            for i, design in enumerate(scores[:3])
-            for pair, (first, second) in enumerate(((0, 1), (0, 2), (1, 2)))
-        }
-    }
+def _exact_anova(groups: exact_tests.Groups) -> Mapping[str, Any]:
+    anova, pairs = exact_tests.anova(groups), exact_tests.lsd(groups, 0.95)
+    return {"F": anova["F"], "p": anova["p"], "p LSD": pairs["p"], "low LSD": [pairs["low"]]}
+
+
+def _exact_mann_whitney(groups: exact_tests.Groups) -> Mapping[str, Any]:
+    return {"p": [exact_tests.mann_whitney(*pair)["p"] for pair in combinations(groups, 2)]}
+
+
+def _exact_tukey(design: np.ndarray, pair: int) -> Any:
+    return exact_tests.tukey(exact_tests.groups_of(design), pair)["p"]

@@ -18,16 +18,18 @@ import pandas as pd
 from mpmath import mpf
 from scipy import signal, special, stats
 
-from benchmarks.bench.case import Case, Size, Way
+from benchmarks.bench.case import Case, Size, Way, peer
 from benchmarks.nist import Exact, Numbers, digits, exact_rows, nist_files, worst_error
-from benchmarks.statistics.exact_tests import exact_ks, exact_shapiro, f_statistic, fractions, mpq
-from benchmarks.statistics.peers import pingouin, statsmodels_api, statsmodels_formula
+from benchmarks.stress import exact_tests
+from benchmarks.stress.exact_curves import mpfs
 from emg2vsa.curves.force_bins import bin_edges
 from emg2vsa.curves.press_fits import fit_presses
 from emg2vsa.settings import FitSettings
 from emg2vsa.statistics.anova import one_way
 from emg2vsa.statistics.lilliefors import lilliefors
 from emg2vsa.statistics.normality import ks_normal, shapiro_wilk
+
+statsmodels_api, statsmodels_formula = peer("statsmodels.api"), peer("statsmodels.formula.api")
 
 
 def anova_cases(size: Size) -> Iterator[Case]:
@@ -55,7 +57,7 @@ def _anova_case(path: Path) -> Case:
 def digits_allowed(path: Path) -> float:
     """Digits of F that are left when the data of a set are rounded to doubles, all else exact."""
     text, certified = _read(path)
-    return digits(float(mpq(f_statistic(fractions(np.array(text, dtype=np.float64)))[0])), certified)
+    return digits(float(exact_tests.anova(exact_tests.groups_of(np.array(text, dtype=np.float64)))["F"]), certified)
 
 
 def _read(path: Path) -> tuple[list[list[str]], str]:
@@ -74,13 +76,7 @@ def _anova_peers(doubles: np.ndarray) -> Iterator[Way]:
         def anova_lm() -> Any:
             return statsmodels_api.stats.anova_lm(statsmodels_formula.ols("y ~ C(g)", table).fit())["F"].iloc[0]
 
-        def anova_oneway() -> Any:
-            return statsmodels_api.stats.anova_oneway(list(doubles), use_var="equal").statistic
-
         yield Way("statsmodels", "anova_lm", anova_lm, "equal")
-        yield Way("statsmodels", "anova_oneway", anova_oneway, "equal")
-    if pingouin is not None:
-        yield Way("pingouin", "anova", lambda: pingouin.anova(table, dv="y", between="g")["F"].iloc[0], "equal")
 
 
 A_V, B_V = 30e-6, 15e-6
@@ -156,7 +152,7 @@ def _coverage_error(found: Interval) -> float:
     return 100 * abs(float(np.mean((low < B_V) & (high > B_V))) - 0.95)
 
 
-MPMATH = "40-digit arithmetic"
+MPMATH = "50-digit arithmetic"
 
 
 def sample_cases(size: Size) -> Iterator[Case]:
@@ -169,7 +165,7 @@ def sample_cases(size: Size) -> Iterator[Case]:
             "Kolmogorov-Smirnov, standardised, exact p",
             lambda: _ours(ks_normal(rows, standardise=True), "D"),
             _ks_peers,
-            lambda: exact_rows(exact_ks, ("D", "p"), rows),
+            lambda: exact_rows(lambda row: exact_tests.ks(mpfs(row)), ("D", "p"), rows),
             MPMATH,
         ),
         (
@@ -183,7 +179,7 @@ def sample_cases(size: Size) -> Iterator[Case]:
             "Shapiro-Wilk",
             lambda: _ours(shapiro_wilk(rows), "W"),
             _shapiro_peers,
-            lambda: exact_rows(exact_shapiro, ("W", "p"), rows),
+            lambda: exact_rows(lambda row: exact_tests.shapiro(mpfs(row)), ("W", "p"), rows),
             MPMATH + ", Royston's AS R94",
         ),
     ):
@@ -252,11 +248,3 @@ def _shapiro_peers(rows: np.ndarray) -> Iterator[Way]:
 
     yield Way("scipy", "shapiro, axis given", axis_aware, "equal")
     yield Way("scipy", "shapiro, loop", partial(_each, stats.shapiro, "W", rows), "equal")
-    if pingouin is not None:
-        table = pd.DataFrame({"y": rows.ravel(), "row": np.repeat(np.arange(len(rows)), rows.shape[1])})
-
-        def normality() -> Numbers:
-            found = pingouin.normality(table, dv="y", group="row")
-            return {"W": found["W"].to_numpy(), "p": found["pval"].to_numpy()}
-
-        yield Way("pingouin", "normality", normality, "equal")

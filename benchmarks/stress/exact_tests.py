@@ -1,4 +1,7 @@
-"""The tests by their textbook sums in 50 digits; a design is a list of groups of exact numbers."""
+"""The tests by their textbook sums in 50 digits; a design is a list of groups of exact numbers.
+
+For the stress table, and for the cases of the areas ``tests`` and ``fits``.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,15 @@ from typing import Any
 import numpy as np
 from mpmath import mp, mpf
 
-from benchmarks.statistics.exact_laws import chi2_survival, f_survival, range_survival, rank_sum_p, t_quantile
+from benchmarks.statistics.exact_laws import (
+    chi2_survival,
+    f_survival,
+    ks_survival,
+    range_survival,
+    rank_sum_p,
+    t_quantile,
+    z_two_sided,
+)
 from benchmarks.stress.case import exactly
 
 Groups = list[list[Any]]
@@ -71,11 +82,11 @@ def lsd(groups: Groups, confidence: float) -> dict[str, Any]:
     return {"p": p, "low": low}
 
 
-def tukey(groups: Groups) -> dict[str, Any]:
-    """p of the first pair."""
+def tukey(groups: Groups, pair: int = 0) -> dict[str, Any]:
+    """p of one pair."""
     df = sum(map(len, groups)) - len(groups)
     spread = mp.fsum(squares(group) for group in groups) / df
-    first, second = groups[:2]
+    first, second = list(combinations(groups, 2))[pair]
     se = mp.sqrt(spread * (mpf(1) / len(first) + mpf(1) / len(second)) / 2)
     return {"p": range_survival(abs(mean(first) - mean(second)) / se, len(groups), df)}
 
@@ -107,12 +118,15 @@ def ranks(values: Sequence[Any]) -> list[Any]:
 
 
 def kruskal(groups: Groups) -> dict[str, Any]:
+    """H and p, and p of all pairs: Dunn with Bonferroni."""
     ranked = ranks([value for group in groups for value in group])
-    spread, at, h = variance(ranked), 0, mpf(0)
-    for group in groups:
-        h += len(group) * (mean(ranked[at : at + len(group)]) - mean(ranked)) ** 2
-        at += len(group)
-    return {"H": h / spread, "p": chi2_survival(h / spread, len(groups) - 1)}
+    spread, pooled = variance(ranked), mean(ranked)
+    own = [[ranked.pop(0) for _ in group] for group in groups]
+    h = mp.fsum(len(group) * (mean(group) - pooled) ** 2 for group in own) / spread
+    pairs = list(combinations(own, 2))
+    z = [(mean(a) - mean(b)) / mp.sqrt(spread * (mpf(1) / len(a) + mpf(1) / len(b))) for a, b in pairs]
+    dunn = [min(mpf(1), len(pairs) * z_two_sided(each)) for each in z]
+    return {"H": h, "p": chi2_survival(h, len(groups) - 1), "p Dunn": dunn}
 
 
 def mann_whitney(first: Sequence[Any], second: Sequence[Any]) -> dict[str, Any]:
@@ -176,19 +190,38 @@ def two_factors(cells: Sequence[Groups]) -> dict[str, Any]:
 
 
 def balanced_mixed(y: Any) -> dict[str, Any]:
-    """Variances and F of participants x specimens x repetitions, where the mean squares are in order."""
+    """Means of specimens, variances and F of participants x specimens x repetitions: REML of a balanced study, from
+    mean squares that are pooled where they are out of order."""
     n_p, n_s, n_r = len(y), len(y[0]), len(y[0][0])
     cells = [[mean(cell) for cell in row] for row in y]
     specimens, people, rest, _ = _two_way(cells)
-    within = mp.fsum(squares(cell) for row in y for cell in row) / (n_p * n_s * (n_r - 1))
-    cross, between = n_r * rest / ((n_p - 1) * (n_s - 1)), n_r * people / (n_p - 1)
-    assert within < cross < between
-    f = n_r * specimens / (n_s - 1) / cross
+    within = mp.fsum(squares(cell) for row in y for cell in row)
+    df = [n_p * n_s * (n_r - 1), (n_p - 1) * (n_s - 1), n_p - 1]
+    error, cross, between = _pooled([within, n_r * rest, n_r * people], df)
+    f = specimens / (n_s - 1) / (rest / df[1])
+    variances = [(between - cross) / (n_s * n_r), (cross - error) / n_r, error]
     return {
-        "variances": [(between - cross) / (n_s * n_r), (cross - within) / n_r, within],
+        "mean": [mean(list(column)) for column in zip(*cells, strict=True)],
+        "variances": variances,
+        "SD": [mp.sqrt(each) for each in variances],
         "F": f,
-        "p": f_survival(f, n_s - 1, (n_p - 1) * (n_s - 1)),
+        "p": f_survival(f, n_s - 1, df[1]),
     }
+
+
+def _pooled(sums: list[Any], df: list[int]) -> list[Any]:
+    """Mean squares that do not fall, neighbours pooled where they would."""
+    blocks: list[list[int]] = []
+
+    def level(block: list[int]) -> Any:
+        return mp.fsum(sums[i] for i in block) / sum(df[i] for i in block)
+
+    for i in range(len(sums)):
+        blocks.append([i])
+        while len(blocks) > 1 and level(blocks[-2]) > level(blocks[-1]):
+            last = blocks.pop()
+            blocks[-1] = blocks[-1] + last
+    return [level(block) for block in blocks for _ in block]
 
 
 def tost(first: Sequence[Any], second: Sequence[Any], margin: Any) -> dict[str, Any]:
@@ -248,3 +281,32 @@ def _median(values: Sequence[Any]) -> Any:
     ordered = sorted(values)
     n = len(ordered)
     return (ordered[(n - 1) // 2] + ordered[n // 2]) / 2
+
+
+def ks(values: Sequence[Any]) -> dict[str, Any]:
+    """D and p of the standardised Kolmogorov-Smirnov test."""
+    ordered, n, centre, sd = sorted(values), len(values), mean(values), mp.sqrt(variance(values))
+    cdf = [mp.ncdf((value - centre) / sd) for value in ordered]
+    d = max(max(mpf(i + 1) / n - c, c - mpf(i) / n) for i, c in enumerate(cdf))
+    return {"D": d, "p": ks_survival(d, n)}
+
+
+def shapiro(values: Sequence[Any]) -> dict[str, Any]:
+    """W and p of Royston's AS R94 for 6 to 11 values."""
+    ordered, n = sorted(values), len(values)
+    m = [mp.sqrt(2) * mp.erfinv(2 * (i - mpf(3) / 8) / (n + mpf(1) / 4) - 1) for i in range(1, n + 1)]
+    total, u = mp.fdot(m, m), 1 / mp.sqrt(n)
+    last = m[-1] / mp.sqrt(total) + _poly("0 .221157 -.147981 -2.071190 4.434685 -2.706056", u)
+    next_to_last = m[-2] / mp.sqrt(total) + _poly("0 .042981 -.293762 -1.752461 5.682633 -3.582633", u)
+    scale = mp.sqrt((total - 2 * m[-1] ** 2 - 2 * m[-2] ** 2) / (1 - 2 * last**2 - 2 * next_to_last**2))
+    weights = [-last, -next_to_last, *(value / scale for value in m[2:-2]), next_to_last, last]
+    centre = mean(ordered)
+    fit = mp.fdot(weights, [value - centre for value in ordered])
+    w = fit**2 / squares(ordered) / mp.fdot(weights, weights)
+    y = -mp.log(_poly("-2.273 .459", n) - mp.log(1 - w))
+    z = (y - _poly(".5440 -.39978 .025054 -.0006714", n)) / mp.exp(_poly("1.3822 -.77857 .062767 -.0020322", n))
+    return {"W": w, "p": mp.ncdf(-z)}
+
+
+def _poly(coefficients: str, x: Any) -> Any:
+    return mp.fsum(mpf(c) * mpf(x) ** i for i, c in enumerate(coefficients.split()))

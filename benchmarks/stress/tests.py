@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
-from mpmath import mp, mpf
+from mpmath import mpf
 
-from benchmarks.statistics.exact_tests import exact_ks, exact_shapiro
 from benchmarks.stress import exact_tests as exact
 from benchmarks.stress.case import Case, Found
 from emg2vsa.statistics.anova import brown_forsythe, one_way, welch
@@ -28,7 +28,7 @@ from emg2vsa.statistics.repeated import friedman, paired_tests, rm_anova
 from emg2vsa.statistics.trend import trend
 
 Ours = Callable[[np.ndarray], Mapping[str, Any]]
-Exact = Callable[[np.ndarray], Mapping[str, Any]]
+Exact = Callable[[Any], Mapping[str, Any]]
 MEANS: tuple[tuple[str, float, bool], ...] = (
     ("as measured", 13.0, False),
     ("offset 1e6", 13.0, True),
@@ -76,78 +76,74 @@ def cases() -> Iterator[Case]:
 def case(
     function: str, world: str, values: np.ndarray, ours: Ours, truth: Exact, bound: float, smoke: bool = False
 ) -> Case:
-    """``ours`` gives numbers, and under "said" what its outcome tells where they are NaN."""
+    """``ours`` gives numbers, and under "said" what its outcome tells where they are NaN; ``truth`` gives these and
+    perhaps more of the rows of the values in 50 digits."""
+    names: list[str] = []
 
     def run(x: np.ndarray) -> Found:
         found = dict(ours(x))
         said = found.pop("said", "")
+        names[:] = found
         undefined = any(np.any(np.isnan(np.asarray(value, dtype=np.float64))) for value in found.values())
         return Found(found, said if undefined else "")
 
-    return Case(f"stats.{function}", world, (values,), run, truth, bound, smoke=smoke)
+    def true(x: np.ndarray) -> Mapping[str, Any]:
+        groups = [exact.groups_of(row) for row in x] if x.ndim == 3 else exact.groups_of(np.atleast_2d(x))
+        found = truth(groups)
+        return {name: found[name] for name in names}
+
+    return Case(f"stats.{function}", world, (values,), run, true, bound, smoke=smoke)
+
+
+def numbers(test: Callable[[np.ndarray], Any], **names: str) -> Ours:
+    """Attributes of what a test returns, by the names of the numbers, and what it warns of."""
+
+    def ours(x: np.ndarray) -> Mapping[str, Any]:
+        found = test(x)
+        said = notes(found.outcome()) if hasattr(found, "outcome") else ""
+        return {name: getattr(found, attribute) for name, attribute in names.items()} | {"said": said}
+
+    return ours
 
 
 def _means(name: str, bound: float, smoke: bool) -> Iterator[Case]:
     values = worlds(name)
+    of_anova = numbers(one_way, F="f", p="p", eta2="eta2", sd="sd")
+    yield case("anova.one_way", name, values, of_anova, exact.anova, bound, smoke)
 
-    def add(function: str, ours: Ours, truth: Exact, least: float = bound, short: bool = smoke) -> Case:
-        return case(function, name, values, ours, truth, least, short)
+    def of_lsd(x: np.ndarray) -> Mapping[str, Any]:
+        found = lsd(one_way(x))
+        return {"p": found.p, "low": found.low[0, 0]}
 
-    def of_anova(x: np.ndarray) -> Mapping[str, Any]:
-        found = one_way(x)
-        return {"F": found.f, "p": found.p, "eta2": found.eta2, "sd": found.sd, "said": notes(found.outcome())}
-
-    yield add("anova.one_way", of_anova, lambda x: exact.anova(exact.groups_of(x)))
-    yield add(
-        "post_hoc.lsd",
-        lambda x: {"p": lsd(one_way(x)).p, "low": lsd(one_way(x)).low[0, 0]},
-        lambda x: exact.lsd(exact.groups_of(x), 0.95),
-    )
+    yield case("post_hoc.lsd", name, values, of_lsd, lambda groups: exact.lsd(groups, 0.95), bound, smoke)
     if not name.startswith("two"):
-        yield add(
-            "anova.brown_forsythe",
-            lambda x: {"F": brown_forsythe(x).statistic, "p": brown_forsythe(x).p},
-            lambda x: exact.brown_forsythe(exact.groups_of(x)),
-            bound,
-            smoke and "far" not in name,
-        )
+        short = smoke and "far" not in name
+        of_medians = numbers(brown_forsythe, F="statistic", p="p")
+        yield case("anova.brown_forsythe", name, values, of_medians, exact.brown_forsythe, bound, short)
     if name in ("as measured", "offset 1e6", "x 1e300"):
-        yield add(
-            "post_hoc.tukey",
-            lambda x: {"p": tukey(one_way(x)).p[0, 0]},
-            lambda x: exact.tukey(exact.groups_of(x)),
-            bound - 1,
-            False,
-        )
-    yield add(
-        "anova.welch",
-        lambda x: {"F": welch(x).statistic, "df2": welch(x).df[1], "p": welch(x).p, "said": notes(welch(x).outcome())},
-        lambda x: exact.welch(exact.groups_of(x)),
-    )
-    yield add(
-        "post_hoc.games_howell",
-        lambda x: {"q": games_howell(x).statistic, "df": games_howell(x).df},
-        lambda x: exact.games_howell(exact.groups_of(x)),
-    )
-    scale = float(name.split()[1]) if name.startswith("x ") else 1.0
-    margin = 3 * scale
+        yield case(
+            "post_hoc.tukey", name, values, lambda x: {"p": tukey(one_way(x)).p[0, 0]}, exact.tukey, bound - 1
+        )  # fmt: skip
+
+    def of_welch(x: np.ndarray) -> Mapping[str, Any]:
+        found = welch(x)
+        return {"F": found.statistic, "df2": found.df[1], "p": found.p, "said": notes(found.outcome())}
+
+    yield case("anova.welch", name, values, of_welch, exact.welch, bound, smoke)
+    of_pairs = numbers(games_howell, q="statistic", df="df")
+    yield case("post_hoc.games_howell", name, values, of_pairs, exact.games_howell, bound, smoke)
+    margin = 3 * (float(name.split()[1]) if name.startswith("x ") else 1.0)
 
     def of_tost(x: np.ndarray) -> Mapping[str, Any]:
         found = tost(x, margin)
         return {"t": found.t[0, 2], "p": found.p[0, 2], "said": notes(found.outcome(pair=2))}
 
-    def true_tost(x: np.ndarray) -> Mapping[str, Any]:
-        groups = exact.groups_of(x)
-        return exact.tost(groups[1], groups[2], mpf(margin))
-
-    yield add("equivalence.tost", of_tost, true_tost)
-    yield add(
-        "bayes.jzs_anova",
-        lambda x: {"log BF01": jzs_anova(x).log_bf01},
-        lambda x: exact.jzs(exact.groups_of(x), mpf(SCALE)),
-        bound - 1,
-        name == "offset 1e13",
+    yield case(
+        "equivalence.tost", name, values, of_tost, lambda groups: exact.tost(*groups[1:3], mpf(margin)), bound, smoke
     )
+    of_bayes = numbers(jzs_anova, **{"log BF01": "log_bf01"})
+    true_bayes = partial(exact.jzs, scale=mpf(SCALE))
+    yield case("bayes.jzs_anova", name, values, of_bayes, true_bayes, bound - 1, name == "offset 1e13")
 
 
 def _ranks(name: str, bound: float, smoke: bool) -> Iterator[Case]:
@@ -157,117 +153,59 @@ def _ranks(name: str, bound: float, smoke: bool) -> Iterator[Case]:
         found = kruskal(x)
         return {"H": found.h, "p": found.p, "said": "" if dunn(found).p.size else "no pairs"}
 
-    yield case("kruskal.kruskal", name, values, dunn_and, lambda x: exact.kruskal(exact.groups_of(x)), bound, smoke)
-    yield case(
-        "mann_whitney.mann_whitney",
-        name,
-        values,
-        lambda x: {"p": mann_whitney(x).p[0, 0], "shift": mann_whitney(x).shift[0, 0]},
-        lambda x: exact.mann_whitney(*exact.groups_of(x)[:2]),
-        bound,
-        smoke,
-    )
-    yield case(
-        "repeated.friedman",
-        name,
-        values.T,
-        lambda x: {"chi2": friedman(x).statistic, "p": friedman(x).p, "W": friedman(x).effect},
-        lambda x: exact.friedman(exact.groups_of(x)),
-        bound,
-        smoke,
-    )
-    yield case(
-        "repeated.paired_tests, signed ranks",
-        name,
-        values[:2].T,
-        lambda x: {"signed ranks": paired_tests(x).signed_rank_p},
-        lambda x: {"signed ranks": exact.paired(*exact.groups_of(x.T))["signed ranks"]},
-        bound,
-        smoke,
-    )
+    yield case("kruskal.kruskal", name, values, dunn_and, exact.kruskal, bound, smoke)
+
+    def of_pair(x: np.ndarray) -> Mapping[str, Any]:
+        found = mann_whitney(x)
+        return {"p": found.p[0, 0], "shift": found.shift[0, 0]}
+
+    true_pair = lambda groups: exact.mann_whitney(*groups[:2])  # noqa: E731
+    yield case("mann_whitney.mann_whitney", name, values, of_pair, true_pair, bound, smoke)
+    of_people = numbers(friedman, chi2="statistic", p="p", W="effect")
+    yield case("repeated.friedman", name, values.T, of_people, exact.friedman, bound, smoke)
+    of_signs = numbers(paired_tests, **{"signed ranks": "signed_rank_p"})
+    yield case("repeated.paired_tests, signed ranks", name, values[:2].T, of_signs, _paired, bound, smoke)
     if name == "as measured":
         far = np.arange(600.0).reshape(4, 150)
         yield case(
-            "kruskal.kruskal",
-            "four groups of 150 apart: p below 1e-100",
-            far,
-            dunn_and,
-            lambda x: exact.kruskal(exact.groups_of(x)),
-            11.0,
-        )
+            "kruskal.kruskal", "four groups of 150 apart: p below 1e-100", far, dunn_and, exact.kruskal, 11.0
+        )  # fmt: skip
+
+
+def _paired(people: exact.Groups) -> Mapping[str, Any]:
+    return exact.paired(*(list(column) for column in zip(*people, strict=True)))
 
 
 def _people(name: str, bound: float, smoke: bool) -> Iterator[Case]:
     values = worlds(name, 9).T
+    repeated = numbers(rm_anova, F="f", p="p", epsilon="epsilon_gg", p_gg="p_gg")
+    yield case("repeated.rm_anova", name, values, repeated, exact.rm_anova, bound, smoke)
 
-    def repeated(x: np.ndarray) -> Mapping[str, Any]:
-        found = rm_anova(x)
-        return {
-            "F": found.f,
-            "p": found.p,
-            "epsilon": found.epsilon_gg,
-            "p_gg": found.p_gg,
-            "said": notes(found.outcome()),
-        }
+    def agreement(x: np.ndarray) -> Mapping[str, Any]:
+        return {"ICC(3,1)": rm_anova(x).consistency().estimate}
 
-    yield case("repeated.rm_anova", name, values, repeated, lambda x: exact.rm_anova(exact.groups_of(x)), bound, smoke)
-    yield case(
-        "repeated.rm_anova, agreement",
-        name,
-        values,
-        lambda x: {"ICC(3,1)": rm_anova(x).consistency().estimate},
-        lambda x: {"ICC(3,1)": exact.icc(exact.groups_of(x))["ICC(3,1)"]},
-        bound - 1,
-    )
-    yield case(
-        "repeated.paired_tests, t",
-        name,
-        values[:, :2],
-        lambda x: {"t": paired_tests(x).t.statistic, "p": paired_tests(x).t.p},
-        lambda x: {key: exact.paired(*exact.groups_of(x.T))[key] for key in ("t", "p")},
-        bound,
-    )
+    yield case("repeated.rm_anova, agreement", name, values, agreement, exact.icc, bound - 1)
+    of_t = numbers(lambda x: paired_tests(x).t, t="statistic", p="p")
+    yield case("repeated.paired_tests, t", name, values[:, :2], of_t, _paired, bound)
     cells = worlds(name, 24).reshape(3, 4, 6)
     levels = {"specimen": np.repeat(np.arange(3), 24), "angle": np.tile(np.repeat(np.arange(4), 6), 3)}
-    yield case(
-        "factorial.factorial",
-        name,
-        cells,
-        lambda x: {"F": factorial(x.ravel(), levels).f[0], "p": factorial(x.ravel(), levels).p[0]},
-        lambda x: exact.two_factors([exact.groups_of(row) for row in x]),
-        bound - 1,
-    )
+
+    def first_factor(x: np.ndarray) -> Mapping[str, Any]:
+        found = factorial(x.ravel(), levels)
+        return {"F": found.f[0], "p": found.p[0]}
+
+    yield case("factorial.factorial", name, cells, first_factor, exact.two_factors, bound - 1)
     study = _study(name)
-    squared = not name.startswith("x ")  # variances of such values are no doubles
-
-    def truth(x: np.ndarray) -> dict[str, Any]:
-        found = exact.balanced_mixed([exact.groups_of(row) for row in x])
-        sd = [mp.sqrt(each) for each in found["variances"]]
-        return {"SD": sd, **{key: found[key] for key in (("variances", "F", "p") if squared else ("F", "p"))}}
-
-    def without(names: tuple[str, ...]) -> Exact:
-        return lambda x: {key: value for key, value in truth(x).items() if key not in names}
-
+    # variances of values of such a scale are no doubles
+    squared = {} if name.startswith("x ") else {"variances": "variance"}
+    balanced = numbers(balanced_mixed, **squared, F="f", p="p")
+    yield case("mixed.balanced_mixed", name, study, balanced, exact.balanced_mixed, bound - 1, smoke)
+    unbalanced = _of_reml(unbalanced_mixed, **squared, F="f")
+    yield case("mixed.unbalanced_mixed", name, study, unbalanced, exact.balanced_mixed, 12.0)
     yield case(
-        "mixed.balanced_mixed",
-        name,
-        study,
-        lambda x: {"variances": balanced_mixed(x).variance, "F": balanced_mixed(x).f, "p": balanced_mixed(x).p},
-        without(("SD",)),
-        bound - 1,
-        smoke,
+        "mixed_variances.mixed_variances", name, study, _of_reml(mixed_variances, SD="sd"), exact.balanced_mixed, 12.0
     )
-    yield case("mixed.unbalanced_mixed", name, study, _unbalanced, without(("SD", "p")), 12.0)
-    yield case("mixed_variances.mixed_variances", name, study, _variances, without(("variances", "F", "p")), 12.0)
-    yield case(
-        "trend.trend",
-        name,
-        study,
-        _trend,
-        lambda x: exact.trend([exact.groups_of(row) for row in x]),
-        bound - 1,
-        name == "x 1e300",
-    )
+    yield case("trend.trend", name, study, _trend, exact.trend, bound - 1, name == "x 1e300")
 
 
 def _study(name: str) -> np.ndarray:
@@ -281,17 +219,17 @@ def _study(name: str) -> np.ndarray:
     return z.astype(np.float32) if name == "single precision" else z
 
 
-def _unbalanced(x: np.ndarray) -> Mapping[str, Any]:
-    fit = fit_reml(x)
-    if isinstance(fit, Outcome):
-        return {"variances": np.nan, "said": notes(fit)}
-    found = unbalanced_mixed(fit)
-    return {"variances": found.variance, "F": found.f}
+def _of_reml(test: Callable[[Any], Any], **names: str) -> Ours:
+    """Numbers of a test of the REML fit, NaN with its reason where there is no fit."""
 
+    def ours(x: np.ndarray) -> Mapping[str, Any]:
+        fit = fit_reml(x)
+        if isinstance(fit, Outcome):
+            return dict.fromkeys(names, np.nan) | {"said": notes(fit)}
+        found = test(fit)
+        return {name: getattr(found, attribute) for name, attribute in names.items()}
 
-def _variances(x: np.ndarray) -> Mapping[str, Any]:
-    fit = fit_reml(x)
-    return {"SD": np.nan, "said": notes(fit)} if isinstance(fit, Outcome) else {"SD": mixed_variances(fit).sd}
+    return ours
 
 
 def _trend(x: np.ndarray) -> Mapping[str, Any]:
@@ -302,29 +240,19 @@ def _trend(x: np.ndarray) -> Mapping[str, Any]:
 
 def _samples(name: str, bound: float, smoke: bool) -> Iterator[Case]:
     row = worlds(name, 10)[0]
+    ks = numbers(partial(ks_normal, standardise=True), D="statistic", p="p")
+    yield case("normality.ks_normal", name, row, ks, lambda rows: exact.ks(rows[0]), bound - 1, smoke)
 
-    def ks(x: np.ndarray) -> Mapping[str, Any]:
-        found = ks_normal(x, standardise=True)
-        return {"D": found.statistic, "p": found.p, "said": notes(found.outcome())}
+    def d(x: np.ndarray) -> Mapping[str, Any]:
+        return {"D": lilliefors(x).statistic}
 
-    yield case("normality.ks_normal", name, row, ks, lambda x: exact_ks(list(x)), bound - 1, smoke)
-    yield case(
-        "lilliefors.lilliefors, D",
-        name,
-        row,
-        lambda x: {"D": lilliefors(x).statistic},
-        lambda x: {"D": exact_ks(list(x))["D"]},
-        bound - 1,
-    )
-    yield case(
-        "normality.shapiro_wilk",
-        name,
-        row,
-        lambda x: {"W": shapiro_wilk(x).statistic, "p": shapiro_wilk(x).p},
-        lambda x: exact_shapiro(list(x)),
-        bound - 1,
-        smoke,
-    )
+    yield case("lilliefors.lilliefors, D", name, row, d, lambda rows: exact.ks(rows[0]), bound - 1)
+
+    def w(x: np.ndarray) -> Mapping[str, Any]:
+        found = shapiro_wilk(x)
+        return {"W": found.statistic, "p": found.p}
+
+    yield case("normality.shapiro_wilk", name, row, w, lambda rows: exact.shapiro(rows[0]), bound - 1, smoke)
 
 
 def notes(outcome: Outcome) -> str:

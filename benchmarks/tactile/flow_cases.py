@@ -15,15 +15,13 @@ from benchmarks.tactile.flow_scores import (
     RADII_PITCHES,
     GrowingContact,
     core_of,
-    errors_of_pair,
+    error_of_pair,
     growing_contact,
     growth_error_percent,
     root_mean_square,
     worst,
 )
-from benchmarks.tactile.method import Method
-from benchmarks.tactile.ours import dense, on_pins
-from benchmarks.tactile.peers import dense_peers, pin_peers
+from benchmarks.tactile.methods import Method, dense, on_pins
 from casr.flow.estimate import ENGINES, FlowSettings, FlowTracker
 from emg2vsa.worlds.tactile import TACTIP_127
 
@@ -35,12 +33,12 @@ TRUTH = "the divergence that the frames were drawn with, over seeds"
 
 def pin_cases(size: Size) -> Iterator[Case]:
     """The affine motion of the contact's pins."""
-    yield from _pair_cases(size, "motion of the contact's pins", [*on_pins(), *pin_peers()])
+    yield from _pair_cases(size, "motion of the contact's pins", on_pins())
 
 
 def dense_cases(size: Size) -> Iterator[Case]:
     """Flow at every pixel."""
-    yield from _pair_cases(size, "dense flow", [*dense(), *dense_peers()])
+    yield from _pair_cases(size, "dense flow", dense())
 
 
 def _pair_cases(size: Size, what: str, methods: Sequence[Method]) -> Iterator[Case]:
@@ -80,7 +78,7 @@ def _pair(motion_px: float, seed: int) -> FlowPair:
 @cache
 def _errors(method: Method, motion_px: float, seeds: int) -> np.ndarray:
     """Of the core's divergence, percent (seeds,)."""
-    return np.array([errors_of_pair(method, _pair(motion_px, seed))[0] for seed in range(seeds)])
+    return np.array([error_of_pair(method, _pair(motion_px, seed)) for seed in range(seeds)])
 
 
 def _mean(errors: np.ndarray) -> float:

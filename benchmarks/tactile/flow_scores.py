@@ -1,7 +1,5 @@
 """Errors of a method on one pair of frames.
 
-How wrong a flow is, and which methods nothing beats in time and in error at once.
-
 Growth of a contact followed through a press, by its radius: what dense flow loses at the edge of a small one.
 """
 
@@ -15,27 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.tactile.flow_pairs import FlowPair
-from benchmarks.tactile.method import Method
+from benchmarks.tactile.methods import Method
 from casr.camera import Camera
 from casr.flow.dense_engine import mean_divergence
 from casr.flow.estimate import FlowSettings, FlowTracker
 from casr.flow.region import Affine, Region
 from emg2vsa.worlds.tactile import TACTIP_127, Appearance, draw_surface, drawn, exposed
-
-
-def endpoint_error_px(flow: NDArray[Any], truth: NDArray[Any]) -> NDArray[np.float64]:
-    """(...) length of the difference of two flows (..., 2), px."""
-    difference = np.asarray(flow, dtype=np.float64) - truth
-    return np.asarray(np.hypot(difference[..., 0], difference[..., 1]))
-
-
-def angular_error_deg(flow: NDArray[Any], truth: NDArray[Any]) -> NDArray[np.float64]:
-    """(...) angle between (u, v, 1) and its truth, degrees: Barron, Fleet and Beauchemin (IJCV 1994), section 3.2."""
-    a, b = (np.asarray(field, dtype=np.float64) for field in (flow, truth))
-    # the arc tangent stays exact where the arc cosine of nearly 1 loses half the digits
-    cross = np.stack([a[..., 1] - b[..., 1], b[..., 0] - a[..., 0], a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]])
-    dot = (a * b).sum(axis=-1) + 1
-    return np.asarray(np.degrees(np.arctan2(np.sqrt((cross**2).sum(axis=0)), dot)))
 
 
 def percent_error(found: NDArray[Any] | float, truth: NDArray[Any] | float) -> NDArray[np.float64]:
@@ -63,15 +46,6 @@ def median_sd(errors: Sequence[float]) -> tuple[float, float]:
     """Median and standard deviation of the numbers that are there; NaN where none is."""
     known = np.array([error for error in errors if np.isfinite(error)])
     return (float(np.median(known)), sample_sd(known)) if known.size else (float("nan"), float("nan"))
-
-
-def pareto_front(time: Sequence[float], error: Sequence[float]) -> list[int]:
-    """Indices of the points no other point beats in both, fastest first; of equal points the first counts."""
-    front: list[int] = []
-    for i in sorted(range(len(time)), key=lambda i: (time[i], error[i])):
-        if not front or error[i] < error[front[-1]]:
-            front.append(i)
-    return front
 
 
 RADII_PITCHES = (1.25, 1.6, 2.0, 3.0, 4.0)
@@ -121,15 +95,11 @@ CORE_FRACTION = 0.8
 "The core leaves out the edge of the contact, which pins 20 px apart cannot resolve."
 
 
-def errors_of_pair(method: Method, pair: FlowPair) -> tuple[float, float]:
-    """Error of the core's divergence, percent, and mean endpoint error in the contact, px."""
+def error_of_pair(method: Method, pair: FlowPair) -> float:
+    """Error of the core's divergence, percent."""
     core = core_of(pair)
     motion = method.prepare(pair.first, pair.second, core)()
-    rows, columns = np.mgrid[: pair.first.shape[0], : pair.first.shape[1]]
-    grid = np.stack([columns, rows], axis=-1).astype(np.float64)
-    inside = pair.contact.depth(grid) < 1
-    epe = endpoint_error_px(as_flow(motion, grid)[inside], pair.flow[inside]).mean()
-    return float(percent_error(divergence_of(motion, core), pair.divergence)), float(epe)
+    return float(percent_error(divergence_of(motion, core), pair.divergence))
 
 
 def core_of(pair: FlowPair) -> Region:
@@ -140,8 +110,3 @@ def core_of(pair: FlowPair) -> Region:
 def divergence_of(motion: Any, core: Region) -> float:
     """Mean divergence over the core, per frame pair."""
     return float(np.trace(motion.matrix)) if isinstance(motion, Affine) else mean_divergence(motion, core.polygon_px)
-
-
-def as_flow(motion: Any, grid: NDArray[np.float64]) -> NDArray[Any]:
-    """The motion as (H, W, 2) px at the pixels of ``grid`` (H, W, 2)."""
-    return motion.displacement_px(grid) if isinstance(motion, Affine) else motion

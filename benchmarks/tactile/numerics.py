@@ -12,13 +12,13 @@ from itertools import cycle, islice
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import curve_fit
 
-from benchmarks.tactile.calibration import unknown_error_percent
+from benchmarks.bench.measure import peak_so_far_mb, pin_loaded
 from benchmarks.tactile.flow_pairs import FlowPair, contact_pair
 from benchmarks.tactile.flow_scores import percent_error, sample_sd, worst
 from benchmarks.tactile.press_scores import TRUE_AREA, Chain, PressScores
 from benchmarks.tactile.table import Cell, Table
-from benchmarks.tactile.timing import one_thread, peak_memory_mb
 from casr.errors import CasrError
 from casr.flow.estimate import ENGINES, FlowSettings, FlowTracker
 from casr.flow.horn_schunck import HornSchunckSettings, horn_schunck
@@ -71,6 +71,24 @@ def stiffness_errors(results: Sequence[PressScores], chain: Chain | None) -> tup
     return unknown, left_out
 
 
+def unknown_error_percent(casr: NDArray[np.float64], kappa_n_mm: NDArray[np.float64], unknown: float) -> float:
+    """Error on the stiffness of one specimen, from the others' calibration at the mean CASR of its presses, percent.
+
+    kappa = p exp(q CASR) by least squares in kappa (paper, section VI), from the straight line through ln kappa. casr :
+    (n_specimens, n_repetitions), one angle. kappa_n_mm : (n_specimens,). unknown : one of these stiffnesses. NaN where
+    CASR is the same for every press, or unknown for one.
+    """
+    hidden = kappa_n_mm == unknown
+    x, kappa = casr[~hidden].ravel(), np.repeat(kappa_n_mm[~hidden], casr.shape[1])
+    centre, spread = x.mean(), x.std()
+    if not spread > 0:
+        return float("nan")
+    z = (x - centre) / spread  # scaled for the arithmetic, so that the unit of the scores does not matter
+    slope, log_p = np.polyfit(z, np.log(kappa), 1)
+    (p, q), _ = curve_fit(lambda z, p, q: p * np.exp(q * z), z, kappa, p0=(np.exp(log_p), slope))
+    return float(100 * (p * np.exp(q * (casr[hidden].mean() - centre) / spread) / unknown - 1))
+
+
 def _casr(results: Sequence[PressScores], chain: Chain | None, angle_deg: float) -> NDArray[np.float64]:
     """(n_specimens, n_repetitions) CASR at one angle."""
     found = [
@@ -115,14 +133,8 @@ STREAMED_FRAMES = (200, 2000)
 
 def run_numerics(n_seeds: int) -> list[Table]:
     """Every table of this comparison."""
-    with one_thread():
-        return [
-            identical_table(),
-            precision_table(),
-            settings_table(n_seeds),
-            scene_table(n_seeds),
-            streaming_table(),
-        ]
+    pin_loaded()  # OpenCV on one thread, as the other methods are; processor time would add the threads up
+    return [identical_table(), precision_table(), settings_table(n_seeds), scene_table(n_seeds), streaming_table()]
 
 
 def identical_table() -> Table:
@@ -188,11 +200,11 @@ def streaming_table() -> Table:
         tracker.start(pair.first, region)
         frames = cycle((pair.second, pair.first))
         _stream(tracker, islice(frames, 10))
-        before_mb, times_s = peak_memory_mb(), []
+        before_mb, times_s = peak_so_far_mb(), []
         memory: list[Cell] = []
         for n_frames in STREAMED_FRAMES:
             times_s.append(_stream(tracker, islice(frames, n_frames)) / n_frames)
-            memory.append(peak_memory_mb() - before_mb)
+            memory.append(peak_so_far_mb() - before_mb)
         rows.append([engine, 1e3 * min(times_s), *memory])
     grown = tuple((f"MB after {n}", ".1f") for n in STREAMED_FRAMES)
     title = "Streaming: processor time per frame, and how far peak memory grew while frames came in"

@@ -7,17 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mpmath import mpf
+from mpmath import mp, mpf
 from scipy import optimize, stats
 
 from benchmarks import nist
 from benchmarks.bench.case import NotHere, Size
 from benchmarks.nist import worst_error
-from benchmarks.statistics.design_cases import _exact_bca, _exact_friedman, _exact_repeated, _exact_tost, _exact_welch
-from benchmarks.statistics.exact_curves import exact_exponential
+from benchmarks.statistics.design_cases import _exact_bca
 from benchmarks.statistics.exact_laws import chi2_survival, f_survival, ks_survival, power_of_rm, range_survival
-from benchmarks.statistics.exact_tests import exact_kruskal, exact_mann_whitney
 from benchmarks.statistics.sample_cases import anova_cases, digits_allowed
+from benchmarks.stress import exact_tests as exact
+from benchmarks.stress.exact_curves import exact_exponential, mpfs
 
 
 def test_the_worst_number_decides() -> None:
@@ -39,19 +39,19 @@ def test_laws_are_scipys() -> None:
 
 def test_rank_tests_are_scipys() -> None:
     scores = np.random.default_rng(0).standard_normal((3, 6))
-    assert float(exact_kruskal(scores)["p"]) == pytest.approx(stats.kruskal(*scores).pvalue, rel=1e-12)
+    assert float(exact.kruskal(exact.groups_of(scores))["p"]) == pytest.approx(stats.kruskal(*scores).pvalue, rel=1e-12)
     peer = stats.mannwhitneyu(scores[0], scores[1], method="exact").pvalue
-    assert float(exact_mann_whitney(scores[0], scores[1])) == pytest.approx(peer, rel=1e-12)
-    tied = np.array([1.0, 1.0, 2.0]), np.array([1.0, 3.0, 3.0])
+    assert float(exact.mann_whitney(*exact.groups_of(scores[:2]))["p"]) == pytest.approx(peer, rel=1e-12)
+    tied = np.array([[1.0, 1.0, 2.0], [1.0, 3.0, 3.0]])
     every = stats.mannwhitneyu(*tied, method=stats.PermutationMethod(n_resamples=np.inf)).pvalue
-    assert float(exact_mann_whitney(*tied)) == pytest.approx(every, rel=1e-12)
+    assert float(exact.mann_whitney(*exact.groups_of(tied))["p"]) == pytest.approx(every, rel=1e-12)
 
 
 def test_exponential_is_curve_fits() -> None:
     x, y = np.array([0.2, 0.7, 1.4, 2.0]), np.array([7.7, 3.3, 1.2, 0.3])
     (p, q), _ = optimize.curve_fit(lambda z, p, q: p * np.exp(q * z), x, y, p0=(9, -1), ftol=1e-15, xtol=1e-15)
-    found = exact_exponential(x, y)
-    assert float(found["p"]) == pytest.approx(p, rel=1e-6)
+    found = exact_exponential(mpfs(x), mpfs(y))
+    assert float(found["level"] * mp.exp(-found["q"] * found["centre"])) == pytest.approx(p, rel=1e-6)
     assert float(found["q"]) == pytest.approx(q, rel=1e-6)
 
 
@@ -59,18 +59,18 @@ def test_designs_are_scipys() -> None:
     rng = np.random.default_rng(1)
     groups = rng.standard_normal((3, 6)) * np.array([1.0, 2.0, 3.0])[:, None]
     peer = stats.f_oneway(*groups, equal_var=False)
-    assert float(_exact_welch(groups)["F"]) == pytest.approx(peer.statistic, rel=1e-12)
-    assert float(_exact_welch(groups)["p"]) == pytest.approx(peer.pvalue, rel=1e-12)
+    assert float(exact.welch(exact.groups_of(groups))["F"]) == pytest.approx(peer.statistic, rel=1e-12)
+    assert float(exact.welch(exact.groups_of(groups))["p"]) == pytest.approx(peer.pvalue, rel=1e-12)
     people = rng.standard_normal((6, 2))
     pair = stats.ttest_rel(*people.T)
-    assert float(_exact_repeated(people)["F"]) == pytest.approx(pair.statistic**2, rel=1e-12)
-    assert float(_exact_repeated(people)["p"]) == pytest.approx(pair.pvalue, rel=1e-12)
+    assert float(exact.rm_anova(exact.groups_of(people))["F"]) == pytest.approx(pair.statistic**2, rel=1e-12)
+    assert float(exact.rm_anova(exact.groups_of(people))["p"]) == pytest.approx(pair.pvalue, rel=1e-12)
     people = rng.standard_normal((6, 4))
     ranks = stats.friedmanchisquare(*people.T)
-    assert float(_exact_friedman(people)["chi2"]) == pytest.approx(ranks.statistic, rel=1e-12)
+    assert float(exact.friedman(exact.groups_of(people))["chi2"]) == pytest.approx(ranks.statistic, rel=1e-12)
     above = stats.ttest_ind(groups[0] + 1, groups[1], alternative="greater").pvalue
     below = stats.ttest_ind(groups[0] - 1, groups[1], alternative="less").pvalue
-    assert float(_exact_tost(groups[:2], 1.0)["p"]) == pytest.approx(max(above, below), rel=1e-12)
+    assert float(exact.tost(*exact.groups_of(groups[:2]), mpf(1))["p"]) == pytest.approx(max(above, below), rel=1e-12)
 
 
 def test_the_exact_bootstrap_is_the_limit_of_a_long_one() -> None:

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.tactile import flow_pairs
-from benchmarks.tactile.ours import NATURAL_IMAGES
+from benchmarks.tactile.methods import NATURAL_IMAGES
 from casr.flow.dense_engine import divergence
 from casr.flow.horn_schunck import HornSchunck, HornSchunckSettings, horn_schunck
 

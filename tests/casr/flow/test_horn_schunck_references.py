@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import map_coordinates
 
-from benchmarks.tactile.ours import NATURAL_IMAGES as NATURAL
+from benchmarks.tactile.methods import NATURAL_IMAGES as NATURAL
 from casr.flow.dense_engine import divergence, mean_divergence
 from casr.flow.horn_schunck import HornSchunck, HornSchunckSettings, horn_schunck
 from casr.pins import PinTracker
