@@ -10,7 +10,7 @@ A true rate is that of the rule of scores, a mean rate on a power law, through t
 
 from __future__ import annotations
 
-import argparse
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from datetime import UTC, datetime
@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import f_oneway
 
-from benchmarks.bench.record import keep
+from benchmarks.bench.record import print_page
 from benchmarks.rig.plans import modular_plan, rigid_plan
 from casr.specimens import SPECIMENS
 from casr.spread import spread_rate
@@ -87,17 +87,12 @@ _STEP_S, _SPEED_MM_PER_S, _PEAK_N = 0.005, 5.0, 7.05
 
 def main() -> None:
     """Print both tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", type=Path, metavar="FILE", help="the same as Markdown there")
-    path = parser.parse_args().write
-    scored = {}
-    for cell in CELLS:
-        scored[cell] = scored_cell(cell, *SCORED)
-        print(*cell, flush=True)
-    text = "\n".join(_page(scored))
-    print(text)
-    if path:
-        keep(path, text)
+    print_page(__doc__, lambda: _page({cell: _scored(cell) for cell in CELLS}))
+
+
+def _scored(cell: Cell) -> list[Mounting]:
+    print(*cell, file=sys.stderr, flush=True)
+    return scored_cell(cell, *SCORED)
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,11 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import re
 import sys
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +53,17 @@ def markdown(record: dict[str, Any]) -> str:
 def keep(path: Path, text: str) -> None:
     """Write the record of a page in Markdown, whole or not at all."""
     write_text_atomic(path, json.dumps(of_markdown(text), indent=1, ensure_ascii=False) + "\n")
+
+
+def print_page(about: str | None, page: Callable[[], Iterable[str]]) -> None:
+    """``main`` of a benchmark: print its page of Markdown, line by line, and keep the record where ``--write`` says."""
+    parser = argparse.ArgumentParser(description=about)
+    parser.add_argument("--write", type=Path, metavar="FILE", help="a record of it there")
+    path = parser.parse_args().write
+    text = "\n".join(page())
+    print(text)
+    if path:
+        keep(path, text)
 
 
 def is_record(value: object) -> bool:

@@ -1,8 +1,7 @@
 """One run of the executor against the emulated rig in another process, and what is to be known of its timing.
 
-The beat of the control loop with nothing to do: ``python -m benchmarks.rig.loop_run RATE`` until its input ends.
-
-What this loop misses, on the same machine at the same time, no loop can keep. The timing is printed as JSON.
+``python -m benchmarks.rig.loop_run RATE`` keeps the beat of a loop with nothing to do until its input ends, and prints
+its timing as JSON: what it misses, on the same machine at the same time, no loop can keep.
 """
 
 from __future__ import annotations
@@ -15,21 +14,107 @@ import tempfile
 import threading
 import time
 from contextlib import nullcontext
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from benchmarks.rig.child import bare_loop, hogs, served_rig
 from benchmarks.rig.fault_case import read_log
 from benchmarks.rig.plans import modular_plan
-from benchmarks.rig.step_latency import StepLatency, TimedActuator, step_latency
-from emg2vsa.devices.clock import Beat, LoopTiming, WallClock, ahead, undisturbed
-from emg2vsa.devices.protocols import Devices
+from emg2vsa.devices.clock import Beat, Clock, LoopTiming, WallClock, ahead, undisturbed
+from emg2vsa.devices.protocols import Actuator, Devices, Joint, LogColumns, Measurements
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.open_rig import open_rig
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import DeviceSettings, GuardSettings, RigSettings
+
+SETTLED = 0.9
+"Part of a step at which the motors count as there."
+MOVING = 0.1
+
+
+@dataclass
+class TimedActuator:
+    """An actuator with the time of every command and of every measurement's arrival, s."""
+
+    actuator: Actuator
+    clock: Clock
+    commands: list[tuple[float, float]] = field(default_factory=list)
+    "Time when sent, preset."
+    presets: list[tuple[float, float]] = field(default_factory=list)
+    "Time when measured, preset that the motors have, degrees."
+
+    def activate(self) -> None:
+        self.actuator.activate()
+
+    def deactivate(self) -> None:
+        self.actuator.deactivate()
+
+    def is_active(self) -> bool:
+        return self.actuator.is_active()
+
+    def command(self, position_deg: float, preset: float) -> None:
+        self.actuator.command(position_deg, preset)
+        self.commands.append((self.clock.now_s(), preset))
+
+    def position_deg(self) -> float:
+        return self.actuator.position_deg()
+
+    def measurements(self) -> Measurements:
+        at = self.actuator.measurements()
+        self.presets.append((self.clock.now_s(), (at.motors_deg[0] - at.motors_deg[1]) / 2))
+        return at
+
+    def currents_a(self) -> tuple[float, ...]:
+        return self.actuator.currents_a()
+
+    def current_limit_a(self) -> float:
+        return self.actuator.current_limit_a()
+
+    @property
+    def joint(self) -> Joint | None:
+        """Of the actuator."""
+        return self.actuator.joint
+
+    @property
+    def columns(self) -> LogColumns:
+        """Of the actuator."""
+        return self.actuator.columns
+
+
+@dataclass(frozen=True)
+class StepLatency:
+    """Of every step up during loading, s; not a number where the press was over before."""
+
+    command_s: list[float]
+    moving_s: list[float]
+    settled_s: list[float]
+
+
+def step_latency(rows: list[Row], timed: TimedActuator) -> StepLatency:
+    """From the start of the turn that read the force to the command sent, and to motors seen at a part of the step.
+
+    Steps follow each other faster than motors do, so a step may be seen after the command of the next.
+    """
+    found = StepLatency([], [], [])
+    sent_s = np.array([time_s for time_s, _ in timed.commands])
+    seen_s, presets = np.array(timed.presets).T
+    over_s = {row.repetition: row.time_s for row in rows if row.phase == "retract"}
+    for before, row in pairwise(rows):
+        low, high = before.preset, row.preset
+        if row.phase != "load" or low is None or high is None or high <= low:
+            continue
+        start_s = row.time_s
+        found.command_s.append(float(sent_s[np.searchsorted(sent_s, start_s)]) - start_s)
+        seen = slice(np.searchsorted(seen_s, start_s), np.searchsorted(seen_s, over_s.get(row.repetition, start_s)))
+        for latencies, part in ((found.moving_s, MOVING), (found.settled_s, SETTLED)):
+            there = np.flatnonzero(presets[seen] >= low + part * (high - low))
+            latencies.append(float(seen_s[seen][there[0]]) - start_s if there.size else np.nan)
+    return found
 
 
 def main() -> None:
@@ -41,10 +126,6 @@ def main() -> None:
         while not ended.is_set():
             beat.wait()
     print(json.dumps(asdict(beat.timing())))
-
-
-if __name__ == "__main__":
-    main()
 
 
 PATIENT = GuardSettings(stale_s=1.0, camera_s=2.0, late_s=1.0)
@@ -127,3 +208,7 @@ def _frames(rows: list[Row]) -> int:
 
 def _memory_mb() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+if __name__ == "__main__":
+    main()

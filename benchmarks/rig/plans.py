@@ -86,10 +86,6 @@ def main() -> None:
         print(json.dumps({"cpu_share": used}), flush=True)
 
 
-if __name__ == "__main__":
-    main()
-
-
 SPECIMEN = "S3"
 CONTACT_N, F_MAX_N = 0.5, 7.0
 
@@ -142,3 +138,7 @@ def _built(specimen: str, settings: ScheduleSettings) -> Schedule:
     )  # fmt: skip
     (schedule,) = build_schedules(profiles, settings, {"study": "palpation"})
     return schedule
+
+
+if __name__ == "__main__":
+    main()

@@ -7,16 +7,14 @@ scored once as it is, and once with the pull switched off.
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from unittest.mock import patch
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.bench.record import keep
+from benchmarks.bench.record import print_page
 from benchmarks.tactile.world_scores import named, world_named
 from casr.contact_area import library_front as pulled
 from casr.contact_area.follow import contact_front
@@ -37,13 +35,7 @@ SHEARED_MM = 0.8
 
 def main() -> None:
     """Print both tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", type=Path, metavar="FILE", help="a record of it there")
-    path = parser.parse_args().write
-    text = "\n".join(_page())
-    print(text)
-    if path:
-        keep(path, text)
+    print_page(__doc__, _page)
 
 
 def _depth(at: Points, state: ContactState, scene: Scene) -> Points:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.rig.clean_run import clean_run
+from benchmarks.clean_runs import clean_run
 from benchmarks.rig.fault_case import MOST_N, run_case, run_wrong
 
 CASES = [
