@@ -16,7 +16,6 @@ import json
 import os
 import re
 import shutil
-import socket
 import subprocess
 import sys
 import tempfile
@@ -32,7 +31,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.browser import Browser, Window, running
-from benchmarks.session_over_ports import PALPATION, free_port
+from benchmarks.session_over_ports import PALPATION, emulated_devices
 from emg2vsa import artifacts
 from emg2vsa.cli.progress import progress
 from emg2vsa.devices.clock import WallClock
@@ -66,12 +65,6 @@ training_specimens = ["T1", "T2"]
 training_repetitions = 1
 rest_s = 1.0
 pause_s = 2.0
-emg.kind = "trigno"
-emg.command_port = {command}
-emg.emg_port = {emg}
-emg.channels = {{ EDC = "1", FDS = "5" }}
-force.kind = "rig"
-force.rig = "rig.toml"
 """
 PAGE = """(() => {
   const text = (id) => document.querySelector(id).textContent;
@@ -192,10 +185,7 @@ def make_study(folder: Path) -> Path:
     text = re.sub(r'ids = \[.*"P14"\]', f'ids = ["{PARTICIPANT}"]', text)
     text = text.replace('participant = "P07"', f'participant = "{PARTICIPANT}"')
     study = folder / "study.toml"
-    study.write_text(text + SESSION.format(command=free_port(), emg=free_port()), encoding="utf-8")
-    rig = (PALPATION / "rig.toml").read_text(encoding="utf-8")
-    ports = f'host = "127.0.0.1"\nhttp_port = {free_port()}\nrdt_port = {free_port(socket.SOCK_DGRAM)}\n'
-    (folder / "rig.toml").write_text(rig.replace("[force]\n", f"[force]\n{ports}"), encoding="utf-8")
+    study.write_text(text + SESSION.rstrip("\n") + emulated_devices(folder), encoding="utf-8")
     return study
 
 

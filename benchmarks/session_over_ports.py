@@ -67,13 +67,18 @@ def free_port(kind: int = socket.SOCK_STREAM) -> int:
         return int(probe.getsockname()[1])
 
 
+def emulated_devices(folder: Path) -> str:
+    """Write a rig.toml with free ports of the force box; the lines of [session] for it and for a Trigno server."""
+    rig = (PALPATION / "rig.toml").read_text(encoding="utf-8")
+    ports = f'host = "127.0.0.1"\nhttp_port = {free_port()}\nrdt_port = {free_port(socket.SOCK_DGRAM)}\n'
+    (folder / "rig.toml").write_text(rig.replace("[force]\n", f"[force]\n{ports}"), encoding="utf-8")
+    return _TRIGNO.format(command=free_port(), emg=free_port())
+
+
 def make_study(folder: Path, devices: str) -> None:
     """study.toml, and the rig.toml that it names."""
-    session = _LSL if devices == "lsl" else _TRIGNO.format(command=free_port(), emg=free_port())
-    (folder / "study.toml").write_text(_STUDY + session)
-    rig = (PALPATION / "rig.toml").read_text()
-    ports = f'host = "127.0.0.1"\nhttp_port = {free_port()}\nrdt_port = {free_port(socket.SOCK_DGRAM)}\n'
-    (folder / "rig.toml").write_text(rig.replace("[force]\n", f"[force]\n{ports}"))
+    of_trigno = emulated_devices(folder)
+    (folder / "study.toml").write_text(_STUDY + (_LSL if devices == "lsl" else of_trigno))
     (folder / "lsl_api.cfg").write_text(
         f"[multicast]\nResolveScope = machine\n[lab]\nKnownPeers = {{127.0.0.1}}\nSessionID = {folder.name}\n"
     )
