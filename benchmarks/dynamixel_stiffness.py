@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.rig.dynamixel_faults import D_GAIN, GEAR_MM_PER_DEGREE
+from benchmarks.dynamixel_faults import D_GAIN, GEAR_MM_PER_DEGREE
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.dynamixel import DynamixelSettings
 from emg2vsa.errors import DeviceError

@@ -50,8 +50,7 @@ def beat(size: Size) -> Iterator[Case]:
     """The loop in real time against emulators in another process, beside a loop with nothing to do."""
     if sys.platform != "linux":
         raise NotHere("beat of the loop: needs Linux")
-    from benchmarks.rig.child import bare_loop
-    from benchmarks.rig.loop_run import run_loop
+    from benchmarks.rig.loop_run import bare_loop, run_loop
     from emg2vsa.devices.clock import undisturbed
 
     seconds = size.pick(2.0, 20.0)

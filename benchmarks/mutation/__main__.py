@@ -21,8 +21,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from benchmarks.mutation.mutants import Chosen, sample
 from benchmarks.mutation.nearest import LineMap, files_for, read_line_map
-from benchmarks.mutation.sample import Chosen, sample
 from benchmarks.mutation.table import page
 from benchmarks.mutation.trial import export, failed_tests, run_tests, tried
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmarks.mutation.sample import Chosen
+from benchmarks.mutation.mutants import Chosen
 from benchmarks.mutation.time_limit import EXIT_CODE
 
 FIRST_FILES = 4
