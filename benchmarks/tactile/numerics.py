@@ -85,7 +85,7 @@ def unknown_error_percent(casr: NDArray[np.float64], kappa_n_mm: NDArray[np.floa
         return float("nan")
     z = (x - centre) / spread  # scaled for the arithmetic, so that the unit of the scores does not matter
     slope, log_p = np.polyfit(z, np.log(kappa), 1)
-    (p, q), _ = curve_fit(lambda z, p, q: p * np.exp(q * z), z, kappa, p0=(np.exp(log_p), slope))
+    (p, q), _ = curve_fit(lambda z, p, q: p * np.exp(q * z), z, kappa, p0=(np.exp(log_p), slope), maxfev=10_000)
     return float(100 * (p * np.exp(q * (casr[hidden].mean() - centre) / spread) / unknown - 1))
 
 
