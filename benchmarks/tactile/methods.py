@@ -64,6 +64,7 @@ def dense() -> list[Method]:
     return [
         Method("casr", "Horn-Schunck", _whole),
         Method("casr", "Horn-Schunck, contact only", _contact_only, note="a square around the contact"),
+        Method("OpenCV", "DIS ultrafast", _dis(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)),
         Method("OpenCV", "DIS fast", _dis(cv2.DISOPTICAL_FLOW_PRESET_FAST)),
         Method("OpenCV", "DIS medium", _dis(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)),
         Method("OpenCV", "Farneback, window 15", _farneback),
