@@ -14,6 +14,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
+import emg2vsa.live
 from emg2vsa.cli import main
 from emg2vsa.errors import SettingError
 from emg2vsa.live.server import listening, serve
@@ -83,12 +84,17 @@ def test_a_port_that_is_taken(taken):
         pass
 
 
-@pytest.mark.parametrize("library", ["starlette", "uvicorn"])
-def test_without_the_extra_the_command_says_what_to_install(tmp_path, capsys, monkeypatch, library):
-    pages = library, "emg2vsa.live"  # to be imported anew, whoever did so before
-    for name in [name for name in sys.modules if name.startswith(pages)]:
+def without(library, monkeypatch):
+    """Pages are imported anew, whoever did so before, and find no such library."""
+    monkeypatch.setattr("emg2vsa.live", emg2vsa.live)  # the package of before comes back for the other tests
+    for name in [name for name in sys.modules if name.startswith((library, "emg2vsa.live"))]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, library, None)
+
+
+@pytest.mark.parametrize("library", ["starlette", "uvicorn"])
+def test_without_the_extra_the_command_says_what_to_install(tmp_path, capsys, monkeypatch, library):
+    without(library, monkeypatch)
     assert main(["rig", "watch", str(tmp_path)]) == 2
     said = capsys.readouterr().err
     assert f"found no {library}" in said
@@ -134,9 +140,7 @@ def test_a_session_begins_nothing_with_an_address_that_is_none(session, address,
 
 def test_a_session_begins_nothing_without_the_extra(session, capsys, monkeypatch):
     words, folder = session
-    for name in [name for name in sys.modules if name.startswith("emg2vsa.live")]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "uvicorn", None)
+    without("uvicorn", monkeypatch)
     assert main(words) == 2
     assert 'pip install "emg2vsa[web]"' in capsys.readouterr().err
     assert not folder.exists()
