@@ -54,7 +54,9 @@ def assert_same(stream: Score, recording: Score) -> None:
     assert stream.notes == recording.notes
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(
+    "engine", [pytest.param(name, marks=[pytest.mark.slow] * (name == "horn-schunck")) for name in ENGINES]
+)
 def test_same_numbers_as_from_a_recording(press: Frames, engine: str) -> None:
     settings = ScoreSettings(flow=FlowSettings(engine=engine))
     assert_same(streamed(*press, settings)[0], score(FrameSequence(ArrayFrames(press[0]), None, press[1]), settings))
