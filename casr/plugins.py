@@ -73,6 +73,18 @@ def known_engines() -> tuple[str, ...]:
 
 
 def made_worlds() -> Any:
-    """The module that renders presses, ``emg2vsa.worlds.tactile``."""
-    (tactile,) = plugins("casr.worlds")
-    return tactile.load()
+    """The module that renders presses: the entry point ``casr.worlds`` of this project's own distribution.
+
+    Those of other packages do not count. PluginError where a checkout is used without having been installed.
+    """
+    from importlib.metadata import entry_points  # noqa: PLC0415  (looks through every installed distribution)
+
+    for entry in entry_points(group="casr.worlds"):
+        if entry.dist is not None and entry.dist.name == "emg2vsa":
+            return entry.load()
+    raise PluginError(
+        "casr.worlds",
+        wanted="the maker of simulated presses, an entry point of the package emg2vsa",
+        found="none: this copy was not installed, or before it had one",
+        do="Install it again: pip install . in its folder.",
+    )

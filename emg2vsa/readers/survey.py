@@ -219,12 +219,11 @@ def _noise(samples: Floats, fs_hz: float) -> float:
     return float(np.quantile(blocks.std(axis=1), _REST_SHARE))
 
 
-def _level(channel: StoredChannel, every_s: float, stop_s: float) -> Floats:
-    """Mean of each step of ``every_s`` from time 0, of the rectified samples less their mean."""
+def _level(channel: StoredChannel, every_s: float, grid: Floats) -> Floats:
+    """Mean of ``every_s``, at the times ``grid`` (n,) in seconds, of the rectified samples less their mean."""
     size = max(1, round(every_s * channel.fs_hz))
     samples = np.nan_to_num(channel.samples - np.nanmean(channel.samples))
     levels = _block_means(np.abs(samples), size)
-    grid = np.arange(0.0, stop_s, every_s)
     return np.asarray(np.interp(grid, channel.start_s + (np.arange(levels.size) + 0.5) * size / channel.fs_hz, levels))
 
 
@@ -263,15 +262,17 @@ def _correlation(channel: StoredChannel, emg: Sequence[StoredChannel]) -> float:
     """Between the channel and the summed level of the EMG, in steps of 0.1 s; 0 where it cannot be known."""
     if not emg:
         return 0.0
+    begin_s = min(c.start_s for c in (channel, *emg))  # a clock may count from 1970
     stop_s = min(c.start_s + c.samples.size / c.fs_hz for c in (channel, *emg))
-    if stop_s < 1:
+    if stop_s - begin_s < 1:
         return 0.0
-    scaled = [_level(c, 0.1, stop_s) for c in emg]
+    grid = np.arange(begin_s, stop_s, 0.1)
+    scaled = [_level(c, 0.1, grid) for c in emg]
     activity = np.sum([level / level.mean() for level in scaled if level.mean() > 0], axis=0)
     size = max(1, round(0.1 * channel.fs_hz))
     means = _block_means(np.nan_to_num(channel.samples, nan=float(np.nanmedian(channel.samples))), size)
     times = channel.start_s + (np.arange(means.size) + 0.5) * size / channel.fs_hz
-    slow = np.interp(np.arange(0.0, stop_s, 0.1), times, means)
+    slow = np.interp(grid, times, means)
     if np.ndim(activity) == 0 or slow.std() == 0 or np.std(activity) == 0:
         return 0.0
     return float(np.corrcoef(slow, activity)[0, 1])

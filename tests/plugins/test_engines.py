@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.metadata
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -16,6 +17,7 @@ from casr.errors import PluginError, SettingError
 from casr.flow.estimate import FlowSettings, FlowTracker
 from casr.flow.region import Region
 from casr.images import as_grey
+from casr.plugins import made_worlds
 from tests.once import Once
 
 Install = Callable[..., Path]
@@ -102,3 +104,14 @@ def test_an_engine_that_cannot_be_imported_is_an_error_in_python(install: Instal
     install(code="1 / 0")
     with pytest.raises(PluginError, match="ZeroDivisionError"):
         FlowTracker(FlowSettings(engine="farneback"))
+
+
+def test_another_package_never_takes_the_place_of_our_worlds(install: Install) -> None:
+    install(code="class Worlds: ...", entries={"casr.worlds": {"tactile": "lab_tools:Worlds"}})
+    assert made_worlds().__name__ == "emg2vsa.worlds.tactile"
+
+
+def test_a_copy_without_its_entry_point_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(importlib.metadata, "entry_points", lambda **_: ())
+    with pytest.raises(PluginError, match=r"casr\.worlds: expected the maker .* Install it again"):
+        made_worlds()

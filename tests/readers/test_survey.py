@@ -104,3 +104,13 @@ def test_real_files(shared_data, name: str, emg: int, force: str | None) -> None
     facts = survey(shared_data(f"emg/{name}"))
     assert len(facts.emg) == emg
     assert (facts.force.name if facts.force else None) == force
+
+
+def test_a_clock_that_counts_from_1970_costs_no_memory(tmp_path: Path) -> None:
+    guesses = []
+    for begin_s in (0.0, 1.7e9):
+        path = tmp_path / "a.csv"
+        columns = np.column_stack([begin_s + TIME, next(iter(MADE.emg_v.values())), MADE.force_n])
+        np.savetxt(path, columns, ("%.3f", "%.9g", "%.9g"), ",", header="time (s),EDC (V),Fz (N)", comments="")
+        guesses.append([facts.guess for facts in survey(path).channels])
+    assert guesses[0] == guesses[1]
