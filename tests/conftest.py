@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
+import sys
 from collections.abc import Callable, Generator
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -38,6 +41,20 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put the files of LONGEST first, and keep the order of all else."""
     place = {ROOT / "tests" / name: row for row, name in enumerate(LONGEST)}
     items.sort(key=lambda item: place.get(item.path, len(place)))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> Generator[None, None, None]:
+    """What the tests of a file kept goes back to the system when the next file begins: workers stay small."""
+    yield
+    if nextitem is not None and nextitem.path == item.path:
+        return
+    for value in list(vars(item.module).values()) if isinstance(item, pytest.Function) else ():
+        if hasattr(value, "cache_clear") and getattr(value, "__module__", "") == item.module.__name__:
+            value.cache_clear()
+    if sys.platform == "linux":
+        with suppress(OSError, AttributeError):  # other C libraries have no such call
+            ctypes.CDLL("libc.so.6").malloc_trim(0)
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -97,7 +97,7 @@ def test_a_press_that_is_being_recorded_is_followed_to_its_end(
 
     thread = threading.Thread(target=record)
     thread.start()
-    assert main(["stream", str(folder), "--follow", "--idle", "60", "--json"]) == 0
+    assert main(["stream", str(folder), "--follow", "--idle", "4", "--json"]) == 0
     thread.join()
     *frames, last = lines_of(capsys.readouterr().out)
     score = last["score"]
