@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from pathlib import Path
 
 from casr.errors import FramesError
@@ -33,7 +34,7 @@ def undecodable(path: Path, index: int, found: str) -> FramesError:
     )  # fmt: skip
 
 
-class OneSize:
+class OneSize(ABC):
     """Frames of one size, decoded one at a time when asked for.
 
     FramesError : the first does not decode; on reading, one that is damaged or has another size than the first.
@@ -49,8 +50,9 @@ class OneSize:
     def __len__(self) -> int:
         return self._n
 
+    @abstractmethod
     def _decoded(self, index: int) -> Grey:
-        raise NotImplementedError
+        """One frame, of whatever size it has."""
 
     def _file(self, index: int) -> Path:
         return self._path

@@ -1,14 +1,14 @@
 """The stage from scored runs to what section VI of the paper says of areas, rates, algorithms and actuators.
 
-CASR: does it tell the known specimens apart, and do softer ones have the larger? Does that of the new specimen lie
-between those of its neighbours in stiffness, and apart from both?
+It answers four questions:
 
-Old and new vision algorithm side by side, on the same presses: initial area and CASR (paper, VI.A).
+- Does CASR tell the known specimens apart, and is it larger for softer ones?
+- Does the CASR of the new specimen lie between those of its neighbours in stiffness, and apart from both?
+- What do the old and the new vision algorithm give for the same presses (VI.A)?
+- How do condition, angle and specimen change area and CASR, and do they act together?
 
-What moves area and CASR: condition, angle, specimen, and do they act together (paper, section VI)?
-
-The model is of logarithms: an angle or a condition multiplies the scores, and their scatter grows with their level.
-Specimens are the known ones. Conditions that were pressed at some angles only leave cells empty (`stats.factorial`).
+The last is a model of logarithms: an angle or a condition multiplies the scores, and their scatter grows with their
+level. Specimens are the known ones. Conditions that were pressed at some angles only leave cells empty (`stats.factorial`).
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 The table is tried from top to bottom. Nothing here imports a reader, so a program may ask which one it would be.
 
-Files that are not read, by their first bytes: what each one is, and how to come from it to one that is read.
+A second table names files that are not read by their first bytes, and says how to export one that is read.
 """
 
 from __future__ import annotations

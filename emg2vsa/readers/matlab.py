@@ -7,9 +7,8 @@ units, as OTBiolab's ``Description`` does ("acquired data[ %(MVC)]"), and so doe
 of this length, if one matrix only has so many; "variable[75]" still works. The rate comes from a variable called
 SamplingFrequency, fs or alike, or from a time vector; ``fs_EMG`` and ``t_EMG`` hold for ``EMG`` alone.
 
-The .mat export of Delsys' file utility: ``Channels``, ``Fs``, ``Time`` and ``Data``, one row per channel.
-
-All rows are as long as the fastest channel needs; slower ones are filled up with zeros, and their Time runs on. The
+A file with ``Channels``, ``Fs``, ``Time`` and ``Data`` is an export of Delsys' file utility, one row per channel. All
+rows are as long as the fastest channel needs; slower ones are filled up with zeros, and their Time runs on. The
 last sample that is not zero in any row says how long the recording is, and every row is cut there. No unit is stated:
 EMG is in V, as EMGworks writes it.
 """

@@ -7,7 +7,7 @@ neighbouring half seconds agree, and between them amplitude and phase are interp
 A finger that touches the rig can take the hum away, or bring it. What was fitted at rest is therefore compared with
 what the presses hold, and leaves them only where it is in them; what remains in them is measured.
 
-Amplitude and phase of sines in pieces of a record, each under a window of Hann's.
+Sines are fitted to pieces of the record, each under a Hann window (`sine_phasors`).
 """
 
 from __future__ import annotations

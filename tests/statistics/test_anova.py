@@ -18,6 +18,7 @@ from statsmodels.stats.oneway import anova_oneway
 from emg2vsa.companions.groups import group_tests
 from emg2vsa.statistics.anova import brown_forsythe, one_way, welch
 from emg2vsa.statistics.post_hoc import lsd
+from tests.statistics.unequal_groups import DESIGNS, groups_of
 
 CEILING = {
     "SiRstv": 13.1, "SmLs01": 15, "SmLs02": 15, "SmLs03": 15, "AtmWtAg": 10.2, "SmLs04": 10.4,
@@ -138,20 +139,6 @@ def test_size_with_four_and_more() -> None:
     for n, most in ((4, 0.09), (10, 0.06)):
         p = brown_forsythe(np.random.default_rng(2).standard_normal((4000, 5, n))).p
         assert 0.02 < np.mean(p < 0.05) < most
-
-
-def unequal(seed: int, k: int = 4, n: int = 9) -> np.ndarray:
-    rng = np.random.default_rng(seed)
-    values = rng.standard_normal((k, n)) * np.geomspace(1, 4, k)[:, None] + 0.8 * np.arange(k)[:, None]
-    values[np.arange(n) >= rng.integers(3, n + 1, (k, 1))] = np.nan
-    return values
-
-
-def groups_of(design: np.ndarray) -> list[np.ndarray]:
-    return [group[np.isfinite(group)] for group in design]
-
-
-DESIGNS = np.array([unequal(seed) for seed in range(12)])
 
 
 def test_welch_is_statsmodels() -> None:

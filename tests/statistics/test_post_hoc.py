@@ -21,22 +21,9 @@ from emg2vsa.statistics.equivalence import tost
 from emg2vsa.statistics.multiplicity import Adjustment, adjust, claim_family
 from emg2vsa.statistics.post_hoc import games_howell, lsd, tukey
 from emg2vsa.statistics.repeated import paired_tests
+from tests.statistics.unequal_groups import DESIGNS, groups_of, unequal
 
 UPPER = np.triu_indices(4, 1)
-
-
-def unequal(seed: int, k: int = 4, n: int = 9) -> np.ndarray:
-    rng = np.random.default_rng(seed)
-    values = rng.standard_normal((k, n)) * np.geomspace(1, 4, k)[:, None] + 0.8 * np.arange(k)[:, None]
-    values[np.arange(n) >= rng.integers(3, n + 1, (k, 1))] = np.nan
-    return values
-
-
-def groups_of(design: np.ndarray) -> list[np.ndarray]:
-    return [group[np.isfinite(group)] for group in design]
-
-
-DESIGNS = np.array([unequal(seed) for seed in range(12)])
 
 
 SCIPY = {
