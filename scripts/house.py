@@ -45,9 +45,10 @@ def words_of(folder: Path) -> int:
 
 def part(package: str, name: str) -> Part:
     """One member of a layer; its first sentence says what it is."""
-    folder = ROOT / package / name
-    first = folder / "__init__.py" if folder.is_dir() else folder.with_suffix(".py")
-    files = tuple(sorted(folder.rglob("*.py"))) if folder.is_dir() else (first,)
+    folder, module = ROOT / package / name, ROOT / package / f"{name}.py"
+    # a module that was a folder leaves one with compiled code behind
+    first = module if module.is_file() else folder / "__init__.py"
+    files = (module,) if module.is_file() else tuple(sorted(folder.rglob("*.py")))
     about = ast.get_docstring(ast.parse(first.read_text(encoding="utf-8"))) or ""
     return Part(name, " ".join(about.split("\n\n")[0].split()), files)
 

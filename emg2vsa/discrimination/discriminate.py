@@ -8,7 +8,8 @@ It answers four questions:
 - How do condition, angle and specimen change area and CASR, and do they act together?
 
 The last is a model of logarithms: an angle or a condition multiplies the scores, and their scatter grows with their
-level. Specimens are the known ones. Conditions that were pressed at some angles only leave cells empty (`stats.factorial`).
+level. It holds the known specimens. Conditions that were pressed at some angles only leave cells empty
+(`stats.factorial`).
 """
 
 from __future__ import annotations

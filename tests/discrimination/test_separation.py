@@ -1,7 +1,5 @@
 """Tests of areas and rates against SciPy and statsmodels, which share no code with ours.
 
-
-
 Condition, angle and specimen together, on the runs of the experiment.
 """
 
