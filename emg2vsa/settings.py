@@ -440,6 +440,36 @@ class CalibrationSettings:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ClaimSettings:
+    """The smallest differences that matter: by these and by its interval a claim is judged."""
+
+    slope_percent: Positive = 10.0
+    "Of b between specimens, % of their mean (presses of one person scatter by 10 to 20 %)."
+    people_f: Positive = 0.25
+    "SD of b between people over that of presses: Cohen's f, the effect that the paper planned for."
+    cluster_shape: Positive = 0.5
+    "Skewness of b of one person on one specimen, and half of its excess kurtosis (0.5 is called moderate)."
+    law_percent: Positive = 5.0
+    "By which another law may predict better than the logarithm (force bins scatter by more)."
+    profile_percent: Positive = 10.0
+    "Error of the interpolated profile, % of the measured level (mean slopes of people are known no better)."
+    neighbour_percent: Positive = 50.0
+    "The same, % of the difference of its neighbours: beyond half of it, a neighbour would do as well."
+    area_percent: Positive = 5.0
+    "Of contact areas (that of one mounting is known no better)."
+    casr_percent: Positive = 5.0
+    "Of CASR (mountings scatter by 4 %)."
+    contrast_percent: Positive = 5.0
+    "Of the ratio of CASR of two specimens, from condition to condition."
+    separation: Positive = 1.0
+    "Of the distance of two specimens between conditions, in SDs of a press."
+    kappa_error_percent: Positive = 20.0
+    "Error of kappa (the specimens of the paper lie 60 % apart)."
+    reduction_points: Positive = 5.0
+    "By which a step cuts the error of kappa, percentage points (the paper claims 3 to 24)."
+
+
+@dataclass(frozen=True, kw_only=True)
 class StageSettings:
     """The settings of all stages: a table of the study file and a field of the study for each."""
 
@@ -463,6 +493,8 @@ class StageSettings:
     "The tests on contact areas and spread rates."
     calibration: CalibrationSettings = field(default_factory=CalibrationSettings)
     "From spread rate to stiffness."
+    claims: ClaimSettings = field(default_factory=ClaimSettings)
+    "What differences matter."
     simulation: SimulationSettings | None = None
     "The synthetic study; omitted: the study cannot be simulated."
 
