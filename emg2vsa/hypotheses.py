@@ -64,33 +64,6 @@ class Hypotheses:
     alpha: float
     notes: tuple[str, ...]
 
-    @property
-    def claims(self) -> dict[str, float]:
-        """p of what section IV.B claims, each the largest of the tests that the claim needs; NaN: not tested.
-
-        specimens_within_participants : b differs between specimens in every participant (ANOVA).
-        kept_pairs_within_participants : every two kept specimens differ in every participant (LSD).
-        specimens_over_participants : specimens differ over participants (repeated measures, Greenhouse-Geisser).
-        participants_equal : every two participants are equal within the margin (TOST); only where there is a margin.
-
-        Where some of these tests are missing, their largest p can refute a claim (p >= alpha), but not confirm it.
-        """
-        blocks, equality = self.tests.blocks, self.tests.equality
-        over = np.nan if blocks is None else blocks.repeated.p_gg[0]
-        claims = {
-            "specimens_within_participants": self._every(self.tests.between_groups.anova.p, self.missing_cells),
-            "kept_pairs_within_participants": self._every(np.array([self.worst_p]), self.missing_pairs),
-            "specimens_over_participants": over,
-        }
-        equal = {"participants_equal": self._every(equality.p, self.missing_cells)} if equality.margin else {}
-        return {name: float(p) for name, p in (claims | equal).items()}
-
-    def _every(self, p: Floats, missing: tuple[str, ...]) -> float:
-        """Largest p of a claim that needs all of ``p``; NaN where one is missing and none of the others refutes it."""
-        largest = float(np.fmax.reduce(p, axis=None, initial=np.nan))
-        complete = not missing and np.isfinite(p).all()
-        return largest if complete or largest >= self.alpha else float("nan")
-
 
 def test_hypotheses(
     fits: Fits,

@@ -262,24 +262,6 @@ class Discrimination:
     factors: Factors
     notes: tuple[str, ...]
 
-    @property
-    def claims(self) -> dict[str, float]:
-        """p of what section VI claims, each the largest of the tests that the claim needs; NaN: not tested.
-
-        casr_specimens, casr_pairs, casr_new : CASR differs in every design between the known specimens
-        (Kruskal-Wallis), between every two of them, and between the new one and both neighbours (Dunn, Bonferroni).
-        area_angles : the initial area differs between angles for every specimen (Kruskal-Wallis).
-        """
-        angles = np.array([]) if self.area_by_angle is None else self.area_by_angle.groups.kruskal.p
-        new = np.array([]) if self.new is None else self.new.p_mean_rank
-        p = {
-            "casr_specimens": self.spread.groups.kruskal.p,
-            "casr_pairs": self.spread.pairs.dunn.p,
-            "casr_new": new,
-            "area_angles": angles,
-        }
-        return {name: float(np.max(values)) if values.size else float("nan") for name, values in p.items()}
-
 
 def discriminate(
     runs: Sequence[RunScores],

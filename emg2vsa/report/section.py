@@ -1,10 +1,9 @@
-"""A section of the report: its numbers, tables, drawings, claims and text, and how the text is filled."""
+"""A section of the report: its numbers, tables, drawings and text, and how the text is filled."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
 
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
@@ -18,76 +17,14 @@ from emg2vsa.report.table import Table
 
 Quantities = Mapping[str, Quantity]
 """Every number of the report by its key in results.json, those of the other sections included."""
-Verdict = Literal["holds", "does not hold", "cannot be tested here"]
 
 
 @dataclass(frozen=True)
-class Claim:
-    """A quantitative claim of the paper beside what this study says of it.
+class PaperTest:
+    """What the paper prints of a claim, and what its own test says here; ``here`` names the test and the algorithm."""
 
-    key : in results.json, ``claims.<key>.ours`` and ``.verdict``. says : the claim, a clause of a few words. paper :
-    its number as the paper prints it. here : ours by the paper's own test or definition, as people read it. ours : the
-    same as a plain number, NaN where there is none. companion : what a better suited test says, "" for none.
-    why : one sentence; a claim that cannot be tested must have it.
-    """
-
-    key: str
-    says: str
-    paper: str
-    here: str
-    ours: Quantity
-    verdict: Verdict
-    companion: str = ""
-    why: str = ""
-
-    def __post_init__(self) -> None:
-        if self.verdict == "cannot be tested here" and not self.why:
-            raise ValueError(f"claim {self.key} cannot be tested, and does not say why")
-
-
-def verdict_of_all(refuted: bool, complete: bool) -> Verdict:
-    """Of a claim on every member of a design: one that fails refutes it; only all of them together can confirm it."""
-    return "does not hold" if refuted else "holds" if complete else "cannot be tested here"
-
-
-NOT_PRESSED = "Accepted presses are missing."
-
-
-def judged(
-    key: str,
-    says: str,
-    printed: str,
-    here: str,
-    ours: float,
-    holds: bool,
-    *,
-    known: bool = True,
-    missing: Sequence[str] = (),
-    untested: str = "",
-    why: str = "",
-    companion: str = "",
-    absent: tuple[str, str] = ("not tested", NOT_PRESSED),
-) -> Claim:
-    """A claim, which cannot be tested where its numbers are not ``known``, or ``untested`` says why else.
-
-    missing : designs without a press: a claim on all of them can be refuted by some, and is confirmed by all only.
-    absent : what is said in place of ``here`` and ``why`` where nothing is known.
-    """
-    if not known:
-        here, untested = absent
-    verdict: Verdict = "holds" if holds else "does not hold"
-    if untested or (holds and missing):
-        verdict = "cannot be tested here"
-    return Claim(key, says, printed, here, ours, verdict, companion, untested or why)
-
-
-_NAMED = 4
-
-
-def not_tested(missing: Sequence[str]) -> str:
-    """One sentence that names what a claim on every member lacks; "" where nothing is missing."""
-    more = f" and {len(missing) - _NAMED} more" if len(missing) > _NAMED else ""
-    return f"Not tested: {', '.join(missing[:_NAMED])}{more}." if missing else ""
+    printed: str
+    here: str = ""
 
 
 def _always(results: StudyResults) -> bool:
@@ -124,7 +61,6 @@ class Section:
     quantities: Callable[[StudyResults], Items | Iterable[tuple[str, Quantity]]] = _nothing
     tables: Callable[[StudyResults, Quantities], Iterable[Table]] = _nothing
     drawings: Callable[[StudyResults], Iterable[Drawing]] = _nothing
-    claims: Callable[[StudyResults, Quantities], Iterable[Claim]] = _nothing
     words: Callable[[StudyResults, Quantities], Mapping[str, object]] = _no_words
     "More that the text may ask for, by name."
 
@@ -136,8 +72,6 @@ class Content:
     quantities: dict[str, Quantity] = field(default_factory=dict)
     tables: dict[str, Table] = field(default_factory=dict)
     drawings: dict[str, Drawing] = field(default_factory=dict)
-    claims: dict[str, list[Claim]] = field(default_factory=dict)
-    "Name of the section to its claims."
     _numbers: dict[str, int] = field(default_factory=dict)
 
     def table(self, name: str) -> Markup:

@@ -5,7 +5,6 @@ A section gives, each as a function of the results:
 ``quantities``  pairs (key, value) for results.json and numbers.tex. Keys are flat, and end in the unit of the value.
 ``tables``      each ``Table`` is written as CSV and LaTeX. Its rows map the key of every column to a value.
 ``drawings``    figures, drawn inside ``figures.canvas.style()``.
-``claims``      what the paper claims in numbers on this subject. The first page collects the claims of all sections.
 ``words``       more names for the text, for what a template should not compute.
 ``text``        the Jinja2 template of the section's prose, below at most three sentences before each table.
 
@@ -16,7 +15,7 @@ table or figure), ``has(name)`` (whether there is such a table) and ``why_absent
 which the texts show them; a table that no text shows is written to its files alone. Text is escaped, minus and percent
 are set in one way; a name that is not there is an error.
 
-Quantities of all sections are computed first, so that tables, claims and texts of one may use those of another. The
+Quantities of all sections are computed first, so that tables and texts of one may use those of another. The
 order of this tuple is the order of the page. A new statistic is computed by its stage (or by the arithmetic beneath)
 and shown by one section: two files. A new section is one file and one line here.
 """

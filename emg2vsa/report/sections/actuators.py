@@ -8,7 +8,7 @@ import numpy as np
 
 from emg2vsa.discrimination.conditions import ConditionComparison
 from emg2vsa.discrimination.contrast import Contrast
-from emg2vsa.discrimination.contrast_words import change_percent, contrast_words, headline, schedule_words
+from emg2vsa.discrimination.contrast_words import change_percent, contrast_words, schedule_words
 from emg2vsa.discrimination.discriminate import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID, RunTable
 from emg2vsa.figures.casr import ConditionBoxes, draw_conditions
@@ -29,7 +29,7 @@ from emg2vsa.report.designs import (
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, with_interval
-from emg2vsa.report.section import Claim, Quantities, Section
+from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import UNDEFINED, area_unit, interval, listed
 
@@ -135,32 +135,6 @@ def _contrast_table(found: Discrimination) -> Table:
     return table_of("contrasts", caption, columns)
 
 
-def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
-    """What the section on mechanics says where there is one: it knows the emulated world."""
-    if results.stiffness is None and (claim := contrast_claim(tested(results))) is not None:
-        yield claim
-
-
-CONTRAST_CLAIM, CONTRAST_PAPER = "human_like_contrast", "better than rigid and constant"
-CONTRAST_SAYS = "human-like stiffness tells specimens apart better than the rigid motor"
-
-
-def contrast_claim(found: Discrimination) -> Claim | None:
-    """By the comparison that is tested first; None where the human-like condition met no rigid motor."""
-    for contrast in found.contrasts:
-        i = headline(contrast, found.table.conditions)
-        if contrast.measure == "slope" and i is not None:
-            verdict = contrast.verdicts[i]
-            return Claim(
-                CONTRAST_CLAIM, CONTRAST_SAYS, CONTRAST_PAPER,
-                f"{' : '.join(contrast.pairs[0])} {change_percent(contrast.changes, i)}",
-                float(100 * np.expm1(contrast.changes.estimate[i])),
-                "holds" if verdict == "raises" else "does not hold" if verdict == "lowers" else "cannot be tested here",
-                why="" if verdict in ("raises", "lowers") else _WHY[verdict],
-            )  # fmt: skip
-    return None
-
-
 def level_change(compared: ConditionComparison, i: int) -> str:
     """Mean CASR, human-like less other, in percent of the other, with two decimals."""
     ratios = ends_of(compared.level_ratio, i)
@@ -213,5 +187,5 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
 
 
 ACTUATORS = Section(
-    "actuators", "Rigid and human-like actuation", _TEXT, of_tests, _quantities, _tables, _drawings, _claims, _words
+    "actuators", "Rigid and human-like actuation", _TEXT, of_tests, _quantities, _tables, _drawings, _words
 )

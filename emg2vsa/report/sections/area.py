@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from emg2vsa.arrays import Floats
+from emg2vsa.claims import paper
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.area import AreaByAngle
 from emg2vsa.discrimination.run_table import RIGID
 from emg2vsa.figures.canvas import PairBar
 from emg2vsa.figures.casr import POOLED, AreaPanel, draw_areas, draw_contacts
 from emg2vsa.figures.palette import Look
-from emg2vsa.report import paper
 from emg2vsa.report.companion_rows import (
     CompanionRow,
     change,
@@ -42,7 +42,6 @@ from emg2vsa.report.drawing import STARS, Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, moments
 from emg2vsa.report.outcome_text import range_said
-from emg2vsa.report.rig_claims import area_claims
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import area_unit, number, p_text, p_value
@@ -278,4 +277,4 @@ grow with force. The table therefore compares areas at the force where loading b
 {{ folded("verdict_runs_normality", "Tests of normality compared") }}
 """
 
-AREA = Section("area", "Initial contact area", _TEXT, of_tests, _quantities, _tables, _drawings, area_claims)
+AREA = Section("area", "Initial contact area", _TEXT, of_tests, _quantities, _tables, _drawings)

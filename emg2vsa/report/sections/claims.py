@@ -1,72 +1,161 @@
-"""The first page: five sentences, and every quantitative claim of the paper with a verdict."""
+"""The first page: five sentences, and every claim with its interval, its verdict and the paper's own test beside it."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from emg2vsa.claims import arithmetic, paper
+from emg2vsa.claims.arithmetic import Counted, arithmetic_claims
+from emg2vsa.claims.claim import Claim, Judged, judge
+from emg2vsa.claims.kappa import kappa_claims
+from emg2vsa.claims.people import people_claims
+from emg2vsa.claims.rig import rig_claims
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, Quantity
-from emg2vsa.report.section import Claim, Quantities, Section
+from emg2vsa.report.kappa_tests import kappa_tests
+from emg2vsa.report.numbers import Items
+from emg2vsa.report.people_tests import people_tests
+from emg2vsa.report.rig_tests import rig_tests
+from emg2vsa.report.section import PaperTest, Quantities, Section
 from emg2vsa.report.table import Column, Row, Table
-from emg2vsa.report.wording import count, p_text, percent
+from emg2vsa.report.wording import UNDEFINED, bounded, count, interval, number
 
-NOT_RESULTS = frozenset({"power", "interpolation_weight", "schedule_range", "force_filter", "kappa_curves"})
-"""Claims on settings and arithmetic: no data can change their verdicts, so they are not counted as results."""
-_KINDS = {"holds": "holds", "does not hold": "fails", "cannot be tested here": "untested"}
+_KINDS = {"holds": "holds", "refuted": "fails", "not determined": "untested"}
+_UNITS = {"none": "exact", "sample": "samples", "press": "presses", "mounting": "mountings", "person": "people"}
+_SUMMARY = ("specimens_differ", "interpolation_rmse", "fig12_order", "human_like_contrast", "kappa_error_human_like")
+"""The claims that the five sentences are on."""
 
 
-def claim_quantities(claims: Mapping[str, Sequence[Claim]]) -> Items:
-    """``claims.<key>.ours`` and ``.verdict`` of every claim."""
-    for of_section in claims.values():
-        for claim in of_section:
-            yield f"claims.{claim.key}.ours", claim.ours
-            yield f"claims.{claim.key}.verdict", claim.verdict
+def judged_claims(results: StudyResults) -> tuple[Judged, ...]:
+    """Every claim that this study has something on, with the interval that all of them together allow."""
+    return judge(_claims(results), results.study.hypotheses.alpha)
+
+
+def _claims(results: StudyResults) -> Iterator[Claim]:
+    study, people, runs = results.study, results.people, results.runs
+    weight, power = np.nan, np.nan
+    if people is not None:
+        yield from people_claims(study, people.fits, people.hypotheses, people.profiles)
+        power = people.hypotheses.power.repetitions if people.hypotheses else np.nan
+        weight = people.profiles.weight_alpha if people.profiles and people.profiles.new else np.nan
+    if runs is not None and runs.discrimination is not None:
+        yield from rig_claims(runs.discrimination.table, study.calibration.mounting_sd_percent / 100, study.claims)
+    if runs is not None and runs.calibration is not None:
+        yield from kappa_claims(runs.calibration, study.scoring.algorithm, study.claims)
+    yield from arithmetic_claims(
+        study, power=power, weight_alpha=weight, counted=_counted(results), runs=runs is not None
+    )
+
+
+def _counted(results: StudyResults) -> Counted | None:
+    if results.people is None:
+        return None
+    fits, expected = results.people.fits, results.study.window.expected_trials
+    cells = [(who, specimen) for who in results.study.participants for specimen in results.study.palpated]
+    presses = Counter(zip(fits.participant.tolist(), fits.specimen.tolist(), strict=True))
+    there = [presses[cell] for cell in cells]
+    recorded = int(fits.verdict.size)
+    asked = max(expected * len(cells), recorded) if expected else sum(there) if all(there) else 0
+    return Counted(int(np.count_nonzero(np.isfinite(fits.b_v))), recorded, asked)
+
+
+def claim_quantities(judged: Sequence[Judged]) -> Items:
+    """``claims.<key>.ours``, its interval, its margin and its verdict; in the unit that the table shows."""
+    for each in judged:
+        claim, name = each.claim, f"claims.{each.claim.key}"
+        yield f"{name}.ours", claim.found.estimate * claim.factor
+        yield f"{name}.low", each.low * claim.factor
+        yield f"{name}.high", each.high * claim.factor
+        yield f"{name}.margin", claim.margin * claim.factor
+        yield f"{name}.unit_of_error", claim.unit
+        yield f"{name}.verdict", each.verdict
 
 
 COLUMNS = (
-    Column("says", "Claim of the paper"), Column("verdict", "Verdict"), Column("paper", "Paper"),
-    Column("here", "Here, same test"), Column("companion", "Companion test"), Column("why", "Why"),
+    Column("says", "Claim"), Column("verdict", "Verdict"), Column("here", "Estimate and interval"),
+    Column("margin", "What matters"), Column("unit", "Error over"), Column("algorithm", "Algorithm"),
+    Column("paper", "Paper"), Column("own_test", "The paper's own test here"), Column("why", "Remark"),
 )  # fmt: skip
 
 
-def claims_tables(claims: Mapping[str, Sequence[Claim]]) -> Iterator[Table]:
-    """All claims in the order of their sections, each with a link to its own; people see those with a result first."""
-    every = [(name, claim) for name, of_section in claims.items() for claim in of_section]
-    results = [each for each in every if each[1].key not in NOT_RESULTS]
-    caption = "Quantitative claims of the paper beside this study"
-    untested = [each for each in results if each[1].verdict == "cannot be tested here"]
-    yield _table("claims", caption, every, shown=[each for each in results if each not in untested])
-    yield _table("claims_untested", "Claims that cannot be tested here, and why", untested, untested)
-    others = [each for each in every if each[1].key in NOT_RESULTS]
-    yield _table("claims_on_settings", "Claims on settings and arithmetic, which no data can change", others, others)
+def claims_tables(results: StudyResults, judged: Sequence[Judged], q: Quantities) -> Iterator[Table]:
+    """All claims, those on data by their questions, each with a link to its section; then those on settings."""
+    tests = people_tests(results, q) | rig_tests(results, q) | kappa_tests(results, q) | _setting_tests(results, q)
+    of_data = [each for each in judged if each.claim.question != arithmetic.QUESTION]
+    level = f"{100 * max((each.confidence for each in of_data), default=np.nan):.4g} %"
+    caption = (
+        f"What the paper claims, beside this study. Intervals of {level} each, so that a report has a false verdict "
+        f"with a chance of {100 * results.study.hypotheses.alpha:g} % at most"
+    )
+    yield _table("claims", caption, of_data, tests)
+    others = [each for each in judged if each.claim.question == arithmetic.QUESTION]
+    yield _table("claims_on_settings", "Claims on settings and arithmetic, which no data can change", others, tests)
 
 
-_Claims = Sequence[tuple[str, Claim]]
-"""Name of the section, and its claim."""
-
-
-def _table(name: str, caption: str, every: _Claims, shown: _Claims) -> Table:
+def _table(name: str, caption: str, judged: Sequence[Judged], tests: dict[str, PaperTest]) -> Table:
+    rows = tuple(_row(each, tests.get(each.claim.key, PaperTest(""))) for each in judged)
     return Table(
-        name, caption, COLUMNS, tuple(_row(claim) for _, claim in every), tuple(_row(claim) for _, claim in shown),
-        kinds=tuple(_KINDS[claim.verdict] for _, claim in shown), links=tuple(f"#{section}" for section, _ in shown),
+        name, caption, COLUMNS, rows, rows, kinds=tuple(_KINDS[each.verdict] for each in judged),
+        links=tuple(f"#{each.claim.section}" for each in judged),
     )  # fmt: skip
 
 
-def _row(claim: Claim) -> Row:
-    return {column.key: getattr(claim, column.key) for column in COLUMNS} | {
-        "says": claim.says[0].upper() + claim.says[1:]
+def _row(each: Judged, test: PaperTest) -> Row:
+    claim = each.claim
+    return {
+        "says": claim.says[0].upper() + claim.says[1:],
+        "verdict": each.verdict,
+        "here": f"{claim.estimand}: {_said(each)}",
+        "margin": f"{'>' if claim.asserts == 'more' else '<'} {number(claim.margin * claim.factor, 2)}",
+        "unit": _UNITS[claim.unit],
+        "algorithm": claim.algorithm,
+        "paper": test.printed,
+        "own_test": test.here,
+        "why": claim.why,
     }
 
 
+def _said(each: Judged) -> str:
+    estimate, low, high = (value * each.claim.factor for value in (each.claim.found.estimate, each.low, each.high))
+    if estimate != estimate:
+        return "not known"
+    if low == high:
+        return number(estimate)
+    return interval(estimate, low, high) if low == low else f"{number(estimate)}, no interval"
+
+
+def _setting_tests(results: StudyResults, q: Quantities) -> dict[str, PaperTest]:
+    """Exact numbers as people know them."""
+    schedule, filtered = results.study.schedule, arithmetic.FILTER
+    worst = min((s.plate_adjusted_r2 for s in results.study.specimens if s.plate_adjusted_r2 is not None), default=None)
+    low, high = schedule.stiffness_percent
+    new, power = results.study.profile.new_specimen, q.get("power.study")
+    alpha = float(q.get(f"profiles.{new}.alpha", np.nan))
+    return {
+        "plate_r2": PaperTest("adj. R² ≥ .882", UNDEFINED if worst is None else f"adj. R² ≥ {bounded(worst)}"),
+        "curves": PaperTest("700 curves", f"{q.get('fit.curves')} of {q.get('trials.total')} presses"),
+        "power": PaperTest("power about .80", "" if power is None else f"{bounded(float(power))} between repetitions"),
+        "interpolation_weight": PaperTest("α = .532", f"α = {number(alpha, 4)}"),
+        "schedule_range": PaperTest("20 to 80 %, 0.3 N", f"{low:g} to {high:g} %, {schedule.step_n:g} N"),
+        "force_filter": PaperTest(
+            "5 Hz, 500 ms", f"{filtered.cutoff_hz:.0f} Hz, {1e3 * filtered.delay_s:.0f} ms"
+        ),
+        "kappa_curves": PaperTest(
+            "; ".join(f"{level:g} exp({rate:g} x)" for level, rate in paper.CURVES.values()),
+            f"S5 : S1 of {', '.join(number(paper.implied_ratio(angle), 2) for angle in paper.CURVES)} implied, "
+            f"{number(paper.largest_ratio(), 2)} possible",
+        ),
+    }  # fmt: skip
+
+
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    return {"summary": list(_summary(results, q))}
+    return {"summary": list(_summary(results))}
 
 
-def _summary(results: StudyResults, q: Quantities) -> Iterator[str]:
-    """Five sentences, fewer where a part is missing; on each subject what was found, whatever it is."""
+def _summary(results: StudyResults) -> Iterator[str]:
+    """How many claims hold, what lacks, and a sentence on the main claims that this study has something on."""
     if results.people is None:
         yield (
             "No recording of people could be used."
@@ -75,115 +164,33 @@ def _summary(results: StudyResults, q: Quantities) -> Iterator[str]:
         )
     if results.runs is None:
         yield "The study has no scored runs of the rig, so claims on the rig are left out."
-    verdicts = {
-        key.removeprefix("claims.").removesuffix(".verdict"): value
-        for key, value in q.items()
-        if key.startswith("claims.") and key.endswith(".verdict")
-    }
-    if results_only := Counter(value for key, value in verdicts.items() if key not in NOT_RESULTS):
-        yield _counted(results_only, len(verdicts) - results_only.total())
-    if "hypotheses.worst_p" in q:
-        yield _people(q)
-        yield from _order(results, q)
-    yield from _interpolation(results, q)
-    if "runs.new.designs" in q:
-        yield _rates(results, q)
-    if "runs.kappa.new_specimen" in q:
-        yield _stiffness(results, q)
-
-
-def _counted(verdicts: Counter[Quantity], others: int) -> str:
-    holds, fails, untested = (verdicts[kind] for kind in _KINDS)
-    uncounted = f"; {others} on settings and arithmetic are not counted" if others else ""
-    return (
-        f"Of {count(verdicts.total(), 'quantitative claim')} of the paper, {holds} hold in this study, {fails} do not, "
-        f"and {untested} cannot be tested here{uncounted}."
-    )
-
-
-def _people(q: Quantities) -> str:
-    """Of pairs and of people, each as its claim has it; nothing tested, nothing found."""
-    worst, verdict = float(q["hypotheses.worst_p"]), q["claims.specimens_differ.verdict"]
-    kept, name = str(q["hypotheses.kept"]), "hypotheses.between_participants"
-    if verdict == "cannot be tested here":
-        pairs = f"Whether the slopes of co-contraction on {kept} differ pairwise for every participant was not tested"
-        pairs += f" for all of them (worst {p_text(worst)} of those tested)" if worst == worst else ""
-    else:
-        differ = "differ" if verdict == "holds" else "do not all differ"
-        pairs = (
-            f"The slopes of co-contraction on {kept} {differ} pairwise for every participant (worst {p_text(worst)})"
-        )
-    tested = int(q[f"{name}.tested"])
-    people = (
-        f"participants differ on {q[f'{name}.significant']} of {count(tested, 'specimen')}"
-        if tested
-        else "participants were not compared"
-    )
-    return f"{pairs}; {people}."
-
-
-def _order(results: StudyResults, q: Quantities) -> Iterator[str]:
-    """Whether b rises with stiffness as in the paper, and in which order the specimens come."""
-    name = "hypotheses.b_over_log_stiffness"
-    p, t = float(q[f"{name}.p"]), float(q[f"{name}.t"])
-    if p == p:
-        way = "does not change significantly" if p >= float(q["hypotheses.alpha"]) else "rises" if t > 0 else "falls"
-        stiffness = results.study.stiffness_n_per_mm
-        stiffest_first = ", ".join(sorted(stiffness, key=stiffness.__getitem__, reverse=True))
+    judged = [each for each in judged_claims(results) if each.claim.question != arithmetic.QUESTION]
+    if judged:
+        found = Counter(each.verdict for each in judged)
         yield (
-            f"The slope b {way} with stiffness ({p_text(p)}). Steepest first, the specimens are "
-            f"{q['hypotheses.b_order']}; stiffest first, {stiffest_first}."
+            f"Of {count(len(judged), 'claim')} on data, {found['holds']} hold, {found['refuted']} are refuted and "
+            f"{found['not determined']} are not determined."
         )
+    for each in judged:
+        if each.claim.key in _SUMMARY:
+            yield sentence(each)
 
 
-def _interpolation(results: StudyResults, q: Quantities) -> Iterator[str]:
-    new = results.study.profile.new_specimen
-    share = float(q.get(f"profiles.{new}.rmse_relative", np.nan))
-    if share == share:
-        yield f"The interpolated profile of {new} is {percent(share, 2)} (RMSE) from the measured one."
-
-
-def _rates(results: StudyResults, q: Quantities) -> str:
-    rises = [bool(value) for key, value in q.items() if key.endswith(".casr.rises")]
-    told = f"{q['runs.new.discriminated']} of {q['runs.new.designs']}"
-    return (
-        f"The contact area spread rate rises with softness in {sum(rises)} of {count(len(rises), 'design')}, and tells "
-        f"{q['runs.new.specimen']} from its neighbours in {told}."
-    )
-
-
-def _stiffness(results: StudyResults, q: Quantities) -> str:
-    own, new = results.study.scoring.algorithm, q["runs.kappa.new_specimen"]
-    found = {
-        law: [abs(float(value)) for key, value in q.items() if key.endswith(f".{own}.kappa.{law}") and value == value]
-        for law in ("error", "paper_law.error")
-    }
-    if not found["error"]:
-        return f"The stiffness of {new} is not known, so its estimates cannot be judged."
-    median, by_paper = (percent(float(np.median(errors)), 2) for errors in found.values())
-    papers = "" if results.study.calibration.law == "exponential" else f", {by_paper} by the paper's law"
-    shared = (
-        f"; estimator and simulated world share a finite-element program (one press in the advancing-front world, "
-        f"which shares the law alone: {percent(float(q['runs.kappa.advancing_front_error']), 2)})"
-        if q["runs.simulated"] and own == "front"
-        else ""
-    )
-    determined = [bool(value) for key, value in q.items() if key.endswith(f".{own}.kappa.determined")]
-    known = f"; its interval determines it in {sum(determined)} of {len(determined)}" if determined else ""
-    return (
-        f"The stiffness of {new} is {median} off in the median of {count(len(found['error']), 'design')}"
-        f"{papers}{known}{shared}."
-    )
+def sentence(each: Judged) -> str:
+    """``Specimens differ: holds (smallest difference of b, %: 31.2 [18.0, 44.4])``."""
+    claim = each.claim
+    return f"{claim.says[0].upper()}{claim.says[1:]}: {each.verdict} ({claim.estimand}: {_said(each)})."
 
 
 _TEXT = """
 {% for sentence in summary %}
 <p>{{ sentence }}</p>
 {% endfor %}
-{% if table("claims") %}
+{% if has("claims") %}
 {{ table("claims") }}
-<p class="small">“Here” is the paper's own test or definition; a companion fits the question better.</p>
-{{ folded("claims_untested", "Claims that cannot be tested here") }}
+<p class="small">A verdict follows from the interval and from the smallest difference that matters, nothing else. What
+is drawn at random and counts once in an interval stands under “Error over”. The paper's own test is no verdict of
+ours.</p>
 {{ folded("claims_on_settings", "Claims on settings and arithmetic") }}
 {% endif %}
 """

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
@@ -13,13 +12,9 @@ from emg2vsa.arrays import Floats
 from emg2vsa.companions.force_laws import LAWS, LEFT_OUT, ForceLaws
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, least, moments, with_interval
-from emg2vsa.report.section import Claim, Quantities, Section, not_tested, of_people, verdict_of_all
+from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.table import Column, Columns, Table, activity_column, table_of
-from emg2vsa.report.wording import bounded, number
 from emg2vsa.truth import Recovery, recover
-
-_SMOOTHNESS = "R² depends on smoothing, which the paper does not state."
-
 
 _R2 = {
     "adj_r2": "adj. R²", "r2_bins": "R², bins", "adj_r2_bins": "adj. R², bins", "r2_samples": "R², samples",
@@ -161,47 +156,6 @@ def _recovery(results: StudyResults) -> Table:
     return table_of("recovery", "Fitted slopes beside the true slopes of the simulation", names | found)
 
 
-def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
-    straight = {s.name: s.plate_adjusted_r2 for s in results.study.specimens if s.plate_adjusted_r2 is not None}
-    unknown = [s.name for s in results.study.specimens if s.name not in straight]
-    worst = min(straight.values(), default=np.nan)
-    yield Claim(
-        "plate_r2", "a straight line describes every plate indentation", "adj. R² ≥ .882", bounded(worst), worst,
-        verdict_of_all(worst < 0.882, not unknown),
-        why=not_tested(unknown) if straight else "The study file gives no R² of the plate tests.",
-    )  # fmt: skip
-    r2, used = float(q["fit.adj_r2_samples.min"]), int(q["fit.used"])
-    curves, asked = int(q["fit.curves"]), _asked(results)
-    yield Claim(
-        "log_fit_r2", "the law a + b ln F describes every press", "adj. R² ≥ .832", bounded(r2), r2,
-        verdict_of_all(r2 < 0.832, used == asked),
-        companion=f"on force bins {bounded(float(q['fit.adj_r2_bins.min']))}" if used else "",
-        why=_SMOOTHNESS if r2 < 0.832 or used == asked else _short(used, asked, "entered"),
-    )  # fmt: skip
-    here = int(q["trials.total"])
-    yield Claim(
-        "curves", "every press of every participant gives a curve", "700 curves", number(curves), curves,
-        verdict_of_all(curves < here, here == asked),
-        why=f"{here - curves} of {here} presses give none." if curves < here
-        else "" if here == asked else _short(here, asked, "were recorded and read"),
-    )  # fmt: skip
-
-
-def _asked(results: StudyResults) -> int:
-    """Presses that the study asked for; 0 where recordings are missing and nothing says how many presses they had."""
-    fits, expected = results.recorded.fits, results.study.window.expected_trials
-    cells = [(who, specimen) for who in results.study.participants for specimen in results.study.palpated]
-    presses = Counter(zip(fits.participant.tolist(), fits.specimen.tolist(), strict=True))
-    there = [presses[cell] for cell in cells]
-    if expected is None:
-        return sum(there) if all(there) else 0
-    return max(expected * len(cells), fits.verdict.size)
-
-
-def _short(n: int, asked: int, did: str) -> str:
-    return f"{n} of {asked} presses {did}." if asked else "Presses of some recordings are missing."
-
-
 _TEXT = """
 <p>Smoother points give a larger R² from the same trial, so R² on force bins and on samples are shown apart.
 Neighbouring samples are correlated: a trial carries as much information as about
@@ -221,4 +175,4 @@ Fit and simulation share the law v = a + b ln F: these errors show noise and fil
 {% endif %}
 """
 
-FITS = Section("fits", "Fits of co-contraction against force", _TEXT, of_people, _quantities, _tables, claims=_claims)
+FITS = Section("fits", "Fits of co-contraction against force", _TEXT, of_people, _quantities, _tables)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -10,17 +9,16 @@ from scipy.special import stdtrit
 
 from emg2vsa.arrays import Floats
 from emg2vsa.companions.groups import GroupTests
-from emg2vsa.hypotheses import EFFECT_F, Hypotheses
+from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.report.companion_rows import dunn_bounds
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, least, most, plain
-from emg2vsa.report.section import Claim, Quantities, Section, not_tested, of_people, verdict_of_all
+from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.sections.hypothesis_tables import hypothesis_tables
-from emg2vsa.report.wording import NO_BREAK, bounded, listed, p_text, percent
+from emg2vsa.report.wording import NO_BREAK, bounded, percent
 from emg2vsa.statistics.clusters import Names
 from emg2vsa.statistics.mixed import MixedModel
 from emg2vsa.statistics.normality import ks_survival
-from emg2vsa.statistics.power import power_anova
 from emg2vsa.statistics.studentized_range import survival
 from emg2vsa.statistics.trend import trend
 
@@ -143,89 +141,6 @@ def _chance_of_any_pair(found: Hypotheses) -> float:
     return float(1 - np.prod(1 - some))
 
 
-def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
-    found = results.recorded.hypotheses
-    if found is None:
-        return
-    yield _gaussian(found, q)
-    yield _equal(found, q)
-    yield from _different(found, q)
-
-
-def _of_tested(q: Quantities, test: str) -> str:
-    return f"{q[f'{test}.significant']} of {q[f'{test}.tested']}"
-
-
-def _gaussian(found: Hypotheses, q: Quantities) -> Claim:
-    name = "hypotheses.normality"
-    deviate, tested = int(q[f"{name}.standardised.significant"]), int(q[f"{name}.standardised.tested"])
-    small = int(np.count_nonzero(found.count)) - tested
-    complete = tested > 0 and not small and not found.missing_cells
-    lacks = not_tested(found.missing_cells) or f"Clusters too small for the test: {small}."
-    return Claim(
-        "gaussian_clusters", "every cluster of b is Gaussian (Kolmogorov-Smirnov)", "0 of 70 deviate",
-        f"{_of_tested(q, f'{name}.standardised')} deviate", deviate if tested else np.nan,
-        verdict_of_all(deviate > 0, complete), companion=f"Lilliefors: {_of_tested(q, f'{name}.lilliefors')}",
-        why="This form of the test is too lenient." if complete or deviate else lacks,
-    )  # fmt: skip
-
-
-def _equal(found: Hypotheses, q: Quantities) -> Claim:
-    name = "hypotheses.between_participants"
-    differ, tested = int(q[f"{name}.significant"]), int(q[f"{name}.tested"])
-    complete = tested > 0 and tested == found.specimens.size and not found.missing_cells
-    shown = "hypotheses.equality.pairs_shown_equal"
-    equality = f"; equality shown for {q[shown]} of {q['hypotheses.equality.pairs']} pairs" if shown in q else ""
-    return Claim(
-        "equal_participants", "participants do not differ on any specimen (ANOVA)", "0 of 5 differ",
-        f"{differ} of {tested} differ" if tested else "not tested", differ if tested else np.nan,
-        verdict_of_all(differ > 0, complete),
-        companion=f"Welch: {q[f'{name}.welch.significant']} of {tested}{equality}" if tested else "",
-        why="This takes two participants or more."
-        if not tested
-        else ""
-        if differ
-        else f"Not rejected is not equal (power {bounded(_power_of_equality(found), 2)} at f = {EFFECT_F:g})."
-        if complete
-        else not_tested(found.missing_cells) or f"Tested on {tested} of {found.specimens.size} specimens.",
-    )  # fmt: skip
-
-
-def _power_of_equality(found: Hypotheses) -> float:
-    """Power of the ANOVA between participants on the specimen with the fewest trials, at the paper's effect size."""
-    trials = int(found.count.sum(axis=0).min())
-    return power_anova(found.participants.size, trials, EFFECT_F, found.alpha)
-
-
-def _different(found: Hypotheses, q: Quantities) -> Iterator[Claim]:
-    tested = bool(q["hypotheses.between_specimens.tested"])
-    holm = float(q["hypotheses.worst_p.holm"])
-    yield Claim(
-        "specimens_differ", f"{listed(found.kept)} differ pairwise for every participant (LSD)", "worst p = .0391",
-        p_text(found.worst_p) if found.worst_pair else "not tested", found.worst_p,
-        verdict_of_all(found.worst_p >= found.alpha, found.worst_p == found.worst_p and not found.missing_pairs),
-        companion=f"Holm: {p_text(holm)}" if holm == holm else "",
-        why=not_tested(found.missing_pairs) if tested else "This takes two specimens or more.",
-    )  # fmt: skip
-    others = set(found.specimens.tolist()) - set(found.kept)
-    if not others or not tested:
-        return
-    pairs = found.tests.pairs
-    names = found.specimens
-    touched = [j for j, ends in enumerate(zip(pairs.first, pairs.second, strict=True)) if others & set(names[[*ends]])]
-    p, holm_p = pairs.lsd.p[:, touched], pairs.p_holm[:, touched]
-    same, n = int(np.count_nonzero(p >= found.alpha)), int(np.count_nonzero(np.isfinite(p)))
-    yield Claim(
-        "others_not_distinct", f"{listed(sorted(others))} are not distinct for every participant", "no number",
-        f"{same} of {n} pairs do not differ", same,
-        "holds" if same else verdict_of_all(n == p.size and not found.missing_cells, False),
-        companion=f"Holm: {np.count_nonzero(holm_p >= found.alpha)} of {n}",
-        why=""
-        if same
-        else not_tested(found.missing_cells) or ("" if n == p.size else f"{p.size - n} pairs have no p."),
-    )  # fmt: skip
-
-
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     found = results.recorded.hypotheses
     if found is None:
@@ -330,6 +245,5 @@ HYPOTHESES = Section(
     of_people,
     _quantities,
     hypothesis_tables,
-    claims=_claims,
     words=_words,
 )

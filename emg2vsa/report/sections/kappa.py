@@ -8,15 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults, ConditionResult, LawResult
+from emg2vsa.claims import paper
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
 from emg2vsa.figures.casr import draw_calibrations
-from emg2vsa.report import paper
 from emg2vsa.report.designs import DESIGN, looks, of_kappa
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, with_interval
-from emg2vsa.report.rig_claims import kappa_claims, reduction_claims
-from emg2vsa.report.section import Claim, Quantities, Section
+from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Cell, Column, Columns, Table, table_of
 from emg2vsa.report.wording import NO_BREAK, SIMULATED, UNDEFINED, interval, number, signed
 from emg2vsa.settings import PAPER
@@ -338,11 +337,6 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     )
 
 
-def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
-    yield from kappa_claims(results, q)
-    yield from reduction_claims(results, q)
-
-
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     found, (algorithm, own) = _found(results), _own(results)
     notes: dict[str, list[str]] = {}
@@ -389,6 +383,4 @@ it.{% else %}The intervals include the scatter of CASR between mountings that re
 {% endif %}
 """
 
-KAPPA = Section(
-    "kappa", "Stiffness of the new specimen", _TEXT, of_kappa, _quantities, _tables, _drawings, _claims, _words
-)
+KAPPA = Section("kappa", "Stiffness of the new specimen", _TEXT, of_kappa, _quantities, _tables, _drawings, _words)

@@ -1,4 +1,4 @@
-"""Models of all data at once: scatter between people, trend, factors of the rig's scores, and all claims together."""
+"""Models of all data at once: scatter between people, trend, and factors of the rig's scores."""
 
 from __future__ import annotations
 
@@ -16,19 +16,6 @@ from emg2vsa.report.table import Column, Columns, Table, activity_column, table_
 from emg2vsa.report.wording import number
 from emg2vsa.statistics.factorial import Factorial
 from emg2vsa.statistics.mixed_variances import SOURCES, MixedResiduals, MixedVariances
-from emg2vsa.statistics.multiplicity import ClaimFamily, claim_family
-
-_SAYS = {
-    "specimens_within_participants": "b differs between specimens in every participant (ANOVA)",
-    "kept_pairs_within_participants": "b of every two kept specimens differs in every participant (LSD)",
-    "specimens_over_participants": "b differs between specimens over participants (repeated measures)",
-    "participants_equal": "b of every two participants is equal within the margin (TOST)",
-    "casr_specimens": "CASR differs between the known specimens in every design (Kruskal-Wallis)",
-    "casr_pairs": "CASR of every two known specimens differs in every design (Dunn, Bonferroni)",
-    "casr_new": "CASR of the new specimen differs from both neighbours in every design (Dunn, Bonferroni)",
-    "area_angles": "the initial area differs between angles for every specimen (Kruskal-Wallis)",
-}
-"""What each claim of ``Hypotheses.claims`` and ``Discrimination.claims`` says."""
 
 
 def _hypotheses(results: StudyResults) -> Hypotheses | None:
@@ -37,13 +24,6 @@ def _hypotheses(results: StudyResults) -> Hypotheses | None:
 
 def _applies(results: StudyResults) -> bool:
     return _hypotheses(results) is not None or bool(results.runs and results.runs.discrimination)
-
-
-def _family(results: StudyResults) -> ClaimFamily:
-    people, runs = _hypotheses(results), results.runs.discrimination if results.runs else None
-    return claim_family(
-        (people.claims if people else {}) | (runs.claims if runs else {}), results.study.hypotheses.alpha
-    )
 
 
 def _variances(results: StudyResults) -> tuple[MixedVariances | None, MixedResiduals | None]:
@@ -80,9 +60,6 @@ def _quantities(results: StudyResults) -> Items:
             key = f"runs.factors.{score}.{effect.replace(' × ', '-')}"
             yield from fields_of(key, model, "f", "df", "p", "eta2", at=i)
             yield from with_interval(f"{key}.omega2", model.omega2[i], model.low[i], model.high[i])
-    family = _family(results)
-    for claim, p in zip(family.names, family.p_holm.tolist(), strict=True):
-        yield f"claims.together.{claim}.p_holm", p
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
@@ -104,7 +81,6 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         }
         yield table_of("trend", "Trend of b over the repetitions of each participant", slopes)
     yield _factor_table(_factors(results))
-    yield _claim_table(_family(results))
 
 
 def _sd_table(results: StudyResults, variances: MixedVariances) -> Table:
@@ -144,16 +120,6 @@ def _factor_table(models: dict[str, Factorial]) -> Table:
     return table_of("factors", caption, columns)
 
 
-def _claim_table(family: ClaimFamily) -> Table:
-    columns: Columns = {
-        Column("claim", "Claim"): [_SAYS[name] for name in family.names],
-        Column("p", "Largest p that it needs"): family.p,
-        Column("p_holm", "p, Holm over all claims"): family.p_holm,
-        Column("survives", "Survives"): family.survives,
-    }
-    return table_of("claims_together", "Claims that rest on a p, corrected together by Holm", columns)
-
-
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
     _, found = _variances(results)
     if found is None:
@@ -173,11 +139,8 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     variances, residuals = _variances(results)
-    family = _family(results)
     return {
         "zero": [source for source, sd in zip(SOURCES, variances.sd, strict=True) if sd == 0] if variances else [],
-        "tested": sum(each is not None for each in family.survives),
-        "survive": sum(each is True for each in family.survives),
         "trend": found.trend if (found := _hypotheses(results)) else None,
         "residuals": residuals is not None,
         "factors": bool(_factors(results)),
@@ -185,10 +148,10 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
 
 
 _TEXT = """
-<p>{% if tested %}{{ survive }} of {{ tested }} claims that rest on a p survive Holm's correction over all of them.
-{% endif %}{% if zero %}The mixed model estimates no variance of {{ zero | listed }}: the likelihood is largest at the
-boundary, so only the upper limit is informative.{% endif %}</p>
-{{ folded("claims_together", "Claims corrected together") }}
+{% if zero %}
+<p>The mixed model estimates no variance of {{ zero | listed }}: the likelihood is largest at the
+boundary, so only the upper limit is informative.</p>
+{% endif %}
 {{ folded("mixed_sd", "Standard deviations between people and between repetitions") }}
 {% if residuals %}
 <p>The model assumes normal residuals with the same scatter at every level (Shapiro–Wilk test:

@@ -18,7 +18,7 @@ from emg2vsa.hypotheses import EFFECT_F, EPSILON, RHO, TARGET, Hypotheses
 from emg2vsa.report.companion_rows import CompanionRow, companion_table
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
-from emg2vsa.report.section import Claim, Quantities, Section, of_people, verdict_of_all
+from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.session_page import session_verdict
 from emg2vsa.report.table import Column, Columns, Table, records, table_of
 from emg2vsa.report.wording import bounded, count
@@ -188,26 +188,6 @@ def _sensitivity(found: Hypotheses) -> Table:
     return table_of("power_sensitivity", caption, dict(zip(columns, map(np.ravel, values), strict=True)))
 
 
-def _power_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
-    own = float(q.get("power.study", np.nan))
-    enough, found = own >= TARGET - _ROUNDED, results.recorded.hypotheses
-    people_here = 0 if found is None else found.participants.size
-    repetitions = int(np.median(found.count[found.count > 0])) if found is not None and found.count.any() else 0
-    as_planned = people_here >= _PARTICIPANTS and repetitions >= _REPETITIONS
-    specimens = float(q.get("power.study_specimens", np.nan))
-    people = q.get("power.people_for_specimens", 0)
-    of_specimens = f"between specimens: {bounded(specimens)}" if specimens == specimens else ""
-    yield Claim(
-        "power", "14 participants with ten movements suffice (f = .25, α = .05)", "power about .80",
-        f"{bounded(own)} between repetitions" if own == own else "not defined", own,
-        verdict_of_all(as_planned and own < TARGET - _ROUNDED, enough),
-        companion=f"{of_specimens}; {people} people needed" if of_specimens and people else of_specimens,
-        why="Arithmetic, not a result: the study does not test repetitions."
-        if as_planned or enough
-        else f"This study has {count(people_here, 'participant')} and {count(repetitions, 'repetition')}.",
-    )  # fmt: skip
-
-
 _POWER_TEXT = """
 <p>The paper's sample size is that of a test between repetitions; its hypothesis is about specimens.
 The assumed correlation and sphericity are choices, not measurements.</p>
@@ -215,4 +195,4 @@ The assumed correlation and sphericity are choices, not measurements.</p>
 {{ folded("power_sensitivity", "Power under other correlations and sphericities") }}
 """
 
-POWER = Section("power", "Sample size", _POWER_TEXT, of_people, _power_quantities, _power_tables, claims=_power_claims)
+POWER = Section("power", "Sample size", _POWER_TEXT, of_people, _power_quantities, _power_tables)

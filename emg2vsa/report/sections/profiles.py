@@ -17,7 +17,7 @@ from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.report.drawing import STARS, Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
-from emg2vsa.report.section import Claim, Quantities, Section, of_people
+from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.table import Column, Columns, Table, activity_column, records, table_of
 from emg2vsa.report.wording import activity, count, listed, number, p_text, percent
 
@@ -212,30 +212,6 @@ def _interpolation(results: StudyResults, profiles: Profiles, new: Profile) -> D
     return Drawing("fig11_interpolation", title, caption, caption, figure, table)
 
 
-def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
-    profiles = results.recorded.profiles
-    if profiles is None or profiles.new is None:
-        return
-    name = f"profiles.{profiles.new.specimen}"
-    alpha, rule = float(q[f"{name}.alpha"]), results.study.profile.interpolation
-    yield Claim(
-        "interpolation_weight", f"weight α of the softer neighbour in the profile of {profiles.new.specimen}",
-        "α = .532", number(alpha, 4), alpha, "holds" if abs(alpha - _PAPER_ALPHA) < _HALF_DIGIT else "does not hold",
-        why=f"Rule here: {rule}.",
-    )  # fmt: skip
-    rmse, share = float(q.get(f"{name}.rmse_v", np.nan)), float(q.get(f"{name}.rmse_relative", np.nan))
-    known = bool(np.isfinite(rmse))
-    yield Claim(
-        "interpolation_rmse", "the interpolated profile agrees with a measured one", "RMSE 0.0002 V",
-        activity(rmse, results.scale) if known else "not measured", rmse,
-        "cannot be tested here" if not known else "holds" if rmse <= _PAPER_RMSE_V else "does not hold",
-        companion=f"{percent(share)} of the measured level" if known else "",
-        why="Volts depend on electrodes and gain." if known else "No specimen of this stiffness was palpated.",
-    )  # fmt: skip
-
-
-_HALF_DIGIT = 0.0005
-
 _TEXT = """
 {% if not people.profiles %}
 <p>{{ why_absent("profiles") }}</p>
@@ -257,4 +233,4 @@ _TEXT = """
 {% endif %}
 """
 
-PROFILES = Section("profiles", "Profiles", _TEXT, of_people, _quantities, _tables, _drawings, _claims)
+PROFILES = Section("profiles", "Profiles", _TEXT, of_people, _quantities, _tables, _drawings)

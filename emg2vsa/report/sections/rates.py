@@ -11,11 +11,11 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.presses import mean_of
+from emg2vsa.claims import paper
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
 from emg2vsa.figures.casr import RateSeries, draw_rates
 from emg2vsa.figures.palette import Look
-from emg2vsa.report import paper
 from emg2vsa.report.companion_rows import CompanionRow, change, companion_table, dunn_bounds, how_many, welch_row
 from emg2vsa.report.designs import (
     BOXES,
@@ -36,7 +36,6 @@ from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, moments
 from emg2vsa.report.outcome_text import range_said
-from emg2vsa.report.rig_claims import rate_claims
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import UNDEFINED, area_unit, bounded, exact_p, interval, listed, p_value, scored_by
@@ -240,9 +239,7 @@ time.</p>
 {% if notes %}<details><summary>Notes on the tests</summary>{{ notes | bullets }}</details>{% endif %}
 """
 
-RATES = Section(
-    "casr", "Contact area spread rate", _TEXT, of_tests, _quantities, _tables, _drawings, rate_claims, _words
-)
+RATES = Section("casr", "Contact area spread rate", _TEXT, of_tests, _quantities, _tables, _drawings, _words)
 
 _STIFFEST, *_, _SOFTEST = paper.KAPPA_N_PER_MM
 

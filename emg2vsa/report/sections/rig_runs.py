@@ -10,11 +10,9 @@ import numpy as np
 
 from emg2vsa.devices.joints import export_of
 from emg2vsa.discrimination.run_table import CONDITIONS
-from emg2vsa.report.designs import of_kappa, of_tests
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, most
-from emg2vsa.report.rig_claims import area_claims, filter_claims, kappa_claims, rate_claims, reduction_claims
-from emg2vsa.report.section import Claim, Quantities, Section, of_runs
+from emg2vsa.report.section import Quantities, Section, of_runs
 from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import count, listed
 from emg2vsa.run_scores import RunScores
@@ -69,17 +67,6 @@ def _rejected(runs: Sequence[RunScores]) -> list[list[str]]:
 def _largest_n(runs: Sequence[RunScores]) -> float:
     """NaN where no run tells."""
     return most(np.concatenate([run.peak_n for run in runs]))
-
-
-def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
-    """Those of the rig itself, and those of sections that this study does not have."""
-    yield from filter_claims(results, q)
-    if not of_tests(results):
-        yield from area_claims(results, q)
-        yield from rate_claims(results, q)
-    if not of_kappa(results):
-        yield from kappa_claims(results, q)
-        yield from reduction_claims(results, q)
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
@@ -141,4 +128,4 @@ force goes beyond F_max, at which the probe turns back.</p>
 {% endfor %}
 """
 
-RUNS = Section("runs", "Presses of the rig", _TEXT, of_runs, _quantities, _tables, claims=_claims, words=_words)
+RUNS = Section("runs", "Presses of the rig", _TEXT, of_runs, _quantities, _tables, words=_words)

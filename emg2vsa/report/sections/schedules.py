@@ -11,7 +11,7 @@ from emg2vsa.figures.palette import ActivityScale, looks
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
-from emg2vsa.report.section import Claim, Quantities, Section, of_people
+from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.table import Column, Columns, Table, activity_column, table_of
 from emg2vsa.report.wording import listed, number
 from emg2vsa.schedules import Schedule
@@ -132,17 +132,6 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     yield Drawing("fig05_schedules", title, caption, "; ".join(told) + ".", figure, None)
 
 
-def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
-    settings = results.study.schedule
-    same = settings.stiffness_percent == _PAPER_PERCENT and settings.step_n == _PAPER_STEP_N
-    low, high = settings.stiffness_percent
-    yield Claim(
-        "schedule_range", "profiles are mapped on 20 to 80 % stiffness in steps of 0.3 N", "20 to 80 %, 0.3 N",
-        f"{low:g} to {high:g} %, {settings.step_n:g} N", f"{low:g} to {high:g} %, {settings.step_n:g} N",
-        "holds" if same else "does not hold", why="Settings, not results.",
-    )  # fmt: skip
-
-
 _TEXT = """
 {% if not people.schedules %}
 <p>{{ why_absent("schedules") }}</p>
@@ -166,6 +155,4 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     return {"short": any(s.last_step_short and s.condition == "modular" for s in results.recorded.schedules)}
 
 
-SCHEDULES = Section(
-    "schedules", "Stiffness schedules", _TEXT, of_people, _quantities, _tables, _drawings, _claims, _words
-)
+SCHEDULES = Section("schedules", "Stiffness schedules", _TEXT, of_people, _quantities, _tables, _drawings, _words)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -12,10 +11,9 @@ from casr.spread import spread_rate
 from emg2vsa.arrays import Floats
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of
-from emg2vsa.report.section import Claim, Quantities, Section
-from emg2vsa.report.sections.actuators import CONTRAST_CLAIM, CONTRAST_PAPER, CONTRAST_SAYS, contrast_claim
+from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Columns, Table, table_of
-from emg2vsa.report.wording import number, signed
+from emg2vsa.report.wording import number
 from emg2vsa.run_scores.product import PressCurve
 from emg2vsa.stiffness_effect import (
     LOSSY_SENSOR,
@@ -238,26 +236,6 @@ def _would_be(effect: StiffnessEffect) -> Table:
     return table_of("stiffness_would_be", "What would have to be true for the paper's claim", columns)
 
 
-def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
-    """By the runs; mechanics stands beside them."""
-    effect = _effect(results)
-    if _HUMAN_LIKE not in effect.conditions:
-        return
-    c, d, gains = effect.conditions.index(_HUMAN_LIKE), effect.timing_d, 100 * np.expm1(_gains(effect)[_ASSUMED])
-    best = int(d.argmax())
-    by_mechanics = f"contrast {signed(float(gains[c]), '%')}, d′ {number(d[c], 2)}"
-    if best != c:
-        by_mechanics += f" ({_named(effect.conditions[best])}: {number(d[best], 2)})"
-    tests = results.runs.discrimination if results.runs else None
-    claim = contrast_claim(tests) if tests else None
-    if claim is None:
-        claim = Claim(
-            CONTRAST_CLAIM, CONTRAST_SAYS, CONTRAST_PAPER, "not tested", np.nan, "cannot be tested here",
-            why="Human-like stiffness and the rigid motor were not compared in runs.",
-        )  # fmt: skip
-    yield replace(claim, companion=f"by mechanics: {by_mechanics}")
-
-
 _TEXT = """
 <p>In contact mechanics the actuator's stiffness changes the duration of a press alone. Duration changes CASR by creep,
 by the frames that equation (2) sums over, and by errors of the camera's timing.
@@ -287,6 +265,4 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     }
 
 
-STIFFNESS = Section(
-    "stiffness", "Can stiffness help?", _TEXT, _applies, _quantities, _tables, claims=_claims, words=_words
-)
+STIFFNESS = Section("stiffness", "Can stiffness help?", _TEXT, _applies, _quantities, _tables, words=_words)

@@ -1,4 +1,4 @@
-"""The numbers that the paper prints in section VI."""
+"""The numbers that the paper prints."""
 
 from __future__ import annotations
 
@@ -7,6 +7,10 @@ import math
 KAPPA_N_PER_MM = {"S1": 7.63, "S2": 5.32, "S3": 3.35, "S4": 3.12, "S5": 1.11}
 """Stiffness of its specimens by plate indentation, stiffest first."""
 
+WEIGHT_ALPHA, INTERPOLATION_RMSE_V = 0.532, 0.0002
+"""Of the softer neighbour in the profile of S_new, and of that profile beside the measured one."""
+SCHEDULE_PERCENT, SCHEDULE_STEP_N = (20.0, 80.0), 0.3
+FILTER_CUTOFF_HZ = 5.0
 ANGLES_DEG = (0.0, 30.0, 45.0)
 AREA_SPECIMENS_P = {0.0: 0.51, 30.0: 0.74, 45.0: 0.61}
 """Kruskal-Wallis of A_c0 between specimens."""

@@ -1,0 +1,93 @@
+"""Claims of the paper on settings and arithmetic: exact numbers, which no data can change."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from emg2vsa.claims import paper
+from emg2vsa.claims.claim import UNKNOWN, Claim, Found, exactly
+from emg2vsa.rig.executor.motion import MovingAverage
+from emg2vsa.study import Study
+
+QUESTION = "settings and arithmetic"
+FILTER = MovingAverage(5, 200.0)
+"""Of the force, as the paper describes it."""
+_ROUNDED, _HALF_DIGIT = 0.005, 0.0005
+_LEAST_PLATE_R2 = 0.882
+
+
+@dataclass(frozen=True)
+class Counted:
+    """Presses that gave a curve, that were recorded, and that the study asked for, 0 where nobody can say."""
+
+    curves: int
+    recorded: int
+    asked: int
+
+
+def arithmetic_claims(
+    study: Study,
+    *,
+    power: float = np.nan,
+    weight_alpha: float = np.nan,
+    counted: Counted | None = None,
+    runs: bool = False,
+) -> Iterator[Claim]:
+    """power : of the paper's sample size in this study. weight_alpha : of the softer neighbour in the profile of the
+    new specimen, NaN where none was made. runs : whether the rig pressed anything."""
+    if counted is not None:
+        yield from _of_people(study, power, weight_alpha, counted)
+    if runs:
+        off = abs(FILTER.cutoff_hz / paper.FILTER_CUTOFF_HZ - 1)
+        yield _claim(
+            "force_filter", "a mean of five samples at 200 Hz cuts off at 5 Hz", "distance of the cut-off, %",
+            exactly(off), 0.1, "runs", factor=100,
+        )  # fmt: skip
+        implied = max(paper.implied_ratio(angle) for angle in paper.CURVES) / paper.largest_ratio()
+        yield _claim(
+            "kappa_curves", "one exponential curve for each angle gives κ of CASR",
+            "ratio S5 : S1 that the curves imply, over the largest that contact mechanics allows", exactly(implied),
+            1.0, "implied",
+        )  # fmt: skip
+
+
+def _of_people(study: Study, power: float, weight_alpha: float, counted: Counted) -> Iterator[Claim]:
+    r2 = [specimen.plate_adjusted_r2 for specimen in study.specimens]
+    known = [1 - value for value in r2 if value is not None]
+    yield _claim(
+        "plate_r2", "a straight line describes every plate indentation", "1 less the worst adj. R²",
+        exactly(max(known), max(known) if len(known) == len(r2) else 1.0) if known else UNKNOWN, 1 - _LEAST_PLATE_R2,
+        "fits", why="" if len(known) == len(r2) else "The study file does not give R² of every plate test.",
+    )  # fmt: skip
+    lost, waiting = counted.recorded - counted.curves, max(counted.asked - counted.recorded, 0)
+    yield _claim(
+        "curves", "every press of every participant gives a curve", "presses without a curve",
+        exactly(lost, lost + waiting if counted.asked else np.inf), 0.5, "fits",
+        why="Presses that the study asks for were not recorded or not read." if waiting or not counted.asked else "",
+    )  # fmt: skip
+    yield _claim(
+        "power", "14 participants with ten movements suffice (f = .25, α = .05)", "power below .80",
+        exactly(max(0.8 - power, 0.0)) if power == power else UNKNOWN, _ROUNDED, "power",
+        why="The study does not test repetitions.",
+    )  # fmt: skip
+    if weight_alpha == weight_alpha:
+        yield _claim(
+            "interpolation_weight", f"weight α of the softer neighbour in the profile of {study.profile.new_specimen}",
+            "distance from .532", exactly(abs(weight_alpha - paper.WEIGHT_ALPHA)), _HALF_DIGIT, "profiles",
+            why=f"Rule here: {study.profile.interpolation}.",
+        )  # fmt: skip
+    schedule = study.schedule
+    others = int(schedule.stiffness_percent != paper.SCHEDULE_PERCENT) + int(schedule.step_n != paper.SCHEDULE_STEP_N)
+    yield _claim(
+        "schedule_range", "profiles are mapped on 20 to 80 % stiffness in steps of 0.3 N", "settings that differ",
+        exactly(others), 0.5, "schedules",
+    )  # fmt: skip
+
+
+def _claim(
+    key: str, says: str, estimand: str, found: Found, margin: float, section: str, *, factor: float = 1.0, why: str = ""
+) -> Claim:
+    return Claim(key, QUESTION, says, estimand, "within", found, margin, "none", section, factor=factor, why=why)
