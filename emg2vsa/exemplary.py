@@ -50,7 +50,7 @@ def compare_participants(
     specimens = profile.specimens or in_study_order(fits.specimen[rows], stiffness_n_per_mm)
     force_n = np.linspace(*window.force_n, profile.grid_points)
     present = list(dict.fromkeys(fits.participant[rows].tolist()))
-    means = _mean_coefficients(fits, rows, specimens)
+    means = mean_coefficients(fits, rows, specimens)
     whole = [name for name in present if np.isfinite(means[name]).all()]
     if len(whole) < 2:
         return None
@@ -76,7 +76,7 @@ def in_study_order(specimens: NDArray[np.str_], stiffness_n_per_mm: Mapping[str,
     return [name for name in dict.fromkeys([*stiffness_n_per_mm, *present]) if name in present]
 
 
-def _mean_coefficients(fits: Fits, rows: NDArray[np.bool_], specimens: Sequence[str]) -> dict[str, Floats]:
+def mean_coefficients(fits: Fits, rows: NDArray[np.bool_], specimens: Sequence[str]) -> dict[str, Floats]:
     """Participant, in the order of the rows, to (S, 2) mean a and b; NaN where there is no trial."""
     cells: dict[tuple[str, str], list[int]] = {}
     at = np.flatnonzero(rows)

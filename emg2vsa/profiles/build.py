@@ -1,14 +1,11 @@
-"""Mean trend of the co-contraction per specimen, and the profile of a specimen nobody palpated (paper IV.B, VI.B).
-
-The paper's weight of the softer neighbour is kappa / 10 N/mm; the default is the bracket (decision 3).
-"""
+"""Profiles from the fits of presses: mean trends of the specimens, and one interpolated between them (paper IV.B)."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,148 +14,10 @@ from emg2vsa.arrays import Floats
 from emg2vsa.errors import DataError
 from emg2vsa.exemplary import Choice, in_study_order
 from emg2vsa.fits import Fits, usable
+from emg2vsa.profiles.by_person import by_person, measured_as
+from emg2vsa.profiles.interpolation import Interpolated, between
+from emg2vsa.profiles.profile import ByRule, LeftOut, Profile, Profiles
 from emg2vsa.settings import MEDOID, ProfileSettings, WindowSettings
-
-PAPER_RANGE_N_PER_MM = 10.0
-"""The paper's weight is the stiffness as a fraction of this range (printed as N/m by mistake)."""
-
-
-@dataclass(frozen=True)
-class Interpolated:
-    """values : as one specimen's; stiffer, softer : places of the two nearest; alpha : weight of the softer.
-
-    ``alpha`` is NaN where all specimens had a part ("coefficients").
-    """
-
-    values: Floats
-    stiffer: int
-    softer: int
-    alpha: float
-
-
-def between(
-    stiffness_n_per_mm: Floats, values: Floats, new_n_per_mm: float, method: str, *, extrapolate: bool, where: str
-) -> Interpolated:
-    """Values at the stiffness ``new_n_per_mm``, from ``values`` (n, ...) at ``stiffness_n_per_mm`` (n,).
-
-    bracket, log-stiffness and paper blend the two nearest neighbours, (1 - alpha) stiffer + alpha softer, with
-
-        bracket        alpha = (k1 - k) / (k1 - k3), k1 the stiffer and k3 the softer
-        log-stiffness  the same in ln k
-        paper          alpha = k / (10 N/mm), whatever the neighbours
-
-    coefficients takes a monotone cubic (PCHIP) through all specimens. All but paper return a specimen's own values at
-    its own stiffness. Outside the stiffness range: DataError, or with ``extrapolate`` the straight line through the
-    nearest two. Of specimens with equal stiffness the first counts.
-    """
-    known, first = np.unique(stiffness_n_per_mm, return_index=True)
-    inside = known.size > 1 and bool(known[0] <= new_n_per_mm <= known[-1])
-    _refuse(known, new_n_per_mm, inside or extrapolate, where)
-    upper = min(max(int(np.searchsorted(known, new_n_per_mm, side="right")), 1), known.size - 1)
-    stiffer, softer = int(first[upper]), int(first[upper - 1])
-    if method == "coefficients" and inside:
-        from scipy.interpolate import PchipInterpolator  # noqa: PLC0415  (0.2 s that one option alone needs)
-
-        return Interpolated(PchipInterpolator(known, values[first])(new_n_per_mm), stiffer, softer, math.nan)
-    alpha = softer_weight(new_n_per_mm, float(known[upper]), float(known[upper - 1]), method, where)
-    return Interpolated((1 - alpha) * values[stiffer] + alpha * values[softer], stiffer, softer, alpha)
-
-
-def softer_weight(k: float, stiffer: float, softer: float, method: str, where: str) -> float:
-    """alpha, the weight of the softer of two specimens; all stiffnesses in N/mm."""
-    if method == "log-stiffness":
-        return (math.log(stiffer) - math.log(k)) / (math.log(stiffer) - math.log(softer))
-    if method != "paper":
-        return (stiffer - k) / (stiffer - softer)
-    if k > PAPER_RANGE_N_PER_MM:
-        raise DataError(
-            where, wanted=f"at most {PAPER_RANGE_N_PER_MM:g} N/mm, the range of the paper's weight",
-            found=f"{k:g} N/mm", do="Use interpolation = 'bracket'.",
-        )  # fmt: skip
-    return k / PAPER_RANGE_N_PER_MM
-
-
-def _refuse(known: Floats, new_n_per_mm: float, allowed: bool, where: str) -> None:
-    if known.size < 2:
-        raise DataError(
-            where, wanted="two specimens of known, different stiffness to interpolate between",
-            found=f"{known.size}", do="Measure another specimen, or state its stiffness.",
-        )  # fmt: skip
-    if not allowed:
-        raise DataError(
-            where, wanted=f"a stiffness between {known[0]:g} and {known[-1]:g} N/mm, the specimens used",
-            found=f"{new_n_per_mm:g} N/mm", do="Add specimens, or set extrapolate = true.",
-        )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Profile:
-    """Co-contraction against force of one specimen, v = a + b ln F."""
-
-    specimen: str
-    stiffness_n_per_mm: float
-    "NaN where nobody measured it."
-    a_v: float
-    b_v: float
-    force_n: Floats
-    "(G,) from the window's lower to its upper force."
-    v: Floats
-    "(G,) the mean trend, in the unit of the activity."
-    source: str
-    "measured or interpolated"
-    n_trials: int
-    sd_v: Floats
-    "(G,) spread between trials (one participant) or between participants' means; NaN from a single one."
-
-
-@dataclass(frozen=True)
-class LeftOut:
-    """A measured specimen predicted from the others: root mean square error over the grid of forces.
-
-    ``relative`` is that error over the root mean square of the measured profile.
-    """
-
-    specimen: str
-    bracket: tuple[str, str]
-    rmse_v: float
-    relative: float
-
-
-@dataclass(frozen=True)
-class ByRule:
-    """The new specimen's profile by one rule of interpolation, and its error against ``Profiles.new_measured``."""
-
-    rule: str
-    alpha: float
-    profile: Profile
-    error: LeftOut | None
-
-
-@dataclass(frozen=True)
-class Profiles:
-    """``profiles`` are the exported, measured specimens in the order given; ``new`` is the interpolated one."""
-
-    profiles: tuple[Profile, ...]
-    new: Profile | None
-    weight_alpha: float
-    "Weight of the softer neighbour in ``new``; NaN without one, or where more than two specimens had a part."
-    bracket: tuple[str, str] | None
-    "The stiffer and the softer neighbour of ``new``."
-    new_measured: Profile | None
-    "The measured profile of the same name or the same stiffness as ``new``, which had no part in it (Fig. 11)."
-    new_error: LeftOut | None
-    "``new`` against ``new_measured``."
-    leave_one_out: tuple[LeftOut, ...]
-    participant: str
-    "The exemplary participant; empty: mean over all."
-    unit: str
-    notes: tuple[str, ...]
-    by_rule: tuple[ByRule, ...] = ()
-    "The new specimen by the default rule and by the paper's, beside each other; without one that refuses."
-
-    def __repr__(self) -> str:
-        new = "" if self.new is None else f", new {self.new.specimen}: b {self.new.b_v:.4g} {self.unit}"
-        return f"Profiles({len(self.profiles)} specimens of {self.participant or 'all participants'}{new})"
 
 
 def build_profiles(
@@ -189,7 +48,9 @@ def build_profiles(
     }
     exported = _exported(measured, profile.specimens, participant)
     new, alpha, bracket = _new(exported, stiffness_n_per_mm, profile)
-    reference = _reference(measured, new, [p.specimen for p in exported])
+    used = [p.specimen for p in exported]
+    same = measured_as(new.specimen, new.stiffness_n_per_mm, measured, stiffness_n_per_mm, used) if new else None
+    reference = measured[same] if same else None
     return Profiles(
         profiles=exported,
         new=new,
@@ -198,6 +59,7 @@ def build_profiles(
         new_measured=reference,
         new_error=_error(reference, new, bracket) if reference and new and bracket else None,
         leave_one_out=_leave_one_out(tuple(measured.values()), profile),
+        by_person=by_person(fits, stiffness_n_per_mm, profile, use),
         by_rule=_by_rule(exported, stiffness_n_per_mm, profile, reference),
         participant=participant,
         unit=fits.activity_unit,
@@ -295,15 +157,6 @@ def _interpolate(
         sum(p.n_trials for p in sources), sd_v,
     )  # fmt: skip
     return interpolated, made.alpha, (stiffer.specimen, softer.specimen)
-
-
-def _reference(measured: Mapping[str, Profile], new: Profile | None, used: Sequence[str]) -> Profile | None:
-    if new is None:
-        return None
-    if new.specimen in measured:
-        return measured[new.specimen]
-    twins = (p for p in measured.values() if p.stiffness_n_per_mm == new.stiffness_n_per_mm and p.specimen not in used)
-    return next(twins, None)
 
 
 def _by_rule(
