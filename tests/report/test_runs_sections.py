@@ -10,7 +10,8 @@ import pytest
 
 from emg2vsa.calibration.runs_calibration import calibrate_runs
 from emg2vsa.discrimination import discriminate
-from emg2vsa.claims import paper, study_report
+from emg2vsa.claims import paper
+from emg2vsa.report import study_report
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import Runs
 from emg2vsa.report.methods import methods

@@ -14,11 +14,10 @@ from scipy import stats
 from statsmodels.stats.multitest import multipletests
 
 from emg2vsa.companions.groups import group_tests, pair_tests
-from emg2vsa.errors import SettingError
 from emg2vsa.statistics import studentized_range
 from emg2vsa.statistics.anova import one_way
 from emg2vsa.statistics.equivalence import tost
-from emg2vsa.statistics.multiplicity import Adjustment, adjust, claim_family
+from emg2vsa.statistics.multiplicity import Adjustment, adjust
 from emg2vsa.statistics.post_hoc import games_howell, lsd, tukey
 from emg2vsa.statistics.repeated import paired_tests
 from tests.statistics.unequal_groups import DESIGNS, groups_of, unequal
@@ -129,31 +128,6 @@ def test_adjustments_keep_the_order_and_do_not_depend_on_it(p: list[float], rand
         assert (found >= values).all()
     np.testing.assert_array_equal(adjust(values, "bonferroni"), np.minimum(1, values * len(p)))
     assert (adjust(values, "holm") <= adjust(values, "bonferroni")).all()
-
-
-def test_holm_over_named_claims() -> None:
-    """.0391, the paper's worst p, does not survive beside two others that are hardly smaller."""
-    found = claim_family({"worst pair": 0.0391, "a": 0.02, "b": 0.001, "untested": np.nan})
-    np.testing.assert_allclose(found.p_holm, [0.0400, 0.0400, 0.003, np.nan], rtol=1e-12)
-    assert found.survives == (True, True, True, None)
-    found = claim_family({"worst pair": 0.0391, "a": 0.03, "b": 0.001})
-    assert found.survives == (False, False, True)
-    assert found.p_holm[0] == found.p_holm[1] == pytest.approx(0.06)
-
-
-def test_error_of_the_family() -> None:
-    rng = np.random.default_rng(0)
-    wrong = [any(claim_family(dict(zip("abcdefg", rng.random(7), strict=True))).survives) for _ in range(2000)]
-    assert 0.035 < np.mean(wrong) < 0.065
-
-
-@pytest.mark.parametrize(
-    ("p", "alpha"), [(-0.1, 0.05), (1.2, 0.05), (np.inf, 0.05), (0.5, 0.0), (0.5, 1.0), (0.5, np.nan)]
-)
-def test_what_is_no_p_or_no_level_is_refused(p: float, alpha: float) -> None:
-    with pytest.raises(SettingError, match="claims, a"):
-        claim_family({"a": p}, alpha)
-    assert claim_family({}).survives == ()
 
 
 @pytest.mark.parametrize("power", [20, 30, 40])
