@@ -25,6 +25,8 @@ class RunTable:
     new : place of the new specimen, -1 where it was not pressed. algorithm : the one whose scores are tested.
     a_c0, start_area, casr : algorithm to (D, S, R), as in ``RunScores``; NaN where there is no score.
     true_a_c0 : (D, S, R), mm2, NaN unless simulated. mounting : (D, S, R) number of the mounting, from 1; 0: no press.
+    position : (D, S, R) place of that mounting in the order in which all were pressed, from 1, NaN without a press;
+    None where nobody knows the order.
     """
 
     conditions: tuple[str, ...]
@@ -39,6 +41,7 @@ class RunTable:
     casr: dict[str, Floats]
     true_a_c0: Floats
     mounting: Ints
+    position: Floats | None = None
 
     @property
     def known(self) -> list[int]:
@@ -101,6 +104,7 @@ def run_table(runs: Sequence[RunScores], stiffness_n_per_mm: Mapping[str, float]
         casr={name: sorted_in([run.casr.get(name) for run in runs]) for name in algorithms},
         true_a_c0=sorted_in([run.true_a_c0 if run.area_unit == "mm2" else None for run in runs]),
         mounting=mounting,
+        position=_position(shape, runs, places),
     )
 
 
@@ -109,6 +113,23 @@ def mean_of(values: Floats) -> Floats:
     there = np.isfinite(values)
     with np.errstate(invalid="ignore"):
         return np.asarray(np.sum(values, axis=-1, where=there) / np.count_nonzero(there, axis=-1))
+
+
+def _position(
+    shape: tuple[int, int, int], runs: Sequence[RunScores], places: Sequence[tuple[int, int]]
+) -> Floats | None:
+    """Places of mountings, by the first press of each; None where not all mountings have a time of their own."""
+    began = np.full(shape, np.nan)
+    count = 0
+    for run, place in zip(runs, places, strict=True):
+        numbers, inverse = np.unique(run.mounting, return_inverse=True)
+        first = np.array([np.min(run.pressed_at[run.mounting == number]) for number in numbers])
+        began[place][: run.repetitions.size] = first[inverse]
+        count += numbers.size
+    times = np.unique(began[np.isfinite(began)])
+    if times.size != count:
+        return None
+    return np.where(np.isfinite(began), np.searchsorted(times, began) + 1.0, np.nan)
 
 
 def _accepted(run: RunScores, scores: Floats | None) -> Floats:

@@ -7,6 +7,8 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +62,7 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
     repetition = 0
     for mounting, folder in zip(_mountings(folders), folders, strict=True):
         travel, peaks_n = _travel(folder), peak_forces_n(folder)
+        began = _pressed_at(folder)
         found, stopped = verdicts(folder), stopped_presses(folder)
         camera_file = folder / CAMERA_FILE if (folder / CAMERA_FILE).is_file() else camera
         seen_by, trouble = _camera(camera_file)
@@ -69,6 +72,10 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
             verdict, why = found.get(_number(path, number), ("ok", ""))
             peak_n = peaks_n.get(_number(path, number), math.nan)
             unit = "mm2" if camera_file or (path / CAMERA_FILE).is_file() else "px2"
+            press = partial(
+                Press, force_n=force_n, depth_mm=depth_mm, area_unit=unit, mounting=mounting, peak_n=peak_n,
+                n_before=n_before, pressed_at=began,
+            )  # fmt: skip
             if verdict == "rejected":
                 reason = f"{folder.name}, press {_number(path, number)} was rejected by the rig: {why}"
             elif short := stopped.get(_number(path, number)):
@@ -76,7 +83,7 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
             else:
                 reason = ""
             if reason:
-                yield Press(repetition, None, reason, force_n, depth_mm, unit, mounting, peak_n, n_before)
+                yield press(repetition, None, reason)
                 continue
             try:
                 if trouble:
@@ -84,9 +91,9 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
                 frames = open_frames(path)
                 frames = frames if frames.camera or seen_by is None else replace(frames, camera=seen_by)
                 frames.source.name = path.relative_to(folder.parent).as_posix()  # as errors name it
-                yield Press(repetition, frames, "", force_n, depth_mm, unit, mounting, peak_n, n_before)
+                yield press(repetition, frames, "")
             except CasrError as error:
-                yield Press(repetition, None, str(error), force_n, depth_mm, unit, mounting, peak_n, n_before)
+                yield press(repetition, None, str(error))
 
 
 def _mountings(folders: Sequence[Path]) -> list[int]:
@@ -95,6 +102,17 @@ def _mountings(folders: Sequence[Path]) -> list[int]:
     told = [plan.get("mounting") if isinstance(plan, dict) else None for plan in plans]
     own = [m if isinstance(m, int) else folder for folder, m in zip(folders, told, strict=True)]
     return [list(dict.fromkeys(own)).index(one) + 1 for one in own]
+
+
+def _pressed_at(folder: Path) -> float:
+    """See ``RunScores``. All runs of an emulated rig begin at the same date."""
+    document = _json(folder / PLAN_FILE)
+    try:
+        if is_simulated([folder]):
+            return float(document["plan"]["order"])
+        return datetime.fromisoformat(document["clock"]["zero_utc"]).timestamp()
+    except (KeyError, TypeError, ValueError):
+        return math.nan
 
 
 def _press_folders(folder: Path) -> list[Path]:

@@ -25,8 +25,8 @@ class Press:
     frames : None where they cannot be read, and ``problem`` says why. force_n, depth_mm : (K,) from the rig's log while
     the probe goes in, empty without one; the loading phase begins after ``n_before`` of them. area_unit : of its areas,
     whether or not it can be scored. mounting : number of the folder of its run that it comes from, from 1. peak_n :
-    largest force, N, with what it went beyond
-    the force at which it turned back; NaN where the rig's table of presses is not there.
+    largest force, N, with what it went beyond the force at which it turned back; NaN without the table of presses.
+    pressed_at : see ``RunScores``.
     """
 
     repetition: int
@@ -38,6 +38,7 @@ class Press:
     mounting: int = 1
     peak_n: float = math.nan
     n_before: int = 0
+    pressed_at: float = math.nan
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,6 +32,7 @@ def score_run(
     mountings: list[int] = []
     reasons: list[str] = []
     peaks_n: list[float] = []
+    pressed_at: list[float] = []
     scored: list[ScoredPress | None] = []
     counts: list[int] = []
     first_n: list[float] = []
@@ -44,6 +45,7 @@ def score_run(
         repetitions.append(press.repetition)
         mountings.append(press.mounting)
         peaks_n.append(press.peak_n)
+        pressed_at.append(press.pressed_at)
         reasons.append(reason)
         scored.append(found)
         counted = _counted(press, settings, found)
@@ -59,6 +61,7 @@ def score_run(
         algorithm=settings.algorithm,
         repetitions=np.array(repetitions, dtype=np.int64),
         mounting=np.array(mountings, dtype=np.int64),
+        pressed_at=np.array(pressed_at, dtype=np.float64),
         verdicts=tuple("ok" if found else "rejected" for found in scored),
         reasons=tuple(reasons),
         area_unit=next((found.area_unit for found in scored if found), unit_of_rejected),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import tifffile
 
-from emg2vsa.rig.record.new_folder import PLAN_FILE
+from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
 from emg2vsa.rig.record.press_counts import PRESSES_FILE
 from emg2vsa.run_folders.presses import read_presses, run_notes
 
@@ -74,3 +74,22 @@ def test_every_folder_is_a_mounting_unless_the_rig_says_that_it_goes_on(run, tmp
 
 def test_a_folder_that_is_gone_has_no_presses(tmp_path):
     assert list(read_presses([tmp_path / "taken away"], None)) == []
+
+
+@pytest.mark.parametrize(
+    ("emulated", "document", "expected"),
+    [
+        (False, {"plan": {"order": 3}, "clock": {"zero_utc": "1970-01-02T00:00:00+00:00"}}, 86400.0),
+        (True, {"plan": {"order": 3}, "clock": {"zero_utc": "1970-01-02T00:00:00+00:00"}}, 3.0),
+        (True, {"plan": {"order": None}}, np.nan),
+        (False, {"plan": {"order": 3}, "clock": {"zero_utc": "yesterday"}}, np.nan),
+        (False, None, np.nan),
+    ],
+)
+def test_a_press_tells_when_its_folder_was_begun(run, emulated, document, expected):
+    """An emulated run has the date of its experiment alone, so that its place there counts."""
+    if document is not None:
+        (run / PLAN_FILE).write_text(json.dumps(document))
+    if emulated:
+        (run / EMULATED_FILE).write_text("{}")
+    assert [press.pressed_at for press in read_presses([run])] == pytest.approx([expected] * 3, nan_ok=True)
