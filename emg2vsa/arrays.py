@@ -48,6 +48,13 @@ def runs_of(mask: NDArray[np.bool_]) -> tuple[Ints, Ints]:
     return edges[0::2], edges[1::2]
 
 
+def mean_of(values: Floats) -> Floats:
+    """Mean along the last axis of the values that are there; NaN where there is none."""
+    there = np.isfinite(values)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.sum(values, axis=-1, where=there) / np.count_nonzero(there, axis=-1))
+
+
 def median(values: Floats) -> float:
     """Median of a few finite values (n,), n >= 1; numpy's costs more in its preparations than in the values."""
     ordered = np.sort(values)

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, mean_of
 from emg2vsa.calibration.forms import HERTZ
 from emg2vsa.calibration.laws import LawFit, fit_law
 from emg2vsa.calibration.mountings import MountingScatter, by_mounting, mounting_scatter, share_of_mountings
-from emg2vsa.calibration.presses import mean_of, within
+from emg2vsa.calibration.presses import within
 from emg2vsa.curves.line import weighted_rows
 from emg2vsa.errors import DataError
 from emg2vsa.settings import CalibrationSettings

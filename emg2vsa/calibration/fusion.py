@@ -28,11 +28,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, mean_of
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.forms import HERTZ, kappa_slope
 from emg2vsa.calibration.mountings import by_mounting
-from emg2vsa.calibration.presses import mean_of
 from emg2vsa.calibration.repeats import RepeatInterval, labels_side_by_side, side_by_side
 from emg2vsa.settings import CalibrationSettings
 

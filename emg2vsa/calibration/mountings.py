@@ -18,8 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa.arrays import Floats, Ints
-from emg2vsa.calibration.presses import mean_of, within
+from emg2vsa.arrays import Floats, Ints, mean_of
+from emg2vsa.calibration.presses import within
 
 LEAST_FREEDOM = 3
 "Between mountings: two mountings of each of three specimens. With fewer the SD is assumed."

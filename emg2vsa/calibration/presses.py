@@ -1,23 +1,16 @@
-"""Scores of repeated presses: mean, scatter, outliers, and presses drawn again; NaN where there is no press."""
+"""Scores of repeated presses: scatter, outliers, and presses drawn again; NaN where there is no press."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, mean_of
 
 _LEAST_TO_JUDGE = 5
 MOST_OUTLIERS = 0.2
 """Share of a specimen's presses that may be outliers. Where more lie far off, the presses simply scatter."""
 _SD_PER_MAD = 1.4826
-
-
-def mean_of(scores: Floats) -> Floats:
-    """Mean along the last axis of the scores that are there; NaN where there is none."""
-    there = np.isfinite(scores)
-    with np.errstate(invalid="ignore"):
-        return np.asarray(np.sum(scores, axis=-1, where=there) / np.count_nonzero(there, axis=-1))
 
 
 def within(scores: Floats) -> tuple[Floats, Ints]:

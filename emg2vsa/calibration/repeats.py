@@ -27,14 +27,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, mean_of
 from emg2vsa.calibration.calibrate import Calibration, fitted_points
 from emg2vsa.calibration.forms import HERTZ, eta_of, kappa_of, kappa_slope
 from emg2vsa.calibration.laws import fit_law
 from emg2vsa.calibration.mountings import MountingScatter, by_mounting, share_of_mountings
-from emg2vsa.calibration.presses import mean_of, within
-from emg2vsa.calibration.serial import SerialCorrelation, serial_of_mountings
+from emg2vsa.calibration.presses import within
 from emg2vsa.settings import Law
+from emg2vsa.statistics.serial import SerialCorrelation, serial_of_mountings
 
 _SHARE = 1e-5  # of a score or a stiffness; central differences are then good to ten digits
 

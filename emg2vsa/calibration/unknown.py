@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, mean_of
 from emg2vsa.calibration.calibrate import Calibration
 from emg2vsa.calibration.laws import fit_law
 from emg2vsa.calibration.left_out import LeftOut, left_out
-from emg2vsa.calibration.presses import mean_of, redrawn
+from emg2vsa.calibration.presses import redrawn
 from emg2vsa.calibration.repeats import RepeatInterval, repeat_interval
 from emg2vsa.errors import DataError
 

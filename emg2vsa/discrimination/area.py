@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, mean_of
 from emg2vsa.companions.groups import (
     EqualityTests,
     GroupTests,
@@ -21,7 +21,7 @@ from emg2vsa.companions.groups import (
     normality_of,
     pair_tests,
 )
-from emg2vsa.discrimination.run_table import RunTable, mean_of
+from emg2vsa.discrimination.run_table import RunTable
 from emg2vsa.settings import DiscriminationSettings
 
 

@@ -24,8 +24,8 @@ from typing import Literal
 import numpy as np
 from scipy import stats
 
-from emg2vsa.arrays import Floats, Ints
-from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID, RunTable, mean_of
+from emg2vsa.arrays import Floats, Ints, mean_of
+from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID, RunTable
 from emg2vsa.discrimination.separation import pressed_everywhere
 from emg2vsa.statistics.multiplicity import adjust
 

@@ -20,12 +20,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, mean_of
 from emg2vsa.companions.groups import GroupTests, NormalityTests, PairTests, group_tests, normality_of, pair_tests
 from emg2vsa.discrimination.area import AreaByAngle, AreaBySpecimen, area_by_angle, area_by_specimen
 from emg2vsa.discrimination.conditions import ConditionComparison, compare_conditions
 from emg2vsa.discrimination.contrast import Contrast, contrasts
-from emg2vsa.discrimination.run_table import RunTable, mean_of, run_table
+from emg2vsa.discrimination.run_table import RunTable, run_table
 from emg2vsa.discrimination.separation import Gaps, closest_pair, gaps_of, pressed_everywhere, repetition_cv
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import RunScores

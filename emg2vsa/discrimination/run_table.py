@@ -108,13 +108,6 @@ def run_table(runs: Sequence[RunScores], stiffness_n_per_mm: Mapping[str, float]
     )
 
 
-def mean_of(values: Floats) -> Floats:
-    """Mean along the last axis of the values that are there; NaN where there is none."""
-    there = np.isfinite(values)
-    with np.errstate(invalid="ignore"):
-        return np.asarray(np.sum(values, axis=-1, where=there) / np.count_nonzero(there, axis=-1))
-
-
 def _position(
     shape: tuple[int, int, int], runs: Sequence[RunScores], places: Sequence[tuple[int, int]]
 ) -> Floats | None:

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats, Ints
-from emg2vsa.discrimination.run_table import mean_of
+from emg2vsa.arrays import Floats, Ints, mean_of
 from emg2vsa.statistics.effect_size import hedges_g
 
 

@@ -17,11 +17,11 @@ from emg2vsa.calibration.left_out import left_out
 from emg2vsa.calibration.presses import far_off, without_outliers
 from emg2vsa.calibration.repeats import repeat_interval
 from emg2vsa.calibration.runs_calibration import calibrate_runs
-from emg2vsa.calibration.serial import serial_correlation
 from emg2vsa.calibration.unknown import estimate
 from emg2vsa.cli import main
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import CalibrationSettings
+from emg2vsa.statistics.serial import serial_correlation
 from emg2vsa.worlds.tactile import ContactWorld
 
 QUICK = CalibrationSettings(resamples=2)

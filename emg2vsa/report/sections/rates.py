@@ -9,8 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from emg2vsa.arrays import Floats
-from emg2vsa.calibration.presses import mean_of
+from emg2vsa.arrays import Floats, mean_of
 from emg2vsa.claims import paper
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID

@@ -26,8 +26,7 @@ from functools import lru_cache
 import numpy as np
 from scipy import special
 
-from emg2vsa.arrays import Floats
-from emg2vsa.calibration.presses import mean_of
+from emg2vsa.arrays import Floats, mean_of
 
 _LEAST_PRESSES = 4
 _INCLUDED_P = 0.25
