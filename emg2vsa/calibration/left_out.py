@@ -27,7 +27,8 @@ from emg2vsa.settings import CalibrationSettings, Law
 class LeftOut:
     """d calibrations of S specimens; kappa : (d, S) N/mm as the others say; p : (d, S) of the known kappa.
 
-    misfit : (d, S) distance of the two on the axis of the law, over half the interval.
+    misfit : (d, S) distance of the two on the axis of the law, over half the interval. eta, eta_se, df : (d, S) of what
+    the others say, on the axis of the law.
 
     Two specimens determine two parameters, so with three specimens the three p judge one and the same misfit.
     """
@@ -35,6 +36,9 @@ class LeftOut:
     kappa: Floats
     p: Floats
     misfit: Floats
+    eta: Floats
+    eta_se: Floats
+    df: Floats
 
     @property
     def law_p(self) -> Floats:
@@ -54,12 +58,12 @@ def left_out(calibration: Calibration) -> LeftOut:
     d, s, _ = calibration.casr.shape
     if s < 3:
         nothing = np.full((d, s), np.nan)
-        return LeftOut(nothing, nothing, nothing)
+        return LeftOut(*[nothing] * 6)
     columns = [_one(calibration, j) for j in range(s)]
     return LeftOut(*(np.stack(column, axis=1) for column in zip(*columns, strict=True)))
 
 
-def _one(calibration: Calibration, j: int) -> tuple[Floats, Floats, Floats]:
+def _one(calibration: Calibration, j: int) -> tuple[Floats, ...]:
     others = np.arange(len(calibration.specimens)) != j
     without = calibrate(
         calibration.kappa[:, others],
@@ -77,7 +81,8 @@ def _one(calibration: Calibration, j: int) -> tuple[Floats, Floats, Floats]:
     known = eta_of(calibration.settings.law, calibration.kappa[:, j])
     with np.errstate(invalid="ignore", divide="ignore"):
         reach = special.stdtrit(found.df, 0.5 + 0.5 * calibration.settings.confidence) * found.eta_se
-        return found.kappa, found.p_of(known), np.abs(found.eta - known) / reach
+        misfit = np.abs(found.eta - known) / reach
+        return found.kappa, found.p_of(known), misfit, found.eta, found.eta_se, found.df
 
 
 @dataclass(frozen=True)

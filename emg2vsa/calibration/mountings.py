@@ -30,12 +30,20 @@ class MountingScatter:
     """Of d calibrations; (d,), shares of a score.
 
     sd : t, from one mounting to the next. freedom : f, 0 where the SD is assumed. between : v. of_presses : c s^2.
+    assumed : the SD of a mounting that the study assumes.
     """
 
     sd: Floats
     freedom: Floats
     between: Floats
     of_presses: Floats
+    assumed: Floats
+
+    def as_assumed(self) -> MountingScatter:
+        """As if no mounting were repeated, where the study assumes an SD: the same however the repeats fell out."""
+        found, own = self.assumed == 0, (self.freedom, self.between, self.of_presses)
+        rest = (np.where(found, each, 0.0) for each in own)
+        return MountingScatter(np.where(found, self.sd, self.assumed), *rest, self.assumed)
 
 
 def mounting_scatter(scores: Floats, labels: Ints, assumed_sd: float) -> MountingScatter:
@@ -62,6 +70,7 @@ def mounting_scatter(scores: Floats, labels: Ints, assumed_sd: float) -> Mountin
         freedom=np.where(told, freedom, 0.0),
         between=np.where(told, between, 0.0),
         of_presses=np.where(told, of_presses, 0.0),
+        assumed=np.full(told.shape, assumed_sd, dtype=np.float64),
     )
 
 

@@ -22,6 +22,7 @@ to test; where it does not, ``left_out`` widens the interval.
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,7 +35,7 @@ from emg2vsa.calibration.laws import fit_law
 from emg2vsa.calibration.mountings import MountingScatter, by_mounting, share_of_mountings
 from emg2vsa.calibration.presses import within
 from emg2vsa.settings import Law
-from emg2vsa.statistics.serial import SerialCorrelation, serial_of_mountings
+from emg2vsa.statistics.serial import SerialCorrelation, independent, serial_of_mountings
 
 _SHARE = 1e-5  # of a score or a stiffness; central differences are then good to ten digits
 
@@ -86,13 +87,14 @@ def repeat_interval(
     *,
     mountings: Ints | None = None,
     own_noise: bool = True,
+    in_series: bool = True,
     widened: float | Floats = 1.0,
 ) -> RepeatInterval:
     """The estimate from scores (d, R) of the new specimen, NaN where there is none, and its interval.
 
     mountings : (R,) number of each press's mounting; None: one. own_noise : False takes the variance of the new
     specimen's presses from those of the known ones, pooled. That is done anyway for a specimen that was pressed once.
-    widened : (d,) factor on the standard error of eta. All is NaN where the calibration is not monotone.
+    in_series : False takes the presses as independent. widened : (d,) factor on the standard error of eta. All is NaN where the calibration is not monotone.
     """
     law, confidence = calibration.settings.law, calibration.settings.confidence
     presses = side_by_side(calibration.casr, scores)
@@ -102,7 +104,7 @@ def repeat_interval(
     mean = mean_of(scores)
     means = np.append(calibration.mean_casr, mean[:, None], axis=1)
     variance, freedom, n = _noise(groups, means, own_noise)
-    serial = serial_of_mountings(groups)
+    serial = serial_of_mountings(groups) if in_series else independent(groups)
     freedom = freedom * serial.share_of_freedom[:, None]
     # where no mounting was pressed twice, the scatter between mountings has that of the presses in it
     once = (calibration.mounting.freedom > 0) & ~np.any(np.isfinite(within(groups)[0]), axis=(1, 2))
@@ -128,7 +130,7 @@ def repeat_interval(
         eta_se = eta_se * widened
         reach = special.stdtrit(df, 0.5 + 0.5 * confidence) * eta_se
         score_share = calibration.fit.steepness(mean[:, None])[:, 0] * mean / kappa
-    low, high = _ends(law, eta, reach)
+    low, high = ends_on_law(law, eta, reach)
     return RepeatInterval(
         kappa=kappa,
         eta=eta,
@@ -151,13 +153,29 @@ def repeat_interval(
     )
 
 
+def expected_interval(
+    calibration: Calibration, kappa: Floats, scores: Floats, *, mountings: Ints | None = None
+) -> RepeatInterval:
+    """The interval that a design promises for specimens of stiffness (d,), before anybody knows how they come out.
+
+    scores : (d, R) of the new specimen, of which only those count that are there; mountings : as ``repeat_interval``.
+    The law is the one that was fitted, and presses scatter as those of the known specimens. What comes out narrow by
+    chance is left out: the serial correlation that was found, and the SD of repeated mountings, in place of which
+    stands the one that the study assumes. An interval that is called determined by it was not picked for its width.
+    """
+    promised = np.where(np.isfinite(scores), calibration.fit.casr(kappa[:, None]), np.nan)
+    designed = dataclasses.replace(calibration, mounting=calibration.mounting.as_assumed())
+    return repeat_interval(designed, promised, mountings=mountings, own_noise=False, in_series=False)
+
+
 def interval_of(law: Law, kappa: float, reach: float) -> tuple[float, float]:
     """low and high, N/mm, of an interval about ``kappa`` that reaches so far on the axis of the law."""
-    low, high = _ends(law, eta_of(law, np.array(kappa)), np.array(reach))
+    low, high = ends_on_law(law, eta_of(law, np.array(kappa)), np.array(reach))
     return float(low), float(high)
 
 
-def _ends(law: Law, eta: Floats, reach: Floats) -> tuple[Floats, Floats]:
+def ends_on_law(law: Law, eta: Floats, reach: Floats) -> tuple[Floats, Floats]:
+    """low and high, N/mm, of intervals that reach so far about eta on the axis of the law."""
     low, high = np.sort([_end(law, eta - reach), _end(law, eta + reach)], axis=0)
     return low, high
 

@@ -4,8 +4,39 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from scipy import special
+
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.online import OnlineCalibration
+from emg2vsa.calibration.repeats import ends_on_law
+from emg2vsa.settings import Law
+
+
+@dataclass(frozen=True)
+class OnLaw:
+    """A stiffness as a law estimates it: eta with its standard error and degrees of freedom, on the axis of the law
+    (``forms``); NaN where there is none. known : N/mm, by plate indentation, NaN where not known."""
+
+    law: Law
+    eta: float
+    eta_se: float
+    df: float
+    known: float
+
+    def interval(self, confidence: float) -> tuple[float, float]:
+        """low and high of kappa, N/mm; NaN without an estimate, high infinite where it may be rigid."""
+        reach = float(special.stdtrit(self.df, 0.5 + 0.5 * confidence)) * self.eta_se
+        low, high = ends_on_law(self.law, np.array(self.eta), np.array(reach))
+        return float(low), float(high)
+
+    def error(self, confidence: float) -> tuple[float, float]:
+        """low and high of kappa over the known kappa, minus 1."""
+        low, high = self.interval(confidence)
+        return low / self.known - 1, high / self.known - 1
+
+
+NOTHING_ON_LAW = OnLaw("compliance", *[float("nan")] * 4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +51,8 @@ class LawResult:
     narrower than the calibrated range. widened : factor on the interval of a law that is rejected. serial_correlation,
     serial_p : of successive presses; effective_presses : independent ones that those of the new specimen count as.
     amplification : percent of kappa for 1 % of CASR. mounting_sd : of CASR from one mounting to the next, as a share of
-    it; mounting_freedom : degrees of freedom that it was estimated with, 0 where it is assumed.
+    it; mounting_freedom : degrees of freedom that it was estimated with, 0 where it is assumed. on_law, left_out_on_law
+    : the new specimen and each left-out one, from which an interval of any confidence follows.
     """
 
     law: str
@@ -46,6 +78,8 @@ class LawResult:
     amplification: float = float("nan")
     mounting_sd: float = float("nan")
     mounting_freedom: float = 0.0
+    on_law: OnLaw = NOTHING_ON_LAW
+    left_out_on_law: tuple[OnLaw, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

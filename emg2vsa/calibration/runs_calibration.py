@@ -31,6 +31,7 @@ from emg2vsa.calibration.results import (
     ConditionResult,
     FusedResult,
     LawResult,
+    OnLaw,
 )
 from emg2vsa.calibration.unknown import Estimate, estimate
 from emg2vsa.errors import DataError
@@ -241,7 +242,7 @@ class _OneCondition:
         return self._estimated(calibration, mm_per_n(self.new.indent_n_per_mm))
 
     def _estimated(self, calibration: Calibration, scores: Floats) -> Estimate:
-        return estimate(calibration, scores, self.new.mounting)
+        return estimate(calibration, scores, self.new.mounting, known=self.truth)
 
     def _both(self, cutaneous: Estimate, scores: Floats, kinesthetic: Estimate) -> Fusion:
         area, depth = (np.atleast_2d(each) for each in (scores, mm_per_n(self.new.indent_n_per_mm)))
@@ -249,33 +250,7 @@ class _OneCondition:
         return fuse(cutaneous.calibration, c, area, kinesthetic.calibration, k, depth, self.new.mounting)
 
     def _law(self, found: Estimate, notes: tuple[str, ...] = ()) -> LawResult:
-        calibration, serial, without = found.calibration, found.repeats.serial, found.left_out
-        first, second = calibration.fit.parameters[0].tolist()
-        return LawResult(
-            law=calibration.settings.law,
-            minimise=calibration.settings.minimise,
-            equation=calibration.equation(),
-            parameters=(first, second),
-            r2=float(calibration.r2[0]),
-            adj_r2=float(calibration.adj_r2[0]),
-            kappa=float(found.kappa[0]),
-            low=float(found.repeats.low[0]),
-            high=float(found.repeats.high[0]),
-            bootstrap_low=float(found.bootstrap_low[0]),
-            bootstrap_high=float(found.bootstrap_high[0]),
-            error=float(found.kappa[0] / self.truth - 1),
-            left_out=without.kappa[0],
-            law_p=float(without.law_p[0]),
-            notes=(*notes, *found.notes()),
-            determined=bool(found.determined[0]),
-            widened=float(found.repeats.widened[0]),
-            serial_correlation=float(serial.rho[0]),
-            serial_p=float(serial.p[0]),
-            effective_presses=float(serial.effective_n[0, -1]),
-            amplification=abs(float(found.repeats.score_share[0])),
-            mounting_sd=float(calibration.mounting.sd[0]),
-            mounting_freedom=float(calibration.mounting.freedom[0]),
-        )
+        return law_result(found, self.truth, notes=notes)
 
     def _fused(self, fusion: Fusion) -> FusedResult:
         return FusedResult(
@@ -324,6 +299,42 @@ class _OneCondition:
     @property
     def _casr_unit(self) -> str:
         return f"{self.new.area_unit}/N"
+
+
+def law_result(found: Estimate, truth: float, i: int = 0, notes: tuple[str, ...] = ()) -> LawResult:
+    """Estimate ``i`` as plain numbers. truth : known kappa of the new specimen, N/mm, NaN where it is not known."""
+    calibration, serial, without = found.calibration, found.repeats.serial, found.left_out
+    law, known = calibration.settings.law, calibration.kappa[i]
+    first, second = calibration.fit.parameters[i].tolist()
+    own = (found.repeats.eta[i], found.repeats.eta_se[i], found.repeats.df[i], truth)
+    others = zip(without.eta[i], without.eta_se[i], without.df[i], known, strict=True)
+    return LawResult(
+        law=law,
+        minimise=calibration.settings.minimise,
+        equation=calibration.equation(i),
+        parameters=(first, second),
+        r2=float(calibration.r2[i]),
+        adj_r2=float(calibration.adj_r2[i]),
+        kappa=float(found.kappa[i]),
+        low=float(found.repeats.low[i]),
+        high=float(found.repeats.high[i]),
+        bootstrap_low=float(found.bootstrap_low[i]),
+        bootstrap_high=float(found.bootstrap_high[i]),
+        error=float(found.kappa[i] / truth - 1),
+        left_out=without.kappa[i],
+        law_p=float(without.law_p[i]),
+        notes=(*notes, *found.notes(i)),
+        determined=bool(found.determined[i]),
+        widened=float(found.repeats.widened[i]),
+        serial_correlation=float(serial.rho[i]),
+        serial_p=float(serial.p[i]),
+        effective_presses=float(serial.effective_n[i, -1]),
+        amplification=abs(float(found.repeats.score_share[i])),
+        mounting_sd=float(calibration.mounting.sd[i]),
+        mounting_freedom=float(calibration.mounting.freedom[i]),
+        on_law=OnLaw(law, *map(float, own)),
+        left_out_on_law=tuple(OnLaw(law, *map(float, each)) for each in others),
+    )
 
 
 def _padded(rows: Sequence[Floats]) -> Floats:

@@ -12,11 +12,13 @@ from emg2vsa.calibration.calibrate import Calibration
 from emg2vsa.calibration.laws import fit_law
 from emg2vsa.calibration.left_out import LeftOut, left_out
 from emg2vsa.calibration.presses import redrawn
-from emg2vsa.calibration.repeats import RepeatInterval, repeat_interval
+from emg2vsa.calibration.repeats import RepeatInterval, expected_interval, repeat_interval
 from emg2vsa.errors import DataError
 
 _SCORES_AT_ONCE = 2_000_000
 _SERIAL_P = 0.05
+_PLACES = 3
+"""Stiffnesses of the calibrated range, both ends with them, at which a design is judged for a specimen of any."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,8 @@ class Estimate:
     kappa : N/mm, NaN where the calibration is not monotone. repeats : the interval from repeated presses (``repeats``),
     the one to report, widened where ``left_out`` rejects the law.
     bootstrap_low, bootstrap_high : percentiles over presses drawn again (``redrawn``), of calibration and unknown.
-    mean_casr, n : of its presses. extrapolated : whether the mean lies outside the calibration's.
+    mean_casr, n : of its presses. extrapolated : whether the mean lies outside the calibration's. narrow : whether the
+    design promises an interval (``expected_interval``) narrower than the calibrated range, in N/mm and as a ratio.
     With an exact law and ten presses, 95 % intervals cover 94 to 96 % (repeats) and 91 to 93 % (bootstrap). Only
     ``repeats`` knows of errors of the calibration's kappa.
     """
@@ -40,6 +43,7 @@ class Estimate:
     mean_casr: Floats
     n: Ints
     extrapolated: NDArray[np.bool_]
+    narrow: NDArray[np.bool_]
 
     def __repr__(self) -> str:
         of = zip(self.kappa, self.repeats.low, self.repeats.high, strict=True)
@@ -49,13 +53,10 @@ class Estimate:
 
     @property
     def determined(self) -> NDArray[np.bool_]:
-        """(d,) whether the interval is narrower than the calibrated range, in N/mm and as a ratio."""
-        known = np.where(np.isfinite(self.calibration.mean_casr), self.calibration.kappa, np.nan)
-        softest, stiffest = np.fmin.reduce(known, axis=1), np.fmax.reduce(known, axis=1)
-        low, high = self.repeats.low, self.repeats.high
-        with np.errstate(invalid="ignore", over="ignore"):
-            narrow = (high - low < stiffest - softest) & (high * softest < low * stiffest)
-        return np.asarray(narrow & (low > 0))
+        """(d,) whether the design promises a narrow interval, by a law that falls and explains kappa better than its
+        mean does. How narrow the interval came out does not count: that would pick those that miss kappa."""
+        sound = self.calibration.monotone & ~self.calibration.fit.rises & ~(self.calibration.adj_r2 < 0)
+        return np.asarray(self.narrow & sound & np.isfinite(self.repeats.low))
 
     def notes(self, i: int = 0) -> tuple[str, ...]:
         notes: tuple[str, ...] = ()
@@ -74,7 +75,11 @@ class Estimate:
         notes: tuple[str, ...] = ()
         serial, widened = self.repeats.serial, float(self.repeats.widened[i])
         if np.isfinite(self.repeats.low[i]) and not self.determined[i]:
-            notes += ("not determined: the interval is wider than the range of the known stiffnesses",)
+            notes += (
+                "not determined: the law rises, or explains kappa no better than its mean (adjusted R2 below 0)"
+                if self.narrow[i]
+                else "not determined: presses and mountings promise an interval wider than the known stiffnesses span",
+            )
         if widened > 1:
             notes += (
                 f"the known specimens reject the law (p = {self.left_out.law_p[i]:.2g}): the interval is widened "
@@ -102,22 +107,32 @@ class Estimate:
         return notes
 
 
-def estimate(calibration: Calibration, casr: ArrayLike, mountings: Ints | None = None) -> Estimate:
+def estimate(
+    calibration: Calibration,
+    casr: ArrayLike,
+    mountings: Ints | None = None,
+    *,
+    known: float = np.nan,
+    bootstrap: bool = True,
+) -> Estimate:
     """kappa of a specimen with scores (R,) or (d, R), NaN where there is none. DataError for another shape.
 
-    mountings : (R,) number of each press's mounting; None: one.
+    mountings : (R,) number of each press's mounting; None: one. known : its stiffness where that is known, N/mm, for
+    which the design is judged, and nothing else; else for every stiffness of the calibrated range. bootstrap : False
+    leaves that interval NaN.
     """
     scores = _checked(casr, len(calibration.casr))
     n = np.count_nonzero(np.isfinite(scores), axis=1)
     with np.errstate(invalid="ignore", over="ignore"):
         mean = np.nansum(scores, axis=1) / n
-    low, high = _bootstrap(calibration, np.where((n > 1)[:, None], scores, np.nan))
+    drawn = np.where((n > 1)[:, None], scores, np.nan)
+    low, high = _bootstrap(calibration, drawn) if bootstrap else np.full((2, len(scores)), np.nan)
     without = left_out(calibration)
     widened = without.widening(calibration.settings.confidence)
     repeats = repeat_interval(calibration, scores, mountings=mountings, widened=widened)
-    known = calibration.mean_casr
-    below = mean < np.min(known, axis=1, initial=np.inf, where=np.isfinite(known))
-    above = mean > np.max(known, axis=1, initial=-np.inf, where=np.isfinite(known))
+    means = calibration.mean_casr
+    below = mean < np.min(means, axis=1, initial=np.inf, where=np.isfinite(means))
+    above = mean > np.max(means, axis=1, initial=-np.inf, where=np.isfinite(means))
     return Estimate(
         calibration=calibration,
         kappa=repeats.kappa,
@@ -128,7 +143,21 @@ def estimate(calibration: Calibration, casr: ArrayLike, mountings: Ints | None =
         mean_casr=mean,
         n=n,
         extrapolated=below | above,
+        narrow=_narrow(calibration, scores, mountings, known),
     )
+
+
+def _narrow(calibration: Calibration, scores: Floats, mountings: Ints | None, known: float) -> NDArray[np.bool_]:
+    kappa = np.where(np.isfinite(calibration.mean_casr), calibration.kappa, np.nan)
+    softest, stiffest = np.fmin.reduce(kappa, axis=1), np.fmax.reduce(kappa, axis=1)
+    narrow = np.ones(len(kappa), dtype=np.bool_)
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        within = [softest * (stiffest / softest) ** share for share in np.linspace(0, 1, _PLACES)]
+        for each in [np.full(len(kappa), known)] if known > 0 else within:
+            found = expected_interval(calibration, each, scores, mountings=mountings)
+            narrow &= found.high - found.low < stiffest - softest
+            narrow &= (found.high * softest < found.low * stiffest) & (found.low > 0)
+    return narrow
 
 
 def _bootstrap(calibration: Calibration, scores: Floats) -> tuple[Floats, Floats]:

@@ -81,6 +81,12 @@ def serial_correlation(scores: Floats) -> SerialCorrelation:
     return SerialCorrelation(rho, p, _effective(n, rho))
 
 
+def independent(groups: Floats) -> SerialCorrelation:
+    """Of presses (d, S, M, R) that are taken as independent."""
+    n = np.count_nonzero(np.isfinite(groups), axis=(-2, -1)).astype(np.float64)
+    return SerialCorrelation(np.zeros(len(groups)), np.full(len(groups), np.nan), n)
+
+
 def serial_of_mountings(groups: Floats) -> SerialCorrelation:
     """The same of presses (d, S, M, R) by mounting: successive ones are those of one mounting. effective_n : (d, S)."""
     d, s, m, r = groups.shape
