@@ -41,9 +41,11 @@ class MountingScatter:
 
     def as_assumed(self) -> MountingScatter:
         """As if no mounting were repeated, where the study assumes an SD: the same however the repeats fell out."""
-        found, own = self.assumed == 0, (self.freedom, self.between, self.of_presses)
-        rest = (np.where(found, each, 0.0) for each in own)
-        return MountingScatter(np.where(found, self.sd, self.assumed), *rest, self.assumed)
+        found = self.assumed == 0
+        freedom, between, of_presses = (
+            np.where(found, each, 0.0) for each in (self.freedom, self.between, self.of_presses)
+        )
+        return MountingScatter(np.where(found, self.sd, self.assumed), freedom, between, of_presses, self.assumed)
 
 
 def mounting_scatter(scores: Floats, labels: Ints, assumed_sd: float) -> MountingScatter:

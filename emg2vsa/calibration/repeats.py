@@ -94,7 +94,8 @@ def repeat_interval(
 
     mountings : (R,) number of each press's mounting; None: one. own_noise : False takes the variance of the new
     specimen's presses from those of the known ones, pooled. That is done anyway for a specimen that was pressed once.
-    in_series : False takes the presses as independent. widened : (d,) factor on the standard error of eta. All is NaN where the calibration is not monotone.
+    in_series : False takes the presses as independent. widened : (d,) factor on the standard error of eta. All is NaN
+    where the calibration is not monotone.
     """
     law, confidence = calibration.settings.law, calibration.settings.confidence
     presses = side_by_side(calibration.casr, scores)

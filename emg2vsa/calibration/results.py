@@ -8,6 +8,7 @@ import numpy as np
 from scipy import special
 
 from emg2vsa.arrays import Floats
+from emg2vsa.calibration.forms import kappa_of
 from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.calibration.repeats import ends_on_law
 from emg2vsa.settings import Law
@@ -30,8 +31,14 @@ class OnLaw:
         low, high = ends_on_law(self.law, np.array(self.eta), np.array(reach))
         return float(low), float(high)
 
-    def error(self, confidence: float) -> tuple[float, float]:
-        """low and high of kappa over the known kappa, minus 1."""
+    @property
+    def error(self) -> float:
+        """kappa over the known kappa, minus 1; infinite where the law makes it stiffer than rigid."""
+        kappa = float(kappa_of(self.law, np.array(self.eta)))
+        return (np.inf if np.isnan(kappa) and self.eta == self.eta else kappa) / self.known - 1
+
+    def error_interval(self, confidence: float) -> tuple[float, float]:
+        """low and high of that error."""
         low, high = self.interval(confidence)
         return low / self.known - 1, high / self.known - 1
 
@@ -80,6 +87,14 @@ class LawResult:
     mounting_freedom: float = 0.0
     on_law: OnLaw = NOTHING_ON_LAW
     left_out_on_law: tuple[OnLaw, ...] = ()
+
+    def interval(self, confidence: float) -> tuple[float, float]:
+        """low and high of kappa at another confidence, N/mm."""
+        return self.on_law.interval(confidence)
+
+    def error_interval(self, confidence: float) -> tuple[float, float]:
+        """low and high of ``error``."""
+        return self.on_law.error_interval(confidence)
 
 
 @dataclass(frozen=True, eq=False)

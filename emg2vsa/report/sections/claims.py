@@ -43,7 +43,8 @@ def _claims(results: StudyResults) -> Iterator[Claim]:
     if runs is not None and runs.discrimination is not None:
         yield from rig_claims(runs.discrimination.table, study.calibration.mounting_sd_percent / 100, study.claims)
     if runs is not None and runs.calibration is not None:
-        yield from kappa_claims(runs.calibration, study.scoring.algorithm, study.claims)
+        hexagons = study.scoring.recipe_of("paper").area_rule in ("paper", "hexagon")
+        yield from kappa_claims(runs.calibration, study.scoring.algorithm, study.claims, hexagons=hexagons)
     yield from arithmetic_claims(
         study, power=power, weight_alpha=weight, counted=_counted(results), runs=runs is not None
     )
