@@ -59,6 +59,8 @@ expected_trials = 3
 participant = "P02"
 new_specimen = "S_new"
 new_stiffness_n_per_mm = 5.32
+[schedule]
+actuator = "qbmove-maker-pro"
 [runs]
 rig = "rig.toml"
 """

@@ -35,10 +35,13 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
+    from emg2vsa.pipeline.campaign import rig_of
     from emg2vsa.pipeline.judged_sessions import as_json, is_bad, judge, told
     from emg2vsa.pipeline.places import writable_or_temporary
 
     chosen, whole, below = _studies(arguments)
+    if (source := whole.runs_source) and source.rig and source.rig.is_file():
+        rig_of(whole, source.rig)
     with writable_or_temporary(chosen, below, now=True) as (study, below):
         if arguments.watch is not None:
             return _watch(arguments, study, whole, below)

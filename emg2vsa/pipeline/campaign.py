@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from emg2vsa.errors import DataError
 from emg2vsa.readers.bids_sidecars import SideFileIndex
 from emg2vsa.run_folders.find import RUNS_TABLE, find_runs, left_by_emulator, left_out, was_judged
+from emg2vsa.settings import RIGID
 from emg2vsa.study import RecordingEntry, RunEntry, RunsSource, Study
 
 if TYPE_CHECKING:
@@ -66,24 +67,14 @@ def campaign(study: Study) -> Campaign:
 
     Raises
     ------
-    StudyError : the rig file has problems. DataError : the measured runs have, or there is nothing else in the study
-    and none was found, or the experiment presses what the study does not know.
+    As `rig_of`. DataError : the measured runs have problems, or there is nothing else in the study and none was found.
     """
     source = study.runs_source
     if source is None:
         return Campaign(study)
     if source.rig is None:
         return _measured(study, source)
-    # a study without a rig does not wait for all that a rig file loads
-    rig: RigFile = importlib.import_module("emg2vsa.rig_file").load_rig(source.rig)
-    unknown = sorted({run.specimen for run in rig.experiment.all_runs()} - set(study.pressed_n_per_mm))
-    if unknown:
-        raise DataError(
-            f"{source.rig}, experiment.specimens",
-            wanted=f"specimens whose stiffness the study file gives ({', '.join(study.pressed_n_per_mm)})",
-            found=", ".join(unknown),
-            do="Leave them out, or give their stiffness in the study file.",
-        )
+    rig = rig_of(study, source.rig)
     left = left_virtual_runs(study)
     notes = (
         f"{study.path.parent / 'runs'} holds {len(left)} run{'s' if len(left) != 1 else ''} that the emulated rig of "
@@ -97,6 +88,28 @@ def campaign(study: Study) -> Campaign:
         rig,
         notes if left else (),
     )
+
+
+def rig_of(study: Study, path: Path) -> RigFile:
+    """The rig file that a study names.
+
+    StudyError : it has problems. DataError : its experiment presses what the study does not know. ScheduleError : the
+    study's schedules are for another actuator than it has.
+    """
+    # a study without a rig does not wait for all that a rig file loads
+    rig: RigFile = importlib.import_module("emg2vsa.rig_file").load_rig(path)
+    runs = rig.experiment.all_runs()
+    unknown = sorted({run.specimen for run in runs} - set(study.pressed_n_per_mm))
+    if unknown:
+        raise DataError(
+            f"{path}, experiment.specimens",
+            wanted=f"specimens whose stiffness the study file gives ({', '.join(study.pressed_n_per_mm)})",
+            found=", ".join(unknown),
+            do="Leave them out, or give their stiffness in the study file.",
+        )
+    if any(run.condition != RIGID for run in runs):
+        rig.check_actuator(study.schedule.actuator, f"{study.path}, schedule.actuator", "Set it to this one")
+    return rig
 
 
 def left_virtual_runs(study: Study) -> tuple[Path, ...]:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
+from emg2vsa.devices.qbmove import QbmoveSettings
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig.rig_settings import DeviceSettings
 from emg2vsa.rig_file.checks import problems_across
@@ -36,14 +39,14 @@ def load_rig(path: str | Path) -> RigFile:
     problems += [problem for problem in problems_across(tables, raw) if not _within(problem.path, faulty)]
     if problems := [*today.problems, *map(today.placed, problems)]:
         raise placed(path, text, problems)
-    return _rig_file(Path(os.path.abspath(path)), RigTables(**tables))
+    return _rig_file(Path(os.path.abspath(path)), RigTables(**tables), raw)
 
 
 def _within(path: tuple[str | int, ...], faulty: set[tuple[str | int, ...]]) -> bool:
     return any(path[: len(other)] == other or other[: len(path)] == path for other in faulty)
 
 
-def _rig_file(path: Path, tables: RigTables) -> RigFile:
+def _rig_file(path: Path, tables: RigTables, raw: Mapping[str, Any]) -> RigFile:
     folder, force = path.parent, tables.force
     if cal_file := getattr(force, "cal_file", None):  # of whatever kind
         force = replace(force, cal_file=str(beside(folder, cal_file)))  # type: ignore[call-arg]
@@ -52,6 +55,8 @@ def _rig_file(path: Path, tables: RigTables) -> RigFile:
         rig = replace(rig, full_preset=full_preset)
     experiment = {each.name: getattr(tables.experiment, each.name) for each in fields(ExperimentSettings)}
     settings, emulated = ExperimentSettings(**experiment), tables.emulated and controlled(tables.emulated)
+    if emulated and "springs" not in raw["emulated"] and isinstance(tables.actuator, QbmoveSettings):
+        emulated = replace(emulated, springs=tables.actuator.joint)  # type: ignore[arg-type]
     if emulated and emulated.control == "N3":
         swapped = counterparts(settings.specimens, emulated.stiffness_n_per_mm)
         settings = replace(settings, schedule_of=swapped)

@@ -9,11 +9,12 @@ from typing import Any
 
 from emg2vsa.devices.device_settings import LARGEST_PRESS_BYTES, CameraSettings
 from emg2vsa.devices.netft import INTERNAL_RATE_HZ
+from emg2vsa.devices.qbmove import QbmoveSettings
 from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings
 from emg2vsa.rig.plan import RIGID
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.study_file.problems import KeyPath, Problem, nearest, shown
-from emg2vsa.worlds.bench.controls import ARTIFICIAL, contradictions
+from emg2vsa.worlds.bench.controls import contradictions
 from emg2vsa.worlds.bench.settings import VISCOELASTIC_KEYS, EmulatedSettings
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
@@ -34,7 +35,7 @@ def problems_across(tables: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterat
             yield from _frames(experiment, camera)
         yield from _of_specimens(experiment)
         yield from _motor(experiment, raw)
-        yield from _emulated(experiment, tables)
+        yield from _emulated(experiment, tables, raw)
         yield from _control(experiment, tables, raw)
     yield from _one_board_each(tables)
     if rig:
@@ -146,10 +147,15 @@ def _motor(experiment: ExperimentSettings, raw: Mapping[str, Any]) -> Iterator[P
         yield Problem(("motor",), f"a table [motor], as the experiment has the condition {RIGID}", "nothing", do)
 
 
-def _emulated(experiment: ExperimentSettings, tables: Mapping[str, Any]) -> Iterator[Problem]:
+def _emulated(experiment: ExperimentSettings, tables: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterator[Problem]:
     emulated = tables.get("emulated")
     if emulated is None:
         return
+    actuator, told = tables.get("actuator"), "springs" in raw["emulated"]
+    if told and isinstance(actuator, QbmoveSettings) and emulated.springs != actuator.joint:
+        wanted = f'{actuator.joint}, as [actuator] has the model "{actuator.model}"'
+        do = "Leave springs out, or correct [actuator]."
+        yield Problem(("emulated", "springs"), wanted, shown(emulated.springs), do)
     at: KeyPath = ("emulated", "stiffness_n_per_mm")
     for name in experiment.specimens:
         if name not in emulated.stiffness_n_per_mm:
@@ -193,13 +199,6 @@ def _control(experiment: ExperimentSettings, tables: Mapping[str, Any], raw: Map
         return
     for key, wanted, do in contradictions(emulated, raw["emulated"]):
         yield Problem(("emulated", key), wanted, shown(getattr(emulated, key)), do)
-    tilted = [deg for angles in experiment.angles_deg.values() for deg in angles if deg > 0]
-    if emulated.control in ARTIFICIAL and tilted:
-        wanted = (
-            f'angles_deg of 0 alone beside control = "{emulated.control}", whose effect is defined along the normal'
-        )
-        found = ", ".join(f"{deg:g}" for deg in dict.fromkeys(tilted)) + " degrees"
-        yield Problem(("experiment", "angles_deg"), wanted, found, "Press at 0 degrees, or choose another control.")
     if emulated.control == "N3" and experiment.schedule_of:
         wanted = 'no schedule_of beside control = "N3", which swaps the schedules itself'
         found = ", ".join(f"{one} = {other}" for one, other in experiment.schedule_of.items())

@@ -78,19 +78,14 @@ def plans_of(file: RigFile, runs: Sequence[Run], repetitions: int | None = None)
 
 
 def _check_joint(file: RigFile, schedules: Sequence[Schedule]) -> None:
-    """The same presets are another stiffness on another joint (decision 13). SettingError: its own is not known."""
-    own = file.devices.actuator.joint
+    """ScheduleError as `RigFile.check_actuator`. SettingError: its full preset is not known."""
     if schedules and (key := file.devices.actuator.unmeasured):
         do = "Measure it: emg2vsa rig commission writes it into the rig file."
         raise SettingError(f"{file.path}, actuator.{key}", wanted="a measured stiffness", found="none", do=do)
+    do = "Set [schedule] actuator of the study to this one and export again"
     for schedule in schedules:
-        if schedule.limits.actuator != own:
-            raise ScheduleError(
-                f"schedule of {schedule.specimen}, {schedule.condition}, limits.actuator",
-                wanted=f"{own}, the actuator of {file.path}",
-                found=schedule.limits.actuator,
-                do="Set [schedule] actuator of the study to this one and export again, or correct [actuator].",
-            )
+        where = f"schedule of {schedule.specimen}, {schedule.condition}, limits.actuator"
+        file.check_actuator(schedule.limits.actuator, where, do)
 
 
 def read_schedules(folder: Path, runs: Sequence[Run], schedule_of: Mapping[str, str]) -> tuple[Schedule, ...]:

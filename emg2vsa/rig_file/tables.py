@@ -11,6 +11,7 @@ from typing import Annotated
 
 from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings, Text
 from emg2vsa.devices.qbmove import MotorSettings
+from emg2vsa.errors import ScheduleError
 from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings
 from emg2vsa.rig.rig_settings import DeviceSettings, RigSettings
 from emg2vsa.settings import Tagged
@@ -63,6 +64,17 @@ class RigFile:
     "Folder of the runs."
     emulated: EmulatedSettings | None
     plate: PlateSettings = field(default_factory=PlateSettings)
+
+    def check_actuator(self, named: str, where: str, do: str) -> None:
+        """ScheduleError where schedules were made for another actuator: the same presets are another stiffness there
+        (decision 13). The emulated springs are those of [actuator], so this holds for every way of pressing.
+
+        named : actuator of the schedules. where : they name it. do : what puts it right there.
+        """
+        own = self.devices.actuator.joint
+        if named != own:
+            wanted = f"{own}, the actuator of {self.path}"
+            raise ScheduleError(where, wanted=wanted, found=named, do=f"{do}, or correct [actuator].")
 
     @property
     def virtual_runs(self) -> Path:

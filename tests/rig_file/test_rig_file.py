@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import pytest
@@ -31,6 +31,15 @@ def test_what_is_left_out_has_its_default(small: str, load: Load) -> None:
     assert file.devices.force == NetFtSettings(host="192.168.1.1")
     assert file.devices.camera is None
     assert load(small.replace("[emulated]", "")).emulated is None
+
+
+def test_the_emulated_springs_are_those_of_the_actuator(small: str, load: Load) -> None:
+    advanced = small.replace("[actuator]\n", '[actuator]\nmodel = "advanced"\n')
+    assert advanced != small
+    for text, springs in ((small, "qbmove-maker-pro"), (advanced, "qbmove-advanced")):
+        file = load(text)
+        assert file.emulated is not None
+        assert file.emulated.springs == file.devices.actuator.joint == springs
 
 
 def test_what_is_said_is_kept(small: str, load: Load) -> None:
@@ -128,8 +137,9 @@ def test_outside_studies_the_schedules_lie_beside_the_rig_file(small: str, tmp_p
 def test_the_rig_that_comes_with_the_program_says_the_defaults() -> None:
     file = load_rig(ROOT / "studies" / "palpation" / "rig.toml")
     assert file.rig == RigSettings()
-    assert file.experiment == ExperimentSettings(specimens=("S1", "S3", "S5", "S_new"))
-    assert len(file.experiment.all_runs()) == 4 * (3 + 3 + 1 + 1 + 1)
+    usual = ExperimentSettings(specimens=("S1", "S3", "S5", "S_new"))
+    assert file.experiment == replace(usual, mountings=3, repetitions=3)
+    assert len(file.experiment.all_runs()) == 3 * 4 * (3 + 3 + 1 + 1 + 1)
     assert file.schedules == ROOT / "reports" / "palpation" / "schedules"
     assert file.emulated is not None
     assert set(file.experiment.specimens) <= set(file.emulated.stiffness_n_per_mm)

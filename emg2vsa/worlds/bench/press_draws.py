@@ -71,7 +71,7 @@ class SeenPress:
 
     def in_frame(self, touch: Touch, rng: np.random.Generator) -> ContactState:
         """`state` as one frame shows it, with the noise of a control world; rng : of that noise."""
-        noise_sd = self.effect.noise_sd(touch.normal_n) if self.effect else 0.0
+        noise_sd = self.effect.noise_sd(self._along_n(touch)) if self.effect else 0.0
         return self.state(touch, math.exp(noise_sd * float(rng.standard_normal())) if noise_sd else 1.0)
 
     def state(self, touch: Touch, area_factor: float = 1.0) -> ContactState:
@@ -82,11 +82,16 @@ class SeenPress:
         # bodies of s times the modulus under s times the force have the same contact
         elastic_n = adhesive_force_n(touch.elastic_n, self.adhesion_mj_per_m2) / self.modulus
         if self.effect:
-            elastic_n = self._as_large_n(elastic_n, area_factor * self.effect.factor(touch.normal_n))
+            elastic_n = self._as_large_n(elastic_n, area_factor * self.effect.factor(self._along_n(touch)))
         state = self.scene.skin.state(elastic_n)
         left = math.sqrt(area_share(touch.shear_n, touch.normal_n, self.friction))
         pulled_mm = (1 - self.specimen) * touch.sheared_mm
         return ContactState(radius_mm=left * state.radius_mm, normal_n=state.normal_n, tangential_mm=pulled_mm)
+
+    def _along_n(self, touch: Touch) -> float:
+        """Force down the probe's axis, by which a schedule changes the stiffness."""
+        tilt_rad = math.radians(self.scene.settings.angle_deg)
+        return touch.normal_n * math.cos(tilt_rad) + touch.shear_n * math.sin(tilt_rad)
 
     @cached_property
     def _apart(self) -> ContactState:

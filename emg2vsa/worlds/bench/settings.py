@@ -24,7 +24,8 @@ class EmulatedSettings:
     stiffness_n_per_mm: dict[str, Positive] = field(default_factory=lambda: dict(SPECIMENS))
     "Specimen to its stiffness by plate indentation, N/mm (paper, section IV.B)."
     springs: Literal["qbmove-maker-pro", "qbmove-advanced"] = "qbmove-maker-pro"
-    "Whose springs and firmware the actuator has (docs/decisions/0013-emulated-rig.md)."
+    """Whose springs and firmware the actuator has (docs/decisions/0013-emulated-rig.md). Omitted in a rig file: those
+    of the model in [actuator], which no other may contradict."""
     world: Literal["viscoelastic", "elastic"] = "viscoelastic"
     """Viscoelastic: bodies creep, the skin sticks and slides, commands and frames are late, and every mounting differs.
     Elastic: none of that; area follows from force alone, and the keys below from relaxation on keep their defaults."""

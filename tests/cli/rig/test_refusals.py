@@ -20,6 +20,8 @@ dry-run rig.toml --angle 45                               | rig.toml, angle: exp
 dry-run rig.toml --angle 30 --condition high-stiffness    | expected a run of the experiment, but found angle 30, condition high-stiffness. See [experiment.angles_deg].
 dry-run rig.toml --condition constant-min                 | rig.toml, condition: expected high-stiffness, modular, but found constant-min.
 dry-run advanced.toml                                     | schedule of S1, modular, limits.actuator: expected qbmove-advanced, the actuator
+run ADVANCED                                              | schedule of S1, modular, limits.actuator: expected qbmove-advanced, the actuator
+run ADVANCED --virtual                                    | schedule of S1, modular, limits.actuator: expected qbmove-advanced, the actuator
 emulate not-emulated.toml                                 | a table [emulated]
 emulate rig.toml --specimen S9                            | stiffness of the specimen
 emulate rig.toml --angle 90                               | 0 to below 90
@@ -82,6 +84,7 @@ run ONE GOOD "--stop-at=5 N"          | expected a percentage of kappa
 """
 SHORT = {
     "ONE": "rig.toml --virtual --specimen S3 --condition high-stiffness --jobs 1",
+    "ADVANCED": "advanced.toml --specimen S1 --angle 0 --condition modular",
     "ADAPTIVE": "rig.toml --virtual --adaptive", "GOOD": "--calibration good.json",
 }  # fmt: skip
 CHANGED = {

@@ -76,6 +76,16 @@ def test_the_contact_that_is_seen_has_the_area_of_p1(skin):
     assert seen.area_mm2(Touch()) == plain.seen(0).area_mm2(Touch())
 
 
+def test_at_an_angle_the_effect_follows_the_force_down_the_axis():
+    emulated = EmulatedSettings(control="P1", world="elastic", angle_sd_deg=0.0)
+    plain = PressDraws(emulated, "S3", 45.0, SPRINGS["qbmove-maker-pro"], RigSettings(), "run")
+    seen = replace(plain, effect=effect_of(emulated, schedule("S3", [0.5, 1.0, 2.0]), ())).seen(0)
+    for normal_n, shear_n, stiffness in ((1.0, 0.0, 0.5), (1.0, 0.5, 1.0), (1.0, 0.6, 2.0)):
+        touch = Touch(normal_n, shear_n, normal_n, 0.0)
+        ratio = seen.area_mm2(touch) / plain.seen(0).area_mm2(touch)
+        assert ratio == pytest.approx(stiffness**-0.05, rel=1e-4)
+
+
 @pytest.mark.parametrize("specimen", ["S1", "S5"])
 def test_the_largest_effect_of_p1_is_not_cut_off(specimen):
     """The softest step of the demo's schedules, 0.4 N m/rad, and the largest exponent."""

@@ -1,0 +1,44 @@
+"""The schedules of a study and the rig that presses with them are of one actuator, or nothing begins."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.small_study import WITH_A_RIG, small_rig, small_study
+from emg2vsa.cli import main
+from emg2vsa.pipeline.campaign import campaign
+from emg2vsa.study_file import load_study
+
+
+def studied(folder: Path, actuator: str, angles_deg: str = "modular = [0]\n") -> Path:
+    text = small_study(tables=WITH_A_RIG)
+    study = folder / "study.toml"
+    study.write_text(text.replace('actuator = "qbmove-maker-pro"', f'actuator = "{actuator}"'))
+    (folder / "rig.toml").write_text(small_rig(angles_deg))
+    return study
+
+
+@pytest.mark.parametrize("words", [["check"], ["run"], ["run", "--only", "emulation"]])
+def test_schedules_for_another_actuator_are_refused_before_anything_begins(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study = studied(tmp_path, "qbmove-advanced")
+    assert main([words[0], str(study), *words[1:]]) == 2
+    wanted = f"expected qbmove-maker-pro, the actuator of {tmp_path / 'rig.toml'}, but found qbmove-advanced."
+    said = f"{study}, schedule.actuator: {wanted} Set it to this one, or correct [actuator]."
+    assert said in capsys.readouterr().err
+    assert not [path for path in tmp_path.rglob("*") if path.suffix in (".result", ".csv", ".tif", ".html")]
+
+
+def test_schedules_that_press_nothing_may_be_for_any_actuator(tmp_path: Path) -> None:
+    assert campaign(load_study(studied(tmp_path, "qbmove-maker-pro"))).mountings
+    assert campaign(load_study(studied(tmp_path, "qbmove-advanced", "high-stiffness = [0]\n"))).mountings
+
+
+def test_a_rig_file_that_is_not_there_yet_stops_no_check(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    study = studied(tmp_path, "qbmove-advanced")
+    (tmp_path / "rig.toml").unlink()
+    assert main(["check", str(study)]) == 1
+    assert "rig.toml" not in capsys.readouterr().err
