@@ -28,7 +28,8 @@ PALPATION = ("docs/tutorial.md", *(f"docs/how-to/{name}.md" for name in (
 """Pages of which the reader has the recordings of studies/palpation and its results up to the schedules."""
 
 _SHORTER = {
-    "\nrepetitions = 10": "\nrepetitions = 2",
+    "\nmountings = 3": "\nmountings = 1",
+    "\nrepetitions = 3": "\nrepetitions = 2",
     "high-stiffness = [0, 30, 45]": "high-stiffness = [0]",
     "modular = [0, 30, 45]": "modular = [0, 30]",
     "constant-min = [0]\n": "",
@@ -37,7 +38,7 @@ _SHORTER = {
 
 
 def clone(folder: Path) -> None:
-    """What a clone has of studies; the rig does 16 runs of 2 presses instead of 36 of 10, for time."""
+    """What a clone has of studies; the rig does 16 runs of 2 presses instead of 108 of 3, for time."""
     shutil.copytree(
         ROOT / "studies", folder / "studies", ignore=shutil.ignore_patterns("data", "runs*", ".emg2vsa"),
     )  # fmt: skip
