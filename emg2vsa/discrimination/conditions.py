@@ -2,103 +2,132 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.discrimination.run_table import HUMAN_LIKE, RunTable
+from emg2vsa.discrimination.mountings import Mountings
+from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID, RunTable
 from emg2vsa.discrimination.separation import (
     Gaps,
     closest_pair,
-    cv_ratio,
     gaps_of,
-    level_ratio,
+    press_sds,
     pressed_everywhere,
-    repetition_cv,
+    sd_ratio,
 )
-from emg2vsa.settings import DiscriminationSettings
-from emg2vsa.statistics.bootstrap import Bootstrap, Statistic, bca
-from emg2vsa.statistics.kruskal import KruskalWallis, kruskal
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
+class Ratios:
+    """(q,) ratios and their intervals."""
+
+    estimate: Floats
+    low: Floats
+    high: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class ConditionComparison:
     """Of D designs, over the ``specimens`` pressed in every one, the new one included.
 
-    ranks, cv : (D,) Kruskal-Wallis, and ``repetition_cv``. gaps : (D,) of the ``pair`` of specimens that lies closest.
-    human, other : (q,) numbers of the designs compared, the human-like condition with another at the same angle.
-    gap_differences : (q,) human-like less other. level_ratio, cv_ratio : (q,) of mean CASR and of CVs, human-like over
-    other. Intervals of gaps by the noncentral t, of ratios by bootstrap over presses; ``level_ratio`` counts the
-    mountings too, one for each specimen and condition.
+    gaps : (D,) d' of the ``pair`` of specimens that lies closest. press_sd : (D,) SD of ln CASR of a press within its
+    mounting. human, other : (q,) numbers of the designs compared, the human-like condition with another at the same
+    angle. gap_differences : (q,) human-like less other. level_ratio, cv_ratio : (q,) of mean CASR (geometric, over
+    specimens and mountings) and of press_sd, human-like over other. mountings : fewest and most of a cell with a score.
+    mounting_sd : of ln CASR from mounting to mounting, as the runs imply it, low and high. assumed_sd : the same, as
+    assumed. far : design, specimen and difference of ln CASR of the human-like cells that differ from the rigid ones at
+    the same angle by more than two SDs of a mean of their mountings.
     """
 
     specimens: tuple[str, ...]
     pair: tuple[str, str]
-    ranks: KruskalWallis
     gaps: Gaps
-    cv: Floats
+    press_sd: Floats
     human: Ints
     other: Ints
     gap_differences: Gaps
-    level_ratio: Bootstrap
-    cv_ratio: Bootstrap
+    level_ratio: Ratios
+    cv_ratio: Ratios
+    mountings: tuple[int, int]
+    mounting_sd: tuple[float, float, float]
+    assumed_sd: float
+    far: tuple[tuple[int, int, float], ...]
     confidence: float
 
-    def wins(self, i: int) -> bool | None:
-        """Whether the human-like condition of comparison ``i`` separates better; None where it cannot be said."""
-        low, high = self.gap_differences.low[i], self.gap_differences.high[i]
-        return True if low > 0 else False if high < 0 else None
 
-
-def compare_conditions(
-    table: RunTable, settings: DiscriminationSettings, mounting_sd: float = 0.0
-) -> ConditionComparison:
+def compare_conditions(table: RunTable, alpha: float, mounting_sd: float) -> ConditionComparison:
     """Scores of the algorithm of ``table``; mounting_sd : of a score between mountings, as a share, assumed."""
     values = table.casr[table.algorithm]
-    used = pressed_everywhere(values)
-    values = values[:, used]
-    specimens = tuple(table.specimens[i] for i in used)
-    human, other = _compared(table)
-    both = np.concatenate([values[human], values[other]], axis=1)
-    pair = closest_pair(values)
-    gaps = gaps_of(values[:, pair : pair + 2], 1 - settings.alpha)
-
-    def interval(samples: Floats, statistic: Statistic) -> Bootstrap:
-        return bca(samples, statistic, settings.resamples, settings.seed, 1 - settings.alpha)
-
+    used = pressed_everywhere(values).tolist()
+    mountings = Mountings.of(values, table.mounting, mounting_sd)
+    pair = closest_pair(table.stiffness_n_per_mm, used)
+    gaps = gaps_of(mountings, pair, 1 - alpha)
+    pairs = _compared(table)
+    human, other = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    share, count, implied = 1 / len(used), mountings.count, implied_sd(table, mountings, used, 1 - alpha)
+    pressed = count[count > 0]
+    sd = implied[0] if pressed.max(initial=0) > 1 else mounting_sd
+    levels = [mountings.sum({(a, s): share for s in used} | {(b, s): -share for s in used}) for a, b in pairs]
     return ConditionComparison(
-        specimens=specimens,
-        pair=(specimens[pair], specimens[pair + 1]),
-        ranks=kruskal(values),
+        specimens=tuple(table.specimens[i] for i in used),
+        pair=(table.specimens[pair[0]], table.specimens[pair[1]]),
         gaps=gaps,
-        cv=repetition_cv(values),
+        press_sd=press_sds(mountings),
         human=human,
         other=other,
         gap_differences=gaps.at(human).less(gaps.at(other)),
-        level_ratio=_over_mountings(interval(both, level_ratio), mounting_sd * np.sqrt(2 / used.size)),
-        cv_ratio=interval(both, cv_ratio),
-        confidence=1 - settings.alpha,
+        level_ratio=_ratios([tuple(np.exp((level.estimate, *level.ends(1 - alpha)))) for level in levels]),
+        cv_ratio=_ratios([sd_ratio(mountings, a, b, 1 - alpha) for a, b in pairs]),
+        mountings=(int(pressed.min(initial=1)), int(pressed.max(initial=1))),
+        mounting_sd=implied,
+        assumed_sd=mounting_sd,
+        far=tuple(
+            (a, s, float(change))
+            for a, b in pairs
+            if table.conditions[b] == RIGID
+            for s, change in enumerate(mountings.mean[a] - mountings.mean[b])
+            if abs(change) > 2 * sd / np.sqrt(min(count[a, s], count[b, s]))
+        ),
+        confidence=1 - alpha,
     )
 
 
-def _over_mountings(ratio: Bootstrap, sd_of_log: float) -> Bootstrap:
-    """The interval with an independent normal error of the logarithm joined to each end (as Zou and Donner 2008)."""
-    reach = float(special.ndtri(0.5 + 0.5 * ratio.confidence)) * sd_of_log
-    with np.errstate(invalid="ignore", divide="ignore"):
-        low = ratio.estimate * np.exp(-np.hypot(np.log(ratio.estimate / ratio.low), reach))
-        high = ratio.estimate * np.exp(np.hypot(np.log(ratio.high / ratio.estimate), reach))
-    return replace(ratio, low=low, high=high) if sd_of_log else ratio
+def implied_sd(table: RunTable, mountings: Mountings, used: list[int], confidence: float) -> tuple[float, float, float]:
+    """SD of ln score from mounting to mounting, low and high by chi-square; NaN where nothing tells it.
+
+    From mountings of the same cell. Where none was mounted twice, from cells of the same specimen and angle under
+    several conditions, less what a condition changes on all specimens: then effects of conditions on single specimens
+    are part of it. What presses add is taken off.
+    """
+    squares, df = float(mountings.scatter.sum()), float(np.sum(np.maximum(mountings.count - 1, 0)))
+    if not df:
+        for angle in np.unique(table.angles_deg):
+            means = mountings.mean[table.angles_deg == angle][:, used]
+            means = means[np.isfinite(means).all(axis=1)]
+            rest = means - means.mean(axis=0) - means.mean(axis=1, keepdims=True) + means.mean()
+            squares, df = squares + float(np.sum(rest**2)), df + max(len(means) - 1, 0) * (len(used) - 1)
+    pressed = mountings.presses[mountings.presses > 0]
+    if not df:
+        return np.nan, np.nan, np.nan
+    of_press = mountings.press_sd(range(len(mountings.own)))[0] ** 2 * float(np.mean(1 / pressed))
+    tail = 0.5 - 0.5 * confidence
+    ends = squares / np.array([df, special.chdtri(df, tail), special.chdtri(df, 1 - tail)])
+    estimate, low, high = np.sqrt(np.maximum(ends - (of_press if of_press == of_press else 0.0), 0.0)).tolist()
+    return estimate, low, high
 
 
-def _compared(table: RunTable) -> tuple[Ints, Ints]:
+def _ratios(rows: list[tuple[float, ...]]) -> Ratios:
+    return Ratios(*np.array(rows, dtype=np.float64).reshape(-1, 3).T)
+
+
+def _compared(table: RunTable) -> list[tuple[int, int]]:
     """Numbers of the human-like design and of the other, for every comparison."""
-    pairs = [
+    return [
         (human, other)
         for human in table.of_condition(HUMAN_LIKE)
         for other, condition in enumerate(table.conditions)
         if condition != HUMAN_LIKE and table.angles_deg[other] == table.angles_deg[human]
     ]
-    human, other = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
-    return human, other

@@ -50,8 +50,8 @@ def _of_measure(found: Discrimination, contrast: Contrast) -> Iterator[str]:
             yield f"Human-like stiffness {verdict} the contrast {pair} of {measure} {against}: {change} ({mounted})."
         case "not shown":
             yield (
-                f"Human-like stiffness does not raise the contrast {pair} of {measure} {against} by more than "
-                f"mountings scatter: {change} ({mounted})."
+                f"No change of the contrast {pair} of {measure} by human-like stiffness {against} is shown: {change} "
+                f"({mounted})."
             )
         case _ if counts.min() < 2:
             yield (
@@ -125,9 +125,9 @@ def _order(found: Discrimination, contrast: Contrast, pressed_with: Mapping[str,
         if low > 0:
             said.append(f"keeps the order of {stiffer} and {softer} ({ratio}), as the specimens have it")
         elif high < 0:
-            by_rigid = contrast.levels.at(rigid[0] * len(contrast.pairs) + k)[0] if rigid else np.nan
-            why = ": it follows the schedule, not the specimen" if by_rigid > 0 else ""
-            why = ", and so does the rigid motor, which follows no schedule" if by_rigid <= 0 else why
+            ends = contrast.levels.at(rigid[0] * len(contrast.pairs) + k)[1:] if rigid else (np.nan, np.nan)
+            why = ": it follows the schedule, not the specimen" if ends[0] > 0 else ""
+            why = ", and so does the rigid motor, which follows no schedule" if ends[1] < 0 else why
             said.append(f"reverses {stiffer} and {softer} ({ratio}){why}")
         else:
             said.append(f"does not tell {stiffer} and {softer} apart ({ratio})")
@@ -136,14 +136,15 @@ def _order(found: Discrimination, contrast: Contrast, pressed_with: Mapping[str,
 
 
 def _gaps(found: Discrimination) -> Iterator[str]:
-    """Conditions by how far they set the closest specimens apart, at the smallest angle."""
-    table, compared = found.table, found.conditions
-    designs = [i for i in range(len(table.conditions)) if table.angles_deg[i] == table.angles_deg.min()]
-    by_gap = sorted((i for i in designs if np.isfinite(compared.gaps.gap[i])), key=lambda i: -compared.gaps.gap[i])
-    if len(by_gap) > 1:
-        told = ", ".join(f"{table.conditions[i]} {compared.gaps.gap[i]:.1f}" for i in by_gap)
-        stiffer, softer = compared.pair
-        yield f"CASR of {softer} less that of {stiffer}, in SDs of a press, by condition: {told}."
+    """How far conditions set the closest specimens apart, at the smallest angle."""
+    table, gaps = found.table, found.conditions.gaps
+    known = [i for i in np.flatnonzero(table.angles_deg == table.angles_deg.min()).tolist() if np.isfinite(gaps.gap[i])]
+    if len(known) > 1:
+        told = ", ".join(
+            f"{table.conditions[i]} {gaps.gap[i]:.1f} [{gaps.low[i]:.1f}, {gaps.high[i]:.1f}]" for i in known
+        )
+        stiffer, softer = found.conditions.pair
+        yield f"Distance of CASR of {stiffer} and {softer}, in SDs of a press, by condition: {told}."
 
 
 def _pair(contrast: Contrast, place: int) -> str:

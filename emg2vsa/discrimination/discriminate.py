@@ -25,8 +25,9 @@ from emg2vsa.companions.groups import GroupTests, NormalityTests, PairTests, gro
 from emg2vsa.discrimination.area import AreaByAngle, AreaBySpecimen, area_by_angle, area_by_specimen
 from emg2vsa.discrimination.conditions import ConditionComparison, compare_conditions
 from emg2vsa.discrimination.contrast import Contrast, contrasts
+from emg2vsa.discrimination.mountings import Mountings
 from emg2vsa.discrimination.run_table import RunTable, run_table
-from emg2vsa.discrimination.separation import Gaps, closest_pair, gaps_of, pressed_everywhere, repetition_cv
+from emg2vsa.discrimination.separation import Gaps, closest_pair, gaps_of, press_sds, pressed_everywhere
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import RunScores
 from emg2vsa.settings import DiscriminationSettings
@@ -42,8 +43,8 @@ class AlgorithmComparison:
 
     names : (A,), the one that is tested first, then the old one. area : (A, D, S) mean A_c0. area_ratio : to that of
     the first, mean of presses. area_error, area_error_sd : A_c0 over its truth less 1, mean and SD of presses; NaN
-    where nobody knows the truth. area_cv, casr_cv : SD of repeated presses over their mean. gaps : of the ``pair`` of
-    specimens that lies closest, A D of them, algorithm by algorithm.
+    where nobody knows the truth. area_cv, casr_cv : SD of ln score of a press within its mounting. gaps : of the
+    ``pair`` of specimens that lies closest, for each algorithm.
     """
 
     names: tuple[str, ...]
@@ -55,39 +56,38 @@ class AlgorithmComparison:
     area_cv: Floats
     casr_cv: Floats
     pair: tuple[str, str]
-    gaps: Gaps
-
-    def gap(self, algorithm: int, design: int) -> tuple[float, float, float]:
-        """The gap with its interval."""
-        i = algorithm * self.area_ratio.shape[1] + design
-        return float(self.gaps.gap[i]), float(self.gaps.low[i]), float(self.gaps.high[i])
+    gaps: tuple[Gaps, ...]
 
 
-def compare_algorithms(table: RunTable, settings: DiscriminationSettings) -> AlgorithmComparison:
-    """All algorithms that the runs were scored with."""
+def compare_algorithms(
+    table: RunTable, settings: DiscriminationSettings, mounting_sd: float = 0.0
+) -> AlgorithmComparison:
+    """All algorithms that the runs were scored with; mounting_sd : as in ``compare_conditions``."""
     names = tuple(dict.fromkeys((table.algorithm, settings.old_algorithm, *table.casr)))
     names = tuple(name for name in names if name in table.casr)
     used = pressed_everywhere(table.casr[names[0]])
     area = np.stack([table.a_c0[name][:, used] for name in names])
-    casr = np.stack([table.casr[name][:, used] for name in names])
     a, d, s, r = area.shape
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = (area / area[0]).reshape(a, d, s * r)
         error = (area / table.true_a_c0[:, used] - 1).reshape(a, d, s * r)
     mean_error = mean_of(error)
-    specimens = tuple(table.specimens[i] for i in used)
-    pair = closest_pair(casr[0])
+    pair = closest_pair(table.stiffness_n_per_mm, used.tolist())
+    areas, rates = (
+        [Mountings.of(scores[name], table.mounting, mounting_sd) for name in names]
+        for scores in (table.a_c0, table.casr)
+    )
     return AlgorithmComparison(
         names=names,
-        specimens=specimens,
+        specimens=tuple(table.specimens[i] for i in used),
         area=mean_of(area),
         area_ratio=mean_of(ratio),
         area_error=mean_error,
         area_error_sd=np.sqrt(mean_of((error - mean_error[..., None]) ** 2)),
-        area_cv=repetition_cv(area),
-        casr_cv=repetition_cv(casr),
-        pair=(specimens[pair], specimens[pair + 1]),
-        gaps=gaps_of(casr[:, :, pair : pair + 2].reshape(a * d, 2, r), 1 - settings.alpha),
+        area_cv=np.stack([press_sds(each) for each in areas]),
+        casr_cv=np.stack([press_sds(each) for each in rates]),
+        pair=(table.specimens[pair[0]], table.specimens[pair[1]]),
+        gaps=tuple(gaps_of(each, pair, 1 - settings.alpha) for each in rates),
     )
 
 
@@ -290,8 +290,8 @@ def discriminate(
         area_by_angle=area_by_angle(table, settings),
         spread=_spread_by_specimen(table, settings),
         new=_beside_neighbours(table, settings),
-        algorithms=compare_algorithms(table, settings),
-        conditions=compare_conditions(table, settings, mounting_sd),
+        algorithms=compare_algorithms(table, settings, mounting_sd),
+        conditions=compare_conditions(table, settings.alpha, mounting_sd),
         contrasts=contrasts(table, settings.alpha, mounting_sd),
         schedule_of=dict(schedule_of or {}),
         factors=factors_of(table, settings),

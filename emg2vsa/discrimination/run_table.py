@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -23,10 +23,10 @@ class RunTable:
 
     conditions, angles_deg : (D,), condition by condition and angle by angle. specimens, stiffness_n_per_mm : (S,).
     new : place of the new specimen, -1 where it was not pressed. algorithm : the one whose scores are tested.
-    a_c0, start_area, casr : algorithm to (D, S, R), as in ``RunScores``; NaN where there is no score.
-    true_a_c0 : (D, S, R), mm2, NaN unless simulated. mounting : (D, S, R) number of the mounting, from 1; 0: no press.
-    position : (D, S, R) place of that mounting in the order in which all were pressed, from 1, NaN without a press;
-    None where nobody knows the order.
+    casr, start_area, a_c0 : algorithm to (D, S, R), as in ``RunScores``; NaN where there is no score. mounting :
+    (D, S, R) number of the mounting, from 1; 0: no press. position : (D, S, R) place of that mounting in the order in
+    which all were pressed, from 1, NaN without a press; None where nobody knows the order. true_a_c0 : (D, S, R), mm2,
+    NaN unless simulated; empty where nobody asks.
     """
 
     conditions: tuple[str, ...]
@@ -36,12 +36,12 @@ class RunTable:
     new: int
     algorithm: str
     area_unit: str
-    a_c0: dict[str, Floats]
-    start_area: dict[str, Floats]
     casr: dict[str, Floats]
-    true_a_c0: Floats
     mounting: Ints
     position: Floats | None = None
+    start_area: dict[str, Floats] = field(default_factory=dict)
+    a_c0: dict[str, Floats] = field(default_factory=dict)
+    true_a_c0: Floats = field(default_factory=lambda: np.empty((0, 0, 0)))
 
     @property
     def known(self) -> list[int]:

@@ -1,28 +1,28 @@
-"""How far scores set specimens apart, in numbers that compare between algorithms and between actuators.
+"""How far scores set two specimens apart, in a number that compares between algorithms and between actuators.
 
-Rank tests cannot compare them: once specimens do not overlap, p and epsilon squared are at their bounds. The smallest
-of several gaps is no fair number either: as the smallest of noisy ones it lies too low, and its interval with it (79 %
-of 95 % bootstrap intervals hold the truth for three equal gaps of 3 SDs and ten presses). So the closest pair of
-neighbours is chosen once, over everything that is compared, and its gap is what is compared.
+Rank tests cannot compare them: once specimens do not overlap, p and epsilon squared are at their bounds. What compares
+is d': the size of the contrast of two specimens, difference of mean ln score over mountings, in SDs of a press within
+its mounting. The pair is the two neighbours whose known stiffness differs least, whatever the scores are: a pair chosen
+by the scores, or the smallest of several noisy gaps, would lie too low.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import special
 
-from emg2vsa.arrays import Floats, Ints, mean_of
-from emg2vsa.statistics.effect_size import hedges_g
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.discrimination.mountings import Mountings, checked
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Gaps:
-    """Hedges' g of pairs of specimens, softer less stiffer, or differences of such; interval low to high; (d,) each.
-
-    The difference of two means over the pooled SD of their presses, without its bias on small samples.
-    """
+    """d' of a pair of specimens in n designs, or differences of such; interval low to high; (n,) each."""
 
     gap: Floats
     low: Floats
@@ -40,60 +40,52 @@ class Gaps:
         return Gaps(difference, difference - below, difference + above)
 
 
-def gaps_of(pairs: Floats, confidence: float) -> Gaps:
-    """Of two specimens, the stiffer first: (d, 2, n), NaN: no press. Interval by the noncentral t.
+def gaps_of(mountings: Mountings, pair: tuple[int, int], confidence: float) -> Gaps:
+    """Of a pair of specimens in every design; NaN without two presses of a mounting, or where they do not scatter."""
+    rows = [gap_of(mountings, design, pair, confidence) for design in range(len(checked(mountings).own))]
+    return Gaps(*np.array(rows, dtype=np.float64).reshape(-1, 3).T)
 
-    NaN without spread, or without three presses of both together.
+
+def gap_of(mountings: Mountings, design: int, pair: tuple[int, int], confidence: float) -> tuple[float, float, float]:
+    """d' of a pair in one design, low and high: the interval of the contrast (t over mountings) and that of the SD of
+    presses (chi-square) recover the variance of their ratio at each end, in logarithms (Zou and Donner 2008).
     """
-    d = steps(pairs)[:, 0]
-    _, _, count = _moments(pairs)
-    n1, n2 = np.where(np.isnan(d)[:, None], 2, count).T
-    t = d / np.sqrt(1 / n1 + 1 / n2)
-    gap, low, high = hedges_g(t, n1, n2, confidence)
-    # the noncentral t is exact for the ends without the correction that frees the estimate of its bias
-    unbiased = hedges_g(np.ones(len(d)), n1, n2, confidence)[0] / np.sqrt(1 / n1 + 1 / n2)
-    with np.errstate(invalid="ignore"):
-        return Gaps(gap, low / unbiased, high / unbiased)
+    contrast = checked(mountings).sum({(design, pair[1]): 1.0, (design, pair[0]): -1.0})
+    sd, df = mountings.press_sd([design])
+    low, high = contrast.ends(confidence)
+    if not (df and sd > 0 and low == low):
+        return np.nan, np.nan, np.nan
+    tail = 0.5 - 0.5 * confidence
+    wider, narrower = np.sqrt(special.chdtri(df, (tail, 1 - tail)) / df)  # sd / low of the SD, sd / its high
+    least, size, most = (0.0 if low <= 0 <= high else min(abs(low), abs(high))), abs(contrast.estimate), max(-low, high)
+    below = np.hypot(np.log(size / least), np.log(narrower)) if least else np.inf
+    above = np.hypot(np.log(most / size), np.log(wider)) if size else np.inf
+    return size / sd, size / sd * float(np.exp(-below)), min(size / sd * float(np.exp(above)), most / sd * wider)
 
 
-def steps(samples: Floats) -> Floats:
-    """(..., k - 1) of scores (..., k specimens, n presses), stiffest first: Cohen's d from each to the next softer."""
-    mean, squares, count = _moments(samples)
-    df = count[..., 1:] + count[..., :-1] - 2
-    with np.errstate(divide="ignore", invalid="ignore"):
-        sd = np.sqrt((squares[..., 1:] + squares[..., :-1]) / np.where(df > 0, df, np.nan))
-        return np.asarray(np.diff(mean, axis=-1) / np.where(sd > 0, sd, np.nan))
+def closest_pair(stiffness_n_per_mm: Floats, used: Iterable[int]) -> tuple[int, int]:
+    """Places of the two neighbours, stiffer first, whose stiffness differs least as a ratio; specimens stiffest first.
+
+    used : at least two places.
+    """
+    places = sorted(used)
+    pairs = list(pairwise(places))
+    return min(pairs, key=lambda pair: stiffness_n_per_mm[pair[0]] / stiffness_n_per_mm[pair[1]])
 
 
-def closest_pair(values: Floats) -> int:
-    """Place of the stiffer of the two neighbours in (D, S, R) that lie closest in the median design; 0 for none."""
-    found = steps(values)
-    usual = [np.median(column[np.isfinite(column)]) if np.isfinite(column).any() else np.inf for column in found.T]
-    return int(np.argmin(usual))
+def press_sds(mountings: Mountings) -> Floats:
+    """(D,) SD of ln score of a press within its mounting, over the specimens of each design."""
+    return np.array([checked(mountings).press_sd([design])[0] for design in range(len(mountings.own))])
 
 
-def repetition_cv(samples: Floats) -> Floats:
-    """(...) root mean square over specimens of the presses' SD over their mean; scores as in ``steps``."""
-    mean, squares, count = _moments(samples)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        cv2 = squares / np.where(count > 1, count - 1, np.nan) / mean**2
-    return np.asarray(np.sqrt(np.mean(cv2, axis=-1)))
-
-
-def cv_ratio(samples: Floats) -> Floats:
-    """``repetition_cv`` of the first half of the groups (..., 2k, n) over that of the second."""
-    first, second = np.split(samples, 2, axis=-2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(repetition_cv(first) / repetition_cv(second))
-
-
-def level_ratio(samples: Floats) -> Floats:
-    """Geometric mean over specimens of mean score, first half of the groups (..., 2k, n) over second; NaN below 0."""
-    mean = mean_of(samples)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        log = np.log(np.where(mean > 0, mean, np.nan))
-    first, second = np.split(log, 2, axis=-1)
-    return np.asarray(np.exp(np.mean(first - second, axis=-1)))
+def sd_ratio(mountings: Mountings, one: int, other: int, confidence: float) -> tuple[float, float, float]:
+    """SD of a press within its mounting in design ``one`` over that in ``other``; low and high by F."""
+    (first, df1), (second, df2) = (checked(mountings).press_sd([design]) for design in (one, other))
+    if not (df1 and df2 and second > 0):
+        return np.nan, np.nan, np.nan
+    ratio, quantile = first / second, 0.5 + 0.5 * confidence
+    ends = special.fdtri((df1, df2), (df2, df1), quantile) ** 0.5
+    return ratio, float(ratio / ends[0]), float(ratio * ends[1])
 
 
 def pressed_everywhere(values: Floats) -> NDArray[np.int64]:
@@ -101,11 +93,3 @@ def pressed_everywhere(values: Floats) -> NDArray[np.int64]:
     count = np.isfinite(values).sum(axis=2)
     places = np.flatnonzero(np.all(count[count.sum(axis=1) > 0] > 0, axis=0))
     return places if places.size > 1 else np.arange(values.shape[1])
-
-
-def _moments(samples: Floats) -> tuple[Floats, Floats, Ints]:
-    """Mean, sum of squared deviations and count along the last axis, NaN skipped."""
-    there = np.isfinite(samples)
-    mean = mean_of(samples)
-    squares = np.sum((samples - mean[..., None]) ** 2, axis=-1, where=there)
-    return mean, squares, np.count_nonzero(there, axis=-1)

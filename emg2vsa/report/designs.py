@@ -59,7 +59,7 @@ def keys(found: Discrimination) -> list[str]:
 
 
 def ends_of(found: Any, i: int) -> tuple[float, float, float]:
-    """Estimate, low and high of one design: of a ``Bootstrap``, or of ``Gaps``."""
+    """Estimate, low and high of one design: of ``Gaps``, or of ``Ratios``."""
     estimate = found.gap if hasattr(found, "gap") else found.estimate
     return float(estimate[i]), float(found.low[i]), float(found.high[i])
 

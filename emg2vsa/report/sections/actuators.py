@@ -34,11 +34,10 @@ from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import UNDEFINED, area_unit, interval, listed
 
 _MEASURES = {"slope": "slope", "frame_sum": "equation (2)"}
-_WHY = {
-    "not shown": "No change beyond the scatter of mountings is shown.",
-    "cannot be told": "Specimens were mounted once under each condition.",
-}
-_VERDICTS = {True: "better", False: "worse", None: "undecided"}
+
+
+def _verdict(low: float, high: float) -> str:
+    return "larger" if low > 0 else "smaller" if high < 0 else "not determined"
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -46,15 +45,15 @@ def _quantities(results: StudyResults) -> Items:
     compared, table = found.conditions, found.table
     yield "runs.closest_pair", " ".join(compared.pair)
     for i, name in enumerate(keys(found)):
-        yield f"{name}.separation.epsilon2", float(compared.ranks.epsilon2[i])
         yield from with_interval(f"{name}.separation.gap", *ends_of(compared.gaps, i))
-        yield f"{name}.separation.cv", float(compared.cv[i])
+        yield f"{name}.separation.cv", float(compared.press_sd[i])
     for i, other in enumerate(compared.other.tolist()):
         name = f"runs.human_like_against.{table.conditions[other]}.{table.angles_deg[other]:g}"
         yield from with_interval(f"{name}.gap_difference", *ends_of(compared.gap_differences, i))
         yield from with_interval(f"{name}.level_ratio", *ends_of(compared.level_ratio, i))
         yield from with_interval(f"{name}.cv_ratio", *ends_of(compared.cv_ratio, i))
-        yield f"{name}.verdict", _VERDICTS[compared.wins(i)]
+        yield f"{name}.verdict", _verdict(*ends_of(compared.gap_differences, i)[1:])
+    yield from with_interval("runs.mounting_sd_percent", *(100 * value for value in compared.mounting_sd))
     for contrast in found.contrasts:
         yield from _contrast_quantities(contrast, table)
 
@@ -80,31 +79,25 @@ def _contrast_quantities(contrast: Contrast, table: RunTable) -> Items:
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     found = tested(results)
     compared, table = found.conditions, found.table
-    level, others = f"{100 * compared.confidence:g}%", range(compared.other.size)
-    verdicts = [
-        _VERDICTS[compared.wins(i)] if np.isfinite(compared.gap_differences.gap[i]) else UNDEFINED for i in others
-    ]
+    level, others = f"{100 * compared.confidence:g} %", range(compared.other.size)
     columns: Columns = {
         Column("other", "Human-like (modular) against"): [design_name(table, i) for i in compared.other.tolist()],
-        Column("gap_difference", "Gap: difference, in SDs"): [
+        Column("gap_difference", "Distance: difference, in SDs"): [
             interval(*ends_of(compared.gap_differences, i)) for i in others
         ],
-        Column("cv_ratio", "CV: ratio"): [interval(*ends_of(compared.cv_ratio, i)) for i in others],
+        Column("cv_ratio", "SD of a press: ratio"): [interval(*ends_of(compared.cv_ratio, i)) for i in others],
         Column("level_change_percent", "Mean CASR: difference (%)"): [level_change(compared, i) for i in others],
-        Column("verdict", "Human-like is"): verdicts,
     }
-    caption = f"The human-like condition against every other at the same angle, {level} intervals"
+    caption = f"The human-like condition against every other at the same angle, {level} intervals over mountings"
     yield table_of("conditions_compared", caption, columns)
-    gaps = [interval(*ends_of(compared.gaps, i)) for i in range(len(table.conditions))]
     each: Columns = {
         DESIGN: design_names(table),
-        Column("epsilon2", "ε²_R"): compared.ranks.epsilon2,
-        Column("gap", "Gap, in SDs"): gaps,
-        Column("cv", "CV of repetitions (%)", 100.0): compared.cv,
+        Column("gap", "Distance, in SDs"): [interval(*ends_of(compared.gaps, i)) for i in range(len(table.conditions))],
+        Column("cv", "SD of a press (%)", 100.0): compared.press_sd,
     }
     caption = (
-        f"How far {listed(compared.specimens)} lie apart; gap between {listed(compared.pair)}, the closest neighbours, "
-        f"with {level} interval"
+        f"Distance of {listed(compared.pair)}, the neighbours that differ least in stiffness: mean ln CASR over "
+        f"mountings, in SDs of a press of one mounting, with {level} interval"
     )
     yield table_of("conditions", caption, each)
     yield _contrast_table(found)
@@ -137,13 +130,13 @@ def _contrast_table(found: Discrimination) -> Table:
 
 def level_change(compared: ConditionComparison, i: int) -> str:
     """Mean CASR, human-like less other, in percent of the other, with two decimals."""
-    ratios = ends_of(compared.level_ratio, i)
-    estimate, low, high = (f"{100 * (ratio - 1):+.2f}" for ratio in ratios)
-    return UNDEFINED if np.isnan(ratios).any() else f"{estimate} [{low}, {high}]"
+    estimate, low, high = (f"{100 * (ratio - 1):+.2f}" for ratio in ends_of(compared.level_ratio, i))
+    return UNDEFINED if "nan" in low else f"{estimate} [{low}, {high}]"
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
-    table, look = tested(results).table, looks(results)
+    found, look = tested(results), looks(results)
+    table = found.table
     values, unit = table.casr[table.algorithm], area_unit(table.area_unit)
     panels = [
         (
@@ -164,8 +157,8 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     )
     caption = (
         f"Fig. 14. CASR with the rigid motor (left, hollow) and human-like stiffness (right, filled) by the "
-        f"{table.algorithm} algorithm. Below: how far each human-like press lies from the mean of the rigid ones. "
-        f"{BOXES}"
+        f"{table.algorithm} algorithm. Each box is {_mountings_said(found)}. Below: how far each human-like press lies "
+        f"from the mean of the rigid ones. {BOXES}"
     )
     title = "CASR with rigid and human-like stiffness"
     figure = draw_conditions(panels, unit)
@@ -173,7 +166,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
 
 
 _TEXT = """
-<p>{{ (said + of_schedules) | join(" ") }}</p>
+<p>{{ (said + of_schedules + scatter) | join(" ") }}</p>
 {{ folded("contrasts", "Contrast of specimens under every condition, tested over mountings") }}
 {{ folded("conditions_compared", "Human-like stiffness against every other condition") }}
 {{ folded("conditions", "Every condition alone") }}
@@ -181,9 +174,38 @@ _TEXT = """
 """
 
 
+def _mountings_said(found: Discrimination) -> str:
+    fewest, most = (int(n) for n in found.conditions.mountings)
+    return "one mounting" if most == 1 else f"{fewest} mountings" if fewest == most else f"{fewest} to {most} mountings"
+
+
+def _scatter_said(found: Discrimination) -> Iterator[str]:
+    """What the runs imply of mountings, and the cells of figure 14 that differ by more than two SDs of a mounting."""
+    compared, table = found.conditions, found.table
+    estimate, low, high = (100 * value for value in compared.mounting_sd)
+    if estimate == estimate:
+        of = "mountings" if compared.mountings[1] > 1 else "conditions of the same specimen and angle"
+        yield (
+            f"Scatter between {of} implies an SD of {interval(estimate, low, high)} % from mounting to mounting; "
+            f"assumed where specimens were mounted once: {100 * compared.assumed_sd:g} %."
+        )
+    marked = [
+        f"{table.specimens[s]} at {table.angles_deg[d]:g}° ({100 * np.expm1(change):+.1f} %)"
+        for d, s, change in compared.far
+    ]
+    if marked:
+        yield (
+            "Under human-like stiffness CASR differs from that under the rigid motor by more than two such SDs on "
+            f"{listed(marked)}. A difference of two mountings has 1.4 of them by chance."
+        )
+
+
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     found = tested(results)
-    return {"said": contrast_words(found)[:1], "of_schedules": list(schedule_words(found))}
+    return {
+        "said": contrast_words(found)[:1], "of_schedules": list(schedule_words(found)),
+        "scatter": list(_scatter_said(found)),
+    }  # fmt: skip
 
 
 ACTUATORS = Section(

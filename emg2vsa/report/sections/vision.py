@@ -15,7 +15,7 @@ from emg2vsa.arrays import Floats, Ints
 from emg2vsa.curves.line import fit_line
 from emg2vsa.discrimination.run_table import RIGID
 from emg2vsa.figures.algorithm_1 import PinCounts, draw_pin_counts, draw_steps
-from emg2vsa.report.designs import DESIGN, design_names, drawing, keys, looks, of_tests, tested
+from emg2vsa.report.designs import DESIGN, design_names, drawing, ends_of, keys, looks, of_tests, tested
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, with_interval
@@ -204,15 +204,20 @@ def _compared_quantities(results: StudyResults) -> Items:
     for a, algorithm in enumerate(compared.names):
         for i, name in enumerate(keys(found)):
             yield from fields_of(f"{name}.{algorithm}", compared, *_NUMBERS, at=(a, i))
-            yield from with_interval(f"{name}.{algorithm}.gap", *compared.gap(a, i))
+            yield from with_interval(f"{name}.{algorithm}.gap", *ends_of(compared.gaps[a], i))
 
 
 def _compared_tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     found = tested(results)
     compared, table = found.algorithms, found.table
     designs = range(len(table.conditions))
-    heads = (f"A_c0 / that of {compared.names[0]}", "Error of A_c0 (%)", "SD of that error (%)", "CV of A_c0 (%)")
-    numbers = dict(zip(_NUMBERS, (*heads, "CV of CASR (%)"), strict=True))
+    heads = (
+        f"A_c0 / that of {compared.names[0]}",
+        "Error of A_c0 (%)",
+        "SD of that error (%)",
+        "SD of A_c0 (%)",
+    )
+    numbers = dict(zip(_NUMBERS, (*heads, "SD of CASR (%)"), strict=True))
     if not np.isfinite(compared.area_error).any():
         numbers = {key: head for key, head in numbers.items() if "error" not in key}
     columns: Columns = {
@@ -222,8 +227,8 @@ def _compared_tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
             Column(key, head, 1.0 if key == "area_ratio" else 100.0): getattr(compared, key).ravel()
             for key, head in numbers.items()
         },
-        Column("gap", f"Gap {compared.pair[0]} to {compared.pair[1]}, in SDs"): [
-            interval(*compared.gap(a, i)) for a in range(len(compared.names)) for i in designs
+        Column("gap", f"{compared.pair[0]} to {compared.pair[1]}, in SDs of a press"): [
+            interval(*ends_of(compared.gaps[a], i)) for a in range(len(compared.names)) for i in designs
         ],
     }
     whole = table_of("algorithms", "Vision algorithms", columns)
@@ -234,7 +239,8 @@ def _compared_tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 
 
 _COMPARED_TEXT = """
-<p>"Circle" is the old algorithm; a larger gap sets specimens further apart.
+<p>"Circle" is the old algorithm. SDs are those of presses of one mounting; the distance of two specimens in such SDs
+has a 95 % interval over mountings.
 {% if "paper" in runs.discrimination.algorithms.names %}"Paper" follows the paper in every step.{% endif %}</p>
 {{ folded("algorithms", "The algorithms on the same presses") }}
 """
