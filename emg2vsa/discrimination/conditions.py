@@ -81,7 +81,7 @@ def compare_conditions(table: RunTable, alpha: float, mounting_sd: float) -> Con
         gap_differences=gaps.at(human).less(gaps.at(other)),
         level_ratio=_ratios([tuple(np.exp((level.estimate, *level.ends(1 - alpha)))) for level in levels]),
         cv_ratio=_ratios([sd_ratio(mountings, a, b, 1 - alpha) for a, b in pairs]),
-        mountings=(int(pressed.min(initial=1)), int(pressed.max(initial=1))),
+        mountings=(int(pressed.min()) if pressed.size else 0, int(pressed.max(initial=0))),
         mounting_sd=implied,
         assumed_sd=mounting_sd,
         far=tuple(
@@ -89,7 +89,7 @@ def compare_conditions(table: RunTable, alpha: float, mounting_sd: float) -> Con
             for a, b in pairs
             if table.conditions[b] == RIGID
             for s, change in enumerate(mountings.mean[a] - mountings.mean[b])
-            if abs(change) > 2 * sd / np.sqrt(min(count[a, s], count[b, s]))
+            if abs(change) > 2 * sd / np.sqrt(max(min(count[a, s], count[b, s]), 1))
         ),
         confidence=1 - alpha,
     )
@@ -107,8 +107,10 @@ def implied_sd(table: RunTable, mountings: Mountings, used: list[int], confidenc
         for angle in np.unique(table.angles_deg):
             means = mountings.mean[table.angles_deg == angle][:, used]
             means = means[np.isfinite(means).all(axis=1)]
+            if len(means) < 2:
+                continue
             rest = means - means.mean(axis=0) - means.mean(axis=1, keepdims=True) + means.mean()
-            squares, df = squares + float(np.sum(rest**2)), df + max(len(means) - 1, 0) * (len(used) - 1)
+            squares, df = squares + float(np.sum(rest**2)), df + (len(means) - 1) * (len(used) - 1)
     pressed = mountings.presses[mountings.presses > 0]
     if not df:
         return np.nan, np.nan, np.nan

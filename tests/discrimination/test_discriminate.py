@@ -14,8 +14,9 @@ from emg2vsa.discrimination.conditions import compare_conditions
 from emg2vsa.discrimination.run_table import run_table
 from emg2vsa.errors import DataError
 from emg2vsa.settings import DiscriminationSettings
+from tests.rig_worlds import DESIGNS, TRUE_LN, rig_table
 
-FEW = DiscriminationSettings(resamples=200)
+FEW = DiscriminationSettings()
 KNOWN = ("S1", "S3", "S5")
 
 
@@ -33,13 +34,15 @@ def world(run_of, **human):
     return [*rigid, *(scaled(replace(run, condition="modular"), **human) for run in rigid)]
 
 
-def test_a_quieter_actuator_wins_and_a_noisier_one_loses(run_of, stiffness_n_per_mm):
-    for noise, wins in ((0.2, True), (5.0, False), (1.0, None)):
+def test_a_quieter_actuator_separates_further_and_a_noisier_one_less(run_of, stiffness_n_per_mm):
+    for noise, sign in ((0.2, 1), (5.0, -1), (1.0, 0)):
         compared = discriminate(world(run_of, noise=noise), stiffness_n_per_mm, "S_new", FEW).conditions
-        assert compared.wins(0) is wins
-        assert compared.cv_ratio.estimate[0] == pytest.approx(noise)
-        assert compared.gaps.gap[1] == pytest.approx(compared.gaps.gap[0] / noise)
-        assert compared.level_ratio.estimate[0] == pytest.approx(1)
+        low, high = compared.gap_differences.low[0], compared.gap_differences.high[0]
+        assert int(low > 0) - int(high < 0) == sign
+        assert compared.cv_ratio.estimate[0] == pytest.approx(noise, rel=0.02)
+        # a mean of logarithms falls by half the variance of the presses
+        assert compared.gaps.gap[1] == pytest.approx(compared.gaps.gap[0] / noise, rel=0.03)
+        assert compared.level_ratio.estimate[0] == pytest.approx(1, abs=0.005)
 
 
 def test_another_level_alone_separates_no_better(run_of, stiffness_n_per_mm):
@@ -47,26 +50,26 @@ def test_another_level_alone_separates_no_better(run_of, stiffness_n_per_mm):
     assert compared.level_ratio.estimate[0] == pytest.approx(3)
     assert compared.level_ratio.low[0] > 2.9
     assert compared.gap_differences.gap[0] == pytest.approx(0, abs=1e-9)
-    assert compared.wins(0) is None
 
 
-@pytest.mark.parametrize(("tries", "least"), [(40, 36), pytest.param(200, 184, marks=pytest.mark.slow)])
-def test_the_difference_of_levels_covers_where_every_condition_is_mounted_anew(
-    tries, least, run_of, stiffness_n_per_mm
-):
-    """Mountings that move every press of a run alike: what presses of one mounting show covers a small part of it.
+def test_the_scatter_of_mountings_that_runs_imply_holds_the_truth(stiffness_n_per_mm):
+    """From mountings of a cell; and, mounted once, from conditions of the same specimen and angle."""
+    rng, held, tries = np.random.default_rng(5), {1: 0, 3: 0}, 200
+    for mountings in held:
+        for _ in range(tries):
+            found = compare_conditions(rig_table(rng, mountings=mountings, mounting_sd=0.043), 0.05, 0.02)
+            held[mountings] += found.mounting_sd[1] <= 0.043 <= found.mounting_sd[2]
+            assert found.mountings == (mountings, mountings)
+    assert min(held.values()) >= 0.9 * tries
 
-    If 88 % were covered instead of 95 %, 35 of 40 or fewer would be in 53 % of samples, 183 of 200 in 95 %.
-    """
-    rng, held, pressed = np.random.default_rng(5), {0.0: 0, 0.025: 0}, world(run_of)
-    for _ in range(tries):
-        runs = [scaled(run, level=1 + 0.025 * rng.standard_normal()) for run in pressed]
-        table = run_table(runs, stiffness_n_per_mm, "S_new")
-        for sd in held:
-            ratio = compare_conditions(table, replace(FEW, resamples=50), sd).level_ratio
-            held[sd] += bool(ratio.low[0] < 1 < ratio.high[0])
-    assert held[0.0] < 0.6 * tries
-    assert held[0.025] >= least
+
+def test_cells_that_differ_by_more_than_two_sds_of_mountings_are_named():
+    truth = np.broadcast_to(TRUE_LN, (9, 4)).copy()
+    truth[DESIGNS.index(("modular", 45.0)), 2] -= 0.2
+    table = rig_table(np.random.default_rng(0), truth, mountings=1, presses=10, mounting_sd=0.01, press_sd=0.01)
+    ((design, specimen, change),) = compare_conditions(table, 0.05, 0.043).far
+    assert (table.conditions[design], table.angles_deg[design], table.specimens[specimen]) == ("modular", 45, "S3")
+    assert change == pytest.approx(-0.2, abs=0.05)
 
 
 def test_human_like_is_compared_with_every_condition_at_its_angle(runs, stiffness_n_per_mm):
@@ -88,7 +91,7 @@ def test_old_and_new_algorithm_beside_the_truth(runs, stiffness_n_per_mm):
     assert compared.area_ratio[0].tolist() == [1.0] * 9
     assert compared.area_ratio[4] == pytest.approx(np.full(9, 1.1))
     assert (compared.casr_cv[1, :6] > 1.5 * compared.casr_cv[0, :6]).all()
-    assert compared.gap(1, 2)[0] == pytest.approx(compared.gaps.gap[9 + 2])
+    assert len(compared.gaps) == len(compared.names)
     assert compared.pair == ("S1", "S_new")
 
 
@@ -112,13 +115,6 @@ def leaves(value):
             yield from leaves(each)
     else:
         yield value
-
-
-def test_the_same_seed_gives_the_same_intervals(runs, stiffness_n_per_mm):
-    first, second = (discriminate(runs, stiffness_n_per_mm, "S_new", FEW).conditions.cv_ratio for _ in range(2))
-    assert np.array_equal(first.low, second.low)
-    other = discriminate(runs, stiffness_n_per_mm, "S_new", replace(FEW, seed=1)).conditions.cv_ratio
-    assert not np.array_equal(first.low, other.low)
 
 
 def test_a_single_condition_and_angle_without_a_new_specimen(run_of, stiffness_n_per_mm):

@@ -12,23 +12,16 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from pingouin import compute_effsize
 from scipy import stats
 from statsmodels.stats.multitest import multipletests
 from statsmodels.stats.weightstats import ttost_ind
 
 from emg2vsa.discrimination import discriminate
-from emg2vsa.discrimination.separation import (
-    closest_pair,
-    cv_ratio,
-    gaps_of,
-    level_ratio,
-    pressed_everywhere,
-    repetition_cv,
-    steps,
-)
+from emg2vsa.discrimination.mountings import Mountings
+from emg2vsa.discrimination.separation import closest_pair, gap_of, gaps_of, press_sds, pressed_everywhere, sd_ratio
 from emg2vsa.run_scores import RunScores
 from emg2vsa.settings import DiscriminationSettings
+from tests.rig_worlds import drawn, numbers
 
 KNOWN = ("S1", "S3", "S5")
 
@@ -138,83 +131,75 @@ def test_a_new_specimen_at_the_end_has_one_neighbour_and_lies_between_nothing(
     assert not found.new.discriminated.any()
 
 
-SCORES = np.array([[1.0, 2.0, 3.0], [5.0, 6.0, 7.0], [8.0, 10.0, 12.0]])
+def mounted(rng, truth, mountings=3, presses=3, **scatter):
+    scores = drawn(rng, np.asarray(truth), mountings=mountings, presses=presses, **scatter)
+    return Mountings.of(scores, numbers(scores.shape[:2], mountings, presses), 0.043)
 
 
-def test_steps_are_cohens_d_of_neighbours():
-    # (6 - 2) / 1 and (10 - 6) / sqrt((2 + 8) / 4)
-    assert steps(SCORES).tolist() == pytest.approx([4, 4 / np.sqrt(2.5)])
-    assert steps(SCORES[[1, 0, 2]])[0] == pytest.approx(-4)
-
-
-def test_missing_presses_are_left_out():
-    padded = np.concatenate([SCORES, np.full((3, 2), np.nan)], axis=1)
-    assert np.array_equal(steps(padded), steps(SCORES))
-    assert repetition_cv(padded) == repetition_cv(SCORES)
-
-
-def test_a_gap_is_hedges_g():
-    found = gaps_of(SCORES[None, :2], 0.95)
-    expected = compute_effsize(SCORES[1], SCORES[0], eftype="hedges")  # approximates the factor: 1 - 3 / (4 n - 9)
-    assert found.gap[0] == pytest.approx(expected, rel=0.005)
-    assert found.low[0] < found.gap[0] < found.high[0]
-
-
-@pytest.mark.parametrize(
-    "pair",
-    [
-        [[1.0, 1.0], [2.0, 2.0]],
-        [[1.0, 2.0], [np.nan, np.nan]],
-        [[1.0, np.nan], [2.0, np.nan]],
-        [[np.nan, np.nan], [np.nan, np.nan]],
-    ],
-)
-def test_no_spread_and_no_press_have_no_gap(pair):
-    found = gaps_of(np.array([pair]), 0.95)
-    assert np.isnan([found.gap, found.low, found.high]).all()
-
-
-@pytest.mark.parametrize("gap", [0.5, 8.0])
-def test_intervals_of_gaps_and_of_their_differences_hold_the_truth_as_often_as_they_promise(gap):
+def test_a_gap_is_the_contrast_over_mountings_in_sds_of_a_press():
     rng = np.random.default_rng(0)
-    first, second = (rng.normal([[0.0], [gap]], 1.0, (300, 2, 10)) for _ in range(2))
-    ours, other = gaps_of(first, 0.95), gaps_of(second, 0.95)
-    difference = ours.less(other)
-    assert np.mean((ours.low <= gap) & (gap <= ours.high)) == pytest.approx(0.95, abs=0.025)
-    assert np.mean((difference.low <= 0) & (difference.high >= 0)) == pytest.approx(0.95, abs=0.025)
-    assert np.mean(ours.gap) == pytest.approx(gap, rel=0.02, abs=0.03)
+    scores = drawn(rng, np.array([[0.0, 0.1], [0.1, 0.0]]), mountings=3, presses=4)
+    found = gaps_of(Mountings.of(scores, numbers((2, 2), 3, 4), 0.043), (0, 1), 0.95)
+    logs = np.log(scores).reshape(2, 2, 3, 4)
+    for design in range(2):
+        contrast = logs[design, 1].mean() - logs[design, 0].mean()
+        sd = np.sqrt(logs[design].var(axis=2, ddof=1).mean())
+        assert found.gap[design] == pytest.approx(abs(contrast) / sd)
+        assert 0 <= found.low[design] < found.gap[design] < found.high[design]
+
+
+def test_no_scatter_of_presses_and_no_press_have_no_gap():
+    rng = np.random.default_rng(1)
+    lost = drawn(rng, np.zeros((1, 2)))
+    lost[0, 1] = np.nan
+    for scores, presses in ((drawn(rng, np.zeros((1, 2)), presses=1), 1), (lost, 3)):
+        found = gaps_of(Mountings.of(scores, numbers((1, 2), 3, presses), 0.043), (0, 1), 0.95)
+        assert np.isnan([found.gap, found.low, found.high]).all()
+    alike = mounted(rng, np.zeros((1, 2)), press_sd=0.0)
+    assert not np.isfinite(gap_of(alike, 0, (0, 1), 0.95)[2]) or press_sds(alike)[0] > 0  # rounding alone
+
+
+@pytest.mark.parametrize("mountings", [1, 3])
+@pytest.mark.parametrize("gap", [0.5, 8.0])
+def test_intervals_of_gaps_and_of_their_differences_hold_the_truth_as_often_as_they_promise(gap, mountings):
+    rng, tries, presses = np.random.default_rng(0), 400, 12 // mountings
+    held, differ = 0, 0
+    for _ in range(tries):
+        world = mounted(rng, [[0.0, 0.02 * gap]] * 2, mountings, presses, mounting_sd=0.043, press_sd=0.02)
+        found = gaps_of(world, (0, 1), 0.95)
+        held += np.count_nonzero((found.low <= gap) & (gap <= found.high))
+        difference = found.at(np.array([0])).less(found.at(np.array([1])))
+        differ += int(difference.low[0] <= 0 <= difference.high[0])
+    assert held >= stats.binom.ppf(0.001, 2 * tries, 0.945)
+    assert differ >= stats.binom.ppf(0.001, tries, 0.945)
+    assert held <= 0.995 * 2 * tries  # no interval so wide that it tells nothing
 
 
 def test_a_difference_is_that_of_the_gaps_and_turns_with_them():
-    found = gaps_of(np.stack([SCORES[:2], SCORES[1:]]), 0.95)
+    found = gaps_of(mounted(np.random.default_rng(2), [[0.0, 0.1], [0.0, 0.3]]), (0, 1), 0.95)
     one, other = found.at(np.array([0])), found.at(np.array([1]))
     there, back = one.less(other), other.less(one)
     assert there.gap == pytest.approx(one.gap - other.gap)
     assert (there.low[0], there.high[0]) == pytest.approx((-back.high[0], -back.low[0]))
 
 
-def test_the_closest_pair_is_that_of_the_usual_design():
-    values = np.stack([SCORES, SCORES, SCORES[[0, 0, 2]]])
-    assert closest_pair(values) == 1
-    assert closest_pair(np.full((2, 3, 4), np.nan)) == 0
+def test_the_closest_pair_is_that_of_the_most_alike_stiffness_whatever_the_scores():
+    assert closest_pair(np.array([7.63, 5.32, 3.35, 1.11]), range(4)) == (0, 1)
+    assert closest_pair(np.array([7.63, 5.32, 3.35, 1.11]), [0, 2, 3]) == (0, 2)
+    assert closest_pair(np.array([7.63, 3.35, 3.12]), [2, 1, 0]) == (1, 2)
 
 
-def test_cv_is_the_root_mean_square_over_specimens():
-    cvs = [1 / 2, 1 / 6, 2 / 10]
-    assert repetition_cv(SCORES) == pytest.approx(np.sqrt(np.mean(np.square(cvs))))
-
-
-def test_halves_are_compared():
-    wider = np.concatenate([SCORES, SCORES + 2 * (SCORES - SCORES.mean(axis=1, keepdims=True))])
-    assert cv_ratio(wider) == pytest.approx(1 / 3)
-    assert level_ratio(np.concatenate([SCORES, 2 * SCORES])) == pytest.approx(0.5)
-    assert np.isnan(level_ratio(np.concatenate([SCORES, -SCORES])))
-
-
-def test_batches_are_what_single_designs_are():
-    batch = np.stack([SCORES, SCORES**2, SCORES[::-1]])
-    for statistic in (steps, repetition_cv):
-        assert np.allclose(statistic(batch), [statistic(each) for each in batch])
+def test_sds_of_presses_are_those_within_mountings_and_their_ratio_has_an_interval_by_f():
+    rng = np.random.default_rng(3)
+    scores = drawn(rng, np.zeros((2, 3)), mounting_sd=0.5, press_sd=np.array([[0.04], [0.01]]))
+    world = Mountings.of(scores, numbers((2, 3), 3, 3), 0.043)
+    first, second = np.sqrt(np.log(scores).reshape(2, 9, 3).var(axis=2, ddof=1).mean(axis=1))
+    assert press_sds(world) == pytest.approx([first, second])
+    ratio, low, high = sd_ratio(world, 0, 1, 0.95)
+    assert ratio == pytest.approx(first / second)
+    assert (ratio / low) ** 2 == pytest.approx(stats.f.ppf(0.975, 18, 18))
+    assert (high / ratio) ** 2 == pytest.approx(stats.f.ppf(0.975, 18, 18))
+    assert np.isnan(sd_ratio(mounted(rng, np.zeros((2, 3)), presses=1), 0, 1, 0.95)).all()
 
 
 def test_only_specimens_of_every_design_are_compared():
@@ -277,13 +262,3 @@ def test_runs_that_bear_no_model_have_none(
     assert factors.casr is None
     assert factors.area is None
     assert np.all(np.array(factors.not_positive) == 0)
-
-
-def test_claims_have_the_largest_p_of_what_they_need(
-    runs: tuple[RunScores, ...], stiffness_n_per_mm: dict[str, float]
-) -> None:
-    found = discriminate(runs, stiffness_n_per_mm, "S_new")
-    claims = list(found.claims.values())
-    assert claims[1] == np.max(found.spread.worst_p)
-    assert claims[0] == np.max(found.spread.groups.kruskal.p)
-    assert all(0 <= p <= 1 for p in claims)
