@@ -1,0 +1,123 @@
+"""Order of acquisition and drift: what a comparison of groups owes to when each group was recorded.
+
+A recording is one group (specimen) of one block (person): R values (presses) in a row, at a place in the order in which
+all recordings of its session were made. Drift moves values from place to place. Where the order differs between blocks,
+least squares tell it from blocks and groups, and a difference of groups can be freed of it. Where every block has the
+same order, or nobody knows the order, drift looks like a difference of groups. Then the trend of the values within
+recordings says how large it can be: a recording further on, as many values further on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy import special
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.statistics.clusters import Names
+from emg2vsa.statistics.trend import trend
+
+Order = Literal["differs", "same", "unknown"]
+"""Whether the order of the groups differs between blocks; "same" also where it does in one block alone."""
+_COLLINEAR = 1e-9
+"""Share of the squares of places, below which blocks and groups tell the place."""
+
+
+@dataclass(frozen=True)
+class Slope:
+    """Change of the value from a place to the next, with its standard error and degrees of freedom; NaN: unknown."""
+
+    value: float = np.nan
+    error: float = np.nan
+    df: float = np.nan
+
+    def interval(self, confidence: float) -> tuple[float, float]:
+        """Low and high, by Student's t."""
+        reach = float(special.stdtrit(self.df, 0.5 + 0.5 * confidence)) * self.error
+        return self.value - reach, self.value + reach
+
+    def most(self, confidence: float) -> float:
+        """The largest size that the interval holds; infinite where nothing is known."""
+        low, high = self.interval(confidence)
+        return max(abs(low), abs(high)) if low == low else np.inf
+
+    def times(self, factor: float) -> Slope:
+        """The change over ``factor`` places."""
+        return Slope(self.value * factor, self.error * abs(factor), self.df)
+
+
+@dataclass(frozen=True)
+class Drift:
+    """by_order : from the places of the recordings, unknown unless ``order`` is "differs". within : from the trend
+    within recordings, taken on for as many values as a recording has. places : recordings of the longest session.
+    """
+
+    order: Order
+    by_order: Slope
+    within: Slope
+    places: int
+
+    @property
+    def session(self) -> Slope:
+        """Change from the first recording of a session to its last, by the order where it tells."""
+        return (self.by_order if self.order == "differs" else self.within).times(self.places - 1)
+
+
+def drift(
+    block: Names, group: Names, place: Floats, repetition: Floats, values: Floats, unit: Names | None = None
+) -> Drift:
+    """Drift of n values (all arrays (n,)); values that are not finite are left out.
+
+    place : of the value's recording in its session, NaN where nobody knows. repetition : of the value within its
+    recording. unit : over which trends within recordings are averaged; blocks unless given.
+    """
+    there = np.isfinite(values)
+    block, group, place, repetition, values = (each[there] for each in (block, group, place, repetition, values))
+    unit = block if unit is None else unit[there]
+    if not values.size:
+        return Drift("unknown", Slope(), Slope(), 0)
+    keys = np.stack([np.unique(each, return_inverse=True)[1] for each in (block, group, place)], axis=1)
+    _, first, recording, count = np.unique(keys, axis=0, return_index=True, return_inverse=True, return_counts=True)
+    recording = recording.ravel()
+    mean = np.bincount(recording, values) / count
+    places = int(np.bincount(np.unique(keys[first, 0], return_inverse=True)[1]).max())
+    within = _within(unit, np.char.mod("%d", recording), repetition, values).times(float(np.median(count)))
+    if not np.isfinite(place).all():
+        return Drift("unknown", Slope(), within, places)
+    by_order = _by_order(keys[first, :2], place[first], mean)
+    return Drift("same" if by_order is None else "differs", by_order or Slope(), within, places)
+
+
+def _within(unit: Names, recording: Names, repetition: Floats, values: Floats) -> Slope:
+    """Per repetition."""
+    found = trend(unit, recording, repetition, values)
+    slope = found.slope[np.isfinite(found.slope)]
+    if slope.size > 1:
+        return Slope(float(np.mean(slope)), float(np.std(slope, ddof=1) / np.sqrt(slope.size)), slope.size - 1.0)
+    return Slope(found.mean, found.mean / found.t, found.df) if slope.size else Slope()
+
+
+def _by_order(levels: Ints, place: Floats, mean: Floats) -> Slope | None:
+    """Least squares with a level for every block and every group; None where these tell the place, or but for one block.
+
+    The error is that of least squares, or that of a mean of the slopes of blocks, weighted by what each tells of place,
+    where this is larger: people drift at rates of their own. Its degrees of freedom count blocks by that weight.
+    """
+    design = np.concatenate([one[:, None] == np.unique(one) for one in levels.T], axis=1).astype(np.float64)
+    both = np.stack([place - place.mean(), mean - mean.mean()], axis=1)
+    found, _, rank, _ = np.linalg.lstsq(design, both, rcond=None)
+    x, y = (both - design @ found).T
+    squares, free = float(x @ x), place.size - int(rank) - 1
+    if free < 1 or not squares > _COLLINEAR * float(both[:, 0] @ both[:, 0]):
+        return None
+    value = float(x @ y) / squares
+    rest = y - value * x
+    unit = levels[:, 0] if np.ptp(levels[:, 0]) else levels[:, 1]
+    weight, score = (np.bincount(unit, x * each) / squares for each in (x, rest))
+    alone = float(weight @ weight)
+    if alone > 0.5 + _COLLINEAR:
+        return None
+    error = np.sqrt(max(float(rest @ rest) / free / squares, float(score @ score) / (1 - alone)))
+    return Slope(value, float(error), min(1 / alone - 1, float(free)))
