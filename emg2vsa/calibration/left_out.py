@@ -12,7 +12,7 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from emg2vsa.arrays import Floats
@@ -63,20 +63,30 @@ def left_out(calibration: Calibration) -> LeftOut:
     return LeftOut(*(np.stack(column, axis=1) for column in zip(*columns, strict=True)))
 
 
-def _one(calibration: Calibration, j: int) -> tuple[Floats, ...]:
-    others = np.arange(len(calibration.specimens)) != j
-    without = calibrate(
-        calibration.kappa[:, others],
-        calibration.casr[:, others],
-        calibration.settings,
+def again(calibration: Calibration, kept: NDArray[np.bool_], law: Law) -> Calibration:
+    """The same on these of its specimens (S,), by ``law``; mountings scatter as all specimens show."""
+    found = calibrate(
+        calibration.kappa[:, kept],
+        calibration.casr[:, kept],
+        _by(calibration.settings, law),
         casr_unit=calibration.casr_unit,
-        kappa_se=calibration.kappa_se[:, others],
+        kappa_se=calibration.kappa_se[:, kept],
         specimen_share=calibration.specimen_share,
         angle_share=calibration.angle_share,
-        mountings=calibration.labels[others],
+        mountings=calibration.labels[kept],
         other_exponent=calibration.other_exponent,
     )
-    without = dataclasses.replace(without, mounting=calibration.mounting)
+    return dataclasses.replace(found, mounting=calibration.mounting)
+
+
+def _by(settings: CalibrationSettings, law: Law) -> CalibrationSettings:
+    """Another law; one that is not fitted as asked is fitted to errors of CASR."""
+    minimise = settings.minimise if settings.minimise in WAYS[law] else "casr"
+    return dataclasses.replace(settings, law=law, minimise=minimise)
+
+
+def _one(calibration: Calibration, j: int) -> tuple[Floats, ...]:
+    without = again(calibration, np.arange(len(calibration.specimens)) != j, calibration.settings.law)
     found = repeat_interval(without, calibration.casr[:, j], mountings=calibration.labels[j])
     known = eta_of(calibration.settings.law, calibration.kappa[:, j])
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -112,9 +122,7 @@ def compare_laws(
     settings = settings or CalibrationSettings()
     errors = []
     for law in LAWS:
-        minimise = settings.minimise if settings.minimise in WAYS[law] else "casr"
-        chosen = dataclasses.replace(settings, law=law, minimise=minimise)
-        errors.append(calibrate(kappa, casr, chosen, casr_unit=casr_unit).left_out_error)
+        errors.append(calibrate(kappa, casr, _by(settings, law), casr_unit=casr_unit).left_out_error)
     stacked = np.stack(errors)
     with np.errstate(over="ignore", invalid="ignore"):
         return LawComparison(LAWS, np.sqrt(np.mean(stacked**2, axis=2)))

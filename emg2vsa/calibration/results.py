@@ -43,9 +43,6 @@ class OnLaw:
         return low / self.known - 1, high / self.known - 1
 
 
-NOTHING_ON_LAW = OnLaw("compliance", *[float("nan")] * 4)
-
-
 @dataclass(frozen=True, eq=False)
 class LawResult:
     """One law through the known specimens, and the new one by it; NaN where undefined.
@@ -58,8 +55,9 @@ class LawResult:
     narrower than the calibrated range. widened : factor on the interval of a law that is rejected. serial_correlation,
     serial_p : of successive presses; effective_presses : independent ones that those of the new specimen count as.
     amplification : percent of kappa for 1 % of CASR. mounting_sd : of CASR from one mounting to the next, as a share of
-    it; mounting_freedom : degrees of freedom that it was estimated with, 0 where it is assumed. on_law, left_out_on_law
-    : the new specimen and each left-out one, from which an interval of any confidence follows.
+    it; mounting_freedom : degrees of freedom that it was estimated with, 0 where it is assumed. on_laws : the new
+    specimen by this law, then by every other one that the known specimens do not reject; left_out_on_law : each
+    left-out specimen by this law. Intervals of any confidence follow from them.
     """
 
     law: str
@@ -85,16 +83,13 @@ class LawResult:
     amplification: float = float("nan")
     mounting_sd: float = float("nan")
     mounting_freedom: float = 0.0
-    on_law: OnLaw = NOTHING_ON_LAW
+    on_laws: tuple[OnLaw, ...] = ()
     left_out_on_law: tuple[OnLaw, ...] = ()
 
-    def interval(self, confidence: float) -> tuple[float, float]:
-        """low and high of kappa at another confidence, N/mm."""
-        return self.on_law.interval(confidence)
-
     def error_interval(self, confidence: float) -> tuple[float, float]:
-        """low and high of ``error``."""
-        return self.on_law.error_interval(confidence)
+        """low and high of ``error``, which hold those by all of ``on_laws``; NaN without an estimate."""
+        ends = [each.error_interval(confidence) for each in self.on_laws] or [(np.nan, np.nan)]
+        return float(np.min([low for low, _ in ends])), float(np.max([high for _, high in ends]))
 
 
 @dataclass(frozen=True, eq=False)

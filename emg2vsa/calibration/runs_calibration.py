@@ -306,7 +306,7 @@ def law_result(found: Estimate, truth: float, i: int = 0, notes: tuple[str, ...]
     calibration, serial, without = found.calibration, found.repeats.serial, found.left_out
     law, known = calibration.settings.law, calibration.kappa[i]
     first, second = calibration.fit.parameters[i].tolist()
-    own = (found.repeats.eta[i], found.repeats.eta_se[i], found.repeats.df[i], truth)
+    told = [(law, found.repeats), *((each.law, each.repeats) for each in found.rivals if each.counts[i])]
     others = zip(without.eta[i], without.eta_se[i], without.df[i], known, strict=True)
     return LawResult(
         law=law,
@@ -316,8 +316,8 @@ def law_result(found: Estimate, truth: float, i: int = 0, notes: tuple[str, ...]
         r2=float(calibration.r2[i]),
         adj_r2=float(calibration.adj_r2[i]),
         kappa=float(found.kappa[i]),
-        low=float(found.repeats.low[i]),
-        high=float(found.repeats.high[i]),
+        low=float(found.low[i]),
+        high=float(found.high[i]),
         bootstrap_low=float(found.bootstrap_low[i]),
         bootstrap_high=float(found.bootstrap_high[i]),
         error=float(found.kappa[i] / truth - 1),
@@ -332,7 +332,7 @@ def law_result(found: Estimate, truth: float, i: int = 0, notes: tuple[str, ...]
         amplification=abs(float(found.repeats.score_share[i])),
         mounting_sd=float(calibration.mounting.sd[i]),
         mounting_freedom=float(calibration.mounting.freedom[i]),
-        on_law=OnLaw(law, *map(float, own)),
+        on_laws=tuple(OnLaw(by, float(r.eta[i]), float(r.eta_se[i]), float(r.df[i]), truth) for by, r in told),
         left_out_on_law=tuple(OnLaw(law, *map(float, each)) for each in others),
     )
 

@@ -9,11 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from emg2vsa.arrays import Floats, Ints, mean_of
 from emg2vsa.calibration.calibrate import Calibration
-from emg2vsa.calibration.laws import fit_law
-from emg2vsa.calibration.left_out import LeftOut, left_out
+from emg2vsa.calibration.laws import LAWS, fit_law
+from emg2vsa.calibration.left_out import LeftOut, again, left_out
 from emg2vsa.calibration.presses import redrawn
 from emg2vsa.calibration.repeats import RepeatInterval, expected_interval, repeat_interval
 from emg2vsa.errors import DataError
+from emg2vsa.settings import Law
 
 _SCORES_AT_ONCE = 2_000_000
 _SERIAL_P = 0.05
@@ -22,11 +23,21 @@ _PLACES = 3
 
 
 @dataclass(frozen=True)
+class Rival:
+    """What another law says of the same presses. counts : (d,) whether the known specimens do not reject it."""
+
+    law: Law
+    repeats: RepeatInterval
+    counts: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
 class Estimate:
     """One unknown specimen by each of d calibrations; (d,), NaN where undefined.
 
     kappa : N/mm, NaN where the calibration is not monotone. repeats : the interval from repeated presses (``repeats``),
-    the one to report, widened where ``left_out`` rejects the law.
+    widened where ``left_out`` rejects the law. rivals : the same by every other law. low, high : the interval to
+    report, which holds those of all laws that the known specimens do not reject: three of them rarely tell laws apart.
     bootstrap_low, bootstrap_high : percentiles over presses drawn again (``redrawn``), of calibration and unknown.
     mean_casr, n : of its presses. extrapolated : whether the mean lies outside the calibration's. narrow : whether the
     design promises an interval (``expected_interval``) narrower than the calibrated range, in N/mm and as a ratio.
@@ -44,9 +55,22 @@ class Estimate:
     n: Ints
     extrapolated: NDArray[np.bool_]
     narrow: NDArray[np.bool_]
+    rivals: tuple[Rival, ...]
+
+    @property
+    def low(self) -> Floats:
+        """(d,) N/mm."""
+        ends = [np.where(each.counts, each.repeats.low, np.inf) for each in self.rivals]
+        return np.asarray(np.minimum.reduce([self.repeats.low, *ends]))
+
+    @property
+    def high(self) -> Floats:
+        """(d,) N/mm, infinite where the specimen may be rigid."""
+        ends = [np.where(each.counts, each.repeats.high, -np.inf) for each in self.rivals]
+        return np.asarray(np.maximum.reduce([self.repeats.high, *ends]))
 
     def __repr__(self) -> str:
-        of = zip(self.kappa, self.repeats.low, self.repeats.high, strict=True)
+        of = zip(self.kappa, self.low, self.high, strict=True)
         told = [f"{kappa:.4g} [{low:.4g}, {high:.4g}]" for kappa, low, high in of]
         more = f" and {len(told) - 3} more" if len(told) > 3 else ""
         return f"Estimate(kappa {', '.join(told[:3])}{more} N/mm)"
@@ -79,6 +103,12 @@ class Estimate:
                 "not determined: the law rises, or explains kappa no better than its mean (adjusted R2 below 0)"
                 if self.narrow[i]
                 else "not determined: presses and mountings promise an interval wider than the known stiffnesses span",
+            )
+        others = [each.law for each in self.rivals if each.counts[i]]
+        if others:
+            notes += (
+                f"the known specimens do not reject the {' and the '.join(others)} law either: the interval holds "
+                "what they say as well",
             )
         if widened > 1:
             notes += (
@@ -144,7 +174,15 @@ def estimate(
         n=n,
         extrapolated=below | above,
         narrow=_narrow(calibration, scores, mountings, known),
+        rivals=tuple(_rival(calibration, law, scores, mountings) for law in LAWS if law != calibration.settings.law),
     )
+
+
+def _rival(calibration: Calibration, law: Law, scores: Floats, mountings: Ints | None) -> Rival:
+    other = again(calibration, np.ones(len(calibration.specimens), dtype=np.bool_), law)
+    found = repeat_interval(other, scores, mountings=mountings)
+    kept = left_out(other).law_p >= 1 - calibration.settings.confidence
+    return Rival(law, found, kept & np.isfinite(found.low) & ~np.isnan(found.high))
 
 
 def _narrow(calibration: Calibration, scores: Floats, mountings: Ints | None, known: float) -> NDArray[np.bool_]:

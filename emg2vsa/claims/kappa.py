@@ -95,7 +95,7 @@ def _law(found: CalibrationResults, condition: str, angle_deg: float, algorithm:
 
 def _error(law: LawResult | None) -> Found:
     """kappa over the known kappa, minus 1."""
-    return Found(law.error, law.error_interval) if law and law.determined else UNKNOWN
+    return Found(law.on_laws[0].error, law.error_interval) if law and law.determined else UNKNOWN
 
 
 def _left_out(laws: Iterable[LawResult | None]) -> Iterator[Found]:

@@ -42,7 +42,7 @@ def experiments(
 
 
 def held(found: Estimate, new: float, which: np.ndarray) -> float:
-    return float(np.mean((found.repeats.low <= new)[which] & (new <= found.repeats.high)[which]))
+    return float(np.mean((found.low <= new)[which] & (new <= found.high)[which]))
 
 
 @pytest.mark.parametrize(
