@@ -11,6 +11,7 @@ from emg2vsa import artifacts
 from emg2vsa.calibration import unknown
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.forms import growth_power
+from emg2vsa.calibration.laws import LAWS
 from emg2vsa.calibration.left_out import left_out
 from emg2vsa.calibration.online import reachable_width
 from emg2vsa.calibration.presses import without_outliers
@@ -181,11 +182,11 @@ def test_a_specimen_whose_skin_stretches_otherwise_is_named(runs, stiffness_n_pe
     assert "slip, other friction, or lost pins" in note
 
 
-def test_each_estimate_tests_its_law_once_and_is_fused_as_it_is(run_of, stiffness_n_per_mm, monkeypatch):
+def test_each_estimate_tests_every_law_once_and_is_fused_as_it_is(run_of, stiffness_n_per_mm, monkeypatch):
     tested = []
     monkeypatch.setattr(unknown, "left_out", lambda calibration: tested.append(calibration) or left_out(calibration))
     monkeypatch.setattr("emg2vsa.calibration.left_out.left_out", None)
     runs = [run_of(name, 0.0, "modular") for name in ("S1", "S3", "S5", "S_new")]
     found = calibrate_runs(runs, stiffness_n_per_mm, "S_new", QUICK).conditions[0]
-    assert len(tested) == 2 * len(ALGORITHMS) + 1
+    assert len(tested) == len(LAWS) * (2 * len(ALGORITHMS) + 1)
     assert all(each.fused is not None for each in found.algorithms.values())

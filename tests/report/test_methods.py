@@ -177,7 +177,7 @@ def test_the_scatter_of_mountings_is_said_to_be_found_where_it_was(results, runs
 
         return replace(found, conditions=tuple(changed(i, each) for i, each in enumerate(found.conditions)))
 
-    assumed = "an assumed SD of 2.5 % of the score"
+    assumed = "an assumed SD of 4.3 % of the score"
     assert assumed in written(study, runs=own, calibration=found)
     both = written(study, runs=own, calibration=measured(0, 1))
     assert "the SD of the score between mountings found from repeated ones (2 to 3 %)" in both

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 
 from emg2vsa.calibration.runs_calibration import calibrate_runs
-from emg2vsa.discrimination import discriminate
 from emg2vsa.claims import paper
+from emg2vsa.discrimination import discriminate
 from emg2vsa.report import study_report
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import Runs
 from emg2vsa.report.methods import methods
-from emg2vsa.report.rig_claims import kappa_claims, rate_claims, reduction_claims
 from emg2vsa.report.section import Content, rendered
 from emg2vsa.report.sections.kappa import holds, span
 from emg2vsa.report.sections.rates import IMPLIED
@@ -138,11 +137,11 @@ def test_the_papers_numbers_lie_beside_ours(numbers, tested, some_runs):
     assert numbers["runs.modular.0.casr.worst_p"] == tested.spread.worst_p[2]
     assert numbers["runs.constant-min.0.new.stiffer_p"] == tested.new.p[4, 0]
     assert numbers["runs.human_like_against.high-stiffness.45.verdict"] in ("better", "worse", "undecided")
-    assert numbers["runs.kappa.mounting_sd_percent"] == 2.5
+    assert numbers["runs.kappa.mounting_sd_percent"] == 4.3
     for condition, angle in (("high-stiffness", 45), ("modular", 0)):
         for algorithm in ("front", "circle"):
             assert abs(numbers[f"runs.{condition}.{angle}.{algorithm}.kappa.error"]) < 1
-            assert numbers[f"runs.{condition}.{angle}.{algorithm}.kappa.mounting_sd_percent"] == 2.5
+            assert numbers[f"runs.{condition}.{angle}.{algorithm}.kappa.mounting_sd_percent"] == pytest.approx(4.3)
     rates = next(r for r in some_runs if r.name == "S3_45_modular").casr["front"]
     key = "runs.modular.45.S3.casr_mm2_per_n"
     assert numbers[f"{key}.mean"] == pytest.approx(rates.mean(), rel=1e-12)
@@ -475,29 +474,3 @@ def test_what_emulated_presses_say_of_the_whole_image_is_computed(whole):
     }
     falls = [means[name, 0.0] / means[name, 45.0] for name, angle in means if angle == 0]
     assert f"falls {np.exp(np.mean(np.log(falls))):.3g}"[:9] in said(image)
-
-
-@pytest.mark.parametrize(
-    ("changed", "scoring", "fit", "reduction"),
-    [
-        ({}, {}, "holds", "holds"),
-        ({"parameter.second": 0.4}, {}, "does not hold", "holds"),
-        ({"determined": False}, {}, "cannot be tested here", "cannot be tested here"),
-        ({}, {"algorithm": "paper", "area_rule": "edge"}, "cannot be tested here", "cannot be tested here"),
-        ({}, {"algorithm": "paper", "area_rule": "hexagon"}, "holds", "holds"),
-    ],
-)
-def test_claims_on_kappa_need_the_papers_sign_an_interval_and_hexagons(
-    results, stiffness_n_per_mm, changed, scoring, fit, reduction
-):
-    told = replace(results, study=replace(results.study, scoring=RunSettings(**scoring)), runs=Runs(()))
-    q = {}
-    for angle in (0, 30, 45):
-        for condition in ("high-stiffness", "modular"):
-            for name, error in (("circle", 0.5), ("paper", 0.02 if condition == "high-stiffness" else 0.01)):
-                values = {"adj_r2": 0.999, "parameter.second": -0.4, "determined": True, "error": error} | changed
-                q |= {f"runs.{condition}.{angle}.{name}.kappa.paper_law.{key}": v for key, v in values.items()}
-    claims = {claim.key: claim for claim in (*kappa_claims(told, q), *reduction_claims(told, q))}
-    assert claims["kappa_fit_rigid"].verdict == fit
-    assert {claims[f"reduction_{key}"].verdict for key in ("vision", "human_like", "both")} == {reduction}
-    assert ("rises with CASR in 2 of 2" in claims["kappa_fit_rigid"].why) is ("parameter.second" in changed)
