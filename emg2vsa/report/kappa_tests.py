@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,10 +12,10 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.section import PaperTest, Quantities
 from emg2vsa.report.wording import NO_BREAK, UNDEFINED, bounded, number, signed
 
-_PRINTED: dict[str, Mapping[object, float]] = {
-    "rigid": {**paper.ERROR_NEW_VISION},
-    "human_like": {**paper.ERROR_HUMAN_LIKE},
-    "constant": {**paper.ERROR_CONSTANT},
+_PRINTED = {
+    "rigid": list(paper.ERROR_NEW_VISION.values()),
+    "human_like": list(paper.ERROR_HUMAN_LIKE.values()),
+    "constant": list(paper.ERROR_CONSTANT.values()),
 }
 _CUTS = {"vision": "18, 15 points", "human_like": "4, 9 points", "both": f"3 (50{NO_BREAK}%), 22, 24 points"}
 
@@ -32,7 +32,7 @@ def kappa_tests(results: StudyResults, q: Quantities) -> dict[str, PaperTest]:
         found[f"kappa_fit_{key}"] = PaperTest(
             f"adj. R² ≥ {bounded(least, 4)}", f"{fit}; κ rises with CASR in {rising} of {slope.size}" if rising else fit
         )
-        printed = ", ".join(number(100 * each, 2) for each in _PRINTED[key].values())
+        printed = ", ".join(number(100 * each, 2) for each in _PRINTED[key])
         here = f"{', '.join(signed(100 * each) for each in error.tolist())}{NO_BREAK}%, {how}"
         found[f"kappa_error_{key}"] = PaperTest(
             f"{printed}{NO_BREAK}%", here + _undetermined(q, designs) if np.isfinite(error).all() else UNDEFINED
