@@ -77,11 +77,12 @@ class _Cells:
         designs: Sequence[Design], specimens: Sequence[int], found: Callable[[], Found], *, percent: bool = True,
     ) -> Claim:  # fmt: skip
         """The claim; without an estimate where one of its cells was not pressed."""
-        missing, least = self.missing(designs, specimens), 2
-        if len(specimens) < least:
-            missing = ["two specimens to compare"]
-        why = f"Not pressed: {', '.join(missing)}." if missing else self._assumed(designs)
-        known = UNKNOWN if missing else found()
+        if len(specimens) > 1:
+            missing = self.missing(designs, specimens)
+            why = f"Not pressed: {', '.join(missing)}." if missing else ""
+        else:
+            why = "Fewer than two specimens to compare."
+        known, why = (UNKNOWN, why) if why else (found(), self._assumed(designs))
         return Claim(
             key, question, says, estimand, asserts, moved(known, _share) if percent else known,
             margin / _LN_PERCENT if percent else margin, "mounting", section, self.table.algorithm,

@@ -4,10 +4,10 @@ Presses of one mounting share its errors, so a press is no replicate of a specim
 design and a specimen) the mean of ln score of every mounting counts once. An estimate is a weighted sum of cells'
 means; its error comes from the scatter between mountings, pooled over all cells of the designs involved, and is never
 below that which the cells of the sum show themselves. The pooled degrees of freedom count unless a cell of the sum
-scatters more than the rest of the pool (F test at 5 %, corrected for the cells), or cells differ in their number of
+scatters more than the rest of the pool (F test at 1 %, corrected for the cells), or cells differ in their number of
 mountings, or a mounting has less than half the presses of another: then those of Welch and Satterthwaite count, or
 those that cells of equal scatter would have if these are fewer. With three mountings and one cell that scatters six
-times as much as the others, intervals of 95 % then miss in 8 % (13 % by the larger variance alone, 20 % by the pooled
+times as much as the others, intervals of 95 % then miss in 9 % (13 % by the larger variance alone, 20 % by the pooled
 one), those of 99.7 % in 3 % (tests/discrimination/test_mountings.py).
 
 Where no cell of the pool was mounted twice, presses tell their own scatter, and the SD between mountings is assumed.
@@ -27,7 +27,7 @@ from emg2vsa.arrays import Floats, Ints, mean_of
 
 Cell = tuple[int, int]
 "Design and specimen."
-_UNEQUAL = 0.05
+_UNEQUAL = 0.01
 "Level of the test by which a cell scatters more than the others."
 
 
