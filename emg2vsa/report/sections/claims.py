@@ -30,7 +30,7 @@ _SUMMARY = ("specimens_differ", "interpolation_rmse", "fig12_order", "human_like
 
 def judged_claims(results: StudyResults) -> tuple[Judged, ...]:
     """Every claim that this study has something on, with the interval that all of them together allow."""
-    return judge(_claims(results), results.study.hypotheses.alpha)
+    return judge(_claims(results), results.study.claims.false_verdict_percent / 100)
 
 
 def _claims(results: StudyResults) -> Iterator[Claim]:
@@ -88,7 +88,7 @@ def claims_tables(results: StudyResults, judged: Sequence[Judged], q: Quantities
     level = f"{100 * max((each.confidence for each in of_data), default=np.nan):.4g} %"
     caption = (
         f"What the paper claims, beside this study. Intervals of {level} each, so that a report has a false verdict "
-        f"with a chance of {100 * results.study.hypotheses.alpha:g} % at most"
+        f"with a chance of {results.study.claims.false_verdict_percent:g} % at most"
     )
     yield _table("claims", caption, of_data, tests)
     others = [each for each in judged if each.claim.question == arithmetic.QUESTION]
