@@ -17,13 +17,13 @@ from typing import Any
 
 from benchmarks.bench.record import RESULTS, keep
 from benchmarks.claims.study import judged, truth_of
-from benchmarks.claims.table import calibration, page
+from benchmarks.claims.table import module, page
 from benchmarks.claims.verdicts import LETTERS, Truth
 from benchmarks.claims.worlds import WORLDS, World
 from casr.atomic import write_text_atomic
 
 ROOT = Path(__file__).resolve().parents[2]
-FOR_REPORT = ROOT / "emg2vsa" / "claims" / "calibration.json"
+FOR_REPORT = ROOT / "emg2vsa" / "claims" / "calibrated.py"
 _CODE = ("emg2vsa/claims/*.py", "emg2vsa/calibration/*.py", "emg2vsa/discrimination/*.py", "emg2vsa/statistics/*.py",
          "emg2vsa/profiles/*.py", "emg2vsa/settings.py")  # fmt: skip
 _OWN = ("people.py", "rig.py", "kappa.py", "study.py")
@@ -33,7 +33,7 @@ def code_of(world: World) -> str:
     """Of the claims and of what makes the studies of this world."""
     digest = hashlib.sha256(repr(world).encode())
     own = [Path(__file__).with_name(name) for name in _OWN]
-    for path in [*sorted(path for pattern in _CODE for path in ROOT.glob(pattern)), *own]:
+    for path in [*sorted(path for pattern in _CODE for path in ROOT.glob(pattern) if path != FOR_REPORT), *own]:
         digest.update(path.read_bytes())
     return digest.hexdigest()[:12]
 
@@ -110,7 +110,7 @@ def main(words: list[str]) -> int:
     print(text)
     if arguments.write:
         keep(RESULTS / "claims.json", text)
-        write_text_atomic(FOR_REPORT, json.dumps(calibration(verdicts, truths), indent=1) + "\n")
+        write_text_atomic(FOR_REPORT, module(verdicts, truths))
     return 0
 
 

@@ -34,6 +34,8 @@ def true_casr(world: Rig, algorithm: str) -> Floats:
         if human and algorithm != "circle" and world.human_like_off is not None:
             off = world.human_like_off[at]
         found[d, NEW] += _shift(found[d], off)
+        if condition == "constant-min":
+            found[d, NEW] += (world.at_minimum - 1) * (found[d, NEW] - found[d, 0])
     return found
 
 

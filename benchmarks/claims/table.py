@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from benchmarks.claims.verdicts import Rate, Truth, any_false, false_rates, powers
 from benchmarks.claims.worlds import WORLDS
@@ -12,26 +11,62 @@ OF_PAPER = "paper"
 "The world whose power the report shows: the paper's effects, all as on this bench."
 Verdicts = Mapping[str, Mapping[str, str]]
 "World to claim to a letter of each study."
+_RIGHT = {"h": "holds", "r": "refuted", "": ""}
 Truths = Mapping[str, Mapping[str, Truth]]
 
 
-def calibration(verdicts: Verdicts, truths: Truths) -> dict[str, Any]:
-    """What the report shows: claim to its worst false rate with the upper bound, its world, and its power."""
+_MODULE = '''"""How often each claim is right in worlds that are known.
+
+``python -m benchmarks.claims RUNS --table --write`` wrote this. Studies of the design that it draws: 14 people,
+three mountings of three presses (benchmarks/results/claims).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Right(NamedTuple):
+    """Of one claim. false, bound : share of studies with a false verdict in ``world``, where it is largest, and its
+    upper 95 % bound. right : verdict that the paper's effects call for, "" where there is none; power : share of
+    studies that come to it, None without one.
+    """
+
+    false: float
+    bound: float
+    world: str
+    right: str = ""
+    power: float | None = None
+
+
+WORLDS, STUDIES = {worlds}, {studies}
+"How many, and of each."
+ANY = {any}
+"Of any false verdict in a report."
+CLAIMS = {{
+{claims}
+}}
+'''
+
+
+def module(verdicts: Verdicts, truths: Truths) -> str:
+    """What the report shows: claim to its worst false rate, and its power at the paper's effects."""
     power = powers(verdicts[OF_PAPER], truths[OF_PAPER])
-    claims = {}
+    claims = []
     for key, (world, rate) in _worst(verdicts, truths).items():
-        own = truths[OF_PAPER][key].right if key in truths[OF_PAPER] else ""
-        claims[key] = {
-            "false": rate.share, "bound": rate.bound, "world": world,
-            "right": {"h": "holds", "r": "refuted"}.get(own, ""),
-            "power": power[key].share if key in power else None,
-        }  # fmt: skip
+        own = _RIGHT[truths[OF_PAPER][key].right] if key in truths[OF_PAPER] else ""
+        found = f"{power[key].share:.4g}" if key in power else "None"
+        claims.append(f'    "{key}": Right({rate.share:.4g}, {rate.bound:.4g}, "{world}", "{own}", {found}),')
     world, worst = max(_any(verdicts, truths).items(), key=lambda item: item[1].bound)
-    studies = min(len(letters) for own in verdicts.values() for letters in own.values())
-    return {
-        "worlds": len(verdicts), "studies": studies,
-        "any": {"false": worst.share, "bound": worst.bound, "world": world}, "claims": claims,
-    }  # fmt: skip
+    return _MODULE.format(
+        worlds=len(verdicts), studies=_studies(verdicts), claims="\n".join(claims),
+        any=f'Right({worst.share:.4g}, {worst.bound:.4g}, "{world}")',
+    )  # fmt: skip
+
+
+def _studies(verdicts: Verdicts) -> int:
+    """Fewest of a world."""
+    return min(len(letters) for own in verdicts.values() for letters in own.values())
 
 
 def _any(verdicts: Verdicts, truths: Truths) -> dict[str, Rate]:
@@ -51,11 +86,10 @@ def _worst(verdicts: Verdicts, truths: Truths) -> dict[str, tuple[str, Rate]]:
 def page(verdicts: Verdicts, truths: Truths) -> Iterator[str]:
     """Markdown, line by line."""
     worlds = [world for world in WORLDS if world.name in verdicts]
-    studies = min(len(letters) for own in verdicts.values() for letters in own.values())
     yield "# How often the claims are right\n"
     yield (
-        f"`python -m benchmarks.claims RUNS`: {studies} whole studies or more in each of {len(worlds)} worlds, all "
-        "claims of a study judged together as in the report. Percent; false: a verdict that the world contradicts, "
+        f"`python -m benchmarks.claims RUNS`: {_studies(verdicts)} whole studies or more in each of "
+        f"{len(worlds)} worlds, all claims of a study judged together as in the report. Percent; false: a verdict that the world contradicts, "
         "with the upper 95 % bound; right: the verdict that a study without end would come to."
     )
     yield "\n## Any false verdict in a report\n"
@@ -89,4 +123,4 @@ def _percent(share: float) -> str:
 def _power(rate: Rate | None, truth: Truth | None) -> str:
     if rate is None or truth is None:
         return "–"
-    return f"{100 * rate.share:.0f} {'holds' if truth.right == 'h' else 'refuted'}"
+    return f"{100 * rate.share:.0f} {_RIGHT[truth.right]}"

@@ -81,7 +81,8 @@ class Rig:
     casr, area : of ``PRESSED``, rigid motor. contrast : by which human-like stiffness multiplies the ratio of the
     softest to the stiffest, and others in proportion. area_of_angle, casr_of_angle : at 0, 30 and 45 degrees.
     new_off : algorithm to the error of kappa of the new specimen that its CASR has, at each angle; human_like_off : the
-    same with human-like stiffness, by all but the circle; None: as with the rigid motor.
+    same with human-like stiffness, by all but the circle; None: as with the rigid motor. at_minimum : share of its
+    distance to the stiffest that the new specimen has at the lowest constant stiffness.
     press, mounting : SDs; None: the bench's by condition. own_scatter : whether circle and hexagons scatter more than
     the front, as on the bench. cell : (design, specimen) that scatters ``more`` times as much; condition : the same of
     all cells of a condition. drift : over all mountings, in SDs of a mounting, in their order. serial : of presses.
@@ -94,6 +95,7 @@ class Rig:
     area_of_angle: tuple[float, float, float] = (0.0, -0.058, -0.139)
     casr_of_angle: tuple[float, float, float] = (0.0, -0.07, -0.15)
     new_off: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    at_minimum: float = 1.0
     mountings: int = 3
     presses: int = 3
     press: float | None = None
@@ -151,14 +153,15 @@ def _paper(share: float) -> tuple[People, Rig]:
 
     Human-like stiffness multiplies the contrast by 1.12; areas and rates fall with the angle, and areas of specimens
     are alike; kappa of the new specimen is 25 % off by the circle (6 % at 0 degrees), and 7 to 13 % by hexagons and
-    front with the rigid motor, 3 to 4 % with human-like stiffness; b of specimens is that of the demo.
+    front with the rigid motor, 3 to 4 % with human-like stiffness; the lowest constant stiffness hardly tells it from
+    its stiffer neighbour; b of specimens is that of the demo.
     """
     b, a = np.array(People.b), np.array(People.a)
     rig = Rig(
         casr=on_compliance(0.554 * share), contrast=1 + 0.12 * share, area=(0.0,) * 4,
         area_of_angle=(0.0, -0.15 * share, -0.30 * share), casr_of_angle=(0.0, -0.07 * share, -0.15 * share),
         new_off={"circle": (0.06, 0.25, 0.28), "front": (0.05, 0.07, 0.13), "paper": (0.05, 0.07, 0.13)},
-        human_like_off=(0.03, 0.03, 0.04),
+        human_like_off=(0.03, 0.03, 0.04), at_minimum=0.3,
     )  # fmt: skip
     pull = np.clip(share, 0, 1)
     return People(

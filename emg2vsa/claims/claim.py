@@ -80,11 +80,14 @@ def turned(found: Found) -> Found:
 
 
 def size(found: Found) -> Found:
-    """How large a difference is, whatever its direction."""
+    """How large a difference is, whatever its direction.
+
+    A difference of 0 can be missed on both sides, and either is too large a size: half of alpha falls on each.
+    """
 
     def interval(confidence: float) -> Ends:
-        low, high = found.interval(confidence)
-        nearest = 0.0 if low <= 0 <= high else min(abs(low), abs(high))
+        (low, high), (below, above) = found.interval(confidence), found.interval(0.5 + 0.5 * confidence)
+        nearest = 0.0 if below <= 0 <= above else min(abs(below), abs(above))
         return (nearest, max(abs(low), abs(high))) if low == low and high == high else (np.nan, np.nan)
 
     return Found(abs(found.estimate), interval, found.exact)

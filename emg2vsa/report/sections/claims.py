@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from emg2vsa.claims import arithmetic, paper
+from emg2vsa.claims import arithmetic, calibrated, paper
 from emg2vsa.claims.arithmetic import Counted, arithmetic_claims
 from emg2vsa.claims.claim import Claim, Judged, judge
 from emg2vsa.claims.kappa import kappa_claims
@@ -93,6 +93,7 @@ def claims_tables(results: StudyResults, judged: Sequence[Judged], q: Quantities
     yield _table("claims", caption, of_data, tests)
     others = [each for each in judged if each.claim.question == arithmetic.QUESTION]
     yield _table("claims_on_settings", "Claims on settings and arithmetic, which no data can change", others, tests)
+    yield _how_often_right(of_data)
 
 
 def _table(name: str, caption: str, judged: Sequence[Judged], tests: dict[str, PaperTest]) -> Table:
@@ -101,6 +102,31 @@ def _table(name: str, caption: str, judged: Sequence[Judged], tests: dict[str, P
         name, caption, COLUMNS, rows, rows, kinds=tuple(_KINDS[each.verdict] for each in judged),
         links=tuple(f"#{each.claim.section}" for each in judged),
     )  # fmt: skip
+
+
+_RIGHT = (
+    Column("says", "Claim"), Column("false", "False, worst world, %", 100, 2),
+    Column("false_at_most", "At most, %", 100, 2), Column("world", "World"),
+    Column("power", "Found at the paper's effects, %", 100, 2), Column("right", "As"),
+)  # fmt: skip
+
+
+def _how_often_right(judged: Sequence[Judged]) -> Table:
+    """What the benchmark says of each of the study's claims."""
+    rows = [
+        {
+            "says": each.claim.says, "false": right.false, "false_at_most": right.bound, "world": right.world,
+            "power": right.power, "right": right.right,
+        }
+        for each in judged
+        if (right := calibrated.CLAIMS.get(each.claim.key))
+    ]  # fmt: skip
+    caption = (
+        f"How often each claim is right in {calibrated.STUDIES} studies of each of {calibrated.WORLDS} made worlds, "
+        "with 14 people and three mountings of three presses. Any false verdict in a report: "
+        f"{number(100 * calibrated.ANY.false, 2)} % at worst, at most {number(100 * calibrated.ANY.bound, 2)} %"
+    )
+    return Table("claims_calibrated", caption, _RIGHT, rows)
 
 
 def _row(each: Judged, test: PaperTest) -> Row:
@@ -193,6 +219,7 @@ _TEXT = """
 is drawn at random and counts once in an interval stands under “Error over”. The paper's own test is no verdict of
 ours.</p>
 {{ folded("claims_on_settings", "Claims on settings and arithmetic") }}
+{{ folded("claims_calibrated", "How often each claim is right") }}
 {% endif %}
 """
 

@@ -1,0 +1,50 @@
+"""How often each claim is right in worlds that are known.
+
+``python -m benchmarks.claims RUNS --table --write`` wrote this. Studies of the design that it draws: 14 people,
+three mountings of three presses (benchmarks/results/claims).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Right(NamedTuple):
+    """Of one claim. false, bound : share of studies with a false verdict in ``world``, where it is largest, and its
+    upper 95 % bound. right : verdict that the paper's effects call for, "" where there is none; power : share of
+    studies that come to it, None without one.
+    """
+
+    false: float
+    bound: float
+    world: str
+    right: str = ""
+    power: float | None = None
+
+
+WORLDS, STUDIES = 26, 50
+"How many, and of each."
+ANY = Right(0.04, 0.1206, "cell-6x")
+"Of any false verdict in a report."
+CLAIMS = {
+    "area_same_on_specimens": Right(0, 0.05816, "alike", "holds", 0),
+    "area_changes_with_angle": Right(0, 0.05816, "alike", "holds", 1),
+    "casr_rigid": Right(0, 0.05816, "alike", "holds", 0.88),
+    "casr_human_like": Right(0, 0.05816, "alike", "holds", 0.76),
+    "casr_constant": Right(0, 0.05816, "alike", "holds", 0.58),
+    "fig10_order": Right(0, 0.05816, "alike", "holds", 0),
+    "fig12_order": Right(0, 0.05816, "alike", "holds", 0.04),
+    "fig13_new_specimen": Right(0, 0.05816, "alike", "holds", 0.04),
+    "new_specimen_at_minimum": Right(0, 0.05816, "alike", "holds", 0),
+    "human_like_contrast": Right(0.04, 0.1206, "cell-6x", "holds", 0.48),
+    "constant_levels": Right(0, 0.05816, "alike", "holds", 0),
+    "kappa_fit_rigid": Right(0, 0.05816, "alike", "holds", 0),
+    "kappa_error_rigid": Right(0, 0.05816, "alike", "holds", 0),
+    "kappa_fit_human_like": Right(0, 0.05816, "alike", "holds", 0),
+    "kappa_error_human_like": Right(0, 0.05816, "alike", "holds", 0),
+    "kappa_fit_constant": Right(0, 0.05816, "alike", "holds", 0),
+    "kappa_error_constant": Right(0, 0.05816, "alike", "holds", 0),
+    "reduction_vision": Right(0, 0.05816, "alike", "holds", 0),
+    "reduction_human_like": Right(0, 0.05816, "alike", "holds", 0),
+    "reduction_both": Right(0, 0.05816, "alike", "holds", 0),
+}
