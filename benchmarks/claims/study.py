@@ -59,7 +59,7 @@ def claims_of(world: World, seeds: Sequence[int], draw: Draw = drawn) -> list[li
 
 def judged(world: World, seeds: Sequence[int]) -> list[tuple[Judged, ...]]:
     """The verdicts of the study of each seed."""
-    alpha = study_of(world.people.people).hypotheses.alpha
+    alpha = study_of(world.people.people).claims.false_verdict_percent / 100
     return [judge(claims, alpha) for claims in claims_of(world, seeds)]
 
 

@@ -88,9 +88,9 @@ def page(verdicts: Verdicts, truths: Truths) -> Iterator[str]:
     worlds = [world for world in WORLDS if world.name in verdicts]
     yield "# How often the claims are right\n"
     yield (
-        f"`python -m benchmarks.claims RUNS`: {_studies(verdicts)} whole studies or more in each of "
-        f"{len(worlds)} worlds, all claims of a study judged together as in the report. Percent; false: a verdict that the world contradicts, "
-        "with the upper 95 % bound; right: the verdict that a study without end would come to."
+        f"`python -m benchmarks.claims RUNS`: {_studies(verdicts)} whole studies or more in each of {len(worlds)} "
+        "worlds, all claims of a study judged together as in the report. Percent; false: a verdict that the world "
+        "contradicts, with the upper 95 % bound; right: the verdict that a study without end would come to."
     )
     yield "\n## Any false verdict in a report\n"
     yield "| world | what is true and what scatters | studies | any false | at most |\n|---|---|---:|---:|---:|"
