@@ -42,7 +42,7 @@ def write_csv(path: Path, schedule: Schedule) -> None:
     document = _sealed(schedule)
     steps = document.pop("steps")
     lines = [f"# {key}: {json.dumps(value)}" for key, value in document.items()]
-    columns = columns_of(schedule.limits.export)
+    columns = columns_of(schedule.limits.export, document["version"])
     lines.append(",".join(columns))
     lines.extend(",".join(repr(row[column]) for column in columns) for row in steps)
     write_text_atomic(path, "\n".join(lines) + "\n")
@@ -115,7 +115,7 @@ def _parse_csv(text: str, path: Path) -> Document:
     head = [line for line in lines if line.startswith("#")]
     rows = list(csv.reader(line for line in lines if line and not line.startswith("#")))
     document = dict(_comment(line, path) for line in head)
-    columns = columns_of(export_in(document, str(path)))
+    columns = columns_of(export_in(document, str(path)), document.get("version"))
     if not rows or rows[0] != list(columns):
         found = ",".join(rows[0]) if rows else "no header row"
         raise ScheduleError(f"{path}, header row", wanted=",".join(columns), found=found, do=EXPORT_AGAIN)

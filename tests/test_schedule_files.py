@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from emg2vsa.errors import ScheduleError
-from emg2vsa.profiles import Profile, Profiles
+from emg2vsa.profiles import Profile, Profiles, errors_of
 from emg2vsa.schedule_files import read_csv, read_json, write_csv, write_json, write_schedule
 from emg2vsa.schedules import CONDITIONS, Schedule
 from emg2vsa.schedules.build import build_schedules
@@ -30,12 +30,18 @@ BOTH = pytest.mark.parametrize(
 )
 
 
-def schedule_of(a: float = 42e-6, b: float = 20e-6, note: str = "", **changes: Any) -> Schedule:
+def schedule_of(
+    a: float = 42e-6, b: float = 20e-6, note: str = "", *, interval: bool = True, **changes: Any
+) -> Schedule:
     force = np.linspace(0.5, 7, 100)
-    profile = Profile("S1", 7.63, a, b, force, a + b * np.log(force), "measured", 10, np.full(100, np.nan))
+    presses = np.array([[[a + 0.1 * b, 0.9 * b], [a - 0.1 * b, 1.1 * b], [a, b]]])
+    profile = Profile(
+        "S1", 7.63, a, b, force, a + b * np.log(force), "measured", 10, np.full(100, np.nan), np.ones((1, 2))
+    )
     profiles = Profiles(
         profiles=(profile,), new=None, weight_alpha=float("nan"), bracket=None, new_measured=None, new_error=None,
         leave_one_out=(), participant="", unit="V", notes=(),
+        errors=errors_of(presses, ["S1"], "press") if interval else None,
     )  # fmt: skip
     options: dict[str, Any] = {"conditions": ("modular",)} | changes
     (schedule,) = build_schedules(profiles, ScheduleSettings(**options), {"study": "palpation", "note": note})
@@ -62,13 +68,21 @@ def assert_same(one: Schedule, other: Schedule) -> None:
     step_n=st.floats(0.01, 3),
     gear=st.floats(0.01, 10),
     condition=st.sampled_from(CONDITIONS),
+    interval=st.booleans(),
 )
 def test_round_trip(
     write: Write, read: Read, name: str, a: float, b: float, note: str, percent: tuple[float, float], step_n: float,
-    gear: float, condition: str,
+    gear: float, condition: str, interval: bool,
 ) -> None:  # fmt: skip
     schedule = schedule_of(
-        a, b, note, stiffness_percent=percent, step_n=step_n, gear_mm_per_degree=gear, conditions=(condition,)
+        a,
+        b,
+        note,
+        interval=interval,
+        stiffness_percent=percent,
+        step_n=step_n,
+        gear_mm_per_degree=gear,
+        conditions=(condition,),
     )
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, name)
@@ -77,11 +91,43 @@ def test_round_trip(
 
 
 @BOTH
-def test_same_schedule_same_bytes(write: Write, read: Read, name: str, tmp_path: Path) -> None:
-    write(tmp_path / name, schedule_of())
+@pytest.mark.parametrize("interval", [True, False])
+def test_same_schedule_same_bytes(write: Write, read: Read, name: str, tmp_path: Path, interval: bool) -> None:
+    write(tmp_path / name, schedule_of(interval=interval))
     first = (tmp_path / name).read_bytes()
     write(tmp_path / name, read(tmp_path / name))
     assert (tmp_path / name).read_bytes() == first
+
+
+WITHOUT_INTERVAL = """# format: "emg2vsa stiffness schedule"
+# version: 1
+# specimen: "S1"
+# condition: "modular"
+# last_step_short: true
+# ramp: {"speed_mm_per_s": 5.0, "gear_mm_per_degree": 0.2, "speed_deg_per_s": 25.0, "travel_mm": 15.0, \
+"duration_s": 3.0}
+# limits: {"stiffness_percent": [20.0, 80.0], "max_preset_ticks": 3000, "actuator": "qbmove-advanced", \
+"scale": "preset"}
+# provenance: {"study": "palpation"}
+# sha256: "7dc3ed258c4fd03cb2c5afc4b64c57e805510b7808fd032bdc5fe119a80bcdb7"
+force_from_n,force_to_n,activity_v,stiffness_percent,preset_ticks,stiffness_nm_per_rad
+0.5,4.5,5.757460937886603e-05,20.0,600,0.050114447925143815
+4.5,7.0,7.682418206315169e-05,80.0,2400,0.9574412513125578
+"""
+"""A file of a version that knew no intervals."""
+
+
+def test_files_without_an_interval_are_read_as_they_were_written(tmp_path: Path) -> None:
+    path = tmp_path / "s.csv"
+    path.write_text(WITHOUT_INTERVAL)
+    schedule = read_csv(path)
+    assert schedule.interval_percent is None
+    assert schedule.exported.tolist() == [600, 2400]
+    write_csv(path, schedule)
+    assert path.read_text() == WITHOUT_INTERVAL
+    write_json(tmp_path / "s.json", schedule)
+    assert json.loads((tmp_path / "s.json").read_text())["version"] == 1
+    assert_same(read_json(tmp_path / "s.json"), schedule)
 
 
 def test_csv_is_a_plain_table_to_others(tmp_path: Path) -> None:
@@ -152,7 +198,38 @@ def put(content: dict[str, Any], place: tuple[Any, ...], value: Any) -> None:
         (("steps", 9), 7, "row 10: expected the columns .*, but found 7"),
         (("steps",), [], "at least one force step"),
         (("steps",), {}, "steps: expected a list"),
-        (("version",), 2, "format: expected emg2vsa stiffness schedule 1"),
+        (
+            ("steps", 4, "stiffness_low_percent"),
+            79.0,
+            "row 5, column stiffness_low_percent: expected 20 % to stiffness",
+        ),
+        (
+            ("steps", 4, "stiffness_low_percent"),
+            10.0,
+            "row 5, column stiffness_low_percent: expected 20 % to stiffness",
+        ),
+        (
+            ("steps", 4, "stiffness_high_percent"),
+            81.0,
+            "row 5, column stiffness_high_percent: expected stiffness_percent",
+        ),
+        (
+            ("steps", 4, "stiffness_high_percent"),
+            20.0,
+            "row 5, column stiffness_high_percent: expected stiffness_percent",
+        ),
+        (("steps", 4, "stiffness_high_percent"), float("nan"), "row 5, column stiffness_high_percent"),
+        (
+            ("steps", 4, "stiffness_high_percent"),
+            None,
+            "column stiffness_high_percent: expected a number, but found None",
+        ),
+        (("version",), 3, "format: expected emg2vsa stiffness schedule 1 or 2"),
+        (
+            ("version",),
+            1,
+            "row 1: expected the columns force_from_n, force_to_n, activity_v, stiffness_percent, preset",
+        ),
         (("ramp", "speed_mm_per_s"), -5.0, "ramp.speed_mm_per_s: expected a positive number"),
         (("ramp", "extra"), 1, "ramp: expected the keys"),
         (("limits", "stiffness_percent"), [20.0], "limits.stiffness_percent: expected two numbers"),
@@ -180,13 +257,14 @@ def test_planted_corruption(tmp_path: Path, place: tuple[Any, ...], value: Any, 
     ("old", "new", "complaint"),
     [
         ("0.5,0.8,", "0.5,0.8,x", "row 1, column activity_v: expected a number, but found 'x"),
-        ("0.8,1.1,", "0.8,", "row 2: expected 6 values, but found 5"),
+        ("0.8,1.1,", "0.8,", "row 2: expected 8 values, but found 7"),
         ("0.8,1.1,", "0.8,1.0,", "row 3, column force_from_n: expected 1.0, where the step before ends"),
         ("0.8,1.1,", "0.8,nan,", "row 3, column force_from_n: expected nan"),
         ("force_from_n,", "from,", "header row: expected force_from_n"),
-        ("# version: 1", "# version: 9", "format: expected emg2vsa stiffness schedule 1"),
-        ("# version: 1", "# version: one", "version: expected a JSON value, but found one"),
-        ("# version: 1\n", "", "expected the keys"),
+        ("# version: 2", "# version: 9", "format: expected emg2vsa stiffness schedule 1 or 2"),
+        ("# version: 2", "# version: one", "version: expected a JSON value, but found one"),
+        ("# version: 2", "# version: 1", "header row: expected force_from_n"),
+        ("# version: 2\n", "", "expected the keys"),
         ('"P0', '"P1', ""),
     ],
 )

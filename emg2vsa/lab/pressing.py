@@ -208,7 +208,10 @@ def pressing_of(
 
 _PLAN_KEYS = ("f_max_n", "f_contact_n", "contact_s", "ramp_mm_per_s", "travel_mm", "lead_s")
 _RIG_KEYS = ("gear_mm_per_degree", "push_sign", "push_axis", "filter_samples")
-_TOLD = ("force_to_n", "activity_v", "stiffness_percent", "stiffness_nm_per_rad")
+_TOLD = (
+    "force_to_n", "activity_v", "stiffness_percent", "stiffness_low_percent", "stiffness_high_percent",
+    "stiffness_nm_per_rad",
+)  # fmt: skip
 """Of a step; what is left says when it begins, and what the actuator is sent."""
 
 

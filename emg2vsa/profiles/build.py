@@ -15,6 +15,7 @@ from emg2vsa.errors import DataError
 from emg2vsa.exemplary import Choice, in_study_order
 from emg2vsa.fits import Fits, usable
 from emg2vsa.profiles.by_person import by_person, measured_as
+from emg2vsa.profiles.errors import mean_errors
 from emg2vsa.profiles.interpolation import Interpolated, between
 from emg2vsa.profiles.profile import ByRule, LeftOut, Profile, Profiles
 from emg2vsa.settings import MEDOID, ProfileSettings, WindowSettings
@@ -43,8 +44,11 @@ def build_profiles(
         rows = rows & (fits.participant == participant)
     names = in_study_order(fits.specimen[rows], stiffness_n_per_mm)
     measured = {
-        name: _measured(fits, rows & (fits.specimen == name), name, stiffness_n_per_mm, force_n, bool(participant))
-        for name in names
+        name: replace(
+            _measured(fits, rows & (fits.specimen == name), name, stiffness_n_per_mm, force_n, bool(participant)),
+            weights=np.repeat(one[:, None], 2, axis=1),
+        )
+        for name, one in zip(names, np.eye(len(names)), strict=True)
     }
     exported = _exported(measured, profile.specimens, participant)
     new, alpha, bracket = _new(exported, stiffness_n_per_mm, profile)
@@ -61,6 +65,7 @@ def build_profiles(
         leave_one_out=_leave_one_out(tuple(measured.values()), profile),
         by_person=by_person(fits, stiffness_n_per_mm, profile, use),
         by_rule=_by_rule(exported, stiffness_n_per_mm, profile, reference),
+        errors=mean_errors(fits, rows, names, "press" if participant else "person"),
         participant=participant,
         unit=fits.activity_unit,
         notes=(
@@ -145,7 +150,13 @@ def _interpolate(
     def blended(values: Floats, method: str) -> Interpolated:
         return between(known, values, stiffness, method, extrapolate=profile.extrapolate, where=where)
 
-    made = blended(np.array([[p.a_v, p.b_v] for p in others]), profile.interpolation)
+    values = np.array([[p.a_v, p.b_v] for p in others])
+    made = blended(values, profile.interpolation)
+    # derivatives by the profile of each specimen: a cubic is not linear in them
+    step = 1e-4 * float(np.abs(values).max()) or 1.0
+    beside = step * np.eye(len(others))[:, :, None]
+    up, down = (blended(values[:, None] + by, profile.interpolation).values for by in (beside, -beside))
+    weights = np.einsum("nc,nsc->sc", (up - down) / (2 * step), np.array([p.weights for p in others]))
     # the spread of a specimen in between is taken to lie in between
     sd_v = np.maximum(blended(np.array([p.sd_v for p in others]), "bracket").values, 0.0)
     stiffer, softer = others[made.stiffer], others[made.softer]
@@ -154,7 +165,7 @@ def _interpolate(
     sources = others if math.isnan(made.alpha) else (stiffer, softer)
     interpolated = Profile(
         name, stiffness, a_v, b_v, force_n, a_v + b_v * np.log(force_n), "interpolated",
-        sum(p.n_trials for p in sources), sd_v,
+        sum(p.n_trials for p in sources), sd_v, weights,
     )  # fmt: skip
     return interpolated, made.alpha, (stiffer.specimen, softer.specimen)
 

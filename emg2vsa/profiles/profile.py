@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.profiles.by_person import ByPerson
+from emg2vsa.profiles.errors import MeanErrors
 
 
 @dataclass(frozen=True)
@@ -26,6 +29,12 @@ class Profile:
     n_trials: int
     sd_v: Floats
     "(G,) spread between trials (one participant) or between participants' means; NaN from a single one."
+    weights: Floats = field(default_factory=lambda: np.empty((0, 2)))
+    "(S, 2) of mean a and b of the specimens of ``Profiles.errors`` in these (an interpolation's: its derivatives)."
+
+    def weights_at(self, log_force: Floats) -> Floats:
+        """(K, S, 2) of the same means in the activity where the logarithm of the force in newtons is (K,)."""
+        return np.stack([np.ones_like(log_force), log_force], axis=-1)[:, None] * self.weights
 
 
 @dataclass(frozen=True)
@@ -74,6 +83,21 @@ class Profiles:
     "The new specimen by the default rule and by the paper's, beside each other; without one that refuses."
     by_person: ByPerson | None = None
     "The new specimen by each person, where its equal was pressed."
+    errors: MeanErrors | None = None
+    "Of mean a and b of all measured specimens; None where they are not known."
+
+    def half_width_v(self, profile: Profile) -> Floats:
+        """Half of the pointwise interval (G,) of one of these profiles at its forces; NaN where it is not known."""
+        if self.errors is None:
+            return np.full(profile.force_n.size, np.nan)
+        return self.errors.half_width(profile.weights_at(np.log(profile.force_n)))
+
+    def half_widths(self, profile: Profile) -> tuple[float, float]:
+        """Half of the interval of its a, and of its b."""
+        if self.errors is None:
+            return np.nan, np.nan
+        a, b = self.errors.half_width(profile.weights * np.eye(2)[:, None]).tolist()
+        return a, b
 
     def __repr__(self) -> str:
         new = "" if self.new is None else f", new {self.new.specimen}: b {self.new.b_v:.4g} {self.unit}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,8 +11,9 @@ from emg2vsa.arrays import Floats
 from emg2vsa.curves.force_bins import bin_edges
 from emg2vsa.devices.joints import export_of
 from emg2vsa.errors import ScheduleError
-from emg2vsa.profiles import Profile, Profiles
+from emg2vsa.profiles import MeanErrors, Profile, Profiles
 from emg2vsa.schedules.checks import check
+from emg2vsa.schedules.intervals import Activities, joined, rivals, share_interval
 from emg2vsa.schedules.schedule import Limits, Ramp, Schedule, step_tolerance_n
 from emg2vsa.settings import ScheduleSettings
 
@@ -31,8 +32,11 @@ def build_schedules(
     """
     exported = _exported(profiles)
     edges = bin_edges(exported[0].force_n[0], exported[0].force_n[-1], settings.step_n)
+    log_force = mean_over_steps(0.0, 1.0, edges)
     means = [mean_over_steps(p.a_v, p.b_v, edges) for p in exported]
     span = _span(means)
+    steps = [Activities(v, profile.weights_at(log_force)) for profile, v in zip(exported, means, strict=True)]
+    share = _shares(steps, edges, profiles)
     common = dict(provenance) | {
         "participant": profiles.participant or "mean over all",
         "activity_unit": profiles.unit,
@@ -40,10 +44,10 @@ def build_schedules(
     }
     return tuple(
         _schedule(
-            profile.specimen, condition, edges, _levels(condition, v, edges), span, settings,
-            common | _origin(profile, profiles),
+            profile.specimen, condition, edges, _levels(condition, own.v, edges), span, share(condition, own),
+            settings, common | _origin(profile, profiles),
         )
-        for profile, v in zip(exported, means, strict=True)
+        for profile, own in zip(exported, steps, strict=True)
         for condition in dict.fromkeys(settings.conditions)
     )  # fmt: skip
 
@@ -82,12 +86,49 @@ def _levels(condition: str, v: Floats, edges: Floats) -> Floats:
     return np.full(v.size, level[condition])
 
 
+def _shares(
+    steps: Sequence[Activities], edges: Floats, profiles: Profiles
+) -> Callable[[str, Activities], tuple[Floats, str] | None]:
+    """By condition and activities of a specimen: the interval (2, K) of the share of the mapped range, and what it is
+    of; None where it is not known."""
+    errors = profiles.errors
+    ends = joined([own.only(place) for own in steps for place in (0, -1)])
+    if errors is None or not np.isfinite(errors.half_width(ends.weights)).all():
+        return lambda condition, own: None
+    told = _interval_text(profiles, errors)
+    lowest, highest = (rivals(ends, sign, errors) for sign in (-1, 1))
+
+    def share(condition: str, own: Activities) -> tuple[Floats, str]:
+        of = [own]
+        if condition == "constant-mean":
+            widths = np.diff(edges) / (edges[-1] - edges[0])
+            of = [Activities(np.array([widths @ own.v]), np.einsum("k,ksc->sc", widths, own.weights)[None])]
+        elif condition != "modular":
+            own_ends = joined([own.only(0), own.only(-1)])
+            of = rivals(own_ends, -1 if condition == "constant-min" else 1, errors)
+        found = share_interval(of, lowest, highest, errors)
+        return np.repeat(found, own.v.size // found.shape[1], axis=1), told
+
+    return share
+
+
+def _interval_text(profiles: Profiles, errors: MeanErrors) -> str:
+    whose = f"presses of {profiles.participant}" if profiles.participant else f"{errors.count.max(initial=0)} people"
+    alike = f", of which successive ones correlate by {errors.rho:.2g}" if errors.rho else ""
+    not_in = ", without that of the choice of the person" if profiles.participant else ""
+    return (
+        f"{100 * errors.confidence:g} % by Student's t, from the scatter between the {whose}{alike}; with the error of "
+        f"both ends of the mapping{not_in}"
+    )
+
+
 def _schedule(
     specimen: str,
     condition: str,
     edges: Floats,
     v: Floats,
     span: tuple[float, float],
+    share: tuple[Floats, str] | None,
     settings: ScheduleSettings,
     provenance: dict[str, str],
 ) -> Schedule:
@@ -95,6 +136,12 @@ def _schedule(
     percent = limits.preset_percent(stiffness_percent(v, span, settings.stiffness_percent))
     preset = limits.joint.rounded(percent / 100)
     widths = np.diff(edges)
+    interval = None
+    if share is not None:
+        low, high = limits.preset_percent(stiffness_percent(share[0], (0.0, 1.0), settings.stiffness_percent))
+        # rounding may put the estimate beside an interval of no width
+        interval = np.stack([np.minimum(low, percent), np.maximum(high, percent)])
+        provenance = provenance | {"interval": share[1]}
     schedule = Schedule(
         specimen=specimen,
         condition=condition,
@@ -107,6 +154,7 @@ def _schedule(
         ramp=_ramp(settings),
         limits=limits,
         provenance=provenance,
+        interval_percent=interval,
     )
     check(schedule)
     return schedule

@@ -41,6 +41,7 @@ def _check_shapes(schedule: Schedule, where: str, do: str) -> None:
     columns = (
         schedule.stiffness_percent, schedule.preset, schedule.stiffness_nm_per_rad, schedule.activity_v
     )  # fmt: skip
+    columns += () if schedule.interval_percent is None else tuple(schedule.interval_percent)
     if steps < 1 or any(column.shape != (steps,) for column in columns):
         sizes = ", ".join(str(column.size) for column in columns)
         raise ScheduleError(
@@ -90,6 +91,11 @@ def _row_rules(schedule: Schedule) -> Iterator[Rule]:
     low, high = limits.preset_percent(np.array(limits.stiffness_percent, dtype=np.float64))
     inside = (percent >= low * (1 - _CLOSE)) & (percent <= high * (1 + _CLOSE))
     yield "stiffness_percent", inside, f"{low:.6g} to {high:.6g} %, the study's range", percent
+    if schedule.interval_percent is not None:
+        least, most = schedule.interval_percent
+        wanted = f"{low:.6g} % to stiffness_percent", f"stiffness_percent to {high:.6g} %"
+        yield "stiffness_low_percent", (least >= low * (1 - _CLOSE)) & (least <= percent), wanted[0], least
+        yield "stiffness_high_percent", (most >= percent) & (most <= high * (1 + _CLOSE)), wanted[1], most
     preset, shown, top = schedule.preset, schedule.exported, export.exported(limits.full_preset)
     within = np.isfinite(preset) & (preset >= 0) & (preset <= 1)
     yield export.column, within, f"0 to {top} {export.unit}, the device's maximum preset", shown

@@ -12,7 +12,8 @@ from emg2vsa.schedules.checks import EXPORT_AGAIN
 from emg2vsa.schedules.schedule import Limits, Ramp, Schedule
 
 FORMAT = "emg2vsa stiffness schedule"
-VERSION = 1
+VERSION = 2
+"""With an interval of the stiffness in every step; a schedule without one is of version 1, as all were before 2."""
 Columns = dict[str, type[int] | type[float]]
 Document = dict[str, Any]
 _HEAD = {
@@ -26,26 +27,27 @@ _RAMP = {
 _WORDS = {str: "text", int: "a whole number", float: "a number", bool: "true or false", list: "a list", dict: "a table"}
 
 
-def columns_of(export: Export) -> Columns:
-    """Name of each column of the steps, and what it holds."""
+def columns_of(export: Export, version: object) -> Columns:
+    """Name of each column of the steps of a file of this version, and what it holds."""
+    interval: Columns = {"stiffness_low_percent": float, "stiffness_high_percent": float} if version != 1 else {}
     return {
-        "force_from_n": float, "force_to_n": float, "activity_v": float, "stiffness_percent": float,
+        "force_from_n": float, "force_to_n": float, "activity_v": float, "stiffness_percent": float, **interval,
         export.column: int if export.whole else float, "stiffness_nm_per_rad": float,
     }  # fmt: skip
 
 
 def document_of(schedule: Schedule) -> Document:
     """Plain values, exact: floats stay the same doubles."""
+    interval, limits = schedule.interval_percent, schedule.limits
+    export, version = limits.export, VERSION - (interval is None)
     columns = (
         schedule.step_force_n[:-1], schedule.step_force_n[1:], schedule.activity_v, schedule.stiffness_percent,
-        schedule.exported, schedule.stiffness_nm_per_rad,
+        *(() if interval is None else interval), schedule.exported, schedule.stiffness_nm_per_rad,
     )  # fmt: skip
     rows = zip(*(column.tolist() for column in columns), strict=True)
-    limits = schedule.limits
-    export = limits.export
     return {
         "format": FORMAT,
-        "version": VERSION,
+        "version": version,
         "specimen": schedule.specimen,
         "condition": schedule.condition,
         "last_step_short": schedule.last_step_short,
@@ -57,7 +59,7 @@ def document_of(schedule: Schedule) -> Document:
             "scale": limits.scale,
         },
         "provenance": dict(schedule.provenance),
-        "steps": [dict(zip(columns_of(export), row, strict=True)) for row in rows],
+        "steps": [dict(zip(columns_of(export, version), row, strict=True)) for row in rows],
     }
 
 
@@ -67,16 +69,17 @@ def schedule_of(document: Document, where: str) -> Schedule:
     Only form is judged here: keys, types, and steps that join. ``emg2vsa.schedules.check`` judges the values.
     """
     _check_keys(document, _HEAD, where)
-    if document["format"] != FORMAT or document["version"] != VERSION:
+    if document["format"] != FORMAT or not 1 <= document["version"] <= VERSION:
         found = f"{document['format']} {document['version']}"
-        raise ScheduleError(f"{where}, format", wanted=f"{FORMAT} {VERSION}", found=found, do=EXPORT_AGAIN)
+        raise ScheduleError(f"{where}, format", wanted=f"{FORMAT} 1 or {VERSION}", found=found, do=EXPORT_AGAIN)
     _check_keys(document["ramp"], _RAMP, f"{where}, ramp")
     export = export_in(document, where)
     _check_keys(document["provenance"], dict.fromkeys(document["provenance"], str), f"{where}, provenance")
-    kinds = columns_of(export)
+    kinds = columns_of(export, document["version"])
     for number, row in enumerate(document["steps"], start=1):
         _check_row(row, document["steps"][number - 2] if number > 1 else None, kinds, f"{where}, row {number}")
     columns = {name: np.array([row[name] for row in document["steps"]], dtype=kind) for name, kind in kinds.items()}
+    interval = [columns[name] for name in ("stiffness_low_percent", "stiffness_high_percent") if name in columns]
     limits = _limits(document["limits"], export, f"{where}, limits.stiffness_percent")
     return Schedule(
         specimen=document["specimen"],
@@ -90,6 +93,7 @@ def schedule_of(document: Document, where: str) -> Schedule:
         ramp=Ramp(**{name: float(value) for name, value in document["ramp"].items()}),
         limits=limits,
         provenance=document["provenance"],
+        interval_percent=np.stack(interval) if interval else None,
     )
 
 

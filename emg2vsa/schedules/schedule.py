@@ -82,13 +82,14 @@ class Schedule:
     ramp: Ramp
     limits: Limits
     provenance: dict[str, str]
+    interval_percent: Floats | None = None
+    "(2, K) low and high of ``stiffness_percent``; None: not known. Of what, ``provenance`` says under ``interval``."
 
     @property
     def exported(self) -> np.ndarray[tuple[int], np.dtype[np.generic]]:
         """(K,) presets in the unit of the schedule's files (qbmove: whole ticks)."""
-        return np.array(
-            [self.limits.export.exported(share * self.limits.full_preset) for share in self.preset.tolist()]
-        )
+        export, full = self.limits.export, self.limits.full_preset
+        return np.array([export.exported(share * full) for share in self.preset.tolist()])
 
     def __repr__(self) -> str:
         low, high = self.stiffness_percent.min(), self.stiffness_percent.max()

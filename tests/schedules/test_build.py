@@ -18,7 +18,7 @@ from emg2vsa.errors import ScheduleError
 from emg2vsa.figures.canvas import ONE_COLUMN_MM, style
 from emg2vsa.figures.cocontraction import draw_schedules
 from emg2vsa.figures.palette import looks
-from emg2vsa.profiles import Profile, Profiles
+from emg2vsa.profiles import Profile, Profiles, errors_of
 from emg2vsa.schedules import Limits, Schedule, check
 from emg2vsa.schedules.build import build_schedules, mean_over_steps
 from emg2vsa.settings import ScheduleSettings
@@ -304,3 +304,86 @@ def test_the_figure_is_one_column_wide_and_marks_every_level() -> None:
     shown = [y for line in levels.lines for y in line.get_ydata()] + [y for line in lines for _, y in line]
     for percent in constants:
         assert np.min(np.abs(np.array(shown) - percent)) < 1e-9
+
+
+def with_errors(n: int = 10, unit: str = "press", seed: int = 4, **settings: Any) -> list[Schedule]:
+    """Schedules of three specimens whose n presses, or people, scatter by 10 %."""
+    names, truth = ("S1", "S3", "S5"), np.array([[42e-6, 20e-6], [28e-6, 13e-6], [16e-6, 7e-6]])
+    values = truth[:, None] * (1 + 0.1 * np.random.default_rng(seed).standard_normal((3, n, 2)))
+    own = [
+        dataclasses.replace(profile(name, *values[i].mean(axis=0).tolist()), weights=np.outer(np.eye(3)[i], [1, 1]))
+        for i, name in enumerate(names)
+    ]
+    errors = errors_of(values, names, unit)  # type: ignore[arg-type]
+    return list(
+        build_schedules(dataclasses.replace(profiles_of(*own), errors=errors), ScheduleSettings(**settings), {})
+    )
+
+
+@pytest.mark.parametrize("unit", ["press", "person"])
+@pytest.mark.parametrize("scale", ["preset", "stiffness"])
+def test_every_schedule_has_an_interval_around_its_stiffness(unit: str, scale: str) -> None:
+    for schedule in with_errors(unit=unit, scale=scale):
+        assert schedule.interval_percent is not None
+        low, high = schedule.interval_percent
+        ends = schedule.limits.preset_percent(np.array(schedule.limits.stiffness_percent))
+        assert np.all((ends[0] <= low) & (low <= schedule.stiffness_percent))
+        assert np.all((schedule.stiffness_percent <= high) & (high <= ends[1]))
+        end = (schedule.specimen, schedule.condition) in {("S1", "constant-max"), ("S5", "constant-min")}
+        assert np.max(high - low) == 0 if end else np.max(high - low) > 0.5
+        assert "95 % by Student's t" in schedule.provenance["interval"]
+
+
+def test_an_end_without_rivals_has_no_width_and_presets_do_not_change() -> None:
+    made = {(s.specimen, s.condition): s for s in with_errors()}
+    lowest = made["S5", "modular"].interval_percent
+    assert lowest is not None
+    assert lowest[:, 0].tolist() == [20, 20]
+    without = {(s.specimen, s.condition): s for s in build_schedules(PROFILES, ScheduleSettings(), {})}
+    assert all(s.interval_percent is None and "interval" not in s.provenance for s in without.values())
+    assert [s.preset.size for s in made.values()] == [s.preset.size for s in without.values()]
+
+
+def test_ends_that_rival_each_other_widen_the_interval() -> None:
+    """Two specimens with the same lowest activity: which of them is the end of the mapping is not known."""
+    names, force = ("S1", "S3"), np.linspace(0.5, 7, 100)
+    rng = np.random.default_rng(6)
+    values = np.array([[[20.0, 20.0]], [[14.0, 7.0]]]) + rng.standard_normal((2, 10, 2))
+    values += np.array([[20.0, 20.0], [14.0, 7.0]])[:, None] - values.mean(axis=1, keepdims=True)
+    log_low = mean_over_steps(0.0, 1.0, np.array([0.5, 0.8]))[0]
+    values[1, :, 0] += (20 + 20 * log_low) - (14 + 7 * log_low)
+    own = [
+        Profile(n, 5.0, *v.mean(axis=0), force, force, "measured", 10, force, np.outer(np.eye(2)[i], [1, 1]))
+        for i, (n, v) in enumerate(zip(names, values, strict=True))
+    ]
+    profiles = dataclasses.replace(profiles_of(*own), errors=errors_of(values, names, "press"))
+    for schedule in build_schedules(profiles, ScheduleSettings(conditions=("modular",)), {}):
+        assert schedule.interval_percent is not None
+        low, high = schedule.interval_percent[:, 0]
+        assert low == pytest.approx(20)
+        assert high > 20.5
+
+
+def test_the_interval_of_a_linear_mapping_is_that_of_repeated_studies() -> None:
+    """The half-width is Student's t times the SD of the stiffness over many studies."""
+    how: dict[str, Any] = {"unit": "person", "conditions": ("modular",)}
+    many = np.array([[s.stiffness_percent for s in with_errors(seed=i, **how)] for i in range(300)])
+    halves = []
+    for i in range(40):
+        found = [s.interval_percent for s in with_errors(seed=1000 + i, **how)]
+        halves.append([np.diff(f, axis=0)[0] / 2 for f in found if f is not None])
+    np.testing.assert_allclose(np.mean(halves, axis=0)[1, 2:-2] / many.std(axis=0)[1, 2:-2], 2.26, rtol=0.15)
+
+
+def test_one_press_of_a_specimen_leaves_all_without_an_interval() -> None:
+    assert all(s.interval_percent is None for s in with_errors(n=1))
+    assert all("interval" not in s.provenance for s in with_errors(n=1))
+
+
+def test_a_wrong_interval_is_refused() -> None:
+    schedule = with_errors()[0]
+    assert schedule.interval_percent is not None
+    with pytest.raises(ScheduleError, match="column stiffness_low_percent"):
+        check(dataclasses.replace(schedule, interval_percent=schedule.interval_percent[::-1]))
+    with pytest.raises(ScheduleError, match="one value for each in every column"):
+        check(dataclasses.replace(schedule, interval_percent=schedule.interval_percent[:, :-1]))
