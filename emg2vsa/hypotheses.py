@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from emg2vsa.companions.table import TableTests, table_tests
 from emg2vsa.fits import Fits, usable
 from emg2vsa.settings import HypothesisSettings
 from emg2vsa.statistics.clusters import Clusters, Names, clusters_of, in_order
+from emg2vsa.statistics.drift import Drift, drift
 from emg2vsa.statistics.power import n_for_power, power_rm
 from emg2vsa.statistics.trend import Trend, trend
 
@@ -61,8 +62,17 @@ class Hypotheses:
     "Of b over the number of the repetition."
     laws: ForceLaws
     "Power law and straight line beside the logarithm."
+    place: Floats
+    "(P, S) of the recording in the participant's session, from 1; NaN where nobody knows."
+    drift: Drift
+    "Of b over a session."
     alpha: float
     notes: tuple[str, ...]
+
+    def places(self) -> dict[tuple[str, str], float]:
+        """``place`` by participant and specimen."""
+        names = product(self.participants.tolist(), self.specimens.tolist())
+        return dict(zip(names, self.place.ravel().tolist(), strict=True))
 
 
 def test_hypotheses(
@@ -71,11 +81,13 @@ def test_hypotheses(
     participants: Sequence[str] = (),  # noqa: PT028 - a function of the package, not a test
     specimens: Sequence[str] = (),  # noqa: PT028
     laws: ForceLaws | None = None,  # noqa: PT028
+    place: Mapping[tuple[str, str], float] | None = None,  # noqa: PT028
 ) -> Hypotheses:
     """Test b of the trials that ``settings.use`` admits. Never raises for a small or incomplete study.
 
     participants, specimens : who was asked to press what; those of ``fits`` count as asked in any case.
-    laws : where they were compared already; ``fits`` then need no force bins.
+    laws : where they were compared already; ``fits`` then need no force bins. place : of recordings in the session of
+    their participant, by participant and specimen.
     """
     admitted = usable(fits, settings.use)
     clusters = clusters_of(fits.participant, fits.specimen, fits.b_v, admitted)
@@ -85,6 +97,10 @@ def test_hypotheses(
     tests = table_tests(clusters, settings.alpha, settings.equivalence_margin_sd, "sd")
     worst = _worst(tests.pairs.lsd.p, clusters, kept)
     power, power_note = _power(clusters, settings.alpha)
+    cells = list(product(clusters.participants.tolist(), clusters.specimens.tolist()))
+    known = np.array([(place or {}).get(cell, np.nan) for cell in cells])
+    at = {cell: i for i, cell in enumerate(cells)}
+    own = [at[cell] for cell in zip(fits.participant[admitted].tolist(), fits.specimen[admitted].tolist(), strict=True)]
     return Hypotheses(
         participants=clusters.participants,
         specimens=clusters.specimens,
@@ -105,6 +121,14 @@ def test_hypotheses(
             1 - settings.alpha,
         ),
         laws=laws or force_laws(fits, settings.use, 1 - settings.alpha),
+        place=known.reshape(clusters.count.shape),
+        drift=drift(
+            fits.participant[admitted],
+            fits.specimen[admitted],
+            known[own],
+            fits.repetition[admitted].astype(np.float64),
+            fits.b_v[admitted],
+        ),
         alpha=settings.alpha,
         notes=(*_left_out(clusters), *_incomplete(clusters, kept, tests.pairs.lsd.p), power_note),
     )

@@ -278,15 +278,11 @@ def test_identical_values_are_undefined_not_significant() -> None:
     assert any("6 of 6 pairs" in note for note in result.notes)
 
 
-def test_claims_trend_and_laws() -> None:
+def test_trend_and_laws() -> None:
     """b has no trend here and no force bins: the one is tested, the other says why it is not."""
     fits, b = study()
     fits = dataclasses.replace(fits, repetition=np.arange(b.size) % 10 + 1)
     found = hypotheses.test_hypotheses(fits, dataclasses.replace(PAPER, equivalence_margin_sd=1.0))
-    claims = found.claims
-    assert claims["kept_pairs_within_participants"] == found.worst_p
-    assert claims["specimens_within_participants"] == np.max(found.tests.between_groups.anova.p)
-    assert claims["participants_equal"] > 0.05
     assert found.trend.blocks.size == 14
     assert found.trend.p > 0.001
     assert np.isnan(found.laws.p).all()

@@ -1,17 +1,323 @@
-"""What the study claims of people: b by specimen, people, clusters, the law, the interpolated profile."""
+"""What the study claims of people: b by specimen, people, clusters, the law, the interpolated profile.
+
+People are the unit: of every person's presses on a specimen the mean counts once. A comparison of specimens is free of
+drift where the order of acquisition tells it, and else as uncertain as drift allows (``emg2vsa.statistics.drift``).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
-from emg2vsa.claims.claim import Claim
-from emg2vsa.fits import Fits
-from emg2vsa.hypotheses import Hypotheses
-from emg2vsa.profiles import Profiles
-from emg2vsa.study import Study
+import numpy as np
+from scipy import special
+
+from emg2vsa.arrays import Floats, Ints, mean_of
+from emg2vsa.claims.claim import (
+    UNKNOWN,
+    Asserts,
+    Claim,
+    Ends,
+    Found,
+    largest,
+    moved,
+    size,
+    smallest,
+    student,
+)
+from emg2vsa.claims.ratio import biased, most_by_drift, ratio
+from emg2vsa.companions.force_laws import LAWS, ForceLaws, log_ratios
+from emg2vsa.fits import Fits, usable
+from emg2vsa.profiles import ByPerson
+from emg2vsa.settings import ClaimSettings
+from emg2vsa.statistics.clusters import Clusters, Names, clusters_of
+from emg2vsa.statistics.drift import Drift, Slope, drift
+
+QUESTION = "co-contraction of people"
+ALONE = "Presses of one person say nothing on people."
+ORDERS = {
+    "differs": "",
+    "same": "All people pressed the specimens in the same order, so that drift may look like a difference.",
+    "unknown": "Nobody knows in which order specimens were pressed, so that drift may look like a difference.",
+}
+"""Why a comparison of specimens is uncertain."""
+_BY_BIN, _FEWEST_FOR_SHAPE = 1, 4
+_PERCENT = 100.0
+
+
+@dataclass(frozen=True, eq=False)
+class PressTable:
+    """n presses that count; all arrays (n,). v = a + b ln(F / N), in one unit of activity.
+
+    place : of the press's recording in the session of the person, NaN where nobody knows.
+    """
+
+    participant: Names
+    specimen: Names
+    repetition: Ints
+    a_v: Floats
+    b_v: Floats
+    place: Floats
+
+    @classmethod
+    def of(cls, fits: Fits, use: str, place: Mapping[tuple[str, str], float]) -> PressTable:
+        """The presses of ``fits`` that ``use`` admits; place : of recordings by participant and specimen."""
+        at = usable(fits, use)
+        cells = zip(fits.participant[at].tolist(), fits.specimen[at].tolist(), strict=True)
+        known = np.array([place.get(cell, np.nan) for cell in cells], dtype=np.float64)
+        return cls(fits.participant[at], fits.specimen[at], fits.repetition[at], fits.a_v[at], fits.b_v[at], known)
 
 
 def people_claims(
-    study: Study, fits: Fits, hypotheses: Hypotheses | None, profiles: Profiles | None
+    table: PressTable,
+    stiffness_n_per_mm: Mapping[str, float],
+    kept: Sequence[str],
+    margins: ClaimSettings,
+    *,
+    laws: ForceLaws | None = None,
+    new: str = "",
+    by_person: ByPerson | None = None,
+    force_n: tuple[float, float] = (0.5, 7.0),
 ) -> Iterator[Claim]:
-    yield from ()
+    """Claims on ``table``. kept : specimens that are said to differ, all where it is empty. laws : the logarithm and
+    its rivals. new : specimen whose profile was interpolated, "" for none; by_person : that profile beside a measured
+    one, None where nobody pressed such a specimen. force_n : ends of the force range, newtons.
+    """
+    cells = _Cells(table)
+    kept = kept or cells.names
+    yield from _steps(cells, stiffness_n_per_mm, kept, margins.slope_percent / _PERCENT)
+    yield _claim(
+        "equal_participants", "people do not differ on any specimen",
+        "largest SD of b between people, over that of presses", "within", cells.of_people(), margins.people_f,
+        why=cells.alone,
+    )  # fmt: skip
+    yield _claim(
+        "gaussian_clusters", "every cluster of b is Gaussian", "mean skewness, or half the mean excess kurtosis",
+        "within", cells.shape(), margins.cluster_shape, why=cells.alone,
+    )  # fmt: skip
+    yield _claim(
+        "log_fit_r2", "the law a + b ln F describes every press",
+        "by how much the best other law predicts better, % of the error", "within",
+        UNKNOWN if laws is None else _of_laws(laws), margins.law_percent / _PERCENT, "fits", _PERCENT, cells.alone,
+    )  # fmt: skip
+    if new:
+        yield _interpolated(cells, new, by_person, stiffness_n_per_mm, margins, force_n)
+
+
+def _claim(
+    key: str, says: str, estimand: str, asserts: Asserts, found: Found, margin: float, section: str = "hypotheses",
+    factor: float = 1.0, why: str = "",
+) -> Claim:  # fmt: skip
+    return Claim(key, QUESTION, says, estimand, asserts, found, margin, "person", section, factor=factor, why=why)
+
+
+@dataclass(frozen=True, eq=False)
+class _Cells:
+    """The presses by person and specimen."""
+
+    table: PressTable
+
+    @cached_property
+    def clusters(self) -> Clusters:
+        table = self.table
+        return clusters_of(table.participant, table.specimen, table.b_v, np.isfinite(table.b_v))
+
+    @property
+    def names(self) -> list[str]:
+        return [str(name) for name in self.clusters.specimens]
+
+    @property
+    def alone(self) -> str:
+        return ALONE if self.clusters.participants.size == 1 else ""
+
+    @cached_property
+    def mean(self) -> Floats:
+        """(P, S) of b, NaN without a press."""
+        return mean_of(self.clusters.values)
+
+    @cached_property
+    def place(self) -> Floats:
+        """(P, S) of the recordings; of several recordings of a cell the mean."""
+        table = self.table
+        return mean_of(clusters_of(table.participant, table.specimen, table.place, np.isfinite(table.b_v)).values)
+
+    def drift(self, values: Floats) -> Drift:
+        """Of one value a press."""
+        table = self.table
+        return drift(table.participant, table.specimen, table.place, table.repetition.astype(np.float64), values)
+
+    @cached_property
+    def drift_of_b(self) -> Drift:
+        return self.drift(self.table.b_v)
+
+    def at(self, name: str) -> int:
+        return self.names.index(name) if name in self.names else -1
+
+    def step(self, stiffer: str, softer: str, kept: Sequence[int]) -> Found:
+        """b of ``stiffer`` less that of ``softer``, over the mean b of a person on the kept specimens."""
+        i, j = self.at(stiffer), self.at(softer)
+        if min(i, j) < 0:
+            return UNKNOWN
+        difference, level = self.mean[:, i] - self.mean[:, j], mean_of(self.mean[:, kept])
+        who = np.isfinite(difference + level)
+        apart = (self.place[:, i] - self.place[:, j])[who]
+        return contrast(difference[who], level[who], apart, self.drift_of_b)
+
+    def of_people(self) -> Found:
+        """Cohen's f between people, the largest over the specimens."""
+        values = self.clusters.values.transpose(1, 0, 2)
+        return largest(people_f(each) for each in values) if values.size else UNKNOWN
+
+    def shape(self) -> Found:
+        values = self.clusters.values
+        by_person = (mean_of(each) for each in shape_of(values))
+        skewness, kurtosis = (_over_people(each) for each in by_person)
+        return largest((size(skewness), size(moved(kurtosis, lambda excess: excess / 2))))
+
+
+def contrast(top: Floats, bottom: Floats, apart: Floats, by: Drift) -> Found:
+    """Mean of ``top`` (n people), a difference of recordings that lie ``apart`` places, over that of ``bottom``."""
+    if top.size < 2:
+        return UNKNOWN
+    if by.order == "differs":
+        free = max((top.size - 1) * (by.places - 1), 2)
+        moved_by = by.by_order.times(float(np.mean(apart)))
+        rest = top - by.by_order.value * apart
+        # one degree of freedom went to the slope
+        widened = np.mean(rest) + (rest - np.mean(rest)) * np.sqrt(free / (free - 1))
+        return ratio(widened, bottom, Slope(0.0, moved_by.error, moved_by.df))
+    most, level = most_by_drift(by, float(np.mean(apart))), abs(float(np.mean(bottom)))
+    return biased(ratio(top, bottom), lambda confidence: most(confidence) / level if level else np.inf)
+
+
+def _steps(cells: _Cells, stiffness: Mapping[str, float], kept: Sequence[str], margin: float) -> Iterator[Claim]:
+    others = [name for name in cells.names if name not in kept]
+    at = [cells.at(name) for name in kept if name in cells.names]
+
+    def why(names: Sequence[str]) -> str:
+        unknown = [name for name in names if name not in stiffness]
+        missing = [name for name in names if name not in cells.names]
+        if unknown or missing:
+            said = f"The stiffness of {', '.join(unknown)} is not known." if unknown else ""
+            return said or f"Nobody pressed {', '.join(missing)}."
+        few = "This takes two specimens or more." if len(names) < 2 else ""
+        return few or cells.alone or ORDERS[cells.drift_of_b.order]
+
+    def neighbours(names: Sequence[str], touching: Sequence[str]) -> Iterator[Found]:
+        """Steps from each to the next stiffer; of unknown stiffness there is no next."""
+        if all(name in stiffness for name in names):
+            for softer, stiffer in pairwise(sorted(names, key=stiffness.__getitem__)):
+                if softer in touching or stiffer in touching:
+                    yield cells.step(stiffer, softer, at)
+
+    yield _claim(
+        "specimens_differ", f"b rises with stiffness from each to the next of {', '.join(kept)}",
+        "smallest step of b to the next stiffer specimen, % of the mean", "more", smallest(neighbours(kept, kept)),
+        margin, factor=_PERCENT, why=why(kept),
+    )  # fmt: skip
+    if others:
+        yield _claim(
+            "others_not_distinct", f"{', '.join(others)} {'is' if len(others) == 1 else 'are'} not distinct",
+            "smallest difference of b from the next specimen, % of the mean", "within",
+            smallest(map(size, neighbours((*kept, *others), others))), margin, factor=_PERCENT,
+            why=why((*kept, *others)),
+        )  # fmt: skip
+
+
+def people_f(values: Floats) -> Found:
+    """SD between people over that of presses, from ``values`` (P, R) of one specimen, NaN where there is none.
+
+    The interval is exact for people with as many presses each; else that of Thomas and Hultquist (1978), with the
+    harmonic mean of the counts and unweighted means. UNKNOWN below two people, or without two presses of anybody.
+    """
+    there = np.isfinite(values)
+    count = np.count_nonzero(there, axis=1)
+    values, count = values[count > 0], count[count > 0]
+    df1, df2 = count.size - 1.0, float(count.sum() - count.size)
+    if df1 < 1 or df2 < 1:
+        return UNKNOWN
+    mean = mean_of(values)
+    within = float(np.nansum((values - mean[:, None]) ** 2)) / df2
+    if not within > 0:
+        return UNKNOWN
+    presses = count.size / float(np.sum(1 / count))
+    f_ratio = presses * float(np.var(mean, ddof=1)) / within
+
+    def size_at(quantile: float) -> float:
+        return float(np.sqrt(max(f_ratio / float(special.fdtri(df1, df2, quantile)) - 1, 0.0) / presses))
+
+    def interval(confidence: float) -> Ends:
+        return size_at(0.5 + 0.5 * confidence), size_at(0.5 - 0.5 * confidence)
+
+    return Found(float(np.sqrt(max(f_ratio - 1, 0.0) / presses)), interval)
+
+
+def shape_of(values: Floats) -> tuple[Floats, Floats]:
+    """Skewness and excess kurtosis of clusters (..., R), free of bias for Gaussian ones; NaN below four values."""
+    there = np.isfinite(values)
+    n = np.count_nonzero(there, axis=-1).astype(np.float64)
+    n[n < _FEWEST_FOR_SHAPE] = np.nan
+    rest = np.where(there, values - mean_of(values)[..., None], 0.0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        m2, m3, m4 = (np.sum(rest**power, axis=-1) / n for power in (2, 3, 4))
+        skewness = np.sqrt(n * (n - 1)) / (n - 2) * m3 / m2**1.5
+        kurtosis = (n - 1) / ((n - 2) * (n - 3)) * ((n + 1) * (m4 / m2**2 - 3) + 6)
+    return skewness, kurtosis
+
+
+def _over_people(values: Floats) -> Found:
+    """Mean of one value a person, Student's t; people without one do not count."""
+    own = values[np.isfinite(values)]
+    if own.size < 2:
+        return UNKNOWN
+    return student(float(np.mean(own)), float(np.std(own, ddof=1) / np.sqrt(own.size)), own.size - 1.0)
+
+
+def _of_laws(laws: ForceLaws) -> Found:
+    """1 less the error of the best other law over that of the logarithm, of force bins that were left out."""
+    by_law = log_ratios(laws.participant, laws.error)[_BY_BIN]
+    rivals = [_over_people(-by_law[place]) for place in range(1, len(LAWS))]
+    return largest(moved(rival, lambda log: float(-np.expm1(-log))) for rival in rivals)
+
+
+def _interpolated(
+    cells: _Cells, new: str, of: ByPerson | None, stiffness: Mapping[str, float], margins: ClaimSettings,
+    force_n: tuple[float, float],
+) -> Claim:  # fmt: skip
+    level, difference = margins.profile_percent, margins.neighbour_percent
+    matters = f"{level:g} % of the level, {difference:g} % of the difference of its neighbours"
+    why = "Nobody pressed a specimen of this stiffness besides those that the interpolation takes."
+    return _claim(
+        "interpolation_rmse", f"the profile interpolated for {new} agrees with a measured one",
+        f"largest error at an end of the force range, over what matters at its upper end ({matters})", "within",
+        UNKNOWN if of is None else _error(cells, of, stiffness, margins, np.array(force_n)), 1.0, "profiles",
+        why=why if of is None else cells.alone or ORDERS[cells.drift_of_b.order],
+    )  # fmt: skip
+
+
+def _error(
+    cells: _Cells, of: ByPerson, stiffness: Mapping[str, float], margins: ClaimSettings, ends_n: Floats
+) -> Found:
+    """At both ends of the force range: a straight line in ln F is largest there."""
+    people = cells.clusters.participants.tolist()
+    who = [people.index(name) for name in of.participants]
+    stiffer, softer, measured = (cells.place[who, cells.at(name)] for name in (*of.bracket, of.measured_as))
+    weight = _softer_weight(*(stiffness.get(name, np.nan) for name in (*of.bracket, of.measured_as)))
+    apart = (1 - weight) * stiffer + weight * softer - measured
+    scales = (
+        of.level_v(ends_n)[:, -1] * margins.profile_percent / _PERCENT,
+        of.neighbours_v(ends_n)[:, -1] * margins.neighbour_percent / _PERCENT,
+    )
+    found = []
+    for error, log_force in zip(of.error_v(ends_n).T, np.log(ends_n), strict=True):
+        by = cells.drift(cells.table.a_v + cells.table.b_v * log_force)
+        found += [size(contrast(error, scale, apart, by)) for scale in scales]
+    return largest(found)
+
+
+def _softer_weight(stiffer: float, softer: float, new: float) -> float:
+    """Of places, by whatever rule the profiles were weighted; half where a stiffness is not known."""
+    weight = (stiffer - new) / (stiffer - softer) if stiffer != softer else 0.5
+    return weight if weight == weight else 0.5

@@ -11,14 +11,14 @@ from emg2vsa.arrays import Floats
 from emg2vsa.claims.claim import UNKNOWN, Ends, Found, student
 from emg2vsa.statistics.drift import Drift, Slope
 
-_ROUNDING = 1e-12
+_ROUNDING = 1e-24
 
 
 def ratio(top: Floats, bottom: Floats, more: Slope | None = None) -> Found:
     """Mean of ``top`` (n,) over mean of ``bottom`` (n,), of n units; UNKNOWN below two, or where nothing scatters.
 
     more : an error of the mean of ``top`` besides its scatter, whose value counts for nothing. The interval is that of
-    all ratios r which Student's t of top - r bottom does not reject; without ends where the mean of ``bottom`` may be 0.
+    all ratios r which Student's t of top - r bottom does not reject; endless where the mean of ``bottom`` may be 0.
     """
     n = top.size
     if n < 2:

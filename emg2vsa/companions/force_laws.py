@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, mean_of
 from emg2vsa.curves.exponential import fit_exponential
 from emg2vsa.curves.line import fit_line
 from emg2vsa.curves.logarithmic import fit_log
@@ -141,19 +141,24 @@ def _linear(seen_f: Floats, seen_v: Floats, force_n: Floats) -> Floats:
     return fit_line(f, v, there.astype(np.float64)).at(force_n)
 
 
-def _compared(participant: Names, specimen: Names, error: Floats, confidence: float) -> ForceLaws:
-    people = in_order(participant)
+def log_ratios(participant: Names, error: Floats) -> Floats:
+    """ln of a law's error over that of the logarithm, (2, L, P): mean over the cells of each of P participants.
+
+    participant : (C,). error : (2, L, C) as in ``ForceLaws``. Participants are in natural order; NaN without a cell.
+    """
+    log_ratio = _by_cell(error)
+    return np.stack([mean_of(log_ratio[..., participant == name]) for name in in_order(participant).tolist()], axis=-1)
+
+
+def _by_cell(error: Floats) -> Floats:
     with np.errstate(divide="ignore", invalid="ignore"):
         log_ratio = np.log(error / error[:, :1])
-    log_ratio = np.where(np.isfinite(log_ratio), log_ratio, np.nan)
-    there = np.isfinite(log_ratio)
-    of_person = np.full((*error.shape[:2], people.size), np.nan)
-    for i, name in enumerate(people.tolist()):
-        own = there & (participant == name)
-        count = np.count_nonzero(own, axis=2)
-        of_person[..., i] = np.where(
-            count > 0, np.sum(np.where(own, log_ratio, 0.0), axis=2) / np.maximum(count, 1), np.nan
-        )
+    return np.where(np.isfinite(log_ratio), log_ratio, np.nan)
+
+
+def _compared(participant: Names, specimen: Names, error: Floats, confidence: float) -> ForceLaws:
+    log_ratio = _by_cell(error)
+    of_person = log_ratios(participant, error) if participant.size else np.empty((*error.shape[:2], 0))
     known = np.isfinite(of_person)
     n = np.count_nonzero(known, axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -172,5 +177,5 @@ def _compared(participant: Names, specimen: Names, error: Floats, confidence: fl
         ratio_high=np.exp(mean + reach),
         p=2 * special.stdtr(df, -np.abs(t)),
         better=np.count_nonzero(log_ratio < 0, axis=2),
-        compared=np.count_nonzero(there[:, 0], axis=1),
+        compared=np.count_nonzero(np.isfinite(log_ratio[:, 0]), axis=1),
     )

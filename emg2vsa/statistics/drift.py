@@ -74,8 +74,9 @@ def drift(
     recording. unit : over which trends within recordings are averaged; blocks unless given.
     """
     there = np.isfinite(values)
-    block, group, place, repetition, values = (each[there] for each in (block, group, place, repetition, values))
-    unit = block if unit is None else unit[there]
+    unit = (block if unit is None else unit)[there]
+    block, group = block[there], group[there]
+    place, repetition, values = place[there], repetition[there], values[there]
     if not values.size:
         return Drift("unknown", Slope(), Slope(), 0)
     keys = np.stack([np.unique(each, return_inverse=True)[1] for each in (block, group, place)], axis=1)
@@ -100,7 +101,7 @@ def _within(unit: Names, recording: Names, repetition: Floats, values: Floats) -
 
 
 def _by_order(levels: Ints, place: Floats, mean: Floats) -> Slope | None:
-    """Least squares with a level for every block and every group; None where these tell the place, or but for one block.
+    """Least squares with a level for every block and every group; None where these tell place, or but for one block.
 
     The error is that of least squares, or that of a mean of the slopes of blocks, weighted by what each tells of place,
     where this is larger: people drift at rates of their own. Its degrees of freedom count blocks by that weight.

@@ -1,4 +1,4 @@
-"""Claims on the rig: what they estimate, what they need, and how often a verdict is false in worlds of a known truth."""
+"""Claims on the rig: what they estimate, what they need, how often a verdict is false in worlds of a known truth."""
 
 from __future__ import annotations
 

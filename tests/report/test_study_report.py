@@ -85,7 +85,7 @@ def test_numbers_on_the_page_are_those_of_results_json(written, read_page):
     found = json.loads((written / "results.json").read_text())
     text = read_page(written / "index.html").text
     between = (found[f"hypotheses.between_participants.{kind}"] for kind in ("significant", "tested"))
-    assert "participants differ on {} of {} specimens".format(*between) in text
+    assert "One-way ANOVA: {} of {} differ".format(*between) in text
     off = re.search(r"Fitted slopes are (\S+) % off", text.replace("\N{NO-BREAK SPACE}", " "))
     assert float(off[1].replace("−", "-")) == float(f"{100 * found['recovery.mean_b_error']:.2g}")
     assert f"RMSE to the measured S2: {found['profiles.S_new.rmse_v'] * 1e6:#.3g} µV" in text

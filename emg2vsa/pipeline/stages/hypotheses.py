@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from emg2vsa.pipeline.stage import Given, Stage
+from emg2vsa.pipeline.stage import Given, Keyed, Stage
+from emg2vsa.readers.acquisition_order import order_files, places
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
 
     from emg2vsa.fits import Fits
     from emg2vsa.hypotheses import Hypotheses
@@ -16,7 +18,19 @@ if TYPE_CHECKING:
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     study = campaign.study
-    return {"hypotheses": study.hypotheses, "participants": study.participants, "palpated": study.palpated}
+    recordings = {(entry.participant, entry.specimen): entry.emg_file for entry in study.recordings}
+    return {
+        "hypotheses": study.hypotheses,
+        "participants": study.participants,
+        "palpated": study.palpated,
+        "recordings": Keyed(recordings, [(*cell, path.name) for cell, path in recordings.items()]),
+    }
+
+
+def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
+    """What tells the order of the recordings."""
+    study = campaign.study
+    return {"order": order_files((entry.emg_file for entry in study.recordings), study.data)}
 
 
 def run(given: Given) -> Hypotheses:
@@ -35,7 +49,10 @@ def run(given: Given) -> Hypotheses:
 
     fits = concatenate(recordings(), bins=False)
     laws = compare_laws(errors, 1 - of.alpha)
-    return test_hypotheses(fits, of, given.settings["participants"], given.settings["palpated"], laws)
+    order = places(given.settings["recordings"], given.files["order"])
+    return test_hypotheses(fits, of, given.settings["participants"], given.settings["palpated"], laws, order)
 
 
-STAGE = Stage(per="study", of="people", needs=("fits",), run=run, settings=settings, gives="The tests on people are")
+STAGE = Stage(
+    per="study", of="people", needs=("fits",), run=run, settings=settings, files=files, gives="The tests on people are"
+)

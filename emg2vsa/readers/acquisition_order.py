@@ -1,0 +1,101 @@
+"""In which order a participant's recordings were made: from scans.tsv of BIDS, or from a table order.tsv."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+from emg2vsa.errors import DataError
+
+SCANS, ORDER = "_scans.tsv", "order.tsv"
+_TABLES_IN = (Path("derivatives", "truth"), Path())
+"""Where in a folder of recordings ``order.tsv`` may lie; a simulation writes it beside its truth."""
+_ABSENT = ("", "n/a")
+
+_SCANS, _ORDER = ("filename",), ("participant", "specimen", "order")
+"""Columns that they must have."""
+
+Cell = tuple[str, str]
+"""Participant and specimen."""
+
+
+def order_files(recordings: Iterable[Path], data: Path) -> list[Path]:
+    """The files that tell the order of ``recordings``, which lie in ``data``; none where nothing was written down."""
+    folders = dict.fromkeys(folder for path in recordings for folder in (path.parent, path.parent.parent))
+    scans = [path for folder in folders for path in sorted(folder.glob(f"*{SCANS}"))]
+    return scans + [path for folder in _TABLES_IN if (path := data / folder / ORDER).is_file()][:1]
+
+
+def places(recordings: Mapping[Cell, Path], files: Sequence[Path]) -> dict[Cell, float]:
+    """Place of every recording in the order of its participant, from 1, NaN where not all of these are known.
+
+    files : as ``order_files`` gives them. The times of scans.tsv count before ``order.tsv``. Recordings of the same
+    time have no order. DataError : a table cannot be read, or states what is no time or place.
+    """
+    times: dict[Path, float] = {}
+    stated: dict[Cell, float] = {}
+    for file in files:
+        if file.name == ORDER:
+            stated = {(row["participant"], row["specimen"]): _place(file, row["order"]) for row in _rows(file, _ORDER)}
+        else:
+            times |= {(file.parent / row["filename"]).absolute(): _time(file, row) for row in _rows(file, _SCANS)}
+    found: dict[Cell, float] = {}
+    for participant in dict.fromkeys(participant for participant, _ in recordings):
+        own = [cell for cell in recordings if cell[0] == participant]
+        by_time = _ranks([times.get(recordings[cell].absolute(), math.nan) for cell in own])
+        ranks = by_time or _ranks([stated.get(cell, math.nan) for cell in own])
+        found |= dict(zip(own, ranks or [math.nan] * len(own), strict=True))
+    return found
+
+
+def _ranks(values: Sequence[float]) -> list[float]:
+    """From 1; none where a value is unknown, or occurs twice."""
+    known = sorted(value for value in values if value == value)
+    if len(set(known)) < len(values):
+        return []
+    return [known.index(value) + 1.0 for value in values]
+
+
+def _rows(file: Path, columns: Sequence[str]) -> list[dict[str, str]]:
+    try:
+        with file.open(encoding="utf-8-sig", newline="") as lines:
+            table = csv.DictReader(lines, delimiter="\t")
+            rows = [{key: value or "" for key, value in row.items() if key} for row in table]
+    except (OSError, ValueError, csv.Error) as error:
+        raise DataError(
+            file, wanted="a tab-separated table in UTF-8", found=str(error), do="Correct the file, or move it away."
+        ) from error
+    head = table.fieldnames or ()
+    if not set(columns) <= set(head):
+        raise DataError(
+            file, wanted=f"columns {', '.join(columns)}", found=", ".join(head) or "nothing",
+            do="Correct the table, or move it away.",
+        )  # fmt: skip
+    return rows
+
+
+def _time(file: Path, row: Mapping[str, str]) -> float:
+    """Seconds; NaN where the table does not say."""
+    text = row.get("acq_time", "")
+    if text in _ABSENT:
+        return math.nan
+    try:
+        time = datetime.fromisoformat(text)
+    except ValueError as error:
+        raise DataError(
+            f"{file}, acq_time of {row['filename']}", wanted="a date and time, such as 2026-01-06T09:05:00, or n/a",
+            found=repr(text), do="Correct this cell.",
+        ) from error  # fmt: skip
+    return (time if time.tzinfo else time.replace(tzinfo=UTC)).timestamp()
+
+
+def _place(file: Path, text: str) -> float:
+    try:
+        return math.nan if text in _ABSENT else float(text)
+    except ValueError as error:
+        raise DataError(
+            f"{file}, order", wanted="a number, or n/a", found=repr(text), do="Correct this cell."
+        ) from error
