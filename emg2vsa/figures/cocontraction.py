@@ -75,11 +75,18 @@ def _label_trends(axes: Axes, profiles: Sequence[Profile], scale: ActivityScale)
 
 
 def draw_interpolation(
-    measured: Sequence[Profile], new: Profile, looks: Mapping[str, Look], scale: ActivityScale, rmse: float
+    measured: Sequence[Profile],
+    new: Profile,
+    half_v: Floats,
+    looks: Mapping[str, Look],
+    scale: ActivityScale,
+    rmse: float,
 ) -> Figure:
-    """``rmse`` in stored units, NaN where nobody measured the new specimen."""
+    """``half_v`` (G,) of the band of ``new``. ``rmse`` in stored units, NaN where nobody measured the new specimen."""
     figure, (axes,) = new_figure(ONE_COLUMN_MM, 70, (13, 3, 11, 12))
     every = [*measured, new]
+    low, high = (scale.factor * (new.v + sign * half_v) for sign in (-1, 1))
+    axes.fill_between(new.force_n, low, high, color=NEW.colour, alpha=0.18, linewidth=0)
     for profile in every:
         label = f"{profile.specimen}{' (interpolated)' if profile.source == 'interpolated' else ''}"
         _trend(axes, profile, NEW if profile is new else looks[profile.specimen], scale, label)
@@ -92,18 +99,24 @@ def draw_interpolation(
 
 
 def draw_schedules(schedules: Sequence[Schedule], looks: Mapping[str, Look]) -> Figure:
-    """Left, the steps of the modular schedules, marked at their middle; right, the constant levels of each specimen."""
+    """Left, the steps of the modular schedules, marked at their middle; right, the constant levels of each specimen.
+
+    Bands are their intervals.
+    """
     figure, (steps, levels) = new_figure(ONE_COLUMN_MM, 74, (14, 2, 11, 10), shares=(3, 1), gap_mm=3)
     specimens = list(dict.fromkeys(schedule.specimen for schedule in schedules))
     for schedule in schedules:
         if schedule.condition == "modular":
             edges, look = schedule.step_force_n, looks[schedule.specimen]
+            if schedule.interval_percent is not None:
+                low, high = np.append(schedule.interval_percent, schedule.interval_percent[:, -1:], axis=1)
+                steps.fill_between(edges, low, high, step="post", color=look.colour, alpha=0.18, linewidth=0)
             steps.stairs(schedule.stiffness_percent, edges, baseline=None, color=look.colour, linewidth=1.0)
             middle = (edges[1:] + edges[:-1]) / 2
             marks(steps, middle, schedule.stiffness_percent, look, label=schedule.specimen)
     for place, specimen in enumerate(specimens):
-        constant = {s.condition: float(s.stiffness_percent[0]) for s in schedules if s.specimen == specimen}
-        _levels(levels, place, constant, looks[specimen])
+        constant = [s for s in schedules if s.specimen == specimen and s.condition != "modular"]
+        _levels(levels, place, {s.condition: s for s in constant}, looks[specimen])
     steps.set(xlabel="Force (N)", ylabel="Stiffness preset (% of maximum)", xlim=(0, None), ylim=(0, 100))
     levels.set(xlabel="Constant", xlim=(-0.7, len(specimens) - 0.3), ylim=(0, 100), xticks=[])
     levels.tick_params(axis="y", left=False, labelleft=False)
@@ -116,8 +129,11 @@ def draw_schedules(schedules: Sequence[Schedule], looks: Mapping[str, Look]) -> 
     return figure
 
 
-def _levels(axes: Axes, place: int, percent: Mapping[str, float], look: Look) -> None:
-    """percent : level by condition, of one specimen."""
+def _levels(axes: Axes, place: int, constant: Mapping[str, Schedule], look: Look) -> None:
+    """constant : schedules by condition, of one specimen."""
+    for interval in (s.interval_percent for s in constant.values() if s.interval_percent is not None):
+        axes.fill_between([place - 0.3, place + 0.3], *interval[:, 0], color=look.colour, alpha=0.18, linewidth=0)
+    percent = {condition: float(s.stiffness_percent[0]) for condition, s in constant.items()}
     ends = [percent[name] for name in ("constant-min", "constant-max") if name in percent]
     axes.hlines(ends, place - 0.3, place + 0.3, colors=look.colour, linewidth=1.6)
     if len(ends) > 1:

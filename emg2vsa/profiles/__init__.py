@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from emg2vsa.profiles.build import build_profiles
 from emg2vsa.profiles.by_person import ByPerson, by_person
-from emg2vsa.profiles.errors import MeanErrors, errors_of, mean_errors
+from emg2vsa.profiles.errors import MeanErrors, Unit, errors_of, mean_errors
 from emg2vsa.profiles.profile import ByRule, LeftOut, Profile, Profiles
 
 __all__ = [
-    "ByPerson", "ByRule", "LeftOut", "MeanErrors", "Profile", "Profiles", "build_profiles", "by_person", "errors_of",
-    "mean_errors",
+    "ByPerson", "ByRule", "LeftOut", "MeanErrors", "Profile", "Profiles", "Unit", "build_profiles", "by_person",
+    "errors_of", "mean_errors",
 ]  # fmt: skip

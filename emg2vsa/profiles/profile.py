@@ -86,6 +86,13 @@ class Profiles:
     errors: MeanErrors | None = None
     "Of mean a and b of all measured specimens; None where they are not known."
 
+    @property
+    def drawn(self) -> str:
+        """What was drawn at random, and makes the errors."""
+        if self.participant:
+            return f"the presses of {self.participant}"
+        return f"{0 if self.errors is None else self.errors.count.max(initial=0)} people"
+
     def half_width_v(self, profile: Profile) -> Floats:
         """Half of the pointwise interval (G,) of one of these profiles at its forces; NaN where it is not known."""
         if self.errors is None:

@@ -35,8 +35,9 @@ def schedule(
         fits, or of ``profile.specimens`` where that names some.
     settings : tables ``profile``, ``schedule``, ``window``, ``hypotheses`` (which verdicts enter).
 
-    Columns: specimen, condition, step, force_from_n, force_to_n, stiffness_percent, the preset as the actuator's files
-    have it (qbmove: preset_ticks), stiffness_nm_per_rad, activity_v.
+    Columns: specimen, condition, step, force_from_n, force_to_n, stiffness_percent with the ends of its 95 % interval
+    (stiffness_low_percent, stiffness_high_percent), the preset as the actuator's files have it (qbmove: preset_ticks),
+    stiffness_nm_per_rad, activity_v.
 
     DataError, ScheduleError : no schedule can be made.
     """
@@ -98,7 +99,8 @@ def schedules_frame(found: Sequence[Schedule]) -> pd.DataFrame:
                 "specimen": one.specimen, "condition": one.condition,
                 "step": np.arange(1, one.stiffness_percent.size + 1),
                 "force_from_n": one.step_force_n[:-1], "force_to_n": one.step_force_n[1:],
-                "stiffness_percent": one.stiffness_percent, one.limits.export.column: one.exported,
+                "stiffness_percent": one.stiffness_percent, "stiffness_low_percent": one.interval[0],
+                "stiffness_high_percent": one.interval[1], one.limits.export.column: one.exported,
                 "stiffness_nm_per_rad": one.stiffness_nm_per_rad, "activity_v": one.activity_v,
             }
         )
@@ -117,7 +119,8 @@ def profiles_frame(found: Profiles) -> pd.DataFrame:
         pd.DataFrame(
             {
                 "specimen": one.specimen, "source": one.source, "stiffness_n_per_mm": one.stiffness_n_per_mm,
-                "force_n": one.force_n, "activity_v": one.v, "sd_v": one.sd_v, "a_v": one.a_v, "b_v": one.b_v,
+                "force_n": one.force_n, "activity_v": one.v, "sd_v": one.sd_v,
+                "half_width_v": found.half_width_v(one), "a_v": one.a_v, "b_v": one.b_v,
             }
         )
         for one in every

@@ -113,12 +113,12 @@ def _shares(
 
 
 def _interval_text(profiles: Profiles, errors: MeanErrors) -> str:
-    whose = f"presses of {profiles.participant}" if profiles.participant else f"{errors.count.max(initial=0)} people"
     alike = f", of which successive ones correlate by {errors.rho:.2g}" if errors.rho else ""
     not_in = ", without that of the choice of the person" if profiles.participant else ""
+    confidence = f"{100 * errors.confidence:g} % by Student's t"
     return (
-        f"{100 * errors.confidence:g} % by Student's t, from the scatter between the {whose}{alike}; with the error of "
-        f"both ends of the mapping{not_in}"
+        f"{confidence}, from the scatter between {profiles.drawn}{alike}; with the error of both ends of the mapping"
+        + not_in
     )
 
 

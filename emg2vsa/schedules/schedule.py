@@ -86,6 +86,11 @@ class Schedule:
     "(2, K) low and high of ``stiffness_percent``; None: not known. Of what, ``provenance`` says under ``interval``."
 
     @property
+    def interval(self) -> Floats:
+        """(2, K) low and high of ``stiffness_percent``; NaN where it is not known."""
+        return np.full((2, self.preset.size), np.nan) if self.interval_percent is None else self.interval_percent
+
+    @property
     def exported(self) -> np.ndarray[tuple[int], np.dtype[np.generic]]:
         """(K,) presets in the unit of the schedule's files (qbmove: whole ticks)."""
         export, full = self.limits.export, self.limits.full_preset

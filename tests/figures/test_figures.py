@@ -91,7 +91,12 @@ def test_a_single_trial_without_spread_is_drawn():
 def test_interpolated_and_measured_of_the_same_name_look_different():
     measured, new = profile("S2", 1.7e-5), profile("S2", 1.6e-5, source="interpolated")
     with style():
-        axes = draw_interpolation([measured], new, looks(["S2"]), activity_scale("V", new.v), 2e-6).axes[0]
+        half_v = np.full(new.v.size, 1e-6)
+        axes = draw_interpolation([measured], new, half_v, looks(["S2"]), activity_scale("V", new.v), 2e-6).axes[0]
+    (band,) = axes.collections
+    low, high = np.array([new.v.min(), new.v.max()]) * 1e6 + [-1, 1]
+    extent = band.get_paths()[0].get_extents()
+    assert (extent.ymin, extent.ymax) == (pytest.approx(low), pytest.approx(high))
     first, second = axes.lines
     assert first.get_color() != second.get_color()
     assert first.get_marker() != second.get_marker()

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from emg2vsa.discrimination import discriminate
 from emg2vsa.report.inputs import Runs
@@ -125,3 +126,47 @@ def test_only_known_and_usable_trials_enter(results):
     assert recover(results.people.fits, known, "ok").n == 16
     assert recover(results.people.fits, known, "ok", "S1").n == 0
     assert np.isnan(recover(results.people.fits, known, "ok", "S1").mean_b_error)
+
+
+def test_mean_slopes_have_students_interval_over_people(results) -> None:
+    q, fits = contents(results).quantities, results.recorded.fits
+    for specimen in ("S1", "S5"):
+        of = results.used & (fits.specimen == specimen)
+        people = [np.mean(fits.b_v[of & (fits.participant == who)]) for who in np.unique(fits.participant[of])]
+        mean, half = np.mean(people), stats.t.ppf(0.975, len(people) - 1) * stats.sem(people)
+        assert len(people) > 1
+        assert q[f"fit.{specimen}.b_v.mean"] == pytest.approx(mean)
+        assert q[f"fit.{specimen}.b_v.low"] == pytest.approx(mean - half)
+        assert q[f"fit.{specimen}.b_v.high"] == pytest.approx(mean + half)
+
+
+def test_mean_slopes_of_one_person_have_it_over_presses(results) -> None:
+    fits = results.recorded.fits
+    alone = fits.participant == "P02"
+    verdict = np.where(alone, fits.verdict, "rejected")
+    one = replace(results, people=replace(results.people, fits=replace(fits, verdict=verdict), hypotheses=None))
+    q = contents(one).quantities
+    b = fits.b_v[alone & (fits.specimen == "S1")]
+    plain = stats.t.ppf(0.975, b.size - 1) * stats.sem(b)
+    assert float(q["fit.S1.b_v.high"]) - b.mean() >= plain * (1 - 1e-9)
+
+
+def test_profiles_and_schedules_show_their_intervals(results) -> None:
+    content = contents(results)
+    q, profiles = content.quantities, results.recorded.profiles
+    assert profiles is not None
+    assert profiles.new is not None
+    name = profiles.new.specimen
+    half = profiles.half_widths(profiles.new)[1]
+    assert (q[f"profiles.{name}.b_v.low"], q[f"profiles.{name}.b_v.high"]) == pytest.approx(
+        (profiles.new.b_v - half, profiles.new.b_v + half)
+    )
+    assert q[f"profiles.{name}.half_width_v"] == pytest.approx(np.max(profiles.half_width_v(profiles.new)))
+    for schedule in results.recorded.schedules:
+        key = f"schedules.{schedule.specimen}.{schedule.condition}"
+        low, high = schedule.interval
+        assert q[f"{key}.half_width_percent"] == pytest.approx(np.max(high - low) / 2)
+        if schedule.condition != "modular":
+            assert (q[f"{key}.percent.low"], q[f"{key}.percent.high"]) == (low[0], high[0])
+    row = content.tables["schedules"].rows[3]
+    assert row["stiffness_low_percent"] <= row["stiffness_percent"] <= row["stiffness_high_percent"]

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.collections import PolyCollection
 from scipy.integrate import quad
 
 from emg2vsa.devices.joints import joint_of
@@ -342,6 +343,17 @@ def test_an_end_without_rivals_has_no_width_and_presets_do_not_change() -> None:
     without = {(s.specimen, s.condition): s for s in build_schedules(PROFILES, ScheduleSettings(), {})}
     assert all(s.interval_percent is None and "interval" not in s.provenance for s in without.values())
     assert [s.preset.size for s in made.values()] == [s.preset.size for s in without.values()]
+
+
+def test_the_figure_has_a_band_for_every_interval() -> None:
+    drawn = with_errors()
+    with style():
+        steps, levels = draw_schedules(drawn, looks(["S1", "S3", "S5"])).axes
+    bands = [each for axes in (steps, levels) for each in axes.collections if isinstance(each, PolyCollection)]
+    assert len(bands) == len(drawn) == 12
+    modular = drawn[0].interval
+    extent = bands[0].get_paths()[0].get_extents()
+    assert (extent.ymin, extent.ymax) == (pytest.approx(modular.min()), pytest.approx(modular.max()))
 
 
 def test_ends_that_rival_each_other_widen_the_interval() -> None:

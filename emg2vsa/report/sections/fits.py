@@ -10,10 +10,12 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.companions.force_laws import LAWS, LEFT_OUT, ForceLaws
+from emg2vsa.profiles import Unit, mean_errors
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, least, moments, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.table import Column, Columns, Table, activity_column, table_of
+from emg2vsa.report.wording import percent
 from emg2vsa.truth import Recovery, recover
 
 _R2 = {
@@ -45,11 +47,30 @@ def _quantities(results: StudyResults) -> Items:
         yield f"fit.{specimen}.n", int(np.count_nonzero(of))
         yield from moments(f"fit.{specimen}.a{results.activity_suffix}", fits.a_v[of])
         yield from moments(f"fit.{specimen}.b{results.activity_suffix}", fits.b_v[of])
+    for specimen, (low, high) in _means_of_b(results).items():
+        yield f"fit.{specimen}.b{results.activity_suffix}.low", low
+        yield f"fit.{specimen}.b{results.activity_suffix}.high", high
     if people.truth is not None and fits.activity_unit == "V":
         for specimen, recovery in _recoveries(results):
             yield from fields_of(f"recovery.{specimen}".rstrip("."), recovery, *vars(recovery))
     if people.hypotheses is not None:
         yield from _laws(people.hypotheses.laws)
+
+
+def _means_of_b(results: StudyResults) -> dict[str, tuple[float, float]]:
+    """Specimen to the interval of its mean b: over people, or over the presses of one person."""
+    fits, used = results.recorded.fits, results.used
+    pressed = [name for name in results.specimens if np.any(used & (fits.specimen == name))]
+    if not pressed:
+        return {}
+    errors = mean_errors(fits, used, pressed, _unit(results), presses_weigh=True)
+    half = errors.half_width(np.eye(len(pressed))[:, :, None] * [0.0, 1.0])
+    means = [float(np.mean(fits.b_v[used & (fits.specimen == name)])) for name in pressed]
+    return {name: (b - h, b + h) for name, b, h in zip(pressed, means, half.tolist(), strict=True)}
+
+
+def _unit(results: StudyResults) -> Unit:
+    return "person" if np.unique(results.recorded.fits.participant[results.used]).size > 1 else "press"
 
 
 def _laws(laws: ForceLaws) -> Items:
@@ -121,6 +142,7 @@ def _every(results: StudyResults) -> Table:
 def _by_specimen(results: StudyResults) -> Table:
     fits, scale, specimens = results.recorded.fits, results.scale, results.study.specimens
     every = [fits.specimen == specimen.name for specimen in specimens]
+    interval: dict[str, tuple[float | None, float | None]] = {**_means_of_b(results)}
     used = [results.used & of for of in every]
 
     def over(statistic: Callable[[Floats], Any], values: Floats, least: int = 1) -> list[float | None]:
@@ -133,13 +155,20 @@ def _by_specimen(results: StudyResults) -> Table:
         Column("used", "Used"): [int(np.count_nonzero(of)) for of in used],
         activity_column("a_mean_v", "Mean a", scale): over(np.mean, fits.a_v),
         activity_column("b_mean_v", "Mean b", scale): over(np.mean, fits.b_v),
+        activity_column("b_low_v", "Low", scale): [interval.get(name, (None, None))[0] for name in results.specimens],
+        activity_column("b_high_v", "High", scale): [interval.get(name, (None, None))[1] for name in results.specimens],
         activity_column("b_sd_v", "SD b", scale): over(partial(np.std, ddof=1), fits.b_v, 2),
         Column("adj_r2_bins_min", "Worst adj. R², bins"): over(np.min, fits.adj_r2_bins),
         Column("adj_r2_bins_median", "Median adj. R², bins"): over(np.median, fits.adj_r2_bins),
         Column("adj_r2_samples_min", "Worst adj. R², samples"): over(np.min, fits.adj_r2_samples),
         Column("adj_r2_samples_median", "Median adj. R², samples"): over(np.median, fits.adj_r2_samples),
     }
-    return table_of("fits_by_specimen", "Fits v = a + b ln F of the trials used, by specimen", columns)
+    over_what = "people" if _unit(results) == "person" else "presses"
+    caption = (
+        "Fits v = a + b ln F of the trials used, by specimen; low and high: interval of the mean b over "
+        f"{over_what}, {percent(fits.confidence)}"
+    )
+    return table_of("fits_by_specimen", caption, columns)
 
 
 def _recovery(results: StudyResults) -> Table:

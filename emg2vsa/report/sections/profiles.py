@@ -16,9 +16,9 @@ from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.report.drawing import STARS, Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items
+from emg2vsa.report.numbers import Items, most, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
-from emg2vsa.report.table import Column, Columns, Table, activity_column, records, table_of
+from emg2vsa.report.table import Column, Columns, Table, activity_column, table_of
 from emg2vsa.report.wording import activity, count, listed, number, p_text, percent
 
 _ALL_PAIRS_UP_TO = 4
@@ -31,7 +31,7 @@ def _quantities(results: StudyResults) -> Items:
         return
     yield "profiles.participant", profiles.participant or "all"
     for profile in profiles.profiles:
-        yield from _coefficients(profile, v)
+        yield from _coefficients(profiles, profile, v)
         yield f"profiles.{profile.specimen}.n_trials", profile.n_trials
     if (choice := results.recorded.choice) is not None:
         yield "profiles.choice.medoid", choice.medoid
@@ -45,7 +45,7 @@ def _quantities(results: StudyResults) -> Items:
     if profiles.new is not None:
         name = f"profiles.{profiles.new.specimen}"
         yield f"{name}.alpha", profiles.weight_alpha
-        yield from _coefficients(profiles.new, v)
+        yield from _coefficients(profiles, profiles.new, v)
         for made in profiles.by_rule:
             yield f"{name}.by_{made.rule}.alpha", made.alpha
             if made.error is not None:
@@ -56,21 +56,32 @@ def _quantities(results: StudyResults) -> Items:
             yield f"{name}.rmse_relative", profiles.new_error.relative
 
 
-def _coefficients(profile: Profile, v: str) -> Items:
-    yield f"profiles.{profile.specimen}.a{v}", profile.a_v
-    yield f"profiles.{profile.specimen}.b{v}", profile.b_v
+def _coefficients(profiles: Profiles, profile: Profile, v: str) -> Items:
+    for name, of, half in zip("ab", (profile.a_v, profile.b_v), profiles.half_widths(profile), strict=True):
+        yield from with_interval(f"profiles.{profile.specimen}.{name}{v}", of, of - half, of + half)
+    yield f"profiles.{profile.specimen}.half_width{v}", most(profiles.half_width_v(profile))
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     profiles, scale = results.recorded.profiles, results.scale
     if profiles is None:
         return
-    columns = (
-        Column("specimen", "Specimen"), Column("stiffness_n_per_mm", "Stiffness κ (N/mm)"), Column("source", "Source"),
-        Column("n_trials", "Trials"), activity_column("a_v", "a", scale), activity_column("b_v", "b", scale),
-    )  # fmt: skip
     shown = [*profiles.profiles, *([profiles.new] if profiles.new else [])]
-    yield Table("profiles", f"Mean profiles of {_whose(profiles)}", columns, records(shown, columns))
+    half_b = np.array([profiles.half_widths(profile)[1] for profile in shown])
+    b = np.array([profile.b_v for profile in shown])
+    columns: Columns = {
+        Column("specimen", "Specimen"): [p.specimen for p in shown],
+        Column("stiffness_n_per_mm", "Stiffness κ (N/mm)"): [p.stiffness_n_per_mm for p in shown],
+        Column("source", "Source"): [p.source for p in shown],
+        Column("n_trials", "Trials"): [p.n_trials for p in shown],
+        activity_column("a_v", "a", scale): [p.a_v for p in shown],
+        activity_column("b_v", "b", scale): b,
+        activity_column("b_low_v", "b low", scale): b - half_b,
+        activity_column("b_high_v", "b high", scale): b + half_b,
+        activity_column("half_width_v", "Band ±, at most", scale): [most(profiles.half_width_v(p)) for p in shown],
+    }
+    caption = f"Mean profiles of {_whose(profiles)}"
+    yield table_of("profiles", f"{caption}; {_interval_of(profiles)}" if profiles.errors else caption, columns)
     every = profiles.leave_one_out
     left_out: Columns = {
         Column("specimen", "Left out"): [left.specimen for left in every],
@@ -81,6 +92,14 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     yield table_of("leave_one_out", "Each measured profile beside its interpolation from its neighbours", left_out)
     if results.recorded.choice is not None:
         yield _choice(results.recorded.choice, results, q)
+
+
+def _interval_of(profiles: Profiles) -> str:
+    """What the intervals of profiles are; only where there are some."""
+    assert profiles.errors is not None
+    return (
+        f"intervals and bands: {number(100 * profiles.errors.confidence)} %, from the scatter between {profiles.drawn}"
+    )
 
 
 def _whose(profiles: Profiles) -> str:
@@ -190,7 +209,8 @@ def _interpolation(results: StudyResults, profiles: Profiles, new: Profile) -> D
         measured.append(profiles.new_measured)
         measured.sort(key=lambda profile: results.specimens.index(profile.specimen))
     rmse = error.rmse_v if error else float("nan")
-    figure = draw_interpolation(measured, new, looks(results.specimens), scale, rmse)
+    half_v = profiles.half_width_v(new)
+    figure = draw_interpolation(measured, new, half_v, looks(results.specimens), scale, rmse)
     beside = (
         f"RMSE to the measured {error.specimen}: {activity(rmse, scale)}, "
         f"{percent(error.relative)} of its root mean square."
@@ -201,12 +221,17 @@ def _interpolation(results: StudyResults, profiles: Profiles, new: Profile) -> D
         f"Fig. 11. Profile of {new.specimen} ({number(new.stiffness_n_per_mm)} N/mm), interpolated from "
         f"{listed(profiles.bracket or ())}, with the measured profiles. {beside}"
     )
+    if np.isfinite(half_v).all():
+        caption += f" The band is its interval at each force; {_interval_of(profiles)}."
     every = slice(None, None, max(1, new.force_n.size // 10))
     # of two profiles of one name the new one counts
     drawn = {f"{p.specimen}_v": p for p in [*measured, new]}
     columns = {Column("force_n", "Force (N)"): new.force_n[every]} | {
         activity_column(key, p.specimen, scale): p.v[every] for key, p in drawn.items()
     }
+    for end, sign in (("low", -1), ("high", 1)):
+        key = f"{new.specimen}_{end}_v"
+        columns[activity_column(key, f"{new.specimen} {end}", scale)] = (new.v + sign * half_v)[every]
     title = f"Interpolated profile of {new.specimen} beside measured profiles"
     table = table_of("fig11", "Numbers of figure 11", columns)
     return Drawing("fig11_interpolation", title, caption, caption, figure, table)

@@ -6,11 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 
+import numpy as np
+
 from emg2vsa.figures.cocontraction import draw_schedules
 from emg2vsa.figures.palette import ActivityScale, looks
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items
+from emg2vsa.report.numbers import Items, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.table import Column, Columns, Table, activity_column, table_of
 from emg2vsa.report.wording import listed, number
@@ -40,8 +42,13 @@ def _by_rule(results: StudyResults) -> dict[str, Schedule]:
 
 
 def _range(schedule: Schedule, name: str) -> Items:
-    yield f"{name}.min_percent", float(schedule.stiffness_percent.min())
-    yield f"{name}.max_percent", float(schedule.stiffness_percent.max())
+    for end, place in (("min", schedule.stiffness_percent.argmin()), ("max", schedule.stiffness_percent.argmax())):
+        yield from _percent(schedule, f"{name}.{end}_percent", int(place))
+
+
+def _percent(schedule: Schedule, name: str, place: int) -> Items:
+    low, high = (float(end[place]) for end in schedule.interval)
+    yield from with_interval(name, float(schedule.stiffness_percent[place]), low, high)
 
 
 def _schedule(schedule: Schedule, name: str) -> Items:
@@ -51,8 +58,9 @@ def _schedule(schedule: Schedule, name: str) -> Items:
         yield from _range(schedule, name)
         yield f"{name}.max_nm_per_rad", float(schedule.stiffness_nm_per_rad.max())
     else:
-        yield f"{name}.percent", float(schedule.stiffness_percent[0])
+        yield from _percent(schedule, f"{name}.percent", 0)
         yield f"{name}.nm_per_rad", float(schedule.stiffness_nm_per_rad[0])
+    yield f"{name}.half_width_percent", float(np.max(np.diff(schedule.interval, axis=0))) / 2
     yield f"{name}.duration_s", float(schedule.ramp.duration_s)
 
 
@@ -97,6 +105,8 @@ def _steps(schedules: Sequence[Schedule], scale: ActivityScale) -> Table:
             **_forces(s),
             activity_column("activity_v", "Co-contraction", scale): s.activity_v,
             Column("stiffness_percent", "Stiffness (%)"): s.stiffness_percent,
+            Column("stiffness_low_percent", "Low (%)"): s.interval[0],
+            Column("stiffness_high_percent", "High (%)"): s.interval[1],
             Column(export.column, f"Preset ({export.unit})"): s.exported,
             Column("stiffness_nm_per_rad", "Stiffness at zero load (N·m/rad)"): s.stiffness_nm_per_rad,
         })
@@ -123,13 +133,15 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
         "all exported specimens. Left: modular stiffness, step by step. Right: constant stiffness, at the "
         "minimum (lower bar), mean (mark) and maximum (upper bar) of each profile."
     )
-    told = [
+    if told := schedules[0].provenance.get("interval"):
+        caption += f" Bands: {told}."
+    levels = [
         f"{s.specimen} {s.condition}: {number(s.stiffness_percent.min())}"
         + (f" to {number(s.stiffness_percent.max())} %" if s.condition == "modular" else " %")
         for s in schedules
     ]
     title = "Stiffness preset against force"
-    yield Drawing("fig05_schedules", title, caption, "; ".join(told) + ".", figure, None)
+    yield Drawing("fig05_schedules", title, caption, "; ".join(levels) + ".", figure, None)
 
 
 _TEXT = """
@@ -144,6 +156,9 @@ _TEXT = """
 {{ limits.export.remark }}
 {% endif %}
 {% if short %}The last force step is shorter than the others.{% endif %}</p>
+{% if interval %}
+<p>Intervals of the stiffness: {{ interval }}. The presets do not depend on them.</p>
+{% endif %}
 {{ folded("fig05_schedules", "Figure 5: stiffness schedules") }}
 {{ folded("schedules", "Every schedule in numbers") }}
 {{ folded("schedules_by_rule", "The new specimen's schedule by the bracket and by the paper's weight") }}
@@ -152,7 +167,11 @@ _TEXT = """
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    return {"short": any(s.last_step_short and s.condition == "modular" for s in results.recorded.schedules)}
+    schedules = results.recorded.schedules
+    return {
+        "short": any(s.last_step_short and s.condition == "modular" for s in schedules),
+        "interval": schedules[0].provenance.get("interval", "") if schedules else "",
+    }
 
 
 SCHEDULES = Section("schedules", "Stiffness schedules", _TEXT, of_people, _quantities, _tables, _drawings, _words)
