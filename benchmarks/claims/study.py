@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from functools import cache
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +13,12 @@ import numpy as np
 from benchmarks.claims.kappa import calibrations_of
 from benchmarks.claims.people import drawn, fits_of
 from benchmarks.claims.rig import Draw, even, table_of
-from benchmarks.claims.worlds import World
+from benchmarks.claims.worlds import SPECIMENS, World
 from emg2vsa.claims.claim import Claim, Judged, judge
 from emg2vsa.claims.kappa import kappa_claims
-from emg2vsa.claims.people import people_claims
+from emg2vsa.claims.people import claims_of_study
 from emg2vsa.claims.rig import rig_claims
-from emg2vsa.profiles import build_profiles
+from emg2vsa.companions.force_laws import force_laws
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
 
@@ -44,12 +45,11 @@ def claims_of(world: World, seeds: Sequence[int], draw: Draw = drawn) -> list[li
     calibrations = calibrations_of(tables, study.calibration)
     found = []
     for rng, table, calibration in zip(rngs, tables, calibrations, strict=True):
-        fits, _ = fits_of(world.people, rng)
-        profiles = build_profiles(fits, study.stiffness_n_per_mm, study.profile, study.window, study.hypotheses.use)
-        hypotheses = None
+        fits, places = fits_of(world.people, rng)
+        place = dict(zip(product(study.participants, SPECIMENS), places.ravel().tolist(), strict=True))
         found.append(
             [
-                *people_claims(study, fits, hypotheses, profiles),
+                *claims_of_study(study, fits, place, force_laws(fits, study.hypotheses.use)),
                 *rig_claims(table, study.calibration.mounting_sd_percent / 100, study.claims),
                 *kappa_claims(calibration, study.scoring.algorithm, study.claims),
             ]

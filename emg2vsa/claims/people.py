@@ -12,28 +12,18 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, mean_of
-from emg2vsa.claims.claim import (
-    UNKNOWN,
-    Asserts,
-    Claim,
-    Ends,
-    Found,
-    largest,
-    moved,
-    size,
-    smallest,
-    student,
-)
-from emg2vsa.claims.ratio import biased, most_by_drift, ratio
+from emg2vsa.claims.claim import UNKNOWN, Asserts, Claim, Found, largest, moved, size, smallest
+from emg2vsa.claims.drifting import Difference, contrast
+from emg2vsa.claims.spread import mean_of_people, people_f, shape_of
 from emg2vsa.companions.force_laws import LAWS, ForceLaws, log_ratios
 from emg2vsa.fits import Fits, usable
-from emg2vsa.profiles import ByPerson
+from emg2vsa.profiles import ByPerson, by_person
 from emg2vsa.settings import ClaimSettings
 from emg2vsa.statistics.clusters import Clusters, Names, clusters_of
-from emg2vsa.statistics.drift import Drift, Slope, drift
+from emg2vsa.statistics.drift import Drift, drift
+from emg2vsa.study import Study
 
 QUESTION = "co-contraction of people"
 ALONE = "Presses of one person say nothing on people."
@@ -43,7 +33,7 @@ ORDERS = {
     "unknown": "Nobody knows in which order specimens were pressed, so that drift may look like a difference.",
 }
 """Why a comparison of specimens is uncertain."""
-_BY_BIN, _FEWEST_FOR_SHAPE = 1, 4
+_BY_BIN = 1
 _PERCENT = 100.0
 
 
@@ -70,6 +60,18 @@ class PressTable:
         return cls(fits.participant[at], fits.specimen[at], fits.repetition[at], fits.a_v[at], fits.b_v[at], known)
 
 
+def claims_of_study(
+    study: Study, fits: Fits, place: Mapping[tuple[str, str], float], laws: ForceLaws | None
+) -> Iterator[Claim]:
+    """Claims on the people of ``study``. place : of recordings, as for ``PressTable.of``. laws : of these fits."""
+    use, stiffness = study.hypotheses.use, study.stiffness_n_per_mm
+    return people_claims(
+        PressTable.of(fits, use, place), stiffness, study.hypotheses.kept_specimens or study.palpated, study.claims,
+        laws=laws, new=study.profile.new_specimen or "", interpolated=by_person(fits, stiffness, study.profile, use),
+        force_n=study.window.force_n,
+    )  # fmt: skip
+
+
 def people_claims(
     table: PressTable,
     stiffness_n_per_mm: Mapping[str, float],
@@ -78,12 +80,12 @@ def people_claims(
     *,
     laws: ForceLaws | None = None,
     new: str = "",
-    by_person: ByPerson | None = None,
+    interpolated: ByPerson | None = None,
     force_n: tuple[float, float] = (0.5, 7.0),
 ) -> Iterator[Claim]:
     """Claims on ``table``. kept : specimens that are said to differ, all where it is empty. laws : the logarithm and
-    its rivals. new : specimen whose profile was interpolated, "" for none; by_person : that profile beside a measured
-    one, None where nobody pressed such a specimen. force_n : ends of the force range, newtons.
+    its rivals. new : specimen whose profile was interpolated, "" for none; interpolated : that profile beside a
+    measured one, None where nobody pressed such a specimen. force_n : ends of the force range, newtons.
     """
     cells = _Cells(table)
     kept = kept or cells.names
@@ -103,7 +105,7 @@ def people_claims(
         UNKNOWN if laws is None else _of_laws(laws), margins.law_percent / _PERCENT, "fits", _PERCENT, cells.alone,
     )  # fmt: skip
     if new:
-        yield _interpolated(cells, new, by_person, stiffness_n_per_mm, margins, force_n)
+        yield _interpolated(cells, new, interpolated, stiffness_n_per_mm, margins, force_n)
 
 
 def _claim(
@@ -162,34 +164,37 @@ class _Cells:
             return UNKNOWN
         difference, level = self.mean[:, i] - self.mean[:, j], mean_of(self.mean[:, kept])
         who = np.isfinite(difference + level)
-        apart = (self.place[:, i] - self.place[:, j])[who]
-        return contrast(difference[who], level[who], apart, self.drift_of_b)
+        apart, by = (self.place[:, i] - self.place[:, j])[who], self.drift_of_b
+        return contrast(Difference(difference[who], apart, by), Difference(level[who], np.empty(0), by))
 
     def of_people(self) -> Found:
-        """Cohen's f between people, the largest over the specimens."""
-        values = self.clusters.values.transpose(1, 0, 2)
-        return largest(people_f(each) for each in values) if values.size else UNKNOWN
+        """Cohen's f between people, the largest over the specimens.
+
+        No specimen's is smaller than all of that of people's means over the specimens, which a straight drift leaves as
+        it is in the middle of the session, whatever its rate and the order: so the low end is that of these means.
+        """
+        values = self.clusters.values
+        if not values.size:
+            return UNKNOWN
+        there = np.isfinite(values)
+        rest = np.where(there, values - self.mean[..., None], 0.0)
+        by_specimen = [
+            people_f(self.mean[:, s], self.clusters.count[:, s], float(np.sum(rest[:, s] ** 2)))
+            for s in range(values.shape[1])
+        ]
+        of_level = np.nanmean(np.where(there, values, np.nan), axis=(0, 2))
+        level = mean_of((values - of_level[:, None]).reshape(len(values), -1))
+        count = self.clusters.count.sum(axis=1)
+        cells = int(np.count_nonzero(self.clusters.count))
+        over_specimens = people_f(level, count, float(np.sum(rest**2)), cells)
+        most = largest(by_specimen)
+        return Found(most.estimate, lambda c: (over_specimens.interval(c)[0], most.interval(c)[1]))
 
     def shape(self) -> Found:
         values = self.clusters.values
         by_person = (mean_of(each) for each in shape_of(values))
-        skewness, kurtosis = (_over_people(each) for each in by_person)
+        skewness, kurtosis = (mean_of_people(each) for each in by_person)
         return largest((size(skewness), size(moved(kurtosis, lambda excess: excess / 2))))
-
-
-def contrast(top: Floats, bottom: Floats, apart: Floats, by: Drift) -> Found:
-    """Mean of ``top`` (n people), a difference of recordings that lie ``apart`` places, over that of ``bottom``."""
-    if top.size < 2:
-        return UNKNOWN
-    if by.order == "differs":
-        free = max((top.size - 1) * (by.places - 1), 2)
-        moved_by = by.by_order.times(float(np.mean(apart)))
-        rest = top - by.by_order.value * apart
-        # one degree of freedom went to the slope
-        widened = np.mean(rest) + (rest - np.mean(rest)) * np.sqrt(free / (free - 1))
-        return ratio(widened, bottom, Slope(0.0, moved_by.error, moved_by.df))
-    most, level = most_by_drift(by, float(np.mean(apart))), abs(float(np.mean(bottom)))
-    return biased(ratio(top, bottom), lambda confidence: most(confidence) / level if level else np.inf)
 
 
 def _steps(cells: _Cells, stiffness: Mapping[str, float], kept: Sequence[str], margin: float) -> Iterator[Claim]:
@@ -226,59 +231,10 @@ def _steps(cells: _Cells, stiffness: Mapping[str, float], kept: Sequence[str], m
         )  # fmt: skip
 
 
-def people_f(values: Floats) -> Found:
-    """SD between people over that of presses, from ``values`` (P, R) of one specimen, NaN where there is none.
-
-    The interval is exact for people with as many presses each; else that of Thomas and Hultquist (1978), with the
-    harmonic mean of the counts and unweighted means. UNKNOWN below two people, or without two presses of anybody.
-    """
-    there = np.isfinite(values)
-    count = np.count_nonzero(there, axis=1)
-    values, count = values[count > 0], count[count > 0]
-    df1, df2 = count.size - 1.0, float(count.sum() - count.size)
-    if df1 < 1 or df2 < 1:
-        return UNKNOWN
-    mean = mean_of(values)
-    within = float(np.nansum((values - mean[:, None]) ** 2)) / df2
-    if not within > 0:
-        return UNKNOWN
-    presses = count.size / float(np.sum(1 / count))
-    f_ratio = presses * float(np.var(mean, ddof=1)) / within
-
-    def size_at(quantile: float) -> float:
-        return float(np.sqrt(max(f_ratio / float(special.fdtri(df1, df2, quantile)) - 1, 0.0) / presses))
-
-    def interval(confidence: float) -> Ends:
-        return size_at(0.5 + 0.5 * confidence), size_at(0.5 - 0.5 * confidence)
-
-    return Found(float(np.sqrt(max(f_ratio - 1, 0.0) / presses)), interval)
-
-
-def shape_of(values: Floats) -> tuple[Floats, Floats]:
-    """Skewness and excess kurtosis of clusters (..., R), free of bias for Gaussian ones; NaN below four values."""
-    there = np.isfinite(values)
-    n = np.count_nonzero(there, axis=-1).astype(np.float64)
-    n[n < _FEWEST_FOR_SHAPE] = np.nan
-    rest = np.where(there, values - mean_of(values)[..., None], 0.0)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        m2, m3, m4 = (np.sum(rest**power, axis=-1) / n for power in (2, 3, 4))
-        skewness = np.sqrt(n * (n - 1)) / (n - 2) * m3 / m2**1.5
-        kurtosis = (n - 1) / ((n - 2) * (n - 3)) * ((n + 1) * (m4 / m2**2 - 3) + 6)
-    return skewness, kurtosis
-
-
-def _over_people(values: Floats) -> Found:
-    """Mean of one value a person, Student's t; people without one do not count."""
-    own = values[np.isfinite(values)]
-    if own.size < 2:
-        return UNKNOWN
-    return student(float(np.mean(own)), float(np.std(own, ddof=1) / np.sqrt(own.size)), own.size - 1.0)
-
-
 def _of_laws(laws: ForceLaws) -> Found:
     """1 less the error of the best other law over that of the logarithm, of force bins that were left out."""
     by_law = log_ratios(laws.participant, laws.error)[_BY_BIN]
-    rivals = [_over_people(-by_law[place]) for place in range(1, len(LAWS))]
+    rivals = [mean_of_people(-by_law[place]) for place in range(1, len(LAWS))]
     return largest(moved(rival, lambda log: float(-np.expm1(-log))) for rival in rivals)
 
 
@@ -305,16 +261,17 @@ def _error(
     who = [people.index(name) for name in of.participants]
     stiffer, softer, measured = (cells.place[who, cells.at(name)] for name in (*of.bracket, of.measured_as))
     weight = _softer_weight(*(stiffness.get(name, np.nan) for name in (*of.bracket, of.measured_as)))
-    apart = (1 - weight) * stiffer + weight * softer - measured
+    drifts = [cells.drift(cells.table.a_v + cells.table.b_v * log_force) for log_force in np.log(ends_n)]
+    level, share = margins.profile_percent / _PERCENT, margins.neighbour_percent / _PERCENT
     scales = (
-        of.level_v(ends_n)[:, -1] * margins.profile_percent / _PERCENT,
-        of.neighbours_v(ends_n)[:, -1] * margins.neighbour_percent / _PERCENT,
+        Difference(of.level_v(ends_n)[:, -1] * level, np.empty(0), drifts[-1]),
+        Difference(of.neighbours_v(ends_n)[:, -1] * share, (stiffer - softer) * share, drifts[-1]),
     )
-    found = []
-    for error, log_force in zip(of.error_v(ends_n).T, np.log(ends_n), strict=True):
-        by = cells.drift(cells.table.a_v + cells.table.b_v * log_force)
-        found += [size(contrast(error, scale, apart, by)) for scale in scales]
-    return largest(found)
+    errors = [
+        Difference(error, (1 - weight) * stiffer + weight * softer - measured, by)
+        for error, by in zip(of.error_v(ends_n).T, drifts, strict=True)
+    ]
+    return largest(size(contrast(error, scale)) for error in errors for scale in scales)
 
 
 def _softer_weight(stiffer: float, softer: float, new: float) -> float:

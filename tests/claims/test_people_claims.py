@@ -10,7 +10,8 @@ import pytest
 from scipy import stats
 
 from emg2vsa.claims.claim import judge
-from emg2vsa.claims.people import ALONE, PressTable, people_claims, people_f, shape_of
+from emg2vsa.claims.people import ALONE, PressTable, people_claims
+from emg2vsa.claims.spread import people_f, shape_of
 from emg2vsa.companions.force_laws import CellErrors, compare_laws
 from emg2vsa.settings import ClaimSettings
 from tests.people_worlds import KEPT, STIFFNESS, People, profile_of
@@ -148,6 +149,24 @@ def test_presses_that_are_all_alike_have_no_interval():
     assert set(verdicts(alike, new="S_new").values()) == {"not determined"}
 
 
+def spread_of(values):
+    there = np.isfinite(values)
+    mean = np.nanmean(values, axis=1)
+    return people_f(mean, np.count_nonzero(there, axis=1), float(np.nansum((values - mean[:, None]) ** 2)))
+
+
+@pytest.mark.parametrize("order", ["random", "same", "unknown"])
+def test_people_who_drift_at_rates_of_their_own_are_not_refuted_to_be_alike(order):
+    """In the middle of the session they are alike."""
+    world = People(person=0.0, drift=4.0, order=order)
+    for seed in range(40):
+        table = world.presses_of(seed)
+        middle = People(person=0.0, drift=0.0, order=order).presses_of(seed).b_v
+        rate = [np.mean((table.b_v - middle)[table.participant == who]) for who in np.unique(table.participant)]
+        own = np.array(rate)[np.unique(table.participant, return_inverse=True)[1]]
+        assert verdicts(replace(table, b_v=table.b_v - own))["equal_participants"] != "refuted"
+
+
 @pytest.mark.parametrize("counts", [(10,) * 14, (10, 10, 2, 5, 10, 3, 10, 10), (4, 4)])
 @pytest.mark.parametrize("true_f", [0.0, 0.25, 1.5])
 def test_intervals_of_the_spread_of_people_hold_it(counts, true_f):
@@ -157,7 +176,7 @@ def test_intervals_of_the_spread_of_people_hold_it(counts, true_f):
     for _ in range(300):
         values = true_f * rng.standard_normal((len(counts), 1)) + rng.standard_normal((len(counts), 10))
         values[np.arange(10) >= np.array(counts)[:, None]] = np.nan
-        low, high = people_f(values).interval(0.95)
+        low, high = spread_of(values).interval(0.95)
         inside += low <= true_f <= high
     assert inside >= 270
 
@@ -165,8 +184,8 @@ def test_intervals_of_the_spread_of_people_hold_it(counts, true_f):
 def test_the_spread_of_people_over_that_of_presses_is_the_textbooks():
     values = np.random.default_rng(6).normal(size=(6, 4)) + np.arange(6)[:, None]
     f_ratio = stats.f_oneway(*values).statistic
-    assert people_f(values).estimate == pytest.approx(np.sqrt((f_ratio - 1) / 4))
-    low, high = people_f(values).interval(0.9)
+    assert spread_of(values).estimate == pytest.approx(np.sqrt((f_ratio - 1) / 4))
+    low, high = spread_of(values).interval(0.9)
     assert stats.f.cdf(f_ratio / (1 + 4 * high**2), 5, 18) == pytest.approx(0.05)
     assert stats.f.sf(f_ratio / (1 + 4 * low**2), 5, 18) == pytest.approx(0.05)
 
@@ -223,20 +242,22 @@ def test_a_profile_of_nothing_and_that_of_another_specimen_are_refuted():
                       for who in own.participants])  # fmt: skip
     twice = profile_of(table, 2 * own.measured)
     for of in (zero, profile_of(table, other), twice):
-        assert verdicts(table, new="S_new", by_person=of)["interpolation_rmse"] == "refuted"
-    assert verdicts(table, new="S_new", by_person=own)["interpolation_rmse"] != "refuted"
+        assert verdicts(table, new="S_new", interpolated=of)["interpolation_rmse"] == "refuted"
+    assert verdicts(table, new="S_new", interpolated=own)["interpolation_rmse"] != "refuted"
 
 
 def test_a_profile_that_agrees_holds_and_says_in_what_it_is_measured():
     table = People(b=(140.0, 122.0, 106.0, 100.0, 47.0), press=3.0, person=0.1).presses_of(5)
-    claim = claims(table, new="S_new", by_person=profile_of(table))["interpolation_rmse"]
+    claim = claims(table, new="S_new", interpolated=profile_of(table))["interpolation_rmse"]
     assert judge([claim], 0.05)[0].verdict == "holds"
     assert "10 % of the level, 50 % of the difference of its neighbours" in claim.estimand
 
 
-def test_neighbours_that_do_not_differ_leave_the_profile_undetermined():
-    table = People(b=(100.0,) * 5).presses_of(6)
-    assert verdicts(table, new="S_new", by_person=profile_of(table))["interpolation_rmse"] == "not determined"
+@pytest.mark.parametrize("order", ["random", "same", "unknown"])
+def test_neighbours_that_differ_by_drift_alone_leave_the_profile_undetermined(order):
+    for seed in range(20):
+        table = People(b=(100.0,) * 5, drift=4.0, order=order).presses_of(seed)
+        assert verdicts(table, new="S_new", interpolated=profile_of(table))["interpolation_rmse"] == "not determined"
 
 
 def test_without_a_measured_profile_the_claim_says_what_lacks():
@@ -247,7 +268,7 @@ def test_without_a_measured_profile_the_claim_says_what_lacks():
 
 def test_a_study_takes_far_less_than_a_tenth_of_a_second():
     table = People(b=PAPER).presses_of(0)
-    more = {"new": "S_new", "by_person": profile_of(table), "laws": laws_of(1.1)}
+    more = {"new": "S_new", "interpolated": profile_of(table), "laws": laws_of(1.1)}
     verdicts(table, **more)
     started = time.perf_counter()
     for _ in range(5):

@@ -7,7 +7,8 @@ import pytest
 from scipy import stats
 
 from emg2vsa.claims.claim import student
-from emg2vsa.claims.ratio import biased, free_of_drift, ratio
+from emg2vsa.claims.drifting import biased, free_of_drift
+from emg2vsa.claims.ratio import ratio
 from emg2vsa.statistics.drift import Drift, Slope
 
 RNG = np.random.default_rng(1)

@@ -11,9 +11,8 @@ from emg2vsa.claims import arithmetic, calibrated, paper
 from emg2vsa.claims.arithmetic import Counted, arithmetic_claims
 from emg2vsa.claims.claim import Claim, Judged, judge
 from emg2vsa.claims.kappa import kappa_claims
-from emg2vsa.claims.people import PressTable, people_claims
+from emg2vsa.claims.people import claims_of_study
 from emg2vsa.claims.rig import rig_claims
-from emg2vsa.profiles import by_person
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.kappa_tests import kappa_tests
 from emg2vsa.report.numbers import Items
@@ -39,13 +38,9 @@ def _claims(results: StudyResults) -> Iterator[Claim]:
     weight, power = np.nan, np.nan
     if people is not None:
         tested = people.hypotheses
-        table = PressTable.of(people.fits, study.hypotheses.use, tested.places() if tested else {})
-        yield from people_claims(
-            table, study.stiffness_n_per_mm, study.hypotheses.kept_specimens or study.palpated, study.claims,
-            laws=tested.laws if tested else None, new=study.profile.new_specimen or "",
-            by_person=by_person(people.fits, study.stiffness_n_per_mm, study.profile, study.hypotheses.use),
-            force_n=study.window.force_n,
-        )  # fmt: skip
+        yield from claims_of_study(
+            study, people.fits, tested.places() if tested else {}, tested.laws if tested else None
+        )
         power = people.hypotheses.power.repetitions if people.hypotheses else np.nan
         weight = people.profiles.weight_alpha if people.profiles and people.profiles.new else np.nan
     if runs is not None and runs.discrimination is not None:

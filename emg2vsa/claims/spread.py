@@ -1,0 +1,55 @@
+"""What claims on people estimate besides steps: their mean, how they spread, and the shape of their clusters."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import special
+
+from emg2vsa.arrays import Floats, Ints, mean_of
+from emg2vsa.claims.claim import UNKNOWN, Ends, Found, student
+
+_FEWEST_FOR_SHAPE = 4
+
+
+def people_f(mean: Floats, count: Ints, squares: float, cells: int = 0) -> Found:
+    """SD of the means (P,) of people over that of presses. count : (P,) presses. squares : of presses about the mean of
+    their cell, of which there are ``cells``, one a person unless given.
+
+    The interval is exact for people with as many presses each; else that of Thomas and Hultquist (1978), with the
+    harmonic mean of the counts and unweighted means. UNKNOWN below two people, or without two presses of anybody.
+    """
+    mean, count = mean[count > 0], count[count > 0]
+    df1, df2 = count.size - 1.0, float(count.sum() - (cells or count.size))
+    if df1 < 1 or df2 < 1 or not squares > 0:
+        return UNKNOWN
+    presses = count.size / float(np.sum(1 / count))
+    f_ratio = presses * float(np.var(mean, ddof=1)) / (squares / df2)
+
+    def size_at(quantile: float) -> float:
+        return float(np.sqrt(max(f_ratio / float(special.fdtri(df1, df2, quantile)) - 1, 0.0) / presses))
+
+    def interval(confidence: float) -> Ends:
+        return size_at(0.5 + 0.5 * confidence), size_at(0.5 - 0.5 * confidence)
+
+    return Found(float(np.sqrt(max(f_ratio - 1, 0.0) / presses)), interval)
+
+
+def shape_of(values: Floats) -> tuple[Floats, Floats]:
+    """Skewness and excess kurtosis of clusters (..., R), free of bias for Gaussian ones; NaN below four values."""
+    there = np.isfinite(values)
+    n = np.count_nonzero(there, axis=-1).astype(np.float64)
+    n[n < _FEWEST_FOR_SHAPE] = np.nan
+    rest = np.where(there, values - mean_of(values)[..., None], 0.0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        m2, m3, m4 = (np.sum(rest**power, axis=-1) / n for power in (2, 3, 4))
+        skewness = np.sqrt(n * (n - 1)) / (n - 2) * m3 / m2**1.5
+        kurtosis = (n - 1) / ((n - 2) * (n - 3)) * ((n + 1) * (m4 / m2**2 - 3) + 6)
+    return skewness, kurtosis
+
+
+def mean_of_people(values: Floats) -> Found:
+    """Of one value a person (P,), Student's t; people without one do not count. UNKNOWN below two."""
+    own = values[np.isfinite(values)]
+    if own.size < 2:
+        return UNKNOWN
+    return student(float(np.mean(own)), float(np.std(own, ddof=1) / np.sqrt(own.size)), own.size - 1.0)
