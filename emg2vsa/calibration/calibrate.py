@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal, cast
 
 import numpy as np
@@ -64,7 +65,7 @@ class Calibration:
         """(d, S) relative error of each specimen's kappa as the others predict it; .05 is 5 % too stiff."""
         return self.left_out / self.kappa - 1
 
-    @property
+    @cached_property
     def monotone(self) -> NDArray[np.bool_]:
         """(d,) whether mean CASR changes with kappa in one direction, that of the fit.
 

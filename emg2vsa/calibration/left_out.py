@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,7 +41,7 @@ class LeftOut:
     eta_se: Floats
     df: Floats
 
-    @property
+    @cached_property
     def law_p(self) -> Floats:
         """(d,) p of the law: the smallest of S, with Bonferroni's factor; NaN below three specimens."""
         tested = np.count_nonzero(np.isfinite(self.p), axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -57,13 +58,13 @@ class Estimate:
     narrow: NDArray[np.bool_]
     rivals: tuple[Rival, ...]
 
-    @property
+    @cached_property
     def low(self) -> Floats:
         """(d,) N/mm."""
         ends = [np.where(each.counts, each.repeats.low, np.inf) for each in self.rivals]
         return np.asarray(np.minimum.reduce([self.repeats.low, *ends]))
 
-    @property
+    @cached_property
     def high(self) -> Floats:
         """(d,) N/mm, infinite where the specimen may be rigid."""
         ends = [np.where(each.counts, each.repeats.high, -np.inf) for each in self.rivals]
@@ -75,7 +76,7 @@ class Estimate:
         more = f" and {len(told) - 3} more" if len(told) > 3 else ""
         return f"Estimate(kappa {', '.join(told[:3])}{more} N/mm)"
 
-    @property
+    @cached_property
     def determined(self) -> NDArray[np.bool_]:
         """(d,) whether the design promises a narrow interval, by a law that falls and explains kappa better than its
         mean does. How narrow the interval came out does not count: that would pick those that miss kappa."""

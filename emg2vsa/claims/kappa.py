@@ -95,7 +95,8 @@ def _law(found: CalibrationResults, condition: str, angle_deg: float, algorithm:
 
 def _error(law: LawResult | None) -> Found:
     """kappa over the known kappa, minus 1."""
-    return Found(law.on_laws[0].error, law.error_interval) if law and law.determined else UNKNOWN
+    known = law and law.determined and law.on_laws
+    return Found(law.on_laws[0].error, law.error_interval) if law and known else UNKNOWN
 
 
 def _left_out(laws: Iterable[LawResult | None]) -> Iterator[Found]:

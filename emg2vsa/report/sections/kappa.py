@@ -17,7 +17,7 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, with_interval
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Cell, Column, Columns, Table, table_of
-from emg2vsa.report.wording import NO_BREAK, SIMULATED, UNDEFINED, interval, number, signed
+from emg2vsa.report.wording import NO_BREAK, SIMULATED, UNDEFINED, number, signed
 from emg2vsa.settings import PAPER
 
 ACTUATORS = ((RIGID, "rigid", "Rigid"), (HUMAN_LIKE, "human_like", "Human-like"))
@@ -111,7 +111,6 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     same = all(getattr(settings, key) == value for key, value in PAPER["calibration"].items())
     laws = (_PAPERS,) if same else (_PAPERS, _OURS)
     yield _table_one(results, designs, laws)
-    yield _table_one_intervals(results, designs, laws)
     yield _recipes(results, compared)
     yield _every(results)
     yield _laws(results)
@@ -160,7 +159,9 @@ def _table_one(results: StudyResults, designs: _Designs, laws: _Laws) -> Table:
             each = [_at(found, angle, condition, name) for angle, name in designs]
             columns[column] = [_by(of, law).error if of else np.nan for of in each]
             said[column.key] = [
-                _error_said(_by(of, law), _over_array(results, angle, condition, name)[0]) if of else None
+                _error_said(_by(of, law), found.known_kappa_new, _over_array(results, angle, condition, name)[0])
+                if of
+                else None
                 for of, (angle, name) in zip(each, designs, strict=True)
             ]
     made = table_of("table_one", "", columns)
@@ -168,8 +169,8 @@ def _table_one(results: StudyResults, designs: _Designs, laws: _Laws) -> Table:
     shown = tuple(row | {key: cells[i] for key, cells in said.items()} for i, row in enumerate(map(dict, made.rows)))
     caption = (
         f"Table I: error on κ of {found.new_specimen} ({number(found.known_kappa_new)} N/mm). Ours have a sign, plus "
-        "for too stiff. Not determined: the interval is wider than the range of the known stiffnesses. –: not in the "
-        "paper or not pressed here"
+        "for too stiff, and an interval. Not determined: so few presses and mountings promise an interval wider than "
+        "the range of the known stiffnesses, or the law rises or explains nothing. –: not in the paper or not pressed"
     )
     if told := list(_beyond(results, designs)):
         caption += f". Presses with areas above that of the pin array have no CASR: {'; '.join(told)}"
@@ -187,21 +188,17 @@ def _beyond(results: StudyResults, designs: _Designs) -> Iterator[str]:
             yield f"{_name(results, name)}, {lost} of {presses}, up to {number(most, 2)} × the pin array"
 
 
-def _error_said(law: LawResult, over_array: float) -> str:
-    """The error; in its place the largest area over that of the pin array, where areas beyond it leave no κ."""
+def _error_said(law: LawResult, truth: float, over_array: float) -> str:
+    """The error with its interval; in its place the largest area over that of the pin array, where areas beyond it
+    leave no κ."""
     if np.isnan(law.kappa) and over_array == over_array:
         return f"areas up to {number(over_array, 2)} × the pin array"
-    return signed(100 * law.error) if law.determined else "not determined"
-
-
-def _table_one_intervals(results: StudyResults, designs: _Designs, laws: _Laws) -> Table:
-    columns = _first(results, designs)
-    for condition, key, head in ACTUATORS:
-        each = [_at(_found(results), angle, condition, name) for angle, name in designs]
-        for law in laws:
-            column = Column(f"{key}{law[0]}_interval_n_per_mm", f"{head}: {law[1]}")
-            columns[column] = [span(_by(of, law)) if of else UNDEFINED for of in each]
-    return table_of("table_one_laws", "κ and its interval behind Table I (N/mm)", columns)
+    if not law.determined or np.isnan([law.low, law.high]).any():
+        return "not determined"
+    if truth != truth:
+        return UNDEFINED
+    low, high = (signed(100 * (end / truth - 1)) for end in (law.low, law.high))
+    return f"{signed(100 * law.error)} [{low}, {'∞)' if np.isinf(law.high) else f'{high}]'}"
 
 
 _STEPS = {
@@ -245,10 +242,8 @@ def span(law: LawResult) -> str:
         return "none: CASR does not follow κ in one direction, or no score"
     if np.isnan([law.low, law.high]).any():
         return f"{number(law.kappa)}, no interval: not determined"
-    if law.determined:
-        return interval(law.kappa, law.low, law.high)
     upper = "∞)" if np.isinf(law.high) else f"{number(law.high)}]"
-    return f"{number(law.kappa)} [{number(law.low)}, {upper}: not determined"
+    return f"{number(law.kappa)} [{number(law.low)}, {upper}{'' if law.determined else ': not determined'}"
 
 
 def holds(of: AlgorithmResult, truth: float) -> bool | None:
@@ -283,7 +278,10 @@ def _every(results: StudyResults) -> Table:
             of.fused.error if of.fused else None for _, of in own
         ],
     }
-    caption = f"κ of {found.new_specimen} by the {algorithm} algorithm, with the interval from repeated presses"
+    caption = (
+        f"κ of {found.new_specimen} by the {algorithm} algorithm; the interval holds what every law says that the "
+        "known specimens do not reject"
+    )
     return table_of("kappa_new", caption, columns)
 
 
@@ -329,7 +327,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     caption = (
         f"Fig. C1. Calibration: stiffness against CASR by the {algorithm} algorithm; pale marks are presses, others "
         f"their means, the full line the {own[0][1].chosen.law} law, the dotted one the paper's exponential. {new} is "
-        f"read off the full line, with the interval from repeated presses.{origin}"
+        f"read off the full line.{origin}"
     )
     told = "; ".join(f"{title}: {span(of.chosen)} N/mm" for title, _, of in panels)
     yield Drawing(
@@ -368,12 +366,11 @@ for that law. By the true CASR of other simulated sensors it is {{ law_errors[0]
 {{ law_errors[1] | signed }} % off.
 {% endif %}</p>
 {{ folded("table_one", "Table I of the paper beside ours") }}
-<p>By {{ algorithm }}, κ is determined in {{ determined }} of {{ designs }} designs{% if of_held %}; the interval holds
-the known stiffness in {{ held }} of {{ of_held }}{% endif %}.
+<p>By {{ algorithm }}, κ is determined in {{ determined }} of {{ designs }} designs{% if of_held %}, and in {{ held }} of
+these the interval holds the known stiffness{% endif %}.
 {% if mountings_assumed %}The intervals assume an SD of
 {{ q['runs.kappa.mounting_sd_percent'] | number(2) }} % of CASR between mountings, because too few were repeated to show
 it.{% else %}The intervals include the scatter of CASR between mountings that repeated mountings show.{% endif %}</p>
-{{ folded("table_one_laws", "Intervals of κ behind Table I") }}
 {{ folded("recipes", "How each algorithm scores a press") }}
 {{ folded("kappa_new", "κ in every design") }}
 {{ folded("calibration_laws", "The fitted laws") }}
