@@ -366,8 +366,8 @@ for that law. By the true CASR of other simulated sensors it is {{ law_errors[0]
 {{ law_errors[1] | signed }} % off.
 {% endif %}</p>
 {{ folded("table_one", "Table I of the paper beside ours") }}
-<p>By {{ algorithm }}, κ is determined in {{ determined }} of {{ designs }} designs{% if of_held %}, and in {{ held }} of
-these the interval holds the known stiffness{% endif %}.
+<p>By {{ algorithm }}, κ is determined in {{ determined }} of {{ designs }} designs{% if of_held %}, and in {{ held }}
+of these the interval holds the known stiffness{% endif %}.
 {% if mountings_assumed %}The intervals assume an SD of
 {{ q['runs.kappa.mounting_sd_percent'] | number(2) }} % of CASR between mountings, because too few were repeated to show
 it.{% else %}The intervals include the scatter of CASR between mountings that repeated mountings show.{% endif %}</p>
