@@ -1,7 +1,7 @@
 """The initial area: does it hang on the specimen, and on the angle (paper, VI.A and Fig. 8)?
 
 Compared is the area at the force where loading begins. A_c0 itself, the area of the first frame after that, grows with
-the force at which that frame happens to come.
+the force at which that frame happens to come. The paper's rank tests count presses; ratios are over mountings.
 """
 
 from __future__ import annotations
@@ -11,51 +11,43 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.arrays import Floats, mean_of
-from emg2vsa.companions.groups import (
-    EqualityTests,
-    GroupTests,
-    NormalityTests,
-    PairTests,
-    equality_tests,
-    group_tests,
-    normality_of,
-    pair_tests,
-)
+from emg2vsa.companions.groups import NormalityTests, normality_of
+from emg2vsa.discrimination.mountings import UNKNOWN, CellSum, Mountings, Ratios, ratios
 from emg2vsa.discrimination.run_table import RunTable
-from emg2vsa.settings import DiscriminationSettings
+from emg2vsa.statistics.kruskal import KruskalWallis, RankPairs, dunn, kruskal
 
 
 @dataclass(frozen=True)
 class AreaBySpecimen:
     """Known specimens compared within each of D designs: the paper's claim is that it is the same.
 
-    normality : of the D S cells, design by design. equality : of areas over the design's mean, so that its margin is a
-    share. softest_over_stiffest : (D,) ratio of their means.
+    normality : of the D S cells, design by design. mean : (D, S) of presses. softest_over_stiffest : (D,).
     """
 
     normality: NormalityTests
-    groups: GroupTests
-    equality: EqualityTests
-    softest_over_stiffest: Floats
+    mean: Floats
+    kruskal: KruskalWallis
+    softest_over_stiffest: Ratios
 
 
 @dataclass(frozen=True)
 class AreaByAngle:
-    """Angles compared: all specimens of a condition together ("" in ``specimens``), then each specimen alone.
+    """Angles compared, all known specimens together, for q conditions that were pressed at several.
 
-    conditions, specimens : (q,) of each comparison. angles_deg : (A,), the groups. mean : (q, A) of the areas.
+    angles_deg : (A,), the groups. mean : (q, A) of presses. over_first : (q,) of each condition its areas over that at
+    its smallest angle, (A,) each, mean of the specimens; NaN where an angle was not pressed.
     """
 
     conditions: tuple[str, ...]
-    specimens: tuple[str, ...]
     angles_deg: Floats
     mean: Floats
-    groups: GroupTests
-    pairs: PairTests
+    kruskal: KruskalWallis
+    pairs: RankPairs
+    over_first: tuple[Ratios, ...]
 
     def worst_p(self, i: int) -> float:
         """Largest p of the paper's pairwise comparison (mean ranks, Bonferroni); NaN where there is none."""
-        return float(np.fmax.reduce(self.pairs.dunn.p[i], initial=np.nan))
+        return float(np.fmax.reduce(self.pairs.p[i], initial=np.nan))
 
     def falls(self, i: int) -> bool:
         """Whether the mean area falls with every larger angle."""
@@ -63,44 +55,39 @@ class AreaByAngle:
         return bool(mean.size > 1 and np.all(np.diff(mean) < 0))
 
 
-def area_by_specimen(table: RunTable, settings: DiscriminationSettings) -> AreaBySpecimen:
-    """Kruskal-Wallis of the known specimens, with what absence of evidence needs beside it: margin, Bayes factor."""
-    values = table.start_area[table.algorithm][:, table.known]
-    groups = group_tests(values, 1 - settings.alpha)
+def area_by_specimen(table: RunTable, mountings: Mountings, alpha: float) -> AreaBySpecimen:
+    """mountings : of the areas."""
+    known = table.known
+    values = table.start_area[table.algorithm][:, known]
     d, k, n = values.shape
-    centre = mean_of(values.reshape(d, k * n))
-    relative = values / centre[:, None, None]
-    anova = group_tests(relative, 1 - settings.alpha).anova
-    mean = groups.anova.mean
+    over = [mountings.sum({(design, known[-1]): 1.0, (design, known[0]): -1.0}) for design in range(d)]
     return AreaBySpecimen(
-        normality=normality_of(values.reshape(d * k, n)),
-        groups=groups,
-        equality=equality_tests(relative, anova, settings.alpha, settings.equivalence_margin),
-        softest_over_stiffest=mean[:, -1] / mean[:, 0],
+        normality_of(values.reshape(d * k, n)), mean_of(values), kruskal(values), ratios(over, 1 - alpha)
     )
 
 
-def area_by_angle(table: RunTable, settings: DiscriminationSettings) -> AreaByAngle | None:
+def area_by_angle(table: RunTable, mountings: Mountings, alpha: float) -> AreaByAngle | None:
     """None where no condition was pressed at two angles."""
-    angles = np.unique(table.angles_deg)
-    several = [c for c in dict.fromkeys(table.conditions) if len(table.of_condition(c)) > 1]
+    angles, known = np.unique(table.angles_deg), table.known
+    several = tuple(c for c in dict.fromkeys(table.conditions) if len(table.of_condition(c)) > 1)
     if not several:
         return None
-    values = table.start_area[table.algorithm][:, table.known]
+    values = table.start_area[table.algorithm][:, known]
     _, k, n = values.shape
-    comparisons = np.full((len(several), 1 + k, angles.size, k * n), np.nan)
+    pooled = np.full((len(several), angles.size, k * n), np.nan)
+    over = []
     for i, condition in enumerate(several):
-        for design in table.of_condition(condition):
-            angle = int(np.searchsorted(angles, table.angles_deg[design]))
-            comparisons[i, 0, angle] = values[design].ravel()
-            comparisons[i, 1:, angle, :n] = values[design]
-    stacked = comparisons.reshape(-1, angles.size, k * n)
-    groups = group_tests(stacked, 1 - settings.alpha)
-    return AreaByAngle(
-        conditions=tuple(c for c in several for _ in range(1 + k)),
-        specimens=("", *(table.specimens[i] for i in table.known)) * len(several),
-        angles_deg=angles,
-        mean=groups.anova.mean,
-        groups=groups,
-        pairs=pair_tests(stacked, groups, 1 - settings.alpha),
-    )
+        first, *_ = designs = table.of_condition(condition)
+        for design in designs:
+            pooled[i, np.searchsorted(angles, table.angles_deg[design])] = values[design].ravel()
+        places = [table.design(condition, angle) for angle in angles.tolist()]
+        over.append(ratios([_angle(mountings, place, first, known) for place in places], 1 - alpha))
+    ranks = kruskal(pooled)
+    return AreaByAngle(several, angles, mean_of(pooled), ranks, dunn(ranks), tuple(over))
+
+
+def _angle(mountings: Mountings, place: int, first: int, known: list[int]) -> CellSum:
+    """Difference of mean ln area; NaN at the first angle, and where there is no press."""
+    share = 1 / len(known)
+    weights = {(place, s): share for s in known} | {(first, s): -share for s in known}
+    return mountings.sum(weights) if place not in (-1, first) else UNKNOWN

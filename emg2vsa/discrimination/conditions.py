@@ -8,7 +8,7 @@ import numpy as np
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.discrimination.mountings import Mountings
+from emg2vsa.discrimination.mountings import Mountings, Ratios, columns, ratios
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID, RunTable
 from emg2vsa.discrimination.separation import (
     Gaps,
@@ -18,15 +18,6 @@ from emg2vsa.discrimination.separation import (
     pressed_everywhere,
     sd_ratio,
 )
-
-
-@dataclass(frozen=True, eq=False)
-class Ratios:
-    """(q,) ratios and their intervals."""
-
-    estimate: Floats
-    low: Floats
-    high: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +70,8 @@ def compare_conditions(table: RunTable, alpha: float, mounting_sd: float) -> Con
         human=human,
         other=other,
         gap_differences=gaps.at(human).less(gaps.at(other)),
-        level_ratio=_ratios([tuple(np.exp((level.estimate, *level.ends(1 - alpha)))) for level in levels]),
-        cv_ratio=_ratios([sd_ratio(mountings, a, b, 1 - alpha) for a, b in pairs]),
+        level_ratio=ratios(levels, 1 - alpha),
+        cv_ratio=Ratios(*columns([sd_ratio(mountings, a, b, 1 - alpha) for a, b in pairs])),
         mountings=(int(pressed.min()) if pressed.size else 0, int(pressed.max(initial=0))),
         mounting_sd=implied,
         assumed_sd=mounting_sd,
@@ -119,10 +110,6 @@ def implied_sd(table: RunTable, mountings: Mountings, used: list[int], confidenc
     ends = squares / np.array([df, special.chdtri(df, tail), special.chdtri(df, 1 - tail)])
     estimate, low, high = np.sqrt(np.maximum(ends - (of_press if of_press == of_press else 0.0), 0.0)).tolist()
     return estimate, low, high
-
-
-def _ratios(rows: list[tuple[float, ...]]) -> Ratios:
-    return Ratios(*np.array(rows, dtype=np.float64).reshape(-1, 3).T)
 
 
 def _compared(table: RunTable) -> list[tuple[int, int]]:

@@ -18,7 +18,7 @@ from typing import Literal
 import numpy as np
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.discrimination.mountings import CellSum, Mountings, checked
+from emg2vsa.discrimination.mountings import CellSum, Mountings, checked, columns
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID, RunTable
 from emg2vsa.discrimination.separation import pressed_everywhere
 from emg2vsa.statistics.multiplicity import adjust
@@ -119,8 +119,7 @@ def change_of(mountings: Mountings, one: int, other: int, pair: tuple[int, int])
 
 
 def _estimates(sums: list[CellSum], alpha: float) -> Estimates:
-    rows = [(each.estimate, *each.ends(1 - alpha), each.p, each.df) for each in sums]
-    return Estimates(*np.array(rows, dtype=np.float64).reshape(-1, 5).T)
+    return Estimates(*columns([(each.estimate, *each.ends(1 - alpha), each.p, each.df) for each in sums], 5))
 
 
 def _compared(table: RunTable, pairs: int) -> tuple[Ints, Ints, Ints]:

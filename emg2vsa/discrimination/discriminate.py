@@ -18,23 +18,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats, mean_of
-from emg2vsa.companions.groups import GroupTests, NormalityTests, PairTests, group_tests, normality_of, pair_tests
+from emg2vsa.arrays import Floats, Ints, mean_of
 from emg2vsa.discrimination.area import AreaByAngle, AreaBySpecimen, area_by_angle, area_by_specimen
 from emg2vsa.discrimination.conditions import ConditionComparison, compare_conditions
 from emg2vsa.discrimination.contrast import Contrast, contrasts
 from emg2vsa.discrimination.mountings import Mountings
+from emg2vsa.discrimination.rates import NewSpecimen, SpreadBySpecimen, beside_neighbours, spread_by_specimen
 from emg2vsa.discrimination.run_table import RunTable, run_table
 from emg2vsa.discrimination.separation import Gaps, closest_pair, gaps_of, press_sds, pressed_everywhere
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import RunScores
 from emg2vsa.settings import DiscriminationSettings
 from emg2vsa.statistics.factorial import Factorial, factorial
-from emg2vsa.statistics.kruskal import RankPairs, dunn, kruskal
-from emg2vsa.statistics.mann_whitney import mann_whitney
-from emg2vsa.statistics.multiplicity import adjust
 
 
 @dataclass(frozen=True)
@@ -103,143 +99,34 @@ class Factors:
     constant: tuple[str, ...]
 
 
-def factors_of(table: RunTable, settings: DiscriminationSettings) -> Factors:
-    """Scores of the algorithm of ``table``; the area is that at the force where loading begins."""
-    area, casr = (scores[table.algorithm][:, table.known] for scores in (table.start_area, table.casr))
-    d, s, r = area.shape
-    specimens = np.array([table.specimens[i] for i in table.known])
+def factors_of(table: RunTable, areas: Mountings, rates: Mountings, alpha: float) -> Factors:
+    """Means of mountings by the algorithm of ``table``; the area is that at the force where loading begins."""
+    d, _, m = areas.own.shape
+    specimens = [table.specimens[i] for i in table.known]
     levels = {
-        "condition": np.repeat(table.conditions, s * r),
-        "angle": np.repeat([f"{angle:g}" for angle in table.angles_deg.tolist()], s * r),
-        "specimen": np.tile(np.repeat(specimens, r), d),
+        "condition": np.repeat(table.conditions, len(specimens) * m),
+        "angle": np.repeat([f"{angle:g}" for angle in table.angles_deg.tolist()], len(specimens) * m),
+        "specimen": np.tile(np.repeat(specimens, m), d),
     }
     varied = {name: names for name, names in levels.items() if np.unique(names).size > 1}
-    models = [_model(scores.ravel(), varied, 1 - settings.alpha) for scores in (area, casr)]
+    lost = [
+        int(np.count_nonzero(scores[table.algorithm][:, table.known] <= 0)) for scores in (table.start_area, table.casr)
+    ]
     return Factors(
-        area=models[0][0],
-        casr=models[1][0],
-        not_positive=(models[0][1], models[1][1]),
+        area=_model(areas.own[:, table.known].ravel(), varied, 1 - alpha),
+        casr=_model(rates.own[:, table.known].ravel(), varied, 1 - alpha),
+        not_positive=(lost[0], lost[1]),
         constant=tuple(name for name in levels if name not in varied),
     )
 
 
-def _model(scores: Floats, levels: dict[str, np.ndarray], confidence: float) -> tuple[Factorial | None, int]:
-    """None where the scores that are left cover no two levels of every factor, or leave no scatter within cells."""
-    with np.errstate(invalid="ignore"):
-        positive = scores > 0
-    left_out = int(np.count_nonzero(np.isfinite(scores) & ~positive))
-    if any(np.unique(names[positive]).size < 2 for names in levels.values()):
-        return None, left_out
-    logs = np.log(scores[positive])
-    found = factorial(logs, {name: names[positive].tolist() for name, names in levels.items()}, confidence)
-    return (found if found.error_df > 0 else None), left_out
-
-
-@dataclass(frozen=True)
-class NewSpecimen:
-    """The new specimen beside its stiffer and its softer neighbour in each of D designs; (D, 2) unless said.
-
-    neighbours : their names, "" where there is none. p : exact Mann-Whitney, Holm over the neighbours. p_mean_rank :
-    Dunn on the ranks of all ``specimens`` (their number), Bonferroni over all pairs, as the paper compares. shift, low,
-    high : Hodges-Lehmann, new less neighbour. between : (D,) whether its mean lies between theirs. discriminated : (D,)
-    whether it does and p tells it from each neighbour.
-    """
-
-    name: str
-    neighbours: tuple[str, str]
-    specimens: int
-    p: Floats
-    p_mean_rank: Floats
-    shift: Floats
-    low: Floats
-    high: Floats
-    between: NDArray[np.bool_]
-    discriminated: NDArray[np.bool_]
-
-
-def _beside_neighbours(table: RunTable, settings: DiscriminationSettings) -> NewSpecimen | None:
-    """None where no new specimen was pressed."""
-    if table.new < 0:
+def _model(logs: Floats, levels: dict[str, np.ndarray], confidence: float) -> Factorial | None:
+    """None where the means that are left cover no two levels of every factor, or leave no scatter within cells."""
+    there = np.isfinite(logs)
+    if any(np.unique(names[there]).size < 2 for names in levels.values()):
         return None
-    places, values = (table.new - 1, table.new + 1), table.casr[table.algorithm]
-    stiffer, own, softer = (_of_specimen(values, place) for place in (places[0], table.new, places[1]))
-    ranks = mann_whitney(np.stack([own, stiffer, softer], axis=1), confidence=1 - settings.alpha)
-    p = adjust(ranks.p[:, :2], "holm")
-    pooled = dunn(kruskal(values))
-    low, mean, high = (mean_of(presses) for presses in (stiffer, own, softer))
-    between = (mean > low) & (mean < high)
-    return NewSpecimen(
-        name=table.specimens[table.new],
-        neighbours=(_name(table, places[0]), _name(table, places[1])),
-        specimens=len(table.specimens),
-        p=p,
-        p_mean_rank=np.stack([_of_pair(pooled, table.new, place) for place in places], axis=1),
-        shift=ranks.shift[:, :2],
-        low=ranks.low[:, :2],
-        high=ranks.high[:, :2],
-        between=between,
-        discriminated=between & np.all(p < settings.alpha, axis=1),
-    )
-
-
-def _of_specimen(values: Floats, place: int) -> Floats:
-    """(D, R) presses of a specimen; NaN where there is no such place."""
-    there = 0 <= place < values.shape[1]
-    return values[:, place] if there else np.full((values.shape[0], values.shape[2]), np.nan)
-
-
-def _of_pair(found: RankPairs, one: int, other: int) -> Floats:
-    """(D,) p of a pair in either order; NaN where there is no such pair."""
-    pair = np.flatnonzero((found.first == min(one, other)) & (found.second == max(one, other)))
-    return found.p[:, pair[0]] if pair.size else np.full(len(found.p), np.nan)
-
-
-def _name(table: RunTable, place: int) -> str:
-    return table.specimens[place] if 0 <= place < len(table.specimens) else ""
-
-
-@dataclass(frozen=True)
-class SpreadBySpecimen:
-    """Known specimens, stiffest first, compared within each of D designs.
-
-    normality : of the D S cells. pairs : the paper's mean ranks with Bonferroni's correction are ``pairs.dunn``, the
-    companions with Holm's are the exact Mann-Whitney tests. rises : (D,) whether every softer specimen has the larger
-    mean.
-    """
-
-    specimens: tuple[str, ...]
-    normality: NormalityTests
-    groups: GroupTests
-    pairs: PairTests
-    rises: NDArray[np.bool_]
-
-    @property
-    def worst_p(self) -> Floats:
-        """(D,) largest p of the paper's pairwise comparison; NaN where there is none."""
-        return _largest(self.pairs.dunn.p)
-
-    @property
-    def worst_p_holm(self) -> Floats:
-        """(D,) largest p of the exact Mann-Whitney tests, Holm."""
-        return _largest(self.pairs.p_rank_holm)
-
-
-def _spread_by_specimen(table: RunTable, settings: DiscriminationSettings) -> SpreadBySpecimen:
-    """Kruskal-Wallis and all pairs of the known specimens."""
-    values = table.casr[table.algorithm][:, table.known]
-    d, k, n = values.shape
-    groups = group_tests(values, 1 - settings.alpha)
-    return SpreadBySpecimen(
-        specimens=tuple(table.specimens[i] for i in table.known),
-        normality=normality_of(values.reshape(d * k, n)),
-        groups=groups,
-        pairs=pair_tests(values, groups, 1 - settings.alpha),
-        rises=np.all(np.diff(groups.anova.mean, axis=1) > 0, axis=1),
-    )
-
-
-def _largest(p: Floats) -> Floats:
-    return np.asarray(np.fmax.reduce(p, axis=1, initial=np.nan))
+    found = factorial(logs[there], {name: names[there].tolist() for name, names in levels.items()}, confidence)
+    return found if found.error_df > 0 else None
 
 
 @dataclass(frozen=True)
@@ -283,19 +170,23 @@ def discriminate(
     settings = settings or DiscriminationSettings()
     table = run_table(runs, stiffness_n_per_mm, new_specimen)
     _check(table)
+    areas, rates = (
+        Mountings.of(scores[table.algorithm], table.mounting, mounting_sd) for scores in (table.start_area, table.casr)
+    )
+    spread = spread_by_specimen(table, rates, settings.alpha)
     return Discrimination(
         settings=settings,
         table=table,
-        area=area_by_specimen(table, settings),
-        area_by_angle=area_by_angle(table, settings),
-        spread=_spread_by_specimen(table, settings),
-        new=_beside_neighbours(table, settings),
+        area=area_by_specimen(table, areas, settings.alpha),
+        area_by_angle=area_by_angle(table, areas, settings.alpha),
+        spread=spread,
+        new=beside_neighbours(table, spread.steps),
         algorithms=compare_algorithms(table, settings, mounting_sd),
         conditions=compare_conditions(table, settings.alpha, mounting_sd),
         contrasts=contrasts(table, settings.alpha, mounting_sd),
         schedule_of=dict(schedule_of or {}),
-        factors=factors_of(table, settings),
-        notes=_notes(table, new_specimen, settings),
+        factors=factors_of(table, areas, rates, settings.alpha),
+        notes=_notes(table, rates.count, new_specimen, settings),
     )
 
 
@@ -308,13 +199,15 @@ def _check(table: RunTable) -> None:
         )  # fmt: skip
 
 
-def _notes(table: RunTable, new_specimen: str, settings: DiscriminationSettings) -> tuple[str, ...]:
-    count = np.isfinite(table.casr[table.algorithm]).sum(axis=2)
+def _notes(table: RunTable, mountings: Ints, new_specimen: str, settings: DiscriminationSettings) -> tuple[str, ...]:
+    """mountings : (D, S) with a score."""
     designs = [f"{c} at {a:g}°" for c, a in zip(table.conditions, table.angles_deg.tolist(), strict=True)]
     missing = [
-        f"{table.specimens[specimen]} ({designs[design]})" for design, specimen in np.argwhere(count == 0).tolist()
+        f"{table.specimens[specimen]} ({designs[design]})" for design, specimen in np.argwhere(mountings == 0).tolist()
     ]
     notes = [f"no scored press: {', '.join(missing)}"] if missing else []
+    if not np.any(mountings > 1):
+        notes.append("every specimen was mounted once: nothing tells the scatter that a model of factors needs")
     if new_specimen and table.new < 0:
         notes.append(f"no run of the new specimen {new_specimen}: it is not discriminated from its neighbours")
     if settings.old_algorithm not in table.casr:

@@ -15,7 +15,7 @@ Where no cell of the pool was mounted twice, presses tell their own scatter, and
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -59,7 +59,26 @@ class CellSum:
         return 2 * float(special.stdtr(self.df, -abs(self.estimate) / self.error))
 
 
-_UNKNOWN = CellSum(np.nan, np.nan, np.nan)
+UNKNOWN = CellSum(np.nan, np.nan, np.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class Ratios:
+    """(q,) ratios and their intervals."""
+
+    estimate: Floats
+    low: Floats
+    high: Floats
+
+
+def ratios(of: Sequence[CellSum], confidence: float) -> Ratios:
+    """What differences of mean ln score are as ratios."""
+    return Ratios(*np.exp(columns([(each.estimate, *each.ends(confidence)) for each in of])))
+
+
+def columns(rows: Sequence[Sequence[float]], count: int = 3) -> Floats:
+    """(count, q) of q rows."""
+    return np.array(rows, dtype=np.float64).reshape(-1, count).T
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +134,7 @@ class Mountings:
         weight, count = np.array(list(weights.values())), self.count
         estimate = float(weight @ self.mean[at])
         if not np.isfinite(estimate):
-            return _UNKNOWN
+            return UNKNOWN
         designs = np.zeros(count.shape, dtype=np.bool_)
         designs[[*at[0].tolist(), *pool]] = True
         several = designs & (count > 1)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.discrimination.mountings import Mountings, checked
+from emg2vsa.discrimination.mountings import Mountings, checked, columns
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +42,8 @@ class Gaps:
 
 def gaps_of(mountings: Mountings, pair: tuple[int, int], confidence: float) -> Gaps:
     """Of a pair of specimens in every design; NaN without two presses of a mounting, or where they do not scatter."""
-    rows = [gap_of(mountings, design, pair, confidence) for design in range(len(checked(mountings).own))]
-    return Gaps(*np.array(rows, dtype=np.float64).reshape(-1, 3).T)
+    designs = range(len(checked(mountings).own))
+    return Gaps(*columns([gap_of(mountings, design, pair, confidence) for design in designs]))
 
 
 def gap_of(mountings: Mountings, design: int, pair: tuple[int, int], confidence: float) -> tuple[float, float, float]:

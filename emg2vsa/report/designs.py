@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from emg2vsa.arrays import Floats
-from emg2vsa.companions.groups import GroupTests
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import RunTable
 from emg2vsa.figures.palette import Look
@@ -19,8 +18,10 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.table import Column
 from emg2vsa.report.wording import SIMULATED, number
+from emg2vsa.statistics.kruskal import KruskalWallis
 
 DESIGN = Column("design", "Condition, angle")
+BY_PRESSES = "The paper's rank tests take presses of one mounting as independent"
 BOXES = "Boxes are Hazen's quartiles, whiskers reach the furthest value within 1.5 interquartile ranges."
 
 
@@ -78,10 +79,10 @@ def drawing(results: StudyResults, name: str, title: str, caption: str, told: st
     return Drawing(name, title, caption + origin, f"{told}{origin}", figure, None)
 
 
-def specimens_test(name: str, tests: GroupTests, i: int) -> Items:
+def ranks_of(name: str, found: KruskalWallis, i: int) -> Items:
     """Kruskal and Wallis' test of the known specimens in one design."""
-    yield f"{name}.specimens_p", float(tests.kruskal.p[i])
-    yield f"{name}.specimens_epsilon2", float(tests.kruskal.epsilon2[i])
+    yield f"{name}.specimens_p", float(found.p[i])
+    yield f"{name}.specimens_epsilon2", float(found.epsilon2[i])
 
 
 def finite(values: Floats) -> Floats:

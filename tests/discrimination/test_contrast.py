@@ -14,7 +14,7 @@ from emg2vsa.discrimination.contrast_words import contrast_words, headline
 from emg2vsa.discrimination.run_table import run_table
 from emg2vsa.settings import DiscriminationSettings
 
-FEW = DiscriminationSettings(resamples=50)
+FEW = DiscriminationSettings()
 SPECIMENS = ("S1", "S_new", "S3", "S5")
 TRUE_LN = {"S1": 2.0, "S_new": 2.07, "S3": 2.19, "S5": 2.553}
 

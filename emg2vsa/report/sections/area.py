@@ -3,51 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 
 import numpy as np
 
-from emg2vsa.arrays import Floats
 from emg2vsa.claims import paper
 from emg2vsa.discrimination import Discrimination
-from emg2vsa.discrimination.area import AreaByAngle
 from emg2vsa.discrimination.run_table import RIGID
 from emg2vsa.figures.canvas import PairBar
 from emg2vsa.figures.casr import POOLED, AreaPanel, draw_areas, draw_contacts
 from emg2vsa.figures.palette import Look
-from emg2vsa.report.companion_rows import (
-    CompanionRow,
-    change,
-    companion_table,
-    equality_rows,
-    evidence_row,
-    how_many,
-    normality_rows,
-    welch_row,
-)
+from emg2vsa.report.companion_rows import companion_table, normality_rows
 from emg2vsa.report.designs import (
     BOXES,
+    BY_PRESSES,
     DESIGN,
     design_names,
     drawing,
+    ends_of,
     finite,
     keys,
     looks,
     medians_said,
     of_tests,
-    specimens_test,
+    ranks_of,
     tested,
 )
 from emg2vsa.report.drawing import STARS, Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, moments
-from emg2vsa.report.outcome_text import range_said
+from emg2vsa.report.numbers import Items, moments, with_interval
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Columns, Table, table_of
-from emg2vsa.report.wording import area_unit, number, p_text, p_value
+from emg2vsa.report.wording import area_unit, interval, number, p_text, p_value
 from emg2vsa.run_scores import PICTURED_N
 
-_MANY = "designs"
 _OUTLINED = {"front": "outline that the {} algorithm finds and the area within it"}
 _GROWN = "region whose growth is measured, and the area by the {} algorithm, which is A_c0 times that growth"
 
@@ -59,121 +47,81 @@ def _quantities(results: StudyResults) -> Items:
     found = tested(results)
     table, area, unit = found.table, found.area, found.table.area_unit
     for i, name in enumerate(keys(found)):
-        yield from specimens_test(f"{name}.area", area.groups, i)
-        yield f"{name}.area.specimens_bf01", float(area.groups.bayes.bf01[i])
-        yield f"{name}.area.equal_within", float(area.equality.bound[i])
-        yield f"{name}.area.softest_over_stiffest", float(area.softest_over_stiffest[i])
+        yield from ranks_of(f"{name}.area", area.kruskal, i)
+        yield from with_interval(f"{name}.area.softest_over_stiffest", *ends_of(area.softest_over_stiffest, i))
         for key, areas in (("a_c0", table.a_c0), ("start_area", table.start_area)):
             for specimen, values in zip(table.specimens, areas[table.algorithm][i], strict=True):
                 yield from moments(f"{name}.{specimen}.{key}_{unit}", values)
     of = found.area_by_angle
     for i, condition in enumerate(of.conditions if of else ()):
         assert of is not None
-        name = f"runs.{condition}.area.angles{f'.{of.specimens[i]}' if of.specimens[i] else ''}"
-        yield f"{name}.p", float(of.groups.kruskal.p[i])
+        name = f"runs.{condition}.area.angles"
+        yield f"{name}.p", float(of.kruskal.p[i])
         yield f"{name}.worst_p", of.worst_p(i)
         yield f"{name}.falls", of.falls(i)
+        for a, angle in enumerate(of.angles_deg.tolist()):
+            if np.isfinite(of.over_first[i].estimate[a]):
+                yield from with_interval(f"{name}.over_first.{angle:g}", *ends_of(of.over_first[i], a))
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     found = tested(results)
-    alpha = found.settings.alpha
     yield _by_specimen(found)
     yield _by_angle(found)
-    for name, caption, rows in (
-        ("area", "A_c0 is the same on all specimens", _same(found)),
-        ("angle", "A_c0 changes with the angle", _angle(found)),
-        (
-            "runs_normality",
-            "Gaussian samples of A_c0 and CASR",
-            normality_rows(found.area.normality, alpha, "samples of A_c0")
-            + normality_rows(found.spread.normality, alpha, "samples of CASR"),
-        ),
-    ):
-        yield companion_table(name, caption, rows)
+    rows = [
+        row
+        for normality, what in ((found.area.normality, "A_c0"), (found.spread.normality, "CASR"))
+        for row in normality_rows(normality, found.settings.alpha, f"samples of {what}")
+    ]
+    yield companion_table("runs_normality", "Gaussian samples of A_c0 and CASR", rows)
 
 
 def _by_specimen(found: Discrimination) -> Table:
     table, area = found.table, found.area
     unit, names = table.area_unit, [table.specimens[i] for i in table.known]
-    printed = [
-        paper.AREA_SPECIMENS_P.get(angle) if condition == RIGID else None
-        for condition, angle in zip(table.conditions, table.angles_deg.tolist(), strict=True)
-    ]
-    means = zip(names, area.groups.anova.mean.T, strict=True)
+    designs = [*zip(table.conditions, table.angles_deg.tolist(), strict=True)]
     columns: Columns = {
         DESIGN: design_names(table),
-        **{Column(f"{name}_{unit}", f"{name} ({area_unit(unit)})"): mean for name, mean in means},
-        Column("softest_over_stiffest", "Softest / stiffest"): area.softest_over_stiffest,
-        Column("p", "Kruskal-Wallis p"): area.groups.kruskal.p,
-        Column("p_paper", "Paper's p"): printed,
-        Column("epsilon2", "ε²_R"): area.groups.kruskal.epsilon2,
-        Column("bf01", "BF₀₁"): area.groups.bayes.bf01,
-        Column("equal_within", "Equal within ± (%)", 100.0): area.equality.bound,
+        **{
+            Column(f"{name}_{unit}", f"{name} ({area_unit(unit)})"): mean
+            for name, mean in zip(names, area.mean.T, strict=True)
+        },
+        Column("softest_over_stiffest", "Softest / stiffest"): [
+            interval(*ends_of(area.softest_over_stiffest, i)) for i in range(len(designs))
+        ],
+        Column("p", "Kruskal-Wallis p"): area.kruskal.p,
+        Column("p_paper", "Paper's p"): [
+            paper.AREA_SPECIMENS_P.get(angle) if condition == RIGID else None for condition, angle in designs
+        ],
+        Column("epsilon2", "ε²_R"): area.kruskal.epsilon2,
     }
-    return table_of("area_by_specimen", f"Mean initial area by specimen ({table.algorithm} algorithm)", columns)
+    caption = f"Mean initial area by specimen ({table.algorithm} algorithm); ratio with its interval over mountings"
+    return table_of("area_by_specimen", f"{caption}. {BY_PRESSES}", columns)
 
 
 def _by_angle(found: Discrimination) -> Table:
     of, unit = found.area_by_angle, found.table.area_unit
-    comparisons = range(len(of.conditions) if of else 0)
-    means = zip(of.angles_deg.tolist(), of.mean.T, strict=True) if of else ()
-    worst = [of.worst_p(i) for i in comparisons] if of else []
-    worst_holm = np.fmax.reduce(of.pairs.p_rank_holm, axis=1, initial=np.nan).tolist() if of else []
+    angles = of.angles_deg.tolist() if of else []
+    means = zip(angles, of.mean.T, strict=True) if of else ()
+    rows = range(len(of.conditions) if of else 0)
     columns: Columns = {
         Column("condition", "Condition"): of.conditions if of else (),
-        Column("specimens", "Specimens"): [name or "all" for name in of.specimens] if of else [],
         **{Column(f"area_{angle:g}_deg_{unit}", f"{angle:g}° ({area_unit(unit)})"): mean for angle, mean in means},
-        Column("p", "Kruskal-Wallis p"): of.groups.kruskal.p if of else [],
-        Column("worst_p", "Worst pair (Dunn, Bonferroni)", name="p_worst"): list(map(p_value, worst)),
-        Column("worst_p_holm", "Worst pair (Mann-Whitney, Holm)"): list(map(p_value, worst_holm)),
-        Column("falls", "Falls with angle"): [of.falls(i) for i in comparisons] if of else [],
+        **{
+            Column(f"over_first_{angle:g}_deg", f"{angle:g}° / {angles[0]:g}°"): [
+                interval(*ends_of(of.over_first[i], a)) for i in rows
+            ]
+            for a, angle in enumerate(angles)
+            if a and of
+        },
+        Column("p", "Kruskal-Wallis p"): of.kruskal.p if of else [],
+        Column("worst_p", "Worst pair (Dunn, Bonferroni)", name="p_worst"): [
+            p_value(of.worst_p(i)) for i in rows if of
+        ],
+        Column("falls", "Falls with angle"): [of.falls(i) for i in rows if of],
     }
-    return table_of("area_by_angle", "Mean initial area by angle", columns)
-
-
-def _same(found: Discrimination) -> list[CompanionRow]:
-    alpha, groups = found.settings.alpha, found.area.groups
-    ranks = groups.kruskal.p
-    test = f"Kruskal-Wallis: {how_many(ranks, alpha, _MANY)}"
-    equal = equality_rows(test, found.area.equality, None, 100.0, "%")
-    return [
-        welch_row(groups, alpha, _MANY),
-        evidence_row(test, ranks, groups.bayes.bf01, alpha),
-        *(replace(row, changes="no") if np.all(ranks < alpha) else row for row in equal),
-    ]
-
-
-def _angle(found: Discrimination) -> list[CompanionRow]:
-    of, alpha = found.area_by_angle, found.settings.alpha
-    if of is None:
-        return []
-    families = (
-        [i for i, c in enumerate(of.conditions) if c == condition and bool(of.specimens[i]) is alone]
-        for condition in dict.fromkeys(of.conditions)
-        for alone in (False, True)
-    )
-    return [
-        CompanionRow(
-            f"Kruskal-Wallis and Dunn, Bonferroni, {of.conditions[rows[0]]}: "
-            f"{'each specimen' if of.specimens[rows[0]] else 'specimens pooled'}, {_worst(of, rows, of.pairs.dunn.p)}",
-            f"Mann-Whitney, exact, Holm: {_worst(of, rows, of.pairs.p_rank_holm)}",
-            range_said("|r_rb|", np.abs(of.pairs.mann_whitney.rank_biserial[rows])),
-            change(of.pairs.dunn.p[rows], of.pairs.p_rank_holm[rows], alpha),
-        )
-        for rows in families
-        if rows
-    ]
-
-
-def _worst(of: AreaByAngle, rows: list[int], p: Floats) -> str:
-    """The worst p of some comparisons and the pair it belongs to."""
-    own = p[rows]
-    if not np.isfinite(own).any():
-        return "not defined"
-    row, pair = np.unravel_index(int(np.nanargmax(own)), own.shape)
-    ends = " and ".join(f"{of.angles_deg[end[pair]]:g}°" for end in (of.pairs.first, of.pairs.second))
-    return f"worst {p_text(float(own[row, pair]))} ({', '.join(filter(None, (of.specimens[rows[int(row)]], ends)))})"
+    caption = "Mean initial area by angle, all known specimens; ratios with their intervals over mountings"
+    return table_of("area_by_angle", f"{caption}. {BY_PRESSES}", columns)
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
@@ -212,7 +160,7 @@ def _differences(
     """Figure 8: every press beside the mean of all specimens at its angle, and beside its specimen's at the first."""
     table, known = found.table, found.table.known
     names, values = [table.specimens[i] for i in known], table.start_area[table.algorithm][:, known]
-    p, unit = found.area.groups.kruskal.p, area_unit(table.area_unit)
+    p, unit = found.area.kruskal.p, area_unit(table.area_unit)
     means = np.array(
         [[finite(presses).mean() if finite(presses).size else np.nan for presses in row] for row in values]
     )
@@ -233,11 +181,11 @@ def _differences(
     each = "; ".join(f"{table.angles_deg[i]:g}°: {p_text(float(p[i]))}" for i in designs)
     caption = (
         f"Fig. 8. Initial area where loading begins, {condition}, by the {table.algorithm} algorithm. By specimen: "
-        f"difference from the mean of all specimens at the same angle (Kruskal-Wallis, {each})"
+        f"difference from the mean of all specimens at the same angle (the paper's Kruskal-Wallis by presses, {each})"
     )
     caption += (
         f". By angle: difference from the mean of the same specimen at {table.angles_deg[designs[0]]:g}° (Dunn on the "
-        f"areas of all specimens, Bonferroni: {STARS}). "
+        f"presses on all specimens, Bonferroni: {STARS}). "
         if pooled
         else ". "
     )
@@ -254,7 +202,7 @@ def _bars(found: Discrimination, condition: str, designs: list[int]) -> list[Pai
     if of is None or condition not in of.conditions:
         return []
     places = {float(angle): place for place, angle in enumerate(found.table.angles_deg[designs].tolist())}
-    p = of.pairs.dunn.p[of.conditions.index(condition)]
+    p = of.pairs.p[of.conditions.index(condition)]
     ends = [
         (float(of.angles_deg[a]), float(of.angles_deg[b])) for a, b in zip(of.pairs.first, of.pairs.second, strict=True)
     ]
@@ -266,12 +214,10 @@ _TEXT = """
 <p>{% if runs.discrimination.table.algorithm == "paper" %}The table compares A_c0, the area of the first frame in
 contact, whatever its force.{% else %}The first frame in contact comes at a different force in every press, and areas
 grow with force. The table therefore compares areas at the force where loading begins.{% endif %}</p>
-{{ folded("verdict_area", "Tests between specimens compared") }}
 {{ folded("area_by_specimen", "The area in every design") }}
 <h3>Does the initial area depend on the angle?</h3>
-<p>The paper pools all specimens of an angle. The companions also compare the angles on each specimen alone.</p>
-{{ folded("verdict_angle", "Tests between angles compared") }}
-{{ folded("area_by_angle", "The area on every specimen") }}
+<p>The paper's test pools the presses of all specimens at an angle.</p>
+{{ folded("area_by_angle", "The area at every angle") }}
 {{ folded("fig08_initial_area", "Figure 8: initial area by specimen and by angle") }}
 {{ folded("fig09_first_contact", "Figure 9: contact at each angle at one force") }}
 {{ folded("verdict_runs_normality", "Tests of normality compared") }}
