@@ -397,18 +397,12 @@ class RunSettings:
 
 @dataclass(frozen=True, kw_only=True)
 class DiscriminationSettings:
-    """The tests of the presses of the rig (paper VI)."""
+    """The comparisons of the presses of the rig (paper VI)."""
 
     alpha: Annotated[float, Gt(0), Le(0.5)] = 0.05
-    "Significance level."
+    "Of each interval that stands alone, and of the paper's tests."
     old_algorithm: Algorithm = "circle"
     "Vision algorithm that the one of the runs is compared with."
-    equivalence_margin: Positive = 0.05
-    "Areas, or rates, that differ by less than this share of their mean count as equal."
-    resamples: Annotated[int, Ge(2)] = 2000
-    "Of the bootstrap over presses."
-    seed: Annotated[int, Ge(0)] = 0
-    "Same seed, same intervals."
 
 
 Law = Literal["compliance", "exponential", "power", "linear-log"]

@@ -231,11 +231,16 @@ The initial area was {{ choices.area_rule[recipe.area_rule].format(threshold=s.t
 {% endif %}
 
 # Tests of areas and rates
-Areas and rates were compared between specimens and angles at alpha = {{ d.alpha | g }} by the Kruskal-Wallis test
-[@kruskal] with pairs on mean ranks and Bonferroni's correction [@dunn]. Companion tests were Welch's ANOVA [@welch],
-exact Mann-Whitney tests [@mann] with Holm's correction [@holm], Bayes factors [@rouder] and equivalence within
-{{ (100 * d.equivalence_margin) | g }} % [@schuirmann]. One model of ln(area) and one of ln(CASR) with condition, angle
-and specimen (type II [@yates]) gave partial ω² with intervals from the noncentral F distribution [@steiger].
+Specimens, angles and conditions were compared by the logarithms of areas and rates, averaged within each mounting; the
+error of a difference is the scatter between mountings, pooled over the cells of the designs compared
+{%- if once %} (taken as {{ k.mounting_sd_percent | g }} %, as specimens were mounted once){% endif %}.
+The distance of two specimens is the size of that difference over the SD of presses within mountings; differences of
+distances recover the variance at each end of both intervals [@zou]. The paper's own tests by presses, Kruskal-Wallis
+[@kruskal] and pairs on mean ranks with Bonferroni's correction [@dunn], stand beside them.
+{% if not once %}
+One model of ln(area) and one of ln(CASR) with condition, angle and specimen (type II [@yates]) gave partial ω² with
+intervals from the noncentral F distribution [@steiger].
+{% endif %}
 
 {% if study.profile.new_specimen %}
 # Stiffness calibration
@@ -316,6 +321,7 @@ def methods(
         presses=sum(len(run.verdicts) for run in runs),
         pressed=list(dict.fromkeys(run.specimen for run in runs)),
         emulated=any(run.simulated for run in runs),
+        once=all(run.mounting.max(initial=1) == 1 for run in runs),
         designs=_designs(runs),
         rate=_CHOICES["rate"][study.scoring.recipe.rate].format(low=low, high=high),
         most_outliers=f"{MOST_OUTLIERS:.0%}",

@@ -101,6 +101,9 @@ _WORKS = (
     Work("yates", "Yates, F.", 1934,
          "The analysis of multiple classifications with unequal numbers in the different classes",
          "Journal of the American Statistical Association", "29", "51–66", "10.1080/01621459.1934.10502686"),
+    Work("zou", "Zou, G. Y. and Donner, A.", 2008,
+         "Construction of confidence limits about effect measures: a general approach", "Statistics in Medicine", "27",
+         "1693–1702", "10.1002/sim.3095"),
 )  # fmt: skip
 _BY_KEY = {work.key: work for work in _WORKS}
 

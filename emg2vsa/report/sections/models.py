@@ -116,7 +116,7 @@ def _factor_table(models: dict[str, Factorial]) -> Table:
         Column("omega2_low", "ω² low"): [float(model.low[i]) for _, model, i in every],
         Column("omega2_high", "ω² high"): [float(model.high[i]) for _, model, i in every],
     }
-    caption = "Condition, angle and specimen in one model of ln(score), type II (scores of the rig's presses)"
+    caption = "Condition, angle and specimen in one model of ln(score), type II (means of mountings on the rig)"
     return table_of("factors", caption, columns)
 
 
