@@ -29,7 +29,6 @@ from emg2vsa.report.designs import (
     keys,
     looks,
     medians_said,
-    of_kappa,
     of_tests,
     ranks_of,
     tested,
@@ -37,7 +36,7 @@ from emg2vsa.report.designs import (
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, moments, with_interval
-from emg2vsa.report.section import Quantities, Section
+from emg2vsa.report.section import Quantities, Section, of_runs
 from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import UNDEFINED, area_unit, bounded, exact_p, interval, listed, p_value, scored_by
 from emg2vsa.run_scores import PressCurve
@@ -274,6 +273,8 @@ def _implied_tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 
 def _ratio_here(results: StudyResults, angle_deg: float) -> float:
     """Mean CASR of the softest over that of the stiffest of the paper's specimens; NaN where one was not pressed."""
+    if not of_tests(results):
+        return np.nan
     table, ends = tested(results).table, {name: paper.KAPPA_N_PER_MM[name] for name in (_STIFFEST, _SOFTEST)}
     design = table.design(HUMAN_LIKE, angle_deg)
     if (
@@ -294,7 +295,8 @@ def _implied_words(results: StudyResults, q: Quantities) -> dict[str, object]:
     falls = [
         paper.implied_casr(first, kappa) / paper.implied_casr(last, kappa) for kappa in paper.KAPPA_N_PER_MM.values()
     ]
-    fall_here = _fall_here(results, first, last) if results.study.scoring.recipe.region == "image" else None
+    whole_image = of_tests(results) and results.study.scoring.recipe.region == "image"
+    fall_here = _fall_here(results, first, last) if whole_image else None
     return {"least_fall": min(falls), "largest_fall": max(falls), "first": first, "last": last, "fall_here": fall_here}
 
 
@@ -324,7 +326,7 @@ IMPLIED = Section(
     "implied",
     "What the paper's curves imply",
     _IMPLIED_TEXT,
-    of_kappa,
+    of_runs,
     _implied_quantities,
     _implied_tables,
     words=_implied_words,
