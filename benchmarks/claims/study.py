@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.claims.kappa import calibrations_of
+from benchmarks.claims.laws import laws_of
 from benchmarks.claims.people import drawn, fits_of
 from benchmarks.claims.rig import Draw, even, table_of
 from benchmarks.claims.worlds import SPECIMENS, World
@@ -18,7 +19,6 @@ from emg2vsa.claims.claim import Claim, Judged, judge
 from emg2vsa.claims.kappa import kappa_claims
 from emg2vsa.claims.people import claims_of_study
 from emg2vsa.claims.rig import rig_claims
-from emg2vsa.companions.force_laws import force_laws
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
 
@@ -49,7 +49,7 @@ def claims_of(world: World, seeds: Sequence[int], draw: Draw = drawn) -> list[li
         place = dict(zip(product(study.participants, SPECIMENS), places.ravel().tolist(), strict=True))
         found.append(
             [
-                *claims_of_study(study, fits, place, force_laws(fits, study.hypotheses.use)),
+                *claims_of_study(study, fits, place, laws_of(fits, world.people.presses)),
                 *rig_claims(table, study.calibration.mounting_sd_percent / 100, study.claims),
                 *kappa_claims(calibration, study.scoring.algorithm, study.claims),
             ]
