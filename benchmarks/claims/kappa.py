@@ -16,6 +16,8 @@ from emg2vsa.discrimination.run_table import RunTable
 from emg2vsa.settings import CalibrationSettings
 
 CASR_UNIT, HERTZ = "mm2/N", 2 / 3
+_OF_OTHERS = {("high-stiffness", "circle"), ("high-stiffness", "paper"), ("modular", "paper")}
+"Conditions and algorithms that claims ask for, besides those of the front."
 _Laws = dict[tuple[int, int, str], LawResult]
 "Of study, design and algorithm."
 
@@ -29,12 +31,16 @@ def calibrations_of(tables: Sequence[RunTable], settings: CalibrationSettings) -
 
 def _all_laws(tables: Sequence[RunTable], settings: CalibrationSettings) -> _Laws:
     angles = tables[0].angles_deg.tolist()
+    asked = {(condition, "front") for condition in tables[0].conditions} | _OF_OTHERS
     found: _Laws = {}
     for angle in dict.fromkeys(angles):
         designs = [d for d, other in enumerate(angles) if other == angle]
         for name in ALGORITHMS:
-            casr = np.concatenate([table.casr[name][designs] for table in tables])
-            places = [(number, design, name) for number in range(len(tables)) for design in designs]
+            own = [d for d in designs if (tables[0].conditions[d], name) in asked]
+            if not own:
+                continue
+            casr = np.concatenate([table.casr[name][own] for table in tables])
+            places = [(number, design, name) for number in range(len(tables)) for design in own]
             found |= dict(zip(places, _laws(tables[0], casr, name, angle, settings), strict=True))
     return found
 
@@ -50,7 +56,9 @@ def _laws(
         angle_share=casr_angle_share(algorithm, angle, settings.angle_sd_deg),
         mounting_sd=settings.mounting_sd_percent / 100, mountings=labels[known], other_exponent=casr_exponent(HERTZ),
     )  # fmt: skip
-    found = estimate(calibration, casr[:, table.new], np.asarray(labels[table.new]), bootstrap=False)
+    found = estimate(
+        calibration, casr[:, table.new], np.asarray(labels[table.new]), known=float(KAPPA[table.new]), bootstrap=False
+    )
     return [law_result(found, float(KAPPA[table.new]), i) for i in range(len(casr))]
 
 
@@ -66,6 +74,7 @@ def _results(number: int, table: RunTable, laws: _Laws) -> CalibrationResults:
                     chosen=laws[number, d, name], paper=laws[number, d, name], left_out_rms={}, best_law="", fused=None,
                 )
                 for name in ALGORITHMS
+                if (number, d, name) in laws
             },
             indentation=None,
         )

@@ -10,11 +10,13 @@ import pytest
 
 from benchmarks.bench.record import RESULTS
 from benchmarks.claims.__main__ import chunk, code_of, found, lines, main
+from benchmarks.claims.laws import laws_of
 from benchmarks.claims.people import drawn, fits_of, serially
 from benchmarks.claims.rig import even, table_of, true_casr
 from benchmarks.claims.verdicts import Rate, Truth, any_false, false_rates, powers, upper
 from benchmarks.claims.worlds import DESIGNS, KAPPA, PRESSED, WORLDS, People, Rig, on_compliance
 from emg2vsa.claims import calibrated
+from emg2vsa.companions.force_laws import force_laws
 
 NAMED = {world.name: world for world in WORLDS}
 
@@ -134,6 +136,15 @@ def test_fits_of_people_have_their_slopes():
         assert own.mean() == pytest.approx(b, rel=0.1)
         assert own.std(axis=1, ddof=1).mean() / own.mean() == pytest.approx(0.08, rel=0.15)  # as in the demo
     assert np.array_equal(np.sort(place, axis=1), np.tile(np.arange(5.0), (60, 1)))
+
+
+@pytest.mark.parametrize("power_law", [False, True])
+def test_errors_of_laws_are_those_of_fits_without_each_bin(power_law):
+    fits, _ = fits_of(People(people=2, power_law=power_law), np.random.default_rng(4))
+    exact = force_laws(fits, "ok").error[1]
+    found = laws_of(fits, 10).error[1]
+    assert found[[0, 2]] == pytest.approx(exact[[0, 2]], rel=1e-10)
+    assert found[1] == pytest.approx(exact[1], rel=5e-3)
 
 
 def test_what_the_report_shows_is_what_the_benchmark_found():
