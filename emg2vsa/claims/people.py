@@ -218,7 +218,7 @@ def _steps(cells: _Cells, stiffness: Mapping[str, float], kept: Sequence[str], m
                     yield cells.step(stiffer, softer, at)
 
     yield _claim(
-        "specimens_differ", f"b rises with stiffness from each to the next of {', '.join(kept)}",
+        "specimens_differ", f"the slope b rises with stiffness from each to the next of {', '.join(kept)}",
         "smallest step of b to the next stiffer specimen, % of the mean", "more", smallest(neighbours(kept, kept)),
         margin, factor=_PERCENT, why=why(kept),
     )  # fmt: skip

@@ -149,7 +149,7 @@ def _row(each: Judged, test: PaperTest) -> Row:
 
 def _said(each: Judged) -> str:
     estimate, low, high = (value * each.claim.factor for value in (each.claim.found.estimate, each.low, each.high))
-    if estimate != estimate:
+    if not np.isfinite(estimate):
         return "not known"
     if low == high:
         return number(estimate)
