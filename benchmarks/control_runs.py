@@ -94,13 +94,13 @@ def true_casr(runs: Path, table: RunTable) -> Floats:
 
 
 def scatter(study: Path) -> dict[str, dict[str, float]]:
-    """Condition to the SD of ln CASR from press to press of a mounting, and between mountings, over specimens."""
+    """Condition to the SD of ln CASR at 0 degrees from press to press of a mounting, and between mountings."""
     table = discrimination(study.parent, study.stem).table
     seen = table.casr[table.algorithm]
     true = true_casr(study.parent / f"runs-{study.stem}", table)
     found = {}
     for condition in dict.fromkeys(table.conditions):
-        own = table.of_condition(condition)
+        own = [table.design(condition, 0.0)]
         sds = [_sds(each, table.mounting, own) for each in (seen, seen / true)]
         keys = ("press_sd", "mounting_sd", "vision_press_sd", "vision_mounting_sd")
         found[condition] = dict(zip(keys, [*sds[0], *sds[1]], strict=True))

@@ -66,7 +66,7 @@ def virtual_job(file: RigFile, plan: RunPlan, folder: Path, kappa: KappaPlan | N
     emulated = emulated_of(file)
     named = None if plan.plate else emulated.control_specimen
     # what the noise of control P4 is matched to
-    right = read_schedules(file.schedules, [Run(named, 0.0, "modular")], {}) if named else ()
+    right = read_schedules(file, [Run(named, 0.0, "modular")], {}) if named else ()
     effect = None if plan.plate else effect_of(emulated, plan.schedule, right)
     return VirtualJob(plan, file.rig, emulated, folder, effect, kappa, file.devices.actuator)
 

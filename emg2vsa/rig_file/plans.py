@@ -70,30 +70,19 @@ def plans_of(file: RigFile, runs: Sequence[Run], repetitions: int | None = None)
 
     ScheduleError : a schedule is absent, not as it was exported, or for another model of actuator.
     """
-    schedules = read_schedules(file.schedules, runs, file.experiment.schedule_of)
-    _check_joint(file, schedules)
+    schedules = read_schedules(file, runs, file.experiment.schedule_of)
     experiment = replace(file.experiment, repetitions=repetitions or file.experiment.repetitions)
     emulated_n_per_mm = file.emulated.stiffness_n_per_mm if file.emulated else None
     return tuple(plan_of(experiment, run, schedules, emulated_n_per_mm) for run in runs)
 
 
-def _check_joint(file: RigFile, schedules: Sequence[Schedule]) -> None:
-    """ScheduleError as `RigFile.check_actuator`. SettingError: its full preset is not known."""
-    if schedules and (key := file.devices.actuator.unmeasured):
-        do = "Measure it: emg2vsa rig commission writes it into the rig file."
-        raise SettingError(f"{file.path}, actuator.{key}", wanted="a measured stiffness", found="none", do=do)
-    do = "Set [schedule] actuator of the study to this one and export again"
-    for schedule in schedules:
-        where = f"schedule of {schedule.specimen}, {schedule.condition}, limits.actuator"
-        file.check_actuator(schedule.limits.actuator, where, do)
-
-
-def read_schedules(folder: Path, runs: Sequence[Run], schedule_of: Mapping[str, str]) -> tuple[Schedule, ...]:
+def read_schedules(file: RigFile, runs: Sequence[Run], schedule_of: Mapping[str, str]) -> tuple[Schedule, ...]:
     """The schedules that ``runs`` need, those of ``schedule_of`` instead of a specimen's own.
 
-    ScheduleError names all files that are absent, or the first that is no good.
+    ScheduleError names all files that are absent, or the first that is no good or for another actuator. SettingError :
+    the full preset of the actuator is not known.
     """
-    pressed = [run for run in runs if run.condition != RIGID]
+    folder, pressed = file.schedules, [run for run in runs if run.condition != RIGID]
     stems = dict.fromkeys(f"{schedule_of.get(run.specimen, run.specimen)}_{run.condition}" for run in pressed)
     paths = [folder / f"{stem}.json" for stem in stems]
     absent = [path.name for path in paths if not path.is_file()]
@@ -104,7 +93,14 @@ def read_schedules(folder: Path, runs: Sequence[Run], schedule_of: Mapping[str, 
             found=f"no {', '.join(absent[:3])}" + (f" and {len(absent) - 3} more" if len(absent) > 3 else ""),
             do="Export them with emg2vsa schedule STUDY, or correct [experiment].",
         )
-    return tuple(map(read_json, paths))
+    schedules = tuple(map(read_json, paths))
+    if schedules and (key := file.devices.actuator.unmeasured):
+        do = "Measure it: emg2vsa rig commission writes it into the rig file."
+        raise SettingError(f"{file.path}, actuator.{key}", wanted="a measured stiffness", found="none", do=do)
+    do = "Set [schedule] actuator of the study to this one and export again"
+    for one in schedules:
+        file.check_actuator(one.limits.actuator, f"schedule of {one.specimen}, {one.condition}, limits.actuator", do)
+    return schedules
 
 
 ORDER_FILE = "order.json"
