@@ -69,8 +69,9 @@ class Counted:
 
 
 def counted(folder: Path) -> Iterator[Counted]:
-    """The presses of a run's folder, S1_0_modular or the like."""
-    presses, angle_deg = list(read_presses([folder])), float(folder.name.rsplit("_", 2)[1])
+    """The presses of a run's folder, S1_0_modular or S1_0_modular_mounting-2."""
+    presses, (run, _, _) = list(read_presses([folder])), folder.name.partition("_mounting-")
+    angle_deg = float(run.rsplit("_", 2)[1])
     settings = RunSettings(algorithm="paper", threshold_px=THRESHOLD_PX)
     scores = score_run(presses, settings, specimen="", angle_deg=angle_deg, condition="", simulated=True)
     for press, first_n, n in zip(presses, scores.first_n.tolist(), scores.pins_selected.tolist(), strict=True):

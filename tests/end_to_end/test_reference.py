@@ -46,7 +46,7 @@ def people(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The whole demo, 360 presses of the emulated rig included."""
+    """The whole demo, 324 presses of the emulated rig included."""
     return demo(tmp_path_factory.mktemp("whole"))
 
 
