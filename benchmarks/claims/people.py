@@ -49,7 +49,7 @@ def fits_of(world: People, rng: np.random.Generator) -> tuple[Fits, Floats]:
     crossed = world.person_by_specimen * drawn(rng, world.law, (p, s, 1))
     sd = world.press * np.exp(np.log(world.unequal) * rng.uniform(-1, 1, (p, 1, 1)))
     press = sd * serially(drawn(rng, world.law, (p, s, r)), world.serial)
-    session = (place[..., None] + np.arange(r) / r) / s
+    session = (place[..., None] + (0.5 if world.steps else np.arange(r) / r)) / s
     of_press = float(np.hypot(world.press, 0.07))
     drift = world.drift * of_press * (1 + 0.3 * rng.standard_normal((p, 1, 1))) * (session - 0.5)
     factor = np.maximum(1 + person + crossed + press + drift, 0.1).reshape(-1)
@@ -62,7 +62,9 @@ def fits_of(world: People, rng: np.random.Generator) -> tuple[Fits, Floats]:
         there = a + b * middle
         level = there[:, None] * np.exp((b / there)[:, None] * (np.log(force) - middle))
     v = level * (1 + world.bin * rng.standard_normal(level.shape))
-    return _fits(force, v * MICROVOLT, edges, p, r), place
+    fits = _fits(force, v * MICROVOLT, edges, p, r)
+    fits.verdict[rng.random(fits.verdict.size) < world.lost] = "rejected"
+    return fits, np.full(place.shape, np.nan) if world.order == "unknown" else place
 
 
 def _fits(force: Floats, v: Floats, edges: Floats, people: int, presses: int) -> Fits:
@@ -72,7 +74,8 @@ def _fits(force: Floats, v: Floats, edges: Floats, people: int, presses: int) ->
     one, nothing = np.ones(n), np.full(n, np.nan)
     return Fits(
         participant=np.repeat(names, s * presses), specimen=np.tile(np.repeat(np.array(SPECIMENS), presses), people),
-        repetition=np.tile(np.arange(1, presses + 1), people * s), verdict=np.full(n, "ok"), reason=np.full(n, ""),
+        repetition=np.tile(np.arange(1, presses + 1), people * s), verdict=np.full(n, "ok", dtype="<U8"),
+        reason=np.full(n, ""),
         start_s=nothing, a_v=fit.a, b_v=fit.b, a_se_v=fit.a_se, b_se_v=fit.b_se, b_lo_v=fit.b_lo, b_hi_v=fit.b_hi,
         n_points=np.full(n, force.shape[1]), adj_r2=fit.adj_r2, r2_bins=fit.r2, adj_r2_bins=fit.adj_r2,
         r2_samples=nothing, adj_r2_samples=nothing, n_effective=one, lag1=one, v_min_v=ends[:, 0], v_max_v=ends[:, 1],

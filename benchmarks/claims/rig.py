@@ -77,6 +77,7 @@ def table_of(world: Rig, rng: np.random.Generator, draw: Draw = drawn) -> RunTab
         if name in OTHERS and world.own_scatter:
             own = np.broadcast_to(np.array(OTHERS[name])[angle][:, None], of_press.shape)
         press = own[..., None, None] * serially(draw(rng, world.law, (d, s, m, r)), world.serial)
+        press[rng.random(press.shape) < world.lost] = np.nan
         logs = true_casr(world, name)[..., None, None] + mounting[..., None] + press
         casr[name] = CASR_MM2_PER_N * np.exp(logs).reshape(d, s, m * r)
         press = AREA_PRESS * serially(draw(rng, world.law, (d, s, m, r)), world.serial)
@@ -87,7 +88,7 @@ def table_of(world: Rig, rng: np.random.Generator, draw: Draw = drawn) -> RunTab
         specimens=PRESSED, stiffness_n_per_mm=KAPPA, new=NEW, algorithm="front", area_unit="mm2", a_c0=start,
         start_area=start, casr=casr, true_a_c0=np.full((d, s, m * r), np.nan),
         mounting=np.broadcast_to(np.repeat(np.arange(1, m + 1), r), (d, s, m * r)).copy(),
-        position=np.repeat(position, r, axis=-1),
+        position=None if world.order == "unknown" else np.repeat(position, r, axis=-1),
     )  # fmt: skip
 
 
@@ -97,10 +98,10 @@ def _over_cells(of_mounting: Floats, rng: np.random.Generator, world: Rig) -> Fl
 
 
 def _positions(world: Rig, rng: np.random.Generator) -> Floats:
-    """(D, S, M) place of each mounting in the order of pressing, from 1: cell by cell, or at random."""
+    """(D, S, M) place of each mounting in the order of pressing, from 1."""
     shape = (len(DESIGNS), len(PRESSED), world.mountings)
     places = np.arange(1.0, np.prod(shape) + 1)
-    if world.order == "random":
+    if world.order != "constant":
         return rng.permutation(places).reshape(shape)
-    # round by round of mountings, in each the same order of cells
-    return np.moveaxis(places.reshape(shape[2], shape[0], shape[1]), 0, -1)
+    # specimen by specimen, as to change it takes longest
+    return np.swapaxes(places.reshape(shape[1], shape[0], shape[2]), 0, 1)

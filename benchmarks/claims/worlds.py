@@ -32,7 +32,8 @@ ALGORITHMS = ("front", "circle", "paper")
 TRUE_ORDER = (0.0, 0.077, 0.270, 0.554)
 "ln CASR of ``PRESSED`` over the stiffest, in the emulated world."
 Law = Literal["normal", "t3", "lognormal"]
-Order = Literal["random", "constant"]
+Order = Literal["random", "constant", "unknown"]
+"Of specimens or mountings; unknown: at random, and nobody wrote it down."
 _BENCH = json.loads((Path(__file__).resolve().parents[1] / "results" / "control_scatter.json").read_text())["N1"]
 
 
@@ -54,7 +55,8 @@ class People:
 
     a, b : of ``SPECIMENS``. person, person_by_specimen, press, bin : SDs. law : of presses (and of people by
     specimens). serial : autocorrelation of a person's presses. drift : over a session, in SDs of b of a press; the
-    rates of people scatter by 30 %. order : of specimens. unequal : SDs of people's presses lie between 1 / unequal and
+    rates of people scatter by 30 %; steps : it moves from recording to recording, and not within them. order : of
+    specimens. lost : share of presses that are rejected. unequal : SDs of people's presses lie between 1 / unequal and
     unequal times theirs. power_law : activity is a power of force in place of a logarithm.
     """
 
@@ -69,7 +71,9 @@ class People:
     law: Law = "normal"
     serial: float = 0.0
     drift: float = 0.0
+    steps: bool = False
     order: Order = "random"
+    lost: float = 0.0
     unequal: float = 1.0
     power_law: bool = False
 
@@ -85,7 +89,8 @@ class Rig:
     distance to the stiffest that the new specimen has at the lowest constant stiffness.
     press, mounting : SDs; None: the bench's by condition. own_scatter : whether circle and hexagons scatter more than
     the front, as on the bench. cell : (design, specimen) that scatters ``more`` times as much; condition : the same of
-    all cells of a condition. drift : over all mountings, in SDs of a mounting, in their order. serial : of presses.
+    all cells of a condition. lost : share of presses without a score. drift : over all mountings, in SDs of a
+    mounting, in their order. serial : of presses.
     """
 
     casr: tuple[float, ...] = CURVE
@@ -106,6 +111,7 @@ class Rig:
     more: float = 1.0
     law: Law = "normal"
     serial: float = 0.0
+    lost: float = 0.0
     drift: float = 0.0
     order: Order = "random"
 
@@ -145,6 +151,8 @@ ALIKE = Rig(casr=(0.0,) * 4, area=(0.0,) * 4, area_of_angle=(0.0,) * 3, casr_of_
 LONG = replace(DEMO, mountings=1, presses=10)
 CROSSED = People(a=(42.0, 36.0, 42.0, 32.0, 16.0), b=(20.0, 17.0, 20.0, 15.0, 7.0), person_by_specimen=0.3, press=0.05)
 "S1 and S3 are equal in the population, and people differ in their slopes by specimen."
+PAIRED = replace(CROSSED, person_by_specimen=0.05)
+"S1 and S3 are equal, and people hardly differ."
 TWO_ALIKE = replace(DEMO, casr=(0.0, 0.0, 0.0, 0.55), area=(0.0, 0.0, 0.0, 0.48))
 
 
@@ -184,10 +192,19 @@ WORLDS = (
     World("cell-6x", "one cell of the rig scatters 6 times as much", SAME, replace(DEMO, cell=(3, 3), more=6.0)),
     World("condition-6x", "one condition scatters 6 times as much", People(),
           replace(DEMO, condition="modular", more=6.0)),
-    World("drift-constant", "drift of 4 SD, the same order for all; on the rig one order of cells",
-          replace(SAME, drift=4.0, order="constant"), replace(ALIKE, drift=4.0, order="constant")),
-    World("drift-random", "drift of 4 SD, orders at random",
-          replace(SAME, drift=4.0), replace(ALIKE, drift=4.0)),
+    World("drift-constant", "drift of 4 SD, the same order for all: b falls and CASR rises where the claims want it",
+          replace(PAIRED, drift=-4.0, order="constant"), replace(TWO_ALIKE, drift=4.0, order="constant")),
+    World("drift-1", "the same, drift of 1 SD", replace(PAIRED, drift=-1.0, order="constant"),
+          replace(TWO_ALIKE, drift=1.0, order="constant")),
+    World("drift-alike", "nothing differs, drift of 4 SD, the same order for all",
+          replace(SAME, drift=-4.0, order="constant"), replace(ALIKE, drift=4.0, order="constant")),
+    World("drift-steps", "drift of 4 SD from recording to recording of people, none within, the same order for all",
+          replace(PAIRED, drift=-4.0, order="constant", steps=True), TWO_ALIKE),
+    World("drift-random", "drift of 4 SD, orders at random", replace(PAIRED, drift=-4.0), replace(ALIKE, drift=4.0)),
+    World("drift-unknown", "drift of 4 SD, orders at random that nobody wrote down",
+          replace(PAIRED, drift=-4.0, order="unknown"), replace(TWO_ALIKE, drift=4.0, order="unknown")),
+    World("lost", "a fifth of all presses lost, two specimens alike", replace(PAIRED, lost=0.2),
+          replace(TWO_ALIKE, lost=0.2)),
     World("crossed-14", "S1 = S3 on average, people differ by 30 % a specimen", CROSSED, TWO_ALIKE),
     World("crossed-3", "the same, 3 people", replace(CROSSED, people=3), replace(TWO_ALIKE, mounting=0.043)),
     World("t3", "Student's t with 3 df for presses, people and mountings",
