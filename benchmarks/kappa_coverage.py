@@ -7,6 +7,7 @@ the compliance law is true, with a sensor of which 1 % of CASR is 9 % of kappa a
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -15,6 +16,7 @@ import numpy as np
 from benchmarks.bench.record import print_page
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.calibrate import calibrate
+from emg2vsa.calibration.mountings import MountingScatter, mounting_scatter, pooled
 from emg2vsa.calibration.unknown import Estimate, estimate
 
 KNOWN = np.array([7.63, 3.35, 1.11])
@@ -45,10 +47,11 @@ def logarithm(kappa: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Layout:
-    """Mountings of each specimen, presses of each mounting."""
+    """Mountings of each specimen, presses of each mounting, conditions and angles that tell how mountings differ."""
 
     mountings: int
     presses: int
+    designs: int = 1
 
 
 @dataclass(frozen=True)
@@ -80,21 +83,22 @@ def unequal(rng: np.random.Generator, shape: tuple[int, ...]) -> Floats:
     return np.asarray(_UNEQUAL[:, None, None] * rng.standard_normal(shape))
 
 
-ONE, THREE = Layout(1, 10), Layout(3, 3)
+ONE, THREE, NINE = LAYOUTS = (Layout(1, 10), Layout(3, 3), Layout(3, 3, 9))
 WORLDS: tuple[tuple[Layout, Drawn], ...] = (
     (ONE, Drawn("no scatter of mountings, none assumed", 0.0, 0.0)),
     (ONE, Drawn("the same, presses correlated by .7", 0.0, 0.0, noise=autoregression)),
     (ONE, Drawn("the same, specimens scatter unequally", 0.0, 0.0, noise=unequal)),
     (ONE, Drawn("the same, heavy tails", 0.0, 0.0, noise=heavy_tails)),
     (ONE, Drawn("mountings 2.5 %, assumed 2.5 %", 0.025, 0.025)),
-    *((layout, Drawn("mountings 4.3 %")) for layout in (ONE, THREE)),
-    *((layout, Drawn("the same, presses correlated by .7", noise=autoregression)) for layout in (ONE, THREE)),
-    *((layout, Drawn("the same, specimens scatter unequally", noise=unequal)) for layout in (ONE, THREE)),
-    *((layout, Drawn("the same, heavy tails", noise=heavy_tails)) for layout in (ONE, THREE)),
+    *((layout, Drawn("mountings 4.3 %")) for layout in LAYOUTS),
+    *((layout, Drawn("the same, presses correlated by .7", noise=autoregression)) for layout in LAYOUTS),
+    *((layout, Drawn("the same, specimens scatter unequally", noise=unequal)) for layout in LAYOUTS),
+    *((layout, Drawn("the same, heavy tails", noise=heavy_tails)) for layout in LAYOUTS),
+    (NINE, Drawn("mountings 2.7 %", 0.027)),
     (ONE, Drawn("mountings 4.3 %, assumed 2.5 %", assumed=0.025)),
     (THREE, Drawn("mountings 4.3 %, none assumed", assumed=0.0)),
-    *((layout, Drawn("a sensor that spreads more, mountings 4.3 %", curve=spread_more)) for layout in (ONE, THREE)),
-    *((layout, Drawn("another law, mountings 4.3 %", curve=logarithm)) for layout in (ONE, THREE)),
+    *((layout, Drawn("a sensor that spreads more, mountings 4.3 %", curve=spread_more)) for layout in LAYOUTS),
+    *((layout, Drawn("another law, mountings 4.3 %", curve=logarithm)) for layout in LAYOUTS),
     (ONE, Drawn("another law, mountings 2.5 %, assumed 2.5 %", 0.025, 0.025, logarithm)),
     (ONE, Drawn("another law, no scatter of mountings, none assumed", 0.0, 0.0, logarithm)),
 )  # fmt: skip
@@ -107,10 +111,25 @@ def experiments(layout: Layout, world: Drawn, new: float, count: int, seed: int 
     logs = PRESS * world.noise(rng, (count, 4, m, r)) + world.mounting * rng.standard_normal((count, 4, m, 1))
     scores = (world.curve(np.append(KNOWN, new))[:, None, None] * np.exp(logs)).reshape(count, 4, m * r)
     labels = np.repeat(np.arange(1, m + 1), r)
+    scatter = None
+    if layout.designs > 1:
+        each = mounting_scatter(scores, np.tile(labels, (4, 1)), world.assumed)
+        scatter = in_studies(each, layout.designs)
     calibration = calibrate(
-        KNOWN, scores[:, :3], casr_unit="mm2/N", mounting_sd=world.assumed, mountings=np.tile(labels, (3, 1))
-    )
+        KNOWN, scores[:, :3], casr_unit="mm2/N", mounting_sd=world.assumed, mountings=np.tile(labels, (3, 1)),
+        scatter=scatter,
+    )  # fmt: skip
     return estimate(calibration, scores[:, 3], labels, known=new, bootstrap=False)
+
+
+def in_studies(each: MountingScatter, designs: int) -> MountingScatter:
+    """Of experiments that are so many designs of one study each, one after the other."""
+    fields = [field.name for field in dataclasses.fields(MountingScatter)]
+    studies = [
+        pooled(MountingScatter(**{name: getattr(each, name)[i : i + designs] for name in fields}))
+        for i in range(0, each.sd.size, designs)
+    ]
+    return MountingScatter(**{name: np.concatenate([getattr(one, name) for one in studies]) for name in fields})
 
 
 def row(layout: Layout, world: Drawn, new: float, count: int) -> str:
@@ -120,7 +139,8 @@ def row(layout: Layout, world: Drawn, new: float, count: int) -> str:
     width = np.median((found.high - found.low)[there]) / (2 * new)
     few = np.count_nonzero(determined) < _FEW
     return (
-        f"| {layout.mountings} x {layout.presses} | {world.says} | {new:g} | {np.mean(~there):.1%} | "
+        f"| {layout.mountings} x {layout.presses}{f', {layout.designs} designs' if layout.designs > 1 else ''} "
+        f"| {world.says} | {new:g} | {np.mean(~there):.1%} | "
         f"{np.mean(held[there]):.1%} | {np.mean(determined):.1%} | "
         f"{'–' if few else f'{np.mean(held[determined]):.1%}'} | {'∞' if np.isinf(width) else f'{width:.0%}'} |"
     )

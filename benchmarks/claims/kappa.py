@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from benchmarks.claims.worlds import ALGORITHMS, KAPPA
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.forms import casr_angle_share, casr_exponent, specimen_share
+from emg2vsa.calibration.mountings import MountingScatter, mounting_scatter, pooled
 from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults, ConditionResult, LawResult
 from emg2vsa.calibration.runs_calibration import law_result
 from emg2vsa.calibration.unknown import estimate
@@ -18,6 +20,7 @@ from emg2vsa.settings import CalibrationSettings
 CASR_UNIT, HERTZ = "mm2/N", 2 / 3
 _OF_OTHERS = {("high-stiffness", "circle"), ("high-stiffness", "paper"), ("modular", "paper")}
 "Conditions and algorithms that claims ask for, besides those of the front."
+_FIELDS = dataclasses.fields(MountingScatter)
 _Laws = dict[tuple[int, int, str], LawResult]
 "Of study, design and algorithm."
 
@@ -33,20 +36,34 @@ def _all_laws(tables: Sequence[RunTable], settings: CalibrationSettings) -> _Law
     angles = tables[0].angles_deg.tolist()
     asked = {(condition, "front") for condition in tables[0].conditions} | _OF_OTHERS
     found: _Laws = {}
-    for angle in dict.fromkeys(angles):
-        designs = [d for d, other in enumerate(angles) if other == angle]
-        for name in ALGORITHMS:
+    for name in ALGORITHMS:
+        scatters = [_scatter(table, name, settings) for table in tables]
+        for angle in dict.fromkeys(angles):
+            designs = [d for d, other in enumerate(angles) if other == angle]
             own = [d for d in designs if (tables[0].conditions[d], name) in asked]
             if not own:
                 continue
             casr = np.concatenate([table.casr[name][own] for table in tables])
+            scatter = MountingScatter(
+                *(np.concatenate([getattr(each, field.name)[own] for each in scatters]) for field in _FIELDS)
+            )
             places = [(number, design, name) for number in range(len(tables)) for design in own]
-            found |= dict(zip(places, _laws(tables[0], casr, name, angle, settings), strict=True))
+            found |= dict(zip(places, _laws(tables[0], casr, scatter, name, angle, settings), strict=True))
     return found
 
 
+def _scatter(table: RunTable, algorithm: str, settings: CalibrationSettings) -> MountingScatter:
+    """Of the mountings of every design (D,), as all of them together show."""
+    return pooled(mounting_scatter(table.casr[algorithm], table.mounting[0], settings.mounting_sd_percent / 100))
+
+
 def _laws(
-    table: RunTable, casr: np.ndarray, algorithm: str, angle: float, settings: CalibrationSettings
+    table: RunTable,
+    casr: np.ndarray,
+    scatter: MountingScatter,
+    algorithm: str,
+    angle: float,
+    settings: CalibrationSettings,
 ) -> list[LawResult]:
     """Of scores (d, S, R) of one algorithm at one angle."""
     known, labels = table.known, table.mounting[0]
@@ -54,12 +71,11 @@ def _laws(
         KAPPA[known], casr[:, known], settings, casr_unit=CASR_UNIT,
         specimens=tuple(table.specimens[i] for i in known), specimen_share=specimen_share(algorithm),
         angle_share=casr_angle_share(algorithm, angle, settings.angle_sd_deg),
-        mounting_sd=settings.mounting_sd_percent / 100, mountings=labels[known], other_exponent=casr_exponent(HERTZ),
+        scatter=scatter, mountings=labels[known], other_exponent=casr_exponent(HERTZ),
     )  # fmt: skip
-    found = estimate(
-        calibration, casr[:, table.new], np.asarray(labels[table.new]), known=float(KAPPA[table.new]), bootstrap=False
-    )
-    return [law_result(found, float(KAPPA[table.new]), i) for i in range(len(casr))]
+    truth = float(KAPPA[table.new])
+    found = estimate(calibration, casr[:, table.new], np.asarray(labels[table.new]), known=truth, bootstrap=False)
+    return [law_result(found, truth, i) for i in range(len(casr))]
 
 
 def _results(number: int, table: RunTable, laws: _Laws) -> CalibrationResults:

@@ -125,6 +125,7 @@ def calibrate(
     angle_share: float = 0.0,
     mounting_sd: float = 0.0,
     mountings: ArrayLike | None = None,
+    scatter: MountingScatter | None = None,
     other_exponent: float = HERTZ,
 ) -> Calibration:
     """Fit a law through specimens of known stiffness.
@@ -134,8 +135,9 @@ def calibrate(
     it, that no mounting and no press shows. angle_share : the same for the angle of a mounting, with its sign
     (``forms``). mounting_sd : the same for all else in a mounting. mountings : (S, R) number of the mounting of each
     press; omitted: one of each specimen. Where they are enough to tell (``mountings``), their scatter takes the place
-    of angle_share and mounting_sd. other_exponent : that the presses show in place of Hertz's, see ``forms``. All of
-    these widen the interval from repeats and do not change the fit.
+    of angle_share and mounting_sd. scatter : that of more mountings than these, in place of theirs. other_exponent :
+    that the presses show in place of Hertz's, see ``forms``. All of these widen the interval from repeats and do not
+    change the fit.
     Leaving out one specimen after the other is always done. DataError where shapes do not fit or kappa is not positive.
     """
     settings = settings or CalibrationSettings()
@@ -146,7 +148,7 @@ def calibrate(
     means = mean_of(scores)
     x, y = fitted_points(scores, stiffness, settings.points)
     labels = np.ones(scores.shape[1:], dtype=np.int64) if mountings is None else np.asarray(mountings, dtype=np.int64)
-    mounting = mounting_scatter(scores, labels, mounting_sd)
+    mounting = scatter or mounting_scatter(scores, labels, mounting_sd)
     fit = fit_law(settings.law, settings.minimise, x, y)
     fitted = fit.at(x)
     rows = weighted_rows(np.where(np.isfinite(fitted), x, np.nan), y, None, where="calibration")

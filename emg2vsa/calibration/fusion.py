@@ -31,7 +31,7 @@ from scipy import special
 from emg2vsa.arrays import Floats, Ints, mean_of
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.forms import HERTZ, kappa_slope
-from emg2vsa.calibration.mountings import by_mounting
+from emg2vsa.calibration.mountings import MountingScatter, by_mounting
 from emg2vsa.calibration.repeats import RepeatInterval, labels_side_by_side, side_by_side
 from emg2vsa.settings import CalibrationSettings
 
@@ -85,6 +85,7 @@ def calibrate_indentation(
     angle_share: float = 0.0,
     mounting_sd: float = 0.0,
     mountings: ArrayLike | None = None,
+    scatter: MountingScatter | None = None,
     other_exponent: float = HERTZ,
 ) -> Calibration:
     """The kinesthetic cue's calibration, 1/kappa over (mm/N)^(3/2); arguments as in ``calibrate``, scores in N/mm."""
@@ -102,6 +103,7 @@ def calibrate_indentation(
         angle_share=angle_share,
         mounting_sd=mounting_sd,
         mountings=mountings,
+        scatter=scatter,
         other_exponent=other_exponent,
     )
 

@@ -10,6 +10,9 @@ score, pooled over specimens):
 with the variance s^2 of a press within its mounting, and c the mean of 1 / presses of a mounting. Where no mounting
 was pressed twice, s^2 counts as 0 and t^2 is the whole scatter. Where f is below
 ``LEAST_FREEDOM`` the SD is assumed (``[calibration] mounting_sd_percent``), and counts as if it were known.
+
+A study mounts its specimens anew for every angle and condition, so that all of them tell it together (``pooled``). One
+whose mountings scatter more than those of the others counts for itself.
 """
 
 from __future__ import annotations
@@ -17,12 +20,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, mean_of
 from emg2vsa.calibration.presses import within
 
 LEAST_FREEDOM = 3
 "Between mountings: two mountings of each of three specimens. With fewer the SD is assumed."
+ENOUGH_FREEDOM = 30
+"Between mountings: their SD is then known to 13 %, so that a design that is judged by it was not picked by chance."
+_UNLIKE_P = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +47,8 @@ class MountingScatter:
     assumed: Floats
 
     def as_assumed(self) -> MountingScatter:
-        """As if no mounting were repeated, where the study assumes an SD: the same however the repeats fell out."""
-        found = self.assumed == 0
+        """The SD that the study assumes, where so few mountings were repeated that chance decides theirs."""
+        found = (self.assumed == 0) | (self.freedom >= ENOUGH_FREEDOM)
         freedom, between, of_presses = (
             np.where(found, each, 0.0) for each in (self.freedom, self.between, self.of_presses)
         )
@@ -65,15 +72,33 @@ def mounting_scatter(scores: Floats, labels: Ints, assumed_sd: float) -> Mountin
         press = np.nansum(inside * np.where(inside > 0, variance, 0.0), axis=(1, 2)) / pressed_again
         shares = np.sum(np.where(n > 0, 1 / n, 0.0), axis=2) / mountings
         of_presses = press * np.sum(np.where(f > 0, f * shares, 0.0), axis=1) / freedom
+    return _told(freedom, between, of_presses, np.full(freedom.shape, assumed_sd, dtype=np.float64))
+
+
+def pooled(designs: MountingScatter) -> MountingScatter:
+    """Of all d designs of a study together; of one alone whose mountings scatter more than the others' (F test at
+    5 %), and of each alone where only some pressed a mounting twice."""
+    f, there = designs.freedom, designs.freedom > 0
+    if np.unique(designs.of_presses[there] > 0).size != 1:
+        return designs
+    total, between, of_presses = (float(np.sum(f * each)) for each in (there, designs.between, designs.of_presses))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        others = (between - f * designs.between) / (total - f)
+        more = there & (special.fdtrc(f, total - f, designs.between / others) < _UNLIKE_P)
+    return _told(
+        np.where(more, f, total),
+        np.where(more, designs.between, between / total),
+        np.where(more, designs.of_presses, of_presses / total),
+        designs.assumed,
+    )
+
+
+def _told(freedom: Floats, between: Floats, of_presses: Floats, assumed: Floats) -> MountingScatter:
+    """Assumed where the freedom is too small."""
     told = (freedom >= LEAST_FREEDOM) & np.isfinite(between + of_presses)
     estimate = np.sqrt(np.maximum(np.where(told, between - of_presses, 0.0), 0.0))
-    return MountingScatter(
-        sd=np.where(told, estimate, assumed_sd),
-        freedom=np.where(told, freedom, 0.0),
-        between=np.where(told, between, 0.0),
-        of_presses=np.where(told, of_presses, 0.0),
-        assumed=np.full(told.shape, assumed_sd, dtype=np.float64),
-    )
+    freedom, between, of_presses = (np.where(told, each, 0.0) for each in (freedom, between, of_presses))
+    return MountingScatter(np.where(told, estimate, assumed), freedom, between, of_presses, assumed)
 
 
 def by_mounting(scores: Floats, labels: Ints) -> Floats:

@@ -23,8 +23,10 @@ from emg2vsa.calibration.forms import (
 )
 from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse, mm_per_n
 from emg2vsa.calibration.left_out import compare_laws
+from emg2vsa.calibration.mountings import MountingScatter, mounting_scatter, pooled
 from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.calibration.presses import MOST_OUTLIERS, far_off, without_outliers
+from emg2vsa.calibration.repeats import labels_side_by_side, side_by_side
 from emg2vsa.calibration.results import (
     AlgorithmResult,
     CalibrationResults,
@@ -79,8 +81,42 @@ def calibrate_runs(
             continue
         stiffness = np.array([kappa[run.specimen] for run in known])
         error = np.array([(kappa_se or {}).get(run.specimen, 0.0) for run in known])
-        conditions.append(_OneCondition(tuple(known), new, stiffness, error, truth, settings).result())
-    return CalibrationResults(new_specimen, truth, tuple(conditions), tuple(notes))
+        conditions.append(_OneCondition(tuple(known), new, stiffness, error, truth, settings))
+    scatters = {key: _pooled([each.scores(*key) for each in conditions], settings) for key in _WAYS}
+    results = [each.result({key: of[i] for key, of in scatters.items()}) for i, each in enumerate(conditions)]
+    return CalibrationResults(new_specimen, truth, tuple(results), tuple(notes))
+
+
+_Way = tuple[str, bool]
+"""Vision algorithm, or ``_DEPTH``, and whether the paper's settings hold."""
+_DEPTH = "indentation"
+_WAYS: tuple[_Way, ...] = (*((name, of_paper) for name in ALGORITHMS for of_paper in (False, True)), (_DEPTH, False))
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Scores:
+    """Of one condition: of the known specimens (S, R) and the new one (R,), and the mounting of each."""
+
+    known: Floats
+    new: Floats
+    labels: Ints
+    new_labels: Ints
+
+
+def _pooled(designs: Sequence[_Scores], settings: CalibrationSettings) -> list[MountingScatter]:
+    """How the mountings of each condition differ, as those of all conditions show."""
+    each = [
+        mounting_scatter(
+            side_by_side(of.known[None], of.new[None]),
+            labels_side_by_side(of.labels, of.new.size, of.new_labels),
+            settings.mounting_sd_percent / 100,
+        )
+        for of in designs
+    ]
+    fields = [field.name for field in dataclasses.fields(MountingScatter)]
+    whole = {name: np.concatenate([getattr(one, name) for one in each]) for name in fields} if each else {}
+    found = pooled(MountingScatter(**whole)) if each else None
+    return [MountingScatter(**{name: getattr(found, name)[[i]] for name in fields}) for i in range(len(each))]
 
 
 def online_calibrations(
@@ -158,8 +194,21 @@ class _OneCondition:
     truth: float
     settings: CalibrationSettings
 
-    def result(self) -> ConditionResult:
-        depth = self._indentation()
+    def scores(self, name: str, of_paper: bool) -> _Scores:
+        """Without outliers, where the settings leave them out."""
+        runs = (*self.known, self.new)
+        if name == _DEPTH:
+            *known, new = [mm_per_n(run.indent_n_per_mm) for run in runs]
+        else:
+            mads = self._settings(of_paper).outlier_mads
+            *known, new = [without_outliers(run.casr[name][None], mads)[0] for run in runs]
+        return _Scores(_padded(known), new, self._labels, self.new.mounting)
+
+    def _settings(self, of_paper: bool) -> CalibrationSettings:
+        return dataclasses.replace(self.settings, **PAPER["calibration"]) if of_paper else self.settings
+
+    def result(self, scatter: Mapping[_Way, MountingScatter]) -> ConditionResult:
+        depth = self._indentation(scatter[_DEPTH, False])
         return ConditionResult(
             angle_deg=self.new.angle_deg,
             condition=self.new.condition,
@@ -167,25 +216,24 @@ class _OneCondition:
             specimens=self._names,
             known_kappa=self.kappa,
             exponent=1 / self._growth,
-            algorithms={name: self._algorithm(name, depth) for name in ALGORITHMS},
+            algorithms={name: self._algorithm(name, depth, scatter) for name in ALGORITHMS},
             indentation=None if depth is None else self._law(depth),
         )
 
-    def _algorithm(self, name: str, depth: Estimate | None) -> AlgorithmResult:
+    def _algorithm(self, name: str, depth: Estimate | None, scatter: Mapping[_Way, MountingScatter]) -> AlgorithmResult:
         casr, new_casr = _padded([run.casr[name] for run in self.known]), self.new.casr[name]
-        kept, new_kept = self._kept(casr), self._kept(new_casr[None])[0]
-        chosen = self._estimated(self._calibrated(name, kept, self.settings), new_kept)
-        of_paper = self._calibrated(name, casr, dataclasses.replace(self.settings, **PAPER["calibration"]))
-        laws = compare_laws(self.kappa, kept, self.settings, casr_unit=self._casr_unit)
+        chosen, of_paper = (self._by_area(name, paper, scatter[name, paper]) for paper in (False, True))
+        kept = self.scores(name, False)
+        laws = compare_laws(self.kappa, kept.known, self.settings, casr_unit=self._casr_unit)
         return AlgorithmResult(
             casr=casr,
             new_casr=new_casr,
             casr_unit=self._casr_unit,
             chosen=self._law(chosen, (*self._left_out_presses(casr, new_casr), *self._other_friction)),
-            paper=self._law(self._estimated(of_paper, new_casr)),
+            paper=self._law(of_paper),
             left_out_rms={law: float(score[0]) for law, score in zip(laws.laws, laws.score, strict=True)},
             best_law=laws.best() or "",
-            fused=None if depth is None else self._fused(self._both(chosen, new_kept, depth)),
+            fused=None if depth is None else self._fused(self._both(chosen, kept.new, depth)),
         )
 
     def _kept(self, scores: Floats) -> Floats:
@@ -209,22 +257,24 @@ class _OneCondition:
     def _most_outliers(presses: Floats) -> float:
         return MOST_OUTLIERS * np.count_nonzero(np.isfinite(presses))
 
-    def _calibrated(self, algorithm: str, scores: Floats, settings: CalibrationSettings) -> Calibration:
-        return calibrate(
+    def _by_area(self, algorithm: str, of_paper: bool, scatter: MountingScatter) -> Estimate:
+        settings, scores = self._settings(of_paper), self.scores(algorithm, of_paper)
+        calibration = calibrate(
             self.kappa,
-            scores,
+            scores.known,
             settings,
             casr_unit=self._casr_unit,
             specimens=self._names,
             kappa_se=self.kappa_se,
             specimen_share=specimen_share(algorithm),
             angle_share=casr_angle_share(algorithm, self.new.angle_deg, settings.angle_sd_deg),
-            mounting_sd=settings.mounting_sd_percent / 100,
             mountings=self._labels,
+            scatter=scatter,
             other_exponent=casr_exponent(self._growth),
         )
+        return self._estimated(calibration, scores.new)
 
-    def _indentation(self) -> Estimate | None:
+    def _indentation(self, scatter: MountingScatter) -> Estimate | None:
         slopes = _padded([run.indent_n_per_mm for run in self.known])
         if not (np.any(np.isfinite(slopes), axis=1).all() and np.any(np.isfinite(self.new.indent_n_per_mm))):
             return None
@@ -235,8 +285,8 @@ class _OneCondition:
             specimens=self._names,
             kappa_se=self.kappa_se,
             angle_share=mount_share(INDENTATION_POWER, self.new.angle_deg, self.settings.angle_sd_deg),
-            mounting_sd=self.settings.mounting_sd_percent / 100,
             mountings=self._labels,
+            scatter=scatter,
             other_exponent=indentation_exponent(self._growth),
         )
         return self._estimated(calibration, mm_per_n(self.new.indent_n_per_mm))
