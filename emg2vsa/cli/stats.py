@@ -13,10 +13,11 @@ if TYPE_CHECKING:
 
 SUMMARY = "Compare groups of a tidy table (one row an observation): each usual test beside its companions."
 EPILOG = """
-For every hypothesis one table: the test of the palpation paper, its companion, the effect, and whether the verdict
-changes. Numbers are read exactly as they are written. Rows without a number, group or block are left out and counted.
-Without --value and --group the columns are listed. Statistics of other installed packages (plugins) follow ours; the
-status is 1 where one of them fails. Example: emg2vsa stats slopes.csv --value b --group specimen --block participant
+For every hypothesis one table: the test of the palpation paper, its companions, and their effects. No verdict is drawn
+from them: each test stands for itself. Numbers are read exactly as they are written. Rows without a number, group or
+block are left out and counted. Without --value and --group the columns are listed. Statistics of other installed
+packages (plugins) follow ours; the status is 1 where one of them fails. Example: emg2vsa stats slopes.csv --value b
+--group specimen --block participant
 """
 OPTIONS = f"""
 table TABLE  CSV, TSV or semicolon-separated text with a header

@@ -100,12 +100,12 @@ class BlockTests:
         )
 
     def outcomes(self) -> tuple[Outcome, ...]:
-        """All tests of the table, the mixed model first: it fits the design, and takes every value."""
-        repeated = tuple(self.repeated.outcome(correction=name) for name in ("none", "gg", "hf"))
+        """All tests of the table, Greenhouse and Geisser's first: it allows for specimens that scatter unequally."""
+        repeated = tuple(self.repeated.outcome(correction=name) for name in ("gg", "hf", "none"))
         mixed = (self.mixed,) if self.mixed else ()
         variances = () if self.variances is None else self.variances.outcomes()
         residuals = () if self.residuals is None else self.residuals.outcomes()
-        return (*mixed, *variances, *repeated, self.friedman.outcome(), self.agreement, *residuals)
+        return (*repeated, *mixed, *variances, self.friedman.outcome(), self.agreement, *residuals)
 
 
 def _block_tests(clusters: Clusters, confidence: float = 0.95) -> BlockTests | None:

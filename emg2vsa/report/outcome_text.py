@@ -45,11 +45,12 @@ _COUNTS = frozenset({"D", "W"})
 
 
 def said(outcome: Outcome, style: Style = "apa") -> str:
-    """``F(4, 45) = 5.23, p = .002, η² = .32, 95% CI [.08, .46]``; what the outcome does not have is left out."""
+    """``F(4, 45) = 5.23, p = .002, ω² = .25, 95% CI [.08, .46], η² = .32``; what the outcome does not have is left
+    out."""
     if _undefined(outcome):
         return "not defined"
-    parts = (_statistic(outcome, style), _p(outcome, style), _effect(outcome, style), _estimate(outcome, style))
-    return ", ".join(part for part in parts if part)
+    parts = (_statistic(outcome, style), _p(outcome, style), effect_said(outcome, style))
+    return ", ".join(filter(None, parts))
 
 
 def statistic_said(outcome: Outcome, style: Style = "apa") -> str:
@@ -60,8 +61,8 @@ def statistic_said(outcome: Outcome, style: Style = "apa") -> str:
 
 
 def effect_said(outcome: Outcome, style: Style = "apa") -> str:
-    """The effect and the estimate with its interval alone."""
-    return ", ".join(filter(None, (_effect(outcome, style), _estimate(outcome, style))))
+    """The estimate with its interval, and the effect."""
+    return ", ".join(filter(None, (_estimate(outcome, style), _effect(outcome, style))))
 
 
 def p_said(p: float, style: Style = "apa") -> str:

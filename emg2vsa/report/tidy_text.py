@@ -32,15 +32,27 @@ from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number
 from emg2vsa.statistics.outcome import Outcome
 from emg2vsa.statistics.post_hoc import PairDifferences
 
-_WIDTHS = (28, 36, 30, 22)
+_WIDTHS = (32, 46, 40)
 _SUMMARY = frozenset({"groups", "groups over blocks"})
 """Names whose results are always printed."""
-
-
 _ONE_BLOCK = (
     "All rows are taken as independent. There are no tests over blocks: they take two blocks or more, and the table "
     "has one. What is found holds for this block only."
 )
+_NO_BLOCK = "All rows are taken as independent. If a person gave several rows, name the column of people: --block."
+_OVER_BLOCKS = (
+    "The paper's test takes all rows as independent, but rows of a block are not. Trust the tests over blocks, the "
+    "first of them first: it allows for groups that scatter unequally."
+)
+_PAIRS_OVER_BLOCKS = (
+    "LSD takes all rows as independent. Trust the pairs over blocks, paired t first: each pair has its own scatter. "
+    "The mixed model takes one for all; it finds too many where the sphericity ε is far below 1."
+)
+_NORMALITY = (
+    "The p of standardised KS is far too large. Raw KS also tests location and scale. Small groups have little power. "
+    "Do not choose the next test by the outcome of these tests."
+)
+_EQUAL = "A test that finds no difference does not show equality."
 
 
 @dataclass(frozen=True)
@@ -59,55 +71,31 @@ def hypotheses(found: TidyTests, style: Style) -> list[Hypothesis]:
 
 def _together(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
     tests, alpha, blocks = found.together, found.alpha, found.by_block
-    groups = tests.between_groups
+    groups, over = tests.between_groups, _over_blocks(found)
     cells = blocks.normality if blocks and np.isfinite(blocks.normality.lilliefors.p).any() else None
     yield Hypothesis(
         "Is each group Gaussian?" if cells is None else "Is each group of each block Gaussian?",
-        normality_rows(cells or tests.normality, alpha, "groups" if cells is None else "cells", style),
-        "The p of standardised KS is far too large. Raw KS also tests location and scale. Small groups have little "
-        "power. Do not choose the next test by the outcome of these tests.",
-    )
+        normality_rows(cells or tests.normality, alpha, "groups" if cells is None else "cells", style), _NORMALITY,
+    )  # fmt: skip
     paper = f"One-way ANOVA: {decided([groups.anova_outcome()], alpha, '', style)}"
-    over = over_people_rows(paper, groups.anova.p, blocks.blocks, alpha, style) if blocks and blocks.blocks else []
     yield Hypothesis(
         "Do groups differ?",
-        [*over, *group_rows(groups, alpha, "", style), variance_row(groups, alpha, "", style)],
-        "The paper's test takes all rows as independent, but rows of a block are not. Trust the tests over blocks."
-        if over
-        else _ONE_BLOCK
-        if blocks
-        else "All rows are taken as independent. If a person gave several rows, name the column of people: --block.",
-    )
-    yield _pairs_of_all(found, style)
-    equal = equality_rows(paper, found.equality, None, 1.0, "", style)
-    yield Hypothesis(
-        "Are groups equal?",
-        equal,
-        "A test that finds no difference does not show equality. State a margin with --margin.",
-    )
-
-
-def _pairs_of_all(found: TidyTests, style: Style) -> Hypothesis:
-    """With blocks, the tests over blocks: rows of one block are not independent."""
-    question, pairs, blocks = "Which groups differ?", found.together.pairs, _over_blocks(found)
-    if blocks is not None:
-        return Hypothesis(
-            question,
-            over_people_pair_rows(pairs, blocks, found.alpha, style),
-            "LSD takes all rows as independent. Trust the pairs over blocks, paired t first: each pair has its own "
-            "scatter. The mixed model takes one for all; it finds too many where the sphericity ε is far below 1.",
+        [*(over_people_rows(paper, over, style) if over else []), *group_rows(groups, alpha, "", style),
+         variance_row(groups, alpha, "", style)],
+        _OVER_BLOCKS if over else _ONE_BLOCK if blocks else _NO_BLOCK,
+    )  # fmt: skip
+    if over:
+        pairs, mind = over_people_pair_rows(tests.pairs, over, alpha, style), _PAIRS_OVER_BLOCKS
+    else:
+        pairs, floor = pair_rows(tests.pairs, alpha, style), dunn_bounds(found.count)
+        mind = (
+            f"{tests.pairs.first.size} pairs. With more than three groups, LSD does not control the familywise error."
         )
-    floor = dunn_bounds(found.count)
-    bound = (
-        f" With groups of this size and no ties, the largest p of Dunn's pairs is {floor[1]:.2g} or more."
-        if floor
-        else ""
-    )
-    return Hypothesis(
-        question,
-        pair_rows(pairs, found.alpha, style),
-        f"{pairs.first.size} pairs. With more than three groups, LSD does not control the familywise error.{bound}",
-    )
+        if floor:
+            mind += f" With groups of this size and no ties, the largest p of Dunn's pairs is {floor[1]:.2g} or more."
+    yield Hypothesis("Which groups differ?", pairs, mind)
+    equal = equality_rows(paper, found.equality, None, 1.0, "", style)
+    yield Hypothesis("Are groups equal?", equal, f"{_EQUAL} State a margin with --margin.")
 
 
 def _over_blocks(found: TidyTests) -> BlockTests | None:
@@ -124,16 +112,12 @@ def _by_block(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
             [*group_rows(tests.between_groups, alpha, "blocks", style), *pair_rows(tests.pairs, alpha, style)],
             "One analysis per block. The result of a block holds for this block only.",
         )
-    if np.isfinite(tests.between_blocks.anova.p).any():
-        paper = f"One-way ANOVA: {how_many(tests.between_blocks.anova.p, alpha, 'groups', style)}"
-        yield Hypothesis(
-            "Are blocks equal?",
-            [
-                *group_rows(tests.between_blocks, alpha, "groups", style),
-                *equality_rows(paper, tests.equality, tests.blocks, 1.0, "", style),
-            ],
-            "One analysis per group. A test that finds no difference does not show equality.",
-        )
+    across = tests.between_blocks
+    if np.isfinite(across.anova.p).any():
+        paper = f"One-way ANOVA: {how_many(across.anova.p, alpha, 'groups', style)}"
+        equal = equality_rows(paper, tests.equality, tests.blocks, 1.0, "", style)
+        rows = [*group_rows(across, alpha, "groups", style), *equal]
+        yield Hypothesis("Are blocks equal?", rows, f"One analysis per group. {_EQUAL}")
 
 
 def outcomes(found: TidyTests) -> Iterator[tuple[str, Outcome]]:
@@ -172,7 +156,7 @@ def text(found: TidyTests, style: Style, *, details: bool) -> str:
     parts = [_groups(found)]
     for hypothesis in hypotheses(found, style):
         parts.append(f"\n{hypothesis.question}\n" + "\n".join(_grid(hypothesis.rows)))
-        parts.append("\n".join(wrap(hypothesis.mind, sum(_WIDTHS) + 6)))
+        parts.append("\n".join(wrap(hypothesis.mind, sum(_WIDTHS) + 4)))
     by = "LSD" if _over_blocks(found) is None else _differences(found).method
     parts += [f"\nPairs, p of each test (differences and their intervals: {by})", *_pairs(found, style), "\nResults"]
     above, shown = "", _SUMMARY.union(name for name, _ in found.of_plugins)
@@ -239,10 +223,10 @@ def _p(p: float, style: Style) -> str:
 
 
 def _grid(rows: Sequence[CompanionRow]) -> Iterator[str]:
-    """Four columns of wrapped text. The first column does not repeat the text of the row above."""
+    """Three columns of wrapped text. The first column does not repeat the text of the row above."""
     heads = [column.head for column in COLUMNS]
     above = ""
-    for cells in (heads, *((row.paper, row.companion, row.effect, row.changes) for row in rows)):
+    for cells in (heads, *((row.paper, row.companion, row.effect) for row in rows)):
         shown = ["" if cells[0] == above else cells[0], *cells[1:]]
         above = cells[0]
         columns = [wrap(cell, width) or [""] for cell, width in zip(shown, _WIDTHS, strict=True)]

@@ -134,20 +134,25 @@ def blocked_table(folder: Path, gap: bool = False) -> Path:
 
 
 @pytest.mark.parametrize("gap", [False, True])
-def test_with_blocks_the_model_comes_first_and_its_residuals_are_in_json(
+def test_with_blocks_tests_over_blocks_come_first_and_residuals_of_the_model_are_in_json(
     gap: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     command = ["stats", str(blocked_table(tmp_path, gap)), "--value", "value", "--group", "group", "--block", "block"]
     assert main([*command, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["outcomes"][0]["of"] == "groups over blocks"
-    assert "mixed model" in found["outcomes"][0]["method"]
+    over = [each["method"] for each in found["outcomes"] if each["of"] == "groups over blocks"]
+    assert over[0] == "repeated-measures ANOVA, Greenhouse-Geisser"
+    assert over[3].startswith("linear mixed model")
+    assert set(found["hypotheses"][1]["rows"][0]) == {"paper", "companion", "effect"}
     assert {len(values) for values in found["residuals"].values()} == {40 - gap}
     between = [each for each in found["outcomes"] if each["of"] == "blocks in S1" and "one-way" in each["method"]]
     assert between[0]["estimate_name"] == "omega2"
     assert main(command) == 0
     said = capsys.readouterr().out
-    assert said.index("Linear mixed model") < said.index("Welch's ANOVA")
+    places = [" ".join(said.split()).index(test) for test in ("Greenhouse-Geisser", "Linear mixed", "Welch's")]
+    assert places == sorted(places)
+    assert " verdict" not in said
     assert "participants / repetitions: ratio of SD" in said
 
 

@@ -1,4 +1,4 @@
-"""Rows of the paper's tests beside their companions: does the verdict change, test by test and for a claim on all?"""
+"""Rows of the paper's tests beside their companions: what each says, and what it cannot say at all."""
 
 from __future__ import annotations
 
@@ -7,57 +7,12 @@ import pytest
 from scipy import stats
 
 from emg2vsa.companions.groups import group_tests, pair_tests
-from emg2vsa.report.companion_rows import (
-    change,
-    change_of_claim,
-    change_of_evidence,
-    dunn_bounds,
-    how_many,
-    pair_rows,
-)
+from emg2vsa.companions.table import table_tests
+from emg2vsa.report.companion_rows import COLUMNS, dunn_bounds, group_rows, how_many, over_people_rows, pair_rows
+from emg2vsa.statistics.clusters import clusters_of
 from emg2vsa.statistics.kruskal import dunn, kruskal
 
 NAN = np.nan
-
-
-@pytest.mark.parametrize(
-    ("changed", "paper", "other", "says"),
-    [
-        (change, [0.01], [0.04], "no"),
-        (change, [0.01], [0.06], "yes: no longer significant"),
-        (change, [0.2], [0.01], "yes: significant"),
-        (change, [NAN], [0.01], "cannot be said"),
-        (
-            change,
-            [0.01, 0.02, 0.3],
-            [0.06, 0.02, 0.01],
-            "yes, for 2 of 3: 1 no longer significant, 1 newly significant",
-        ),
-        (change, [0.01, NAN, 0.02], [0.2, 0.2, 0.01], "yes, for 1 of 2: 1 no longer significant"),
-        (change, [0.05], [0.05], "no"),
-        (change_of_claim, [0.01, 0.02], 0.03, "no"),
-        (change_of_claim, [0.01, 0.02], 0.3, "yes: not significant"),
-        (change_of_claim, [0.2, 0.3], 0.01, "yes: significant"),
-        (change_of_claim, [0.2, 0.01], 0.01, "the paper's tests disagree (1 of 2 significant); here significant"),
-        (change_of_claim, [0.01], NAN, "cannot be said"),
-        (change_of_claim, [NAN], 0.01, "cannot be said"),
-        (change_of_evidence, [0.001], [0.01], "no"),
-        (change_of_evidence, [0.5], [8.0], "no"),
-        (change_of_evidence, [0.5], [2.0], "no evidence either way"),
-        (change_of_evidence, [0.04], [4.0], "contradicted"),
-        (
-            change_of_evidence,
-            [0.5, 0.5, 0.04],
-            [8.0, 1.0, 5.0],
-            "contradicted for 1, no evidence either way for 1 of 3",
-        ),
-        (change_of_evidence, [0.5], [np.inf], "no"),
-        (change_of_evidence, [NAN], [1.0], "cannot be said"),
-    ],
-)
-def test_whether_the_verdict_changes(changed, paper, other, says) -> None:
-    """Test by test, for one companion of a family, and by Bayes factors."""
-    assert changed(np.array(paper), np.array(other) if isinstance(other, list) else other, 0.05) == says
 
 
 def test_counts_name_the_p_that_matters() -> None:
@@ -97,3 +52,30 @@ def test_the_papers_test_of_pairs_is_on_the_left_and_its_companion_on_the_right(
     assert rows[1].companion.startswith("Tukey's HSD: 2 of 3 pairs significant (")
     assert rows[0].effect.startswith("|g|")
     assert rows[4].effect.startswith("|r_rb|")
+
+
+def test_people_come_before_presses_and_what_allows_for_unequal_scatter_before_what_does_not() -> None:
+    rng = np.random.default_rng(1)
+    who, what, _ = (axis.ravel() for axis in np.indices((5, 3, 4)))
+    values = rng.normal(what.astype(float), 1)
+    names = np.char.mod("P%d", who), np.char.mod("S%d", what)
+    tests = table_tests(clusters_of(*names, values, np.ones(values.size, dtype=np.bool_)), 0.05)
+    assert tests.blocks is not None
+    rows = [row.companion.partition(":")[0] for row in over_people_rows("One-way ANOVA", tests.blocks)]
+    assert rows[0] == "Repeated-measures ANOVA, Greenhouse-Geisser"
+    assert rows[1].startswith("Linear mixed model")
+    methods = [outcome.method for outcome in tests.blocks.outcomes()]
+    assert methods[0] == "repeated-measures ANOVA, Greenhouse-Geisser"
+
+
+def test_the_share_without_bias_comes_first() -> None:
+    values = np.random.default_rng(2).normal(size=(1, 3, 5))
+    effect = group_rows(group_tests(values), 0.05, "designs")[0].effect
+    assert 0 <= effect.index("ω²") < effect.index("η²")
+    many = group_rows(group_tests(np.repeat(values, 2, axis=0)), 0.05, "designs")[0].effect
+    assert many.startswith("ω²")
+    assert "η²" not in many
+
+
+def test_no_row_says_whether_a_verdict_changes() -> None:
+    assert [column.key for column in COLUMNS] == ["paper", "companion", "effect"]

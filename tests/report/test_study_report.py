@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from jinja2 import UndefinedError
-from scipy.stats import kstwo, studentized_range
+from scipy.stats import studentized_range
 from scipy.stats import t as student
 
 from emg2vsa import hypotheses
@@ -28,6 +28,7 @@ from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.kappa import ADVANCING_FRONT_ERROR, LAW_ERRORS
 from emg2vsa.report.sections.provenance import TERMS
 from emg2vsa.report.study_report import contents, numbers_and_tables, write_figure_pdfs, write_study_report
+from emg2vsa.statistics.drift import Slope
 
 
 @pytest.fixture(scope="module")
@@ -159,18 +160,35 @@ def test_profiles_of_all_without_a_new_specimen_and_of_one_nobody_measured(resul
     assert bool([path for path in files if "fig11" in path.name]) is ("new" not in changed)
 
 
-def test_chances_of_a_family_and_the_bound_of_the_raw_test_stand_beside_their_result(written, results, read_page):
-    text = read_page(written / "index.html").text.replace("\N{NO-BREAK SPACE}", " ")
+def test_results_tell_how_likely_a_family_of_tests_rejects_anything_where_nothing_differs(written, results):
+    found = json.loads((written / "results.json").read_text())
     anova = results.people.hypotheses.tests.between_groups.anova
-    assert f"{100 * (1 - 0.95**4):.1f} % of studies would find a significant one among 4 tests" in text
+    assert found["hypotheses.between_participants.chance_of_any"] == pytest.approx(1 - 0.95**4)
     chances = [  # the pairs of a participant share their means: the largest of them is the studentized range
         studentized_range.sf(np.sqrt(2) * student.isf(0.025, df2), df1 + 1, df2)
         for df1, df2 in zip(anova.df1.tolist(), anova.df2.tolist(), strict=True)
     ]
-    chance = 100 * (1 - np.prod(1 - np.array(chances)))
-    assert f"{chance:.1f} % of studies would find a significant pair among 18" in text
-    p = [f"{kstwo.sf(0.5, n):.3f}".lstrip("0") for n in (5, 6)]
-    assert f"at most {p[0]} for 5 values and at most {p[1]} for 6 values" in text
+    assert found["hypotheses.pairs.chance_of_any"] == pytest.approx(1 - np.prod(1 - np.array(chances)))
+
+
+def test_order_and_drift_have_a_line_of_their_own(results, tmp_path, read_page):
+    """Of people whose order nobody knows, and of others whose order differs."""
+    tested = results.people.hypotheses
+    known = replace(tested.drift, order="differs", by_order=Slope(1e-7, 2e-8, 3.0))
+    for drift, order, by in (
+        (tested.drift, "unknown", "by the presses within"),
+        (known, "differs between", "by the o"),
+    ):
+        told = with_people(results, hypotheses=replace(tested, drift=drift))
+        write_study_report(told, tmp_path)
+        text = " ".join(read_page(tmp_path / "index.html").text.split())
+        assert f"Order of specimens: {order}" in text
+        assert by in text[text.index("Drift of b over a session:") :][:120]
+        found = json.loads((tmp_path / "results.json").read_text())
+        assert found["hypotheses.order"] == drift.order
+        mean = np.mean(told.people.fits.b_v[told.used])
+        within = 100 * drift.within.value * (drift.places - 1) / mean
+        assert found["hypotheses.drift.within_recordings_percent"] == pytest.approx(within)
 
 
 def test_a_participant_without_a_page_is_not_linked(results, tmp_path, read_page):

@@ -10,15 +10,13 @@ from scipy.special import stdtrit
 from emg2vsa.arrays import Floats
 from emg2vsa.companions.groups import GroupTests
 from emg2vsa.hypotheses import Hypotheses
-from emg2vsa.report.companion_rows import dunn_bounds
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, fields_of, least, most, plain
+from emg2vsa.report.numbers import Items, fields_of, least, most, plain, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.sections.hypothesis_tables import hypothesis_tables
-from emg2vsa.report.wording import NO_BREAK, bounded, percent
+from emg2vsa.report.wording import signed
 from emg2vsa.statistics.clusters import Names
 from emg2vsa.statistics.mixed import MixedModel
-from emg2vsa.statistics.normality import ks_survival
 from emg2vsa.statistics.studentized_range import survival
 from emg2vsa.statistics.trend import trend
 
@@ -34,6 +32,17 @@ def _quantities(results: StudyResults) -> Items:
     yield from _pair_quantities(found)
     yield from _over_people_quantities(found)
     yield from _stiffness_quantities(results)
+    yield from _drift_quantities(found, results.recorded.fits.b_v[results.used])
+
+
+def _drift_quantities(found: Hypotheses, b_v: Floats) -> Items:
+    """Over a session, % of the mean b."""
+    yield "hypotheses.order", found.drift.order
+    level = float(np.mean(b_v)) if b_v.size else 0.0
+    over = 100 * (found.drift.places - 1) / level if level else np.nan
+    for kind, slope in (("by_order", found.drift.by_order), ("within_recordings", found.drift.within)):
+        of = slope.times(over)
+        yield from with_interval(f"hypotheses.drift.{kind}_percent", of.value, *of.interval(1 - found.alpha))
 
 
 def _stiffness_quantities(results: StudyResults) -> Items:
@@ -145,67 +154,46 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     found = results.recorded.hypotheses
     if found is None:
         return {}
-    families = ("between_participants", "pairs")
     return {
         "tested": found,
-        "raw_bound": _raw_bound(found),
-        "rank_bound": _rank_bound(found),
         "n_pairs": found.tests.pairs.lsd.p.size,
-        "chance": {name: _chance(q, f"hypotheses.{name}") for name in families},
         "over_people": found.tests.blocks is not None,
+        "order": _ORDERS[found.drift.order],
+        "drift": _drift(q),
     }
 
 
-def _raw_bound(tested: Hypotheses) -> str:
-    """How little the raw test looks at the shape of positive values, from the sizes of the clusters at hand."""
-    raw = tested.tests.normality.raw
-    sizes = raw.n[np.isfinite(raw.p)]
-    bounds = [
-        f"at most {bounded(p)} for {n} values"
-        for n in sorted({int(np.min(sizes)), int(np.max(sizes))} if sizes.size else ())
-        for p in ks_survival([0.5], [n]).tolist()
-    ]
-    at = f", and p is {' and '.join(bounds)}" if bounds else ""
-    return f"On raw values, positive ones have D of .5 or more{at}."
+_ORDERS = {"differs": "differs between people", "same": "the same for all", "unknown": "unknown"}
 
 
-def _rank_bound(tested: Hypotheses) -> str:
-    """What p the mean-rank comparison can reach at all, for the usual participant."""
-    usual = np.full(tested.specimens.size, np.max(tested.count))
-    bounds = dunn_bounds(usual)
-    if bounds is None:
-        return ""
-    return (
-        f"Dunn's test pools the ranks of all specimens: with {usual.size} groups of {usual[0]}, its worst p is at "
-        f"least {bounded(bounds[1])} after Bonferroni's correction, whatever the data."
-    )
-
-
-def _chance(q: Quantities, family: str) -> str:
-    """How likely a family of tests rejects anything where nothing differs; "" for less than two tests."""
-    tested, chance = int(q[f"{family}.tested"]), float(q[f"{family}.chance_of_any"])
-    if tested < 2:
-        return ""
-    return f"more than 99.9{NO_BREAK}%" if chance > 0.999 else percent(chance)
+def _drift(q: Quantities) -> str:
+    """``+3.1 % [−2.0 %, +8.2 %]``, by the order where it tells, else by the presses within recordings."""
+    for kind in ("by_order", "within_recordings"):
+        name = f"hypotheses.drift.{kind}_percent"
+        mean, low, high = (float(q[key]) for key in (name, f"{name}.low", f"{name}.high"))
+        if mean == mean:
+            by = "the order" if kind == "by_order" else "the presses within recordings"
+            return f"{signed(mean, '%')} [{signed(low, '%')}, {signed(high, '%')}], by {by}"
+    return "unknown"
 
 
 _TEXT = """
 {% if tested is not defined %}
 <p>{{ why_absent("hypotheses") }}</p>
 {% else %}
-<p>All tests are on the slopes b, at α = {{ tested.alpha }}. No test was chosen by the outcome of another.</p>
+<p>All tests are on the slopes b, at α = {{ tested.alpha }}. No test was chosen by the outcome of another. Verdicts
+stand in the <a href="#claims">summary</a>: they follow from intervals over people, not from these tests.</p>
+<p>Order of specimens: {{ order }}. Drift of b over a session: {{ drift }}.</p>
 
 <h3>Gaussian clusters</h3>
 <p>The paper does not say which of two forms of the Kolmogorov-Smirnov test it ran. Standardised by the sample's own
-mean and SD, its p is far too large; Lilliefors' test corrects this. {{ raw_bound }}</p>
+mean and SD, its p is far too large; Lilliefors' test corrects this. On raw values it hardly looks at their shape.</p>
 {{ folded("verdict_normality", "Tests of normality compared") }}
 {{ folded("normality", "Normality of every cluster") }}
 
 <h3>Equal participants</h3>
 {% if q['hypotheses.between_participants.tested'] %}
-<p>An ANOVA cannot show equality. The table bounds the difference that it may have missed.
-{% if chance.between_participants %}Without any real difference, {{ chance.between_participants }} of studies would
-find a significant one among {{ q['hypotheses.between_participants.tested'] }} tests.{% endif %}</p>
+<p>An ANOVA cannot show equality. The table bounds the difference that it may have missed.</p>
 {{ folded("verdict_participants", "Tests of equal participants compared") }}
 {{ folded("anova_participants", "ANOVA of every specimen") }}
 {% else %}
@@ -214,16 +202,14 @@ find a significant one among {{ q['hypotheses.between_participants.tested'] }} t
 
 <h3>Different specimens</h3>
 {% if q['hypotheses.between_specimens.tested'] %}
-<p>{% if over_people %}The paper's ANOVAs are about one participant's repetitions each; the mixed model, the
-repeated-measures ANOVA and Friedman's test are about people.{% else %}With one participant, every test is about that
+<p>{% if over_people %}The repeated-measures ANOVA, the mixed model and Friedman's test are about people. The paper's
+ANOVAs are about one participant's repetitions each.{% else %}With one participant, every test is about that
 participant's repetitions, not about people.{% endif %}</p>
 {{ folded("verdict_specimens", "Tests between specimens compared") }}
 {{ folded("anova_specimens", "ANOVA of every participant") }}
 
 <h3>Pairs of specimens</h3>
-<p>Fisher's LSD is not corrected for the number of pairs.
-{% if chance.pairs %}Without any real difference, {{ chance.pairs }} of studies would find a significant pair among
-{{ n_pairs }}.{% endif %} {{ rank_bound }}</p>
+<p>Fisher's LSD is not corrected for the number of pairs.</p>
 {{ folded("verdict_pairs", "Tests of pairs compared") }}
 {{ folded("lsd_pairs", "All " ~ n_pairs ~ " pairs") }}
 {% else %}
@@ -239,11 +225,5 @@ participant's repetitions, not about people.{% endif %}</p>
 """
 
 HYPOTHESES = Section(
-    "hypotheses",
-    "Tests of the slopes b",
-    _TEXT,
-    of_people,
-    _quantities,
-    hypothesis_tables,
-    words=_words,
+    "hypotheses", "Tests of the slopes b", _TEXT, of_people, _quantities, hypothesis_tables, words=_words
 )

@@ -76,10 +76,10 @@ def _anova(tests: GroupTests) -> Columns:
         Column("df1", "df 1"): tests.anova.df1,
         Column("df2", "df 2"): tests.anova.df2,
         Column("p", "p"): tests.anova.p,
-        Column("eta2", "η²"): tests.anova.eta2,
         Column("omega2", "ω²"): tests.omega2,
         Column("eta2_low", "ω² low"): tests.eta2_low,
         Column("eta2_high", "ω² high"): tests.eta2_high,
+        Column("eta2", "η²"): tests.anova.eta2,
         Column("p_welch", "p Welch"): tests.welch.p,
         Column("p_kruskal", "p Kruskal-Wallis"): tests.kruskal.p,
         Column("p_brown_forsythe", "p Brown-Forsythe"): tests.brown_forsythe.p,
@@ -142,13 +142,13 @@ def _verdicts(found: Hypotheses, scale: ActivityScale) -> Iterator[Table]:
             variance_row(across, alpha, "specimens"),
         ] if across.anova.f.size else [],
         "specimens": [
+            *(over_people_rows(differ, tests.blocks) if tests.blocks else []),
             *group_rows(within, alpha, "participants"),
-            *(over_people_rows(differ, within.anova.p, tests.blocks, alpha) if tests.blocks else []),
             variance_row(within, alpha, "participants"),
         ] if within.anova.f.size else [],
         "pairs": [
-            *pair_rows(tests.pairs, alpha),
             *(over_people_pair_rows(tests.pairs, tests.blocks, alpha) if tests.blocks else []),
+            *pair_rows(tests.pairs, alpha),
         ] if within.anova.f.size else [],
     }  # fmt: skip
     for name, of in rows.items():

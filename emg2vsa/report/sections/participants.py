@@ -161,14 +161,11 @@ def _rows(found: Hypotheses) -> list[CompanionRow]:
             _PLANNED,
             f"Repeated-measures F between repetitions: power {bounded(power.repetitions)} here",
             f"f = {EFFECT_F:g}, ρ = {RHO:g}, ε = {EPSILON:g}: chosen, not measured",
-            "not comparable: the study does not ask whether repetitions differ",
         ),
         CompanionRow(
             _PLANNED,
             f"Repeated-measures F between specimens: power {bounded(power.specimens)} here",
             f"{people} for a power of {bounded(TARGET, 2)}",
-            "not defined" if np.isnan(power.specimens)
-            else "no" if power.specimens >= TARGET else "yes: the sample is too small for it",
         ),
     ]  # fmt: skip
 
