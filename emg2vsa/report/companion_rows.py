@@ -94,30 +94,16 @@ def group_rows(tests: GroupTests, alpha: float, many: str, style: Style = "apa")
     paper = f"One-way ANOVA: {decided([tests.anova_outcome(i) for i in all_of], alpha, many, style)}"
     share = effect_said(tests.anova_outcome(), style) if len(all_of) == 1 else range_said("omega2", tests.omega2, style)
     ranks = range_said("rank epsilon2", tests.kruskal.epsilon2, style)
-    companions = (("Welch's ANOVA", tests.welch, share), ("Kruskal-Wallis", tests.kruskal, ranks))
-    return rows_of(
-        paper,
-        [
-            *(
-                (name, decided([of.outcome(i) for i in all_of], alpha, many, style), said)
-                for name, of, said in companions
-            ),
-            evidence(tests, style),
-        ],
+    welch, kruskal = (
+        decided([of.outcome(i) for i in all_of], alpha, many, style) for of in (tests.welch, tests.kruskal)
     )
-
-
-def welch_row(tests: GroupTests, alpha: float, many: str) -> CompanionRow:
-    """Welch's ANOVA beside Kruskal and Wallis's."""
-    paper = f"Kruskal-Wallis: {how_many(tests.kruskal.p, alpha, many)}"
-    welch = "Welch's ANOVA", how_many(tests.welch.p, alpha, many), range_said("rank epsilon2", tests.kruskal.epsilon2)
-    return rows_of(paper, [welch])[0]
-
-
-def evidence(tests: GroupTests, style: Style = "apa") -> tuple[str, str, str]:
-    """Bayes factors: name, result and what they mean."""
-    means = "above 3 supports equal means, below 1/3 different ones"
-    return "Bayes factor (JZS)", range_said("BF01", tests.bayes.bf01, style), means
+    bayes, means = range_said("BF01", tests.bayes.bf01, style), "above 3 supports equal means, below 1/3 different ones"
+    companions = (
+        ("Welch's ANOVA", welch, share),
+        ("Kruskal-Wallis", kruskal, ranks),
+        ("Bayes factor (JZS)", bayes, means),
+    )
+    return rows_of(paper, companions)
 
 
 def variance_row(tests: GroupTests, alpha: float, many: str, style: Style = "apa") -> CompanionRow:
@@ -189,11 +175,8 @@ def equality_rows(
         margin = f"{equality.margin:g} SD" if equality.unit == "sd" else f"{number(equality.margin * factor)} {unit}"
         within = f" within ± {margin}".rstrip()
         result = f"{int(np.sum(equality.shown))} of {int(np.sum(equality.pairs))} pairs shown equal"
-    shares = [_share(blocks, style)] if blocks else []
-    return [
-        *rows_of(paper, [(f"Equivalence (TOST){within}", result, effect)]),
-        *(CompanionRow(paper, *s) for s in shares),
-    ]
+    rows = rows_of(paper, [(f"Equivalence (TOST){within}", result, effect)])
+    return [*rows, CompanionRow(paper, *_share(blocks, style))] if blocks else rows
 
 
 def _share(blocks: BlockTests, style: Style) -> tuple[str, str]:

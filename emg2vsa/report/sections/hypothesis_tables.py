@@ -45,7 +45,7 @@ def hypothesis_tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     )
     yield table_of("anova_specimens", caption.format("specimens", "participant"), people | _anova(within))
     yield _pairs(found, results.scale)
-    yield from _verdicts(found, results.scale)
+    yield from _compared(found, results.scale)
     yield _statements(found)
 
 
@@ -121,41 +121,25 @@ def _pairs(found: Hypotheses, scale: ActivityScale) -> Table:
     return table_of("lsd_pairs", caption, who | {column: values.ravel() for column, values in numbers.items()})
 
 
-_CAPTIONS = {
-    "normality": "Gaussian clusters",
-    "participants": "Equal participants",
-    "specimens": "Different specimens",
-    "pairs": "Different pairs of specimens",
-}
-
-
-def _verdicts(found: Hypotheses, scale: ActivityScale) -> Iterator[Table]:
-    tests, alpha = found.tests, found.alpha
+def _compared(found: Hypotheses, scale: ActivityScale) -> Iterator[Table]:
+    tests, alpha, blocks = found.tests, found.alpha, found.tests.blocks
     across, within = tests.between_blocks, tests.between_groups
-    equal = f"One-way ANOVA: {how_many(across.anova.p, alpha, 'specimens')}"
-    differ = f"One-way ANOVA: {how_many(within.anova.p, alpha, 'participants')}"
-    rows = {
-        "normality": normality_rows(tests.normality, alpha, "clusters"),
-        "participants": [
+    yield companion_table("normality", "Gaussian clusters", normality_rows(tests.normality, alpha, "clusters"))
+    if across.anova.f.size:
+        equal = f"One-way ANOVA: {how_many(across.anova.p, alpha, 'specimens')}"
+        rows = [
             *group_rows(across, alpha, "specimens"),
-            *equality_rows(equal, tests.equality, tests.blocks, scale.factor, scale.unit),
+            *equality_rows(equal, tests.equality, blocks, scale.factor, scale.unit),
             variance_row(across, alpha, "specimens"),
-        ] if across.anova.f.size else [],
-        "specimens": [
-            *(over_people_rows(differ, tests.blocks) if tests.blocks else []),
-            *group_rows(within, alpha, "participants"),
-            variance_row(within, alpha, "participants"),
-        ] if within.anova.f.size else [],
-        "pairs": [
-            *(over_people_pair_rows(tests.pairs, tests.blocks, alpha) if tests.blocks else []),
-            *pair_rows(tests.pairs, alpha),
-        ] if within.anova.f.size else [],
-    }  # fmt: skip
-    for name, of in rows.items():
-        yield companion_table(name, _CAPTIONS[name], of)
-
-
-_HEADS = {"apa": "APA", "ieee": "IEEE", "latex": "LaTeX", "plain": "Plain"}
+        ]
+        yield companion_table("participants", "Equal participants", rows)
+    if within.anova.f.size:
+        differ = f"One-way ANOVA: {how_many(within.anova.p, alpha, 'participants')}"
+        over = over_people_rows(differ, blocks) if blocks else []
+        rows = [*over, *group_rows(within, alpha, "participants"), variance_row(within, alpha, "participants")]
+        yield companion_table("specimens", "Different specimens", rows)
+        over = over_people_pair_rows(tests.pairs, blocks, alpha) if blocks else []
+        yield companion_table("pairs", "Different pairs of specimens", [*over, *pair_rows(tests.pairs, alpha)])
 
 
 def _statements(found: Hypotheses) -> Table:
@@ -163,7 +147,12 @@ def _statements(found: Hypotheses) -> Table:
     columns: Columns = {
         Column("key", "Of"): [key for key, _ in every],
         Column("method", "Test"): [outcome.method for _, outcome in every],
-        **{Column(style, _HEADS[style]): [said(outcome, style) for _, outcome in every] for style in STYLES},
+        **{
+            Column(style, {"latex": "LaTeX", "plain": "Plain"}.get(style, style.upper())): [
+                said(outcome, style) for _, outcome in every
+            ]
+            for style in STYLES
+        },
     }
     return table_of("statements", "Results as text", columns)
 
