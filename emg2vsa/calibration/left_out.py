@@ -28,8 +28,7 @@ from emg2vsa.settings import CalibrationSettings, Law
 class LeftOut:
     """d calibrations of S specimens; kappa : (d, S) N/mm as the others say; p : (d, S) of the known kappa.
 
-    misfit : (d, S) distance of the two on the axis of the law, over half the interval. eta, eta_se, df : (d, S) of what
-    the others say, on the axis of the law.
+    misfit : (d, S) distance of the two on the axis of the law, over half the interval.
 
     Two specimens determine two parameters, so with three specimens the three p judge one and the same misfit.
     """
@@ -37,9 +36,6 @@ class LeftOut:
     kappa: Floats
     p: Floats
     misfit: Floats
-    eta: Floats
-    eta_se: Floats
-    df: Floats
 
     @cached_property
     def law_p(self) -> Floats:
@@ -59,7 +55,7 @@ def left_out(calibration: Calibration) -> LeftOut:
     d, s, _ = calibration.casr.shape
     if s < 3:
         nothing = np.full((d, s), np.nan)
-        return LeftOut(*[nothing] * 6)
+        return LeftOut(nothing, nothing, nothing)
     columns = [_one(calibration, j) for j in range(s)]
     return LeftOut(*(np.stack(column, axis=1) for column in zip(*columns, strict=True)))
 
@@ -86,14 +82,13 @@ def _by(settings: CalibrationSettings, law: Law) -> CalibrationSettings:
     return dataclasses.replace(settings, law=law, minimise=minimise)
 
 
-def _one(calibration: Calibration, j: int) -> tuple[Floats, ...]:
+def _one(calibration: Calibration, j: int) -> tuple[Floats, Floats, Floats]:
     without = again(calibration, np.arange(len(calibration.specimens)) != j, calibration.settings.law)
     found = repeat_interval(without, calibration.casr[:, j], mountings=calibration.labels[j])
     known = eta_of(calibration.settings.law, calibration.kappa[:, j])
     with np.errstate(invalid="ignore", divide="ignore"):
         reach = special.stdtrit(found.df, 0.5 + 0.5 * calibration.settings.confidence) * found.eta_se
-        misfit = np.abs(found.eta - known) / reach
-        return found.kappa, found.p_of(known), misfit, found.eta, found.eta_se, found.df
+        return found.kappa, found.p_of(known), np.abs(found.eta - known) / reach
 
 
 @dataclass(frozen=True)

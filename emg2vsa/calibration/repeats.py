@@ -88,14 +88,16 @@ def repeat_interval(
     mountings: Ints | None = None,
     own_noise: bool = True,
     in_series: bool = True,
+    known: int | None = None,
     widened: float | Floats = 1.0,
 ) -> RepeatInterval:
     """The estimate from scores (d, R) of the new specimen, NaN where there is none, and its interval.
 
     mountings : (R,) number of each press's mounting; None: one. own_noise : False takes the variance of the new
     specimen's presses from those of the known ones, pooled. That is done anyway for a specimen that was pressed once.
-    in_series : False takes the presses as independent. widened : (d,) factor on the standard error of eta. All is NaN
-    where the calibration is not monotone.
+    in_series : False takes the presses as independent. known : place of the known specimen whose presses these are, so
+    that they move the law as well. widened : (d,) factor on the standard error of eta. All is NaN where the calibration
+    is not monotone.
     """
     law, confidence = calibration.settings.law, calibration.settings.confidence
     presses = side_by_side(calibration.casr, scores)
@@ -115,6 +117,9 @@ def repeat_interval(
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         own = calibration.fit.steepness(mean[:, None]) / kappa_slope(law, kappa[:, None])
         gradient = np.concatenate([by_mean_score(calibration, mean), own], axis=1)
+        if known is not None:
+            gradient[:, known] += gradient[:, -1]
+            gradient[:, -1] = 0.0
         of_presses = np.where(once[:, None], 0.0, gradient**2 * variance / serial.effective_n)
         kappa_step = by_kappa(calibration, mean) * calibration.kappa_se
         of_scores = gradient * means

@@ -56,8 +56,8 @@ class LawResult:
     serial_p : of successive presses; effective_presses : independent ones that those of the new specimen count as.
     amplification : percent of kappa for 1 % of CASR. mounting_sd : of CASR from one mounting to the next, as a share of
     it; mounting_freedom : degrees of freedom that it was estimated with, 0 where it is assumed. on_laws : the new
-    specimen by this law, then by every other one that the known specimens do not reject; left_out_on_law : each
-    left-out specimen by this law. Intervals of any confidence follow from them.
+    specimen by this law, then by every other one that the known specimens do not reject; fitted_on_law : each known
+    specimen by this law, which was fitted to it as well. Intervals of any confidence follow from them.
     """
 
     law: str
@@ -84,7 +84,7 @@ class LawResult:
     mounting_sd: float = float("nan")
     mounting_freedom: float = 0.0
     on_laws: tuple[OnLaw, ...] = ()
-    left_out_on_law: tuple[OnLaw, ...] = ()
+    fitted_on_law: tuple[OnLaw, ...] = ()
 
     def error_interval(self, confidence: float) -> tuple[float, float]:
         """low and high of ``error``, which hold those by all of ``on_laws``; NaN without an estimate."""

@@ -26,7 +26,7 @@ from emg2vsa.calibration.left_out import compare_laws
 from emg2vsa.calibration.mountings import MountingScatter, mounting_scatter, pooled
 from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.calibration.presses import MOST_OUTLIERS, far_off, without_outliers
-from emg2vsa.calibration.repeats import labels_side_by_side, side_by_side
+from emg2vsa.calibration.repeats import RepeatInterval, labels_side_by_side, side_by_side
 from emg2vsa.calibration.results import (
     AlgorithmResult,
     CalibrationResults,
@@ -38,7 +38,7 @@ from emg2vsa.calibration.results import (
 from emg2vsa.calibration.unknown import Estimate, estimate
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import ALGORITHMS, RunScores
-from emg2vsa.settings import PAPER, CalibrationSettings
+from emg2vsa.settings import PAPER, CalibrationSettings, Law
 
 _LEAST_SPECIMENS = 2
 _MOST_UNLIKE = 0.5
@@ -357,7 +357,6 @@ def law_result(found: Estimate, truth: float, i: int = 0, notes: tuple[str, ...]
     law, known = calibration.settings.law, calibration.kappa[i]
     first, second = calibration.fit.parameters[i].tolist()
     told = [(law, found.repeats), *((each.law, each.repeats) for each in found.rivals if each.counts[i])]
-    others = zip(without.eta[i], without.eta_se[i], without.df[i], known, strict=True)
     return LawResult(
         law=law,
         minimise=calibration.settings.minimise,
@@ -382,9 +381,13 @@ def law_result(found: Estimate, truth: float, i: int = 0, notes: tuple[str, ...]
         amplification=abs(float(found.repeats.score_share[i])),
         mounting_sd=float(calibration.mounting.sd[i]),
         mounting_freedom=float(calibration.mounting.freedom[i]),
-        on_laws=tuple(OnLaw(by, float(r.eta[i]), float(r.eta_se[i]), float(r.df[i]), truth) for by, r in told),
-        left_out_on_law=tuple(OnLaw(law, *map(float, each)) for each in others),
+        on_laws=tuple(_on_law(by, repeats, i, truth) for by, repeats in told),
+        fitted_on_law=tuple(_on_law(law, *each) for each in zip(found.fitted, [i] * len(known), known, strict=True)),
     )
+
+
+def _on_law(law: Law, found: RepeatInterval, i: int, known: float) -> OnLaw:
+    return OnLaw(law, float(found.eta[i]), float(found.eta_se[i]), float(found.df[i]), float(known))
 
 
 def _padded(rows: Sequence[Floats]) -> Floats:

@@ -40,8 +40,9 @@ class Estimate:
     widened where ``left_out`` rejects the law. rivals : the same by every other law. low, high : the interval to
     report, which holds those of all laws that the known specimens do not reject: three of them rarely tell laws apart.
     bootstrap_low, bootstrap_high : percentiles over presses drawn again (``redrawn``), of calibration and unknown.
-    mean_casr, n : of its presses. extrapolated : whether the mean lies outside the calibration's. narrow : whether the
-    design promises an interval (``expected_interval``) narrower than the calibrated range, in N/mm and as a ratio.
+    fitted : each known specimen by the law that was fitted to it as well. mean_casr, n : of its presses. extrapolated :
+    whether the mean lies outside the calibration's. narrow : whether the design promises an interval
+    (``expected_interval``) narrower than the calibrated range, in N/mm and as a ratio.
     With an exact law and ten presses, 95 % intervals cover 94 to 96 % (repeats) and 91 to 93 % (bootstrap). Only
     ``repeats`` knows of errors of the calibration's kappa.
     """
@@ -57,6 +58,7 @@ class Estimate:
     extrapolated: NDArray[np.bool_]
     narrow: NDArray[np.bool_]
     rivals: tuple[Rival, ...]
+    fitted: tuple[RepeatInterval, ...]
 
     @cached_property
     def low(self) -> Floats:
@@ -176,6 +178,10 @@ def estimate(
         extrapolated=below | above,
         narrow=_narrow(calibration, scores, mountings, known),
         rivals=tuple(_rival(calibration, law, scores, mountings) for law in LAWS if law != calibration.settings.law),
+        fitted=tuple(
+            repeat_interval(calibration, calibration.casr[:, j], mountings=calibration.labels[j], known=j)
+            for j in range(calibration.casr.shape[1])
+        ),
     )
 
 

@@ -1,7 +1,7 @@
 """What the study claims of the stiffness of the new specimen, as a law of CASR gives it.
 
-All is by the law of the study, from one specimen of known stiffness to the next: how far off is kappa of the new
-specimen, how far off is each known one as the others predict it, and does the error shrink from one design to another?
+All is by the law of the study: how far off is kappa of the new specimen, how far off are the known ones that the law
+was fitted to, and does the error shrink from one design to another?
 An interval of kappa holds its true value, so that of kappa over the known stiffness, minus 1, holds what the law, the
 vision algorithm and the condition are off by once presses and mountings are averaged out. A design in which kappa is
 not determined has no error here.
@@ -59,8 +59,8 @@ def kappa_claims(
     for key, (what, designs) in DESIGNS.items():
         laws = [_law(found, *design, own) for design in designs]
         yield _claim(
-            f"kappa_fit_{key}", f"a law gives κ, {what}", "largest error of a known specimen left out, %", "within",
-            largest(_left_out(laws)), error, own, _lacking(designs, laws),
+            f"kappa_fit_{key}", f"a law gives κ, {what}", "largest error of a known specimen by it, %", "within",
+            largest(_fitted(laws)), error, own, _lacking(designs, laws),
         )  # fmt: skip
         yield _claim(
             f"kappa_error_{key}", f"the error of κ is small, {what}", "largest error of κ, %", "within",
@@ -99,13 +99,13 @@ def _error(law: LawResult | None) -> Found:
     return Found(law.on_laws[0].error, law.error_interval) if law and known else UNKNOWN
 
 
-def _left_out(laws: Iterable[LawResult | None]) -> Iterator[Found]:
-    """Size of the error of each known specimen, as the others predict it."""
+def _fitted(laws: Iterable[LawResult | None]) -> Iterator[Found]:
+    """Size of the error of each known specimen by the law that was fitted to all of them."""
     for law in laws:
         if law is None:
             yield UNKNOWN
         else:
-            yield from (size(Found(each.error, each.error_interval)) for each in law.left_out_on_law)
+            yield from (size(Found(each.error, each.error_interval)) for each in law.fitted_on_law)
 
 
 def _cut(before: Found, after: Found) -> Found:

@@ -121,4 +121,4 @@ def test_an_interval_of_any_confidence_follows_from_the_result():
         assert law.error_interval(0.95) == pytest.approx((law.low / 2.0 - 1, law.high / 2.0 - 1), rel=1e-9)
         (low, high), (lower, higher) = law.error_interval(0.95), law.error_interval(0.999)
         assert lower < low < law.error < high < higher or np.isinf(higher)
-        assert [each.known for each in law.left_out_on_law] == KNOWN.tolist()
+        assert [each.known for each in law.fitted_on_law] == KNOWN.tolist()

@@ -102,7 +102,7 @@ def test_a_claim_names_its_algorithms_and_its_unit_of_error():
     [
         ({"determined": False}, ("kappa_error", "reduction")),
         ({"error": np.nan, "on_laws": ()}, ("kappa_error", "reduction")),
-        ({"left_out_on_law": ()}, ("kappa_fit",)),
+        ({"fitted_on_law": ()}, ("kappa_fit",)),
     ],
 )
 def test_no_claim_says_more_than_its_laws(fields, undecided):
