@@ -147,6 +147,10 @@ def test_errors_of_laws_are_those_of_fits_without_each_bin(power_law):
     assert found[1] == pytest.approx(exact[1], rel=5e-3)
 
 
+def test_every_claim_on_data_has_its_rates():
+    assert set(calibrated.CLAIMS) == set(chunk(NAMED["alike"], 0, 1)["verdicts"])
+
+
 def test_what_the_report_shows_is_what_the_benchmark_found():
     record = json.loads((RESULTS / "claims.json").read_text())
     tables = [block for block in record["blocks"] if isinstance(block, dict)]
