@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from benchmarks.rig.fault_case import read_log
@@ -21,7 +23,9 @@ from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.new_folder import good_presses, how_ended
 from emg2vsa.run_folders.presses import read_presses
+from emg2vsa.schedule_files import write_schedule
 from emg2vsa.worlds.bench.virtual_run import run_virtual
+from tests.cli.rig.conftest import make_schedules
 
 Rig = Callable[..., tuple[int, str, str]]
 RigFile = Callable[..., Path]
@@ -318,3 +322,15 @@ def test_presses_made_in_another_way_are_not_mixed(rig: Rig, rig_file: RigFile) 
     plan.write_text(json.dumps(document))
     status, _, err = rig("run", path, *one)
     assert (status, "plan.json: expected preset_ticks of the schedule = [" in err) == (2, True)
+
+
+def test_presses_go_on_after_the_interval_of_their_schedule_has_changed(rig: Rig, rig_file: RigFile) -> None:
+    path = rig_file()
+    one = ("--virtual", "--specimen", "S3", "--angle", 0, "--condition", "modular", "--repetitions")
+    (schedule,) = (s for s in make_schedules() if s.specimen == "S3")
+    low, high = np.min(schedule.stiffness_percent), np.max(schedule.stiffness_percent)
+    for repetitions in (1, 2):
+        ends = schedule.stiffness_percent + np.array([[-0.1], [0.1]]) * repetitions
+        write_schedule(path.parent / "schedules", replace(schedule, interval_percent=np.clip(ends, low, high)))
+        status, _, err = rig("run", path, *one, repetitions)
+        assert status == 0, err
