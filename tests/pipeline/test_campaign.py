@@ -1,4 +1,4 @@
-"""The schedules of a study and the rig that presses with them are of one actuator, or nothing begins."""
+"""The schedules of a study and the rig that presses with them are of one actuator, or nothing begins; the controls."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from pathlib import Path
 import pytest
 
 from benchmarks.small_study import WITH_A_RIG, small_rig, small_study
+from emg2vsa.claims import paper
 from emg2vsa.cli import main
 from emg2vsa.pipeline.campaign import campaign
 from emg2vsa.study_file import load_study
+
+CONTROLS = Path(__file__).resolve().parents[2] / "studies" / "controls"
 
 
 def studied(folder: Path, actuator: str, angles_deg: str = "modular = [0]\n") -> Path:
@@ -42,3 +45,14 @@ def test_a_rig_file_that_is_not_there_yet_stops_no_check(tmp_path: Path, capsys:
     (tmp_path / "rig.toml").unlink()
     assert main(["check", str(study)]) == 1
     assert "rig.toml" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("world", ["N1", "N2", "N3", "P1", "P2", "P3", "P4"])
+def test_every_claim_on_the_rig_has_its_presses_in_every_control(world: str) -> None:
+    rig = campaign(load_study(CONTROLS / f"{world}.toml")).rig
+    assert rig is not None
+    assert rig.emulated is not None
+    assert rig.emulated.control == world
+    pressed = {(run.condition, run.angle_deg) for run in rig.experiment.all_runs()}
+    assert pressed == {*paper.CASR_WORST_P, *(("high-stiffness", angle) for angle in paper.AREA_SPECIMENS_P)}
+    assert rig.experiment.mountings == 3
