@@ -23,7 +23,7 @@ from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
 
 STUDY = Path(__file__).resolve().parents[2] / "studies" / "palpation" / "study.toml"
-MANY_PEOPLE, MANY_MOUNTINGS, MANY_PRESSES = 200, 60, 9
+MANY_PEOPLE, MANY_MOUNTINGS, MANY_PRESSES = 500, 60, 9
 "People, and mountings and presses, of the study from which a world's true values are read."
 
 

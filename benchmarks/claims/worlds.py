@@ -182,6 +182,21 @@ _HALF, _HALF_RIG = _paper(0.5)
 _, _TWICE_RIG = _paper(2.0)
 _FAR = replace(_RIG, casr=on_compliance(1.108), contrast=1.0, own_scatter=False, mounting=0.02)
 
+
+def _at_margins(share: float) -> tuple[People, Rig]:
+    """Every estimand that can be is ``share`` of its margin: claims are decided wrongly most easily there."""
+    b2, b4, off = 17.2, 13.0 - 1.333 * share, 0.2 * share
+    level = 1 + 0.1 * share / (1 - 0.1 * share)  # of the profile of S2 at 7 N over that of its neighbours there
+    a2 = 65.9 * level - b2 * float(np.log(7))
+    people = People(a=(42.0, a2, 28.0, 25.0, 16.0), b=(20.0, b2, 13.0, b4, 7.0), person=0.25 * share * 0.068)
+    step = float(np.log1p(0.05 * share))
+    rig = replace(
+        _FAR, contrast=1 + 0.05 * share, area=(0.0, step / 3, step / 2, step),
+        area_of_angle=(0.0, -step, -2 * step), new_off=dict.fromkeys(ALGORITHMS, (off,) * 3), human_like_off=(off,) * 3,
+    )  # fmt: skip
+    return people, rig
+
+
 WORLDS = (
     World("alike", "nothing differs", SAME, ALIKE),
     World("order", "specimens differ, no condition, no algorithm does", People(), replace(DEMO, casr=TRUE_ORDER)),
@@ -196,8 +211,6 @@ WORLDS = (
           replace(PAIRED, drift=-4.0, order="constant"), replace(TWO_ALIKE, drift=4.0, order="constant")),
     World("drift-1", "the same, drift of 1 SD", replace(PAIRED, drift=-1.0, order="constant"),
           replace(TWO_ALIKE, drift=1.0, order="constant")),
-    World("drift-alike", "nothing differs, drift of 4 SD, the same order for all",
-          replace(SAME, drift=-4.0, order="constant"), replace(ALIKE, drift=4.0, order="constant")),
     World("drift-steps", "drift of 4 SD from recording to recording of people, none within, the same order for all",
           replace(PAIRED, drift=-4.0, order="constant", steps=True), TWO_ALIKE),
     World("drift-random", "drift of 4 SD, orders at random", replace(PAIRED, drift=-4.0), replace(ALIKE, drift=4.0)),
@@ -219,6 +232,8 @@ WORLDS = (
           _PEOPLE, replace(_FAR, new_off=dict.fromkeys(ALGORITHMS, (0.1,) * 3), human_like_off=(0.1,) * 3)),
     World("kappa-wrong", "the same, all 40 % off", _PEOPLE,
           replace(_FAR, new_off=dict.fromkeys(ALGORITHMS, (0.4,) * 3), human_like_off=(0.4,) * 3)),
+    World("margins-within", "whatever can be lies 5 % within its margin", *_at_margins(0.95)),
+    World("margins-beyond", "whatever can be lies 5 % beyond its margin", *_at_margins(1.05)),
     World("paper", "the paper's effects, circle and hexagons scatter as on the bench", _PEOPLE, _RIG, effect=True),
     World("paper-front", "the paper's effects, all algorithms scatter as the front", _PEOPLE,
           replace(_RIG, own_scatter=False), effect=True),
