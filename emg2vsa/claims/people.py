@@ -29,8 +29,8 @@ QUESTION = "co-contraction of people"
 ALONE = "Presses of one person say nothing on people."
 ORDERS = {
     "differs": "",
-    "same": "All people pressed the specimens in the same order, so that drift may look like a difference.",
-    "unknown": "Nobody knows in which order specimens were pressed, so that drift may look like a difference.",
+    "same": "All people pressed in the same order; drift is taken to be no faster between recordings than within.",
+    "unknown": "Nobody knows the order of the specimens; drift is taken to be no faster between recordings than within.",
 }
 """Why a comparison of specimens is uncertain."""
 _BY_BIN = 1
@@ -91,8 +91,8 @@ def people_claims(
     kept = kept or cells.names
     yield from _steps(cells, stiffness_n_per_mm, kept, margins.slope_percent / _PERCENT)
     yield _claim(
-        "equal_participants", "people do not differ on any specimen",
-        "largest SD of b between people, over that of presses", "within", cells.of_people(), margins.people_f,
+        "equal_participants", "people do not differ",
+        "SD of b between people, on the mean of the specimens, over that of presses", "within", cells.of_people(), margins.people_f,
         why=cells.alone,
     )  # fmt: skip
     yield _claim(
@@ -168,27 +168,18 @@ class _Cells:
         return contrast(Difference(difference[who], apart, by), Difference(level[who], np.empty(0), by))
 
     def of_people(self) -> Found:
-        """Cohen's f between people, the largest over the specimens.
+        """Cohen's f between people, of their means over the specimens.
 
-        No specimen's is smaller than all of that of people's means over the specimens, which a straight drift leaves as
-        it is in the middle of the session, whatever its rate and the order: so the low end is that of these means.
+        A straight drift leaves these means as they are in the middle of the session, whatever its rate and the order.
+        One specimen alone has too few presses to tell f = 0 from f = 0.25.
         """
         values = self.clusters.values
         if not values.size:
             return UNKNOWN
-        there = np.isfinite(values)
-        rest = np.where(there, values - self.mean[..., None], 0.0)
-        by_specimen = [
-            people_f(self.mean[:, s], self.clusters.count[:, s], float(np.sum(rest[:, s] ** 2)))
-            for s in range(values.shape[1])
-        ]
-        of_level = np.nanmean(np.where(there, values, np.nan), axis=(0, 2))
-        level = mean_of((values - of_level[:, None]).reshape(len(values), -1))
-        count = self.clusters.count.sum(axis=1)
-        cells = int(np.count_nonzero(self.clusters.count))
-        over_specimens = people_f(level, count, float(np.sum(rest**2)), cells)
-        most = largest(by_specimen)
-        return Found(most.estimate, lambda c: (over_specimens.interval(c)[0], most.interval(c)[1]))
+        rest = np.where(np.isfinite(values), values - self.mean[..., None], 0.0)
+        level = mean_of(self.mean - mean_of(self.mean.T))
+        count, cells = self.clusters.count.sum(axis=1), int(np.count_nonzero(self.clusters.count))
+        return people_f(level, count, float(np.sum(rest**2)), cells)
 
     def shape(self) -> Found:
         values = self.clusters.values
