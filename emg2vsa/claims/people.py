@@ -30,7 +30,7 @@ ALONE = "Presses of one person say nothing on people."
 ORDERS = {
     "differs": "",
     "same": "All people pressed in the same order; drift is taken to be no faster between recordings than within.",
-    "unknown": "Nobody knows the order of the specimens; drift is taken to be no faster between recordings than within.",
+    "unknown": "The order of specimens is not known; drift is taken to be no faster between recordings than within.",
 }
 """Why a comparison of specimens is uncertain."""
 _BY_BIN = 1
@@ -92,8 +92,8 @@ def people_claims(
     yield from _steps(cells, stiffness_n_per_mm, kept, margins.slope_percent / _PERCENT)
     yield _claim(
         "equal_participants", "people do not differ",
-        "SD of b between people, on the mean of the specimens, over that of presses", "within", cells.of_people(), margins.people_f,
-        why=cells.alone,
+        "SD of b between people, on the mean of the specimens, over that of presses", "within", cells.of_people(),
+        margins.people_f, why=cells.alone,
     )  # fmt: skip
     yield _claim(
         "gaussian_clusters", "every cluster of b is Gaussian", "mean skewness, or half the mean excess kurtosis",
