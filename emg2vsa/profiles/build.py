@@ -14,7 +14,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.errors import DataError
 from emg2vsa.exemplary import Choice, in_study_order
 from emg2vsa.fits import Fits, usable
-from emg2vsa.profiles.by_person import by_person, measured_as
+from emg2vsa.profiles.by_person import measured_as
 from emg2vsa.profiles.errors import mean_errors
 from emg2vsa.profiles.interpolation import Interpolated, between
 from emg2vsa.profiles.profile import ByRule, LeftOut, Profile, Profiles
@@ -42,10 +42,11 @@ def build_profiles(
     participant = _participant(fits, rows, profile.participant, choice)
     if participant:
         rows = rows & (fits.participant == participant)
+    alone = np.unique(fits.participant[rows]).size == 1
     names = in_study_order(fits.specimen[rows], stiffness_n_per_mm)
     measured = {
         name: replace(
-            _measured(fits, rows & (fits.specimen == name), name, stiffness_n_per_mm, force_n, bool(participant)),
+            _measured(fits, rows & (fits.specimen == name), name, stiffness_n_per_mm, force_n, alone),
             weights=np.repeat(one[:, None], 2, axis=1),
         )
         for name, one in zip(names, np.eye(len(names)), strict=True)
@@ -63,9 +64,8 @@ def build_profiles(
         new_measured=reference,
         new_error=_error(reference, new, bracket) if reference and new and bracket else None,
         leave_one_out=_leave_one_out(tuple(measured.values()), profile),
-        by_person=by_person(fits, stiffness_n_per_mm, profile, use),
         by_rule=_by_rule(exported, stiffness_n_per_mm, profile, reference),
-        errors=mean_errors(fits, rows, names, "press" if participant else "person"),
+        errors=mean_errors(fits, rows, names, "press" if alone else "person"),
         participant=participant,
         unit=fits.activity_unit,
         notes=(

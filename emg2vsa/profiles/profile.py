@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.profiles.by_person import ByPerson
 from emg2vsa.profiles.errors import MeanErrors
 
 
@@ -81,17 +80,15 @@ class Profiles:
     notes: tuple[str, ...]
     by_rule: tuple[ByRule, ...] = ()
     "The new specimen by the default rule and by the paper's, beside each other; without one that refuses."
-    by_person: ByPerson | None = None
-    "The new specimen by each person, where its equal was pressed."
     errors: MeanErrors | None = None
     "Of mean a and b of all measured specimens; None where they are not known."
 
     @property
     def drawn(self) -> str:
         """What was drawn at random, and makes the errors."""
-        if self.participant:
-            return f"the presses of {self.participant}"
-        return f"{0 if self.errors is None else self.errors.count.max(initial=0)} people"
+        if self.errors is None or self.errors.unit == "press":
+            return f"the presses of {self.participant or 'one person'}"
+        return f"{self.errors.count.max(initial=0)} people"
 
     def half_width_v(self, profile: Profile) -> Floats:
         """Half of the pointwise interval (G,) of one of these profiles at its forces; NaN where it is not known."""

@@ -29,8 +29,8 @@ def schedule(
 
     Parameters
     ----------
-    fits : one row a press, as `emg2vsa.fit` gives them: ``specimen``, ``a_v``, ``b_v``, and where they are there
-        ``participant`` and ``verdict`` (rejected presses do not enter).
+    fits : one row a press, in the order they were made, as `emg2vsa.fit` gives them: ``specimen``, ``a_v``, ``b_v``,
+        and where they are there ``participant`` and ``verdict`` (rejected presses do not enter).
     stiffness_n_per_mm : specimen to its stiffness by plate indentation, N/mm; above 0 for every specimen of the
         fits, or of ``profile.specimens`` where that names some.
     settings : tables ``profile``, ``schedule``, ``window``, ``hypotheses`` (which verdicts enter).

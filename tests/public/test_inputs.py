@@ -195,6 +195,16 @@ def test_settings_and_schedules_of_numpy_and_of_numbers_held_as_objects() -> Non
     assert set(emg2vsa.schedule(FITS, {"S1": np.float64(1.4), "S2": np.nan}, alone)["specimen"]) == {"S1"}
 
 
+def test_schedules_have_the_interval_of_their_stiffness_where_every_specimen_was_pressed_twice() -> None:
+    ends = ["stiffness_low_percent", "stiffness_high_percent"]
+    assert emg2vsa.schedule(FITS, STIFFNESS)[ends].isna().all(axis=None)
+    twice = pd.concat([FITS.assign(b_v=[2.8e-5, 3.2e-5, 1.9e-5]), FITS.tail(1)])
+    made = emg2vsa.schedule(twice, STIFFNESS)
+    assert (made[ends[0]] <= made["stiffness_percent"]).all()
+    assert (made["stiffness_percent"] <= made[ends[1]]).all()
+    assert (made[ends[1]] - made[ends[0]]).max() > 1
+
+
 @pytest.mark.parametrize(
     ("fits", "stiffness", "settings", "said"),
     [
