@@ -135,8 +135,15 @@ def _lacking(designs: Sequence[Design], laws: Sequence[LawResult | None], *, det
     if absent:
         return f"No calibration: {', '.join(dict.fromkeys(absent))}."
     if not determined:
-        return ""
+        return _assumed(laws)
     told = [law.determined for law in laws if law is not None]
     if not all(told):
         return f"κ is determined in {told.count(True)} of {len(told)} designs."
-    return "" if all(law.error == law.error for law in laws if law) else "κ of the new specimen is not known."
+    if not all(law.error == law.error for law in laws if law):
+        return "κ of the new specimen is not known."
+    return _assumed(laws)
+
+
+def _assumed(laws: Sequence[LawResult | None]) -> str:
+    sd = max((100 * law.mounting_sd for law in laws if law and law.mounting_freedom == 0), default=0.0)
+    return f"Mounted once; an SD between mountings of {sd:g} % is assumed." if sd > 0 else ""

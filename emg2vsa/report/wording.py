@@ -25,6 +25,8 @@ def number(value: float | None, digits: int = 3) -> str:
     """``digits`` significant digits, zeros at the end kept; integers, and whole parts up to a million, in full."""
     if value is None or math.isnan(value):
         return UNDEFINED
+    if math.isinf(value):
+        return "∞" if value > 0 else f"{MINUS}∞"
     if isinstance(value, int) or value == 0 or 10**digits <= abs(value) < 1e6:
         return typeset(f"{value:.0f}")
     return typeset(f"{value:#.{digits}g}".removesuffix(".").replace(".e", "e"))
@@ -84,8 +86,13 @@ def area_unit(unit: str) -> str:
 
 
 def interval(estimate: float, low: float, high: float) -> str:
-    """``3.01 [1.70, 4.23]``."""
-    return UNDEFINED if estimate != estimate else f"{number(estimate)} [{number(low)}, {number(high)}]"
+    """``3.01 [1.70, 4.23]``, ``3.01 [1.70, ∞)``."""
+    return UNDEFINED if estimate != estimate else f"{number(estimate)} {ends(low, high)}"
+
+
+def ends(low: float, high: float) -> str:
+    """``[1.70, 4.23]``; an end that is infinite is open."""
+    return f"{'(' if math.isinf(low) else '['}{number(low)}, {number(high)}{')' if math.isinf(high) else ']'}"
 
 
 def p_value(p: float) -> str:

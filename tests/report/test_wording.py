@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.report.outcome_text import STYLES, effect_said, p_said, range_said, said
-from emg2vsa.report.wording import bounded, count, listed, number, p_text, percent, signed, typeset
+from emg2vsa.report.wording import bounded, count, interval, listed, number, p_text, percent, signed, typeset
 from emg2vsa.statistics.outcome import Outcome
 
 NAN = math.nan
@@ -102,3 +102,13 @@ def test_plain_is_ascii_and_mathematics_is_balanced(style) -> None:
         assert text.isascii() or style in ("apa", "ieee")
         assert len(re.findall(r"\$", text)) % 2 == 0
         assert ("$" in text) <= (style == "latex")
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "said"),
+    [(1.7, 4.234, "3.01 [1.70, 4.23]"), (1.7, np.inf, "3.01 [1.70, ∞)"), (-np.inf, np.inf, "3.01 (−∞, ∞)"),
+     (np.nan, np.nan, "3.01 [–, –]")],
+)  # fmt: skip
+def test_an_infinite_end_of_an_interval_is_open(low, high, said):
+    assert interval(3.01, low, high) == said
+    assert interval(np.nan, low, high) == "–"

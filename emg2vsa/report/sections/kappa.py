@@ -17,7 +17,7 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, with_interval
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Cell, Column, Columns, Table, table_of
-from emg2vsa.report.wording import NO_BREAK, SIMULATED, UNDEFINED, number, signed
+from emg2vsa.report.wording import NO_BREAK, SIMULATED, UNDEFINED, ends, interval, number, signed
 from emg2vsa.settings import PAPER
 
 ACTUATORS = ((RIGID, "rigid", "Rigid"), (HUMAN_LIKE, "human_like", "Human-like"))
@@ -197,8 +197,7 @@ def _error_said(law: LawResult, truth: float, over_array: float) -> str:
         return "not determined"
     if truth != truth:
         return UNDEFINED
-    low, high = (signed(100 * (end / truth - 1)) for end in (law.low, law.high))
-    return f"{signed(100 * law.error)} [{low}, {'∞)' if np.isinf(law.high) else f'{high}]'}"
+    return f"{signed(100 * law.error)} {ends(*(100 * (end / truth - 1) for end in (law.low, law.high)))}"
 
 
 _STEPS = {
@@ -242,8 +241,7 @@ def span(law: LawResult) -> str:
         return "none: CASR does not follow κ in one direction, or no score"
     if np.isnan([law.low, law.high]).any():
         return f"{number(law.kappa)}, no interval: not determined"
-    upper = "∞)" if np.isinf(law.high) else f"{number(law.high)}]"
-    return f"{number(law.kappa)} [{number(law.low)}, {upper}{'' if law.determined else ': not determined'}"
+    return f"{interval(law.kappa, law.low, law.high)}{'' if law.determined else ': not determined'}"
 
 
 def holds(of: AlgorithmResult, truth: float) -> bool | None:
