@@ -255,8 +255,10 @@ squares of {{ choices.minimise[k.minimise] }}. Its {{ (100 * k.confidence) | g }
 repeated presses, the standard errors of the known stiffnesses{% if k.law == "compliance" %}, {{ mounting }}, and how
 far κ moves with the exponent that the contact's growth shows in place of Hertz's 1.5{% else %}
  and {{ mounting }}{% endif %}. Presses that are serially correlated count as fewer, and where the left-out specimens
-reject the law its interval is widened until theirs hold. No stiffness is given where CASR does not follow κ in one
-direction, and one whose interval is wider than the calibrated range is called not determined.
+reject the law its interval is widened until theirs hold; it also holds what every other law says that they do not
+reject. No stiffness is given where CASR does not follow κ in one direction. κ is called determined where presses and
+mountings promise an interval narrower than the calibrated range, by a law that falls and has an adjusted R² of 0 or
+more.
 {% endif %}
 {% endif %}
 {% if versions %}
@@ -396,7 +398,7 @@ def _mounting(settings: CalibrationSettings, laws: Sequence[LawResult]) -> str:
     if shown:
         between = f"{min(shown):.2g}" if min(shown) == max(shown) else f"{min(shown):.2g} to {max(shown):.2g}"
         where = f" in {len(shown)} of {len(laws)} designs" if len(shown) < len(laws) else ""
-        said.append(f"the SD of the score between mountings found from repeated ones ({between} %{where})")
+        said.append(f"the SD of the score between mountings found from repeated ones of all designs ({between} %{where})")
     if len(shown) < max(len(laws), 1):
         other = "in the others " if shown else ""
         said.append(f"{other}an assumed SD of {settings.angle_sd_deg:g}° of the angle from mounting to mounting")
