@@ -113,12 +113,11 @@ def _shares(
 
 
 def _interval_text(profiles: Profiles, errors: MeanErrors) -> str:
-    alike = f", of which successive ones correlate by {errors.rho:.2g}" if errors.rho else ""
-    not_in = ", without that of the choice of the person" if errors.unit == "press" else ""
-    confidence = f"{100 * errors.confidence:g} % by Student's t"
+    alike = f" (successive ones correlate by {errors.rho:.2g})" if errors.rho else ""
+    not_in = " The interval does not hold the choice of the person." if errors.unit == "press" else ""
     return (
-        f"{confidence}, from the scatter between {profiles.drawn}{alike}; with the error of both ends of the mapping"
-        + not_in
+        f"{100 * errors.confidence:g} % by Student's t, from the scatter between {profiles.drawn}{alike}. The interval "
+        f"holds the error of both ends of the mapping.{not_in}"
     )
 
 

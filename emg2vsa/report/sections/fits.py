@@ -15,7 +15,6 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, least, moments, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.table import Column, Columns, Table, activity_column, table_of
-from emg2vsa.report.wording import percent
 from emg2vsa.truth import Recovery, recover
 
 _R2 = {
@@ -166,7 +165,7 @@ def _by_specimen(results: StudyResults) -> Table:
     over_what = "people" if _unit(results) == "person" else "presses"
     caption = (
         "Fits v = a + b ln F of the trials used, by specimen; low and high: interval of the mean b over "
-        f"{over_what}, {percent(fits.confidence)}"
+        f"{over_what}, {100 * fits.confidence:g} %"
     )
     return table_of("fits_by_specimen", caption, columns)
 

@@ -97,9 +97,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 def _interval_of(profiles: Profiles) -> str:
     """What the intervals of profiles are; only where there are some."""
     assert profiles.errors is not None
-    return (
-        f"intervals and bands: {number(100 * profiles.errors.confidence)} %, from the scatter between {profiles.drawn}"
-    )
+    return f"intervals and bands: {100 * profiles.errors.confidence:g} %, from the scatter between {profiles.drawn}"
 
 
 def _whose(profiles: Profiles) -> str:

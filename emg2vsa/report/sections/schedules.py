@@ -134,7 +134,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
         "minimum (lower bar), mean (mark) and maximum (upper bar) of each profile."
     )
     if told := schedules[0].provenance.get("interval"):
-        caption += f" Bands: {told}."
+        caption += f" Bands: {told}"
     levels = [
         f"{s.specimen} {s.condition}: {number(s.stiffness_percent.min())}"
         + (f" to {number(s.stiffness_percent.max())} %" if s.condition == "modular" else " %")
@@ -157,7 +157,7 @@ _TEXT = """
 {% endif %}
 {% if short %}The last force step is shorter than the others.{% endif %}</p>
 {% if interval %}
-<p>Intervals of the stiffness: {{ interval }}. The presets do not depend on them.</p>
+<p>Intervals of the stiffness: {{ interval }} The presets do not depend on the intervals.</p>
 {% endif %}
 {{ folded("fig05_schedules", "Figure 5: stiffness schedules") }}
 {{ folded("schedules", "Every schedule in numbers") }}
