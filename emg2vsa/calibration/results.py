@@ -48,16 +48,17 @@ class LawResult:
     """One law through the known specimens, and the new one by it; NaN where undefined.
 
     law, minimise, equation : how, and the fit in numbers. parameters : a and b, or p and q, of the equation.
-    r2, adj_r2 : of kappa, which on three specimens say next to nothing. kappa, low, high : N/mm, with the interval by all
-    of ``on_laws``. bootstrap_low, bootstrap_high : by drawing presses again. error : kappa over the known kappa of
+    r2, adj_r2 : of kappa, which on three specimens say next to nothing. kappa, low, high : N/mm, with the interval by
+    all of ``on_laws``. bootstrap_low, bootstrap_high : by drawing presses again. error : kappa over the known kappa of
     the new specimen, minus 1; NaN where that is not known. left_out : (S,) N/mm, each specimen as the others say.
-    law_p : of the law, from the left-out specimens. notes : for the reader. determined : whether the design
-    promises an interval narrower than the calibrated range, and the law is sound. widened : factor on the interval of a law that is rejected. serial_correlation,
-    serial_p : of successive presses; effective_presses : independent ones that those of the new specimen count as.
-    amplification : percent of kappa for 1 % of CASR. mounting_sd : of CASR from one mounting to the next, as a share of
-    it; mounting_freedom : degrees of freedom that it was estimated with, 0 where it is assumed. on_laws : the new
-    specimen by this law, then by every other one that the known specimens do not reject; fitted_on_law : each known
-    specimen by this law, which was fitted to it as well. Intervals of any confidence follow from them.
+    law_p : of the law, from the left-out specimens. notes : for the reader. determined : whether the design promises
+    an interval narrower than the calibrated range, and the law is sound. widened : factor on the interval of a law that
+    is rejected. serial_correlation, serial_p : of successive presses; effective_presses : independent ones that those
+    of the new specimen count as. amplification : percent of kappa for 1 % of CASR. mounting_sd : of CASR from one
+    mounting to the next, as a share of it; mounting_freedom : degrees of freedom that it was estimated with, 0 where it
+    is assumed. on_laws : the new specimen by this law, then by every other one that the known specimens do not reject;
+    fitted_on_law : each known specimen by this law, which was fitted to it as well. Intervals of any confidence follow
+    from them.
     """
 
     law: str

@@ -398,7 +398,7 @@ def _mounting(settings: CalibrationSettings, laws: Sequence[LawResult]) -> str:
     if shown:
         between = f"{min(shown):.2g}" if min(shown) == max(shown) else f"{min(shown):.2g} to {max(shown):.2g}"
         where = f" in {len(shown)} of {len(laws)} designs" if len(shown) < len(laws) else ""
-        said.append(f"the SD of the score between mountings found from repeated ones of all designs ({between} %{where})")
+        said.append(f"the SD of the score between mountings that those of all designs show ({between} %{where})")
     if len(shown) < max(len(laws), 1):
         other = "in the others " if shown else ""
         said.append(f"{other}an assumed SD of {settings.angle_sd_deg:g}° of the angle from mounting to mounting")

@@ -180,8 +180,8 @@ def test_the_scatter_of_mountings_is_said_to_be_found_where_it_was(results, runs
     assumed = "an assumed SD of 4.3 % of the score"
     assert assumed in written(study, runs=own, calibration=found)
     both = written(study, runs=own, calibration=measured(0, 1))
-    assert "the SD of the score between mountings found from repeated ones of all designs (2 to 3 %)" in both
+    assert "the SD of the score between mountings that those of all designs show (2 to 3 %)" in both
     assert "assumed" not in both
     one = written(study, runs=own, calibration=measured(1))
-    assert "found from repeated ones of all designs (3 % in 1 of 2 designs), in the others an assumed SD" in one
+    assert "that those of all designs show (3 % in 1 of 2 designs), in the others an assumed SD" in one
     assert assumed in one
