@@ -453,8 +453,8 @@ class ClaimSettings:
     "The same, % of the difference of its neighbours: beyond half of it, a neighbour would do as well."
     area_percent: Positive = 5.0
     "Of contact areas (that of one mounting is known no better)."
-    casr_percent: Positive = 5.0
-    "Of CASR (mountings scatter by 4 %)."
+    casr_percent: Positive = 2.0
+    "Of CASR (2 % of it are some 20 % of kappa)."
     contrast_percent: Positive = 5.0
     "Of the ratio of CASR of two specimens, from condition to condition."
     separation: Positive = 1.0
