@@ -222,12 +222,16 @@ def _satterthwaite(cells: Cells, ratios: Floats, at: At, error: float) -> Callab
         both = (other.residual_slopes / error + other.log_slopes).imag / TINY_STEP
         curvature[:-1, column] = both[above]
     of_parameters = 2 * np.linalg.inv(curvature)
+    # without a variance of participants by specimens all repetitions would count as independent
+    people, specimens = cells.count.shape
+    interaction = np.count_nonzero(cells.count) - people - specimens + 1
+    most = float(interaction) if not ratios[1] > 0 and interaction > 0 else np.inf
     steps = [error * other.inverse.imag / TINY_STEP for other in beside]
 
     def df_of(contrast: Floats) -> float:
         variance = error * contrast @ at.inverse @ contrast
         slopes = np.array([*(contrast @ step @ contrast for step in steps), variance])
-        return float(2 * variance**2 / (slopes @ of_parameters @ slopes))
+        return min(float(2 * variance**2 / (slopes @ of_parameters @ slopes)), most)
 
     return df_of
 

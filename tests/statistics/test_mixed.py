@@ -44,17 +44,27 @@ def minus_2_reml(values: np.ndarray) -> float:
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_lmer_says_the_same(name: str) -> None:
-    """lme4 stops searching at 1e-4 of a variance; its likelihood, F and contrasts are better than that."""
+    """lme4 stops searching at 1e-4 of a variance; its likelihood, F and contrasts are better than that.
+
+    Without a variance of participants by specimens lmerTest counts all repetitions as independent; ours never has more
+    degrees of freedom than participants by specimens have.
+    """
     lmer = json.loads((LMER / "lmer.json").read_text())[name]
     found = fitted(clusters(name).values)
     assert minus_2_reml(clusters(name).values) == pytest.approx(lmer["reml"][0], rel=1e-11)
     np.testing.assert_allclose(found.variance, lmer["variance"], rtol=1e-3, atol=1e-8)
-    assert (found.f, found.df2, found.p) == pytest.approx(lmer["f_df_p"], rel=3e-6)
+    count = clusters(name).count
+    interaction = (count.shape[0] - 1.0) * (count.shape[1] - 1) - np.count_nonzero(count == 0)
+    pooled = not found.variance[1]
+    assert found.f == pytest.approx(lmer["f_df_p"][0], rel=3e-6)
+    assert found.df2 == pytest.approx(min(lmer["f_df_p"][1], interaction) if pooled else lmer["f_df_p"][1], rel=3e-6)
+    assert pooled or found.p == pytest.approx(lmer["f_df_p"][2], rel=3e-6)
     pairs = np.array(lmer["pairs"])
     np.testing.assert_allclose(found.pairs.difference[0], pairs[:, 0], rtol=1e-6)
     np.testing.assert_allclose(found.pairs.difference[0] / found.pairs.statistic[0], pairs[:, 1], rtol=1e-6)
-    np.testing.assert_allclose(found.pairs.df[0], pairs[:, 2], rtol=2e-5)
-    np.testing.assert_allclose(found.pairs.p[0], pairs[:, 4], rtol=1e-6)
+    np.testing.assert_allclose(found.pairs.df[0], np.minimum(pairs[:, 2], interaction) if pooled else pairs[:, 2], 2e-5)
+    if not pooled:
+        np.testing.assert_allclose(found.pairs.p[0], pairs[:, 4], rtol=1e-6)
 
 
 @pytest.mark.slow
@@ -90,6 +100,21 @@ def test_without_gaps_it_is_the_closed_form(person: float, interaction: float) -
             assert found.f == pytest.approx(closed.f, rel=1e-11)
             assert found.df2 == pytest.approx(closed.df2, rel=1e-9)
             np.testing.assert_allclose(found.pairs.p, closed.pairs.p, rtol=1e-9)
+
+
+def test_a_lost_cell_does_not_turn_repetitions_into_people() -> None:
+    """Without a variance of participants by specimens: 52 degrees of freedom, and 51 without a cell, not 674."""
+    values = study(4, 1.0, 0.0)
+    values -= (
+        values.mean(axis=2, keepdims=True) - values.mean(axis=(0, 2))[:, None] - values.mean(axis=(1, 2))[:, None, None]
+    )
+    values += np.arange(5)[:, None]
+    whole = fitted(values)
+    values[3, 2] = np.nan
+    lost = fitted(values)
+    assert whole.variance[1] == lost.variance[1] == 0
+    assert (whole.df2, lost.df2) == (52, 51)
+    assert set(lost.pairs.df[0]) == {51}
 
 
 def test_one_missing_trial_changes_next_to_nothing() -> None:
