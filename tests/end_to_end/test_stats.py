@@ -32,7 +32,7 @@ def test_every_hypothesis_has_its_table(table: Path, capsys: pytest.CaptureFixtu
         "Do groups differ?",
         "Which groups differ?",
         "Are blocks equal?",
-        "Does the verdict",
+        "Effect and interval",
         "Signed ranks over 4 blocks, Holm",
         "Friedman",
     ):

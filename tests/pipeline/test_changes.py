@@ -63,6 +63,20 @@ def test_one_changed_sample_runs_no_emulation(study: Path, capsys: pytest.Captur
     assert {step.status for step in look(study).values()} == {"fresh"}
 
 
+def test_the_order_of_acquisition_enters_the_tests_and_a_changed_order_makes_them_stale(study: Path) -> None:
+    scans = study.parent / "data" / "sub-P01" / "sub-P01_scans.tsv"
+    rows = scans.read_text().splitlines()
+    tested = artifacts.load(result_of(study, "hypotheses/study"))
+    by_time = [row.partition("acq-")[2].partition("_")[0] for row in rows[1:]]
+    assert [tested.places()["P01", name] for name in by_time] == [1, 2, 3]
+    assert tested.drift.order in ("differs", "same")
+    times = [row.split("\t")[1] for row in rows[1:]]
+    swapped = [f"{row.split(chr(9))[0]}\t{time}" for row, time in zip(rows[1:], times[::-1], strict=True)]
+    scans.write_text("\n".join([rows[0], *swapped]) + "\n")
+    stale = {name for name, step in look(study).items() if step.status != "fresh"}
+    assert stale == {"hypotheses/study", "report/study"}
+
+
 def test_stiffness_of_one_emulated_specimen_concerns_its_runs_and_what_stiffness_can_do(study: Path) -> None:
     rig = study.parent / "rig.toml"
     text = rig.read_text()
