@@ -1,4 +1,4 @@
-"""A ratio of means by Fieller, and a bias within bounds."""
+"""A ratio of means by Fieller, and what drift may have done to both."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from emg2vsa.claims.claim import student
-from emg2vsa.claims.drifting import biased, free_of_drift
+from emg2vsa.claims.drifting import Difference, contrast
 from emg2vsa.claims.ratio import ratio
 from emg2vsa.statistics.drift import Drift, Slope
 
@@ -42,21 +41,37 @@ def test_a_further_error_widens_the_interval():
     assert ratio(top, bottom, Slope(0.0, 0.0, 5.0)).interval(0.95) == alone
 
 
-def test_a_bias_moves_both_ends_and_shares_alpha():
-    found = student(2.0, 1.0, np.inf)
-    low, high = biased(found, lambda confidence: 0.5 if confidence == 0.95 else np.nan).interval(0.9)
-    expected = found.interval(0.95)
-    assert (low, high) == pytest.approx((expected[0] - 0.5, expected[1] + 0.5))
+def people(rng, apart, by, effect=3.0):
+    return Difference(rng.normal(effect, 1.0, apart.size), apart, by)
 
 
-def test_an_order_that_differs_takes_the_drift_out_and_others_bound_it():
-    slope, within = Slope(0.5, 0.1, 10.0), Slope(0.4, 0.2, 13.0)
-    free = free_of_drift(3.0, 0.2, 8.0, 2.0, Drift("differs", slope, within, 5))
-    assert free.estimate == pytest.approx(2.0)
-    assert free.interval(0.95)[1] - free.estimate > student(2.0, np.hypot(0.2, 0.2), np.inf).interval(0.95)[1] - 2
-    same = free_of_drift(3.0, 0.2, 8.0, -2.0, Drift("same", Slope(), within, 5))
-    assert same.interval(0.9)[1] == pytest.approx(student(3.0, 0.2, 8.0).interval(0.95)[1] + 2 * within.most(0.95))
-    unknown = free_of_drift(3.0, 0.2, 8.0, np.nan, Drift("unknown", Slope(), within, 5))
-    assert unknown.interval(0.9)[1] == pytest.approx(student(3.0, 0.2, 8.0).interval(0.95)[1] + 4 * within.most(0.95))
-    unbounded = free_of_drift(3.0, 0.2, 8.0, 1.0, Drift("same", Slope(), Slope(), 5))
-    assert unbounded.interval(0.9) == (-np.inf, np.inf)
+def test_an_order_that_differs_takes_the_drift_out():
+    """Steps that consist of drift alone: 0.5 a place, and the slope that the order tells is exact."""
+    apart = np.array([1.0, -2.0, 3.0, 1.0, -1.0, 2.0])
+    by = Drift("differs", Slope(0.5, 0.0, 10.0), Slope(), 5)
+    level = Difference(RNG.normal(10, 0.1, 6), np.empty(0), by)
+    top = Difference(0.5 * apart + RNG.normal(0, 1e-3, 6), apart, by)
+    assert contrast(top, level).estimate == pytest.approx(0, abs=1e-3)
+    unsure = Drift("differs", Slope(0.5, 1.0, 10.0), Slope(), 5)
+    wide = contrast(Difference(top.values, apart, unsure), level).interval(0.95)
+    assert wide[1] - wide[0] > 10 * np.diff(contrast(top, level).interval(0.95))
+
+
+@pytest.mark.parametrize(("order", "places"), [("same", 2.0), ("unknown", 4.0)])
+def test_drift_that_nobody_can_tell_moves_both_ends(order, places):
+    within = Slope(0.4, 0.2, 13.0)
+    by, none = Drift(order, Slope(), within, 5), np.full(8, 10.0) + 1e-6 * RNG.normal(size=8)
+    top = people(RNG, np.full(8, 2.0) if order == "same" else np.full(8, np.nan), by)
+    low, high = contrast(top, Difference(none, np.empty(0), by)).interval(0.91)
+    alone, most = ratio(top.values, none).interval(0.97), places * within.most(0.97) / 10
+    assert (low, high) == pytest.approx((alone[0] - most, alone[1] + most))
+    endless = Drift(order, Slope(), Slope(), 5)
+    assert contrast(Difference(top.values, top.apart, endless), Difference(none, np.empty(0), endless)).interval(
+        0.9
+    ) == (-np.inf, np.inf)
+
+
+def test_a_denominator_that_drift_may_make_zero_leaves_no_ends():
+    by = Drift("same", Slope(), Slope(4.0, 0.5, 13.0), 5)
+    bottom = Difference(RNG.normal(8, 0.1, 6), np.full(6, 2.0), by)
+    assert contrast(people(RNG, np.zeros(6), by), bottom).interval(0.9) == (-np.inf, np.inf)
