@@ -152,7 +152,7 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
         algorithm="front",
         repetitions=np.arange(1, presses + 1),
         mounting=np.ones(presses, dtype=np.int64),
-        pressed_at=np.full(presses, np.nan),
+        pressed_at=1e6 * rng.random() + np.arange(presses),
         verdicts=("ok",) * presses,
         reasons=("",) * presses,
         area_unit="mm2",

@@ -50,16 +50,25 @@ def rig_table(
     designs: Sequence[tuple[str, float]] = DESIGNS,
     mountings: int = 3,
     presses: int = 3,
+    order: np.ndarray | None = None,
+    drift: float = 0.0,
     **scatter: Floats | float,
 ) -> RunTable:
-    """An experiment. truth, area : (D, S) mean ln CASR and ln area, by default the same in all designs."""
+    """An experiment. truth, area : (D, S) mean ln CASR and ln area, by default the same in all designs.
+
+    order : of the mountings (D, S, M), random unless given. drift : of ln score from a mounting to the next.
+    """
     shape, count = (len(designs), len(STIFFNESS)), {"mountings": mountings, "presses": presses}
     means = [
         np.broadcast_to(each, shape) for each in (TRUE_LN if truth is None else truth, 0.0 if area is None else area)
     ]
+    if order is None:
+        order = 1 + rng.permutation(np.prod(shape) * mountings).reshape(*shape, mountings)
+    place = np.repeat(order, presses, axis=2).astype(np.float64)
     casr, areas = (drawn(rng, each, **count, **scatter) for each in means)  # type: ignore[arg-type]
     return RunTable(
         conditions=tuple(condition for condition, _ in designs), angles_deg=np.array([angle for _, angle in designs]),
         specimens=tuple(STIFFNESS), stiffness_n_per_mm=np.array([*STIFFNESS.values()]), new=1, algorithm="front",
-        area_unit="mm2", casr={"front": casr}, mounting=numbers(shape, **count), start_area={"front": areas},
+        area_unit="mm2", position=place, casr={"front": casr * np.exp(drift * place)},
+        start_area={"front": areas * np.exp(drift * place)}, mounting=numbers(shape, **count),
     )  # fmt: skip

@@ -12,15 +12,21 @@ from itertools import pairwise
 import numpy as np
 
 from emg2vsa.claims import paper
-from emg2vsa.claims.claim import UNKNOWN, Asserts, Claim, Found, largest, less, moved, size, smallest, student
+from emg2vsa.claims.claim import UNKNOWN, Asserts, Claim, Found, largest, less, moved, size, smallest
 from emg2vsa.discrimination.contrast import change_of
 from emg2vsa.discrimination.mountings import Cell, CellSum, Mountings
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID, RunTable
 from emg2vsa.discrimination.separation import closest_pair, gap_of, pressed_everywhere
 from emg2vsa.settings import ClaimSettings
+from emg2vsa.statistics.drift import Order
 
 AREAS, RATES, CONDITIONS = "contact area", "spread rate of the contact", "rigid and human-like actuation"
 CONSTANT = ("constant-min", "constant-mean", "constant-max")
+ORDERS: dict[Order, str] = {
+    "differs": "",
+    "same": "The order of mountings does not tell what drift does, so that it may look like a difference.",
+    "unknown": "Nobody knows in which order specimens were mounted, so that drift may look like a difference.",
+}
 Design = tuple[str, float]
 "Condition and angle."
 _LN_PERCENT = 100.0
@@ -45,8 +51,8 @@ class _Cells:
     @classmethod
     def of(cls, table: RunTable, scores: dict[str, np.ndarray], mounting_sd: float) -> _Cells:
         own = scores.get(table.algorithm)
-        return cls(table, Mountings.of(np.full(table.mounting.shape, np.nan) if own is None else own, table.mounting,
-                                       mounting_sd))  # fmt: skip
+        nothing = np.full(table.mounting.shape, np.nan)
+        return cls(table, Mountings.of_table(table, nothing if own is None else own, mounting_sd))
 
     def places(self, designs: Iterable[Design]) -> list[int]:
         return [self.table.design(*design) for design in designs]
@@ -82,17 +88,18 @@ class _Cells:
             why = f"Not pressed: {', '.join(missing)}." if missing else ""
         else:
             why = "Fewer than two specimens to compare."
-        known, why = (UNKNOWN, why) if why else (found(), self._assumed(designs))
+        known, why = (UNKNOWN, why) if why else (found(), self._remarks(designs))
         return Claim(
             key, question, says, estimand, asserts, moved(known, _share) if percent else known,
             margin / _LN_PERCENT if percent else margin, "mounting", section, self.table.algorithm,
             _LN_PERCENT if percent else 1.0, why,
         )  # fmt: skip
 
-    def _assumed(self, designs: Iterable[Design]) -> str:
+    def _remarks(self, designs: Iterable[Design]) -> str:
         once = bool((self.mountings.count[self.places(designs)] < 2).all())
         sd = 100 * self.mountings.assumed_sd
-        return f"Mounted once; an SD between mountings of {sd:g} % is assumed." if once else ""
+        assumed = f"Mounted once; an SD between mountings of {sd:g} % is assumed." if once else ""
+        return " ".join(filter(None, (assumed, ORDERS[self.mountings.drift.order])))
 
 
 def _share(difference_of_logs: float) -> float:
@@ -101,7 +108,7 @@ def _share(difference_of_logs: float) -> float:
 
 def found_of(of: CellSum) -> Found:
     """The estimate as claims have it."""
-    return student(of.estimate, of.error, of.df, known_sd=of.known_sd)
+    return Found(of.estimate, of.ends)
 
 
 def _area_claims(cells: _Cells, percent: float) -> Iterator[Claim]:

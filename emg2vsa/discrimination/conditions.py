@@ -53,7 +53,7 @@ def compare_conditions(table: RunTable, alpha: float, mounting_sd: float) -> Con
     """Scores of the algorithm of ``table``; mounting_sd : of a score between mountings, as a share, assumed."""
     values = table.casr[table.algorithm]
     used = pressed_everywhere(values).tolist()
-    mountings = Mountings.of(values, table.mounting, mounting_sd)
+    mountings = Mountings.of_table(table, values, mounting_sd)
     pair = closest_pair(table.stiffness_n_per_mm, used)
     gaps = gaps_of(mountings, pair, 1 - alpha)
     pairs = _compared(table)

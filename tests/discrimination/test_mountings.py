@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -17,7 +19,8 @@ CONTRAST = {(1, 1): 1.0, (1, 0): -1.0, (0, 1): -1.0, (0, 0): 1.0}
 
 
 def of(scores, mountings, presses, sd=0.043):
-    return Mountings.of(scores, numbers(scores.shape[:2], mountings, presses), sd)
+    """Pressed at one place, so that nothing is drift."""
+    return Mountings.of(scores, numbers(scores.shape[:2], mountings, presses), sd, np.ones(scores.shape))
 
 
 def test_the_sum_is_that_of_the_mountings_means_with_the_scatter_of_the_whole_design():
@@ -72,7 +75,7 @@ def test_a_cell_that_was_mounted_once_scatters_as_the_others_of_its_design():
     scores = drawn(np.random.default_rng(4), np.zeros((1, 4)), mountings=3, presses=2)
     labels = numbers((1, 4), 3, 2)
     scores[0, 0, 2:] = np.nan
-    found = Mountings.of(scores, labels, 0.5).sum(STEP)
+    found = Mountings.of(scores, labels, 0.5, np.ones(scores.shape)).sum(STEP)
     own = np.log(scores[:, 1:]).reshape(1, 3, 3, 2).mean(axis=3)[0].var(axis=1, ddof=1).mean()
     assert (found.df, found.known_sd) == (6, 0)
     assert found.error == pytest.approx(np.sqrt(own * (1 + 1 / 3)))
@@ -164,8 +167,48 @@ def test_cells_of_unequal_mountings_or_presses_do_not_raise_false_alarms(few, ma
             n, scatter = count * presses, {"mounting_sd": between, "press_sd": within}
             casr[place][:n] = drawn(rng, np.zeros((1, 1)), mountings=count, presses=presses, **scatter)[0, 0]
             mounting[place][:n] = numbers((), count, presses)
-        found += Mountings.of(casr, mounting, 0.025).sum(CONTRAST).p < 0.05
+        found += Mountings.of(casr, mounting, 0.025, np.ones(casr.shape)).sum(CONTRAST).p < 0.05
     assert found <= stats.binom.ppf(0.99, tries, 0.06)
+
+
+def in_blocks(mountings):
+    """Every mounting of all cells in the same order."""
+    return np.stack([1 + 36 * m + np.arange(36).reshape(9, 4) for m in range(mountings)], axis=2)
+
+
+@pytest.mark.parametrize(("mountings", "presses"), [(1, 10), (3, 3)])
+@pytest.mark.parametrize("order", ["random", "same", "unknown"])
+def test_drift_is_no_difference_of_specimens(order, mountings, presses):
+    """From the first mounting to the last by four SDs of a mounting."""
+    rng, tries, wrong = np.random.default_rng(4), 80, 0
+    for _ in range(tries):
+        places = in_blocks(mountings) if order == "same" else None
+        slope = 4 * 0.043 / (36 * mountings)
+        means = {"drift": slope, "order": places}
+        table = rig_table(rng, np.zeros(4), mountings=mountings, presses=presses, **means)
+        # the same rate within mountings
+        casr = table.casr["front"] * np.exp(slope * (np.arange(mountings * presses) % presses) / presses)
+        world = Mountings.of_table(replace(table, position=None) if order == "unknown" else table, casr, 0.043)
+        tells = order == "random" or (order == "same" and mountings > 1)
+        assert world.drift.order == ("differs" if tells else order)
+        low, high = world.sum({(0, 3): 1.0, (0, 0): -1.0}).ends(0.95)
+        wrong += not low <= 0 <= high
+    assert wrong <= stats.binom.ppf(0.999, tries, 0.05)
+
+
+def test_drift_that_the_order_tells_is_taken_out():
+    table = rig_table(np.random.default_rng(0), np.zeros(4), drift=0.01, mounting_sd=0.001, press_sd=0.001)
+    world = Mountings.of_table(table, table.casr["front"], 0.043)
+    assert world.drift.session.value == pytest.approx(1.07, abs=0.01)
+    assert abs(world.sum({(0, 3): 1.0, (0, 0): -1.0}).estimate) < 0.005
+    blind = Mountings.of(table.casr["front"], table.mounting, 0.043, np.ones(table.mounting.shape))
+    assert abs(blind.sum({(0, 3): 1.0, (0, 0): -1.0}).estimate) > 0.1
+
+
+def test_without_an_order_one_press_of_a_mounting_tells_nothing():
+    table = replace(rig_table(np.random.default_rng(0), presses=1), position=None)
+    found = Mountings.of_table(table, table.casr["front"], 0.043).sum(STEP)
+    assert found.ends(0.95) == (-np.inf, np.inf)
 
 
 @pytest.mark.parametrize(("mountings", "presses"), [(1, 10), (3, 3)])

@@ -89,8 +89,10 @@ SAYS = {"high-stiffness": "rigid motor", "modular": "human-like stiffness"}
 
 
 def mounted(run, mountings=5):
-    """The run with its presses in mountings of their own, which differ as little as presses do."""
-    return replace(run, mounting=1 + np.arange(run.repetitions.size) % mountings)
+    """The run with its presses in mountings of their own, which differ as little as presses do, in random order."""
+    began = np.random.default_rng([*run.name.encode()]).random(mountings)
+    number = np.arange(run.repetitions.size) % mountings
+    return replace(run, mounting=1 + number, pressed_at=began[number])
 
 
 def rows_of(content, table):
@@ -429,11 +431,9 @@ def test_areas_are_called_the_same_only_where_an_interval_says_so(run_of, report
 
 @pytest.mark.parametrize(("noise", "verdict"), [(0.2, "larger"), (1.0, "not determined"), (3.0, "smaller")])
 def test_how_far_conditions_set_specimens_apart_is_computed(noise, verdict, run_of, report_of):
-    rigid = [run_of(name, 0.0, "high-stiffness") for name in KNOWN]
-    human = [
-        replace(run, condition="modular", casr={n: c.mean() + noise * (c - c.mean()) for n, c in run.casr.items()})
-        for run in rigid
-    ]
+    rigid = [mounted(run_of(name, 0.0, "high-stiffness")) for name in KNOWN]
+    human = [mounted(replace(run, condition="modular")) for run in rigid]
+    human = [replace(run, casr={n: c.mean() + noise * (c - c.mean()) for n, c in run.casr.items()}) for run in human]
     content, name = report_of([*rigid, *human]), "runs.human_like_against.high-stiffness.0"
     assert content.quantities[f"{name}.verdict"] == verdict
     assert report_of(only([*rigid, *human], 1)).quantities[f"{name}.verdict"] == "not determined"

@@ -9,13 +9,15 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from emg2vsa.devices.joints import export_of
+from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import CONDITIONS
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, most
+from emg2vsa.report.numbers import Items, most, with_interval
 from emg2vsa.report.section import Quantities, Section, of_runs
 from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import count, listed
 from emg2vsa.run_scores import RunScores
+from emg2vsa.statistics.drift import Order
 
 _NUMBER = re.compile(r"-?\b\d+(\.\d+)?(e[-+]?\d+)?\b")
 _PLACE = re.compile(r"^\S*/press-\d+, ")
@@ -31,6 +33,28 @@ def _quantities(results: StudyResults) -> Items:
     yield "runs.rejected", sum(run.verdicts.count("rejected") for run in runs)
     if math.isfinite(largest_n := _largest_n(runs)):
         yield "runs.largest_force_n", largest_n
+    if found := results.pressed.discrimination:
+        yield "runs.order", found.drift.order
+        yield from with_interval("runs.drift_percent", *_drift_percent(found))
+
+
+def _drift_percent(found: Discrimination) -> tuple[float, float, float]:
+    """Of CASR from the first mounting to the last, low and high."""
+    session = found.drift.session
+    estimate, low, high = 100 * np.expm1((session.value, *session.interval(1 - found.settings.alpha)))
+    return float(estimate), float(low), float(high)
+
+
+_ORDERS: dict[Order, str] = {
+    "differs": "it tells what drift does, which is taken out of every comparison",
+    "same": "it tells too little of drift, so every comparison is as uncertain as the trend within mountings allows",
+    "unknown": "nobody knows it, so every comparison is as uncertain as the trend within mountings allows",
+}
+
+
+def _order(results: StudyResults) -> str:
+    found = results.pressed.discrimination
+    return f"Order of mountings: {_ORDERS[found.drift.order]}." if found else ""
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
@@ -77,6 +101,7 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
         "notes": _notes(runs),
         "kinds": count(len(_notes(runs)), "kind"),
         "absent": _absent(results),
+        "order": _order(results),
         "remark": export_of(results.study.schedule.actuator).remark,
         "told_n": math.isfinite(_largest_n(runs)),
     }
@@ -118,6 +143,11 @@ _TEXT = """
 {% if told_n %}
 <p>The largest force of a press was {{ q['runs.largest_force_n'] | number }} N. Filter, bus and motors are late, so the
 force goes beyond F_max, at which the probe turns back.</p>
+{% endif %}
+{% if order %}
+<p>{{ order }}{% if q["runs.drift_percent.low"] == q["runs.drift_percent.low"] %} Drift of CASR from the first mounting
+to the last: {{ q["runs.drift_percent"] | signed }} % [{{ q["runs.drift_percent.low"] | signed }},
+{{ q["runs.drift_percent.high"] | signed }}].{% endif %}</p>
 {% endif %}
 {{ folded("runs", "Presses of every condition and angle") }}
 {% if notes %}
