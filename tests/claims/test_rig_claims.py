@@ -69,7 +69,7 @@ def test_every_claim_is_over_mountings_and_by_the_algorithm_of_the_runs():
     assert {claim.unit for claim in found.values()} == {"mounting"}
     assert {claim.algorithm for claim in found.values()} == {"front"}
     assert not any(claim.why for claim in found.values())
-    assert found["casr_rigid"].margin == pytest.approx(0.05)
+    assert found["casr_rigid"].margin == pytest.approx(MARGINS.casr_percent / 100)
     assert found["constant_levels"].margin == 1.0
     once = claims(rig_table(np.random.default_rng(0), mountings=1, presses=10))
     assert {claim.why for claim in once.values()} == {"Mounted once; an SD between mountings of 4.3 % is assumed."}
