@@ -90,6 +90,8 @@ class Trials:
     "What is doubtful about the recording as a whole; its presses are used."
     overviews: tuple[EmgOverview, ...] = ()
     "The raw EMG of each recording, for its picture."
+    began: str = ""
+    "When the recording began, as its file states it; that of the first of several."
 
     def __repr__(self) -> str:
         usable = int(np.count_nonzero(self.verdict != "rejected"))

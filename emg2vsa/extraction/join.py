@@ -125,7 +125,7 @@ def _median(values: Sequence[Any]) -> Any:
 
 _JOINED: dict[str, Callable[[Sequence[Any]], Any]] = {
     **dict.fromkeys(
-        ("participant", "specimen", "muscles", "activity_unit", "fs_hz", "delay"), lambda values: values[0]
+        ("participant", "specimen", "muscles", "activity_unit", "fs_hz", "delay", "began"), lambda values: values[0]
     ),
     **dict.fromkeys(
         (

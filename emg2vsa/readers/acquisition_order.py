@@ -1,4 +1,4 @@
-"""In which order a participant's recordings were made: from scans.tsv of BIDS, or from a table order.tsv."""
+"""In which order a participant's recordings were made: by scans.tsv of BIDS, a table order.tsv, or the recordings."""
 
 from __future__ import annotations
 
@@ -29,11 +29,14 @@ def order_files(recordings: Iterable[Path], data: Path) -> list[Path]:
     return scans + [path for folder in _TABLES_IN if (path := data / folder / ORDER).is_file()][:1]
 
 
-def places(recordings: Mapping[Cell, Path], files: Sequence[Path]) -> dict[Cell, float]:
+def places(
+    recordings: Mapping[Cell, Path], files: Sequence[Path], began: Mapping[Cell, str] | None = None
+) -> dict[Cell, float]:
     """Place of every recording in the order of its participant, from 1, NaN where not all of these are known.
 
-    files : as ``order_files`` gives them. The times of scans.tsv count before ``order.tsv``. Recordings of the same
-    time have no order. DataError : a table cannot be read, or states what is no time or place.
+    files : as ``order_files`` gives them. began : when each recording began, as its file states it. The times of
+    scans.tsv count before ``order.tsv``, and this before what recordings state. Recordings of the same time have no
+    order. DataError : a table cannot be read, or states what is no time or place.
     """
     times: dict[Path, float] = {}
     stated: dict[Cell, float] = {}
@@ -47,6 +50,7 @@ def places(recordings: Mapping[Cell, Path], files: Sequence[Path]) -> dict[Cell,
         own = [cell for cell in recordings if cell[0] == participant]
         by_time = _ranks([times.get(recordings[cell].absolute(), math.nan) for cell in own])
         ranks = by_time or _ranks([stated.get(cell, math.nan) for cell in own])
+        ranks = ranks or _ranks([_seconds((began or {}).get(cell, "")) for cell in own])
         found |= dict(zip(own, ranks or [math.nan] * len(own), strict=True))
     return found
 
@@ -82,13 +86,21 @@ def _time(file: Path, row: Mapping[str, str]) -> float:
     text = row.get("acq_time", "")
     if text in _ABSENT:
         return math.nan
-    try:
-        time = datetime.fromisoformat(text)
-    except ValueError as error:
+    seconds = _seconds(text)
+    if seconds != seconds:
         raise DataError(
             f"{file}, acq_time of {row['filename']}", wanted="a date and time, such as 2026-01-06T09:05:00, or n/a",
             found=repr(text), do="Correct this cell.",
-        ) from error  # fmt: skip
+        )  # fmt: skip
+    return seconds
+
+
+def _seconds(text: str) -> float:
+    """Since 1970, of a date and time by ISO 8601; NaN of any other text."""
+    try:
+        time = datetime.fromisoformat(text)
+    except ValueError:
+        return math.nan
     return (time if time.tzinfo else time.replace(tzinfo=UTC)).timestamp()
 
 

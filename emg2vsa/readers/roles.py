@@ -25,12 +25,14 @@ class RoleChannels:
 
     emg : muscle role to channel in V, gain divided out. force : channel in N, sign applied, not tared.
     format : of the file, or "EMG format + force format". notes : conversions aside, what the files made worth saying.
+    began : what the EMG's file states of when it began, "" where it states nothing.
     """
 
     emg: dict[str, Channel]
     force: Channel
     format: str
     notes: tuple[str, ...]
+    began: str = ""
 
 
 def read_roles(
@@ -81,7 +83,7 @@ def read_roles(
     force, aligned = _on_emg_clock(emg_open, force_open, force, channels.force)
     _refuse_disjoint(emg_open.path, emg, force_open.path, force)
     notes = _notes(emg_open, force_open, [*emg_stored, *force_stored])
-    return RoleChannels(emg, force, name, (*notes, *said, *aligned))
+    return RoleChannels(emg, force, name, (*notes, *said, *aligned), emg_open.contents.started)
 
 
 def refuse_rate(path: Path, stored: StoredChannel, slowest_hz: float) -> None:

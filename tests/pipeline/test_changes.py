@@ -71,6 +71,8 @@ def test_the_order_of_acquisition_enters_the_tests_and_a_changed_order_makes_the
     assert [tested.places()["P01", name] for name in by_time] == [1, 2, 3]
     assert tested.drift.order in ("differs", "same")
     times = [row.split("\t")[1] for row in rows[1:]]
+    own = [artifacts.load(result_of(study, f"trials/P01/{name}")).began for name in by_time]
+    assert own == [time.replace("T", " ") for time in times]
     swapped = [f"{row.split(chr(9))[0]}\t{time}" for row, time in zip(rows[1:], times[::-1], strict=True)]
     scans.write_text("\n".join([rows[0], *swapped]) + "\n")
     stale = {name for name, step in look(study).items() if step.status != "fresh"}

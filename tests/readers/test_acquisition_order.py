@@ -94,3 +94,25 @@ def test_what_is_no_text_is_refused_in_words(tmp_path):
     (tmp_path / "sub-P1" / "sub-P1_scans.tsv").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(DataError, match="expected a tab-separated table in UTF-8"):
         read(tmp_path, recordings)
+
+
+@pytest.mark.parametrize(
+    ("stated", "expected"),
+    [
+        (("2026-01-06 09:05:00", "2026-01-06 09:00:00", "2026-01-06T10:00:00"), [2, 1, 3]),
+        (("09:05:00", "09:00:00", "10:00:00"), [nan] * 3),  # anonymised: nobody knows whether it was one day
+        (("1985-01-01 00:00:00",) * 3, [nan] * 3),
+        (("2026-01-06 09:05:00", "", "Tuesday"), [nan] * 3),
+    ],
+)
+def test_without_a_table_the_recordings_own_times_count(tmp_path, stated, expected):
+    recordings = dataset(tmp_path, {"P1": ""})
+    began = dict(zip(recordings, stated, strict=True))
+    assert of(places(recordings, [], began), "P1") == pytest.approx(expected, nan_ok=True)
+
+
+def test_tables_count_before_the_recordings_own_times(tmp_path):
+    rows = "".join(row("P1", name, f"2026-01-06T09:0{i}:00") for i, name in enumerate(NAMES))
+    recordings = dataset(tmp_path, {"P1": rows})
+    began = {cell: f"2026-01-06 08:0{9 - i}:00" for i, cell in enumerate(recordings)}
+    assert of(places(recordings, order_files(recordings.values(), tmp_path), began), "P1") == [1, 2, 3]

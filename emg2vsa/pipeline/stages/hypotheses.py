@@ -49,10 +49,17 @@ def run(given: Given) -> Hypotheses:
 
     fits = concatenate(recordings(), bins=False)
     laws = compare_laws(errors, 1 - of.alpha)
-    order = places(given.settings["recordings"], given.files["order"])
+    began = {(trials.participant, trials.specimen): trials.began for trials in given.each("trials")}
+    order = places(given.settings["recordings"], given.files["order"], began)
     return test_hypotheses(fits, of, given.settings["participants"], given.settings["palpated"], laws, order)
 
 
 STAGE = Stage(
-    per="study", of="people", needs=("fits",), run=run, settings=settings, files=files, gives="The tests on people are"
+    per="study",
+    of="people",
+    needs=("fits", "trials"),
+    run=run,
+    settings=settings,
+    files=files,
+    gives="The tests on people are",
 )

@@ -151,7 +151,7 @@ def trials_of(
     if (events := session_events(emg_file)) is not None:
         trials = only_counted(trials, session_presses(events))
     doubtful = tuple(note for note in roles.notes if remedy_of(note))  # to be acted upon, not only recorded
-    return trials if trials.fault else replace(trials, remarks=(*doubtful, *trials.remarks))
+    return replace(trials, began=roles.began, remarks=trials.remarks if trials.fault else (*doubtful, *trials.remarks))
 
 
 def says(trials: Trials) -> str:
