@@ -131,13 +131,16 @@ class Rig:
 
 @dataclass(frozen=True)
 class World:
-    """One world. effect : whether power is asked for in it, beside false verdicts."""
+    """One world. effect : whether power is asked for in it, beside false verdicts. beyond : whether no data can tell
+    what is true in it, so that it stands alone.
+    """
 
     name: str
     says: str
     people: People
     rig: Rig
     effect: bool = False
+    beyond: bool = False
 
 
 _EQUAL = tuple(float(np.mean(People.b)) for _ in SPECIMENS)
@@ -212,7 +215,7 @@ WORLDS = (
     World("drift-1", "the same, drift of 1 SD", replace(PAIRED, drift=-1.0, order="constant"),
           replace(TWO_ALIKE, drift=1.0, order="constant")),
     World("drift-steps", "drift of 4 SD from recording to recording of people, none within, the same order for all",
-          replace(PAIRED, drift=-4.0, order="constant", steps=True), TWO_ALIKE),
+          replace(PAIRED, drift=-4.0, order="constant", steps=True), TWO_ALIKE, beyond=True),
     World("drift-random", "drift of 4 SD, orders at random", replace(PAIRED, drift=-4.0), replace(ALIKE, drift=4.0)),
     World("drift-unknown", "drift of 4 SD, orders at random that nobody wrote down",
           replace(PAIRED, drift=-4.0, order="unknown"), replace(TWO_ALIKE, drift=4.0, order="unknown")),
