@@ -9,7 +9,6 @@ from benchmarks.claims.worlds import WORLDS
 
 OF_PAPER = "paper"
 "The world whose power the report shows: the paper's effects, all as on this bench."
-_BEYOND = {world.name for world in WORLDS if world.beyond}
 Verdicts = Mapping[str, Mapping[str, str]]
 "World to claim to a letter of each study."
 _RIGHT = {"h": "holds", "r": "refuted", "": ""}
@@ -74,6 +73,11 @@ def _any(verdicts: Verdicts, truths: Truths) -> dict[str, Rate]:
     return {name: any_false(own, truths[name]) for name, own in verdicts.items() if name not in _BEYOND}
 
 
+def _told(verdicts: Verdicts) -> Verdicts:
+    """Of the worlds that data can tell."""
+    return {world.name: verdicts[world.name] for world in WORLDS if world.name in verdicts and not world.beyond}
+
+
 def _worst(verdicts: Verdicts, truths: Truths) -> dict[str, tuple[str, Rate]]:
     """Claim to the world in which it is false most often."""
     worst: dict[str, tuple[str, Rate]] = {}
@@ -102,8 +106,8 @@ def page(verdicts: Verdicts, truths: Truths) -> Iterator[str]:
         yield f"| {world.name} | {world.says} | {rate.n} | {_percent(rate.share)} | {_percent(rate.bound)} |"
     if any(world.beyond for world in worlds):
         yield (
-            "\nIn the last one drift comes between recordings alone and looks like a difference, which no data can tell: it "
-            "does not count below, and the report says what its bound takes for granted."
+            "\nIn the last one drift comes between recordings alone and looks like a difference, which no data can "
+            "tell: it does not count below, and the report says what its bound takes for granted."
         )
     effects = [world for world in worlds if world.effect]
     yield "\n## Every claim: the worst of all worlds, and its power\n"
