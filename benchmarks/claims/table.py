@@ -59,7 +59,7 @@ def module(verdicts: Verdicts, truths: Truths) -> str:
         claims.append(f'    "{key}": Right({rate.share:.4g}, {rate.bound:.4g}, "{world}", "{own}", {found}),')
     world, worst = max(_any(verdicts, truths).items(), key=lambda item: item[1].bound)
     return _MODULE.format(
-        worlds=len(verdicts), studies=_studies(verdicts), claims="\n".join(claims),
+        worlds=len(_told(verdicts)), studies=_studies(verdicts), claims="\n".join(claims),
         any=f'Right({worst.share:.4g}, {worst.bound:.4g}, "{world}")',
     )  # fmt: skip
 
@@ -70,7 +70,7 @@ def _studies(verdicts: Verdicts) -> int:
 
 
 def _any(verdicts: Verdicts, truths: Truths) -> dict[str, Rate]:
-    return {name: any_false(own, truths[name]) for name, own in verdicts.items() if name not in _BEYOND}
+    return {name: any_false(own, truths[name]) for name, own in _told(verdicts).items()}
 
 
 def _told(verdicts: Verdicts) -> Verdicts:
@@ -81,9 +81,7 @@ def _told(verdicts: Verdicts) -> Verdicts:
 def _worst(verdicts: Verdicts, truths: Truths) -> dict[str, tuple[str, Rate]]:
     """Claim to the world in which it is false most often."""
     worst: dict[str, tuple[str, Rate]] = {}
-    for name, own in verdicts.items():
-        if name in _BEYOND:
-            continue
+    for name, own in _told(verdicts).items():
         for key, rate in false_rates(own, truths[name]).items():
             if key not in worst or rate.share > worst[key][1].share:
                 worst[key] = name, rate
