@@ -86,12 +86,16 @@ class Person:
 
 @dataclass(frozen=True)
 class RunEntry:
-    """A specimen pressed at an angle under a condition; ``folders`` of an emulated run are yet to be made."""
+    """A specimen pressed at an angle under a condition; ``folders`` of an emulated run are yet to be made.
+
+    order : place of each folder in the order in which all were recorded, where a table of runs says it; else empty.
+    """
 
     specimen: str
     angle_deg: float
     condition: str
     folders: tuple[Path, ...]
+    order: tuple[float, ...] = ()
 
     @property
     def key(self) -> str:

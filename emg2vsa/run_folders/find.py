@@ -19,6 +19,7 @@ from emg2vsa.study import RunEntry
 
 RUNS_TABLE = "runs.tsv"
 _COLUMNS = ("folder", "specimen", "angle_deg", "condition")
+_ORDER = "order"
 _NEAR = 0.85
 """Names at least so alike are taken for one misspelt: "modularr", not "constant" for "constant-min"."""
 
@@ -32,12 +33,14 @@ class _Found:
     specimen: str
     angle_deg: float
     condition: str
+    order: float | None = None
 
 
 def find_runs(root: Path, specimens: Collection[str]) -> tuple[RunEntry, ...]:
     """Runs below ``root``: those that its table runs.tsv lists, or without one the folders that hold a plan.json.
 
-    Folders of the same specimen, angle and condition are one run, their presses one after the other. specimens : those
+    Folders of the same specimen, angle and condition are one run, their presses one after the other. The column
+    ``order`` of the table is its own choice. specimens : those
     that may have been pressed. Without a table, runs of another specimen whose stiffness was judged while it was
     pressed are no runs of the study, so ``left_out`` names them.
 
@@ -49,13 +52,17 @@ def find_runs(root: Path, specimens: Collection[str]) -> tuple[RunEntry, ...]:
     table = root / RUNS_TABLE
     rows = list(_listed(table) if table.is_file() else _planned(root))
     _check_folders(rows)
-    runs: dict[tuple[str, float, str], list[Path]] = {}
+    _check_order(rows)
+    runs: dict[tuple[str, float, str], list[_Found]] = {}
     for row in rows:
         if row.specimen not in specimens and was_judged(row.folder) and not table.is_file():
             continue
         _check_names(row, specimens)
-        runs.setdefault((row.specimen, row.angle_deg, row.condition), []).append(row.folder)
-    return tuple(RunEntry(*of_run, tuple(folders)) for of_run, folders in runs.items())
+        runs.setdefault((row.specimen, row.angle_deg, row.condition), []).append(row)
+    return tuple(
+        RunEntry(*of_run, tuple(row.folder for row in own), tuple(row.order for row in own if row.order is not None))
+        for of_run, own in runs.items()
+    )
 
 
 def left_out(root: Path, runs: Sequence[RunEntry]) -> tuple[str, ...]:
@@ -115,7 +122,21 @@ def _row(where: str, root: Path, row: dict[str, str | None]) -> _Found:
     folder, specimen, angle, condition = ((row[name] or "").strip() for name in _COLUMNS)
     if not (root / folder).is_dir():
         raise _unusable(f"{where}, folder", "a folder beside the table", repr(folder))
-    return _Found(where, root / folder, specimen, _angle(f"{where}, angle_deg", angle), condition)
+    return _Found(
+        where, root / folder, specimen, _angle(f"{where}, angle_deg", angle), condition, _order(where, row.get(_ORDER))
+    )
+
+
+def _order(where: str, value: str | None) -> float | None:
+    """None where the table has no such column."""
+    if value is None:
+        return None
+    try:
+        return float(int(value))
+    except ValueError as error:
+        raise _unusable(
+            f"{where}, {_ORDER}", "a whole number, the place in which it was recorded", repr(value)
+        ) from error
 
 
 def _planned(root: Path) -> Iterator[_Found]:
@@ -149,6 +170,14 @@ def _check_folders(rows: Sequence[_Found]) -> None:
                 found = f"{row.folder.name!r}, whose presses {earlier.where.rpartition(', ')[2]} has already"
                 raise _unusable(f"{row.where}, folder", "every folder once", found)
         seen.append((folder, row))
+
+
+def _check_order(rows: Sequence[_Found]) -> None:
+    seen: dict[float, _Found] = {}
+    for row in rows:
+        if row.order is not None and seen.setdefault(row.order, row) is not row:
+            found = f"{row.order:g}, which {seen[row.order].where.rpartition(', ')[2]} has already"
+            raise _unusable(f"{row.where}, {_ORDER}", "every place once", found)
 
 
 def _check_names(row: _Found, specimens: Collection[str]) -> None:

@@ -52,17 +52,17 @@ def run_notes(folders: Sequence[Path]) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterator[Press]:
+def read_presses(folders: Sequence[Path], camera: Path | None = None, order: Sequence[float] = ()) -> Iterator[Press]:
     """Presses of the folders, numbered on from folder to folder.
 
-    ``camera``: the camera file where neither the press nor its run has a camera.toml of its own. A press whose frames
-    are missing or cannot be read comes with the reason; a log that is missing or foreign leaves out the force over
-    indentation.
+    order : of the folders, in place of the times in their plans. camera : the camera file where neither the press nor
+    its run has a camera.toml of its own. A press whose frames are missing or cannot be read comes with the reason; a
+    log that is missing or foreign leaves out the force over indentation.
     """
     repetition = 0
-    for mounting, folder in zip(_mountings(folders), folders, strict=True):
+    began_of = order or [_pressed_at(folder) for folder in folders]
+    for mounting, folder, began in zip(_mountings(folders), folders, began_of, strict=True):
         travel, peaks_n = _travel(folder), peak_forces_n(folder)
-        began = _pressed_at(folder)
         found, stopped = verdicts(folder), stopped_presses(folder)
         camera_file = folder / CAMERA_FILE if (folder / CAMERA_FILE).is_file() else camera
         seen_by, trouble = _camera(camera_file)

@@ -81,8 +81,8 @@ class RunScores:
 
     algorithm : the vision algorithm whose scores count; the others are companions. repetitions : (R,). mounting : (R,)
     number, from 1, of the mounting that a press belongs to: each folder is one, unless the rig says that it goes on.
-    pressed_at : (R,) when its folder was begun: s since 1970 on the rig, place in the experiment of an emulated rig,
-    NaN where no plan tells.
+    pressed_at : (R,) when its folder was begun: s since 1970 on the rig, place in the experiment of an emulated rig or
+    by a table of runs, NaN where nothing tells.
     verdicts : "ok" or "rejected". reasons : empty where ok. pins_selected : (R,) n of Algorithm 1 with centroids paired
     one to one in the first frame of the loading phase by the recipe "paper", of rejected presses too; -1 where it is
     not determined. first_n : (R,) force of that frame, N, NaN where it is not determined.

@@ -77,6 +77,30 @@ def test_a_row_that_makes_no_sense_is_named(tmp_path, row, wanted):
         find_runs(tmp_path, KNOWN)
 
 
+ORDERED = "folder\tspecimen\tangle_deg\tcondition\torder"
+
+
+def test_a_table_may_say_the_order_of_its_folders(tmp_path):
+    for name in ("a", "b", "c"):
+        (tmp_path / name).mkdir()
+    rows = ("a\tS1\t0\tmodular\t3", "b\tS3\t0\tmodular\t1", "c\tS1\t0\tmodular\t2")
+    table(tmp_path, *rows, head=ORDERED)
+    assert {run.key: run.order for run in find_runs(tmp_path, KNOWN)} == {"S1_0_modular": (3, 2), "S3_0_modular": (1,)}
+    table(tmp_path, *(row.rpartition("\t")[0] for row in rows))
+    assert {run.order for run in find_runs(tmp_path, KNOWN)} == {()}
+
+
+@pytest.mark.parametrize(
+    ("order", "wanted"), [("", "a whole number"), ("first", "a whole number"), ("1", "every place once")]
+)
+def test_an_order_that_makes_no_sense_is_named(tmp_path, order, wanted):
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+    table(tmp_path, "a\tS1\t0\tmodular\t1", f"b\tS3\t0\tmodular\t{order}", head=ORDERED)
+    with pytest.raises(DataError, match=f"line 3, order: expected {wanted}"):
+        find_runs(tmp_path, KNOWN)
+
+
 def test_a_table_without_its_columns(tmp_path):
     table(tmp_path, "a\tS1", head="folder\tname")
     with pytest.raises(DataError, match="columns folder, specimen, angle_deg, condition, but found folder, name"):

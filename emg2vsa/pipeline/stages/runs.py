@@ -26,13 +26,15 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     used = {"scoring": campaign.study.scoring, "run": (entry.specimen, entry.angle_deg, entry.condition)}
     if campaign.rig is None:
         inside = [_folders_in(folder) for folder in entry.folders]
-        return used | {"folders": Keyed(entry.folders, inside), "camera": Keyed(source.camera, None)}
+        more = {"folders": Keyed(entry.folders, inside), "camera": Keyed(source.camera, None), "order": entry.order}
+        return used | more
     from emg2vsa.pipeline.stages.emulation import settings as emulation_settings
 
     world = emulation_settings(campaign, item)
     return used | {
         "folders": Keyed(entry.folders, len(entry.folders)),
         "camera": Keyed(None, None),
+        "order": (),
         "rig": world["rig"],
         "emulated": world["emulated"],
     }
@@ -74,7 +76,7 @@ def run(given: Given) -> RunScores:
     used = given.settings
     specimen, angle_deg, condition = used["run"]
     scores = score_run(
-        read_presses(used["folders"], used["camera"]),
+        read_presses(used["folders"], used["camera"], used["order"]),
         used["scoring"],
         specimen=specimen,
         angle_deg=angle_deg,
