@@ -196,9 +196,11 @@ pair of participants within {{ h.equivalence_margin_sd | g }} SD of their repeti
 the outcome of another. Intervals of ω² come from the noncentral F distribution [@steiger]. A trend of b over the
 repetitions was tested by Student's t of the participants' slopes. The logarithmic law was compared with a power law
 and a straight line by errors of prediction, leaving out one press or one force bin at a time. Verdicts on claims follow
-from intervals over participants alone, whose confidence allows for the number of claims. A linear drift of b over the
-session was taken out of comparisons of specimens where their order differed between participants, and else widened
-their intervals by as much as the trend within recordings allows.
+from intervals over participants alone, whose confidence allows for the number of claims.
+{% if many_people and many_specimens %}
+A linear drift of b over the session was taken out of comparisons of specimens where their order differed from person
+to person, and else widened their intervals by as much as the trend within recordings allows.
+{% endif %}
 
 {% if exported %}
 # Stiffness schedules
