@@ -185,15 +185,21 @@ def verdict(low: float, high: float, asserts: Asserts, margin: float) -> Verdict
     return "refuted" if low > margin else "holds" if high < margin else "not determined"
 
 
-def confidence_of(claims: Sequence[Claim], alpha: float) -> float:
-    """Of each interval, so that any verdict of the report is false with a chance of ``alpha`` at most."""
-    return 1 - 2 * alpha / max(sum(not claim.found.exact for claim in claims), 1)
+OF_A_STUDY = 26
+"""Claims on data of a study with people and a rig. A report of one part has their intervals too: one claim on the same data
+has one verdict."""
 
 
-def judge(claims: Iterable[Claim], alpha: float) -> tuple[Judged, ...]:
-    """All claims of a report together."""
+def confidence_of(claims: Sequence[Claim], alpha: float, together: int = 1) -> float:
+    """Of each interval, so that any verdict of ``together`` claims, or of all these, is false with a chance of
+    ``alpha`` at most."""
+    return 1 - 2 * alpha / max(sum(not claim.found.exact for claim in claims), together)
+
+
+def judge(claims: Iterable[Claim], alpha: float, together: int = 1) -> tuple[Judged, ...]:
+    """All claims of a report; together : how many share ``alpha`` at least."""
     claims = tuple(claims)
-    confidence = confidence_of(claims, alpha)
+    confidence = confidence_of(claims, alpha, together)
     return tuple(
         Judged(claim, *claim.found.interval(confidence), np.nan if claim.found.exact else confidence)
         for claim in claims

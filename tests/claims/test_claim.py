@@ -181,6 +181,7 @@ def test_alpha_is_shared_by_claims_that_can_be_false_by_chance():
     uncertain, exact = claim(student(1.0, 0.1, 9)), claim(exactly(0.2), "within")
     assert confidence_of([uncertain], 0.05) == pytest.approx(0.9)
     assert confidence_of([uncertain] * 20 + [exact] * 9, 0.05) == pytest.approx(0.995)
+    assert confidence_of([uncertain], 0.05, 20) == confidence_of([uncertain] * 20, 0.05)
     one, other = judge([uncertain, exact], 0.05)
     assert one.confidence == pytest.approx(0.9)
     assert np.isnan(other.confidence)

@@ -9,7 +9,7 @@ import numpy as np
 
 from emg2vsa.claims import arithmetic, calibrated, paper
 from emg2vsa.claims.arithmetic import Counted, arithmetic_claims
-from emg2vsa.claims.claim import Claim, Judged, judge
+from emg2vsa.claims.claim import OF_A_STUDY, Claim, Judged, judge
 from emg2vsa.claims.kappa import kappa_claims
 from emg2vsa.claims.people import claims_of_study
 from emg2vsa.claims.rig import rig_claims
@@ -30,7 +30,7 @@ _SUMMARY = ("specimens_differ", "interpolation_rmse", "fig12_order", "human_like
 
 def judged_claims(results: StudyResults) -> tuple[Judged, ...]:
     """Every claim that this study has something on, with the interval that all of them together allow."""
-    return judge(_claims(results), results.study.claims.false_verdict_percent / 100)
+    return judge(_claims(results), results.study.claims.false_verdict_percent / 100, OF_A_STUDY)
 
 
 def _claims(results: StudyResults) -> Iterator[Claim]:
