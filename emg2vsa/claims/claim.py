@@ -186,8 +186,8 @@ def verdict(low: float, high: float, asserts: Asserts, margin: float) -> Verdict
 
 
 OF_A_STUDY = 26
-"""Claims on data of a study with people and a rig. A report of one part has their intervals too: one claim on the same data
-has one verdict."""
+"""Claims on data of a study with people and a rig. A report of one part has their intervals too: the same data have one
+verdict."""
 
 
 def confidence_of(claims: Sequence[Claim], alpha: float, together: int = 1) -> float:
