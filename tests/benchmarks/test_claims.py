@@ -16,6 +16,7 @@ from benchmarks.claims.rig import even, table_of, true_casr
 from benchmarks.claims.verdicts import Rate, Truth, any_false, false_rates, powers, upper
 from benchmarks.claims.worlds import DESIGNS, KAPPA, PRESSED, WORLDS, People, Rig, on_compliance
 from emg2vsa.claims import calibrated
+from emg2vsa.claims.claim import OF_A_STUDY
 from emg2vsa.companions.force_laws import force_laws
 
 NAMED = {world.name: world for world in WORLDS}
@@ -47,6 +48,10 @@ def test_a_few_studies_are_run_once_and_make_the_page(tmp_path, capsys):
 def test_the_same_seed_gives_the_same_studies():
     one, other = (chunk(NAMED["half"], 7, 2)["verdicts"] for _ in range(2))
     assert one == other
+
+
+def test_a_study_of_people_and_rig_has_as_many_claims_as_share_the_chance_of_a_false_verdict():
+    assert len(chunk(NAMED["paper"], 0, 1)["verdicts"]) == OF_A_STUDY
 
 
 def test_lines_of_another_world_or_code_do_not_count(tmp_path):
