@@ -1,14 +1,13 @@
-"""Groups of unequal variance, people measured again and again, equivalence, and the bootstrap."""
+"""Groups of unequal variance, people measured again and again, and equivalence."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import combinations_with_replacement
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from mpmath import mp, mpf
+from mpmath import mpf
 from scipy import stats
 
 from benchmarks.bench.case import Case, Size, Way, peer
@@ -16,19 +15,16 @@ from benchmarks.nist import Exact, Numbers, looped, worst_error
 from benchmarks.statistics.group_peers import tables
 from benchmarks.stress import exact_tests
 from emg2vsa.statistics.anova import welch
-from emg2vsa.statistics.bootstrap import bca
 from emg2vsa.statistics.equivalence import tost
 from emg2vsa.statistics.post_hoc import games_howell
 from emg2vsa.statistics.repeated import friedman, rm_anova
 
 statsmodels_api, pingouin = peer("statsmodels.api"), peer("pingouin")
 MPMATH = "50-digit arithmetic"
-RESAMPLES = 2000
-LOW, HIGH = 0.025, 0.975
 
 
 def design_cases(size: Size) -> Iterator[Case]:
-    """Fourteen designs of each kind, eight samples for the bootstrap."""
+    """Fourteen designs of each kind."""
     rng = np.random.default_rng(7)
     n = size.pick(2, 14)
     spread = np.array([1.0, 2.0, 0.5, 1.5, 3.0])[:, None]
@@ -37,7 +33,6 @@ def design_cases(size: Size) -> Iterator[Case]:
     yield _repeated(people)
     yield _friedman(people)
     yield _tost(rng.standard_normal((n, 2, 10)))
-    yield _bootstrap(rng.standard_normal((size.pick(2, 8), 8)))
 
 
 def _welch(b: np.ndarray) -> Case:
@@ -145,61 +140,9 @@ def _tost(pairs: np.ndarray, margin: float = 1.0) -> Case:
     return Case(name, len(pairs), "pairs", tuple(ways), exact, "relative", MPMATH)
 
 
-def _bootstrap(rows: np.ndarray) -> Case:
-    def ours() -> np.ndarray:
-        found = bca(rows[:, None], lambda values: np.nanmean(values, axis=-1)[..., 0], RESAMPLES)
-        return np.array([found.low, found.high])
-
-    def by_scipy() -> np.ndarray:
-        interval = stats.bootstrap(
-            (rows,), np.mean, axis=-1, n_resamples=RESAMPLES, method="BCa", rng=np.random.default_rng(0)
-        ).confidence_interval
-        return np.array([interval.low, interval.high])
-
-    def error(found: np.ndarray) -> float:
-        return float(np.sqrt(np.mean(((found - _exact_bca(rows)) / (rows.std(axis=1, ddof=1) / np.sqrt(8))) ** 2)))
-
-    ways = (
-        Way("emg2vsa", "bca, all in one call", ours, "equal"),
-        Way("scipy", "bootstrap BCa, axis given", by_scipy, "equal"),
-    )
-    return Case(
-        f"BCa bootstrap of the mean of 8 values, {RESAMPLES} resamples, {len(rows)} samples",
-        len(rows),
-        "samples",
-        ways,
-        error,
-        "RMS of both ends, standard errors",
-        "all 6435 resamples, weighted by how often each is drawn",
-    )
-
-
 def _each(exact: Any, designs: np.ndarray) -> Exact:
     found = [exact(exact_tests.groups_of(design)) for design in designs[:8]]
     return {name: {i: numbers[name] for i, numbers in enumerate(found)} for name in found[0]}
-
-
-def _exact_bca(rows: np.ndarray) -> np.ndarray:
-    """Both ends (2, samples) of the BCa interval of the mean, from every resample and its probability."""
-    n = rows.shape[1]
-    drawn = np.array(list(combinations_with_replacement(range(n), n)))
-    counts = np.array([np.bincount(draw, minlength=n) for draw in drawn])
-    chance = np.array([1.0 / np.prod([float(mp.factorial(c)) for c in row]) for row in counts])
-    chance /= chance.sum()
-    ends = []
-    for row in rows:
-        means = np.sort(row[drawn].mean(axis=1))
-        order = np.argsort(row[drawn].mean(axis=1))
-        below = np.cumsum(chance[order])
-        # the mean itself is drawn with the identical sample, counted half as both programs count ties
-        z0 = stats.norm.ppf(np.interp(row.mean(), means, below - chance[order] / 2))
-        left = (row.sum() - row) / (n - 1)
-        away = left.mean() - left
-        acceleration = np.sum(away**3) / (6 * np.sum(away**2) ** 1.5)
-        z = z0 + stats.norm.ppf([LOW, HIGH])
-        at = stats.norm.cdf(z0 + z / (1 - acceleration * z))
-        ends.append(np.interp(at, below - chance[order] / 2, means))
-    return np.array(ends).T
 
 
 def _long(people: np.ndarray) -> pd.DataFrame:

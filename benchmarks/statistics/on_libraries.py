@@ -46,7 +46,6 @@ ROWS: dict[str, tuple[str, str, str]] = {
     "repeated-measures": ("rm_anova", "statistics/repeated.py", KEEP + "time, epsilons"),
     "Friedman": ("friedman", "statistics/repeated.py", KEEP + "import of scipy.stats"),
     "two one-sided": ("tost", "statistics/equivalence.py", KEEP + "batch"),
-    "BCa": ("bca", "statistics/bootstrap.py", KEEP + "groups of unequal size, pinned draws"),
     "Kolmogorov": ("ks_normal", "statistics/normality.py", KEEP + "time, import of scipy.stats"),
     "Lilliefors": ("lilliefors", "statistics/lilliefors.py", KEEP + "digits"),
     "Shapiro": ("shapiro_wilk", "statistics/normality.py", KEEP + "digits, time"),

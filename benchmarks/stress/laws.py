@@ -11,7 +11,6 @@ from mpmath import mp, mpf
 from benchmarks.statistics.exact_laws import ks_survival, power_of_rm, range_survival
 from benchmarks.stress.case import Case, Found, exactly
 from emg2vsa.statistics import effect_size, normality, studentized_range
-from emg2vsa.statistics.bootstrap import bca
 from emg2vsa.statistics.multiplicity import adjust
 from emg2vsa.statistics.power import power_rm
 
@@ -47,7 +46,6 @@ def cases() -> Iterator[Case]:
         )
     yield from _hedges()
     yield from _adjusted()
-    yield from _bootstraps()
 
 
 def _of(
@@ -169,31 +167,3 @@ def _adjusted() -> Iterator[Case]:
         15.0,
         smoke=True,
     )
-
-
-def _bootstraps() -> Iterator[Case]:
-    values = np.random.default_rng(9).standard_normal((1, 12))
-
-    def mean(x: np.ndarray) -> np.ndarray:
-        return np.asarray(x[..., 0, 0] + (x - x[..., :1, :1]).mean(axis=(-2, -1)))
-
-    for offset, scale, bound in ((1e6, 1.0, 9.0), (0.0, 1e-200, 12.0), (0.0, 2.0**900, 12.0)):
-
-        def ours(x: np.ndarray, offset: float = offset, scale: float = scale) -> Found:
-            found = bca(x, mean, n_resamples=500)
-            return Found({"low": (found.low - offset) / scale, "high": (found.high - offset) / scale})
-
-        def truth(x: np.ndarray) -> dict[str, Any]:
-            found = bca(values, mean, n_resamples=500)
-            return {"low": found.low, "high": found.high}
-
-        yield Case(
-            "stats.bootstrap.bca",
-            f"offset {offset:g}, scale {scale:.3g} against neither",
-            (scale * values + offset,),
-            ours,
-            truth,
-            bound,
-            size=1.0,
-            condition=float(np.log10(1 + offset)),
-        )

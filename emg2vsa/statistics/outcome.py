@@ -15,7 +15,7 @@ from emg2vsa.arrays import Floats, Ints
 class Outcome:
     """One result, free of arrays. Fields that a method does not have are None.
 
-    It fits tests that end in p (F, H, D, U, t), estimates with an interval and no p (ICC, bootstrap), equivalence tests
+    It fits tests that end in p (F, H, D, U, t), estimates with an interval and no p (ICC), equivalence tests
     (p of the worse side, interval at 1 - 2 alpha) and Bayes factors (statistic "BF01", no p).
     """
 

@@ -21,7 +21,6 @@ OURS = {
         "large samples": 0.0,
         "all pairs": 0.0,
         "Lilliefors": 0.15,
-        "BCa": 0.15,
         "NIST AtmWtAg": 1e-10,
         "": 1e-12,
     },

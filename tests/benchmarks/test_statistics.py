@@ -13,7 +13,6 @@ from scipy import optimize, stats
 from benchmarks import nist
 from benchmarks.bench.case import NotHere, Size
 from benchmarks.nist import worst_error
-from benchmarks.statistics.design_cases import _exact_bca
 from benchmarks.statistics.exact_laws import chi2_survival, f_survival, ks_survival, power_of_rm, range_survival
 from benchmarks.statistics.sample_cases import anova_cases, digits_allowed
 from benchmarks.stress import exact_tests as exact
@@ -71,12 +70,6 @@ def test_designs_are_scipys() -> None:
     above = stats.ttest_ind(groups[0] + 1, groups[1], alternative="greater").pvalue
     below = stats.ttest_ind(groups[0] - 1, groups[1], alternative="less").pvalue
     assert float(exact.tost(*exact.groups_of(groups[:2]), mpf(1))["p"]) == pytest.approx(max(above, below), rel=1e-12)
-
-
-def test_the_exact_bootstrap_is_the_limit_of_a_long_one() -> None:
-    rows = np.random.default_rng(2).standard_normal((1, 5))
-    found = stats.bootstrap((rows[0],), np.mean, n_resamples=200_000, rng=np.random.default_rng(0)).confidence_interval
-    assert _exact_bca(rows)[:, 0] == pytest.approx([found.low, found.high], abs=0.02 * rows.std())
 
 
 def test_absent_nist_data_are_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
