@@ -100,8 +100,8 @@ def people_claims(
         "within", cells.shape(), margins.cluster_shape, why=cells.alone,
     )  # fmt: skip
     yield _claim(
-        "log_fit_r2", "the law a + b ln F describes every press",
-        "by how much the best other law predicts better, % of the error", "within",
+        "log_fit_r2", "no other law predicts v better than a + b ln F",
+        "by how much the best other law predicts better, % of the error of prediction", "within",
         UNKNOWN if laws is None else _of_laws(laws), margins.law_percent / _PERCENT, "fits", _PERCENT, cells.alone,
     )  # fmt: skip
     if new:

@@ -67,17 +67,22 @@ def _rows(file: Path, columns: Sequence[str]) -> list[dict[str, str]]:
     try:
         with file.open(encoding="utf-8-sig", newline="") as lines:
             table = csv.DictReader(lines, delimiter="\t")
+            head = table.fieldnames or ()
             rows = [{key: value or "" for key, value in row.items() if key} for row in table]
     except (OSError, ValueError, csv.Error) as error:
         raise DataError(
             file, wanted="a tab-separated table in UTF-8", found=str(error), do="Correct the file, or move it away."
         ) from error
-    head = table.fieldnames or ()
     if not set(columns) <= set(head):
         raise DataError(
-            file, wanted=f"columns {', '.join(columns)}", found=", ".join(head) or "nothing",
-            do="Correct the table, or move it away.",
+            file, wanted=f"columns {', '.join(columns)}, with tabs between them",
+            found=", ".join(map(repr, head)) or "an empty file", do="Correct the table, or move it away.",
         )  # fmt: skip
+    named = [tuple(row[column] for column in columns[:2]) for row in rows]
+    if twice := next((name for name in named if named.count(name) > 1), None):
+        raise DataError(
+            file, wanted="one row for each recording", found=f"{' '.join(twice)} more than once", do="Keep one of them."
+        )
     return rows
 
 

@@ -89,6 +89,21 @@ def test_a_table_that_is_wrong_is_refused_in_words(tmp_path, scans, order, said)
         read(tmp_path, recordings)
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "found an empty file"),
+        ("filename,acq_time\nemg/x.bdf,n/a\n", r"with tabs between them, but found 'filename,acq_time'"),
+        ("filename\tacq_time\nemg/x.bdf\tn/a\nemg/x.bdf\t2026-01-06T09:00:00\n", r"emg/x\.bdf more than once"),
+    ],
+)
+def test_a_scans_table_that_is_empty_or_no_table_or_says_a_thing_twice_is_refused(tmp_path, text, said):
+    recordings = dataset(tmp_path, {"P1": row("P1", "S1", "n/a")})
+    (tmp_path / "sub-P1" / "sub-P1_scans.tsv").write_text(text)
+    with pytest.raises(DataError, match=said):
+        read(tmp_path, recordings)
+
+
 def test_what_is_no_text_is_refused_in_words(tmp_path):
     recordings = dataset(tmp_path, {"P1": ""})
     (tmp_path / "sub-P1" / "sub-P1_scans.tsv").write_bytes(b"\xff\xfe\x00")
