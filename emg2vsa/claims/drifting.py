@@ -14,51 +14,63 @@ from emg2vsa.statistics.drift import Drift, Slope
 
 @dataclass(frozen=True, eq=False)
 class Difference:
-    """Of n people, between recordings of each that lie ``apart`` places on the whole, and the drift of such values."""
+    """Of n people, between recordings of each that lie ``apart`` places on the whole, and the drift of such values.
+
+    apart : (n,), NaN of a person whose order nobody knows; (0,) of values that are no difference.
+    """
 
     values: Floats
     apart: Floats
     by: Drift
 
     @property
+    def _known(self) -> Floats:
+        """``apart``, 0 where it is not known."""
+        return np.zeros_like(self.apart) if self.by.order == "unknown" else np.nan_to_num(self.apart)
+
+    @property
+    def slope(self) -> Slope:
+        """Drift of the mean by the order; without a value where the order does not tell it."""
+        differs = self.by.order == "differs" and self._known.any()
+        return self.by.by_order.times(float(np.mean(self._known))) if differs else Slope()
+
+    @property
     def freed(self) -> Floats:
         """Without drift, where the order tells it; one degree of freedom of the scatter went to the slope."""
-        if self.by.order != "differs" or not self.apart.any():
+        if self.slope.value != self.slope.value:
             return self.values
-        rest = self.values - self.by.by_order.value * self.apart
+        rest = self.values - self.by.by_order.value * self._known
         free = max((rest.size - 1.0) * (self.by.places - 1), 2.0)
         return np.asarray(np.mean(rest) + (rest - np.mean(rest)) * np.sqrt(free / (free - 1)))
 
     def left(self, confidence: float) -> float:
-        """How large a part of the mean drift can be, after ``freed``. Of an unknown order a whole session's."""
-        unknown = self.by.order == "unknown"
-        if not self.apart.size or not (self.apart.any() or unknown):
+        """How large a drift of the mean the order does not tell: of people of an unknown order a whole session's."""
+        if not self.apart.size:
             return 0.0
-        apart = self.by.places - 1.0 if unknown else float(np.mean(self.apart))
-        if self.by.order != "differs":
-            return self.by.within.times(apart).most(confidence) if apart else 0.0
-        low, high = self.by.by_order.times(apart).interval(confidence)
-        return (high - low) / 2
+        unknown = 1.0 if self.by.order == "unknown" else float(np.mean(np.isnan(self.apart)))
+        places = unknown * (self.by.places - 1)
+        places += abs(float(np.mean(self._known))) if self.by.order == "same" else 0.0
+        return self.by.within.times(places).most(confidence) if places else 0.0
 
 
 def contrast(top: Difference, bottom: Difference) -> Found:
     """Mean of ``top`` over that of ``bottom``, of the same people, each with what drift may have done to it."""
-    values, by_order = top.freed, top.by.order == "differs"
-    slope = top.by.by_order.times(float(np.mean(top.apart))) if by_order and top.apart.size else Slope()
-    found = ratio(values, bottom.freed, slope if slope.error > 0 else None)
+    values, level = top.freed, bottom.freed
+    more = top.slope if top.slope.error > 0 else None
+    found = ratio(values, level, more)
 
     def interval(confidence: float) -> Ends:
         shared = 1 - (1 - confidence) / 3
-        moved_by, unsure = 0.0 if by_order else top.left(shared), bottom.left(shared)
-        if not (moved_by or unsure):
+        moved, unsure = top.left(shared), bottom.left(shared)
+        if bottom.slope.error > 0:
+            low, high = bottom.slope.interval(shared)
+            unsure += (high - low) / 2
+        if not (moved or unsure):
             return found.interval(confidence)
-        level = abs(float(np.mean(bottom.freed))) - unsure
-        if not level > 0:
+        least = abs(float(np.mean(level))) - unsure
+        if not least > 0:
             return -np.inf, np.inf
-        ends = [
-            ratio(values, bottom.freed + shift, slope if slope.error > 0 else None).interval(shared)
-            for shift in (-unsure, unsure)
-        ]
-        return min(low for low, _ in ends) - moved_by / level, max(high for _, high in ends) + moved_by / level
+        lows, highs = zip(*(ratio(values, level + by, more).interval(shared) for by in (-unsure, unsure)), strict=True)
+        return min(lows) - moved / least, max(highs) + moved / least
 
     return Found(found.estimate, interval) if found.estimate == found.estimate else UNKNOWN

@@ -70,7 +70,8 @@ def drift(
 ) -> Drift:
     """Drift of n values (all arrays (n,)); values that are not finite are left out.
 
-    place : of the value's recording in its session, NaN where nobody knows. repetition : of the value within its
+    place : of the value's recording in its session, NaN where nobody knows: a block with such a recording tells nothing
+    of the order, which is unknown unless more than half of the blocks tell it. repetition : of the value within its
     recording. unit : over which trends within recordings are averaged; blocks unless given.
     """
     there = np.isfinite(values)
@@ -85,9 +86,11 @@ def drift(
     mean = np.bincount(recording, values) / count
     places = int(np.bincount(np.unique(keys[first, 0], return_inverse=True)[1]).max())
     within = _within(unit, np.char.mod("%d", recording), repetition, values).times(float(np.median(count)))
-    if not np.isfinite(place).all():
+    levels, at = keys[first, :2], place[first]
+    told = ~np.isin(levels[:, 0], levels[~np.isfinite(at), 0])
+    if 2 * np.unique(levels[told, 0]).size <= np.unique(levels[:, 0]).size:
         return Drift("unknown", Slope(), within, places)
-    by_order = _by_order(keys[first, :2], place[first], mean)
+    by_order = _by_order(levels[told], at[told], mean[told])
     return Drift("same" if by_order is None else "differs", by_order or Slope(), within, places)
 
 

@@ -75,3 +75,14 @@ def test_a_denominator_that_drift_may_make_zero_leaves_no_ends():
     by = Drift("same", Slope(), Slope(4.0, 0.5, 13.0), 5)
     bottom = Difference(RNG.normal(8, 0.1, 6), np.full(6, 2.0), by)
     assert contrast(people(RNG, np.zeros(6), by), bottom).interval(0.9) == (-np.inf, np.inf)
+
+
+def test_people_of_an_unknown_order_count_by_their_share():
+    """One of eight: an eighth of the drift of a session."""
+    within, apart = Slope(0.4, 0.2, 13.0), np.array([1.0, -1, 2, -2, 1, -1, 0, np.nan])
+    by = Drift("differs", Slope(0.5, 0.0, 10.0), within, 5)
+    level = Difference(np.full(8, 10.0) + 1e-6 * RNG.normal(size=8), np.empty(0), by)
+    top = people(RNG, apart, by)
+    low, high = contrast(top, level).interval(0.91)
+    alone, most = ratio(top.freed, level.values).interval(0.97), within.times(4 / 8).most(0.97) / 10
+    assert (low, high) == pytest.approx((alone[0] - most, alone[1] + most))

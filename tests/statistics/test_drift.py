@@ -68,13 +68,17 @@ def test_a_few_people_of_another_order_tell_less_than_a_random_order():
     assert drift(*session(rng, 14, at_random(rng))).by_order.df > 8
 
 
-def test_without_a_place_of_every_recording_the_order_is_unknown():
+@pytest.mark.parametrize(("lost", "order"), [(1, "differs"), (2, "unknown"), (4, "unknown")])
+def test_the_order_is_unknown_unless_more_than_half_of_the_people_tell_it(lost, order):
     rng = np.random.default_rng(5)
     block, group, place, repetition, values = session(rng, 4, at_random(rng))
-    place[(block == "P1") & (group == "S2")] = np.nan
+    of_lost = np.isin(block, [f"P{i}" for i in range(lost)])
+    place[of_lost & (group == "S2")] = np.nan
     found = drift(block, group, place, repetition, values)
-    assert (found.order, found.places) == ("unknown", 5)
+    assert (found.order, found.places) == (order, 5)
     assert np.isfinite(found.within.value)
+    others = drift(*(each[~of_lost] for each in (block, group, place, repetition, values)))
+    assert order == "unknown" or found.by_order == others.by_order
 
 
 def test_values_that_are_not_there_count_for_nothing():
