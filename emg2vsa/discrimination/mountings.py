@@ -179,6 +179,12 @@ class Mountings:
         told = found.order != "differs" or found.by_order.df >= _LEAST_DF
         return replace(found, order=found.order if told else "same", places=int(self.count.sum()))
 
+    @cached_property
+    def places(self) -> Floats:
+        """(D, S) mean place of the mountings with a score; NaN where nobody knows."""
+        place = np.full(self.logs.shape, np.nan) if self.place is None else self.place
+        return mean_of(np.where(np.isfinite(self.own), mean_of(self._each(place)), np.nan))
+
     def sum(self, weights: Mapping[Cell, float], pool: Iterable[int] = ()) -> CellSum:
         """The weighted sum of cells' means. pool : designs that tell the scatter besides those of the cells."""
         at = tuple(np.array(list(weights)).T)
@@ -190,8 +196,7 @@ class Mountings:
         by = self.drift
         if by.order == "unknown":
             return replace(of, drift=by.within.times(by.places - 1.0))
-        assert self.place is not None
-        apart = float(weight @ mean_of(mean_of(self._each(self.place)))[at])
+        apart = float(weight @ self.places[at])
         if by.order == "same":
             return replace(of, drift=by.within.times(apart)) if apart else of
         moved = by.by_order.times(apart)

@@ -205,6 +205,15 @@ def test_drift_that_the_order_tells_is_taken_out():
     assert abs(blind.sum({(0, 3): 1.0, (0, 0): -1.0}).estimate) > 0.1
 
 
+def test_a_mounting_without_a_score_has_no_place():
+    table = rig_table(np.random.default_rng(0), np.zeros(4), drift=0.01, mounting_sd=0.001, press_sd=0.001)
+    casr = table.casr["front"].copy()
+    casr[0, 3, 3:] = np.nan  # of three mountings the first is left
+    world = Mountings.of_table(table, casr, 0.043)
+    assert world.places[0, 3] == table.position[0, 3, 0]
+    assert abs(world.sum({(0, 3): 1.0, (0, 0): -1.0}).estimate) < 0.005
+
+
 def test_without_an_order_one_press_of_a_mounting_tells_nothing():
     table = replace(rig_table(np.random.default_rng(0), presses=1), position=None)
     found = Mountings.of_table(table, table.casr["front"], 0.043).sum(STEP)
