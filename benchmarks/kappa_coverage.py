@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.mountings import MountingScatter, mounting_scatter, pooled
 from emg2vsa.calibration.unknown import Estimate, estimate
+from emg2vsa.settings import CalibrationSettings
 
 KNOWN = np.array([7.63, 3.35, 1.11])
 NEW = (5.32, 2.0)
@@ -56,13 +57,15 @@ class Layout:
 
 @dataclass(frozen=True)
 class Drawn:
-    """A world. mounting : SD between mountings. assumed : by the study. noise : unit scatter of presses."""
+    """A world. mounting : SD between mountings. assumed : by the study. noise : unit scatter of presses. fitted : the
+    law, and how."""
 
     says: str
     mounting: float = MOUNTING
     assumed: float = MOUNTING
     curve: Callable[[Floats], Floats] = front
     noise: Callable[[np.random.Generator, tuple[int, ...]], Floats] = np.random.Generator.standard_normal
+    fitted: CalibrationSettings = field(default_factory=CalibrationSettings)
 
 
 def autoregression(rng: np.random.Generator, shape: tuple[int, ...]) -> Floats:
@@ -83,6 +86,7 @@ def unequal(rng: np.random.Generator, shape: tuple[int, ...]) -> Floats:
     return np.asarray(_UNEQUAL[:, None, None] * rng.standard_normal(shape))
 
 
+PAPERS_LAW = CalibrationSettings(law="exponential", minimise="kappa")
 ONE, THREE, NINE = LAYOUTS = (Layout(1, 10), Layout(3, 3), Layout(3, 3, 9))
 WORLDS: tuple[tuple[Layout, Drawn], ...] = (
     (ONE, Drawn("no scatter of mountings, none assumed", 0.0, 0.0)),
@@ -99,6 +103,7 @@ WORLDS: tuple[tuple[Layout, Drawn], ...] = (
     (THREE, Drawn("mountings 4.3 %, none assumed", assumed=0.0)),
     *((layout, Drawn("a sensor that spreads more, mountings 4.3 %", curve=spread_more)) for layout in LAYOUTS),
     *((layout, Drawn("another law, mountings 4.3 %", curve=logarithm)) for layout in LAYOUTS),
+    *((layout, Drawn("mountings 4.3 %, the paper's law is fitted", fitted=PAPERS_LAW)) for layout in LAYOUTS),
     (ONE, Drawn("another law, mountings 2.5 %, assumed 2.5 %", 0.025, 0.025, logarithm)),
     (ONE, Drawn("another law, no scatter of mountings, none assumed", 0.0, 0.0, logarithm)),
 )  # fmt: skip
@@ -116,7 +121,7 @@ def experiments(layout: Layout, world: Drawn, new: float, count: int, seed: int 
         each = mounting_scatter(scores, np.tile(labels, (4, 1)), world.assumed)
         scatter = in_studies(each, layout.designs)
     calibration = calibrate(
-        KNOWN, scores[:, :3], casr_unit="mm2/N", mounting_sd=world.assumed, mountings=np.tile(labels, (3, 1)),
+        KNOWN, scores[:, :3], world.fitted, casr_unit="mm2/N", mounting_sd=world.assumed, mountings=np.tile(labels, (3, 1)),
         scatter=scatter,
     )  # fmt: skip
     return estimate(calibration, scores[:, 3], labels, known=new, bootstrap=False)

@@ -25,11 +25,13 @@ _PLACES = 3
 
 @dataclass(frozen=True)
 class Rival:
-    """What another law says of the same presses. counts : (d,) whether the known specimens do not reject it."""
+    """What another law says of the same presses. counts : (d,) whether the known specimens do not reject it. narrow :
+    as of ``Estimate``, by this law."""
 
     law: Law
     repeats: RepeatInterval
     counts: NDArray[np.bool_]
+    narrow: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -80,10 +82,15 @@ class Estimate:
 
     @cached_property
     def determined(self) -> NDArray[np.bool_]:
-        """(d,) whether the design promises a narrow interval, by a law that falls and explains kappa better than its
-        mean does. How narrow the interval came out does not count: that would pick those that miss kappa."""
+        """(d,) whether the design promises a narrow interval, by this law and by every other one that counts, and this
+        law falls and explains kappa better than its mean does. How narrow the interval came out does not count: that
+        would pick those that miss kappa."""
         sound = self.calibration.monotone & ~self.calibration.fit.rises & ~(self.calibration.adj_r2 < 0)
-        return np.asarray(self.narrow & sound & np.isfinite(self.repeats.low))
+        return np.asarray(self._narrow_by_all & sound & np.isfinite(self.repeats.low))
+
+    @property
+    def _narrow_by_all(self) -> NDArray[np.bool_]:
+        return np.asarray(np.logical_and.reduce([self.narrow, *(one.narrow | ~one.counts for one in self.rivals)]))
 
     def notes(self, i: int = 0) -> tuple[str, ...]:
         notes: tuple[str, ...] = ()
@@ -104,7 +111,7 @@ class Estimate:
         if np.isfinite(self.repeats.low[i]) and not self.determined[i]:
             notes += (
                 "not determined: the law rises, or explains kappa no better than its mean (adjusted R2 below 0)"
-                if self.narrow[i]
+                if self._narrow_by_all[i]
                 else "not determined: presses and mountings promise an interval wider than the known stiffnesses span",
             )
         others = [each.law for each in self.rivals if each.counts[i]]
@@ -177,7 +184,9 @@ def estimate(
         n=n,
         extrapolated=below | above,
         narrow=_narrow(calibration, scores, mountings, known),
-        rivals=tuple(_rival(calibration, law, scores, mountings) for law in LAWS if law != calibration.settings.law),
+        rivals=tuple(
+            _rival(calibration, law, scores, mountings, known) for law in LAWS if law != calibration.settings.law
+        ),
         fitted=tuple(
             repeat_interval(calibration, calibration.casr[:, j], mountings=calibration.labels[j], known=j)
             for j in range(calibration.casr.shape[1])
@@ -185,11 +194,12 @@ def estimate(
     )
 
 
-def _rival(calibration: Calibration, law: Law, scores: Floats, mountings: Ints | None) -> Rival:
+def _rival(calibration: Calibration, law: Law, scores: Floats, mountings: Ints | None, known: float) -> Rival:
     other = again(calibration, np.ones(len(calibration.specimens), dtype=np.bool_), law)
     found = repeat_interval(other, scores, mountings=mountings)
     kept = left_out(other).law_p >= 1 - calibration.settings.confidence
-    return Rival(law, found, kept & np.isfinite(found.low) & ~np.isnan(found.high))
+    counts = kept & np.isfinite(found.low) & ~np.isnan(found.high)
+    return Rival(law, found, counts, _narrow(other, scores, mountings, known))
 
 
 def _narrow(calibration: Calibration, scores: Floats, mountings: Ints | None, known: float) -> NDArray[np.bool_]:
