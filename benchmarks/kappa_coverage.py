@@ -121,8 +121,8 @@ def experiments(layout: Layout, world: Drawn, new: float, count: int, seed: int 
         each = mounting_scatter(scores, np.tile(labels, (4, 1)), world.assumed)
         scatter = in_studies(each, layout.designs)
     calibration = calibrate(
-        KNOWN, scores[:, :3], world.fitted, casr_unit="mm2/N", mounting_sd=world.assumed, mountings=np.tile(labels, (3, 1)),
-        scatter=scatter,
+        KNOWN, scores[:, :3], world.fitted, casr_unit="mm2/N", mounting_sd=world.assumed,
+        mountings=np.tile(labels, (3, 1)), scatter=scatter,
     )  # fmt: skip
     return estimate(calibration, scores[:, 3], labels, known=new, bootstrap=False)
 
