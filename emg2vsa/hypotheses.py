@@ -130,7 +130,12 @@ def test_hypotheses(
             fits.b_v[admitted],
         ),
         alpha=settings.alpha,
-        notes=(*_left_out(clusters), *_incomplete(clusters, kept, tests.pairs.lsd.p), power_note),
+        notes=(
+            *_left_out(clusters),
+            *_incomplete(clusters, kept, tests.pairs.lsd.p),
+            *_order_unknown(clusters, known),
+            power_note,
+        ),
     )
 
 
@@ -217,6 +222,14 @@ def _incomplete(clusters: Clusters, kept: tuple[str, ...], pair_p: Floats) -> tu
     if undefined:
         notes.append(f"{undefined} of {pair_p.size} pairs of specimens have no p and do not enter the worst p")
     return tuple(notes)
+
+
+def _order_unknown(clusters: Clusters, place: Floats) -> tuple[str, ...]:
+    """Of whom nobody knows in which order specimens were pressed, and why."""
+    unknown = np.any((clusters.count > 0) & np.isnan(place.reshape(clusters.count.shape)), axis=1)
+    who = clusters.participants[unknown].tolist()
+    why = "scans.tsv, order.tsv or the recordings must state a time or place of its own for each recording"
+    return (f"order of specimens not known of {_listed(who)}: {why}",) if who else ()
 
 
 def _listed(names: list[str]) -> str:

@@ -286,3 +286,15 @@ def test_trend_and_laws() -> None:
     assert found.trend.blocks.size == 14
     assert found.trend.p > 0.001
     assert np.isnan(found.laws.p).all()
+
+
+def test_people_of_an_unknown_order_are_named() -> None:
+    fits, _ = study(3, 3, 4)
+    first, second, third = sorted(set(fits.participant.tolist()))
+    specimens = enumerate(sorted(set(fits.specimen.tolist())), start=1)
+    place = {(who, what): float(at) for at, what in specimens for who in (first, third)}
+    found = hypotheses.test_hypotheses(fits, PAPER, place=place)
+    (note,) = [note for note in found.notes if "order of specimens" in note]
+    assert note.startswith(f"order of specimens not known of {second}: scans.tsv")
+    assert found.drift.order == "same"
+    assert np.isnan(found.place[1]).all()
