@@ -33,6 +33,7 @@ from emg2vsa.statistics.drift import Drift, Slope, drift
 
 Cell = tuple[int, int]
 "Design and specimen."
+_ROUNDING = 1e-24
 _LEAST_DF = 3
 "Degrees of freedom from which on the order of mountings tells drift."
 _UNEQUAL = 0.01
@@ -148,7 +149,7 @@ class Mountings:
     @cached_property
     def squares(self) -> Floats:
         """(D, S) of presses about the mean of their mounting."""
-        return np.asarray(np.nansum((self._by_mounting - self.own[..., None]) ** 2, axis=(2, 3)))
+        return _without_rounding(np.nansum((self._by_mounting - self.own[..., None]) ** 2, axis=(2, 3)))
 
     @cached_property
     def mean(self) -> Floats:
@@ -163,7 +164,7 @@ class Mountings:
     @cached_property
     def scatter(self) -> Floats:
         """(D, S) squares of the means of mountings about that of their cell."""
-        return np.asarray(np.nansum((self.own - self.mean[..., None]) ** 2, axis=2))
+        return _without_rounding(np.nansum((self.own - self.mean[..., None]) ** 2, axis=2))
 
     @cached_property
     def drift(self) -> Drift:
@@ -230,6 +231,11 @@ class Mountings:
         rows = list(designs)
         df = float(np.sum(self.presses[rows] - np.isfinite(self.own[rows])))
         return (float(np.sqrt(self.squares[rows].sum() / df)) if df else np.nan), df
+
+
+def _without_rounding(squares: Floats) -> Floats:
+    """0 where logarithms differ by no more than their last digits."""
+    return np.where(squares < _ROUNDING, 0.0, squares)
 
 
 def checked(given: Mountings) -> Mountings:

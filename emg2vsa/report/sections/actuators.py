@@ -195,8 +195,8 @@ def _scatter_said(found: Discrimination) -> Iterator[str]:
     ]
     if marked:
         yield (
-            "Under human-like stiffness CASR differs from that under the rigid motor by more than two such SDs on "
-            f"{listed(marked)}. A difference of two mountings has 1.4 of them by chance."
+            "Under human-like stiffness CASR differs from that under the rigid motor by more than two SDs of "
+            f"a cell's mean on {listed(marked)}. A difference of two cells has 1.4 of them by chance."
         )
 
 
