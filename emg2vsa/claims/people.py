@@ -7,9 +7,9 @@ drift where the order of acquisition tells it, and else as uncertain as drift al
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -33,7 +33,7 @@ ORDERS = {
     "unknown": "The order of specimens is not known; drift is taken to be no faster between recordings than within.",
 }
 """Why a comparison of specimens is uncertain."""
-_BY_BIN = 1
+_BY_BIN, _NAMED, _LARGEST_LOG = 1, 4, 700.0
 _PERCENT = 100.0
 
 
@@ -65,11 +65,17 @@ def claims_of_study(
 ) -> Iterator[Claim]:
     """Claims on the people of ``study``. place : of recordings, as for ``PressTable.of``. laws : of these fits."""
     use, stiffness = study.hypotheses.use, study.stiffness_n_per_mm
-    return people_claims(
-        PressTable.of(fits, use, place), stiffness, study.hypotheses.kept_specimens or study.palpated, study.claims,
+    table = PressTable.of(fits, use, place)
+    there = set(zip(table.participant.tolist(), table.specimen.tolist(), strict=True))
+    lost = [" ".join(cell) for cell in product(study.participants, study.palpated) if cell not in there]
+    more = f" and {len(lost) - _NAMED} more" if len(lost) > _NAMED else ""
+    lacks = f"Without a usable press: {', '.join(lost[:_NAMED])}{more}." if lost else ""
+    found = people_claims(
+        table, stiffness, study.hypotheses.kept_specimens or study.palpated, study.claims,
         laws=laws, new=study.profile.new_specimen or "", interpolated=by_person(fits, stiffness, study.profile, use),
         force_n=study.window.force_n,
     )  # fmt: skip
+    return (replace(claim, why=" ".join(filter(None, (claim.why, lacks)))) for claim in found)
 
 
 def people_claims(
@@ -226,7 +232,7 @@ def _of_laws(laws: ForceLaws) -> Found:
     """1 less the error of the best other law over that of the logarithm, of force bins that were left out."""
     by_law = log_ratios(laws.participant, laws.error)[_BY_BIN]
     rivals = [mean_of_people(-by_law[place]) for place in range(1, len(LAWS))]
-    return largest(moved(rival, lambda log: float(-np.expm1(-log))) for rival in rivals)
+    return largest(moved(rival, lambda log: float(-np.expm1(min(-log, _LARGEST_LOG)))) for rival in rivals)
 
 
 def _interpolated(

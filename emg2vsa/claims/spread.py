@@ -26,7 +26,8 @@ def people_f(mean: Floats, count: Ints, squares: float, cells: int = 0) -> Found
     f_ratio = presses * float(np.var(mean, ddof=1)) / (squares / df2)
 
     def size_at(quantile: float) -> float:
-        return float(np.sqrt(max(f_ratio / float(special.fdtri(df1, df2, quantile)) - 1, 0.0) / presses))
+        limit = float(special.fdtri(df1, df2, quantile))
+        return float(np.sqrt(max(f_ratio / limit - 1, 0.0) / presses)) if limit > 0 else np.inf
 
     def interval(confidence: float) -> Ends:
         return size_at(0.5 + 0.5 * confidence), size_at(0.5 - 0.5 * confidence)

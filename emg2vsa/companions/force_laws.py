@@ -146,8 +146,11 @@ def log_ratios(participant: Names, error: Floats) -> Floats:
 
     participant : (C,). error : (2, L, C) as in ``ForceLaws``. Participants are in natural order; NaN without a cell.
     """
-    log_ratio = _by_cell(error)
-    return np.stack([mean_of(log_ratio[..., participant == name]) for name in in_order(participant).tolist()], axis=-1)
+    log_ratio, people = _by_cell(error), in_order(participant).tolist()
+    found = np.full((*error.shape[:2], len(people)), np.nan)
+    for i, who in enumerate(people):
+        found[..., i] = mean_of(log_ratio[..., participant == who])
+    return found
 
 
 def _by_cell(error: Floats) -> Floats:
@@ -158,7 +161,7 @@ def _by_cell(error: Floats) -> Floats:
 
 def _compared(participant: Names, specimen: Names, error: Floats, confidence: float) -> ForceLaws:
     log_ratio = _by_cell(error)
-    of_person = log_ratios(participant, error) if participant.size else np.empty((*error.shape[:2], 0))
+    of_person = log_ratios(participant, error)
     known = np.isfinite(of_person)
     n = np.count_nonzero(known, axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy import stats
 
 from emg2vsa.claims.claim import judge
-from emg2vsa.claims.people import ALONE, PressTable, people_claims
+from emg2vsa.claims.people import ALONE, PressTable, claims_of_study, people_claims
 from emg2vsa.claims.spread import people_f, shape_of
 from emg2vsa.companions.force_laws import CellErrors, compare_laws
-from emg2vsa.settings import ClaimSettings
+from emg2vsa.settings import ClaimSettings, ProfileSettings
 from tests.people_worlds import KEPT, STIFFNESS, People, profile_of
 
 MARGINS = ClaimSettings()
@@ -274,3 +275,33 @@ def test_a_study_takes_far_less_than_a_tenth_of_a_second():
     for _ in range(5):
         verdicts(table, **more)
     assert time.perf_counter() - started < 0.5
+
+
+def test_without_any_press_nothing_is_determined():
+    nothing = PressTable(*(column[:0] for column in vars(People().presses_of(0)).values()))
+    more = {"new": "S_new", "laws": compare_laws([])}
+    assert set(verdicts(nothing, **more).values()) == {"not determined"}
+
+
+def test_intervals_of_nearly_all_confidence_have_ends_or_none_but_no_fault():
+    found = claims(People(b=PAPER).presses_of(0), laws=laws_of(1.1))
+    for claim in found.values():
+        low, high = claim.found.interval(1 - 1e-16)
+        assert not low > high
+
+
+def test_recordings_without_a_usable_press_are_named():
+    """Of those that the study asked for."""
+    table = People(people=3).presses_of(0)
+    there = np.where((table.participant == "P01") & (table.specimen == "S3"), "rejected", "ok")
+    fits = SimpleNamespace(
+        participant=table.participant, specimen=table.specimen, repetition=table.repetition, a_v=table.a_v,
+        b_v=table.b_v, verdict=there,
+    )  # fmt: skip
+    study = SimpleNamespace(
+        hypotheses=SimpleNamespace(use="ok", kept_specimens=KEPT), stiffness_n_per_mm=STIFFNESS,
+        palpated=tuple(STIFFNESS), participants=("P00", "P01", "P02", "P03"), claims=MARGINS,
+        window=SimpleNamespace(force_n=(0.5, 7.0)), profile=ProfileSettings(),
+    )  # fmt: skip
+    for claim in claims_of_study(study, fits, {}, None):
+        assert claim.why.endswith("Without a usable press: P01 S3, P03 S1, P03 S2, P03 S3 and 2 more.")

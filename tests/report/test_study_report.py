@@ -171,6 +171,16 @@ def test_results_tell_how_likely_a_family_of_tests_rejects_anything_where_nothin
     assert found["hypotheses.pairs.chance_of_any"] == pytest.approx(1 - np.prod(1 - np.array(chances)))
 
 
+def test_a_study_whose_presses_are_all_rejected_has_a_report(results, tmp_path):
+    fits = replace(results.people.fits, verdict=np.full(results.people.fits.verdict.size, "rejected"))
+    study = results.study
+    tested = hypotheses.test_hypotheses(fits, study.hypotheses, study.participants, study.palpated)
+    write_study_report(with_people(results, fits=fits, hypotheses=tested, profiles=None, schedules=()), tmp_path)
+    found = json.loads((tmp_path / "results.json").read_text())
+    assert found["claims.specimens_differ.verdict"] == "not determined"
+    assert found["hypotheses.order"] == "unknown"
+
+
 def test_order_and_drift_have_a_line_of_their_own(results, tmp_path, read_page):
     """Of people whose order nobody knows, and of others whose order differs."""
     tested = results.people.hypotheses
