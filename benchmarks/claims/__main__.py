@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FOR_REPORT = ROOT / "emg2vsa" / "claims" / "calibrated.py"
 _CODE = ("emg2vsa/claims/*.py", "emg2vsa/calibration/*.py", "emg2vsa/discrimination/*.py", "emg2vsa/statistics/*.py",
          "emg2vsa/profiles/*.py", "emg2vsa/settings.py")  # fmt: skip
-_OWN = ("people.py", "rig.py", "kappa.py", "study.py")
+_OWN = ("people.py", "laws.py", "rig.py", "kappa.py", "study.py")
 
 
 def code_of(world: World) -> str:
