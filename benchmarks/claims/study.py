@@ -15,7 +15,7 @@ from benchmarks.claims.laws import laws_of
 from benchmarks.claims.people import drawn, fits_of
 from benchmarks.claims.rig import Draw, even, table_of
 from benchmarks.claims.worlds import SPECIMENS, World
-from emg2vsa.claims.claim import Claim, Judged, judge
+from emg2vsa.claims.claim import OF_A_STUDY, Claim, Judged, judge
 from emg2vsa.claims.kappa import kappa_claims
 from emg2vsa.claims.people import claims_of_study
 from emg2vsa.claims.rig import rig_claims
@@ -60,7 +60,7 @@ def claims_of(world: World, seeds: Sequence[int], draw: Draw = drawn) -> list[li
 def judged(world: World, seeds: Sequence[int]) -> list[tuple[Judged, ...]]:
     """The verdicts of the study of each seed."""
     alpha = study_of(world.people.people).claims.false_verdict_percent / 100
-    return [judge(claims, alpha) for claims in claims_of(world, seeds)]
+    return [judge(claims, alpha, OF_A_STUDY) for claims in claims_of(world, seeds)]
 
 
 def truth_of(world: World) -> dict[str, tuple[float, float, str]]:
