@@ -29,7 +29,7 @@ QUESTION = "co-contraction of people"
 ALONE = "Presses of one person say nothing on people."
 ORDERS = {
     "differs": "",
-    "same": "All people pressed in the same order; drift is taken to be no faster between recordings than within.",
+    "same": "All people pressed in one order or in few; drift is taken to be no faster between recordings than within.",
     "unknown": "The order of specimens is not known; drift is taken to be no faster between recordings than within.",
 }
 """Why a comparison of specimens is uncertain."""

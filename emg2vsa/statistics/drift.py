@@ -20,7 +20,8 @@ from emg2vsa.statistics.clusters import Names
 from emg2vsa.statistics.trend import trend
 
 Order = Literal["differs", "same", "unknown"]
-"""Whether the order of the groups differs between blocks; "same" also where it does in one block alone."""
+"""Whether the order of the groups differs between blocks; "same" also where it does in one block alone, or where blocks
+share a few orders that leave a group at one place in most of them: a drift that is not straight would stay."""
 _COLLINEAR = 1e-9
 """Share of the squares of places, below which blocks and groups tell the place."""
 
@@ -90,8 +91,21 @@ def drift(
     told = ~np.isin(levels[:, 0], levels[~np.isfinite(at), 0])
     if 2 * np.unique(levels[told, 0]).size <= np.unique(levels[:, 0]).size:
         return Drift("unknown", Slope(), within, places)
-    by_order = _by_order(levels[told], at[told], mean[told])
+    by_order = None if _few_orders(levels[told], at[told]) else _by_order(levels[told], at[told], mean[told])
     return Drift("same" if by_order is None else "differs", by_order or Slope(), within, places)
+
+
+def _few_orders(levels: Ints, place: Floats) -> bool:
+    """Whether half as many orders as blocks, or fewer, leave a group at one place in more than half of the blocks."""
+    row, column = (np.unique(each, return_inverse=True)[1] for each in levels.T)
+    blocks, groups = int(row.max()) + 1, int(column.max()) + 1
+    if place.size != blocks * groups or blocks < 3:
+        return False
+    table = np.empty((blocks, groups))
+    table[row, column] = place
+    rank = np.argsort(np.argsort(table, axis=1), axis=1)
+    share = max(float(np.mean(rank == k, axis=0).max()) for k in range(groups))
+    return share > 0.5 and 2 * len(np.unique(rank, axis=0)) <= blocks
 
 
 def _within(unit: Names, recording: Names, repetition: Floats, values: Floats) -> Slope:

@@ -163,7 +163,7 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     }
 
 
-_ORDERS = {"differs": "differs between people", "same": "the same for all", "unknown": "unknown"}
+_ORDERS = {"differs": "differs between people", "same": "the same for all, or one of few", "unknown": "unknown"}
 
 
 def _drift(q: Quantities) -> str:
