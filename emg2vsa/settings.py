@@ -437,7 +437,7 @@ class CalibrationSettings:
 class ClaimSettings:
     """The smallest differences that matter: by these and by its interval a claim is judged."""
 
-    false_verdict_percent: Annotated[float, Gt(0), Le(25)] = 10.0
+    false_verdict_percent: Annotated[float, Ge(0.01), Le(25)] = 10.0
     "Chance that a report has any false verdict, at most: 10 % over some 20 claims gives each an interval of 99 %."
     slope_percent: Positive = 10.0
     "Of b between specimens, % of their mean (presses of one person scatter by 10 to 20 %)."

@@ -16,7 +16,7 @@ import numpy as np
 from emg2vsa.arrays import Floats, Ints, mean_of
 from emg2vsa.claims.claim import UNKNOWN, Asserts, Claim, Found, largest, moved, size, smallest
 from emg2vsa.claims.drifting import Difference, contrast
-from emg2vsa.claims.spread import mean_of_people, people_f, shape_of
+from emg2vsa.claims.spread import by_recordings, mean_of_people, people_f, shape_of
 from emg2vsa.companions.force_laws import LAWS, ForceLaws, log_ratios
 from emg2vsa.fits import Fits, usable
 from emg2vsa.profiles import ByPerson, by_person
@@ -102,7 +102,8 @@ def people_claims(
         margins.people_f, why=cells.alone,
     )  # fmt: skip
     yield _claim(
-        "gaussian_clusters", "every cluster of b is Gaussian", "mean skewness, or half the mean excess kurtosis",
+        "gaussian_clusters", "clusters of b are shaped like Gaussian ones, on the mean",
+        "mean skewness of clusters as small as these, or half their mean excess kurtosis",
         "within", cells.shape(), margins.cluster_shape, why=cells.alone,
     )  # fmt: skip
     yield _claim(
@@ -183,9 +184,10 @@ class _Cells:
         if not values.size:
             return UNKNOWN
         rest = np.where(np.isfinite(values), values - self.mean[..., None], 0.0)
-        level = mean_of(self.mean - mean_of(self.mean.T))
+        steps = self.mean - mean_of(self.mean.T)
+        level, squares = mean_of(steps), float(np.sum(rest**2))
         count, cells = self.clusters.count.sum(axis=1), int(np.count_nonzero(self.clusters.count))
-        return people_f(level, count, float(np.sum(rest**2)), cells)
+        return by_recordings(people_f(level, count, squares, cells), level, steps, squares / (count.sum() - cells))
 
     def shape(self) -> Found:
         values = self.clusters.values

@@ -35,6 +35,27 @@ def people_f(mean: Floats, count: Ints, squares: float, cells: int = 0) -> Found
     return Found(float(np.sqrt(max(f_ratio - 1, 0.0) / presses)), interval)
 
 
+def by_recordings(found: Found, level: Floats, steps: Floats, of_presses: float) -> Found:
+    """``found`` with the low end that recordings allow: presses of one recording are alike for reasons of their own.
+
+    level : (P,) of people, means of their ``steps`` (P, S) from the mean of each specimen. of_presses : their variance.
+    People differ where their levels do so more than the recordings of one person, by Fisher's F.
+    """
+    people, specimens = steps.shape
+    if people < 2 or specimens < 2 or not np.isfinite(steps).all():
+        return found
+    df1, df2 = people - 1.0, (people - 1.0) * (specimens - 1)
+    of_steps = float(np.sum((steps - level[:, None]) ** 2)) / df2
+    f_ratio = specimens * float(np.var(level, ddof=1)) / of_steps if of_steps > 0 else np.inf
+
+    def interval(confidence: float) -> Ends:
+        low, high = found.interval(confidence)
+        beyond = max(f_ratio / float(special.fdtri(df1, df2, 0.5 + 0.5 * confidence)) - 1, 0.0)
+        return min(low, float(np.sqrt(beyond * of_steps / specimens / of_presses))), high
+
+    return Found(found.estimate, interval)
+
+
 def shape_of(values: Floats) -> tuple[Floats, Floats]:
     """Skewness and excess kurtosis of clusters (..., R), free of bias for Gaussian ones; NaN below four values."""
     there = np.isfinite(values)

@@ -305,3 +305,14 @@ def test_recordings_without_a_usable_press_are_named():
     )  # fmt: skip
     for claim in claims_of_study(study, fits, {}, None):
         assert claim.why.endswith("Without a usable press: P01 S3, P03 S1, P03 S2, P03 S3 and 2 more.")
+
+
+def test_recordings_that_differ_do_not_make_people_differ():
+    """Presses of one recording share an error, twice that of a press: it is no level of people."""
+    rng, refuted = np.random.default_rng(11), 0
+    table = People(person=0.0).presses_of(0)
+    cell = np.unique(np.char.add(table.participant, table.specimen), return_inverse=True)[1]
+    for _ in range(60):
+        values = 2.0 * rng.standard_normal(cell.max() + 1)[cell] + rng.standard_normal(cell.size)
+        refuted += verdicts(replace(table, b_v=values))["equal_participants"] == "refuted"
+    assert refuted <= 6
