@@ -29,7 +29,9 @@ def change_percent(of: Estimates, i: int) -> str:
     """A difference of logarithms as a change of the ratio, ``+0.4 % [-4.1, +5.2]``."""
     ends = [100 * np.expm1(end) for end in of.at(i)]
     estimate, low, high = (f"{end:+.1f}" for end in ends)
-    return f"{estimate} % [{low}, {high}]" if np.isfinite(ends).all() else f"{estimate} %, interval not determined"
+    if np.isfinite(ends).all():
+        return f"{estimate} % [{low}, {high}]"
+    return f"{estimate} %, interval not determined" if np.isfinite(ends[0]) else "not determined"
 
 
 def headline(contrast: Contrast, conditions: Sequence[str]) -> int | None:
@@ -59,13 +61,9 @@ def _of_measure(found: Discrimination, contrast: Contrast) -> Iterator[str]:
                 f"({mounted})."
             )
         case _:
-            once, order = counts.min() < 2, found.drift.order
-            why = ["specimens were mounted once"] * bool(once) + [_ORDERS[order]] * (order != "differs")
-            assumed = f" if mountings differ by {100 * contrast.assumed_sd:g} % (SD, assumed)" if once else ""
             yield (
                 f"Whether human-like stiffness raises the contrast {pair} of {measure} {against} cannot be told"
-                f"{', as ' if why else ''}{' and '.join(why)}. It is {change}{assumed}. Three mountings of each "
-                "specimen or more, in random order, would tell ([experiment] mountings)."
+                f"{_why(found, contrast, i, once=bool(counts.min() < 2))}."
             )
     others = [
         f"{_NAMES.get(table.conditions[one], table.conditions[one])} at {table.angles_deg[one]:g}° {verdict} "
@@ -78,6 +76,19 @@ def _of_measure(found: Discrimination, contrast: Contrast) -> Iterator[str]:
     ]
     if others:
         yield f"Also by this measure: {'; '.join(others)}."
+
+
+def _why(found: Discrimination, contrast: Contrast, i: int, *, once: bool) -> str:
+    """What the comparison ``i`` lacks, and what it is all the same."""
+    if not np.isfinite(contrast.changes.at(i)).all():
+        return ", as presses with a score are missing"
+    order = found.drift.order
+    why = ["specimens were mounted once"] * once + [_ORDERS[order]] * (order != "differs")
+    assumed = f" if mountings differ by {100 * contrast.assumed_sd:g} % (SD, assumed)" if once else ""
+    return (
+        f"{', as ' if why else ''}{' and '.join(why)}. It is {change_percent(contrast.changes, i)}{assumed}. Three "
+        "mountings of each specimen or more, in random order, would tell ([experiment] mountings)"
+    )
 
 
 def schedule_words(found: Discrimination) -> Iterator[str]:

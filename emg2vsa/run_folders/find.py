@@ -111,6 +111,8 @@ def _listed(table: Path) -> Iterator[_Found]:
     if missing:
         found = ", ".join(reader.fieldnames or ()) or "no header line"
         raise _unusable(table, f"tab-separated columns {', '.join(_COLUMNS)}", found)
+    if near := [n for n in reader.fieldnames or () if n != _ORDER and n.strip().casefold() == _ORDER]:
+        raise _unusable(f"{table}, header", f"the column {_ORDER} so spelt", repr(near[0]))
     for row in reader:
         yield _row(f"{table}, line {reader.line_num}", table.parent, row)
 
@@ -122,21 +124,18 @@ def _row(where: str, root: Path, row: dict[str, str | None]) -> _Found:
     folder, specimen, angle, condition = ((row[name] or "").strip() for name in _COLUMNS)
     if not (root / folder).is_dir():
         raise _unusable(f"{where}, folder", "a folder beside the table", repr(folder))
-    return _Found(
-        where, root / folder, specimen, _angle(f"{where}, angle_deg", angle), condition, _order(where, row.get(_ORDER))
-    )
+    order = _order(f"{where}, {_ORDER}", row[_ORDER]) if _ORDER in row else None
+    return _Found(where, root / folder, specimen, _angle(f"{where}, angle_deg", angle), condition, order)
 
 
-def _order(where: str, value: str | None) -> float | None:
-    """None where the table has no such column."""
-    if value is None:
-        return None
+def _order(where: str, value: str | None) -> float:
     try:
-        return float(int(value))
-    except ValueError as error:
-        raise _unusable(
-            f"{where}, {_ORDER}", "a whole number, the place in which it was recorded", repr(value)
-        ) from error
+        order = int(value or "")
+    except ValueError:
+        order = 0
+    if order < 1:
+        raise _unusable(where, "a whole number from 1, the place in which it was recorded", repr(value or ""))
+    return float(order)
 
 
 def _planned(root: Path) -> Iterator[_Found]:

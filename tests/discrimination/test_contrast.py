@@ -132,6 +132,16 @@ def test_words_say_what_is_true(world, stiffness_n_per_mm):
     assert "3 mountings of each specimen" in none
     assert "label" not in none
 
+    lost = world(3, 3, 0.01, 0.01)
+    gone = next(i for i, run in enumerate(lost) if run.name == "S5_0_modular")
+    lost[gone] = replace(lost[gone], verdicts=("rejected",) * 9)
+    lost = [run for run in lost if run.specimen in ("S1", "S5")]
+    assert "cannot be told, as presses with a score are missing." in said(lost)
+    assert "nan" not in said(lost)
+
+    unknown = [replace(run, pressed_at=np.nan * run.pressed_at) for run in world(3, 3, 0.01, 0.01)]
+    assert "cannot be told, as nobody knows the order of mountings. It is" in said(unknown)
+
     once = said(world(1, 3, 0.01, 0.01))
     assert "cannot be told, as specimens were mounted once" in once
     assert "2.5 % (SD, assumed)" in once

@@ -91,13 +91,24 @@ def test_a_table_may_say_the_order_of_its_folders(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("order", "wanted"), [("", "a whole number"), ("first", "a whole number"), ("1", "every place once")]
+    ("order", "wanted"),
+    [("", "a whole number"), ("first", "a whole number"), ("-11", "a whole number from 1"), ("1", "every place once")],
 )
 def test_an_order_that_makes_no_sense_is_named(tmp_path, order, wanted):
     for name in ("a", "b"):
         (tmp_path / name).mkdir()
     table(tmp_path, "a\tS1\t0\tmodular\t1", f"b\tS3\t0\tmodular\t{order}", head=ORDERED)
     with pytest.raises(DataError, match=f"line 3, order: expected {wanted}"):
+        find_runs(tmp_path, KNOWN)
+
+
+def test_an_order_that_is_lost_or_misspelt_is_named(tmp_path):
+    (tmp_path / "a").mkdir()
+    table(tmp_path, "a\tS1\t0\tmodular", head=ORDERED)
+    with pytest.raises(DataError, match=r"line 2, order: expected a whole number from 1.*, but found ''"):
+        find_runs(tmp_path, KNOWN)
+    table(tmp_path, "a\tS1\t0\tmodular\t1", head=ORDERED.replace("order", "Order"))
+    with pytest.raises(DataError, match="header: expected the column order so spelt, but found 'Order'"):
         find_runs(tmp_path, KNOWN)
 
 
