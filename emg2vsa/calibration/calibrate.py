@@ -39,8 +39,7 @@ class Calibration:
     kappa, kappa_se : (d, S) N/mm, given, with the standard error of the Hooke fit, 0 where exact. specimen_share,
     angle_share, other_exponent : see ``calibrate``. casr : (d, S, R) scores, NaN where there is none, in ``casr_unit``;
     labels : (S, R) mounting of each press. mounting : how they differ. mean_casr : (d, S). fit : the law. r2, adj_r2 :
-    (d,) of kappa about its mean, over the points that were fitted. left_out : (d, S) kappa of each specimen as the
-    others predict it.
+    (d,) of kappa about its mean, over the points that were fitted.
     """
 
     settings: CalibrationSettings
@@ -58,7 +57,19 @@ class Calibration:
     fit: LawFit
     r2: Floats
     adj_r2: Floats
-    left_out: Floats
+
+    @cached_property
+    def left_out(self) -> Floats:
+        """(d, S) kappa at the mean of each specimen from a fit without its points; NaN below three specimens."""
+        x, y = fitted_points(self.casr, self.kappa, self.settings.points)
+        d, s = self.mean_casr.shape
+        specimen = np.arange(x.shape[1]) // (x.shape[1] // s)
+        without = np.where(specimen == np.arange(s)[:, None], np.nan, 0.0)
+        rows = (x[:, None, :] + without).reshape(d * s, -1)
+        fit = fit_law(self.settings.law, self.settings.minimise, rows, np.repeat(y, s, axis=0))
+        predicted = fit.at(self.mean_casr.reshape(-1, 1)).reshape(d, s)
+        enough = np.count_nonzero(np.isfinite(self.mean_casr), axis=1) >= 3
+        return np.where(enough[:, None], predicted, np.nan)
 
     @property
     def left_out_error(self) -> Floats:
@@ -138,7 +149,7 @@ def calibrate(
     of angle_share and mounting_sd. scatter : that of more mountings than these, in place of theirs. other_exponent :
     that the presses show in place of Hertz's, see ``forms``. All of these widen the interval from repeats and do not
     change the fit.
-    Leaving out one specimen after the other is always done. DataError where shapes do not fit or kappa is not positive.
+    DataError where shapes do not fit or kappa is not positive.
     """
     settings = settings or CalibrationSettings()
     scores = _three_dimensional(casr)
@@ -169,20 +180,7 @@ def calibrate(
         fit=fit,
         r2=r2,
         adj_r2=adj_r2,
-        left_out=_left_out(settings, x, y, means),
     )
-
-
-def _left_out(settings: CalibrationSettings, x: Floats, y: Floats, means: Floats) -> Floats:
-    """kappa (d, S) at the mean of each specimen from a fit without its points; NaN below three specimens."""
-    d, s = means.shape
-    specimen = np.arange(x.shape[1]) // (x.shape[1] // s)
-    without = np.where(specimen == np.arange(s)[:, None], np.nan, 0.0)
-    rows = (x[:, None, :] + without).reshape(d * s, -1)
-    fit = fit_law(settings.law, settings.minimise, rows, np.repeat(y, s, axis=0))
-    predicted = fit.at(means.reshape(-1, 1)).reshape(d, s)
-    enough = np.count_nonzero(np.isfinite(means), axis=1) >= 3
-    return np.where(enough[:, None], predicted, np.nan)
 
 
 def fitted_points(scores: Floats, kappa: Floats, points: Literal["means", "repetitions"]) -> tuple[Floats, Floats]:

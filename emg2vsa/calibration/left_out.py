@@ -62,7 +62,7 @@ def left_out(calibration: Calibration) -> LeftOut:
 
 def again(calibration: Calibration, kept: NDArray[np.bool_], law: Law) -> Calibration:
     """The same on these of its specimens (S,), by ``law``; mountings scatter as all specimens show."""
-    found = calibrate(
+    return calibrate(
         calibration.kappa[:, kept],
         calibration.casr[:, kept],
         _by(calibration.settings, law),
@@ -71,9 +71,9 @@ def again(calibration: Calibration, kept: NDArray[np.bool_], law: Law) -> Calibr
         specimen_share=calibration.specimen_share,
         angle_share=calibration.angle_share,
         mountings=calibration.labels[kept],
+        scatter=calibration.mounting,
         other_exponent=calibration.other_exponent,
     )
-    return dataclasses.replace(found, mounting=calibration.mounting)
 
 
 def _by(settings: CalibrationSettings, law: Law) -> CalibrationSettings:

@@ -121,7 +121,8 @@ def repeat_interval(
             gradient[:, known] += gradient[:, -1]
             gradient[:, -1] = 0.0
         of_presses = np.where(once[:, None], 0.0, gradient**2 * variance / serial.effective_n)
-        kappa_step = by_kappa(calibration, mean) * calibration.kappa_se
+        known_exactly = not np.any(calibration.kappa_se)
+        kappa_step = calibration.kappa_se if known_exactly else by_kappa(calibration, mean) * calibration.kappa_se
         of_scores = gradient * means
         of_mountings = of_scores * np.sqrt(share)
         mounting = calibration.mounting
