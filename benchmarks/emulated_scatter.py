@@ -1,7 +1,7 @@
 """How much presses and mountings of the emulated rig differ, and how often the interval of kappa holds the truth.
 
-Run with ``python -m benchmarks.emulated_scatter [--write FILE]``, about a quarter of an hour of a processor. Presses of the
-default world are scored from their frames; true rates of many more mountings come from the world alone, and so does
+Run with ``python -m benchmarks.emulated_scatter [--write FILE]``, about a quarter of an hour of a processor. Presses of
+the default world are scored from their frames; true rates of many more mountings come from the world alone, and so does
 what each cause of scatter adds. An experiment of the last tables has a mounting of each specimen: true rates of its
 presses, each times what scoring made of such a press, are calibrated as those of a study are.
 
