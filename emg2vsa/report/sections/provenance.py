@@ -139,8 +139,8 @@ Dunn's test: comparison of pairs by their mean ranks over all groups, with Bonfe
 FDR: false discovery rate: the expected share of false ones among significant tests
 g, g_z: Hedges' g: a difference of means over the pooled standard deviation, corrected for small samples. g_z is over
   the standard deviation of paired differences
-gap: Hedges' g between the closest neighbours in stiffness: how far two specimens lie apart in standard deviations of
-  their presses
+gap, d′: distance of the two neighbours whose stiffness differs least: difference of mean ln CASR over mountings, in
+  standard deviations of a press of one mounting
 Hazen's quartiles: quartiles by linear interpolation at (i − 0.5) / n, as MATLAB's boxplot draws them
 Holm: correction of p for the number of tests; it keeps the chance of any false rejection below α
 ICC: intraclass correlation: share of variance that is due to differences between participants
