@@ -187,7 +187,8 @@ class _Cells:
         steps = self.mean - mean_of(self.mean.T)
         level, squares = mean_of(steps), float(np.sum(rest**2))
         count, cells = self.clusters.count.sum(axis=1), int(np.count_nonzero(self.clusters.count))
-        return by_recordings(people_f(level, count, squares, cells), level, steps, squares / (count.sum() - cells))
+        found, free = people_f(level, count, squares, cells), int(count.sum()) - cells
+        return by_recordings(found, level, steps, squares / free) if squares > 0 else found
 
     def shape(self) -> Found:
         values = self.clusters.values

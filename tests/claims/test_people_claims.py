@@ -316,3 +316,18 @@ def test_recordings_that_differ_do_not_make_people_differ():
         values = 2.0 * rng.standard_normal(cell.max() + 1)[cell] + rng.standard_normal(cell.size)
         refuted += verdicts(replace(table, b_v=values))["equal_participants"] == "refuted"
     assert refuted <= 6
+
+
+@pytest.mark.parametrize(
+    "world",
+    [
+        People(presses=1), People(people=1, presses=1), People(people=2, presses=2), People(b=(100.0,), people=5),
+        People(b=(100.0, 100.0), people=2, presses=2, lost=1), People(people=3, lost=8),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_a_design_that_tells_little_tells_nothing_false(world):
+    """Nothing differs but people: neither a fault nor a warning."""
+    found = verdicts(world.presses_of(0), new="S_new")
+    assert found["specimens_differ"] != "holds"
+    assert found["equal_participants"] != "holds"
