@@ -141,6 +141,7 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
     area = area_mm2(specimen, angle_deg, 0.5) * (1 + 0.01 * rng.standard_normal(presses))
     wide = _TILTED[angle_deg] * (1 + 0.05 * rng.standard_normal(presses))
     step = 6.0  # a hexagon
+    began_s = 1e6 * np.random.default_rng([*f"{condition}{angle_deg}{specimen}".encode()]).random()
     curves = tuple(
         PressCurve(force, area_mm2(specimen, angle_deg, force) * n + rng.normal(0, 0.3, force.size), 0.5) for n in noise
     )
@@ -152,7 +153,7 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
         algorithm="front",
         repetitions=np.arange(1, presses + 1),
         mounting=np.ones(presses, dtype=np.int64),
-        pressed_at=1e6 * rng.random() + np.arange(presses),
+        pressed_at=began_s + np.arange(presses),
         verdicts=("ok",) * presses,
         reasons=("",) * presses,
         area_unit="mm2",
