@@ -85,10 +85,11 @@ class _Cells:
         """The claim; without an estimate where one of its cells was not pressed."""
         if len(specimens) > 1:
             missing = self.missing(designs, specimens)
-            why = f"Not pressed: {', '.join(missing)}." if missing else ""
+            why = f"No score: {', '.join(missing)}." if missing else ""
         else:
             why = "Fewer than two specimens to compare."
-        known, why = (UNKNOWN, why) if why else (found(), self._remarks(designs))
+        known = UNKNOWN if why else found()
+        why = why or (self._remarks(designs) if np.isfinite(known.interval(0.95)[0]) else "Nothing tells the scatter.")
         return Claim(
             key, question, says, estimand, asserts, moved(known, _share) if percent else known,
             margin / _LN_PERCENT if percent else margin, "mounting", section, self.table.algorithm,
@@ -98,7 +99,7 @@ class _Cells:
     def _remarks(self, designs: Iterable[Design]) -> str:
         once = bool((self.mountings.count[self.places(designs)] < 2).all())
         sd = 100 * self.mountings.assumed_sd
-        assumed = f"Mounted once; an SD between mountings of {sd:g} % is assumed." if once else ""
+        assumed = f"Mounted once: true as far as mountings scatter by {sd:g} % (SD, assumed)." if once else ""
         return " ".join(filter(None, (assumed, ORDERS[self.mountings.drift.order])))
 
 
@@ -175,7 +176,7 @@ def _rate_claims(cells: _Cells, percent: float) -> Iterator[Claim]:
 
 def _of_new(table: RunTable, claim: Claim, new: str) -> Claim:
     """Not known where the new specimen was not pressed."""
-    return claim if table.new >= 0 else replace(claim, found=UNKNOWN, why=f"Not pressed: {new}.")
+    return claim if table.new >= 0 else replace(claim, found=UNKNOWN, why=f"No score: {new}.")
 
 
 def _contrast(cells: _Cells, percent: float) -> Claim:

@@ -34,6 +34,7 @@ from emg2vsa.statistics.drift import Drift, Slope, drift
 Cell = tuple[int, int]
 "Design and specimen."
 _ROUNDING = 1e-24
+_DIGITS = 9
 _LEAST_DF = 3
 "Degrees of freedom from which on the order of mountings tells drift."
 _UNEQUAL = 0.01
@@ -168,15 +169,23 @@ class Mountings:
 
     @cached_property
     def drift(self) -> Drift:
-        """Of ln score by place: told by mountings of the same cell; where there are none, by designs and specimens."""
+        """Of ln score by place: told by mountings of the same cell; where there are none, by designs and specimens.
+
+        Mountings of the same number are a round, and only places within rounds tell: drift may start anew in each, and
+        rounds in the same order tell nothing of it.
+        """
         there = np.isfinite(self._by_mounting)
-        design, specimen, *_ = np.nonzero(there)
+        design, specimen, number, _ = np.nonzero(there)
         repetition = np.cumsum(there, axis=3)[there].astype(np.float64)
         cell = np.char.mod("%d", design * self.logs.shape[1] + specimen)
         place = np.full(cell.shape, np.nan) if self.place is None else self._each(self.place)[there]
-        several = bool((self.count > 1).any())
+        logs, several = self._by_mounting[there], bool((self.count > 1).any())
         block, group = (np.zeros_like(cell), cell) if several else (np.char.mod("%d", design), specimen.astype(np.str_))
-        found = drift(block, group, place, repetition, self._by_mounting[there], cell)
+        found = drift(block, group, place, repetition, logs, cell)
+        if several and found.order == "differs":
+            place, logs = (each - (np.bincount(number, each) / np.bincount(number))[number] for each in (place, logs))
+            by = drift(block, group, place.round(_DIGITS), repetition, logs, cell)
+            found = replace(found, order=by.order, by_order=by.by_order)
         told = found.order != "differs" or found.by_order.df >= _LEAST_DF
         return replace(found, order=found.order if told else "same", places=int(self.count.sum()))
 

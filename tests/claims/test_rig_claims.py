@@ -72,7 +72,9 @@ def test_every_claim_is_over_mountings_and_by_the_algorithm_of_the_runs():
     assert found["casr_rigid"].margin == pytest.approx(MARGINS.casr_percent / 100)
     assert found["constant_levels"].margin == 1.0
     once = claims(rig_table(np.random.default_rng(0), mountings=1, presses=10))
-    assert {claim.why for claim in once.values()} == {"Mounted once; an SD between mountings of 4.3 % is assumed."}
+    assert {claim.why for claim in once.values()} == {
+        "Mounted once: true as far as mountings scatter by 4.3 % (SD, assumed)."
+    }
 
 
 def test_what_was_not_pressed_is_named_and_nothing_is_said_of_it():
@@ -80,16 +82,16 @@ def test_what_was_not_pressed_is_named_and_nothing_is_said_of_it():
     few = claims(rig_table(rng, designs=[design for design in DESIGNS if design != ("modular", 30.0)]))
     unknown = {key for key, claim in few.items() if np.isnan(claim.found.interval(0.95)).all()}
     assert unknown == {"casr_human_like", "fig12_order"}
-    assert few["fig12_order"].why == "Not pressed: modular 30°."
+    assert few["fig12_order"].why == "No score: modular 30°."
     table = rig_table(rng)
     table.casr["front"][DESIGNS.index(("constant-max", 0.0)), 2] = np.nan
     lost = claims(table)
-    assert lost["casr_constant"].why == "Not pressed: S3 constant-max 0°."
-    assert lost["fig13_new_specimen"].why == "Not pressed: S3 constant-max 0°."
+    assert lost["casr_constant"].why == "No score: S3 constant-max 0°."
+    assert lost["fig13_new_specimen"].why == "No score: S3 constant-max 0°."
     assert not lost["casr_rigid"].why
     without = claims(replace(table, new=-1))
     for key in ("fig10_order", "fig12_order", "fig13_new_specimen", "new_specimen_at_minimum"):
-        assert without[key].why == "Not pressed: the new specimen."
+        assert without[key].why == "No score: the new specimen."
         assert np.isnan(without[key].found.estimate)
     rigid_only = claims(rig_table(rng, designs=[("high-stiffness", 0.0)]))
     assert {judged.verdict for judged in judge(rigid_only.values(), 0.05)} == {"not determined"}

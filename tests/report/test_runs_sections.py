@@ -274,7 +274,7 @@ def test_claims_on_the_order_of_the_specimens_follow_the_scores(name, figure, ru
     assert found.quantities[verdict] == "not determined"
     said = next(row for row in found.tables["claims"].rows if row["says"].endswith(f"in its place, {SAYS[name]}"))
     assert (said["unit"], said["algorithm"]) == ("mountings", "front")
-    assert said["why"].startswith("Not pressed: ")
+    assert said["why"].startswith("No score: ")
     assert "by front" in said["own_test"]
 
 
@@ -427,8 +427,8 @@ def test_areas_are_called_the_same_only_where_an_interval_says_so(run_of, report
     for runs, verdict, why in (
         (different, "refuted", ""),
         (alike, "holds", ""),
-        (alike[1:], "not determined", "Not pressed: S1 high-stiffness 0°."),
-        (only(alike, 1), "not determined", "Mounted once; an SD between mountings of"),
+        (alike[1:], "not determined", "No score: S1 high-stiffness 0°."),
+        (only(alike, 1), "not determined", "Nothing tells the scatter."),
     ):
         content = report_of(runs)
         told = next(row for row in content.tables["claims"].rows if row["says"].startswith("Initial area is the same"))
