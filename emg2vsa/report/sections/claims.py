@@ -110,7 +110,7 @@ def _table(name: str, caption: str, judged: Sequence[Judged], tests: dict[str, P
 _RIGHT = (
     Column("says", "Claim"), Column("false", "False, worst world, %", 100, 2),
     Column("false_at_most", "At most, %", 100, 2), Column("world", "World"),
-    Column("power", "Found at the paper's effects, %", 100, 2), Column("right", "As"),
+    Column("power", "Found at the paper's effects, %", 100), Column("right", "As"),
 )  # fmt: skip
 
 
@@ -118,8 +118,8 @@ def _how_often_right(judged: Sequence[Judged]) -> Table:
     """What the benchmark says of each of the study's claims."""
     rows = [
         {
-            "says": each.claim.says, "false": right.false, "false_at_most": right.bound, "world": right.world,
-            "power": right.power, "right": right.right,
+            "says": each.claim.says, "false": right.false, "false_at_most": right.bound,
+            "world": right.world if right.false else None, "power": right.power, "right": right.right,
         }
         for each in judged
         if (right := calibrated.CLAIMS.get(each.claim.key))
