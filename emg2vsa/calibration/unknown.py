@@ -197,7 +197,7 @@ def estimate(
 def _rival(calibration: Calibration, law: Law, scores: Floats, mountings: Ints | None, known: float) -> Rival:
     other = again(calibration, np.ones(len(calibration.specimens), dtype=np.bool_), law)
     found = repeat_interval(other, scores, mountings=mountings)
-    kept = left_out(other).law_p >= 1 - calibration.settings.confidence
+    kept = ~(left_out(other).law_p < 1 - calibration.settings.confidence)  # two specimens reject no law: all count
     counts = kept & np.isfinite(found.low) & ~np.isnan(found.high)
     return Rival(law, found, counts, _narrow(other, scores, mountings, known))
 

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.claims import paper
-from emg2vsa.claims.claim import UNKNOWN, Claim, Found, exactly
+from emg2vsa.claims.claim import Claim, Found, exactly
+from emg2vsa.hypotheses import EFFECT_F, EPSILON, RHO
 from emg2vsa.rig.executor.motion import MovingAverage
+from emg2vsa.statistics.power import power_rm
 from emg2vsa.study import Study
 
 QUESTION = "settings and arithmetic"
@@ -31,15 +33,14 @@ class Counted:
 def arithmetic_claims(
     study: Study,
     *,
-    power: float = np.nan,
     weight_alpha: float = np.nan,
     counted: Counted | None = None,
     runs: bool = False,
 ) -> Iterator[Claim]:
-    """power : of the paper's sample size in this study. weight_alpha : of the softer neighbour in the profile of the
+    """weight_alpha : of the softer neighbour in the profile of the
     new specimen, NaN where none was made. runs : whether the rig pressed anything."""
     if counted is not None:
-        yield from _of_people(study, power, weight_alpha, counted)
+        yield from _of_people(study, weight_alpha, counted)
     if runs:
         off = abs(FILTER.cutoff_hz / paper.FILTER_CUTOFF_HZ - 1)
         yield _claim(
@@ -54,12 +55,13 @@ def arithmetic_claims(
         )  # fmt: skip
 
 
-def _of_people(study: Study, power: float, weight_alpha: float, counted: Counted) -> Iterator[Claim]:
+def _of_people(study: Study, weight_alpha: float, counted: Counted) -> Iterator[Claim]:
     r2 = [specimen.plate_adjusted_r2 for specimen in study.specimens]
     known = [1 - value for value in r2 if value is not None]
+    worst = max(known, default=np.nan)
     yield _claim(
         "plate_r2", "a straight line describes every plate indentation", "1 less the worst adj. R²",
-        exactly(max(known), max(known) if len(known) == len(r2) else 1.0) if known else UNKNOWN, 1 - _LEAST_PLATE_R2,
+        exactly(worst, worst if len(known) == len(r2) else max(worst, 1.0)), 1 - _LEAST_PLATE_R2,
         "fits", why="" if len(known) == len(r2) else "The study file does not give R² of every plate test.",
     )  # fmt: skip
     lost, waiting = counted.recorded - counted.curves, max(counted.asked - counted.recorded, 0)
@@ -70,12 +72,12 @@ def _of_people(study: Study, power: float, weight_alpha: float, counted: Counted
     )  # fmt: skip
     yield _claim(
         "power", "14 participants with ten movements suffice (f = .25, α = .05)", "power below .80",
-        exactly(max(0.8 - power, 0.0)) if power == power else UNKNOWN, _ROUNDED, "power",
+        exactly(max(0.8 - float(power_rm(14, 10, EFFECT_F, RHO, EPSILON, 0.05)), 0.0)), _ROUNDED, "power",
         why="The study does not test repetitions.",
     )  # fmt: skip
     if weight_alpha == weight_alpha:
         yield _claim(
-            "interpolation_weight", f"weight α of the softer neighbour in the profile of {study.profile.new_specimen}",
+            "interpolation_weight", f"the weight α of the softer neighbour of {study.profile.new_specimen} is .532",
             "distance from .532", exactly(abs(weight_alpha - paper.WEIGHT_ALPHA)), _HALF_DIGIT, "profiles",
             why=f"Rule here: {study.profile.interpolation}.",
         )  # fmt: skip

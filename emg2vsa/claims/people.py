@@ -16,7 +16,7 @@ import numpy as np
 from emg2vsa.arrays import Floats, Ints, mean_of
 from emg2vsa.claims.claim import UNKNOWN, Asserts, Claim, Found, largest, moved, size, smallest
 from emg2vsa.claims.drifting import Difference, contrast
-from emg2vsa.claims.spread import by_recordings, mean_of_people, people_f, shape_of
+from emg2vsa.claims.spread import ROUNDING, by_recordings, mean_of_people, people_f, shape_of
 from emg2vsa.companions.force_laws import LAWS, ForceLaws, log_ratios
 from emg2vsa.fits import Fits, usable
 from emg2vsa.profiles import ByPerson, by_person
@@ -184,6 +184,8 @@ class _Cells:
         if not values.size:
             return UNKNOWN
         rest = np.where(np.isfinite(values), values - self.mean[..., None], 0.0)
+        if np.abs(rest).max() < ROUNDING * np.nanmax(np.abs(values)):
+            return UNKNOWN
         steps = self.mean - mean_of(self.mean.T)
         level, squares = mean_of(steps), float(np.sum(rest**2))
         count, cells = self.clusters.count.sum(axis=1), int(np.count_nonzero(self.clusters.count))

@@ -18,9 +18,10 @@ def ratio(top: Floats, bottom: Floats, more: Slope | None = None) -> Found:
     more : an error of the mean of ``top`` besides its scatter, whose value counts for nothing. The interval is that of
     all ratios r which Student's t of top - r bottom does not reject; endless where the mean of ``bottom`` may be 0.
     """
-    n = top.size
-    if n < 2:
+    n, scale = top.size, float(np.max(np.abs(bottom), initial=0.0))
+    if n < 2 or not 0 < scale < np.inf:
         return UNKNOWN
+    top, bottom, more = top / scale, bottom / scale, more.times(1 / scale) if more else None
     mean, other = float(np.mean(top)), float(np.mean(bottom))
     covariance = np.cov(top, bottom) / n
     v_top, v_both, v_bottom = (float(covariance[at]) for at in ((0, 0), (0, 1), (1, 1)))

@@ -9,6 +9,8 @@ from emg2vsa.arrays import Floats, Ints, mean_of
 from emg2vsa.claims.claim import UNKNOWN, Ends, Found, student
 
 _FEWEST_FOR_SHAPE = 4
+ROUNDING = 1e-12
+"""Share of a value below which a difference is rounding."""
 
 
 def people_f(mean: Floats, count: Ints, squares: float, cells: int = 0) -> Found:
@@ -62,7 +64,10 @@ def shape_of(values: Floats) -> tuple[Floats, Floats]:
     n = np.count_nonzero(there, axis=-1).astype(np.float64)
     n[n < _FEWEST_FOR_SHAPE] = np.nan
     rest = np.where(there, values - mean_of(values)[..., None], 0.0)
+    largest = np.max(np.abs(values), axis=-1, where=there, initial=0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
+        rest = rest / largest[..., None]
+        rest = np.where(np.abs(rest) > ROUNDING, rest, 0.0)
         m2, m3, m4 = (np.sum(rest**power, axis=-1) / n for power in (2, 3, 4))
         skewness = np.sqrt(n * (n - 1)) / (n - 2) * m3 / m2**1.5
         kurtosis = (n - 1) / ((n - 2) * (n - 3)) * ((n + 1) * (m4 / m2**2 - 3) + 6)

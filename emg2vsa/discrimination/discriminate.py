@@ -200,6 +200,11 @@ def _check(table: RunTable) -> None:
             "runs, specimens", wanted="two specimens or more besides the new one", found=found,
             do="Press more specimens; nothing can be told apart.",
         )  # fmt: skip
+    if not np.isfinite(table.casr[table.algorithm]).any():
+        raise DataError(
+            "runs, presses", wanted="a press that counts and has a score", found="none",
+            do="See in presses.csv of the runs why they were rejected.",
+        )  # fmt: skip
 
 
 def _notes(table: RunTable, mountings: Ints, new_specimen: str, settings: DiscriminationSettings) -> tuple[str, ...]:

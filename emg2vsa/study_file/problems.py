@@ -282,11 +282,20 @@ class _Reading(NamedTuple):
     def unknown(self, table: type, key: str, at: KeyPath) -> Problem:
         """The problem of a key that its table does not have, with the nearest key, here or in another table."""
         path, known = (*at, key), tuple(kinds_of(table))
+        if path in _GONE:
+            return Problem(path, "a known key", repr(key), _GONE[path])
         do = nearest(key, known, f"The keys are {', '.join(known)}.")
         for name, kind in kinds_of(self.file).items() if self.file else ():
             if kind.is_table and name not in path and key in _keys_of(kind):
                 return Problem(path, "a known key", repr(key), f"{do} [{name}] has a key of that name.")
         return Problem(path, "a known key", repr(key), do)
+
+
+_GONE: dict[KeyPath, str] = dict.fromkeys(
+    (("discrimination", "equivalence_margin"), ("discrimination", "resamples"), ("discrimination", "seed")),
+    "Remove it: the rig's presses are compared over mountings now, and [claims] says what differences matter.",
+)
+"""Keys of version 0.1.0 that nothing reads any more, and what to do."""
 
 
 def _keys_of(table: Kind) -> Iterable[str]:

@@ -152,11 +152,10 @@ def test_one_press_each_is_tested_without_a_warning(run_of, stiffness_n_per_mm):
     assert np.isnan(found.conditions.gaps.gap).all()
 
 
-def test_presses_that_all_failed_leave_nothing_defined(run_of, stiffness_n_per_mm):
+def test_presses_that_all_failed_are_compared_with_nothing(run_of, stiffness_n_per_mm):
     runs = [replace(run_of(name, 0.0, "modular"), verdicts=("rejected",) * 10) for name in KNOWN]
-    found = discriminate(runs, stiffness_n_per_mm, "S_new", FEW)
-    assert np.isnan(found.spread.worst_p).all()
-    assert not found.spread.rises.any()
+    with pytest.raises(DataError, match="a press that counts and has a score, but found none"):
+        discriminate(runs, stiffness_n_per_mm, "S_new", FEW)
 
 
 def test_scores_without_any_scatter_are_tested_without_a_warning(run_of, stiffness_n_per_mm):

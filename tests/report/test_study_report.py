@@ -286,7 +286,7 @@ def test_every_claim_has_a_verdict_by_its_interval_and_a_link(written, read_page
             assert inside or low > 0, key
     assert {"#power", "#fits", "#hypotheses", "#profiles", "#schedules"} <= set(page.addresses)
     told = Counter(row["verdict"] for row in rows[:on_data])
-    assert f"{told['holds']} hold, {told['refuted']} are refuted and {told['not determined']} are not" in page.text
+    assert f"“holds” for {told['holds']}, “refuted” for {told['refuted']} and" in page.text
 
 
 def test_lost_recordings_confirm_nothing(results, fits_of):

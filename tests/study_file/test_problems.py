@@ -42,6 +42,13 @@ def test_six_planted_errors_are_all_reported_on_their_lines(small: str, problems
     ]
 
 
+@pytest.mark.parametrize("line", ["equivalence_margin = 0.05", "resamples = 2000", "seed = 0"])
+def test_a_key_that_nothing_reads_any_more_says_so(small: str, problems: Problems, line: str) -> None:
+    (said,) = problems(f"{small}[discrimination]\n{line}\n")
+    assert f"discrimination.{line.split()[0]}: expected a known key" in said
+    assert "Remove it: the rig's presses are compared over mountings now" in said
+
+
 @pytest.mark.parametrize(
     ("line", "said"),
     [

@@ -35,22 +35,19 @@ def judged_claims(results: StudyResults) -> tuple[Judged, ...]:
 
 def _claims(results: StudyResults) -> Iterator[Claim]:
     study, people, runs = results.study, results.people, results.runs
-    weight, power = np.nan, np.nan
+    weight = np.nan
     if people is not None:
         tested = people.hypotheses
         yield from claims_of_study(
             study, people.fits, tested.places() if tested else {}, tested.laws if tested else None
         )
-        power = people.hypotheses.power.repetitions if people.hypotheses else np.nan
         weight = people.profiles.weight_alpha if people.profiles and people.profiles.new else np.nan
     if runs is not None and runs.discrimination is not None:
         yield from rig_claims(runs.discrimination.table, study.calibration.mounting_sd_percent / 100, study.claims)
     if runs is not None and runs.calibration is not None:
         hexagons = study.scoring.recipe_of("paper").area_rule in ("paper", "hexagon")
         yield from kappa_claims(runs.calibration, study.scoring.algorithm, study.claims, hexagons=hexagons)
-    yield from arithmetic_claims(
-        study, power=power, weight_alpha=weight, counted=_counted(results), runs=runs is not None
-    )
+    yield from arithmetic_claims(study, weight_alpha=weight, counted=_counted(results), runs=runs is not None)
 
 
 def _counted(results: StudyResults) -> Counted | None:
@@ -90,8 +87,8 @@ def claims_tables(results: StudyResults, judged: Sequence[Judged], q: Quantities
     of_data = [each for each in judged if each.claim.question != arithmetic.QUESTION]
     level = f"{100 * max((each.confidence for each in of_data), default=np.nan):.4g} %"
     caption = (
-        f"What the paper claims, beside this study. Intervals of {level} each, so that a report has a false verdict "
-        f"with a chance of {results.study.claims.false_verdict_percent:g} % at most"
+        f"What the paper claims, beside this study. Intervals of {level} each, so that among {OF_A_STUDY} claims any "
+        f"verdict is false with a chance of {results.study.claims.false_verdict_percent:g} % at most"
     )
     yield _table("claims", caption, of_data, tests)
     others = [each for each in judged if each.claim.question == arithmetic.QUESTION]
@@ -138,7 +135,7 @@ def _row(each: Judged, test: PaperTest) -> Row:
         "says": claim.says[0].upper() + claim.says[1:],
         "verdict": each.verdict,
         "here": f"{claim.estimand}: {_said(each)}",
-        "margin": f"{'>' if claim.asserts == 'more' else '<'} {number(claim.margin * claim.factor, 2)}",
+        "margin": f"{number(claim.margin * claim.factor, 2)} or {'more' if claim.asserts == 'more' else 'less'}",
         "unit": _UNITS[claim.unit],
         "algorithm": claim.algorithm,
         "paper": test.printed,
@@ -198,8 +195,8 @@ def _summary(results: StudyResults) -> Iterator[str]:
     if judged:
         found = Counter(each.verdict for each in judged)
         yield (
-            f"Of {count(len(judged), 'claim')} on data, {found['holds']} hold, {found['refuted']} are refuted and "
-            f"{found['not determined']} are not determined."
+            f"Of {count(len(judged), 'claim')} on data, the verdict is “holds” for {found['holds']}, “refuted” for "
+            f"{found['refuted']} and “not determined” for {found['not determined']}."
         )
     for each in judged:
         if each.claim.key in _SUMMARY:
@@ -218,8 +215,9 @@ _TEXT = """
 {% endfor %}
 {% if has("claims") %}
 {{ table("claims") }}
-<p class="small">A verdict follows from the interval and from the smallest difference that matters, nothing else. What
-is drawn at random and counts once in an interval stands under “Error over”. The paper's own test is no verdict of
+<p class="small">A difference holds where its interval lies above 0, and is refuted where it lies below what matters. A
+size holds where its interval lies below what matters, and is refuted where it lies above. Nothing else makes a verdict.
+What is drawn at random and counts once in an interval stands under “Error over”. The paper's own test is no verdict of
 ours.</p>
 {{ folded("claims_on_settings", "Claims on settings and arithmetic") }}
 {{ folded("claims_calibrated", "How often each claim is right") }}
