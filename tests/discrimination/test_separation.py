@@ -249,13 +249,10 @@ def test_scores_without_a_logarithm_are_counted(
     assert factors.area.error_df == 9 - 3
 
 
-@pytest.mark.parametrize("presses", [0, 1])
 def test_runs_that_bear_no_model_have_none(
-    run_of: Callable[..., RunScores], stiffness_n_per_mm: dict[str, float], presses: int
+    run_of: Callable[..., RunScores], stiffness_n_per_mm: dict[str, float]
 ) -> None:
     runs = [run_of(s, 0.0, "modular", presses=1) for s in ("S1", "S3")]
-    if not presses:
-        runs = [dataclasses.replace(run, verdicts=("rejected",)) for run in runs]
     factors = discriminate(runs, stiffness_n_per_mm, "S_new").factors
     assert factors.casr is None
     assert factors.area is None
