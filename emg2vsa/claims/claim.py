@@ -51,20 +51,15 @@ def exactly(value: float, largest: float | None = None) -> Found:
     return Found(float(value), lambda confidence: ends, exact=True)
 
 
-def student(estimate: float, error: float, df: float, *, known_sd: float = 0.0, bias: float = 0.0) -> Found:
-    """An estimate with the standard error ``error`` of ``df`` degrees of freedom, infinite ones included.
-
-    known_sd : an independent error whose SD was assumed, and has no degrees of freedom. bias : the largest that the
-    estimate may have in either direction; it moves both ends outward.
-    """
+def student(estimate: float, error: float, df: float) -> Found:
+    """An estimate with the standard error ``error`` of ``df`` degrees of freedom, infinite ones included."""
 
     def interval(confidence: float) -> Ends:
         quantile = 0.5 + 0.5 * confidence
-        of_error = float(special.stdtrit(df, quantile) if np.isfinite(df) else special.ndtri(quantile)) * error
-        reach = float(np.hypot(of_error, float(special.ndtri(quantile)) * known_sd)) + abs(bias)
+        reach = float(special.stdtrit(df, quantile) if np.isfinite(df) else special.ndtri(quantile)) * error
         return estimate - reach, estimate + reach
 
-    return Found(float(estimate), interval if error > 0 or known_sd > 0 else UNKNOWN.interval)
+    return Found(float(estimate), interval if error > 0 else UNKNOWN.interval)
 
 
 def moved(found: Found, change: Callable[[float], float]) -> Found:

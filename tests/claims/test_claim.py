@@ -82,16 +82,6 @@ def test_made_intervals_miss_each_side_no_more_often_than_they_say(make, means, 
     assert misses(make, means, truth, confidence).max() < at_most(0.5 * (1 - confidence))
 
 
-def test_an_error_that_is_assumed_widens_as_a_known_one_and_a_bias_moves_both_ends():
-    low, high = student(1.0, 0.0, np.inf, known_sd=2.0).interval(0.95)
-    assert (low, high) == pytest.approx((1 - 2 * 1.959964, 1 + 2 * 1.959964))
-    both = student(1.0, 1.5, np.inf, known_sd=2.0).interval(0.95)
-    assert both == pytest.approx((1 - 2.5 * 1.959964, 1 + 2.5 * 1.959964))
-    assert student(1.0, 1.5, np.inf, known_sd=2.0, bias=-0.5).interval(0.95) == pytest.approx(
-        (both[0] - 0.5, both[1] + 0.5)
-    )
-
-
 def test_without_an_error_there_is_an_estimate_but_no_interval():
     for found in (student(2.0, 0.0, 5), student(2.0, NAN, 5), size(student(-2.0, NAN, 5))):
         assert found.estimate == 2.0
@@ -123,7 +113,7 @@ def random_claims(rng: np.random.Generator, n: int) -> list[Claim]:
     for _ in range(n):
         value, error = 3 * rng.standard_normal(), 10.0 ** rng.uniform(-3, 1)
         found = [
-            student(value, error, float(rng.integers(1, 20)), bias=rng.choice([0.0, 0.5])),
+            student(value, error, float(rng.integers(1, 20))),
             size(student(value, error, 5)),
             exactly(value, value + rng.choice([0.0, 2.0])),
             student(value, NAN, 5),
