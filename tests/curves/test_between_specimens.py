@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import DataError
-from emg2vsa.profiles import between, softer_weight
+from emg2vsa.profiles.interpolation import between, softer_weight
 
 STIFFNESS = np.array([1.0, 4.0, 2.0, 4.0])
 VALUES = np.array([[10.0], [40.0], [20.0], [99.0]])

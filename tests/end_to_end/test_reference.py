@@ -23,7 +23,7 @@ RENEW = "If the change is meant, renew it with scripts/reference and commit the 
 
 PEOPLE = 300
 """Quantities about people there are at least."""
-OF_BOTH = {"claims", "claims_on_settings", "factors"}
+OF_BOTH = {"claims", "claims_calibrated", "claims_on_settings", "factors"}
 """Tables of people and runs together: intervals of claims are corrected over all of them."""
 
 
