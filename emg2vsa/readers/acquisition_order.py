@@ -111,8 +111,9 @@ def _seconds(text: str) -> float:
 
 def _place(file: Path, text: str) -> float:
     try:
-        return math.nan if text in _ABSENT else float(text)
-    except ValueError as error:
-        raise DataError(
-            f"{file}, order", wanted="a number, or n/a", found=repr(text), do="Correct this cell."
-        ) from error
+        place = math.nan if text in _ABSENT else float(text)
+    except ValueError:
+        place = math.inf
+    if math.isinf(place):
+        raise DataError(f"{file}, order", wanted="a number, or n/a", found=repr(text), do="Correct this cell.")
+    return place

@@ -81,6 +81,7 @@ def test_a_scans_table_without_times_is_allowed(tmp_path):
         (row("P1", "S1", "6 January"), "", "acq_time of emg/sub-P1_acq-S1_emg.bdf: expected a date and time"),
         ("", "participant\tspecimen\norder\n", "expected columns participant, specimen, order"),
         ("", "participant\tspecimen\torder\nP1\tS1\tfirst\n", "order.tsv, order: expected a number, or n/a"),
+        ("", "participant\tspecimen\torder\nP1\tS1\tinf\n", "order.tsv, order: expected a number, or n/a"),
     ],
 )
 def test_a_table_that_is_wrong_is_refused_in_words(tmp_path, scans, order, said):

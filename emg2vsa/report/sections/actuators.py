@@ -123,7 +123,8 @@ def _contrast_table(found: Discrimination) -> Table:
     over = f"{fewest} mountings of each cell" if fewest > 1 else "cells mounted once, their scatter assumed"
     caption = (
         f"Contrast, the ratio of CASR of two specimens, by condition; {over}, "
-        f"{100 * (1 - found.settings.alpha):g}% intervals"
+        f"{100 * (1 - found.settings.alpha):g}% intervals; p corrected by the order of tests (human-like against rigid "
+        "first) and by Holm within its last step"
     )
     return table_of("contrasts", caption, columns)
 

@@ -368,7 +368,8 @@ for that law. By the true CASR of other simulated sensors it is {{ law_errors[0]
 of these the interval holds the known stiffness{% endif %}.
 {% if mountings_assumed %}The intervals assume an SD of
 {{ q['runs.kappa.mounting_sd_percent'] | number(2) }} % of CASR between mountings, because too few were repeated to show
-it.{% else %}The intervals include the scatter of CASR between mountings that repeated mountings show.{% endif %}</p>
+it.{% else %}The intervals include the scatter of CASR between mountings that repeated mountings show.{% endif %}
+No interval knows of a law that fails between the known specimens alone.</p>
 {{ folded("recipes", "How each algorithm scores a press") }}
 {{ folded("kappa_new", "κ in every design") }}
 {{ folded("calibration_laws", "The fitted laws") }}
