@@ -422,7 +422,7 @@ class CalibrationSettings:
     angle_sd_deg: NonNegative = 0.5
     "How well the angle of a mounting is repeated, degrees (guess: by hand); presses of one mounting do not show it."
     mounting_sd_percent: Annotated[float, Ge(0), Lt(50)] = 4.3
-    "SD of a score from one mounting to the next, in percent of it, where repeats do not tell (this bench's); 0: none."
+    "SD of a score between mountings, in percent of it, where repeats do not tell (guess: the emulated rig's); 0: none."
     outlier_mads: NonNegative = 5.0
     "A press this many median absolute deviations (scaled to SDs) from its median is left out; if over 20 % are, none."
     confidence: Annotated[float, Gt(0), Lt(1)] = 0.95

@@ -23,21 +23,7 @@ three mountings of three presses (benchmarks/results/claims).
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-
-class Right(NamedTuple):
-    """Of one claim. false, bound : share of studies with a false verdict in ``world``, where it is largest, and its
-    upper 95 % bound. right : verdict that the paper's effects call for, "" where there is none; power : share of
-    studies that come to it, None without one.
-    """
-
-    false: float
-    bound: float
-    world: str
-    right: str = ""
-    power: float | None = None
-
+from emg2vsa.claims.claim import Right
 
 WORLDS, STUDIES = {worlds}, {studies}
 "How many, and of each."

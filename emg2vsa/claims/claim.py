@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy import special
@@ -23,7 +23,7 @@ from emg2vsa.arrays import Floats
 
 Verdict = Literal["holds", "refuted", "not determined"]
 Asserts = Literal["more", "within"]
-ErrorUnit = Literal["sample", "press", "mounting", "person", "none"]
+ErrorUnit = Literal["mounting", "person", "none"]
 "What was drawn at random and counts once in the interval; none: an exact number."
 Ends = tuple[float, float]
 "Low and high of an interval."
@@ -67,11 +67,6 @@ def moved(found: Found, change: Callable[[float], float]) -> Found:
     return Found(
         change(found.estimate), lambda c: (change(found.interval(c)[0]), change(found.interval(c)[1])), found.exact
     )
-
-
-def turned(found: Found) -> Found:
-    """The difference in the other direction."""
-    return Found(-found.estimate, lambda c: (-found.interval(c)[1], -found.interval(c)[0]), found.exact)
 
 
 def size(found: Found) -> Found:
@@ -178,6 +173,19 @@ def verdict(low: float, high: float, asserts: Asserts, margin: float) -> Verdict
     if asserts == "more":
         return "refuted" if high < margin else "holds" if low > 0 else "not determined"
     return "refuted" if low > margin else "holds" if high < margin else "not determined"
+
+
+class Right(NamedTuple):
+    """Of one claim. false, bound : share of studies with a false verdict in ``world``, where it is largest, and its
+    upper 95 % bound. right : verdict that the paper's effects call for, "" where there is none; power : share of
+    studies that come to it, None without one.
+    """
+
+    false: float
+    bound: float
+    world: str
+    right: str = ""
+    power: float | None = None
 
 
 OF_A_STUDY = 26

@@ -24,12 +24,12 @@ AREAS, RATES, CONDITIONS = "contact area", "spread rate of the contact", "rigid 
 CONSTANT = ("constant-min", "constant-mean", "constant-max")
 ORDERS: dict[Order, str] = {
     "differs": "",
-    "same": "The order of mountings does not tell what drift does, so that it may look like a difference.",
-    "unknown": "Nobody knows in which order specimens were mounted, so that drift may look like a difference.",
+    "same": "Drift may look like a difference, as the order of mountings does not tell it.",
+    "unknown": "Drift may look like a difference, as nobody knows the order of mountings.",
 }
 Design = tuple[str, float]
 "Condition and angle."
-_LN_PERCENT = 100.0
+_PERCENT = 100.0
 
 
 def rig_claims(table: RunTable, mounting_sd: float, margins: ClaimSettings) -> Iterator[Claim]:
@@ -92,8 +92,8 @@ class _Cells:
         why = why or (self._remarks(designs) if np.isfinite(known.interval(0.95)[0]) else "Nothing tells the scatter.")
         return Claim(
             key, question, says, estimand, asserts, moved(known, _share) if percent else known,
-            margin / _LN_PERCENT if percent else margin, "mounting", section, self.table.algorithm,
-            _LN_PERCENT if percent else 1.0, why,
+            margin / _PERCENT if percent else margin, "mounting", section, self.table.algorithm,
+            _PERCENT if percent else 1.0, why,
         )  # fmt: skip
 
     def _remarks(self, designs: Iterable[Design]) -> str:

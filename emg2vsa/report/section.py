@@ -72,6 +72,8 @@ class Content:
     quantities: dict[str, Quantity] = field(default_factory=dict)
     tables: dict[str, Table] = field(default_factory=dict)
     drawings: dict[str, Drawing] = field(default_factory=dict)
+    summary: list[str] = field(default_factory=list)
+    "Sentences of the first section."
     _numbers: dict[str, int] = field(default_factory=dict)
 
     def table(self, name: str) -> Markup:
@@ -103,6 +105,7 @@ def rendered(section: Section, results: StudyResults, content: Content) -> str:
         figure=content.figure,
         has=lambda name: name in content.tables,
         why_absent=results.why_absent,
+        summary=content.summary,
         **section.words(results, content.quantities),
     )
     return html.section(section.name, section.title, body.replace(" %", f"{wording.NO_BREAK}%"))

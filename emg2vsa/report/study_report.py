@@ -18,7 +18,7 @@ from emg2vsa.report.latex import latex_table
 from emg2vsa.report.numbers import numbers_tex, results_json, statements_tex
 from emg2vsa.report.section import Content, Section, rendered
 from emg2vsa.report.sections import SECTIONS
-from emg2vsa.report.sections.claims import claim_quantities, claims_tables, judged_claims
+from emg2vsa.report.sections.claims import claim_quantities, claims_tables, judged_claims, summary
 from emg2vsa.report.sections.provenance import methods_text, references_bib
 
 _TOO_LONG_FOR_PRINT = frozenset({"fits", "statements"})
@@ -77,6 +77,7 @@ def numbers_and_tables(results: StudyResults) -> Content:
         _add(content.quantities, dict(section.quantities(results)), section)
     content.quantities = dict(sorted(content.quantities.items()))
     judged = judged_claims(results)
+    content.summary = list(summary(results, judged))
     content.quantities = dict(sorted((content.quantities | dict(claim_quantities(judged))).items()))
     content.tables |= {table.name: table for table in claims_tables(results, judged, content.quantities) if table.rows}
     for section in sections:

@@ -91,11 +91,11 @@ def drift(
     told = ~np.isin(levels[:, 0], levels[~np.isfinite(at), 0])
     if 2 * np.unique(levels[told, 0]).size <= np.unique(levels[:, 0]).size:
         return Drift("unknown", Slope(), within, places)
-    by_order = None if few_orders(levels[told], at[told]) else _by_order(levels[told], at[told], mean[told])
+    by_order = None if _few_orders(levels[told], at[told]) else _by_order(levels[told], at[told], mean[told])
     return Drift("same" if by_order is None else "differs", by_order or Slope(), within, places)
 
 
-def few_orders(levels: Ints, place: Floats) -> bool:
+def _few_orders(levels: Ints, place: Floats) -> bool:
     """Whether half as many orders as blocks, or fewer, leave a group at one place in more than half of the blocks.
 
     levels : (n, 2) block and group of n recordings. False where a block lacks a group, or there is one block.

@@ -20,7 +20,6 @@ from emg2vsa.claims.claim import (
     size,
     smallest,
     student,
-    turned,
     verdict,
 )
 
@@ -75,7 +74,6 @@ def test_an_interval_of_student_misses_each_side_as_often_as_it_says(confidence)
         (lambda found: less(*found), [4.0, 1.0], 3.0),
         (lambda found: smallest([less(found[0], found[1]), less(found[0], found[2])]), [0.0, 0.0, 0.0], 0.0),
         (lambda found: moved(found[0], np.exp), [0.5], np.exp(0.5)),
-        (lambda found: turned(found[0]), [0.5], -0.5),
     ],
 )
 def test_made_intervals_miss_each_side_no_more_often_than_they_say(make, means, truth, confidence):

@@ -23,7 +23,7 @@ from emg2vsa.report.table import Column, Row, Table
 from emg2vsa.report.wording import UNDEFINED, bounded, count, interval, number
 
 _KINDS = {"holds": "holds", "refuted": "fails", "not determined": "untested"}
-_UNITS = {"none": "exact", "sample": "samples", "press": "presses", "mounting": "mountings", "person": "people"}
+_UNITS = {"none": "exact", "mounting": "mountings", "person": "people"}
 _SUMMARY = ("specimens_differ", "interpolation_rmse", "fig12_order", "human_like_contrast", "kappa_error_human_like")
 """The claims that the five sentences are on."""
 
@@ -88,7 +88,8 @@ def claims_tables(results: StudyResults, judged: Sequence[Judged], q: Quantities
     level = f"{100 * max((each.confidence for each in of_data), default=np.nan):.4g} %"
     caption = (
         f"What the paper claims, beside this study. Intervals of {level} each, so that among {OF_A_STUDY} claims any "
-        f"verdict is false with a chance of {results.study.claims.false_verdict_percent:g} % at most"
+        f"verdict is false with a chance of {results.study.claims.false_verdict_percent:g} % at most, as far as the "
+        "intervals hold what they say"
     )
     yield _table("claims", caption, of_data, tests)
     others = [each for each in judged if each.claim.question == arithmetic.QUESTION]
@@ -177,11 +178,7 @@ def _setting_tests(results: StudyResults, q: Quantities) -> dict[str, PaperTest]
     }  # fmt: skip
 
 
-def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    return {"summary": list(_summary(results))}
-
-
-def _summary(results: StudyResults) -> Iterator[str]:
+def summary(results: StudyResults, judged: Sequence[Judged]) -> Iterator[str]:
     """How many claims hold, what lacks, and a sentence on the main claims that this study has something on."""
     if results.people is None:
         yield (
@@ -191,7 +188,7 @@ def _summary(results: StudyResults) -> Iterator[str]:
         )
     if results.runs is None:
         yield "The study has no scored runs of the rig, so claims on the rig are left out."
-    judged = [each for each in judged_claims(results) if each.claim.question != arithmetic.QUESTION]
+    judged = [each for each in judged if each.claim.question != arithmetic.QUESTION]
     if judged:
         found = Counter(each.verdict for each in judged)
         yield (
@@ -224,4 +221,4 @@ ours.</p>
 {% endif %}
 """
 
-CLAIMS = Section("claims", "Summary", _TEXT, words=_words)
+CLAIMS = Section("claims", "Summary", _TEXT)
