@@ -69,12 +69,14 @@ figure,tr,.say{break-inside:avoid}thead{display:table-header-group}
 caption,h2,h3,summary,thead,tbody tr:first-child,tr:nth-last-child(2){break-after:avoid}p{orphans:3;widows:3}
 .wide table{min-width:0;font-size:7pt}th,td{padding-right:.3rem}td.n{white-space:nowrap}
 a{color:inherit;text-decoration:none}summary{list-style:none;color:inherit}
-details::details-content{content-visibility:visible;display:block;height:auto}}
+summary[data-file]::after{content:": " attr(data-file);color:var(--muted)}
+details:not(:has(>summary[data-file]))::details-content{content-visibility:visible;display:block;height:auto}}
 """
 """Readable on a phone, by night and on paper; no fonts or scripts from elsewhere.
 
 A wide screen keeps the contents at its left side. What is wider than the page scrolls sideways, with a shadow at the
-edge behind which there is more. On paper nothing is folded, and a table is not parted from its head.
+edge behind which there is more. Paper shows what is folded, or the name of its file where there is one; a table is not
+parted from its head.
 """
 
 
@@ -127,9 +129,12 @@ def tiles(facts: Iterable[tuple[str, str, str]]) -> str:
     return f'<ul class="tiles">{items}</ul>\n'
 
 
-def details(summary: str, body: str) -> str:
-    """Folded away until asked for."""
-    return f"<details><summary>{escape(summary)}</summary>\n{body}</details>\n"
+def details(summary: str, body: str, file: str = "") -> str:
+    """Folded away until asked for. file : address of the same as a file, which paper shows in place of ``body``."""
+    if not file:
+        return f"<details><summary>{escape(summary)}</summary>\n{body}</details>\n"
+    link = f'<p class="small"><a href="{escape(file)}" download>{escape(file)}</a></p>\n'
+    return f'<details><summary data-file="{escape(file)}">{escape(summary)}</summary>\n{body}{link}</details>\n'
 
 
 def pairs(facts: Iterable[tuple[str, str]]) -> str:

@@ -77,19 +77,24 @@ class Content:
     _numbers: dict[str, int] = field(default_factory=dict)
 
     def table(self, name: str) -> Markup:
-        """The table with its number on the page; nothing where this study has no such table, or it has no rows."""
+        """The table with its number, seen at once: of what nobody may miss. Nothing where there is none, or no row."""
         if name not in self.tables or not self.tables[name].rows:
             return Markup()
-        number = self._numbers.setdefault(name, len(self._numbers) + 1)
-        return Markup(self.tables[name].html(number))
+        return Markup(self.tables[name].html(self._numbers.setdefault(name, len(self._numbers) + 1)))
 
     def folded(self, name: str, summary: str) -> Markup:
-        """The table or figure, folded away under ``summary``."""
-        shown_one = self.figure(name) or self.table(name)
-        return Markup(html.details(summary, shown_one)) if shown_one else shown_one
+        """The table with its number and its file, or the figure, folded away under ``summary``; paper shows the file.
+
+        Nothing where this study has no such table or figure, or the table has no rows.
+        """
+        if name in self.drawings:
+            return Markup(html.details(summary, shown(self.drawings[name]), f"figures/{name}.svg"))
+        if not (body := self.table(name)):
+            return body
+        return Markup(html.details(f"Table {self._numbers[name]}. {summary}", body, f"tables/{name}.csv"))
 
     def figure(self, name: str) -> Markup:
-        """The figure; nothing where this study has none."""
+        """The figure, seen at once; nothing where this study has none."""
         return Markup(shown(self.drawings[name])) if name in self.drawings else Markup()
 
 

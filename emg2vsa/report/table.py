@@ -15,6 +15,7 @@ import numpy as np
 
 from emg2vsa.figures.palette import ActivityScale
 from emg2vsa.report.wording import UNDEFINED, number, p_value, typeset
+from emg2vsa.shown import words_of
 
 Cell = str | int | float | bool | None
 Row = Mapping[str, Cell]
@@ -178,6 +179,15 @@ def table_of(name: str, caption: str, columns: Mapping[Column, Sequence[Cell] | 
     """A table from the values (n,) of each of its columns."""
     rows = ColumnRows({column.key: values for column, values in columns.items()})
     return Table(name, caption, tuple(columns), rows)
+
+
+def columns(found: object, *keys: str, at: Any = slice(None)) -> Columns:
+    """Those fields of a dataclass that declare how people read them, as columns. at : which of their values.
+
+    KeyError : a field declares nothing.
+    """
+    words = words_of(found)
+    return {Column(key, *words[key]): getattr(found, key)[at] for key in keys}
 
 
 def records(objects: Iterable[object], columns: Sequence[Column]) -> tuple[Row, ...]:

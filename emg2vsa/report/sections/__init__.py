@@ -9,11 +9,11 @@ A section gives, each as a function of the results:
 ``text``        the Jinja2 template of the section's prose, below at most three sentences before each table.
 
 A text may use: ``q`` (every quantity by its key, as ``q['fit.used']``), ``study``, ``people``, ``runs`` (the parts of
-``StudyResults``), its own ``words``, and the functions ``table(name)``, ``figure(name)``, ``folded(name, summary)`` (a
-table or figure), ``has(name)`` (whether there is such a table) and ``why_absent(stage)``. Filters: ``number``,
-``bounded``, ``p``, ``percent``, ``signed``, ``count``, ``listed``, ``bullets``. Tables are numbered in the order in
-which the texts show them; a table that no text shows is written to its files alone. Text is escaped, minus and percent
-are set in one way; a name that is not there is an error.
+``StudyResults``), its own ``words``, and the functions ``figure(name)`` and ``table(name)`` (seen at once),
+``folded(name, summary)`` (a table, or a figure of lesser use), ``has(name)`` (whether there is such a table) and
+``why_absent(stage)``. Filters: ``number``, ``bounded``, ``p``, ``percent``, ``signed``, ``count``, ``listed``,
+``bullets``. Tables are numbered in the order in which the texts show them; a table that no text shows is written to its
+files alone. Text is escaped, minus and percent are set in one way; a name that is not there is an error.
 
 Quantities of all sections are computed first, so that tables and texts of one may use those of another. The
 order of this tuple is the order of the page. A new statistic is computed by its stage (or by the arithmetic beneath)

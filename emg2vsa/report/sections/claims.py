@@ -211,7 +211,7 @@ _TEXT = """
 <p>{{ sentence }}</p>
 {% endfor %}
 {% if has("claims") %}
-{{ table("claims") }}
+{{ folded("claims", "Every claim, with its interval and the paper's own test") }}
 <p class="small">A difference holds where its interval lies above 0, and is refuted where it lies below what matters. A
 size holds where its interval lies below what matters, and is refuted where it lies above. Nothing else makes a verdict.
 What is drawn at random and counts once in an interval stands under “Error over”. The paper's own test is no verdict of
