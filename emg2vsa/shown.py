@@ -1,6 +1,6 @@
 """How people read a field of a result: head, factor and digits, declared where the field is.
 
-A dataclass declares ``f: Floats = field(metadata=shown("F", digits=4))``; ``report.table.columns(found, "f")`` shows it.
+A dataclass says ``f: Floats = field(metadata=shown("F", digits=4))``; ``report.table.columns(found, "f")`` shows it.
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from casr import html
+from emg2vsa.claims.claim import Judged
 from emg2vsa.report import wording
 from emg2vsa.report.drawing import Drawing, shown
 from emg2vsa.report.inputs import StudyResults
@@ -72,6 +73,8 @@ class Content:
     quantities: dict[str, Quantity] = field(default_factory=dict)
     tables: dict[str, Table] = field(default_factory=dict)
     drawings: dict[str, Drawing] = field(default_factory=dict)
+    judged: Sequence[Judged] = ()
+    "Every claim with its verdict."
     summary: list[str] = field(default_factory=list)
     "Sentences of the first section."
     _numbers: dict[str, int] = field(default_factory=dict)

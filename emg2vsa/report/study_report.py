@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from html import escape
 from pathlib import Path
@@ -10,6 +10,7 @@ from typing import Any
 
 from casr import html
 from casr.atomic import write_bytes_atomic, write_text_atomic
+from emg2vsa.claims.claim import Judged
 from emg2vsa.figures.canvas import style
 from emg2vsa.report.drawing import Drawing, figure_tex
 from emg2vsa.report.failures import ShortPaths
@@ -18,7 +19,7 @@ from emg2vsa.report.latex import latex_table
 from emg2vsa.report.numbers import numbers_tex, results_json, statements_tex
 from emg2vsa.report.section import Content, Section, rendered
 from emg2vsa.report.sections import SECTIONS
-from emg2vsa.report.sections.claims import claim_quantities, claims_tables, judged_claims, summary
+from emg2vsa.report.sections.claims import claim_quantities, claims_tables, judged_claims, summary, verdict_drawings
 from emg2vsa.report.sections.provenance import methods_text, references_bib
 
 _TOO_LONG_FOR_PRINT = frozenset({"fits", "statements"})
@@ -64,8 +65,8 @@ def _texts(results: StudyResults, content: Content) -> Iterator[tuple[str, str |
 def contents(results: StudyResults) -> Content:
     """What the sections that apply give, by name. ValueError : two of them give the same name."""
     content = numbers_and_tables(results)
-    for section in _sections(results):
-        _add(content.drawings, _drawn(section, results), section)
+    for drawings in _drawn(results, content.judged):
+        content.drawings |= drawings
     return content
 
 
@@ -76,7 +77,7 @@ def numbers_and_tables(results: StudyResults) -> Content:
     for section in sections:
         _add(content.quantities, dict(section.quantities(results)), section)
     content.quantities = dict(sorted(content.quantities.items()))
-    judged = judged_claims(results)
+    content.judged = judged = judged_claims(results)
     content.summary = list(summary(results, judged))
     content.quantities = dict(sorted((content.quantities | dict(claim_quantities(judged))).items()))
     content.tables |= {table.name: table for table in claims_tables(results, judged, content.quantities) if table.rows}
@@ -95,15 +96,20 @@ def _add(into: dict[str, Any], more: dict[str, Any], section: Section) -> None:
     into |= more
 
 
-def _drawn(section: Section, results: StudyResults) -> dict[str, Drawing]:
+def _drawn(results: StudyResults, judged: Sequence[Judged]) -> Iterator[dict[str, Drawing]]:
+    """Those of the verdicts, then those of each section. ValueError : two sections give the same name."""
     with style():
-        return {drawing.name: drawing for drawing in section.drawings(results)}
+        yield {drawing.name: drawing for drawing in verdict_drawings(judged)}
+        names: dict[str, Drawing] = {}
+        for section in _sections(results):
+            _add(names, own := {drawing.name: drawing for drawing in section.drawings(results)}, section)
+            yield own
 
 
 def write_figure_pdfs(results: StudyResults, folder: Path) -> list[Path]:
     """Write every figure of the report as ``folder/figures/NAME.pdf``, for a paper; the files."""
-    drawn = [_drawn(section, results) for section in _sections(results)]
-    paths = {folder / f"figures/{name}.pdf": drawing for each in drawn for name, drawing in each.items()}
+    every = [drawing for drawn in _drawn(results, judged_claims(results)) for drawing in drawn.values()]
+    paths = {folder / f"figures/{drawing.name}.pdf": drawing for drawing in every}
     for path, drawing in paths.items():
         write_bytes_atomic(path, drawing.pdf())
     return list(paths)

@@ -58,7 +58,7 @@ class Table:
     """``rows`` map the key of every column to a plain value; people see ``shown_rows`` where all would be too many.
 
     ValueError : a row lacks a column, or has a key that is none. kinds : CSS classes of the rows that people see, as
-    many as these. links : addresses of their first cells.
+    many as these. links : addresses of their first cells. groups : a heading of each; neighbours share theirs.
     """
 
     name: str
@@ -68,6 +68,7 @@ class Table:
     shown_rows: tuple[Row, ...] | None = None
     kinds: tuple[str, ...] = ()
     links: tuple[str, ...] = ()
+    groups: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         keys = [column.key for column in self.columns]
@@ -103,6 +104,8 @@ class Table:
             if self.links and self.links[place]:
                 made[0] = f'<td><a href="{escape(self.links[place])}">{escape(cells[0])}</a></td>'
             kind = f' class="{self.kinds[place]}"' if self.kinds else ""
+            if self.groups and self.groups[place] != (self.groups[place - 1] if place else ""):
+                body.append(f'<tr><th colspan="{len(cells)}" scope="colgroup">{escape(self.groups[place])}</th></tr>')
             body.append(f"<tr{kind}>{''.join(made)}</tr>")
         rows = "\n".join(body)
         named = f"Table {number}. {typeset(self.caption)}" if number else typeset(self.caption)

@@ -58,7 +58,7 @@ def test_the_figure_shows_every_residual_against_its_quantile_and_its_fitted_val
     np.testing.assert_array_equal(level.lines[-1].get_xydata(), np.column_stack([fitted, found.residual]))
     assert whole.scale.label("Fitted b") == level.get_xlabel()
     text = rendered(MODELS, whole, content)
-    assert "<summary>Residuals of the mixed model</summary>" in text
+    assert "Residuals of the mixed model</summary>" in text
     assert text.count('role="img"') == 1
 
 

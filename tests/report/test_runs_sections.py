@@ -64,7 +64,7 @@ def written(whole, content, tmp_path_factory) -> Path:
     """The report and its PDFs, of drawings that were made once."""
     folder = tmp_path_factory.mktemp("runs")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study_report, "_drawn", lambda section, results: content.drawings if section is RUNS else {})
+        patch.setattr(study_report, "_drawn", lambda results, judged: [content.drawings])
         files = write_study_report(whole, folder) + write_figure_pdfs(whole, folder)
     assert set(files) == {path for path in folder.rglob("*") if path.is_file()}
     return folder
@@ -136,7 +136,7 @@ def test_every_figure_of_section_six_is_there_and_the_page_says_that_the_rig_is_
     names = {path.name for path in (written / "figures").iterdir()}
     assert {f"{figure}.{kind}" for figure in figures.split() for kind in ("svg", "pdf")} <= names
     page = read_page(written / "index.html")
-    assert page.tags.count("svg") == 13
+    assert page.tags.count("svg") == 14
     assert "These runs come from a simulated rig" in page.text
     assert page.text.count("Simulated rig.") >= 7
     for title in ("Presses of the rig", "Initial contact area", "Stiffness of the new specimen"):

@@ -1,4 +1,4 @@
-"""The first page: five sentences, and every claim with its interval, its verdict and the paper's own test beside it."""
+"""The summary: the question, five sentences, a picture of all verdicts, and every claim beside the paper's own test."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from emg2vsa.claims.claim import OF_A_STUDY, Claim, Judged, judge
 from emg2vsa.claims.kappa import kappa_claims
 from emg2vsa.claims.people import claims_of_study
 from emg2vsa.claims.rig import rig_claims
+from emg2vsa.figures.verdicts import draw_verdicts
+from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.kappa_tests import kappa_tests
 from emg2vsa.report.numbers import Items
@@ -85,11 +87,13 @@ def claims_tables(results: StudyResults, judged: Sequence[Judged], q: Quantities
     """All claims, those on data by their questions, each with a link to its section; then those on settings."""
     tests = people_tests(results, q) | rig_tests(results, q) | kappa_tests(results, q) | _setting_tests(results, q)
     of_data = [each for each in judged if each.claim.question != arithmetic.QUESTION]
-    level = f"{100 * max((each.confidence for each in of_data), default=np.nan):.4g} %"
+    level = _level(of_data)
     caption = (
         f"What the paper claims, beside this study. Intervals of {level} each, so that among {OF_A_STUDY} claims any "
         f"verdict is false with a chance of {results.study.claims.false_verdict_percent:g} % at most, as far as the "
-        "intervals hold what they say"
+        "intervals hold what they say. A difference is refuted where its interval lies below what matters, a size "
+        "where it lies above. Error over: what was drawn at random and counts once. The paper's own test decides "
+        "nothing here"
     )
     yield _table("claims", caption, of_data, tests)
     others = [each for each in judged if each.claim.question == arithmetic.QUESTION]
@@ -97,12 +101,21 @@ def claims_tables(results: StudyResults, judged: Sequence[Judged], q: Quantities
     yield _how_often_right(of_data)
 
 
+def _level(judged: Sequence[Judged]) -> str:
+    return f"{100 * max((each.confidence for each in judged), default=np.nan):.4g} %"
+
+
 def _table(name: str, caption: str, judged: Sequence[Judged], tests: dict[str, PaperTest]) -> Table:
     rows = tuple(_row(each, tests.get(each.claim.key, PaperTest(""))) for each in judged)
     return Table(
         name, caption, COLUMNS, rows, rows, kinds=tuple(_KINDS[each.verdict] for each in judged),
         links=tuple(f"#{each.claim.section}" for each in judged),
+        groups=tuple(_capital(each.claim.question) for each in judged),
     )  # fmt: skip
+
+
+def _capital(text: str) -> str:
+    return text[0].upper() + text[1:]
 
 
 _RIGHT = (
@@ -133,7 +146,7 @@ def _how_often_right(judged: Sequence[Judged]) -> Table:
 def _row(each: Judged, test: PaperTest) -> Row:
     claim = each.claim
     return {
-        "says": claim.says[0].upper() + claim.says[1:],
+        "says": _capital(claim.says),
         "verdict": each.verdict,
         "here": f"{claim.estimand}: {_said(each)}",
         "margin": f"{number(claim.margin * claim.factor, 2)} or {'more' if claim.asserts == 'more' else 'less'}",
@@ -178,8 +191,33 @@ def _setting_tests(results: StudyResults, q: Quantities) -> dict[str, PaperTest]
     }  # fmt: skip
 
 
+def verdict_drawings(judged: Sequence[Judged]) -> Iterator[Drawing]:
+    """All verdicts on data; nothing where no claim has an estimate."""
+    of_data = [each for each in judged if each.claim.question != arithmetic.QUESTION]
+    if any(np.isfinite(each.claim.found.estimate) for each in of_data):
+        caption = (
+            f"Fig. V. Claims on data, by question. Lines are {_level(of_data)} intervals, in units of the smallest "
+            "difference that matters. A claim holds where its line lies wholly in the green."
+        )
+        told = " ".join(map(sentence, of_data))
+        yield Drawing("figverdicts", "Verdicts", caption, told, draw_verdicts(of_data), None)
+
+
+_QUESTIONS = {
+    (
+        True,
+        True,
+    ): "Do people stiffen the finger as they press harder, and by another curve for each specimen? Does a rig "
+    "that takes over their stiffness tell specimens apart better than a rigid one?",
+    (True, False): "Do people stiffen the finger as they press harder, and by another curve for each specimen?",
+    (False, True): "Does a rig that takes over people's stiffness tell specimens apart better than a rigid one?",
+}
+"""Whether the study has people, and runs."""
+
+
 def summary(results: StudyResults, judged: Sequence[Judged]) -> Iterator[str]:
-    """How many claims hold, what lacks, and a sentence on the main claims that this study has something on."""
+    """The question, how many claims hold, what lacks, and a sentence on the main claims that the study has data on."""
+    yield _QUESTIONS.get((results.people is not None, results.runs is not None), "")
     if results.people is None:
         yield (
             "No recording of people could be used."
@@ -191,31 +229,29 @@ def summary(results: StudyResults, judged: Sequence[Judged]) -> Iterator[str]:
     judged = [each for each in judged if each.claim.question != arithmetic.QUESTION]
     if judged:
         found = Counter(each.verdict for each in judged)
-        yield (
-            f"Of {count(len(judged), 'claim')} on data, the verdict is “holds” for {found['holds']}, “refuted” for "
-            f"{found['refuted']} and “not determined” for {found['not determined']}."
-        )
+        said = (f"{found[name]} {'is' if found[name] == 1 else 'are'} {name}" for name in ("refuted", "not determined"))
+        holds = f"{found['holds']} {'holds' if found['holds'] == 1 else 'hold'}"
+        yield f"Of {count(len(judged), 'claim')} on data, {', '.join((holds, *said))}."
     for each in judged:
         if each.claim.key in _SUMMARY:
             yield sentence(each)
 
 
 def sentence(each: Judged) -> str:
-    """``Specimens differ: holds (smallest difference of b, %: 31.2 [18.0, 44.4])``."""
+    """``Holds: specimens differ. The smallest difference of b, %, is 31.2 [18.0, 44.4].``"""
     claim = each.claim
-    return f"{claim.says[0].upper()}{claim.says[1:]}: {each.verdict} ({claim.estimand}: {_said(each)})."
+    return " ".join(
+        [f"{_capital(each.verdict)}: {claim.says}. The {claim.estimand}, is {_said(each)}.", claim.why]
+    ).strip()
 
 
 _TEXT = """
-{% for sentence in summary %}
-<p>{{ sentence }}</p>
+{% for sentence in summary if sentence %}
+<p{% if loop.first %} class="say"{% endif %}>{{ sentence }}</p>
 {% endfor %}
+{{ figure("figverdicts") }}
 {% if has("claims") %}
-{{ folded("claims", "Every claim, with its interval and the paper's own test") }}
-<p class="small">A difference holds where its interval lies above 0, and is refuted where it lies below what matters. A
-size holds where its interval lies below what matters, and is refuted where it lies above. Nothing else makes a verdict.
-What is drawn at random and counts once in an interval stands under “Error over”. The paper's own test is no verdict of
-ours.</p>
+{{ folded("claims", "Every claim: interval, algorithm, unit of error, and the paper's own test") }}
 {{ folded("claims_on_settings", "Claims on settings and arithmetic") }}
 {{ folded("claims_calibrated", "How often each claim is right") }}
 {% endif %}
