@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby
-from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from emg2vsa.claims.claim import Judged, Verdict
-from emg2vsa.figures.canvas import TWO_COLUMNS_MM, new_figure
+from emg2vsa.figures.canvas import new_figure
 from emg2vsa.figures.palette import GREEN, INK, MUTED, RED
 
 COLOURS: dict[Verdict, str] = {"holds": GREEN, "refuted": RED, "not determined": MUTED}
@@ -22,8 +21,10 @@ _MARKERS: dict[Verdict, str] = {"holds": "o", "refuted": "X", "not determined": 
 _LOW, _HIGH = -12.0, 40.0
 """Of the axis; an interval that goes on beyond it ends in an arrow."""
 _TICKS = (-10, -2, -1, 0, 1, 2, 10, 30)
-_ROW_MM, _LABELS_MM, _VERDICTS_MM = 5.6, 84, 26
-_LETTERS = 58
+_WIDTH_MM, _ROW_MM = 100.0, 6.4
+"""A telephone shows the whole width."""
+_WORDS, _LINE = -0.2, 0.25
+"""Of a row: where its words and its interval lie."""
 
 
 def draw_verdicts(judged: Sequence[Judged]) -> Figure:
@@ -31,43 +32,37 @@ def draw_verdicts(judged: Sequence[Judged]) -> Figure:
     rows: list[Judged | str] = []
     for question, of in groupby(judged, lambda each: each.claim.question):
         rows += [question, *of]
-    height_mm = _ROW_MM * len(rows) + 16
-    figure, (axes,) = new_figure(TWO_COLUMNS_MM, height_mm, (_LABELS_MM, _VERDICTS_MM, 11, 5))
+    figure, (axes,) = new_figure(_WIDTH_MM, _ROW_MM * len(rows) + 14, (3, 27, 11, 3))
     axes.set_xscale("symlog", linthresh=2, linscale=1.2)
-    axes.set(xlim=(_LOW, _HIGH), ylim=(len(rows) - 0.5, -0.5), yticks=[], xticks=_TICKS)
+    axes.set(xlim=(_LOW, _HIGH), ylim=(len(rows) - 0.4, -0.4), yticks=[], xticks=_TICKS)
     axes.set_xticklabels([f"{tick:g}" for tick in _TICKS])
     axes.minorticks_off()
-    axes.set_xlabel("Estimate and interval; 1: smallest difference that matters")
+    axes.set_xlabel("Estimate and interval; 1: smallest difference that matters", loc="left")
     axes.spines["left"].set_visible(False)
     for place, row in enumerate(rows):
         if isinstance(row, str):
-            _label(axes, place, row[0].upper() + row[1:], weight="bold")
+            _say(axes, 0, place + 0.1, row[0].upper() + row[1:], weight="bold")
         else:
             _draw(axes, place, row)
     return figure
 
 
-def _label(axes: Axes, place: float, text: str, **more: Any) -> None:
-    axes.text(
-        -0.02, place, fill(text, _LETTERS), transform=axes.get_yaxis_transform(), ha="right", va="center",
-        fontsize=7, linespacing=0.95, **more,
-    )  # fmt: skip
+def _say(axes: Axes, across: float, place: float, text: str, **more: Any) -> None:
+    axes.text(across, place, text, transform=axes.get_yaxis_transform(), va="center", fontsize=7, **more)
 
 
 def _draw(axes: Axes, place: float, each: Judged) -> None:
     claim, colour = each.claim, COLOURS[each.verdict]
+    _say(axes, 0, place + _WORDS, claim.says)  # above its line, so that it may be longer than the axes are wide
+    at = place + _LINE
+    _say(axes, 1.04, at, each.verdict, color=_DARK if each.verdict == "holds" else colour, weight="bold")
     left, right = (0.0, _HIGH) if claim.asserts == "more" else (_LOW, 1.0)
-    axes.fill_between([left, right], place - 0.42, place + 0.42, color=GREEN, alpha=0.13, linewidth=0)
-    _label(axes, place, claim.says)
-    axes.text(
-        1.02, place, each.verdict, transform=axes.get_yaxis_transform(), ha="left", va="center",
-        color=_DARK if each.verdict == "holds" else colour, weight="bold", fontsize=7,
-    )  # fmt: skip
+    axes.fill_between([left, right], at - 0.18, at + 0.18, color=GREEN, alpha=0.18, linewidth=0)
     low, value, high = (end / claim.margin for end in (each.low, claim.found.estimate, each.high))
     if np.isfinite(value) and not np.isnan(low):
-        axes.plot([max(low, _LOW), min(high, _HIGH)], [place, place], color=INK, linewidth=1.0)
+        axes.plot([max(low, _LOW), min(high, _HIGH)], [at, at], color=INK, linewidth=1.0)
         for beyond, edge, marker in ((low < _LOW, _LOW, "<"), (high > _HIGH, _HIGH, ">")):
             if beyond:
-                axes.plot(edge, place, marker=marker, color=INK, markersize=4, clip_on=False)
-        at = min(max(value, _LOW), _HIGH)
-        axes.plot(at, place, marker=_MARKERS[each.verdict], color=colour, markersize=5, linestyle="none")
+                axes.plot(edge, at, marker=marker, color=INK, markersize=4, clip_on=False)
+        where = min(max(value, _LOW), _HIGH)
+        axes.plot(where, at, marker=_MARKERS[each.verdict], color=colour, markersize=4.5, linestyle="none")
