@@ -11,8 +11,8 @@ from benchmarks.claims.worlds import ALGORITHMS, KAPPA
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.forms import casr_angle_share, casr_exponent, specimen_share
 from emg2vsa.calibration.mountings import MountingScatter, mounting_scatter, pooled
+from emg2vsa.calibration.one_condition import law_result
 from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults, ConditionResult, LawResult
-from emg2vsa.calibration.runs_calibration import law_result
 from emg2vsa.calibration.unknown import estimate
 from emg2vsa.discrimination.run_table import RunTable
 from emg2vsa.settings import CalibrationSettings

@@ -169,3 +169,8 @@ class CalibrationResults:
         return next(
             (each for each in self.conditions if (each.angle_deg, each.condition) == (angle_deg, condition)), None
         )
+
+    def law(self, condition: str, angle_deg: float, algorithm: str) -> LawResult | None:
+        """The law of the study through the scores of a vision algorithm; None where these were not calibrated."""
+        design = self.find(angle_deg, condition)
+        return design.algorithms[algorithm].chosen if design and algorithm in design.algorithms else None

@@ -11,10 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from emg2vsa.calibration.results import CalibrationResults, LawResult
+from emg2vsa.calibration.results import LawResult
 from emg2vsa.claims import paper
 from emg2vsa.claims.claim import UNKNOWN, Asserts, Claim, Ends, Found, largest, size, smallest
 from emg2vsa.settings import ClaimSettings
@@ -51,13 +52,18 @@ STEPS = {
 }
 
 
-def kappa_claims(
-    found: CalibrationResults, own: str, margins: ClaimSettings, *, hexagons: bool = True
-) -> Iterator[Claim]:
+class Laws(Protocol):
+    """What gives the law of a design by a vision algorithm."""
+
+    def law(self, condition: str, angle_deg: float, algorithm: str) -> LawResult | None:
+        """None where it was not calibrated."""
+
+
+def kappa_claims(found: Laws, own: str, margins: ClaimSettings, *, hexagons: bool = True) -> Iterator[Claim]:
     """own : vision algorithm of the study. hexagons : whether the algorithm "paper" takes its areas from hexagons."""
     error, points = margins.kappa_error_percent / 100, margins.reduction_points / 100
     for key, (what, designs) in DESIGNS.items():
-        laws = [_law(found, *design, own) for design in designs]
+        laws = [found.law(*design, own) for design in designs]
         yield _claim(
             f"kappa_fit_{key}", f"a law gives κ, {what}", "largest error of a known specimen by it, %", "within",
             largest(_fitted(laws)), error, own, _lacking(designs, laws),
@@ -69,7 +75,7 @@ def kappa_claims(
     for key, step in STEPS.items():
         before, after = ((condition, algorithm or own) for condition, algorithm in (step.before, step.after))
         both = [(condition, angle) for condition, _ in (before, after) for angle in step.angles_deg]
-        laws = [_law(found, c, angle, name) for c, name in (before, after) for angle in step.angles_deg]
+        laws = [found.law(c, angle, name) for c, name in (before, after) for angle in step.angles_deg]
         n, told = len(step.angles_deg), hexagons or NEW not in (before[1], after[1])
         cut = smallest(_cut(_error(old), _error(new)) for old, new in zip(laws[:n], laws[n:], strict=True))
         yield _claim(
@@ -86,11 +92,6 @@ def _claim(
     return Claim(
         key, QUESTION, says, estimand, asserts, found, margin, "mounting", "kappa", algorithm, factor=100, why=why
     )
-
-
-def _law(found: CalibrationResults, condition: str, angle_deg: float, algorithm: str) -> LawResult | None:
-    design = found.find(angle_deg, condition)
-    return design.algorithms[algorithm].chosen if design and algorithm in design.algorithms else None
 
 
 def _error(law: LawResult | None) -> Found:

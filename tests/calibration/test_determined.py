@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.calibration.calibrate import calibrate
-from emg2vsa.calibration.runs_calibration import law_result
+from emg2vsa.calibration.one_condition import law_result
 from emg2vsa.calibration.unknown import Estimate, estimate
 
 EXPERIMENTS = 2500

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from emg2vsa.calibration.calibrate import calibrate
+from emg2vsa.calibration.one_condition import law_result
 from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults, ConditionResult, LawResult
-from emg2vsa.calibration.runs_calibration import law_result
 from emg2vsa.calibration.unknown import estimate
 from emg2vsa.claims.claim import Claim, Found, judge, student
 from emg2vsa.claims.kappa import _cut, kappa_claims

@@ -10,9 +10,8 @@ import numpy as np
 from emg2vsa.claims import arithmetic, calibrated, paper
 from emg2vsa.claims.arithmetic import Counted, arithmetic_claims
 from emg2vsa.claims.claim import OF_A_STUDY, Claim, Judged, judge
-from emg2vsa.claims.kappa import kappa_claims
+from emg2vsa.claims.on_rig import claims_on_rig
 from emg2vsa.claims.people import claims_of_study
-from emg2vsa.claims.rig import rig_claims
 from emg2vsa.figures.verdicts import draw_verdicts
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
@@ -44,11 +43,8 @@ def _claims(results: StudyResults) -> Iterator[Claim]:
             study, people.fits, tested.places() if tested else {}, tested.laws if tested else None
         )
         weight = people.profiles.weight_alpha if people.profiles and people.profiles.new else np.nan
-    if runs is not None and runs.discrimination is not None:
-        yield from rig_claims(runs.discrimination.table, study.calibration.mounting_sd_percent / 100, study.claims)
-    if runs is not None and runs.calibration is not None:
-        hexagons = study.scoring.recipe_of("paper").area_rule in ("paper", "hexagon")
-        yield from kappa_claims(runs.calibration, study.scoring.algorithm, study.claims, hexagons=hexagons)
+    if runs is not None:
+        yield from claims_on_rig(study, runs.discrimination.table if runs.discrimination else None, runs.calibration)
     yield from arithmetic_claims(study, weight_alpha=weight, counted=_counted(results), runs=runs is not None)
 
 
