@@ -151,19 +151,32 @@ def figure(svg: str, caption: str, data: str = "") -> str:
     )
 
 
-def table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[str]], links: Sequence[str] = ()) -> str:
-    """The first column holds names, the others numbers; ``links`` are the names' addresses. Scrolls sideways."""
-    kind = ["", *[' class="n"'] * (len(heads) - 1)]
-    top = "".join(f'<th scope="col"{k}>{escape(head)}</th>' for k, head in zip(kind, heads, strict=True))
+def table(
+    caption: str, heads: Sequence[str], rows: Iterable[Sequence[str]], links: Sequence[str] = (), *, number: int = 0,
+    classes: Sequence[str] | None = None, kinds: Sequence[str] = (), groups: Sequence[str] = (),
+) -> str:  # fmt: skip
+    """Scrolls sideways.
+
+    links : addresses of the cells of the first column, "" for none. number : of the table on its page, 0 for none.
+    classes : of the columns, n for numbers; without them the first holds names and the others numbers. kinds : classes
+    of the rows. groups : a heading of each row; neighbours share theirs.
+    """
+    classes = classes or ["", *["n"] * (len(heads) - 1)]
+    of = [_attribute("class", kind) for kind in classes]
+    top = "".join(f'<th scope="col"{k}>{escape(head)}</th>' for k, head in zip(of, heads, strict=True))
     body = []
     for place, row in enumerate(rows):
         cells = [escape(text) for text in row]
-        if links:
+        if links and links[place]:
             cells[0] = f'<a href="{escape(links[place])}">{cells[0]}</a>'
-        body.append("<tr>" + "".join(f"<td{k}>{cell}</td>" for k, cell in zip(kind, cells, strict=True)) + "</tr>")
-    joined = "\n".join(body)
+        if groups and (not place or groups[place] != groups[place - 1]):
+            body.append(f'<tr><th colspan="{len(heads)}" scope="colgroup">{escape(groups[place])}</th></tr>')
+        kind = _attribute("class", kinds[place]) if kinds else ""
+        body.append(f"<tr{kind}>" + "".join(f"<td{k}>{cell}</td>" for k, cell in zip(of, cells, strict=True)) + "</tr>")
+    joined, named = "\n".join(body), f"Table {number}." if number else ""
     return (
-        f'<div class="wide"><table><caption>{escape(caption)}</caption>\n'
+        f'<div class="wide" role="region" tabindex="0" aria-label="{f"{named} {escape(caption)}".lstrip()}"><table>'
+        f"<caption>{f'<b>{named}</b> ' if number else ''}{escape(caption)}</caption>\n"
         f"<thead><tr>{top}</tr></thead>\n<tbody>\n{joined}\n</tbody></table></div>\n"
     )
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from casr import html
 from emg2vsa.figures.palette import ActivityScale
 from emg2vsa.report.wording import UNDEFINED, number, p_value, typeset
 from emg2vsa.shown import words_of
@@ -87,36 +88,18 @@ class Table:
             some = itertools.islice(rows, _AT_ONCE)
             lines = [[_exact(row[column.key]) for column in self.columns] for row in some]
 
-    def html(self, number: int | None = None, most: int | None = MOST_ON_PAGE) -> str:
+    def html(self, number: int = 0, most: int | None = MOST_ON_PAGE) -> str:
         """Scrolls sideways on a narrow screen. number : of the table on its page. most : rows; None for all."""
         classes = [
             "verdict" if column.key == "verdict" else "n" if numeric else ""
             for column, numeric in zip(self.columns, self.numeric(), strict=True)
         ]
-        cell = {"": "<td>", "n": '<td class="n">', "verdict": '<td class="verdict">'}
-        heads = "".join(
-            f'<th scope="col"{" class=n" if kind == "n" else ""}>{escape(column.head)}</th>'
-            for column, kind in zip(self.columns, classes, strict=True)
-        )
-        body = []
-        for place, cells in enumerate(self.cells(most)):
-            made = [f"{cell[kind]}{escape(text)}</td>" for kind, text in zip(classes, cells, strict=True)]
-            if self.links and self.links[place]:
-                made[0] = f'<td><a href="{escape(self.links[place])}">{escape(cells[0])}</a></td>'
-            kind = f' class="{self.kinds[place]}"' if self.kinds else ""
-            if self.groups and self.groups[place] != (self.groups[place - 1] if place else ""):
-                body.append(f'<tr><th colspan="{len(cells)}" scope="colgroup">{escape(self.groups[place])}</th></tr>')
-            body.append(f"<tr{kind}>{''.join(made)}</tr>")
-        rows = "\n".join(body)
-        named = f"Table {number}. {typeset(self.caption)}" if number else typeset(self.caption)
-        caption = escape(named)
-        if number:
-            caption = f"<b>Table {number}.</b> {escape(typeset(self.caption))}"
-        return (
-            f'<div class="wide" role="region" tabindex="0" aria-label="{escape(named)}"><table>'
-            f"<caption>{caption}</caption>\n"
-            f"<thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}\n</tbody></table></div>\n{self._cut(most)}"
-        )
+        heads = [column.head for column in self.columns]
+        table = html.table(
+            typeset(self.caption), heads, self.cells(most), self.links, number=number, classes=classes,
+            kinds=self.kinds, groups=self.groups,
+        )  # fmt: skip
+        return table + self._cut(most)
 
     def _cut(self, most: int | None) -> str:
         """What is said of rows that the page leaves out."""
