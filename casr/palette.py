@@ -8,6 +8,12 @@ protanopes see it (Machado, Oliveira and Fernandes 2009, IEEE Transactions on Vi
 
 from __future__ import annotations
 
-INK, MUTED, FAINT, GRID = "#1a1a1a", "#555555", "#a0a0a0", "#d9d9d9"
+INK, MUTED, FAINT, GRID = "#1A1A1A", "#555555", "#A0A0A0", "#D9D9D9"
 BLUE, PURPLE, GREEN, SKY = "#00346C", "#885BBF", "#65A280", "#82B6CB"
 YELLOW, RED, GREY = "#CBAD09", "#872F09", "#645D62"
+
+BY_NIGHT = {
+    INK: ("#E8E8E8", "var(--ink)"), MUTED: ("#A8A8A8", "var(--muted)"), GRID: ("#4A4A4A", "var(--line)"),
+    BLUE: ("#2C6C9D", "var(--blue)"),
+}  # fmt: skip
+"""A colour on white paper: the colour in its place on a dark page, and how a drawing in a page asks for either."""
