@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from html import escape
 
-CSS = """
-:root{--ink:#1a1a1a;--muted:#555;--line:#ccc;--soft:#f4f4f2;--link:#00518a;--page:#fff;
---good:#00694d;--bad:#a84300;color-scheme:light dark}
-@media(prefers-color-scheme:dark){:root{--ink:#e8e8e8;--muted:#a8a8a8;--line:#4a4a4a;--soft:#262626;--link:#8ec7f0;--page:#161616;
---good:#4fd1a5;--bad:#ff9d5c}
-figure img,figure svg{filter:brightness(.86)}}
+from casr.palette import ON_PAGES
+
+_BY_DAY, _BY_NIGHT = ("".join(f"--{name}:{both[k]};" for name, *both in ON_PAGES) for k in (0, 1))
+CSS = (
+    f"""
+:root{{{_BY_DAY}color-scheme:light dark}}
+@media screen and (prefers-color-scheme:dark){{:root{{{_BY_NIGHT}}}figure img{{filter:brightness(.86)}}}}
+"""
+    + """
 *{box-sizing:border-box}
 body{margin:0;font:16px/1.5 system-ui,"Segoe UI","DejaVu Sans",Arial,sans-serif;color:var(--ink);background:var(--page)}
 header,nav,main,footer{max-width:68rem;margin:0 auto;padding:0 1rem}
@@ -32,8 +35,8 @@ nav ul{display:flex;flex-wrap:wrap;gap:.2rem 1rem;list-style:none;padding:0;max-
 figure{margin:1rem 0}
 .pictures figure{margin:0}
 figure h3{margin:0 0 .3rem}
-figure img,figure svg{display:block;width:100%;height:auto;background:#fff;border-radius:.2rem}
-.pictures img,.pictures svg{border:1px solid var(--line)}
+figure img,figure svg{display:block;width:100%;height:auto;border-radius:.2rem}figure img{background:#fff}
+.pictures img{border:1px solid var(--line)}
 .wide{overflow-x:auto;background:
 linear-gradient(90deg,var(--page) 2rem,transparent) 0/4rem 100% no-repeat local,
 linear-gradient(-90deg,var(--page) 2rem,transparent) 100%/4rem 100% no-repeat local,
@@ -72,6 +75,7 @@ a{color:inherit;text-decoration:none}summary{list-style:none;color:inherit}
 summary[data-file]::after{content:": " attr(data-file);color:var(--muted)}
 details:not(:has(>summary[data-file]))::details-content{content-visibility:visible;display:block;height:auto}}
 """
+)
 """Readable on a phone, by night and on paper; no fonts or scripts from elsewhere.
 
 A wide screen keeps the contents at its left side. What is wider than the page scrolls sideways, with a shadow at the
@@ -149,6 +153,12 @@ def figure(svg: str, caption: str, data: str = "") -> str:
         f'<figure><div class="wide" role="region" tabindex="0" aria-label="Figure: {label}">{svg}</div>'
         f"<figcaption>{escape(caption)}</figcaption>\n{data}</figure>\n"
     )
+
+
+def pictures(figures: Iterable[str], *, small: bool = False) -> str:
+    """Figures beside each other, as many as there is room for; each is HTML."""
+    drawn = "".join(figures)
+    return f'<div class="pictures{" small-ones" if small else ""}">{drawn}</div>\n' if drawn else ""
 
 
 def table(

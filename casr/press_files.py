@@ -10,11 +10,12 @@ from casr.atomic import write_bytes_atomic, write_text_atomic
 from casr.doubts import stretch_of, unlike_others
 from casr.errors import CasrError, PassingError, SettingError
 from casr.frames import FrameSequence
-from casr.overlays import Picture, press_pictures
-from casr.page import Embedded, index_page, press_page
+from casr.overlays import press_pictures
+from casr.page import index_page, press_page
 from casr.press_tables import frames_csv, pins_csv
 from casr.scored import Score, ScoreSettings
 from casr.scoring import score
+from casr.svg import Picture
 
 
 @dataclass(frozen=True)
@@ -100,9 +101,8 @@ class PressFiles:
             if self.figures:
                 write_pictures(self.figures, pictures)
             if self.page:
-                inside = [Embedded(each.title, each.caption, "image/svg+xml", each.svg()) for each in pictures]
                 n_frames, shape = len(sequence), sequence.source.shape
-                text = press_page(score, inside, camera=sequence.camera, n_frames=n_frames, shape=shape)
+                text = press_page(score, pictures, camera=sequence.camera, n_frames=n_frames, shape=shape)
                 write_text_atomic(self.page, text)
         if self.pins:
             write_text_atomic(self.pins, pins_csv(score))
@@ -118,7 +118,7 @@ class PressFiles:
 def write_pictures(folder: Path, pictures: Sequence[Picture]) -> None:
     """An SVG of each."""
     for picture in pictures:
-        write_bytes_atomic(folder / f"{picture.name}.svg", picture.svg())
+        write_bytes_atomic(folder / f"{picture.name}.svg", picture.file())
 
 
 def _pages(index: Path) -> Path:

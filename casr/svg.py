@@ -11,16 +11,18 @@ from html import escape
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from casr.palette import BY_NIGHT, GRID, INK, MUTED
+from casr.palette import GRID, INK, MUTED, ON_PAGES
 
 Array = NDArray[np.float64]
 View = tuple[float, float, float, float]
 "Left, top, right and bottom of what the axes show; pictures have y down, so their top is the smaller number."
 
-_LEFT, _RIGHT, _TOP, _UNDER, _LINE = 60, 14, 28, 44, 19
-"Room beside, above and under the axes, and of a line of the legend, px."
-_LETTER = 6.6
-"Width of a letter, on average, px."
+_LEFT, _RIGHT, _TOP, _UNDER, _LINE = 120, 28, 56, 88, 38
+"Room beside, above and under the axes, and of a line of the legend."
+_SIZE, _LETTER = 24, 13.2
+"Of letters, and their width on average."
+_SHOWN = 0.5
+"Px per unit: whole units are fine enough for lines, and short."
 _FONT = "DejaVu Sans,Verdana,Arial,sans-serif"
 _EDGE = "#000"
 "Around arrows, which lie on photographs, by day and by night."
@@ -59,15 +61,15 @@ class Picture:
 
 @dataclass
 class Axes:
-    """Axes over ``view``, ``width`` by ``height`` px. labels : of x and y. beside : more room at the right, px.
+    """Axes over ``view``, ``width`` by ``height`` units of half a px.
 
-    marks : what was drawn, in order.
+    labels : of x and y. beside : more room at the right. marks : what was drawn, in order.
     """
 
     view: View
     labels: tuple[str, str]
-    width: float = 406
-    height: float = 280
+    width: float = 812
+    height: float = 560
     grid: bool = True
     beside: float = 0
     marks: list[Mark] = field(default_factory=list)
@@ -77,21 +79,21 @@ class Axes:
     _legend: list[tuple[str, str]] = field(default_factory=list)
 
     def line(
-        self, at: ArrayLike, colour: str, *, width: float = 1.6, dash: str = "", label: str = "", title: str = ""
+        self, at: ArrayLike, colour: str, *, width: float = 3.2, dash: str = "", label: str = "", title: str = ""
     ) -> None:
         """Through (N, 2) points; a gap where one is not known. title : shown by the pointer."""
         look = f'fill="none" stroke="{colour}" stroke-width="{width:.3g}"'
         look += f' stroke-dasharray="{dash}"' if dash else ""
         self._draw(f'd="{self._path(self._keep("line", at, label))}" {look} stroke-linejoin="round"', title)
-        self._add_legend(label, f'<path d="M0 0H20" {look}/>')
+        self._add_legend(label, f'<path d="M0 0H40" {look}/>')
 
-    def outline(self, at: Array, colour: str, *, width: float = 1.6, dash: str = "", label: str = "") -> None:
+    def outline(self, at: Array, colour: str, *, width: float = 3.2, dash: str = "", label: str = "") -> None:
         """Around a polygon (N, 2)."""
         self.line(np.vstack([at, at[:1]]), colour, width=width, dash=dash, label=label)
 
-    def level(self, y: float, colour: str = MUTED, *, dash: str = "4 5") -> None:
+    def level(self, y: float, colour: str = MUTED, *, dash: str = "8 10") -> None:
         """A line across, in no legend."""
-        self.line([(self.view[0], y), (self.view[2], y)], colour, width=1, dash=dash)
+        self.line([(self.view[0], y), (self.view[2], y)], colour, width=2, dash=dash)
 
     def band(self, x: Array, low: Array, high: Array, colour: str, *, opacity: float = 0.18) -> None:
         """Between two curves over (N,) x."""
@@ -99,11 +101,11 @@ class Axes:
         self._draw(f'd="{self._path(self._keep("band", at, ""))}Z" fill="{colour}" fill-opacity="{opacity}"')
 
     def shade(self, left: float, right: float, fill: str, title: str = "") -> None:
-        """Over the whole height, at least 2 px wide. fill : a colour, or a pattern of the page."""
+        """Over the whole height, at least 4 units wide. fill : a colour, or a pattern of the page."""
         x0, x1 = (float(self._page(np.array([[x, 0.0]]))[0, 0]) for x in (left, right))
-        self._draw(f'd="M{x0:.1f} {_TOP}H{max(x1, x0 + 2):.1f}v{self.height:g}H{x0:.1f}Z" fill="{fill}"', title)
+        self._draw(f'd="M{x0:.1f} {_TOP}H{max(x1, x0 + 4):.1f}v{self.height:g}H{x0:.1f}Z" fill="{fill}"', title)
 
-    def dots(self, at: ArrayLike, colour: str, *, size: float = 5, label: str = "", opacity: float = 1) -> None:
+    def dots(self, at: ArrayLike, colour: str, *, size: float = 10, label: str = "", opacity: float = 1) -> None:
         """Discs of a diameter at (N, 2) points."""
         look = f'stroke="{colour}" stroke-width="{size:.3g}" stroke-linecap="round"'
         look += f' stroke-opacity="{opacity:g}"' if opacity < 1 else ""
@@ -111,13 +113,13 @@ class Axes:
 
     def rings(self, at: ArrayLike, colour: str, *, label: str = "") -> None:
         """Circles around (N, 2) points."""
-        look = f'fill="none" stroke="{colour}" stroke-width="1.2"'
-        self._spots("rings", at, look, "m-3.5 0a3.5 3.5 0 1 0 7 0a3.5 3.5 0 1 0-7 0", label)
+        look = f'fill="none" stroke="{colour}" stroke-width="2.4"'
+        self._spots("rings", at, look, "m-7 0a7 7 0 1 0 14 0a7 7 0 1 0-14 0", label)
 
     def crosses(self, at: ArrayLike, colour: str, *, label: str = "") -> None:
         """At (N, 2) points."""
-        look = f'fill="none" stroke="{colour}" stroke-width="1.6"'
-        self._spots("crosses", at, look, "m-3-3l6 6m-6 0l6-6", label)
+        look = f'fill="none" stroke="{colour}" stroke-width="3.2"'
+        self._spots("crosses", at, look, "m-6-6l12 12m-12 0l12-12", label)
 
     def arrows(self, at: Array, steps: Array, colour: str, *, label: str = "") -> None:
         """From (N, 2) points along (N, 2) steps, both in units of the axes, edged so as to be seen on anything."""
@@ -127,17 +129,17 @@ class Axes:
         long = np.hypot(*way.T)
         along = way / np.maximum(long, 1e-9)[:, None]
         across = along[:, ::-1] * (-1, 1)
-        tip = np.minimum(long, 5.0)[:, None]
+        tip = np.minimum(long, 10.0)[:, None]
         wings = [head - tip * (along + side * 0.5 * across) for side in (1, -1)]
         lines = np.stack([tail, head, wings[0], head, wings[1]], axis=1)
-        looks = [(_EDGE, 2.6), (colour, 1.3)]
+        looks = [(_EDGE, 5.2), (colour, 2.6)]
 
         def drawn(path: str) -> str:
             look = 'fill="none" stroke-linecap="round" stroke-linejoin="round"'
             return "".join(f'<path d="{path}" {look} stroke="{c}" stroke-width="{w}"/>' for c, w in looks)
 
-        self._body.append(drawn("".join(_path(each) for each in lines[long > 0.3])))
-        self._add_legend(label, drawn("M0 0H18l-5-3m5 3l-5 3"))
+        self._body.append(drawn("".join(_path(each) for each in lines[long > 0.6])))
+        self._add_legend(label, drawn("M0 0H36l-10-6m10 6l-10 6"))
 
     def bars(self, x: Array, height: Array, colour: str, *, label: str = "") -> None:
         """From 0 up or down, one unit of x apart."""
@@ -145,7 +147,7 @@ class Axes:
         corners = np.array([(-0.45, 0), (-0.45, 1), (0.45, 1), (0.45, 0)])
         boxes = kept[:, None] * (1, 0) + corners * np.stack([np.ones(len(kept)), kept[:, 1]], axis=1)[:, None]
         self._draw(f'd="{"".join(self._path(box) + "Z" for box in boxes)}" fill="{colour}"')
-        self._add_legend(label, f'<rect y="-5" width="20" height="10" fill="{colour}"/>')
+        self._add_legend(label, f'<rect y="-10" width="40" height="20" fill="{colour}"/>')
 
     def areas(self, corners: Array, colours: str | Sequence[str], *, opacity: float, label: str = "") -> None:
         """Polygons (M, K, 2), all of one colour or each of its own."""
@@ -153,7 +155,7 @@ class Axes:
         if isinstance(colours, str):
             look = f'fill="{colours}" fill-opacity="{opacity}"'
             self._draw(f'd="{"".join(self._path(each) + "Z" for each in kept)}" stroke="{colours}" {look}')
-            self._add_legend(label, f'<rect y="-5" width="20" height="10" {look}/>')
+            self._add_legend(label, f'<rect y="-10" width="40" height="20" {look}/>')
             return
         cells = (f'<path d="{self._path(c)}Z" fill="{colour}"/>' for c, colour in zip(kept, colours, strict=True))
         self._body.append(f'<g fill-opacity="{opacity}">{"".join(cells)}</g>')
@@ -171,7 +173,7 @@ class Axes:
     def above(self, x: float, words: str) -> None:
         """Words over the axes."""
         at = float(self._page(np.array([[x, 0.0]]))[0, 0])
-        self._over.append(_text(at, _TOP - 4, words, "middle"))
+        self._over.append(_text(at, _TOP - 8, words, "middle"))
 
     def ends(self, y: Array, words: Sequence[str], colours: Sequence[str]) -> None:
         """Words right of the axes at (N,) heights, moved down where they would cover each other; NaN: left out."""
@@ -179,23 +181,23 @@ class Axes:
         places = np.clip(self._page(np.column_stack([np.zeros(len(y)), y]))[:, 1], _TOP, _TOP + self.height)
         for i in np.argsort(places, kind="stable").tolist():
             if y[i] == y[i]:
-                lowest = max(float(places[i]), lowest + 12)
-                self._over.append(_text(_LEFT + self.width + 5, lowest + 4, words[i], "start", colours[i]))
+                lowest = max(float(places[i]), lowest + _SIZE)
+                self._over.append(_text(_LEFT + self.width + 10, lowest + 8, words[i], "start", colours[i]))
 
     def colour_bar(self, half: float, colours: Sequence[str], label: str) -> None:
         """Beside the axes, from ``-half`` to ``half``."""
-        x, height = _LEFT + self.width + 12, self.height
+        x, height = _LEFT + self.width + 24, self.height
         stops = "".join(
             f'<stop offset="{k / (len(colours) - 1):.3f}" stop-color="{c}"/>' for k, c in enumerate(reversed(colours))
         )
         self._over.append(
             f'<linearGradient id="bar" x1="0" y1="0" x2="0" y2="1">{stops}</linearGradient>'
-            f'<rect x="{x}" y="{_TOP}" width="12" height="{height:.1f}" fill="url(#bar)"/>'
-            f'<text transform="translate({x + 60} {_TOP + height / 2:.0f}) rotate(-90)" text-anchor="middle">'
+            f'<rect x="{x}" y="{_TOP}" width="24" height="{height:.1f}" fill="url(#bar)"/>'
+            f'<text transform="translate({x + 120} {_TOP + height / 2:.0f}) rotate(-90)" text-anchor="middle">'
             f"{escape(label)}</text>"
         )
         for share, value in ((0.02, f"{half:+.2g}"), (0.5, "0"), (0.98, f"{-half:+.2g}")):
-            self._over.append(_text(x + 18, _TOP + share * height + 4, value, "start"))
+            self._over.append(_text(x + 36, _TOP + share * height + 8, value))
 
     def svg(self, name: str, title: str, description: str, *, page: bool = True) -> str:
         """The drawing; the legend is under the axes, where no mark is.
@@ -207,38 +209,39 @@ class Axes:
         foot = _TOP + self.height + _UNDER
         height = foot + _LINE * len(lines)
         legend = "".join(
-            f'<g transform="translate({x:.0f} {foot + _LINE * row + 6:.0f})">{sample}{_text(26, 4, label, "start")}</g>'
+            f'<g transform="translate({x:.0f} {foot + _LINE * row + 12:.0f})">{sample}{_text(52, 8, label)}</g>'
             for row, entries in enumerate(lines)
             for x, sample, label in entries
         )
         frame = f'x="{_LEFT}" y="{_TOP}" width="{self.width:.1f}" height="{self.height:.1f}"'
-        least = f";min-width:{0.6 * total:.0f}px" if total > 600 else ""
-        head = f'style="max-width:{total:.0f}px{least}"' if page else 'xmlns="http://www.w3.org/2000/svg"'
+        least = f";min-width:{0.6 * _SHOWN * total:.0f}px" if total > 1200 else ""
+        head = f'style="max-width:{_SHOWN * total:.0f}px{least}"' if page else 'xmlns="http://www.w3.org/2000/svg"'
         ground = "" if page else f'<rect width="{total:.0f}" height="{height:.0f}" fill="#fff"/>'
         drawn = (
             f'<svg {head} viewBox="0 0 {total:.0f} {height:.0f}" role="img" aria-labelledby="title desc" '
-            f'font-family="{_FONT}" font-size="12" fill="{INK}"><title id="title">{escape(title)}</title>'
-            f'<desc id="desc">{escape(description)}</desc>{ground}<clipPath id="in"><rect {frame}/></clipPath>'
-            f'{self._ticks()}<g clip-path="url(#in)">{"".join(self._body)}</g>'
+            f'font-family="{_FONT}" font-size="{_SIZE}" stroke-width="2" fill="{INK}">'
+            f'<title id="title">{escape(title)}</title><desc id="desc">{escape(description)}</desc>{ground}'
+            f'<clipPath id="in"><rect {frame}/></clipPath>{self._ticks()}'
+            f'<g clip-path="url(#in)">{"".join(self._body)}</g>'
             f'<rect {frame} fill="none" stroke="{MUTED}"/>{"".join(self._over)}{legend}</svg>'
         )
-        return by_night(_own_ids(drawn, name)) if page else drawn + "\n"
+        return in_colours_of_page(_own_ids(drawn, name)) if page else drawn + "\n"
 
     def _ticks(self) -> str:
         left, top, right, bottom = self.view
         floor, grid = _TOP + self.height, 1.0 if self.grid else 0.0
-        most = max(int(self.height / 30), 2)
-        across, up = ticks(left, right, int(self.width / 60)), ticks(min(top, bottom), max(top, bottom), most)
+        most = int(self.height / 45)
+        across, up = ticks(left, right, int(self.width / 120)), ticks(min(top, bottom), max(top, bottom), most)
         xs = self._page(np.array([[value, bottom] for value in across]))[:, 0].tolist()
         ys = self._page(np.array([[left, value] for value in up]))[:, 1].tolist()
-        lines = "".join(f"M{x:.1f} {floor + 4:.1f}v{-4 - grid * self.height:g}" for x in xs)
-        lines += "".join(f"M{_LEFT - 4} {y:.1f}h{4 + grid * self.width:g}" for y in ys)
+        lines = "".join(f"M{x:.1f} {floor + 8:.1f}v{-8 - grid * self.height:g}" for x in xs)
+        lines += "".join(f"M{_LEFT - 8} {y:.1f}h{8 + grid * self.width:g}" for y in ys)
         return (
             f'<path d="{lines}" stroke="{GRID}"/>'
-            + "".join(_text(x, floor + 18, f"{value:g}", "middle") for x, value in zip(xs, across, strict=True))
-            + "".join(_text(_LEFT - 7, y + 4, f"{value:g}", "end") for y, value in zip(ys, up, strict=True))
-            + _text(_LEFT + self.width / 2, floor + 36, self.labels[0], "middle")
-            + _text(4, 12, self.labels[1], "start")
+            + "".join(_text(x, floor + 36, f"{value:g}", "middle") for x, value in zip(xs, across, strict=True))
+            + "".join(_text(_LEFT - 14, y + 8, f"{value:g}", "end") for y, value in zip(ys, up, strict=True))
+            + _text(_LEFT + self.width / 2, floor + 72, self.labels[0], "middle")
+            + _text(8, _SIZE, self.labels[1])
         )
 
     def _legend_lines(self, total: float) -> list[list[tuple[float, str, str]]]:
@@ -246,10 +249,10 @@ class Axes:
         lines: list[list[tuple[float, str, str]]] = []
         x = float(total)
         for sample, label in self._legend:
-            wide = 26 + _LETTER * len(label) + 16
+            wide = 52 + _LETTER * len(label) + 32
             if x + wide > total:
                 lines.append([])
-                x = 16.0
+                x = 32.0
             lines[-1].append((x, sample, label))
             x += wide
         return lines
@@ -258,7 +261,7 @@ class Axes:
         places = self._page(self._keep(kind, at, label))
         path = "".join(f"M{x:.1f} {y:.1f}{shape}" for x, y in places[np.isfinite(places).all(axis=1)].tolist())
         self._draw(f'd="{path}" {look}')
-        self._add_legend(label, f'<path d="M10 0{shape}" {look}/>')
+        self._add_legend(label, f'<path d="M20 0{shape}" {look}/>')
 
     def _draw(self, path: str, title: str = "") -> None:
         self._body.append(f"<path {path}><title>{escape(title)}</title></path>" if title else f"<path {path}/>")
@@ -315,9 +318,12 @@ def thinned(x: Array, y: Array, most: int) -> tuple[Array, Array]:
     return x[keep], y[keep]
 
 
-def by_night(svg: str) -> str:
-    """The same drawing in colours that the page changes by night; ``casr.html`` has them."""
-    return re.sub(r"#[0-9A-Fa-f]{6}\b", lambda found: BY_NIGHT.get(found[0].upper(), ("", found[0]))[1], svg)
+_OF_PAGE = {day.upper(): f"var(--{name})" for name, day, _ in ON_PAGES}
+
+
+def in_colours_of_page(svg: str) -> str:
+    """The same drawing in the colours of ``casr.html``, which change by night. White in three digits stays white."""
+    return re.sub(r"#[0-9A-Fa-f]{6}\b", lambda found: _OF_PAGE.get(found[0].upper(), found[0]), svg)
 
 
 def _own_ids(svg: str, name: str) -> str:
@@ -327,27 +333,23 @@ def _own_ids(svg: str, name: str) -> str:
 
 
 def _path(places: Array) -> str:
-    """Lines from place to place in steps of a tenth; a gap where a place is not known."""
-    known = np.isfinite(places).all(axis=1)
-    tenths = np.rint(10 * np.where(known[:, None], places, 0)).astype(np.int64)
-    pieces = np.split(tenths, np.flatnonzero(~known[1:] | ~known[:-1]) + 1)
-    shown = [piece for piece, first in zip(pieces, known[np.cumsum([0, *map(len, pieces)])[:-1]], strict=True) if first]
-    return "".join(map(_piece, shown))
+    """Lines from place to place in whole steps; a gap where a place is not known."""
+    known = np.flatnonzero(np.isfinite(places).all(axis=1))
+    if not known.size:
+        return ""
+    whole = np.rint(places[known]).astype(np.int64)
+    return "".join(map(_piece, np.split(whole, np.flatnonzero(np.diff(known) > 1) + 1)))
 
 
-def _piece(tenths: NDArray[np.int64]) -> str:
-    steps = np.diff(tenths, axis=0)
-    steps = steps[np.any(steps != 0, axis=1)]
-    start = "M" + _joined(tenths[0].tolist())
-    return f"{start}l{_joined(steps.ravel().tolist())}" if steps.size else f"{start}h0"
+def _piece(places: NDArray[np.int64]) -> str:
+    steps = np.diff(places, axis=0)
+    numbers = steps[np.any(steps != 0, axis=1)].ravel().tolist()
+    # a minus sign separates as well as a blank
+    way = "l" + " ".join(map(str, numbers)).replace(" -", "-") if numbers else "h0"
+    return f"M{places[0, 0]} {places[0, 1]}{way}"
 
 
-def _joined(tenths: Iterable[int]) -> str:
-    """Numbers of path data, as short as they can be: a minus sign separates as well as a blank."""
-    return re.sub(r"(?<![0-9])0\.", ".", " ".join(f"{each / 10:g}" for each in tenths)).replace(" -", "-")
-
-
-def _text(x: float, y: float, words: str, anchor: str, colour: str = "") -> str:
+def _text(x: float, y: float, words: str, anchor: str = "start", colour: str = "") -> str:
     fill = f' fill="{colour}"' if colour else ""
     side = f' text-anchor="{anchor}"' if anchor != "start" else ""
     return f'<text x="{x:.0f}" y="{y:.0f}"{side}{fill}>{escape(words)}</text>'

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from casr.flow.estimate import LOST_PERCENT, Followed, dense_flow
 from casr.frames import FrameSequence
 from casr.images import as_grey
-from casr.overlays.canvas import Picture
 from casr.overlays.curves import area_curve, growth_curve
 from casr.overlays.frames import area_picture, edges_picture, flow_picture, pins_picture, spreading_picture
 from casr.pins import PinSettings, PinTracker
 from casr.scored import Score
+from casr.svg import Picture
 
 __all__ = [
-    "Picture", "area_picture", "flow_picture", "followed_picture", "pin_ways", "pins_picture", "press_pictures",
+    "area_picture", "flow_picture", "followed_picture", "pin_ways", "pins_picture", "press_pictures",
     "spreading_picture",
 ]  # fmt: skip
 

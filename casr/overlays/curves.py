@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.overlays.canvas import Picture, plot
 from casr.palette import BLUE, FAINT, GREEN, MUTED, YELLOW
 from casr.scored import Score
 from casr.spread import readable
 from casr.spread.intervals import CONFIDENCE, normal_quantile
+from casr.svg import Picture, plot
 
 
 def area_curve(score: Score) -> Picture:
@@ -28,7 +28,8 @@ def area_curve(score: Score) -> Picture:
     law = rate.law if rate else np.empty((0, 2))
     heights = np.concatenate([[0.0], skin, np.where(counts, front.area * reach, front.area), law[:, 1]])
     label = "force (N)" if by_force else "frame"
-    axes = plot(label, f"area ({readable(score.area_unit)})", np.concatenate([[0.0] * by_force, x, law[:, 0]]), heights)
+    labels = (label, f"area ({readable(score.area_unit)})")
+    axes = plot(labels, np.concatenate([[0.0] * by_force, x, law[:, 0]]), heights)
     caption = "Front: contact area of each frame. Skin: the area of the first contact's skin."
     if counts.any():
         order = np.flatnonzero(counts)[np.argsort(x[counts], kind="stable")]
@@ -36,15 +37,15 @@ def area_curve(score: Score) -> Picture:
         caption += " Shaded: 95 % of each area."
     if rate is not None:
         if law.size:
-            axes.line(law, MUTED, width=1.2, label="power law")
-        axes.line(rate.chord, YELLOW, width=2.2, label=rate.label)
+            axes.line(law, MUTED, width=2.4, label="power law")
+        axes.line(rate.chord, YELLOW, width=4.4, label=rate.label)
         caption += rate.caption
     if not counts.all():
         axes.crosses(np.column_stack([x, front.area])[~counts], FAINT, label="front, not determined")
         caption += " Grey: the front is not determined, these frames do not count."
     if counts.any():
         axes.dots(np.column_stack([x, front.area])[counts], BLUE, label="front")
-    axes.dots(np.column_stack([x, skin]), GREEN, size=4, label="skin")
+    axes.dots(np.column_stack([x, skin]), GREEN, size=8, label="skin")
     title = "Area against force" if by_force else "Area frame by frame"
     return Picture("area_curve", title, caption, axes)
 
@@ -85,10 +86,10 @@ def _drawn_rate(score: Score) -> _DrawnRate | None:
 def growth_curve(frames: NDArray[np.int_], log_growth: NDArray[np.float64]) -> Picture:
     """Growth of each step and their sum, D_cum. frames : (T,); log_growth : (T-1,)."""
     total = np.concatenate([[0.0], np.cumsum(log_growth)])
-    axes = plot("frame", "log growth of the skin", frames, np.concatenate([total, log_growth]))
+    axes = plot(("frame", "log growth of the skin"), frames, np.concatenate([total, log_growth]))
     axes.bars(np.asarray(frames[1:], dtype=np.float64), log_growth, GREEN, label="of one step")
-    axes.line([(axes.view[0], 0.0), (axes.view[2], 0.0)], MUTED, width=0.8)
-    axes.line(np.column_stack([frames, total]), BLUE, width=2.2, label="sum since first contact")
+    axes.level(0.0, dash="")
+    axes.line(np.column_stack([frames, total]), BLUE, width=4.4, label="sum since first contact")
     grew = f"the skin of the first contact grew to {np.exp(total[-1]):.2f} times its initial size."
     return Picture("growth", "Growth of the skin frame by frame", f"Sum at the end {total[-1]:.3f}: {grew}", axes)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import cv2
@@ -11,12 +12,16 @@ from numpy.typing import NDArray
 from casr.contact_area import InitialArea
 from casr.contact_area.rules import lattice_cell
 from casr.flow.dense_engine import divergence, mean_divergence, region_mask
-from casr.overlays.canvas import Picture, colours_of, photo, view_of
 from casr.palette import GREEN, RED, SKY, YELLOW
 from casr.pins import pin_pitch_px
 from casr.pins.lattice import lattice_kind, nearest_pins
 from casr.scored import Score
+from casr.svg import Axes, Picture, View
 
+_WIDE, _BAR = 812, 148
+"Width of a picture, and of the room beside one for a bar of colours and its numbers."
+_DIMMED = 420.0
+"Grey level shown as white: a bright pin is mid-grey, and marks on it stay visible."
 _ARROW_PX = 12.0
 "Length at which the longest displacement is drawn when it is shorter."
 
@@ -63,10 +68,10 @@ def area_picture(
     if by_hexagons:
         cells = hexagons(rest_px[initial.selected], rest_px)
         axes.areas(cells, YELLOW, opacity=0.45, label=f"hexagon of each counted pin ({len(cells)})")
-    axes.dots(contact_px, SKY, size=3, label="pin at first contact")
-    axes.outline(initial.polygon_px, RED, width=2.4, label="outline of the area")
+    axes.dots(contact_px, SKY, size=6, label="pin at first contact")
+    axes.outline(initial.polygon_px, RED, width=4.8, label="outline of the area")
     if region_px is not None:
-        axes.outline(region_px, GREEN, width=2, dash="6 4", label="region that is followed")
+        axes.outline(region_px, GREEN, width=4, dash="12 8", label="region that is followed")
     mm2 = f", {initial.area_mm2:.4g} mm²" if initial.area_mm2 is not None else ""
     drawn = "Hexagons are drawn where the pins are at rest." if by_hexagons else "The area is the outline's."
     caption = f"First-contact frame. Rule {initial.rule}: {initial.area_px2:.5g} px²{mm2}. {drawn}"
@@ -107,9 +112,9 @@ def edges_picture(last_image: NDArray[Any], score: Score) -> Picture:
     for place, i in enumerate(shown.tolist()):
         share = place / max(n_shown - 1, 1)
         colour = _EARLY_TO_LATE[round(share * (len(_EARLY_TO_LATE) - 1))]
-        axes.outline(front.edge_px[i], colour, width=1.4 + 1.4 * share, label=f"front, {_moment(score, i)}")
-    for outline_px, dash, i in zip(skin_px, ("2 3", "7 4"), (0, -1), strict=True):
-        axes.outline(outline_px, GREEN, width=2, dash=dash, label=f"skin, {_moment(score, i)}")
+        axes.outline(front.edge_px[i], colour, width=2.8 + 2.8 * share, label=f"front, {_moment(score, i)}")
+    for outline_px, dash, i in zip(skin_px, ("4 6", "14 8"), (0, -1), strict=True):
+        axes.outline(outline_px, GREEN, width=4, dash=dash, label=f"skin, {_moment(score, i)}")
     caption = "Over the last frame the front, from dark and thin to bright and thick, and the first contact's skin."
     if not n_shown:
         caption = "The first contact's skin over the last frame. The front is not determined and not drawn."
@@ -142,7 +147,7 @@ def spreading_picture(
         axes.areas(first_px[corners], colours, opacity=0.8)
         axes.colour_bar(half, _DIVERGING, "log growth of the area between pins")
     axes.arrows(first_px, last_px - first_px, "#fff", label="pin, first to last frame")
-    axes.outline(outline_px, RED, width=2.2, label="first contact's skin")
+    axes.outline(outline_px, RED, width=4.4, label="first contact's skin")
     longest_px = float(np.hypot(*(last_px - first_px).T).max(initial=0.0))
     return Picture(
         "spreading",
@@ -162,7 +167,7 @@ def flow_picture(image: NDArray[Any], flow: NDArray[np.float32], region_px: NDAr
     half = max(float(np.percentile(np.abs(found[inside]), 95)), 1e-6) if inside.any() else 1.0
     red_green_blue = colours_of(found.ravel(), half, _DIVERGING).reshape(*found.shape, 3)
     alpha = (190 * inside).astype(np.uint8)
-    axes.image(np.dstack([red_green_blue[..., ::-1], alpha]), (-0.5, -0.5))
+    _lay(axes, np.dstack([red_green_blue[..., ::-1], alpha]), (-0.5, -0.5))
     axes.colour_bar(half, _DIVERGING, "divergence (1 per frame pair)")
     step = max(round(float((high - low + 2 * margin_px).max()) / 22), 1)
     ys, xs = np.mgrid[0 : image.shape[0] : step, 0 : image.shape[1] : step]
@@ -172,7 +177,7 @@ def flow_picture(image: NDArray[Any], flow: NDArray[np.float32], region_px: NDAr
     longest_px = float(np.hypot(*vectors.T).max(initial=0.0))
     times = step / longest_px if longest_px > 0 else 1.0
     axes.arrows(at[near], times * vectors, "#fff", label="flow")
-    axes.outline(region_px, RED, width=2.2, label="contact region")
+    axes.outline(region_px, RED, width=4.4, label="contact region")
     mean = mean_divergence(flow, region_px)
     return Picture(
         "flow",
@@ -180,6 +185,41 @@ def flow_picture(image: NDArray[Any], flow: NDArray[np.float32], region_px: NDAr
         f"Mean divergence in the region {mean:+.4f}. The longest arrow is {longest_px:.2f} px.",
         axes,
     )
+
+
+def photo(image: NDArray[Any], view: View, *, bar: bool = False) -> Axes:
+    """Axes over a dimmed frame; pixel centres at whole numbers, y down. bar : there is to be one beside them."""
+    left, top, right, bottom = view
+    beside = _BAR if bar else 0
+    width = _WIDE - beside
+    height = width * (bottom - top) / (right - left)
+    axes = Axes(view, ("x (px)", "y (px)"), width, height, grid=False, beside=beside)
+    x0, y0 = max(int(np.floor(left)), 0), max(int(np.floor(top)), 0)
+    shown = np.asarray(image)[y0 : int(np.ceil(bottom)) + 1, x0 : int(np.ceil(right)) + 1]
+    grey = shown if shown.ndim == 2 else shown.mean(axis=-1)
+    dimmed = np.clip(grey.astype(np.float32) * (255 / _DIMMED), 0, 255).astype(np.uint8)
+    _lay(axes, dimmed, (x0 - 0.5, y0 - 0.5))
+    return axes
+
+
+def _lay(axes: Axes, picture: NDArray[np.uint8], left_top: tuple[float, float]) -> None:
+    """A picture (H, W), or (H, W, 4) in blue, green, red and alpha, under what is drawn from now on."""
+    axes.image(cv2.imencode(".png", picture)[1].tobytes(), left_top, (picture.shape[0], picture.shape[1]))
+
+
+def view_of(points_px: NDArray[np.float64], image: NDArray[Any], margin_px: float) -> View:
+    """Left, top, right, bottom of the part of a frame that holds the points and a margin, px."""
+    low = np.maximum(np.nanmin(points_px, axis=0) - margin_px, -0.5)
+    high = np.minimum(np.nanmax(points_px, axis=0) + margin_px, (image.shape[1] - 0.5, image.shape[0] - 0.5))
+    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+
+def colours_of(values: NDArray[np.float64], half: float, colours: Sequence[str]) -> NDArray[np.uint8]:
+    """(N, 3) red, green and blue of values from ``-half`` to ``half``, between evenly spaced colours."""
+    stops = np.array([[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in colours], dtype=np.float64)
+    place = (np.clip(values / half, -1, 1) + 1) / 2 * (len(colours) - 1)
+    found = np.column_stack([np.interp(place, np.arange(len(colours)), stop) for stop in stops.T])
+    return np.asarray(np.rint(found), dtype=np.uint8)
 
 
 def growth_between(

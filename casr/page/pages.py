@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import base64
 import dataclasses
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from html import escape
 
 import numpy as np
@@ -29,20 +27,11 @@ from casr.palette import BLUE
 from casr.press_tables import frame_rows
 from casr.scored import Score
 from casr.spread import readable
-
-
-@dataclass(frozen=True)
-class Embedded:
-    """A picture that travels inside the page. media : ``image/png`` or ``image/svg+xml``."""
-
-    title: str
-    caption: str
-    media: str
-    data: bytes
+from casr.svg import Axes, Picture
 
 
 def press_page(
-    score: Score, pictures: Sequence[Embedded], *, camera: Camera | None, n_frames: int, shape: tuple[int, int]
+    score: Score, pictures: Sequence[Picture], *, camera: Camera | None, n_frames: int, shape: tuple[int, int]
 ) -> str:
     """The page as HTML.
 
@@ -53,7 +42,7 @@ def press_page(
         html.statement(*verdict(score))
         + html.tiles(headline(score))
         + notes
-        + html.section("pictures", "Pictures", _pictures(pictures))
+        + html.section("pictures", "Pictures", html.pictures(map(_picture, pictures)))
         + html.section(
             "numbers",
             "Numbers and settings",
@@ -72,14 +61,9 @@ def whole_page(title: str, sub: str, body: str) -> str:
     return html.page(title, header, (), body, f'<p class="small">casr {casr.__version__}</p>')
 
 
-def _pictures(pictures: Iterable[Embedded]) -> str:
-    drawn = "".join(
-        f"<figure><h3>{escape(p.title)}</h3>"
-        f'<img alt="{escape(p.caption)}" src="data:{p.media};base64,{base64.b64encode(p.data).decode()}">'
-        f"<figcaption>{escape(p.caption)}</figcaption></figure>\n"
-        for p in pictures
-    )
-    return f'<div class="pictures">{drawn}</div>\n'
+def _picture(picture: Picture) -> str:
+    drawn, caption = picture.inline(), escape(picture.caption)
+    return f"<figure><h3>{escape(picture.title)}</h3>{drawn}<figcaption>{caption}</figcaption></figure>\n"
 
 
 def _intervals(score: Score) -> str:
@@ -151,9 +135,6 @@ def _origin(score: Score, camera: Camera | None, n_frames: int, shape: tuple[int
     ]
 
 
-_WIDTH, _HEIGHT, _LEFT, _BOTTOM, _TOP = 240, 170, 44, 30, 10
-
-
 def index_page(title: str, scores: Mapping[str, Score], failures: Mapping[str, str], folder: str) -> str:
     """The page as HTML; each press links to ``folder/<name>.html``. failures : press to the reason in words."""
     links = {name: f"{folder}/{name}.html" for name in scores}
@@ -208,31 +189,19 @@ def _curves(scores: Mapping[str, Score], links: Mapping[str, str]) -> str:
     high_n = max(float(np.nanmax(score.force_n)) for score in scores.values() if score.force_n is not None)
     units = {score.area_unit for score in scores.values()}
     high = {unit: max(float(np.nanmax(s.area)) for s in scores.values() if s.area_unit == unit) for unit in units}
-    figures = "".join(
-        f'<figure><a href="{escape(links[name])}">{_curve(score, high_n, high[score.area_unit])}</a>'
+    figures = (
+        f'<figure><a href="{escape(links[name])}">{_curve(score, high_n, high[score.area_unit], f"curve{place}")}</a>'
         f"<figcaption>{escape(name)}</figcaption></figure>"
-        for name, score in scores.items()
+        for place, (name, score) in enumerate(scores.items())
     )
-    return f'<div class="pictures small-ones">{figures}</div>\n'
+    return html.pictures(figures, small=True)
 
 
-def _curve(score: Score, high_n: float, high: float) -> str:
+def _curve(score: Score, high_n: float, high: float, name: str) -> str:
     """Dots on axes from zero to the highest force and area of all presses."""
     assert score.force_n is not None
-    floor, right = _HEIGHT - _BOTTOM, _WIDTH - 8
-    known = np.isfinite(score.force_n) & np.isfinite(score.area)
-    x = np.rint(_LEFT + score.force_n[known] / high_n * (right - _LEFT)).astype(int)
-    y = np.rint(floor - score.area[known] / high * (floor - _TOP)).astype(int)
-    dots = "".join(f"M{px} {py}h0" for px, py in zip(x.tolist(), y.tolist(), strict=True))
     unit = readable(score.area_unit)
-    words = (
-        f'<text x="{_LEFT}" y="{_HEIGHT - 10}">0</text><text x="{right}" y="{_HEIGHT - 10}" text-anchor="end">'
-        f'{high_n:.2g} N</text><text x="{_LEFT - 4}" y="{_TOP + 10}" text-anchor="end">{number(high, 3)}</text>'
-        f'<text x="{_LEFT - 4}" y="{_TOP + 24}" text-anchor="end">{unit}</text>'
-    )
-    label = f"contact area against force, {escape(score.name)}"
-    return (
-        f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="{label}" '
-        f'fill="#1a1a1a" font-size="12"><path d="M{_LEFT} {_TOP}V{floor}H{right}" fill="none" stroke="#555"/>'
-        f'<path d="{dots}" stroke="{BLUE}" stroke-width="4" stroke-linecap="round"/>{words}</svg>'
-    )
+    axes = Axes((0.0, 1.05 * high, 1.03 * high_n, 0.0), ("force (N)", f"area ({unit})"), width=360, height=240)
+    axes.dots(np.column_stack([score.force_n, score.area]), BLUE, size=8)
+    title = f"Contact area against force, {score.name}"
+    return axes.svg(name, title, f"The area grows to {number(float(np.nanmax(score.area)), 3)} {unit}.")

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import ArrayLike
 
+from casr.svg import in_colours_of_page
 from emg2vsa.arrays import Floats
 from emg2vsa.figures.palette import GRID, INK, Look
 
@@ -125,11 +126,11 @@ def width_pt(svg: str) -> float:
 
 
 def inline_svg(svg: str, prefix: str, title: str, description: str) -> str:
-    """SVG text made part of a page: ids unique by ``prefix``, named and described for those who do not see it.
+    """SVG text made part of a page: in its colours, ids unique by ``prefix``, told to those who do not see it.
 
     ``title`` and ``description`` are HTML-escaped text.
     """
-    body = svg[svg.index("<svg") :]
+    body = in_colours_of_page(svg[svg.index("<svg") :])
     body = re.sub(r"<metadata>.*?</metadata>\s*", "", body, flags=re.S)
     body = re.sub(r'(\bid="|xlink:href="#|url\(#)', rf"\g<1>{prefix}-", body)
     body = body.replace("xlink:href", "href").replace(' xmlns:xlink="http://www.w3.org/1999/xlink"', "", 1)

@@ -10,13 +10,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from casr.palette import BAD, GOOD
 from emg2vsa.claims.claim import Judged, Verdict
 from emg2vsa.figures.canvas import new_figure
 from emg2vsa.figures.palette import GREEN, INK, MUTED, RED
 
 COLOURS: dict[Verdict, str] = {"holds": GREEN, "refuted": RED, "not determined": MUTED}
-_DARK = "#2f6b4a"
-"""Green that can be read as a word."""
+_WORDS_IN: dict[Verdict, str] = {"holds": GOOD, "refuted": BAD, "not determined": MUTED}
 _MARKERS: dict[Verdict, str] = {"holds": "o", "refuted": "X", "not determined": "D"}
 _LOW, _HIGH = -12.0, 40.0
 """Of the axis; an interval that goes on beyond it ends in an arrow."""
@@ -55,7 +55,7 @@ def _draw(axes: Axes, place: float, each: Judged) -> None:
     claim, colour = each.claim, COLOURS[each.verdict]
     _say(axes, 0, place + _WORDS, claim.says)  # above its line, so that it may be longer than the axes are wide
     at = place + _LINE
-    _say(axes, 1.04, at, each.verdict, color=_DARK if each.verdict == "holds" else colour, weight="bold")
+    _say(axes, 1.04, at, each.verdict, color=_WORDS_IN[each.verdict], weight="bold")
     left, right = (0.0, _HIGH) if claim.asserts == "more" else (_LOW, 1.0)
     axes.fill_between([left, right], at - 0.18, at + 0.18, color=GREEN, alpha=0.18, linewidth=0)
     low, value, high = (end / claim.margin for end in (each.low, claim.found.estimate, each.high))

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from casr.html import bullets, details, figure, page, paragraph, section, table
+from casr.html import bullets, details, figure, page, paragraph, pictures, section, table
+from casr.svg import Axes, thinned
 from emg2vsa import __version__
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import RecordingError
@@ -19,7 +20,6 @@ from emg2vsa.figures.palette import BLUE, INK, YELLOW
 from emg2vsa.readers.opened import StoredChannel
 from emg2vsa.readers.survey import ChannelFacts, FileFacts
 from emg2vsa.recordings import ChannelInfo
-from emg2vsa.report.session_plots import PlotArea, thinned
 
 if TYPE_CHECKING:
     from emg2vsa.extraction import Trials
@@ -93,7 +93,7 @@ def _pictures(number: int, index: int, facts: ChannelFacts, channel: StoredChann
     if facts.role == "EMG" and channel.samples.size >= 2 * channel.fs_hz:
         caption = f"Spectrum of {facts.name}. Mains hum shows as peaks at multiples of 50 or 60 Hz."
         shown.append(figure(_spectrum(facts, channel, f"{name}s"), caption))
-    return f'<div class="pictures">{"".join(shown)}</div>\n'
+    return pictures(shown)
 
 
 def _trace(facts: ChannelFacts, channel: StoredChannel, name: str) -> str:
@@ -129,10 +129,11 @@ def _readable(facts: ChannelFacts) -> tuple[float, str]:
 def _drawing(x: Floats, y: Floats, colour: str, x_label: str, y_label: str, name: str, title: str) -> str:
     low, high = float(y.min()), float(y.max())
     margin = 0.05 * (high - low) or max(abs(high), 1.0) * 0.05
-    area = PlotArea((float(x[0]), float(x[-1])), (low - margin, high + margin), 960, 360, left=110)
-    line = f'<path d="{area.line(x, y)}" stroke="{colour}"/>'
+    view = (float(x[0]), high + margin, float(x[-1]), low - margin)
+    axes = Axes(view, (x_label, y_label), 840, 280)
+    axes.line(np.column_stack([x, y]), colour, width=2)
     told = f"Values from {low:.3g} to {high:.3g}, with {x_label} from {x[0]:.3g} to {x[-1]:.3g}."
-    return area.svg(area.axes(x_label, y_label) + line, name, title, told)
+    return axes.svg(name, title, told)
 
 
 _LONGEST_REASON, _LONGEST_NAME = 120, 24

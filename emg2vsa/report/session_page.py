@@ -125,8 +125,7 @@ def _signals(trials: Trials, window_n: tuple[float, float], name: str) -> str:
     if trials.overviews:
         drawn = [spectra(trials, m, f"{name}s{m}") for m in range(len(trials.muscles))]
         drawn.append(median_frequencies(trials, f"{name}m"))
-        pictures = "".join(f"<figure>{each}</figure>" for each in drawn if each)
-        body += f'<div class="pictures">{pictures}</div>\n' if pictures else ""
+        body += html.pictures(f"<figure>{each}</figure>" for each in drawn if each)
     return body
 
 

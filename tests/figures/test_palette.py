@@ -10,9 +10,11 @@ import pytest
 from skimage.color import deltaE_ciede2000, rgb2lab
 
 from casr import palette
-from emg2vsa.figures.canvas import new_figure, style, svg_text
+from emg2vsa.figures.canvas import inline_svg, new_figure, style, svg_text
 
-COLOURS = {name: getattr(palette, name) for name in ("INK", "BLUE", "PURPLE", "GREEN", "SKY", "YELLOW", "RED", "GREY")}
+NAMES = ("ink", "blue", "purple", "green", "sky", "yellow", "red", "grey")
+DAY, NIGHT = ({name: both[k] for name, *both in palette.ON_PAGES} for k in (0, 1))
+LEAST = {"as it is": 22, "deuteranope": 22, "protanope": 19}, {"as it is": 22, "deuteranope": 21, "protanope": 18}
 SEEN = {
     "as it is": np.eye(3),
     "deuteranope": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
@@ -40,22 +42,29 @@ def test_the_simulation_makes_red_and_green_alike():
 
 
 @pytest.mark.parametrize("who", SEEN)
-def test_every_pair_of_colours_is_told_apart(who):
-    least = {"as it is": 22, "deuteranope": 22, "protanope": 19}[who]
+@pytest.mark.parametrize(("colours", "least"), [(DAY, LEAST[0]), (NIGHT, LEAST[1])], ids=["day", "night"])
+def test_every_pair_of_colours_is_told_apart(colours, least, who):
     near = {
-        (a, b): deltaE_ciede2000(*(lab(COLOURS[name], np.array(SEEN[who])) for name in (a, b)))
-        for a, b in combinations(COLOURS, 2)
+        (a, b): deltaE_ciede2000(*(lab(colours[name], np.array(SEEN[who])) for name in (a, b)))
+        for a, b in combinations(NAMES, 2)
     }
-    assert min(near.values()) > least, min(near, key=near.get)
+    assert min(near.values()) > least[who], min(near, key=near.get)
 
 
-def test_every_colour_holds_on_white_paper():
-    luminance = [linear(colour) @ (0.2126, 0.7152, 0.0722) for colour in COLOURS.values()]
-    assert min(1.05 / (np.array(luminance) + 0.05)) > 2.2
+@pytest.mark.parametrize(("colours", "least"), [(DAY, 2.2), (NIGHT, 2.9)], ids=["day", "night"])
+def test_every_colour_holds_on_the_page(colours, least):
+    luminance = {name: linear(colour) @ (0.2126, 0.7152, 0.0722) for name, colour in colours.items()}
+    for name in NAMES:
+        dark, light = sorted((luminance[name], luminance["page"]))
+        assert (light + 0.05) / (dark + 0.05) > least, name
 
 
-def test_a_figure_is_a_light_card_by_day_and_by_night():
+def test_a_figure_is_a_light_card_in_its_file_and_in_the_colours_of_the_page_in_it():
     with style():
         figure, _ = new_figure(80, 60, (10, 2, 10, 5))
-        background = svg_text(figure).partition("<path")[2].partition(">")[0]
-    assert "fill: #ffffff" in background
+        drawn = svg_text(figure)
+    assert "fill: #ffffff" in drawn.partition("<path")[2].partition(">")[0]
+    shown = inline_svg(drawn, "f", "t", "d")
+    assert "fill: var(--page)" in shown
+    assert "#1a1a1a" not in shown
+    assert "var(--ink)" in shown

@@ -225,7 +225,7 @@ def test_pictures_and_page_of_one_press(presses: Path, tmp_path: Path) -> None:
     words = ["--page", str(tmp_path / "a" / "one.html"), "--figures", str(tmp_path / "pictures")]
     assert main(["score", str(presses / "S5_00deg_02"), *words]) == 0
     page = (tmp_path / "a" / "one.html").read_text(encoding="utf-8")
-    assert page.count("<img") == 6
+    assert page.count("<svg style=") == 6
     assert "http" not in page.replace("http://www.w3.org", "")
     names = {path.name for path in (tmp_path / "pictures").iterdir()}
     assert names == {f"{name}.svg" for name in ("area_curve", "edges", "growth", "pins", "area", "spreading")}
