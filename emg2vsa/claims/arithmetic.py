@@ -72,7 +72,7 @@ def _of_people(study: Study, weight_alpha: float, counted: Counted) -> Iterator[
     )  # fmt: skip
     yield _claim(
         "power", "14 participants with ten movements suffice (f = .25, α = .05)", "power below .80",
-        exactly(max(0.8 - float(power_rm(14, 10, EFFECT_F, RHO, EPSILON, 0.05)), 0.0)), _ROUNDED, "power",
+        exactly(max(0.8 - float(power_rm(14, 10, EFFECT_F, RHO, EPSILON, 0.05)), 0.0)), _ROUNDED, "participants",
         why="The study does not test repetitions.",
     )  # fmt: skip
     if weight_alpha == weight_alpha:

@@ -8,7 +8,7 @@ bins of its press. The first error holds how presses differ, the second is about
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy import special
@@ -18,6 +18,7 @@ from emg2vsa.curves.exponential import fit_exponential
 from emg2vsa.curves.line import fit_line
 from emg2vsa.curves.logarithmic import fit_log
 from emg2vsa.fits import Fits, usable
+from emg2vsa.shown import shown
 from emg2vsa.statistics.clusters import Names, in_order
 
 LAWS = ("logarithm", "power", "linear")
@@ -39,10 +40,10 @@ class ForceLaws:
     participant: Names
     specimen: Names
     error: Floats
-    ratio: Floats
-    ratio_low: Floats
-    ratio_high: Floats
-    p: Floats
+    ratio: Floats = field(metadata=shown("Over the logarithm's"))
+    ratio_low: Floats = field(metadata=shown("Low"))
+    ratio_high: Floats = field(metadata=shown("High"))
+    p: Floats = field(metadata=shown("p"))
     better: Ints
     compared: Ints
 

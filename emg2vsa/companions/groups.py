@@ -7,12 +7,13 @@ equal? Not having found a difference does not say so: what the data bound, and t
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats, Ints
+from emg2vsa.shown import shown
 from emg2vsa.statistics.anova import Anova, brown_forsythe, one_way, welch
 from emg2vsa.statistics.bayes import BayesFactors, jzs_anova
 from emg2vsa.statistics.effect_size import hedges_g, omega2, share_interval
@@ -61,9 +62,9 @@ class GroupTests:
     """
 
     anova: Anova
-    omega2: Floats
-    eta2_low: Floats
-    eta2_high: Floats
+    omega2: Floats = field(metadata=shown("ω²"))
+    eta2_low: Floats = field(metadata=shown("ω² low"))
+    eta2_high: Floats = field(metadata=shown("ω² high"))
     welch: Outcomes
     brown_forsythe: Outcomes
     kruskal: KruskalWallis
@@ -125,9 +126,9 @@ class PairTests:
     dunn: RankPairs
     mann_whitney: MannWhitney
     p_rank_holm: Floats
-    g: Floats
-    g_low: Floats
-    g_high: Floats
+    g: Floats = field(metadata=shown("g"))
+    g_low: Floats = field(metadata=shown("g low"))
+    g_high: Floats = field(metadata=shown("g high"))
 
     @property
     def first(self) -> Ints:
@@ -136,6 +137,14 @@ class PairTests:
     @property
     def second(self) -> Ints:
         return self.lsd.second
+
+    @property
+    def corrected(self) -> dict[str, Floats]:
+        """p (d, q) of every pair by each test that is corrected for their number."""
+        return {
+            "holm": self.p_holm, "tukey": self.tukey.p, "games_howell": self.games_howell.p, "fdr": self.p_fdr,
+            "dunn": self.dunn.p, "mann_whitney": self.p_rank_holm,
+        }  # fmt: skip
 
     def outcomes(self, i: int, pair: int) -> tuple[Outcome, ...]:
         """All tests of one pair of design ``i``."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.report.latex import latex_number, latex_text
-from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number, p_text
+from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number, p_parts, p_text
 from emg2vsa.statistics.outcome import Outcome
 from emg2vsa.statistics.power import MEANING, PairPower, PowerTable
 
@@ -21,19 +21,13 @@ Style = Literal["apa", "ieee", "latex", "plain"]
 STYLES: tuple[Style, ...] = ("apa", "ieee", "latex", "plain")
 
 _SYMBOLS = {
-    "chi2": ("χ²", r"\chi^2"),
-    "BF01": ("BF₀₁", r"\mathrm{BF}_{01}"),
-    "eta2": ("η²", r"\eta^2"),
-    "omega2": ("ω²", r"\omega^2"),
-    "partial eta2": ("η²_p", r"\eta^2_p"),
-    "partial omega2": ("ω²_p", r"\omega^2_p"),
-    "generalised eta2": ("η²_G", r"\eta^2_G"),
-    "rank epsilon2": ("ε²_R", r"\varepsilon^2_R"),
-    "rank-biserial": ("r_rb", r"r_\mathrm{rb}"),
-    "Kendall's W": ("Kendall's W", r"W_\mathrm{Kendall}"),
-    "Hedges g": ("g", "g"),
-}
-"""Names of statistics and effects as Unicode and as mathematics; a name that is not here stays as it is."""
+    "chi2": ("χ²", r"\chi^2"), "BF01": ("BF₀₁", r"\mathrm{BF}_{01}"), "eta2": ("η²", r"\eta^2"),
+    "omega2": ("ω²", r"\omega^2"), "partial eta2": ("η²_p", r"\eta^2_p"), "partial omega2": ("ω²_p", r"\omega^2_p"),
+    "generalised eta2": ("η²_G", r"\eta^2_G"), "rank epsilon2": ("ε²_R", r"\varepsilon^2_R"),
+    "rank-biserial": ("r_rb", r"r_\mathrm{rb}"), "Kendall's W": ("Kendall's W", r"W_\mathrm{Kendall}"),
+    "Hedges g": ("g", "g"), **{letter: (letter, letter) for letter in ("p", "F", "H", "D", "U", "t", "q", "W", "z")},
+}  # fmt: skip
+"""Statistics and effects as Unicode and as mathematics; a name that is not here is text, and stays as it is."""
 _AT_MOST_ONE = frozenset(
     {
         "eta2", "omega2", "partial eta2", "partial omega2", "generalised eta2", "rank epsilon2", "rank-biserial",
@@ -45,120 +39,91 @@ _COUNTS = frozenset({"D", "W"})
 
 
 def said(outcome: Outcome, style: Style = "apa") -> str:
-    """``F(4, 45) = 5.23, p = .002, ω² = .25, 95% CI [.08, .46], η² = .32``; what the outcome does not have is left
-    out."""
-    if _undefined(outcome):
-        return "not defined"
-    parts = (_statistic(outcome, style), _p(outcome, style), effect_said(outcome, style))
-    return ", ".join(filter(None, parts))
+    """``F(4, 45) = 5.23, p = .002, ω² = .25, 95% CI [.08, .46], η² = .32``; what it does not have is left out."""
+    return ", ".join(
+        filter(None, (statistic_said(outcome, style), "" if _undefined(outcome) else effect_said(outcome, style)))
+    )
 
 
 def statistic_said(outcome: Outcome, style: Style = "apa") -> str:
     """The statistic and p alone."""
     if _undefined(outcome):
         return "not defined"
-    return ", ".join(filter(None, (_statistic(outcome, style), _p(outcome, style))))
+    parts = [] if outcome.statistic_name is None or outcome.statistic is None else [_statistic(outcome, style)]
+    return ", ".join(parts if outcome.p is None else [*parts, p_said(outcome.p, style)])
 
 
 def effect_said(outcome: Outcome, style: Style = "apa") -> str:
     """The estimate with its interval, and the effect."""
-    return ", ".join(filter(None, (_estimate(outcome, style), _effect(outcome, style))))
+    parts = []
+    if outcome.estimate_name is not None and outcome.estimate is not None:
+        parts.append(_named(outcome.estimate_name, outcome.estimate, style))
+        if outcome.interval and outcome.confidence and not math.isnan(outcome.estimate):
+            parts.append(
+                _interval(*outcome.interval, outcome.confidence, style, share=_is_share(outcome.estimate_name))
+            )
+    if outcome.effect_name is not None and outcome.effect_size is not None:
+        parts.append(_named(outcome.effect_name, outcome.effect_size, style))
+    return ", ".join(parts)
 
 
 def p_said(p: float, style: Style = "apa") -> str:
     """``p = .039``, ``p < .001``; plain: four digits, however small."""
-    if style == "apa":
-        return p_text(p)
-    if math.isnan(p):
-        return "p not defined"
-    if style == "plain":
-        return f"p = {p:.4g}"
-    relation, value = ("<", 0.001) if p < 0.001 else (">", 0.999) if p > 0.9995 else ("=", p)
-    return _equation("p", "p", _decimals(value, 3, style, at_most_one=True), style, relation)
+    if style == "apa" or math.isnan(p):
+        return p_text(p) if style == "apa" else "p not defined"
+    relation, value = ("=", f"{p:.4g}") if style == "plain" else p_parts(p)
+    return _equation("p", re.sub(r"^\.", "0.", value) if style == "ieee" else value, style, relation)
 
 
 def range_said(name: str, values: Floats, style: Style = "apa") -> str:
     """One value in full (``η² = .32``), the range of many (``η² from .12 to .61``)."""
     known = values[~np.isnan(values)]
-    shown = span_said(known, style, at_most_one=_is_share(name))
+    shown = span_said(known, style, share=_is_share(name))
     if known.size and " to " not in shown:
         return _named(name, float(known[0]), style)
     return f"{_symbol(name, style)} {'from ' if known.size else ''}{shown}"
 
 
-def span_said(values: Floats, style: Style = "apa", *, at_most_one: bool = False) -> str:
+def span_said(values: Floats, style: Style = "apa", *, share: bool = False) -> str:
     """``.32``, or ``.12 to .61``."""
     known = values[~np.isnan(values)]
     if not known.size:
         return "not defined"
-    ends = dict.fromkeys(_value(float(end), style, at_most_one=at_most_one) for end in (known.min(), known.max()))
-    return " to ".join(f"${end}$" for end in ends) if style == "latex" else " to ".join(ends)
+    ends = dict.fromkeys(_value(float(end), style, share=share) for end in (known.min(), known.max()))
+    return " to ".join(f"${end}$" if style == "latex" else end for end in ends)
 
 
-def _interval_said(
-    low: float, high: float, confidence: float, style: Style = "apa", *, at_most_one: bool = False
-) -> str:
+def _interval(low: float, high: float, confidence: float, style: Style, *, share: bool) -> str:
     """``95% CI [.08, .46]``."""
-    ends = ", ".join(_value(end, style, at_most_one=at_most_one) for end in (low, high))
+    ends = ", ".join(_value(end, style, share=share) for end in (low, high))
     limits = f"$[{ends}]$" if style == "latex" else f"[{ends}]"
     if math.isnan(high - low):  # NaN, or both ends infinite on one side
         limits = "not defined"
     elif math.isinf(low) and math.isinf(high):
         limits = "not defined at this n"
-    level = f"{100 * confidence:g}"
-    if style == "latex":
-        return rf"{level}\,\% CI {limits}"
-    sign = "%" if style == "apa" else " %"
-    return f"{level}{sign} CI {limits}".replace(" ", " " if style == "plain" else NO_BREAK)
+    percent = {"latex": r"\,\%", "apa": "%"}.get(style, " %")
+    said = f"{100 * confidence:g}{percent} CI {limits}"
+    return said if style in ("latex", "plain") else said.replace(" ", NO_BREAK)
 
 
 def _undefined(outcome: Outcome) -> bool:
-    numbers = (*outcome.df, *([] if outcome.statistic is None else [outcome.statistic]))
-    return any(map(math.isnan, numbers))
+    return any(map(math.isnan, (*outcome.df, *([] if outcome.statistic is None else [outcome.statistic]))))
 
 
 def _statistic(outcome: Outcome, style: Style) -> str:
-    name, value = outcome.statistic_name, outcome.statistic
-    if name is None or value is None:
-        return ""
+    name, value = outcome.statistic_name or "", float(outcome.statistic or 0)
     df = outcome.df or ((float(outcome.n),) if name in _COUNTS else ())
-    shown = ", ".join([*(_df(each, style) for each in df), *([f"N = {outcome.n}"] if name == "chi2" else [])])
-    if style in ("apa", "ieee"):
-        shown = shown.replace(" ", NO_BREAK)
-    of = f"({shown})" if shown else ""
-    plain, mathematics = _SYMBOLS.get(name, (name, name))
-    if style == "plain":
-        plain = name
-    return _equation(f"{plain}{of}", f"{mathematics}{of}", _of_statistic(value, style), style)
-
-
-def _p(outcome: Outcome, style: Style) -> str:
-    return "" if outcome.p is None else p_said(outcome.p, style)
-
-
-def _effect(outcome: Outcome, style: Style) -> str:
-    if outcome.effect_name is None or outcome.effect_size is None:
-        return ""
-    return _named(outcome.effect_name, outcome.effect_size, style)
-
-
-def _estimate(outcome: Outcome, style: Style) -> str:
-    name = outcome.estimate_name
-    if name is None or outcome.estimate is None:
-        return ""
-    text = _named(name, outcome.estimate, style)
-    if outcome.interval is None or outcome.confidence is None or math.isnan(outcome.estimate):
-        return text
-    return f"{text}, {_interval_said(*outcome.interval, outcome.confidence, style, at_most_one=_is_share(name))}"
+    of = [f"{each:.6g}" if style == "plain" else f"{each:.{0 if each == round(each) else 1}f}" for each in df]
+    shown = ", ".join([*of, *([f"N = {outcome.n}"] if name == "chi2" else [])])
+    fixed = 0.005 <= abs(value) < 1e6 or value == 0
+    shown = shown.replace(" ", NO_BREAK) if style in ("apa", "ieee") else shown
+    return _equation(name, _value(value, style, 2 if fixed else None), style, of=f"({shown})" if shown else "")
 
 
 def _named(name: str, value: float, style: Style) -> str:
     if math.isnan(value):
         return f"{_symbol(name, style)} not defined"
-    shown = _value(value, style, at_most_one=_is_share(name))
-    if style == "latex":
-        return f"{_symbol(name, style)} $= {shown}$" if name not in _SYMBOLS else f"${_SYMBOLS[name][1]} = {shown}$"
-    return _equation(_symbol(name, style), "", shown, style)
+    return _equation(name, _value(value, style, share=_is_share(name)), style)
 
 
 def _symbol(name: str, style: Style) -> str:
@@ -171,46 +136,26 @@ def _is_share(name: str) -> bool:
     return name in _AT_MOST_ONE or name.startswith("ICC")
 
 
-def _value(value: float, style: Style, *, at_most_one: bool) -> str:
-    """An effect or the end of an interval: shares with two decimals, anything else with three digits."""
+def _value(value: float, style: Style, decimals: int | None = None, *, share: bool = False) -> str:
+    """``decimals``, else three digits; of a share two decimals and, but for IEEE, no zero before the point."""
     if style == "plain":
         return f"{value:.6g}"
-    if at_most_one:
-        return _decimals(value, 2, style, at_most_one=True)
-    return _finite(value, number(value) if math.isfinite(value) else "", style)
-
-
-def _of_statistic(value: float, style: Style) -> str:
-    if style == "plain":
-        return f"{value:.6g}"
-    fixed = 0.005 <= abs(value) < 1e6 or value == 0
-    return _finite(value, f"{value:.2f}" if fixed else number(value), style)
-
-
-def _decimals(value: float, decimals: int, style: Style, *, at_most_one: bool) -> str:
-    shown = _finite(value, f"{value:.{decimals}f}", style)
-    return re.sub(r"^(-?)0\.", r"\1.", shown) if at_most_one and style in ("apa", "latex") else shown
-
-
-def _finite(value: float, shown: str, style: Style) -> str:
-    if math.isnan(value):
-        return UNDEFINED if style != "latex" else "--"
-    if math.isinf(value):
-        return ("-" if value < 0 else "") + (r"\infty" if style == "latex" else "∞")
+    if not math.isfinite(value):
+        nan, infinity = ("--", r"\infty") if style == "latex" else (UNDEFINED, "∞")
+        return nan if math.isnan(value) else f"{'-' if value < 0 else ''}{infinity}"
+    decimals = 2 if share else decimals
+    shown = number(value) if decimals is None else f"{value:.{decimals}f}"
+    shown = re.sub(r"^(-?)0\.", r"\1.", shown) if share and style != "ieee" else shown
     return latex_number(shown).removeprefix(r"\ensuremath{").removesuffix("}") if style == "latex" else shown
 
 
-def _df(value: float, style: Style) -> str:
-    if style == "plain":
-        return f"{value:.6g}"
-    return f"{value:.0f}" if value == round(value) else f"{value:.1f}"
-
-
-def _equation(plain: str, mathematics: str, value: str, style: Style, relation: str = "=") -> str:
+def _equation(name: str, value: str, style: Style, relation: str = "=", of: str = "") -> str:
+    """``F(4, 45) = 5.23``."""
     if style == "latex":
-        return f"${mathematics} {relation} {value}$"
+        symbol = _SYMBOLS.get(name)
+        return f"${symbol[1]}{of} {relation} {value}$" if symbol else f"{latex_text(name)}{of} ${relation} {value}$"
     space = " " if style == "plain" else NO_BREAK
-    return f"{plain}{space}{relation}{space}{value}"
+    return f"{_symbol(name, style)}{of}{space}{relation}{space}{value}"
 
 
 def pair_words(found: PairPower, design: str, n: int, target: float) -> tuple[dict[str, Any], list[str]]:

@@ -57,7 +57,7 @@ def _texts(results: StudyResults, content: Content) -> Iterator[tuple[str, str |
         if table.own_page:
             yield (
                 table.own_page,
-                html.page(table.caption, f"<h1>{escape(table.caption)}</h1>", [], table.html(most=None), ""),
+                html.page(table.caption, f"<h1>{escape(table.caption)}</h1>", [], table.html(whole=True), ""),
             )
     yield from _printed(content)
 

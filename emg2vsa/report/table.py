@@ -20,8 +20,8 @@ from emg2vsa.shown import words_of
 
 Cell = str | int | float | bool | None
 Row = Mapping[str, Cell]
-MOST_ON_PAGE = 200
-"""Rows of a table that people see on a page; the others are in its file."""
+MOST_ON_PAGE, FEW_ON_PAGE = 200, 20
+"""Rows of a table that people see on a page, and of one on single persons or pairs; the others are in its file."""
 _AT_ONCE = 500
 
 
@@ -59,7 +59,8 @@ class Table:
     """``rows`` map the key of every column to a plain value; people see ``shown_rows`` where all would be too many.
 
     ValueError : a row lacks a column, or has a key that is none. kinds : CSS classes of the rows that people see, as
-    many as these. links : addresses of their first cells. groups : a heading of each; neighbours share theirs.
+    many as these. links : addresses of their first cells. groups : a heading of each; neighbours share theirs. most :
+    rows that the page of the report shows.
     """
 
     name: str
@@ -70,6 +71,7 @@ class Table:
     kinds: tuple[str, ...] = ()
     links: tuple[str, ...] = ()
     groups: tuple[str, ...] = ()
+    most: int = MOST_ON_PAGE
 
     def __post_init__(self) -> None:
         keys = [column.key for column in self.columns]
@@ -88,8 +90,9 @@ class Table:
             some = itertools.islice(rows, _AT_ONCE)
             lines = [[_exact(row[column.key]) for column in self.columns] for row in some]
 
-    def html(self, number: int = 0, most: int | None = MOST_ON_PAGE) -> str:
-        """Scrolls sideways on a narrow screen. number : of the table on its page. most : rows; None for all."""
+    def html(self, number: int = 0, *, whole: bool = False) -> str:
+        """Scrolls sideways on a narrow screen. number : of the table on its page. whole : every row."""
+        most = None if whole else self.most
         classes = [
             "verdict" if column.key == "verdict" else "n" if numeric else ""
             for column, numeric in zip(self.columns, self.numeric(), strict=True)
@@ -112,7 +115,7 @@ class Table:
     @property
     def own_page(self) -> str:
         """Name of the page that shows all rows; "" where the report's page does, or no row has a link."""
-        return f"{self.name}.html" if self.links and len(self.rows) > MOST_ON_PAGE else ""
+        return f"{self.name}.html" if self.links and len(self.rows) > self.most else ""
 
     def numeric(self) -> list[bool]:
         """Which columns hold numbers."""
@@ -161,10 +164,12 @@ class ColumnRows(Sequence[Row]):
         return (dict(zip(self._columns, values, strict=True)) for values in zip(*lists, strict=True))
 
 
-def table_of(name: str, caption: str, columns: Mapping[Column, Sequence[Cell] | np.ndarray]) -> Table:
+def table_of(
+    name: str, caption: str, columns: Mapping[Column, Sequence[Cell] | np.ndarray], most: int = MOST_ON_PAGE
+) -> Table:
     """A table from the values (n,) of each of its columns."""
     rows = ColumnRows({column.key: values for column, values in columns.items()})
-    return Table(name, caption, tuple(columns), rows)
+    return Table(name, caption, tuple(columns), rows, most=most)
 
 
 def columns(found: object, *keys: str, at: Any = slice(None)) -> Columns:

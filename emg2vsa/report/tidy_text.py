@@ -5,52 +5,51 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import zip_longest
 from textwrap import wrap
 from typing import Any
 
 import numpy as np
 
-from emg2vsa.arrays import Floats
-from emg2vsa.companions.table import BlockTests, TableTests
+from emg2vsa.companions.table import BlockTests
 from emg2vsa.companions.tidy import TidyTests
 from emg2vsa.report.companion_rows import (
     COLUMNS,
+    CORRECTED,
     CompanionRow,
-    decided,
+    anova_said,
     dunn_bounds,
     equality_rows,
     group_rows,
-    how_many,
     normality_rows,
     over_people_pair_rows,
-    over_people_rows,
     pair_rows,
-    variance_row,
 )
 from emg2vsa.report.outcome_text import STYLES, Style, p_said, said
-from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number
+from emg2vsa.report.wording import NO_BREAK, aligned, count, number
 from emg2vsa.statistics.outcome import Outcome
-from emg2vsa.statistics.post_hoc import PairDifferences
 
 _WIDTHS = (32, 46, 40)
 _SUMMARY = frozenset({"groups", "groups over blocks"})
 """Names whose results are always printed."""
 _ONE_BLOCK = (
-    "All rows are taken as independent. There are no tests over blocks: they take two blocks or more, and the table "
-    "has one. What is found holds for this block only."
+    "These tests take all rows as independent. There are no tests over blocks: they take two blocks or more, and the "
+    "table has one. The result holds for this block only."
 )
-_NO_BLOCK = "All rows are taken as independent. If a person gave several rows, name the column of people: --block."
+_NO_BLOCK = (
+    "These tests take all rows as independent. If a person gave several rows, name the column of people with --block."
+)
 _OVER_BLOCKS = (
-    "The paper's test takes all rows as independent, but rows of a block are not. Trust the tests over blocks, the "
-    "first of them first: it allows for groups that scatter unequally."
+    "The paper's test takes all rows as independent, but rows of a block are not. Trust the tests over blocks, and the "
+    "repeated-measures ANOVA most: it allows for groups that scatter unequally."
 )
 _PAIRS_OVER_BLOCKS = (
-    "LSD takes all rows as independent. Trust the pairs over blocks, paired t first: each pair has its own scatter. "
-    "The mixed model takes one for all; it finds too many where the sphericity ε is far below 1."
+    "LSD takes all rows as independent. Trust the pairs over blocks, and paired t most: it gives each pair its own SD. "
+    "The mixed model gives all pairs one SD, and finds too many differences where the sphericity ε is far below 1."
 )
 _NORMALITY = (
-    "The p of standardised KS is far too large. Raw KS also tests location and scale. Small groups have little power. "
-    "Do not choose the next test by the outcome of these tests."
+    "The p of the standardised Kolmogorov-Smirnov test is far too large. The raw form also tests location and scale. "
+    "Every test has little power in small groups. Do not choose the next test by the outcome of these."
 )
 _EQUAL = "A test that finds no difference does not show equality."
 
@@ -64,116 +63,93 @@ class Hypothesis:
     mind: str
 
 
-def hypotheses(found: TidyTests, style: Style) -> list[Hypothesis]:
+def hypotheses(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
     """Over all rows; then block by block, and between blocks, where there are blocks."""
-    return [*_together(found, style), *_by_block(found, style)]
-
-
-def _together(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
-    tests, alpha, blocks = found.together, found.alpha, found.by_block
-    groups, over = tests.between_groups, _over_blocks(found)
-    cells = blocks.normality if blocks and np.isfinite(blocks.normality.lilliefors.p).any() else None
-    yield Hypothesis(
-        "Is each group Gaussian?" if cells is None else "Is each group of each block Gaussian?",
-        normality_rows(cells or tests.normality, alpha, "groups" if cells is None else "cells", style), _NORMALITY,
-    )  # fmt: skip
-    paper = f"One-way ANOVA: {decided([groups.anova_outcome()], alpha, '', style)}"
-    yield Hypothesis(
-        "Do groups differ?",
-        [*(over_people_rows(paper, over, style) if over else []), *group_rows(groups, alpha, "", style),
-         variance_row(groups, alpha, "", style)],
-        _OVER_BLOCKS if over else _ONE_BLOCK if blocks else _NO_BLOCK,
-    )  # fmt: skip
-    if over:
-        pairs, mind = over_people_pair_rows(tests.pairs, over, alpha, style), _PAIRS_OVER_BLOCKS
+    tests, alpha, table, over = found.together, found.alpha, found.by_block, _over_blocks(found)
+    groups = tests.between_groups
+    if table and np.isfinite(table.normality.lilliefors.p).any():
+        rows = normality_rows(table.normality, alpha, "cells", style)
+        yield Hypothesis("Is each group of each block Gaussian?", rows, _NORMALITY)
     else:
-        pairs, floor = pair_rows(tests.pairs, alpha, style), dunn_bounds(found.count)
+        yield Hypothesis("Is each group Gaussian?", normality_rows(tests.normality, alpha, "groups", style), _NORMALITY)
+    mind = _OVER_BLOCKS if over else _ONE_BLOCK if table else _NO_BLOCK
+    yield Hypothesis("Do groups differ?", group_rows(groups, alpha, "", style, over), mind)
+    if over:
+        rows, mind = over_people_pair_rows(tests.pairs, over, alpha, style), _PAIRS_OVER_BLOCKS
+    else:
+        rows, floor, n = pair_rows(tests.pairs, alpha, style), dunn_bounds(found.count), tests.pairs.first.size
         mind = (
-            f"{tests.pairs.first.size} pairs. With more than three groups, LSD does not control the familywise error."
+            f"The groups form {count(n, 'pair')}. LSD does not control the familywise error of more than three groups."
         )
         if floor:
             mind += f" With groups of this size and no ties, the largest p of Dunn's pairs is {floor[1]:.2g} or more."
-    yield Hypothesis("Which groups differ?", pairs, mind)
-    equal = equality_rows(paper, found.equality, None, 1.0, "", style)
-    yield Hypothesis("Are groups equal?", equal, f"{_EQUAL} State a margin with --margin.")
+    yield Hypothesis("Which groups differ?", rows, mind)
+    rows = equality_rows(anova_said(groups, alpha, "", style), found.equality, style)
+    yield Hypothesis("Are groups equal?", rows, f"{_EQUAL} State a margin with --margin.")
+    if table and np.isfinite(table.between_groups.anova.p).any():
+        rows = [*group_rows(table.between_groups, alpha, "blocks", style), *pair_rows(table.pairs, alpha, style)]
+        mind = "Each block has tests of its own. Their results hold for this block only."
+        yield Hypothesis("Do groups differ within each block?", rows, mind)
+    if table and np.isfinite(table.between_blocks.anova.p).any():
+        paper = anova_said(table.between_blocks, alpha, "groups", style)
+        equal = equality_rows(paper, table.equality, style, table.blocks)
+        rows = group_rows(table.between_blocks, alpha, "groups", style, equal=equal)
+        yield Hypothesis("Are blocks equal?", rows, f"Each group has tests of its own. {_EQUAL}")
 
 
 def _over_blocks(found: TidyTests) -> BlockTests | None:
     return found.by_block.blocks if found.by_block else None
 
 
-def _by_block(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
-    tests, alpha = found.by_block, found.alpha
-    if tests is None:
-        return
-    if np.isfinite(tests.between_groups.anova.p).any():
-        yield Hypothesis(
-            "Do groups differ within each block?",
-            [*group_rows(tests.between_groups, alpha, "blocks", style), *pair_rows(tests.pairs, alpha, style)],
-            "One analysis per block. The result of a block holds for this block only.",
-        )
-    across = tests.between_blocks
-    if np.isfinite(across.anova.p).any():
-        paper = f"One-way ANOVA: {how_many(across.anova.p, alpha, 'groups', style)}"
-        equal = equality_rows(paper, tests.equality, tests.blocks, 1.0, "", style)
-        rows = [*group_rows(across, alpha, "groups", style), *equal]
-        yield Hypothesis("Are blocks equal?", rows, f"One analysis per group. {_EQUAL}")
-
-
 def outcomes(found: TidyTests) -> Iterator[tuple[str, Outcome]]:
     """Every test with the name of the group, pair or block that it tests."""
-    tests, blocks = found.together, _over_blocks(found)
-    if blocks is not None:
-        yield from (("groups over blocks", outcome) for outcome in blocks.outcomes())
-    for i, group in enumerate(found.groups.tolist()):
-        yield from ((group, outcome) for outcome in tests.normality.outcomes(i))
-    yield from (("groups", outcome) for outcome in tests.between_groups.outcomes())
-    for pair, (first, second) in enumerate(zip(tests.pairs.first, tests.pairs.second, strict=True)):
-        name = f"{found.groups[first]} - {found.groups[second]}"
-        yield from ((name, outcome) for outcome in tests.pairs.outcomes(0, pair))
-        if blocks is not None:
-            yield from ((f"{name} over blocks", outcome) for outcome in blocks.pair_outcomes(pair))
-        if found.tost is not None:
-            yield name, found.tost.outcome(0, pair)
-    if found.by_block is not None:
-        yield from _outcomes_by_block(found, found.by_block)
+    for name, several in _outcomes(found):
+        yield from ((name, outcome) for outcome in several)
     yield from found.of_plugins
 
 
-def _outcomes_by_block(found: TidyTests, tests: TableTests) -> Iterator[tuple[str, Outcome]]:
-    pairs = found.together.pairs
+def _outcomes(found: TidyTests) -> Iterator[tuple[str, Sequence[Outcome]]]:
+    tests, table, over = found.together, found.by_block, _over_blocks(found)
+    if over:
+        yield "groups over blocks", over.outcomes()
+    yield from ((group, tests.normality.outcomes(i)) for i, group in enumerate(found.groups.tolist()))
+    yield "groups", tests.between_groups.outcomes()
+    for at, pair in enumerate(_pairs(found)):
+        yield pair, tests.pairs.outcomes(0, at)
+        if over:
+            yield f"{pair} over blocks", over.pair_outcomes(at)
+        if found.tost is not None:
+            yield pair, [found.tost.outcome(0, at)]
+    if table is None:
+        return
     for i, block in enumerate(found.blocks.tolist()):
-        yield from ((f"groups in {block}", outcome) for outcome in tests.between_groups.outcomes(i))
-        for pair, (first, second) in enumerate(zip(pairs.first, pairs.second, strict=True)):
-            name = f"{found.groups[first]} - {found.groups[second]} in {block}"
-            yield from ((name, outcome) for outcome in tests.pairs.outcomes(i, pair))
+        yield f"groups in {block}", table.between_groups.outcomes(i)
+        yield from ((f"{pair} in {block}", table.pairs.outcomes(i, at)) for at, pair in enumerate(_pairs(found)))
     for i, group in enumerate(found.groups.tolist() if found.blocks.size > 1 else []):
-        yield from ((f"blocks in {group}", outcome) for outcome in tests.between_blocks.outcomes(i))
+        yield f"blocks in {group}", table.between_blocks.outcomes(i)
+
+
+def _pairs(found: TidyTests) -> list[str]:
+    pairs, names = found.together.pairs, found.groups
+    return [f"{names[i]} - {names[j]}" for i, j in zip(pairs.first, pairs.second, strict=True)]
 
 
 def text(found: TidyTests, style: Style, *, details: bool) -> str:
     """The whole answer for a terminal; details : every result of every group, pair and block too."""
-    parts = [_groups(found)]
+    groups = zip(found.groups.tolist(), found.count.tolist(), found.mean.tolist(), found.sd.tolist(), strict=True)
+    rows = [(name, str(n), _mean(mean, sd), number(sd)) for name, n, mean, sd in groups]
+    parts = [*aligned([("group", "n", "mean", "SD"), *rows])]
     for hypothesis in hypotheses(found, style):
-        parts.append(f"\n{hypothesis.question}\n" + "\n".join(_grid(hypothesis.rows)))
-        parts.append("\n".join(wrap(hypothesis.mind, sum(_WIDTHS) + 4)))
-    by = "LSD" if _over_blocks(found) is None else _differences(found).method
-    parts += [f"\nPairs, p of each test (differences and their intervals: {by})", *_pairs(found, style), "\nResults"]
+        parts += [f"\n{hypothesis.question}", *_grid(hypothesis.rows), *wrap(hypothesis.mind, sum(_WIDTHS) + 4)]
+    parts += [*_pair_lines(found, style), "\nResults"]
     above, shown = "", _SUMMARY.union(name for name, _ in found.of_plugins)
     for name, outcome in outcomes(found):
         if details or name in shown:
+            notes = f"  [{'; '.join(outcome.notes)}]" if outcome.notes else ""
             parts += [name] if name != above else []
-            parts.append(f"  {outcome.method}: {said(outcome, style)}{_notes(outcome)}")
+            parts.append(f"  {outcome.method}: {said(outcome, style)}{notes}")
             above = name
     return "\n".join(parts).replace(NO_BREAK, " ")
-
-
-def _groups(found: TidyTests) -> str:
-    width = max(map(len, (*found.groups.tolist(), "group")))
-    rows = [f"{'group':<{width}}{'n':>8}{'mean':>22}{'SD':>12}"]
-    for name, n, mean, sd in zip(found.groups.tolist(), found.count, found.mean, found.sd, strict=True):
-        rows.append(f"{name:<{width}}{n:>8}{_mean(float(mean), float(sd)):>22}{number(float(sd)):>12}")
-    return "\n".join(rows)
 
 
 def _mean(mean: float, sd: float) -> str:
@@ -182,63 +158,35 @@ def _mean(mean: float, sd: float) -> str:
     return f"{mean:.{min(max(digits, 3), 17)}g}"
 
 
-def _pairs(found: TidyTests, style: Style) -> Iterator[str]:
-    tests, names = found.together.pairs, found.groups
-    families, size = _families(found)
-    differences = _differences(found)
-    pairs = [f"{names[i]} - {names[j]}" for i, j in zip(tests.first, tests.second, strict=True)]
-    width = max(map(len, (*pairs, "pair")))
-    heads = "".join(f"{head:>12}" for head in families)
-    yield f"{'pair':<{width}}  {'difference':<34}{heads}{'g_z' if _over_blocks(found) else 'g':>8}"
-    for at, pair in enumerate(pairs):
-        low, high = (number(float(end[0, at])) for end in (differences.low, differences.high))
-        limits = f"[{low}, {high}]" if math.isfinite(differences.low[0, at]) else "[not defined]"
-        difference = f"{number(float(differences.difference[0, at]))} {limits}"
-        cells = "".join(f"{_p(float(family[0, at]), style):>12}" for family in families.values())
-        yield f"{pair:<{width}}  {difference:<34}{cells}{number(float(size[0, at])):>8}"
-
-
-def _differences(found: TidyTests) -> PairDifferences:
-    blocks = _over_blocks(found)
-    return found.together.pairs.lsd if blocks is None else blocks.paired.t
-
-
-def _families(found: TidyTests) -> tuple[dict[str, Floats], Floats]:
-    """p of every pair by the heads of their columns, and the size of the difference."""
-    tests, blocks = found.together.pairs, _over_blocks(found)
-    if blocks is not None:
-        short = {"Mixed-model contrasts": "Mixed", "Paired t": "Paired t", "Signed ranks": "Signed r."}
-        over = {short[name]: p for name, p in blocks.pair_families.items()}
-        return over | {"LSD (rows)": tests.lsd.p}, blocks.paired.g
-    return {
-        "LSD": tests.lsd.p, "Holm": tests.p_holm, "Tukey": tests.tukey.p, "Games-H.": tests.games_howell.p,
-        "FDR": tests.p_fdr, "Dunn": tests.dunn.p, "Mann-Wh.": tests.p_rank_holm,
-    }, tests.g  # fmt: skip
-
-
-def _p(p: float, style: Style) -> str:
-    """p without its letter, which the head of the column has."""
-    shown = p_said(p, style).replace("$", "").replace(NO_BREAK, " ")
-    return shown.removeprefix("p ").removeprefix("= ").replace("not defined", UNDEFINED)
+def _pair_lines(found: TidyTests, style: Style) -> Iterator[str]:
+    """Every pair: its difference, the p of each test, and the size of the difference."""
+    tests, over = found.together.pairs, _over_blocks(found)
+    if over is None:
+        of, method, size = tests.lsd, "LSD", ("g", tests.g)
+        families = {"LSD": tests.lsd.p} | {CORRECTED[key]: p for key, p in tests.corrected.items()}
+    else:
+        of, method, size = over.paired.t, over.paired.t.method, ("g_z", over.paired.g)
+        families = over.pair_families | {"LSD (rows)": tests.lsd.p}
+    yield f"\nPairs: p of each test (differences and their intervals: {method})"
+    rows = [("pair", "difference", *families, size[0])]
+    for at, pair in enumerate(_pairs(found)):
+        difference, low, high = (number(float(each[0, at])) for each in (of.difference, of.low, of.high))
+        limits = f"[{low}, {high}]" if math.isfinite(of.low[0, at]) else "[not defined]"
+        shown = (p_said(float(p[0, at]), style).strip("$").replace(NO_BREAK, " ") for p in families.values())
+        cells = (p.removeprefix("p ").removeprefix("= ") for p in shown)
+        rows.append((pair, f"{difference} {limits}", *cells, number(float(size[1][0, at]))))
+    yield from aligned(rows, left=(0, 1))
 
 
 def _grid(rows: Sequence[CompanionRow]) -> Iterator[str]:
     """Three columns of wrapped text. The first column does not repeat the text of the row above."""
-    heads = [column.head for column in COLUMNS]
-    above = ""
-    for cells in (heads, *((row.paper, row.companion, row.effect) for row in rows)):
+    above, rule = "", ["-" * width for width in _WIDTHS]
+    for cells in ([column.head for column in COLUMNS], rule, *((row.paper, row.companion, row.effect) for row in rows)):
         shown = ["" if cells[0] == above else cells[0], *cells[1:]]
         above = cells[0]
-        columns = [wrap(cell, width) or [""] for cell, width in zip(shown, _WIDTHS, strict=True)]
-        for i in range(max(map(len, columns))):
-            line = (f"{c[i] if i < len(c) else '':<{w}}" for c, w in zip(columns, _WIDTHS, strict=True))
-            yield "  ".join(line).rstrip()
-        if cells is heads:
-            yield "  ".join("-" * width for width in _WIDTHS)
-
-
-def _notes(outcome: Outcome) -> str:
-    return f"  [{'; '.join(outcome.notes)}]" if outcome.notes else ""
+        columns = [wrap(cell, width) for cell, width in zip(shown, _WIDTHS, strict=True)]
+        for line in zip_longest(*columns, fillvalue=""):
+            yield "  ".join(f"{part:<{width}}" for part, width in zip(line, _WIDTHS, strict=True)).rstrip()
 
 
 def lines(found: TidyTests, of: Mapping[str, str | None], style: Style, *, details: bool) -> Iterator[str]:
@@ -249,9 +197,9 @@ def lines(found: TidyTests, of: Mapping[str, str | None], style: Style, *, detai
         f"{of['table']}: {of['value']} by {of['group']}, {found.n} rows of {found.groups.size} groups{blocks}, "
         f"alpha = {found.alpha:g}"
     )
-    for count, why in ((found.without_number, "without a number"), (found.without_name, "without a group or block")):
-        if count:
-            yield f"note: {count} row{'s' if count != 1 else ''} {why} left out"
+    for n, why in ((found.without_number, "without a number"), (found.without_name, "without a group or block")):
+        if n:
+            yield f"note: {count(n, 'row')} {why} left out"
     for names in found.alike():
         yield f"note: {names} differ in capitals or spaces only and are kept apart; write them alike if they are one"
     yield ""
@@ -261,15 +209,13 @@ def lines(found: TidyTests, of: Mapping[str, str | None], style: Style, *, detai
 def as_json(found: TidyTests, style: Style) -> dict[str, Any]:
     """All of it; the residuals of the mixed model are for a QQ plot and for residuals against fitted values."""
     over = _over_blocks(found)
+    groups = zip(found.groups.tolist(), found.count.tolist(), found.mean.tolist(), found.sd.tolist(), strict=True)
     return {
         "alpha": found.alpha,
         "rows": found.n,
         "alike": list(found.alike()),
         "left_out": {"without_number": found.without_number, "without_name": found.without_name},
-        "groups": [
-            {"name": name, "n": int(n), "mean": float(mean), "sd": float(sd)}
-            for name, n, mean, sd in zip(found.groups.tolist(), found.count, found.mean, found.sd, strict=True)
-        ],
+        "groups": [dict(zip(("name", "n", "mean", "sd"), group, strict=True)) for group in groups],
         "hypotheses": [asdict(each) for each in hypotheses(found, style)],
         "outcomes": [
             {"of": of, **asdict(outcome), "text": {each: said(outcome, each) for each in STYLES}}

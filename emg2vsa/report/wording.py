@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from emg2vsa.figures.palette import ActivityScale
 from emg2vsa.settings import RunSettings
@@ -73,6 +73,14 @@ def activity(value: float, scale: ActivityScale) -> str:
 def listed(names: Sequence[str]) -> str:
     """``S1, S3 and S5``."""
     return " and ".join(filter(None, [", ".join(names[:-1]), names[-1] if names else ""]))
+
+
+def aligned(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> Iterator[str]:
+    """Lines of text with columns as wide as their longest cell. left : columns that are no numbers."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cut = (c.ljust(w) if i in left else c.rjust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True)))
+        yield "  ".join(cut).rstrip()
 
 
 _UNITS = {"mm2": "mm²", "px2": "px²"}

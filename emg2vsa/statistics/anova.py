@@ -4,13 +4,14 @@ of distances from the groups' medians, which is Brown and Forsythe's test of equ
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
+from emg2vsa.shown import shown
 from emg2vsa.statistics.moments import GroupMoments, group_moments
 from emg2vsa.statistics.outcome import Outcome, Outcomes
 
@@ -25,11 +26,11 @@ class Anova:
     that an origin far away brings.
     """
 
-    f: Floats
-    df1: Ints
-    df2: Ints
-    p: Floats
-    eta2: Floats
+    f: Floats = field(metadata=shown("F", digits=4))
+    df1: Ints = field(metadata=shown("df 1"))
+    df2: Ints = field(metadata=shown("df 2"))
+    p: Floats = field(metadata=shown("p"))
+    eta2: Floats = field(metadata=shown("η²"))
     sd: Floats
     mean: Floats
     count: Ints

@@ -9,7 +9,7 @@ freedom say so.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 
 import numpy as np
@@ -18,6 +18,7 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import DataError
+from emg2vsa.shown import shown
 from emg2vsa.statistics.effect_size import omega2, share_interval
 from emg2vsa.statistics.moments import group_moments, unmasked
 
@@ -35,11 +36,11 @@ class Factorial:
     """
 
     effects: tuple[str, ...]
-    df: Ints
-    f: Floats
-    p: Floats
-    eta2: Floats
-    omega2: Floats
+    df: Ints = field(metadata=shown("df"))
+    f: Floats = field(metadata=shown("F", digits=4))
+    p: Floats = field(metadata=shown("p"))
+    eta2: Floats = field(metadata=shown("Partial η²"))
+    omega2: Floats = field(metadata=shown("Partial ω²"))
     low: Floats
     high: Floats
     error_df: int

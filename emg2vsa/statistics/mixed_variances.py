@@ -8,13 +8,14 @@ likelihood instead, whose standard deviations are too small by the share of the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import optimize, special
 
 from emg2vsa.arrays import Floats
+from emg2vsa.shown import shown
 from emg2vsa.statistics.kruskal import midranks
 from emg2vsa.statistics.moments import unmasked
 from emg2vsa.statistics.normality import shapiro_wilk
@@ -73,8 +74,8 @@ class MixedResiduals:
     """
 
     fitted: Floats
-    residual: Floats
-    quantile: Floats
+    residual: Floats = field(metadata=shown("Residual / SD of repetitions"))
+    quantile: Floats = field(metadata=shown("Normal quantile"))
 
     def outcomes(self) -> tuple[Outcome, ...]:
         """Is the scatter normal, and is it the same at every level?"""

@@ -8,7 +8,7 @@ from scipy import stats
 
 from emg2vsa.companions.groups import group_tests, pair_tests
 from emg2vsa.companions.table import table_tests
-from emg2vsa.report.companion_rows import COLUMNS, dunn_bounds, group_rows, how_many, over_people_rows, pair_rows
+from emg2vsa.report.companion_rows import COLUMNS, dunn_bounds, group_rows, how_many, pair_rows
 from emg2vsa.statistics.clusters import clusters_of
 from emg2vsa.statistics.kruskal import dunn, kruskal
 
@@ -61,9 +61,13 @@ def test_people_come_before_presses_and_what_allows_for_unequal_scatter_before_w
     names = np.char.mod("P%d", who), np.char.mod("S%d", what)
     tests = table_tests(clusters_of(*names, values, np.ones(values.size, dtype=np.bool_)), 0.05)
     assert tests.blocks is not None
-    rows = [row.companion.partition(":")[0] for row in over_people_rows("One-way ANOVA", tests.blocks)]
+    rows = [
+        row.companion.partition(":")[0]
+        for row in group_rows(tests.between_groups, 0.05, "participants", blocks=tests.blocks)
+    ]
     assert rows[0] == "Repeated-measures ANOVA, Greenhouse-Geisser"
     assert rows[1].startswith("Linear mixed model")
+    assert rows[3:] == ["Welch's ANOVA", "Kruskal-Wallis", "Bayes factor (JZS)", "Brown-Forsythe"]
     methods = [outcome.method for outcome in tests.blocks.outcomes()]
     assert methods[0] == "repeated-measures ANOVA, Greenhouse-Geisser"
 

@@ -71,7 +71,7 @@ def test_a_study_of_one_half_has_the_models_of_that_half(whole, part: str) -> No
     half = replace(whole, people=None) if part == "runs" else replace(whole, runs=None)
     content = contents(half)
     assert ("mixed_sd" in content.tables) == ("mixed_residuals" in content.drawings) == (part == "people")
-    assert bool(content.tables["factors"].rows) == (part == "runs")
+    assert ("factors" in content.tables) == (part == "runs")
     assert rendered(MODELS, half, content)
 
 

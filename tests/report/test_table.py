@@ -98,7 +98,7 @@ def test_a_long_table_with_links_has_a_page_of_its_own() -> None:
     assert made.own_page == "t.html"
     assert 'href="t.html"' in made.html()
     assert f'href="p/P{MOST_ON_PAGE}.html"' not in made.html()
-    assert f'href="p/P{MOST_ON_PAGE}.html"' in made.html(most=None)
+    assert f'href="p/P{MOST_ON_PAGE}.html"' in made.html(whole=True)
     assert Table("t", "c", (Column("a", "A"),), ColumnRows({"a": names[:2]}), links=("p", "q")).own_page == ""
 
 

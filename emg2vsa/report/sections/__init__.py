@@ -30,7 +30,7 @@ from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.hypotheses import HYPOTHESES
 from emg2vsa.report.sections.kappa import KAPPA
 from emg2vsa.report.sections.models import MODELS
-from emg2vsa.report.sections.participants import PARTICIPANTS, POWER
+from emg2vsa.report.sections.participants import PARTICIPANTS
 from emg2vsa.report.sections.profiles import PROFILES
 from emg2vsa.report.sections.provenance import GLOSSARY, METHODS, PROVENANCE
 from emg2vsa.report.sections.rates import IMPLIED, RATES
@@ -40,6 +40,6 @@ from emg2vsa.report.sections.stiffness import STIFFNESS
 from emg2vsa.report.sections.vision import ALGORITHM_1, VISION
 
 SECTIONS: tuple[Section, ...] = (
-    CLAIMS, PARTICIPANTS, POWER, FITS, HYPOTHESES, PROFILES, SCHEDULES, RUNS, AREA, ALGORITHM_1, RATES, VISION,
+    CLAIMS, PARTICIPANTS, FITS, HYPOTHESES, PROFILES, SCHEDULES, RUNS, AREA, ALGORITHM_1, RATES, VISION,
     ACTUATORS, STIFFNESS, KAPPA, IMPLIED, MODELS, METHODS, GLOSSARY, PROVENANCE,
 )  # fmt: skip

@@ -1,30 +1,38 @@
-"""The fits v = a + b ln F: how many, how good, and whether they find the truth that a simulation was made from."""
+"""Co-contraction against force: Fig. 4, the fits v = a + b ln F, and whether they find the truth of a simulation."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.companions.force_laws import LAWS, LEFT_OUT, ForceLaws
+from emg2vsa.figures.canvas import PairBar
+from emg2vsa.figures.cocontraction import draw_cocontraction
+from emg2vsa.figures.palette import looks
+from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.profiles import Unit, mean_errors
+from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, least, moments, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
-from emg2vsa.report.table import Column, Columns, Table, activity_column, table_of
+from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, activity_column, columns, table_of
+from emg2vsa.report.wording import activity, count, p_text
 from emg2vsa.truth import Recovery, recover
 
 _R2 = {
     "adj_r2": "adj. R²", "r2_bins": "R², bins", "adj_r2_bins": "adj. R², bins", "r2_samples": "R², samples",
     "adj_r2_samples": "adj. R², samples",
 }  # fmt: skip
+_ALL_PAIRS_UP_TO = 4
 
 
 def _quantities(results: StudyResults) -> Items:
-    people, used = results.recorded, results.used
+    people, used, v = results.recorded, results.used, results.activity_suffix
     fits = people.fits
     yield "trials.total", int(fits.verdict.size)
     for verdict, n in people.verdict_counts().items():
@@ -36,19 +44,17 @@ def _quantities(results: StudyResults) -> Items:
     yield from fields_of("fit", fits, "points", "weights", "confidence", "activity_unit")
     yield "fit.b_not_positive", int(np.count_nonzero(fits.b_v[used] <= 0))
     for name in _R2:
-        values = getattr(fits, name)[used]
-        yield f"fit.{name}.min", least(values)
-        yield f"fit.{name}.median", _median(values)
+        yield f"fit.{name}.min", least(getattr(fits, name)[used])
+        yield f"fit.{name}.median", _median(getattr(fits, name)[used])
     yield "fit.n_effective.median", _median(fits.n_effective[used])
     yield "fit.lag1.median", _median(fits.lag1[used])
+    ends = _means_of_b(results)
     for specimen in results.specimens:
         of = used & (fits.specimen == specimen)
         yield f"fit.{specimen}.n", int(np.count_nonzero(of))
-        yield from moments(f"fit.{specimen}.a{results.activity_suffix}", fits.a_v[of])
-        yield from moments(f"fit.{specimen}.b{results.activity_suffix}", fits.b_v[of])
-    for specimen, (low, high) in _means_of_b(results).items():
-        yield f"fit.{specimen}.b{results.activity_suffix}.low", low
-        yield f"fit.{specimen}.b{results.activity_suffix}.high", high
+        yield from moments(f"fit.{specimen}.a{v}", fits.a_v[of])
+        yield from moments(f"fit.{specimen}.b{v}", fits.b_v[of])
+        yield from zip((f"fit.{specimen}.b{v}.low", f"fit.{specimen}.b{v}.high"), ends.get(specimen, ()), strict=False)
     if people.truth is not None and fits.activity_unit == "V":
         for specimen, recovery in _recoveries(results):
             yield from fields_of(f"recovery.{specimen}".rstrip("."), recovery, *vars(recovery))
@@ -108,20 +114,18 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 
 
 def _laws_table(laws: ForceLaws) -> Table:
-    cells = [(kind, i) for kind in range(len(LEFT_OUT)) for i in range(len(LAWS)) if laws.compared[kind]]
-    columns: Columns = {
-        Column("left_out", "Left out"): [f"one {LEFT_OUT[kind]}" for kind, _ in cells],
-        Column("law", "Law of v(F)"): [LAWS[i] for _, i in cells],
-        Column("relative_error", "Median error of prediction (%)", 100.0): [_median(laws.error[at]) for at in cells],
-        Column("ratio", "Over the logarithm's"): [float(laws.ratio[at]) for at in cells],
-        Column("ratio_low", "Low"): [float(laws.ratio_low[at]) for at in cells],
-        Column("ratio_high", "High"): [float(laws.ratio_high[at]) for at in cells],
-        Column("p", "p"): [float(laws.p[at]) if at[1] else None for at in cells],
-        Column("better", "Better in"): [int(laws.better[at]) if at[1] else None for at in cells],
-        Column("compared", "of cells"): [int(laws.compared[kind]) for kind, _ in cells],
+    some = np.repeat(laws.compared[:, None] > 0, len(LAWS), axis=1)
+    kind, law = np.nonzero(some)
+    found: Columns = {
+        Column("left_out", "Left out"): [f"one {LEFT_OUT[k]}" for k in kind],
+        Column("law", "Law of v(F)"): [LAWS[i] for i in law],
+        Column("relative_error", "Median error of prediction (%)", 100.0): [_median(of) for of in laws.error[some]],
+        **columns(laws, "ratio", "ratio_low", "ratio_high", "p", at=some),
+        Column("better", "Better in"): [int(n) if i else None for n, i in zip(laws.better[some], law, strict=True)],
+        Column("compared", "of cells"): laws.compared[kind],
     }
     caption = "Logarithm, power law and straight line for v(F): errors in predicting what was left out of the fit"
-    return table_of("force_laws", caption, columns)
+    return table_of("force_laws", caption, found)
 
 
 def _every(results: StudyResults) -> Table:
@@ -135,13 +139,14 @@ def _every(results: StudyResults) -> Table:
         *(Column(key, head) for key, head in (others | {"reason": "Reason"}).items()),
     )
     values = {column: getattr(fits, column.key) for column in columns}
-    return table_of("fits", "All trials, rejected ones included: fit v = a + b ln F", values)
+    return table_of("fits", "All trials, rejected ones included: fit v = a + b ln F", values, FEW_ON_PAGE)
 
 
 def _by_specimen(results: StudyResults) -> Table:
     fits, scale, specimens = results.recorded.fits, results.scale, results.study.specimens
     every = [fits.specimen == specimen.name for specimen in specimens]
-    interval: dict[str, tuple[float | None, float | None]] = {**_means_of_b(results)}
+    found = _means_of_b(results)
+    low, high = zip(*(found.get(name, (None, None)) for name in results.specimens), strict=True)
     used = [results.used & of for of in every]
 
     def over(statistic: Callable[[Floats], Any], values: Floats, least: int = 1) -> list[float | None]:
@@ -154,8 +159,8 @@ def _by_specimen(results: StudyResults) -> Table:
         Column("used", "Used"): [int(np.count_nonzero(of)) for of in used],
         activity_column("a_mean_v", "Mean a", scale): over(np.mean, fits.a_v),
         activity_column("b_mean_v", "Mean b", scale): over(np.mean, fits.b_v),
-        activity_column("b_low_v", "Low", scale): [interval.get(name, (None, None))[0] for name in results.specimens],
-        activity_column("b_high_v", "High", scale): [interval.get(name, (None, None))[1] for name in results.specimens],
+        activity_column("b_low_v", "Low", scale): low,
+        activity_column("b_high_v", "High", scale): high,
         activity_column("b_sd_v", "SD b", scale): over(partial(np.std, ddof=1), fits.b_v, 2),
         Column("adj_r2_bins_min", "Worst adj. R², bins"): over(np.min, fits.adj_r2_bins),
         Column("adj_r2_bins_median", "Median adj. R², bins"): over(np.median, fits.adj_r2_bins),
@@ -164,8 +169,9 @@ def _by_specimen(results: StudyResults) -> Table:
     }
     over_what = "people" if _unit(results) == "person" else "presses"
     caption = (
-        "Fits v = a + b ln F of the trials used, by specimen; low and high: interval of the mean b over "
-        f"{over_what}, {100 * fits.confidence:g} %"
+        f"Fits v = a + b ln F of the trials used, by specimen. Low and high: interval of the mean b over {over_what}, "
+        f"{100 * fits.confidence:g} %. Smoother points give a larger R² from the same trial, so force bins and samples "
+        "have an R² each"
     )
     return table_of("fits_by_specimen", caption, columns)
 
@@ -184,23 +190,73 @@ def _recovery(results: StudyResults) -> Table:
     return table_of("recovery", "Fitted slopes beside the true slopes of the simulation", names | found)
 
 
+def _drawings(results: StudyResults) -> Iterator[Drawing]:
+    """Fig. 4: of the exported specimens among which the worst p was taken, or all exported where that leaves none."""
+    exported, tested, scale = results.recorded.profiles, results.recorded.hypotheses, results.scale
+    if exported is None:
+        return
+    whose = exported.participant
+    profiles = [p for p in exported.profiles if tested and p.specimen in tested.kept] or exported.profiles
+    names = [profile.specimen for profile in profiles]
+    slopes = [_slopes(results, name, whose) for name in names]
+    bars = _bars(tested, names, whose)
+    test = "Fisher's LSD" + ("" if whose else ", largest p of all participants")
+    look = looks(results.specimens)
+    figure = draw_cocontraction(profiles, slopes, bars, [look[name] for name in names], scale, test if bars else "")
+    caption = (
+        f"Fig. 4. Co-contraction of {whose or 'all participants'}. (a) Mean fitted trends; bands are one SD between "
+        f"{'trials' if whose else 'participants'}. (b) Slopes b with Hazen's quartiles, one mark a trial."
+    ) + (" Stars: p of the uncorrected LSD below .05, .01, .001, .0001." if bars else "")
+    pairs = "; ".join(f"{names[bar.first]} and {names[bar.second]}: {p_text(bar.p)}" for bar in bars)
+    told = [
+        f"{p.specimen}: {activity(p.v[0], scale)} to {activity(p.v[-1], scale)}, median b "
+        f"{activity(float(np.median(b)), scale) if b.size else 'not known'} in {count(b.size, 'trial')}"
+        for p, b in zip(profiles, slopes, strict=True)
+    ]
+    description = "; ".join(told) + (f". {test}: {pairs}" if pairs else "") + "."
+    title = "Co-contraction against force, and slopes b by specimen"
+    yield Drawing("fig04_cocontraction", title, caption, description, figure, None)
+
+
+def _slopes(results: StudyResults, specimen: str, whose: str) -> Floats:
+    fits = results.recorded.fits
+    return np.asarray(fits.b_v[results.used & (fits.specimen == specimen) & (not whose or fits.participant == whose)])
+
+
+def _bars(hypotheses: Hypotheses | None, names: Sequence[str], whose: str) -> list[PairBar]:
+    """All pairs of a few specimens, neighbours of many."""
+    if hypotheses is None:
+        return []
+    lsd, places = hypotheses.tests.pairs.lsd, range(len(names))
+    own = np.isin(hypotheses.participants, whose) if whose else np.ones(hypotheses.participants.size, dtype=np.bool_)
+    bars = []
+    for first, second in combinations(places, 2) if len(names) <= _ALL_PAIRS_UP_TO else pairwise(places):
+        ends = np.isin(hypotheses.specimens, [names[first], names[second]])
+        these = lsd.p[own[: len(lsd.p)]][:, ends[lsd.first] & ends[lsd.second]]
+        if np.isfinite(these).any():
+            bars.append(PairBar(first, second, float(np.nanmax(these))))
+    return bars
+
+
 _TEXT = """
-<p>Smoother points give a larger R² from the same trial, so R² on force bins and on samples are shown apart.
-Neighbouring samples are correlated: a trial carries as much information as about
-{{ q['fit.n_effective.median'] | number(2) }} independent samples.</p>
+{{ figure("fig04_cocontraction") }}
+<p>The median adj. R² of a trial is {{ q['fit.adj_r2_bins.median'] | bounded }} on force bins and
+{{ q['fit.adj_r2_samples.median'] | bounded }} on samples. Its samples are correlated, and carry as much information as
+about {{ q['fit.n_effective.median'] | number(2) }} independent ones.
+{% if q['fit.b_not_positive'] %}
+The slope of {{ q['fit.b_not_positive'] | count("used trial") }} is not positive.
+{% endif %}</p>
 {{ folded("fits_by_specimen", "Fits by specimen") }}
-<p class="small">Every trial, rejected ones included: <a href="tables/fits.csv">tables/fits.csv</a>.
-{% if q['fit.b_not_positive'] %}Trials used whose slope is not positive: {{ q['fit.b_not_positive'] }}.{% endif %}</p>
-{{ folded("force_laws", "Other laws: power and straight line") }}
+{{ folded("fits", "Every trial, rejected ones included") }}
+{{ folded("force_laws", "Other laws of force: power and straight line") }}
 {% if 'recovery.n' in q %}
-<h3>Recovery of the simulated truth</h3>
-<p>Fitted slopes are {{ q['recovery.mean_b_error'] | percent(2) }} off on average, and
-{{ q['recovery.coverage'] | percent(3) }} of the {{ q['recovery.confidence'] | percent(2) }} intervals hold the truth.
-Fit and simulation share the law v = a + b ln F: these errors show noise and filters, not a wrong law.</p>
-{{ folded("recovery", "Recovery by specimen") }}
+<p>This study is simulated by the law of the fit. The fitted slopes miss the true ones by
+{{ q['recovery.mean_b_error'] | percent(2) }} on average, and {{ q['recovery.coverage'] | percent(3) }} of the
+{{ q['recovery.confidence'] | percent(2) }} intervals hold the true slope.</p>
+{{ folded("recovery", "Fitted and true slopes by specimen") }}
 {% elif has("recovery") %}
 <p>The activity is normalised and the simulated truth is in volts, so they cannot be compared.</p>
 {% endif %}
 """
 
-FITS = Section("fits", "Fits of co-contraction against force", _TEXT, of_people, _quantities, _tables)
+FITS = Section("fits", "Co-contraction against force", _TEXT, of_people, _quantities, _tables, _drawings)

@@ -14,7 +14,7 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, least, most, plain, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.sections.hypothesis_tables import hypothesis_tables
-from emg2vsa.report.wording import signed
+from emg2vsa.report.wording import UNDEFINED, signed
 from emg2vsa.statistics.clusters import Names
 from emg2vsa.statistics.mixed import MixedModel
 from emg2vsa.statistics.studentized_range import survival
@@ -84,11 +84,7 @@ def _design_quantities(name: str, designs: Names, tests: GroupTests, alpha: floa
 def _pair_quantities(found: Hypotheses) -> Items:
     pairs, name = found.tests.pairs, "hypotheses.pairs"
     yield from _family(name, pairs.lsd.p, found.alpha, _chance_of_any_pair(found))
-    corrected = {
-        "holm": pairs.p_holm, "tukey": pairs.tukey.p, "games_howell": pairs.games_howell.p, "fdr": pairs.p_fdr,
-        "dunn": pairs.dunn.p, "mann_whitney": pairs.p_rank_holm,
-    }  # fmt: skip
-    for kind, p in corrected.items():
+    for kind, p in pairs.corrected.items():
         yield f"{name}.{kind}.significant", _significant(p, found.alpha)
         yield f"hypotheses.worst_p.{kind}", float(p[found.worst]) if found.worst[0] >= 0 else np.nan
     for i, participant in enumerate(found.participants[: len(pairs.lsd.p)].tolist()):
@@ -152,75 +148,53 @@ def _chance_of_any_pair(found: Hypotheses) -> float:
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     found = results.recorded.hypotheses
-    if found is None:
-        return {}
-    return {
-        "tested": found,
-        "n_pairs": found.tests.pairs.lsd.p.size,
-        "over_people": found.tests.blocks is not None,
-        "order": _ORDERS[found.drift.order],
-        "drift": _drift(q),
-    }
+    return {"tested": found, "drift": _drift(q), "order": _ORDERS[found.drift.order]} if found else {}
 
 
-_ORDERS = {"differs": "differs between people", "same": "the same for all, or one of few", "unknown": "unknown"}
+_ORDERS = {
+    "differs": "differs between people", "same": "is the same for all, or one of few", "unknown": "is not known"
+}  # fmt: skip
 
 
 def _drift(q: Quantities) -> str:
-    """``+3.1 % [−2.0 %, +8.2 %]``, by the order where it tells, else by the presses within recordings."""
-    for kind in ("by_order", "within_recordings"):
+    """By the order where it tells, else by the presses of recordings."""
+    for kind, tell in (("by_order", "this order tells"), ("within_recordings", "the presses of recordings tell")):
         name = f"hypotheses.drift.{kind}_percent"
-        mean, low, high = (float(q[key]) for key in (name, f"{name}.low", f"{name}.high"))
-        if mean == mean:
-            by = "the order" if kind == "by_order" else "the presses within recordings"
-            return f"{signed(mean, '%')} [{signed(low, '%')}, {signed(high, '%')}], by {by}"
-    return "unknown"
+        mean, low, high = (signed(float(q[key]), "%") for key in (name, f"{name}.low", f"{name}.high"))
+        if mean != UNDEFINED:
+            return f"Over a session, b changes by {mean} [{low}, {high}], as {tell}."
+    return "The data do not tell how much b changes over a session."
 
 
 _TEXT = """
 {% if tested is not defined %}
 <p>{{ why_absent("hypotheses") }}</p>
 {% else %}
-<p>All tests are on the slopes b, at α = {{ tested.alpha }}. No test was chosen by the outcome of another. Verdicts
-stand in the <a href="#claims">summary</a>: they follow from intervals over people, not from these tests.</p>
-<p>Order of specimens: {{ order }}. Drift of b over a session: {{ drift }}.</p>
-
-<h3>Gaussian clusters</h3>
-<p>The paper does not say which of two forms of the Kolmogorov-Smirnov test it ran. Standardised by the sample's own
-mean and SD, its p is far too large; Lilliefors' test corrects this. On raw values it hardly looks at their shape.</p>
-{{ folded("verdict_normality", "Tests of normality compared") }}
+<p>These tests on the slopes b take α = {{ tested.alpha }}, and none was chosen by the outcome of another. The verdicts
+in the <a href="#claims">summary</a> follow from intervals over people, not from these tests.</p>
+<p>The order of specimens {{ order }}. {{ drift }}</p>
+{{ folded("verdict_normality", "Are the clusters Gaussian? Tests compared") }}
 {{ folded("normality", "Normality of every cluster") }}
-
-<h3>Equal participants</h3>
 {% if q['hypotheses.between_participants.tested'] %}
-<p>An ANOVA cannot show equality. The table bounds the difference that it may have missed.</p>
-{{ folded("verdict_participants", "Tests of equal participants compared") }}
+{{ folded("verdict_participants", "Are the participants equal? Tests compared") }}
 {{ folded("anova_participants", "ANOVA of every specimen") }}
 {% else %}
-<p>Not tested: this takes usable trials of two participants or more.</p>
+<p>Tests between participants take usable trials of two participants or more.</p>
 {% endif %}
-
-<h3>Different specimens</h3>
 {% if q['hypotheses.between_specimens.tested'] %}
-<p>{% if over_people %}The repeated-measures ANOVA, the mixed model and Friedman's test are about people. The paper's
-ANOVAs are about one participant's repetitions each.{% else %}With one participant, every test is about that
-participant's repetitions, not about people.{% endif %}</p>
-{{ folded("verdict_specimens", "Tests between specimens compared") }}
+{{ folded("verdict_specimens", "Do the specimens differ? Tests compared") }}
 {{ folded("anova_specimens", "ANOVA of every participant") }}
-
-<h3>Pairs of specimens</h3>
-<p>Fisher's LSD is not corrected for the number of pairs.</p>
-{{ folded("verdict_pairs", "Tests of pairs compared") }}
-{{ folded("lsd_pairs", "All " ~ n_pairs ~ " pairs") }}
+{{ folded("verdict_pairs", "Which specimens differ? Tests compared") }}
+{{ folded("lsd_pairs", "Every pair of specimens of every participant") }}
 {% else %}
-<p>Not tested: this takes usable trials on two specimens or more.</p>
+<p>Tests between specimens take usable trials on two specimens or more.</p>
 {% endif %}
+{{ folded("statements", "Every result as APA, IEEE, LaTeX and plain text") }}
 {% if tested.notes %}
 <details><summary>Notes on the tests</summary>
 {{ tested.notes | bullets }}
 </details>
 {% endif %}
-{{ folded("statements", "Every result as APA, IEEE, LaTeX and plain text") }}
 {% endif %}
 """
 

@@ -10,20 +10,19 @@ from emg2vsa.companions.groups import GroupTests
 from emg2vsa.figures.palette import ActivityScale
 from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.report.companion_rows import (
+    CORRECTED,
+    anova_said,
     companion_table,
     equality_rows,
     group_rows,
-    how_many,
     normality_rows,
     over_people_pair_rows,
-    over_people_rows,
     pair_rows,
-    variance_row,
 )
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.outcome_text import STYLES, said
 from emg2vsa.report.section import Quantities
-from emg2vsa.report.table import Column, Columns, Table, activity_column, table_of
+from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, activity_column, columns, table_of
 from emg2vsa.statistics.outcome import Outcome
 
 
@@ -32,18 +31,17 @@ def hypothesis_tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     if found is None:
         return
     across, within = found.tests.between_blocks, found.tests.between_groups
-    specimens = {Column("specimen", "Specimen"): found.specimens[: across.anova.f.size]}
-    counts = {
+    specimens: Columns = {Column("specimen", "Specimen"): found.specimens[: across.anova.f.size]}
+    people: Columns = {Column("participant", "Participant"): found.participants[: within.anova.f.size]}
+    counts: Columns = {
         Column("n_participants", "Participants"): np.count_nonzero(across.anova.count, axis=1),
         Column("n", "Trials"): np.sum(across.anova.count, axis=1),
     }
-    people = {Column("participant", "Participant"): found.participants[: within.anova.f.size]}
     caption = "One-way ANOVA of b between {}, one for each {}, and its companions"
+    between = caption.format("participants", "specimen"), caption.format("specimens", "participant")
     yield _normality(found)
-    yield table_of(
-        "anova_participants", caption.format("participants", "specimen"), specimens | _anova(across) | counts
-    )
-    yield table_of("anova_specimens", caption.format("specimens", "participant"), people | _anova(within))
+    yield table_of("anova_participants", between[0], specimens | _anova(across) | counts, FEW_ON_PAGE)
+    yield table_of("anova_specimens", between[1], people | _anova(within), FEW_ON_PAGE)
     yield _pairs(found, results.scale)
     yield from _compared(found, results.scale)
     yield _statements(found)
@@ -51,7 +49,7 @@ def hypothesis_tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 
 def _normality(found: Hypotheses) -> Table:
     tests = found.tests.normality
-    columns: Columns = {
+    values: Columns = {
         Column("participant", "Participant"): np.repeat(found.participants, found.specimens.size),
         Column("specimen", "Specimen"): np.tile(found.specimens, found.participants.size),
         Column("n", "n"): found.count.ravel(),
@@ -67,19 +65,14 @@ def _normality(found: Hypotheses) -> Table:
         "Normality of each cluster of b: Kolmogorov-Smirnov, standardised by its own mean and SD and raw against "
         "N(0, 1); Lilliefors; Shapiro-Wilk"
     )
-    return table_of("normality", caption, columns)
+    return table_of("normality", caption, values, FEW_ON_PAGE)
 
 
 def _anova(tests: GroupTests) -> Columns:
     return {
-        Column("f", "F", digits=4): tests.anova.f,
-        Column("df1", "df 1"): tests.anova.df1,
-        Column("df2", "df 2"): tests.anova.df2,
-        Column("p", "p"): tests.anova.p,
-        Column("omega2", "ω²"): tests.omega2,
-        Column("eta2_low", "ω² low"): tests.eta2_low,
-        Column("eta2_high", "ω² high"): tests.eta2_high,
-        Column("eta2", "η²"): tests.anova.eta2,
+        **columns(tests.anova, "f", "df1", "df2", "p"),
+        **columns(tests, "omega2", "eta2_low", "eta2_high"),
+        **columns(tests.anova, "eta2"),
         Column("p_welch", "p Welch"): tests.welch.p,
         Column("p_kruskal", "p Kruskal-Wallis"): tests.kruskal.p,
         Column("p_brown_forsythe", "p Brown-Forsythe"): tests.brown_forsythe.p,
@@ -88,28 +81,20 @@ def _anova(tests: GroupTests) -> Columns:
 
 
 def _pairs(found: Hypotheses, scale: ActivityScale) -> Table:
-    tests = found.tests.pairs
-    lsd = tests.lsd
+    tests, lsd = found.tests.pairs, found.tests.pairs.lsd
     d, n_pairs = lsd.p.shape
-    names = found.specimens if d and found.specimens.size > 1 else np.array(["", ""])
-    numbers = {
+    names = np.append(found.specimens, [""] * 2)  # fewer than two specimens have no pair
+    numbers: Columns = {
         activity_column("difference_v", "Difference", scale): lsd.difference,
         activity_column("lo_v", "Low", scale): lsd.low,
         activity_column("hi_v", "High", scale): lsd.high,
         Column("t", "t"): lsd.statistic,
         Column("df", "df"): lsd.df,
         Column("p", "p LSD"): lsd.p,
-        Column("p_holm", "p Holm"): tests.p_holm,
-        Column("p_tukey", "p Tukey"): tests.tukey.p,
-        Column("p_games_howell", "p Games-Howell"): tests.games_howell.p,
-        Column("p_fdr", "p FDR"): tests.p_fdr,
-        Column("p_dunn", "p Dunn"): tests.dunn.p,
-        Column("p_mann_whitney", "p Mann-Whitney, Holm"): tests.p_rank_holm,
-        Column("g", "g"): tests.g,
-        Column("g_low", "g low"): tests.g_low,
-        Column("g_high", "g high"): tests.g_high,
+        **{Column(f"p_{key}", f"p {CORRECTED[key]}"): p for key, p in tests.corrected.items()},
+        **columns(tests, "g", "g_low", "g_high"),
     }
-    who = {
+    who: Columns = {
         Column("participant", "Participant"): np.repeat(found.participants[:d], n_pairs),
         Column("first", "First"): np.tile(names[lsd.first], d),
         Column("second", "Second"): np.tile(names[lsd.second], d),
@@ -118,54 +103,58 @@ def _pairs(found: Hypotheses, scale: ActivityScale) -> Table:
         "Pairs of specimens: Fisher's LSD on b, not corrected for the number of pairs; the p of tests that are "
         "corrected over the pairs of a participant; Hedges' g (FDR: false discovery rate)"
     )
-    return table_of("lsd_pairs", caption, who | {column: values.ravel() for column, values in numbers.items()})
+    values = who | {column: np.ravel(values) for column, values in numbers.items()}
+    return table_of("lsd_pairs", caption, values, FEW_ON_PAGE)
+
+
+_FORMS = (
+    "the paper does not say which form of its test it ran. Standardised by the sample's own mean and SD, its p is far "
+    "too large; on raw values, it hardly looks at their shape"
+)
+_BOUND = "an ANOVA cannot show equality; the equivalence test bounds the difference that it may have missed"
+_UNITS = (
+    "the repeated-measures ANOVA, the mixed model and Friedman's test are about people, the other tests about one "
+    "participant's repetitions each"
+)
 
 
 def _compared(found: Hypotheses, scale: ActivityScale) -> Iterator[Table]:
     tests, alpha, blocks = found.tests, found.alpha, found.tests.blocks
     across, within = tests.between_blocks, tests.between_groups
-    yield companion_table("normality", "Gaussian clusters", normality_rows(tests.normality, alpha, "clusters"))
+    rows = normality_rows(tests.normality, alpha, "clusters")
+    yield companion_table("normality", "Gaussian clusters", rows, _FORMS)
     if across.anova.f.size:
-        equal = f"One-way ANOVA: {how_many(across.anova.p, alpha, 'specimens')}"
-        rows = [
-            *group_rows(across, alpha, "specimens"),
-            *equality_rows(equal, tests.equality, blocks, scale.factor, scale.unit),
-            variance_row(across, alpha, "specimens"),
-        ]
-        yield companion_table("participants", "Equal participants", rows)
+        paper = anova_said(across, alpha, "specimens")
+        equal = equality_rows(paper, tests.equality, blocks=blocks, scale=scale)
+        rows = group_rows(across, alpha, "specimens", equal=equal)
+        yield companion_table("participants", "Equal participants", rows, _BOUND)
     if within.anova.f.size:
-        differ = f"One-way ANOVA: {how_many(within.anova.p, alpha, 'participants')}"
-        over = over_people_rows(differ, blocks) if blocks else []
-        rows = [*over, *group_rows(within, alpha, "participants"), variance_row(within, alpha, "participants")]
-        yield companion_table("specimens", "Different specimens", rows)
+        rows = group_rows(within, alpha, "participants", blocks=blocks)
+        yield companion_table("specimens", "Different specimens", rows, *([_UNITS] if blocks else []))
         over = over_people_pair_rows(tests.pairs, blocks, alpha) if blocks else []
         yield companion_table("pairs", "Different pairs of specimens", [*over, *pair_rows(tests.pairs, alpha)])
 
 
 def _statements(found: Hypotheses) -> Table:
-    every = list(outcomes(found))
-    columns: Columns = {
+    every, heads = list(outcomes(found)), ("APA", "IEEE", "LaTeX", "Plain")
+    values: Columns = {
         Column("key", "Of"): [key for key, _ in every],
         Column("method", "Test"): [outcome.method for _, outcome in every],
-        **{
-            Column(style, {"latex": "LaTeX", "plain": "Plain"}.get(style, style.upper())): [
-                said(outcome, style) for _, outcome in every
-            ]
-            for style in STYLES
-        },
     }
-    return table_of("statements", "Results as text", columns)
+    for style, head in zip(STYLES, heads, strict=True):
+        values[Column(style, head)] = [said(outcome, style) for _, outcome in every]
+    return table_of("statements", "Results as text", values, FEW_ON_PAGE)
 
 
 def outcomes(found: Hypotheses) -> Iterator[tuple[str, Outcome]]:
     """Every test of the study, with what it tests."""
     tests = found.tests
     across, within = tests.between_blocks, tests.between_groups
-    if tests.blocks is not None:
-        yield from (("over people", outcome) for outcome in tests.blocks.outcomes())
-    for i, specimen in enumerate(found.specimens[: across.anova.f.size].tolist()):
-        yield from ((f"participants on {specimen}", outcome) for outcome in across.outcomes(i))
-    for i, participant in enumerate(found.participants[: within.anova.f.size].tolist()):
-        yield from ((f"specimens of {participant}", outcome) for outcome in within.outcomes(i))
+    every = [("over people", tests.blocks.outcomes())] if tests.blocks is not None else []
+    specimens = enumerate(found.specimens[: across.anova.f.size].tolist())
+    every += [(f"participants on {name}", across.outcomes(i)) for i, name in specimens]
+    people = enumerate(found.participants[: within.anova.f.size].tolist())
+    every += [(f"specimens of {name}", within.outcomes(i)) for i, name in people]
     if found.worst[0] >= 0:
-        yield from ((f"worst pair, {found.worst_pair}", outcome) for outcome in tests.pairs.outcomes(*found.worst))
+        every.append((f"worst pair, {found.worst_pair}", tests.pairs.outcomes(*found.worst)))
+    yield from ((of, outcome) for of, several in every for outcome in several)

@@ -12,8 +12,8 @@ from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, plain, with_interval
 from emg2vsa.report.section import Quantities, Section
-from emg2vsa.report.table import Column, Columns, Table, activity_column, table_of
-from emg2vsa.report.wording import number
+from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, activity_column, columns, table_of
+from emg2vsa.report.wording import listed, number
 from emg2vsa.statistics.factorial import Factorial
 from emg2vsa.statistics.mixed_variances import SOURCES, MixedResiduals, MixedVariances
 
@@ -67,24 +67,24 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     if variances is not None:
         yield _sd_table(results, variances)
     if residuals is not None:
-        columns: Columns = {
+        left: Columns = {
             activity_column("fitted_v", "Fitted b", results.scale): residuals.fitted,
-            Column("residual", "Residual / SD of repetitions"): residuals.residual,
-            Column("quantile", "Normal quantile"): residuals.quantile,
+            **columns(residuals, "residual", "quantile"),
         }
         caption = "Residuals of the mixed model, for a QQ plot and for residuals against fitted values"
-        yield table_of("mixed_residuals", caption, columns)
+        yield table_of("mixed_residuals", caption, left)
     if (found := _hypotheses(results)) is not None:
         slopes: Columns = {
             Column("participant", "Participant"): found.trend.blocks,
             activity_column("slope_v", "Change of b per repetition", results.scale): found.trend.slope,
         }
-        yield table_of("trend", "Trend of b over the repetitions of each participant", slopes)
-    yield _factor_table(_factors(results))
+        yield table_of("trend", "Trend of b over the repetitions of each participant", slopes, FEW_ON_PAGE)
+    if models := _factors(results):
+        yield _factor_table(models)
 
 
 def _sd_table(results: StudyResults, variances: MixedVariances) -> Table:
-    columns: Columns = {
+    shown: Columns = {
         Column("source", "Source"): SOURCES,
         activity_column("sd_v", "SD of b", results.scale): variances.sd,
         activity_column("low_v", "Low", results.scale): variances.low,
@@ -94,7 +94,9 @@ def _sd_table(results: StudyResults, variances: MixedVariances) -> Table:
         Column("ratio_high", "High"): [*variances.ratio_high[:2].tolist(), None],
     }
     caption = "Scatter of b by the mixed model: standard deviations (REML) and their profile-likelihood intervals"
-    return table_of("mixed_sd", caption, columns)
+    if zero := [source for source, sd in zip(SOURCES, variances.sd, strict=True) if sd == 0]:
+        caption += f". The likelihood is largest where {listed(zero)} do not scatter: only the upper limit informs"
+    return table_of("mixed_sd", caption, shown)
 
 
 _FAR = 3
@@ -103,71 +105,59 @@ _SCORES = {"start_area": "area", "casr": "CASR"}
 
 
 def _factor_table(models: dict[str, Factorial]) -> Table:
-    every = [(score, model, i) for score, model in models.items() for i in range(len(model.effects))]
-    columns: Columns = {
-        Column("score", "Score"): [_SCORES[score] for score, *_ in every],
-        Column("effect", "Effect"): [model.effects[i] for _, model, i in every],
-        Column("f", "F", digits=4): [float(model.f[i]) for _, model, i in every],
-        Column("df", "df"): [int(model.df[i]) for _, model, i in every],
-        Column("error_df", "Error df"): [model.error_df for _, model, _ in every],
-        Column("p", "p"): [float(model.p[i]) for _, model, i in every],
-        Column("eta2", "Partial η²"): [float(model.eta2[i]) for _, model, i in every],
-        Column("omega2", "Partial ω²"): [float(model.omega2[i]) for _, model, i in every],
-        Column("omega2_low", "ω² low"): [float(model.low[i]) for _, model, i in every],
-        Column("omega2_high", "ω² high"): [float(model.high[i]) for _, model, i in every],
-    }
+    every: list[Columns] = [
+        {
+            Column("score", "Score"): [_SCORES[score]] * len(model.effects),
+            Column("effect", "Effect"): model.effects,
+            **columns(model, "f", "df"),
+            Column("error_df", "Error df"): [model.error_df] * len(model.effects),
+            **columns(model, "p", "eta2", "omega2"),
+            Column("omega2_low", "ω² low"): model.low,
+            Column("omega2_high", "ω² high"): model.high,
+        }
+        for score, model in models.items()
+    ]
     caption = "Condition, angle and specimen in one model of ln(score), type II (means of mountings on the rig)"
-    return table_of("factors", caption, columns)
+    joined = {column: np.concatenate([each[column] for each in every]) for column in every[0]}
+    return table_of("factors", caption, joined)
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
     _, found = _variances(results)
     if found is None:
         return
-    outside = int(np.count_nonzero(np.abs(found.residual) > _FAR))
+    least, most = (number(float(end)) for end in (found.residual.min(), found.residual.max()))
     yield Drawing(
         "mixed_residuals",
         "Residuals of the mixed model",
         "Residuals of the mixed model, in SDs of repetitions: (a) against normal quantiles, where normal residuals lie "
         "near the dashed line; (b) against fitted b, where an equal scatter fills a band of one width.",
-        f"{found.residual.size} residuals from {number(float(found.residual.min()))} to "
-        f"{number(float(found.residual.max()))} SDs of repetitions; {outside} lie farther than {_FAR} SDs from zero.",
+        f"{found.residual.size} residuals from {least} to {most} SDs of repetitions; "
+        f"{np.count_nonzero(np.abs(found.residual) > _FAR)} lie farther than {_FAR} SDs from zero.",
         draw_mixed_residuals(found.fitted, found.residual, found.quantile, results.scale),
         None,
     )
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    variances, residuals = _variances(results)
-    return {
-        "zero": [source for source, sd in zip(SOURCES, variances.sd, strict=True) if sd == 0] if variances else [],
-        "trend": found.trend if (found := _hypotheses(results)) else None,
-        "residuals": residuals is not None,
-        "factors": bool(_factors(results)),
-    }
+    found = _hypotheses(results)
+    return {"trend": found.trend if found else None}
 
 
 _TEXT = """
-{% if zero %}
-<p>The mixed model estimates no variance of {{ zero | listed }}: the likelihood is largest at the
-boundary, so only the upper limit is informative.</p>
+{% if has("mixed_residuals") %}
+<p>The mixed model of b assumes normal residuals with one scatter at every level: the tests of both assumptions give
+{{ q["hypotheses.over_people.mixed.residuals.shapiro_p"] | p }} and
+{{ q["hypotheses.over_people.mixed.residuals.level_p"] | p }}.</p>
 {% endif %}
-{{ folded("mixed_sd", "Standard deviations between people and between repetitions") }}
-{% if residuals %}
-<p>The model assumes normal residuals with the same scatter at every level (Shapiro–Wilk test:
-{{ q["hypotheses.over_people.mixed.residuals.shapiro_p"] | p }}; rank correlation of size and level:
-{{ q["hypotheses.over_people.mixed.residuals.level_p"] | p }}).</p>
+{{ folded("mixed_sd", "Scatter of b between people and between repetitions") }}
 {{ folded("mixed_residuals", "Residuals of the mixed model") }}
-{% endif %}
 {% if trend is not none and trend.p == trend.p %}
 <p>From one repetition to the next, b changes by {{ trend.per_mean | percent(2) }} of its mean ({{ trend.p | p }};
 {{ "t test over participants" if trend.over_blocks else "regression within one participant" }}).</p>
 {{ folded("trend", "Trend of every participant") }}
 {% endif %}
-{% if factors %}
-<p>The factorial model takes logarithms of the scores, because angle and condition multiply them.</p>
-{{ folded("factors", "Condition, angle and specimen together") }}
-{% endif %}
+{{ folded("factors", "Condition, angle and specimen in one model of the rig's scores") }}
 """
 
 MODELS = Section("models", "All data together", _TEXT, _applies, _quantities, _tables, _drawings, words=_words)

@@ -15,16 +15,19 @@ import numpy as np
 from emg2vsa.extraction.reasons import most_frequent
 from emg2vsa.fits import by_recording
 from emg2vsa.hypotheses import EFFECT_F, EPSILON, RHO, TARGET, Hypotheses
-from emg2vsa.report.companion_rows import CompanionRow, companion_table
+from emg2vsa.report.companion_rows import companion_table, rows_of
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
-from emg2vsa.report.section import Quantities, Section, of_people
+from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.session_page import session_verdict
-from emg2vsa.report.table import Column, Columns, Table, records, table_of
-from emg2vsa.report.wording import bounded, count
+from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, records, table_of
+from emg2vsa.report.wording import bounded, count, listed
 from emg2vsa.session_verdict import doubts_between
 from emg2vsa.statistics.power import power_rm, power_table
 from emg2vsa.study import RecordingEntry
+
+_PARTICIPANTS, _REPETITIONS, _ALPHA = 14, 10, 0.05
+"""The sample size of the paper."""
 
 
 def _applies(results: StudyResults) -> bool:
@@ -32,34 +35,50 @@ def _applies(results: StudyResults) -> bool:
 
 
 def _quantities(results: StudyResults) -> Items:
-    if results.people is not None:
-        yield "study.participants", len(results.study.participants)
-        yield "study.recordings", len(results.study.recordings)
-        yield "study.recordings_read", len(results.people.trials)
-
-
-_COUNTS = {"found": "Trials", "ok": "Ok", "warned": "Warned", "rejected": "Rejected"}
+    if results.people is None:
+        return
+    yield "study.participants", len(results.study.participants)
+    yield "study.recordings", len(results.study.recordings)
+    yield "study.recordings_read", len(results.people.trials)
+    planned = power_rm(_PARTICIPANTS, _REPETITIONS, EFFECT_F, RHO, EPSILON, _ALPHA)
+    yield f"power.n{_PARTICIPANTS}", float(planned)
+    if (found := results.people.hypotheses) is not None:
+        yield "power.study", found.power.repetitions
+        yield "power.study_specimens", found.power.specimens
+        yield "power.people_for_specimens", found.power.people
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     if results.failures:
         columns = (Column("key", "For"), Column("stage", "Step"), Column("message", "Why"))
         yield Table("failures", "Steps that could not be done", columns, records(results.failures, columns))
-    if results.people is not None:
-        yield _sessions(results)
-        for verdict, chosen in _judged(results).items():
-            yield _listing(results, verdict, chosen)
+    if results.people is None:
+        return
+    yield _sessions(results)
+    for verdict, chosen in _judged(results).items():
+        yield _listing(results, verdict, chosen)
+    if (found := results.people.hypotheses) is not None:
+        people = f"{found.power.people} people" if found.power.people else "not defined"
+        specimens = f"power {bounded(found.power.specimens)} here"
+        rows = rows_of("Sample size: 14 people by ten measurements", [
+            (
+                "Repeated-measures F between repetitions", f"power {bounded(found.power.repetitions)} here",
+                f"f = {EFFECT_F:g}, ρ = {RHO:g}, ε = {EPSILON:g}: chosen, not measured",
+            ),
+            ("Repeated-measures F between specimens", specimens, f"{people} for a power of {bounded(TARGET, 2)}"),
+        ])  # fmt: skip
+        yield companion_table("power", "Sample size", rows, "the paper's computation beside others")
+        yield _sensitivity(found)
 
 
 def _sessions(results: StudyResults) -> Table:
-    people = results.recorded
+    people, own = results.recorded, results.by_participant()
     fits = by_recording(people.fits)
     doubts = doubts_between(people.trials, fits, results.study.judgements)
     entries: dict[str, list[RecordingEntry]] = {}
     for entry in results.study.recordings:
         entries.setdefault(entry.participant, []).append(entry)
     without_page = {failure.key for failure in results.failures if failure.stage == "pages"}
-    own = results.by_participant()
     judged = [
         session_verdict(name, entries[name], trials, fits, failed, doubts) for name, (trials, failed) in own.items()
     ]
@@ -67,11 +86,9 @@ def _sessions(results: StudyResults) -> Table:
         Column("participant", "Participant"): list(own),
         Column("session", "Session"): [session.verdict for session in judged],
         Column("recordings", "Recordings"): [len(session.specimens) for session in judged],
-        **{
-            Column(key, head): [sum(getattr(each, key) for each in session.specimens) for session in judged]
-            for key, head in _COUNTS.items()
-        },
     }
+    for key, head in {"found": "Trials", "ok": "Ok", "warned": "Warned", "rejected": "Rejected"}.items():
+        columns[Column(key, head)] = [sum(getattr(each, key) for each in session.specimens) for session in judged]
     links = (f"{results.pages}/{name}.html" if results.pages and name not in without_page else "" for name in own)
     made = table_of("sessions", "Sessions: good, usable, to repeat, or unreadable", columns)
     return replace(made, links=tuple(links))
@@ -95,79 +112,9 @@ def _listing(results: StudyResults, verdict: str, chosen: np.ndarray) -> Table:
         Column("press", "Press"): fits.repetition[chosen].astype(str),
         Column("reason", "Reason"): fits.reason[chosen],
     }
-    return table_of(verdict, f"Trials {verdict}, with reasons", columns)
-
-
-def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    if results.people is None:
-        return {"judged": [], "sessions": ""}
-    enter = "enter" if "warned" in results.study.hypotheses.use else "do not enter"
-    uses = {
-        "rejected": "No test uses them.",
-        "warned": f"They {enter} the tests.",
-        "accepted": "The study file accepts them by hand, and they enter the tests.",
-    }
-    judged = []
-    for verdict, chosen in _judged(results).items():
-        reasons = [reason for text in results.people.fits.reason[chosen].tolist() for reason in text.split("; ")]
-        told = f"{count(len(chosen.nonzero()[0]), 'trial')} {verdict}"
-        judged.append((verdict, told, uses[verdict], "; ".join(most_frequent(reasons, 5)) if reasons else ""))
-    verdicts = Counter(str(row["session"]) for row in _sessions(results).rows)
-    sessions = ", ".join(f"{n} {verdict}" for verdict, n in verdicts.most_common())
-    return {"judged": [each for each in judged if each[3]], "sessions": sessions}
-
-
-_TEXT = """
-{% if sessions %}
-<p>Sessions: {{ sessions }}.</p>
-{{ folded("sessions", "Every session, with a page for each participant") }}
-{% endif %}
-{% if q['study.failures'] %}
-{{ table("failures") }}
-{% endif %}
-{% for name, told, use, frequent in judged %}
-<p>{{ told }}. {{ use }} Most frequent reasons: {{ frequent }}.</p>
-{{ folded(name, "List of the trials " ~ name) }}
-{% endfor %}
-"""
-
-PARTICIPANTS = Section("participants", "Participants", _TEXT, _applies, _quantities, _tables, words=_words)
-
-_PARTICIPANTS, _REPETITIONS, _ALPHA = 14, 10, 0.05
-_PLANNED = "Sample size: 14 people by ten measurements"
-_ROUNDED = 0.005
-"""The paper prints its power with two decimals."""
-
-
-def _power_quantities(results: StudyResults) -> Items:
-    planned = power_rm(_PARTICIPANTS, _REPETITIONS, EFFECT_F, RHO, EPSILON, _ALPHA)
-    yield f"power.n{_PARTICIPANTS}", float(planned)
-    if (found := results.recorded.hypotheses) is not None:
-        yield "power.study", found.power.repetitions
-        yield "power.study_specimens", found.power.specimens
-        yield "power.people_for_specimens", found.power.people
-
-
-def _power_tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
-    if (found := results.recorded.hypotheses) is not None:
-        yield companion_table("power", "Sample size", _rows(found), "the paper's computation beside others")
-        yield _sensitivity(found)
-
-
-def _rows(found: Hypotheses) -> list[CompanionRow]:
-    power, people = found.power, f"{found.power.people} people" if found.power.people else "not defined"
-    return [
-        CompanionRow(
-            _PLANNED,
-            f"Repeated-measures F between repetitions: power {bounded(power.repetitions)} here",
-            f"f = {EFFECT_F:g}, ρ = {RHO:g}, ε = {EPSILON:g}: chosen, not measured",
-        ),
-        CompanionRow(
-            _PLANNED,
-            f"Repeated-measures F between specimens: power {bounded(power.specimens)} here",
-            f"{people} for a power of {bounded(TARGET, 2)}",
-        ),
-    ]  # fmt: skip
+    reasons = [reason for text in fits.reason[chosen].tolist() for reason in text.split("; ") if reason]
+    often = f"; most frequent: {'; '.join(most_frequent(reasons, 5))}" if reasons else ""
+    return table_of(verdict, f"Trials {verdict}, with reasons{often}", columns, FEW_ON_PAGE)
 
 
 def _sensitivity(found: Hypotheses) -> Table:
@@ -185,11 +132,37 @@ def _sensitivity(found: Hypotheses) -> Table:
     return table_of("power_sensitivity", caption, dict(zip(columns, map(np.ravel, values), strict=True)))
 
 
-_POWER_TEXT = """
-<p>The paper's sample size is that of a test between repetitions; its hypothesis is about specimens.
-The assumed correlation and sphericity are choices, not measurements.</p>
+def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
+    if results.people is None:
+        return {"judged": {}, "sessions": ""}
+    n = {verdict: int(np.count_nonzero(chosen)) for verdict, chosen in _judged(results).items()}
+    enter = "use" if "warned" in results.study.hypotheses.use else "do not use"
+    said = {
+        "rejected": f"No test uses the {count(n['rejected'], 'rejected trial')}.",
+        "warned": f"The tests {enter} the {count(n['warned'], 'warned trial')}.",
+        "accepted": f"The tests use the {count(n['accepted'], 'trial')} that the study file accepts by hand.",
+    }
+    verdicts = Counter(str(row["session"]) for row in _sessions(results).rows)
+    sessions = listed([f"{number} {verdict}" for verdict, number in verdicts.most_common()])
+    return {"judged": {verdict: text for verdict, text in said.items() if n[verdict]}, "sessions": sessions}
+
+
+_TEXT = """
+{% if sessions %}
+<p>The sessions are judged: {{ sessions }}. {{ judged.values() | join(" ") }}</p>
+{{ folded("sessions", "Every session, with a page for each participant") }}
+{% endif %}
+{% if q['study.failures'] %}
+{{ table("failures") }}
+{% endif %}
+{% for name in judged %}
+{{ folded(name, "Trials " ~ name ~ ", with reasons") }}
+{% endfor %}
+{% if has("verdict_power") %}
+<p>The paper planned its sample size for a test between repetitions, but its hypothesis is about specimens.</p>
 {{ folded("verdict_power", "Power of both tests") }}
 {{ folded("power_sensitivity", "Power under other correlations and sphericities") }}
+{% endif %}
 """
 
-POWER = Section("power", "Sample size", _POWER_TEXT, of_people, _power_quantities, _power_tables)
+PARTICIPANTS = Section("participants", "Participants", _TEXT, _applies, _quantities, _tables, words=_words)

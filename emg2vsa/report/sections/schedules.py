@@ -14,14 +14,12 @@ from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
-from emg2vsa.report.table import Column, Columns, Table, activity_column, table_of
+from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, activity_column, table_of
 from emg2vsa.report.wording import listed, number
 from emg2vsa.schedules import Schedule
 from emg2vsa.schedules.build import build_schedules
 
-_TWO = 2
 _RULES = {"bracket": "bracket", "paper": "κ/10 (paper)"}
-_PAPER_PERCENT, _PAPER_STEP_N = (20.0, 80.0), 0.3
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -34,7 +32,7 @@ def _quantities(results: StudyResults) -> Items:
 def _by_rule(results: StudyResults) -> dict[str, Schedule]:
     """The modular schedule of the new specimen by each rule of interpolation; none where only one can be."""
     profiles = results.recorded.profiles
-    if profiles is None or not results.recorded.schedules or len(profiles.by_rule) < _TWO:
+    if profiles is None or not results.recorded.schedules or len(profiles.by_rule) < 2:
         return {}
     modular = replace(results.study.schedule, conditions=("modular",))
     made = {each.rule: replace(profiles, new=each.profile, weight_alpha=each.alpha) for each in profiles.by_rule}
@@ -72,32 +70,27 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 
 
 def _forces(schedule: Schedule) -> Columns:
-    return {
-        Column("from_n", "From (N)"): schedule.step_force_n[:-1],
-        Column("to_n", "To (N)"): schedule.step_force_n[1:],
-    }
+    edges = schedule.step_force_n
+    return {Column("from_n", "From (N)"): edges[:-1], Column("to_n", "To (N)"): edges[1:]}
 
 
 def _beside(by_rule: Mapping[str, Schedule], results: StudyResults) -> Table:
     profiles, first = results.recorded.profiles, next(iter(by_rule.values()))
     assert profiles is not None
-    unit = first.limits.export.unit
-    percents = {
-        Column(f"{rule}_percent", f"{_RULES[rule]}: stiffness (%)"): made.stiffness_percent
-        for rule, made in by_rule.items()
-    }
-    presets = {
-        Column(f"{rule}_{unit}", f"{_RULES[rule]}: preset ({unit})"): made.exported for rule, made in by_rule.items()
-    }
+    unit, columns = first.limits.export.unit, _forces(first)
+    for rule, made in by_rule.items():
+        columns[Column(f"{rule}_percent", f"{_RULES[rule]}: stiffness (%)")] = made.stiffness_percent
+    for rule, made in by_rule.items():
+        columns[Column(f"{rule}_{unit}", f"{_RULES[rule]}: preset ({unit})")] = made.exported
     weights = listed([f"{number(each.alpha, 4)} by {_RULES[each.rule]}" for each in profiles.by_rule])
     caption = (
         f"Schedule of {first.specimen} by both rules of interpolation; weight α of the softer neighbour: {weights}"
     )
-    return table_of("schedules_by_rule", caption, _forces(first) | percents | presets)
+    return table_of("schedules_by_rule", caption, columns)
 
 
 def _steps(schedules: Sequence[Schedule], scale: ActivityScale) -> Table:
-    export = schedules[0].limits.export
+    export, limits, ramp = schedules[0].limits.export, schedules[0].limits, schedules[0].ramp
     every = [
         table_of("", "", {
             Column("specimen", "Specimen"): [s.specimen] * s.preset.size,
@@ -117,8 +110,16 @@ def _steps(schedules: Sequence[Schedule], scale: ActivityScale) -> Table:
         own if s.condition == "modular" else ({**own[0], "to_n": own[-1]["to_n"]},)
         for s, own in zip(schedules, rows, strict=True)
     )  # fmt: skip
-    caption = "Stiffness schedules: every step where the stiffness changes, one row where it is constant"
-    return Table("schedules", caption, every[0].columns, tuple(chain(*rows)), tuple(chain(*shown)))
+    caption = (
+        "Stiffness schedules: every step where the stiffness changes, one row where it is constant. 100 % is "
+        f"{export.exported(limits.full_preset)} {export.unit} of a {limits.actuator}. The probe moves "
+        f"{number(ramp.travel_mm)} mm at {number(ramp.speed_mm_per_s)} mm/s"
+    )
+    if any(s.last_step_short and s.condition == "modular" for s in schedules):
+        caption += ". The last force step is shorter than the others"
+    if told := schedules[0].provenance.get("interval", "").rstrip("."):
+        caption += f". Low and high: {told}. The presets do not depend on them"
+    return Table("schedules", caption, every[0].columns, tuple(chain(*rows)), tuple(chain(*shown)), most=FEW_ON_PAGE)
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
@@ -128,13 +129,12 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     new = profiles.new.specimen if profiles and profiles.new else None
     figure = draw_schedules(schedules, looks(results.specimens, new))
     low, high, scale = (*results.study.schedule.stiffness_percent, results.study.schedule.scale)
+    errors = profiles.errors if profiles and schedules[0].interval_percent is not None else None
+    bands = f" Bands are {100 * errors.confidence:g} % intervals over {profiles.drawn}." if profiles and errors else ""
     caption = (
-        f"Fig. 5. Co-contraction mapped on the actuator's stiffness, {low:g} to {high:g} % of the maximum {scale} over "
-        "all exported specimens. Left: modular stiffness, step by step. Right: constant stiffness, at the "
-        "minimum (lower bar), mean (mark) and maximum (upper bar) of each profile."
+        f"Fig. 5. Stiffness presets, {low:g} to {high:g} % of the maximum {scale}. Left: modular stiffness against "
+        f"force. Right: constant stiffness at minimum, mean and maximum of each profile.{bands}"
     )
-    if told := schedules[0].provenance.get("interval"):
-        caption += f" Bands: {told}"
     levels = [
         f"{s.specimen} {s.condition}: {number(s.stiffness_percent.min())}"
         + (f" to {number(s.stiffness_percent.max())} %" if s.condition == "modular" else " %")
@@ -148,30 +148,15 @@ _TEXT = """
 {% if not people.schedules %}
 <p>{{ why_absent("schedules") }}</p>
 {% else %}
-{% set ramp, limits = people.schedules[0].ramp, people.schedules[0].limits %}
-<p>The preset follows the measured force while the probe moves {{ ramp.travel_mm | number }} mm at
-{{ ramp.speed_mm_per_s | number }} mm/s.
-100 % is {{ limits.export.exported(limits.full_preset) }} {{ limits.export.unit }} of a {{ limits.actuator }}.
-{% if limits.export.remark %}
-{{ limits.export.remark }}
+{{ figure("fig05_schedules") }}
+<p>The preset follows the measured force.
+{% if people.schedules[0].limits.export.remark %}
+{{ people.schedules[0].limits.export.remark }}
 {% endif %}
-{% if short %}The last force step is shorter than the others.{% endif %}</p>
-{% if interval %}
-<p>Intervals of the stiffness: {{ interval }} The presets do not depend on the intervals.</p>
-{% endif %}
-{{ folded("fig05_schedules", "Figure 5: stiffness schedules") }}
+</p>
 {{ folded("schedules", "Every schedule in numbers") }}
 {{ folded("schedules_by_rule", "The new specimen's schedule by the bracket and by the paper's weight") }}
 {% endif %}
 """
 
-
-def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    schedules = results.recorded.schedules
-    return {
-        "short": any(s.last_step_short and s.condition == "modular" for s in schedules),
-        "interval": schedules[0].provenance.get("interval", "") if schedules else "",
-    }
-
-
-SCHEDULES = Section("schedules", "Stiffness schedules", _TEXT, of_people, _quantities, _tables, _drawings, _words)
+SCHEDULES = Section("schedules", "Stiffness schedules", _TEXT, of_people, _quantities, _tables, _drawings)
