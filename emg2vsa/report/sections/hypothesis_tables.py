@@ -103,7 +103,7 @@ def _pairs(found: Hypotheses, scale: ActivityScale) -> Table:
         "Pairs of specimens: Fisher's LSD on b, not corrected for the number of pairs; the p of tests that are "
         "corrected over the pairs of a participant; Hedges' g (FDR: false discovery rate)"
     )
-    values = who | {column: np.ravel(values) for column, values in numbers.items()}
+    values = who | {column: np.asarray(of).ravel() for column, of in numbers.items()}
     return table_of("lsd_pairs", caption, values, FEW_ON_PAGE)
 
 
