@@ -11,6 +11,7 @@ import numpy as np
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.companions.force_laws import ForceLaws, force_laws
 from emg2vsa.companions.table import TableTests, table_tests
+from emg2vsa.companions.whole_curve import WholeCurve, cell_curves, compare_curves
 from emg2vsa.fits import Fits, usable
 from emg2vsa.settings import HypothesisSettings
 from emg2vsa.statistics.clusters import Clusters, Names, clusters_of, in_order
@@ -62,6 +63,8 @@ class Hypotheses:
     "Of b over the number of the repetition."
     laws: ForceLaws
     "Power law and straight line beside the logarithm."
+    curves: WholeCurve
+    "Specimens compared at every force."
     place: Floats
     "(P, S) of the recording in the participant's session, from 1; NaN where nobody knows."
     drift: Drift
@@ -81,13 +84,14 @@ def test_hypotheses(
     participants: Sequence[str] = (),  # noqa: PT028 - a function of the package, not a test
     specimens: Sequence[str] = (),  # noqa: PT028
     laws: ForceLaws | None = None,  # noqa: PT028
+    curves: WholeCurve | None = None,  # noqa: PT028
     place: Mapping[tuple[str, str], float] | None = None,  # noqa: PT028
 ) -> Hypotheses:
     """Test b of the trials that ``settings.use`` admits. Never raises for a small or incomplete study.
 
     participants, specimens : who was asked to press what; those of ``fits`` count as asked in any case.
-    laws : where they were compared already; ``fits`` then need no force bins. place : of recordings in the session of
-    their participant, by participant and specimen.
+    laws, curves : where they were compared already; ``fits`` then need no force bins. place : of recordings in the
+    session of their participant, by participant and specimen.
     """
     admitted = usable(fits, settings.use)
     clusters = clusters_of(fits.participant, fits.specimen, fits.b_v, admitted)
@@ -121,6 +125,7 @@ def test_hypotheses(
             1 - settings.alpha,
         ),
         laws=laws or force_laws(fits, settings.use, 1 - settings.alpha),
+        curves=curves or compare_curves(cell_curves(fits, settings.use), settings.alpha),
         place=known.reshape(clusters.count.shape),
         drift=drift(
             fits.participant[admitted],

@@ -65,15 +65,20 @@ def force_laws(fits: Fits, use: str, confidence: float = 0.95) -> ForceLaws:
 def cell_errors(fits: Fits, use: str) -> list[CellErrors]:
     """Errors of prediction of every cell of ``fits``: of recordings of different cells, one recording at a time will
     do."""
+    found = []
+    for (participant, specimen), own in rows_of_cells(fits, use).items():
+        kinds = [_errors(fits.bin_force_n[own], fits.bin_v[own], split) for split in (_without_a_press, _without_a_bin)]
+        found.append(CellErrors(participant, specimen, np.array(kinds)))
+    return found
+
+
+def rows_of_cells(fits: Fits, use: str) -> dict[tuple[str, str], list[int]]:
+    """(participant, specimen) to the rows of the trials that ``use`` admits."""
     at = np.flatnonzero(usable(fits, use))
     rows: dict[tuple[str, str], list[int]] = {}
     for i, *names in zip(at.tolist(), fits.participant[at].tolist(), fits.specimen[at].tolist(), strict=True):
         rows.setdefault((names[0], names[1]), []).append(i)
-    found = []
-    for (participant, specimen), own in rows.items():
-        kinds = [_errors(fits.bin_force_n[own], fits.bin_v[own], split) for split in (_without_a_press, _without_a_bin)]
-        found.append(CellErrors(participant, specimen, np.array(kinds)))
-    return found
+    return rows
 
 
 def compare_laws(cells: Iterable[CellErrors], confidence: float = 0.95) -> ForceLaws:

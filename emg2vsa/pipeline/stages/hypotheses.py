@@ -34,24 +34,27 @@ def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
 
 
 def run(given: Given) -> Hypotheses:
-    """One recording at a time: of its force bins only what the laws say of them is kept."""
+    """One recording at a time: of its force bins only their mean and what the laws say of them is kept."""
     from emg2vsa.companions.force_laws import CellErrors, cell_errors, compare_laws
+    from emg2vsa.companions.whole_curve import CellCurve, cell_curves, compare_curves
     from emg2vsa.fits import concatenate
     from emg2vsa.hypotheses import test_hypotheses
 
     of = given.settings["hypotheses"]
     errors: list[CellErrors] = []
+    means: list[CellCurve] = []
 
     def recordings() -> Iterator[Fits]:
         for fits in given.each("fits"):
             errors.extend(cell_errors(fits, of.use))
+            means.extend(cell_curves(fits, of.use))
             yield fits
 
     fits = concatenate(recordings(), bins=False)
-    laws = compare_laws(errors, 1 - of.alpha)
+    laws, curves = compare_laws(errors, 1 - of.alpha), compare_curves(means, of.alpha)
     began = {(trials.participant, trials.specimen): trials.began for trials in given.each("trials")}
     order = places(given.settings["recordings"], given.files["order"], began)
-    return test_hypotheses(fits, of, given.settings["participants"], given.settings["palpated"], laws, order)
+    return test_hypotheses(fits, of, given.settings["participants"], given.settings["palpated"], laws, curves, order)
 
 
 STAGE = Stage(
