@@ -26,6 +26,7 @@ from emg2vsa.report.section import Section
 from emg2vsa.report.sections.actuators import ACTUATORS
 from emg2vsa.report.sections.area import AREA
 from emg2vsa.report.sections.claims import CLAIMS
+from emg2vsa.report.sections.curves import CURVES
 from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.hypotheses import HYPOTHESES
 from emg2vsa.report.sections.kappa import KAPPA
@@ -40,6 +41,6 @@ from emg2vsa.report.sections.stiffness import STIFFNESS
 from emg2vsa.report.sections.vision import ALGORITHM_1, VISION
 
 SECTIONS: tuple[Section, ...] = (
-    CLAIMS, PARTICIPANTS, FITS, HYPOTHESES, PROFILES, SCHEDULES, RUNS, AREA, ALGORITHM_1, RATES, VISION,
+    CLAIMS, PARTICIPANTS, FITS, HYPOTHESES, CURVES, PROFILES, SCHEDULES, RUNS, AREA, ALGORITHM_1, RATES, VISION,
     ACTUATORS, STIFFNESS, KAPPA, IMPLIED, MODELS, METHODS, GLOSSARY, PROVENANCE,
 )  # fmt: skip
