@@ -136,7 +136,7 @@ def test_every_figure_of_section_six_is_there_and_the_page_says_that_the_rig_is_
     names = {path.name for path in (written / "figures").iterdir()}
     assert {f"{figure}.{kind}" for figure in figures.split() for kind in ("svg", "pdf")} <= names
     page = read_page(written / "index.html")
-    assert page.tags.count("svg") == 14
+    assert page.tags.count("svg") == 15
     assert "These runs come from a simulated rig" in page.text
     assert page.text.count("Simulated rig.") >= 7
     for title in ("Presses of the rig", "Initial contact area", "Stiffness of the new specimen"):
