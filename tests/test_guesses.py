@@ -34,7 +34,7 @@ PLACES = {
     "figures 10, 12 and 13, rates": ("emg2vsa.figures.casr", "", r"Figures 10, 12 and 13"),
     "figure 11, the interpolated profile": ("emg2vsa.figures.cocontraction", "", r"Figure 11"),
     "figure 14, conditions": ("emg2vsa.figures.casr", "", r"Figure 14"),
-    "Table I, stiffness of the new specimen": ("emg2vsa.report.sections.kappa", "", r"Table I"),
+    "Table I, stiffness of the new specimen": ("emg2vsa.report.sections.table_one", "", r"Table I"),
     "weight kappa/10 of the softer neighbour": ("emg2vsa.profiles", "", r"kappa / 10"),
     "spikes of EMG": ("emg2vsa.signals.spikes", "", r"spikes"),
 }

@@ -51,7 +51,7 @@ def arithmetic_claims(
         yield _claim(
             "kappa_curves", "one exponential curve for each angle gives κ of CASR",
             "ratio S5 : S1 that the curves imply, over the largest that contact mechanics allows", exactly(implied),
-            1.0, "implied",
+            1.0, "runs",
         )  # fmt: skip
 
 

@@ -15,7 +15,7 @@ level. It holds the known specimens. Conditions that were pressed at some angles
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from emg2vsa.discrimination.separation import Gaps, closest_pair, gaps_of, press
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import RunScores
 from emg2vsa.settings import DiscriminationSettings
+from emg2vsa.shown import shown
 from emg2vsa.statistics.drift import Drift
 from emg2vsa.statistics.factorial import Factorial, factorial
 
@@ -47,11 +48,11 @@ class AlgorithmComparison:
     names: tuple[str, ...]
     specimens: tuple[str, ...]
     area: Floats
-    area_ratio: Floats
-    area_error: Floats
-    area_error_sd: Floats
-    area_cv: Floats
-    casr_cv: Floats
+    area_ratio: Floats = field(metadata=shown("A_c0 / that of the first"))
+    area_error: Floats = field(metadata=shown("Error of A_c0 (%)", 100))
+    area_error_sd: Floats = field(metadata=shown("SD of that error (%)", 100))
+    area_cv: Floats = field(metadata=shown("SD of A_c0 (%)", 100))
+    casr_cv: Floats = field(metadata=shown("SD of CASR (%)", 100))
     pair: tuple[str, str]
     gaps: tuple[Gaps, ...]
 

@@ -1,13 +1,7 @@
-"""Algorithm 1, which finds the initial area.
-
-Figure 2: its steps in one press, as the paper shows them, and the flow that follows. Figure A1: the pins that it counts
-against the force of the first frame in contact.
-"""
+"""Algorithm 1, which finds the initial area. Figure 2: its steps in one press, as in the paper, and the flow."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import cv2
@@ -22,9 +16,8 @@ from casr.flow.region import Region
 from casr.overlays.frames import hexagons as cells_of
 from casr.pins import PinSettings
 from casr.pins.detect import above_surroundings, fit_view
-from emg2vsa.arrays import Floats, Ints
-from emg2vsa.figures.canvas import marks, one_scale, panel_grid
-from emg2vsa.figures.palette import BLUE, INK, SKY, YELLOW, Look
+from emg2vsa.figures.canvas import panel_grid
+from emg2vsa.figures.palette import BLUE, INK, SKY, YELLOW
 from emg2vsa.run_scores import FirstContact
 
 _BRIGHTEST = 255
@@ -101,31 +94,3 @@ def _divergence(axes: Axes, flow_px: NDArray[np.floating[Any]]) -> None:
     ends = np.where(shown > 0, np.array(_rgb(YELLOW)), np.array(_rgb(BLUE)))
     axes.imshow(1 - np.abs(shown) * (1 - ends), interpolation="nearest")
     axes.text(0.02, 0.02, f"±{most:.2g} %/frame", transform=axes.transAxes, color=INK, fontsize=7)
-
-
-@dataclass(frozen=True)
-class PinCounts:
-    """One specimen at one angle: force_n (n,) of the first frame of each press, and the pins (n,) selected in it."""
-
-    name: str
-    look: Look
-    force_n: Floats
-    pins: Ints
-
-
-def draw_pin_counts(panels: Sequence[tuple[str, Sequence[PinCounts]]]) -> Figure:
-    """panels : title and specimens, stiffest first."""
-    figure, (row,) = panel_grid(1, [1] * len(panels), 46, (13, 2, 11, 13), (6, 0))
-    for axes, (title, specimens) in zip(row, panels, strict=True):
-        for each in specimens:
-            marks(axes, each.force_n, each.pins, each.look, 4, 0.3, alpha=0.8, label=each.name)
-        axes.set_title(title, loc="center")
-        axes.set_xlabel("Force of the first frame (N)")
-    left, right = np.transpose([axes.get_xlim() for axes in row])
-    one_scale(row)
-    for axes in row:
-        axes.set(ylim=(0, None), xlim=(left.min(), right.max()))
-    row[0].set_ylabel("Pins selected, n")
-    handles, labels = max((axes.get_legend_handles_labels() for axes in row), key=lambda each: len(each[1]))
-    figure.legend(handles, labels, loc="upper center", ncols=max(1, len(labels)))
-    return figure

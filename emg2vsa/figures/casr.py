@@ -4,7 +4,7 @@ The initial area A_c0, Figure 8: by specimen at each angle, and by angle, as dif
 angle at one force, with the outline of its area. The contact area spread rate, Figures 10, 12 and 13: dA/dF from frame
 to frame against force with its fit, and box plots of the rates of the presses, row by row. Figure 14: rates by specimen
 at each angle, pressed rigidly and as people do. Calibration: stiffness over CASR through the known specimens, and the
-new one read off the curve.
+new one read off the curve; its estimates, and Table I, with their intervals.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.calibration.forms import kappa_of, x_of
 from emg2vsa.calibration.results import AlgorithmResult, ConditionResult, LawResult
 from emg2vsa.figures.canvas import PairBar, draw_bars, draw_box, groups, marks, one_scale, panel_grid
-from emg2vsa.figures.palette import GREY, INK, MUTED, YELLOW, Look
+from emg2vsa.figures.palette import GREY, GRID, INK, MUTED, YELLOW, Look
 from emg2vsa.run_scores import ContactPicture
 from emg2vsa.settings import Law
 
@@ -125,7 +125,7 @@ class RateSeries:
 
 def draw_rates(rows: Sequence[tuple[str, Sequence[RateSeries]]], unit: str) -> Figure:
     """rows : title and specimens, stiffest first; ``unit`` of the area."""
-    figure, panels = panel_grid(len(rows), (1.15, 1), 46, (13, 2, 11, 13), (17, 12))
+    figure, panels = panel_grid(len(rows), (1.15, 1), 38, (13, 2, 11, 13), (17, 12))
     for (raw, boxes), (title, specimens) in zip(panels, rows, strict=True):
         for place, series in enumerate(specimens):
             _raw(raw, series)
@@ -178,6 +178,7 @@ def _raw(axes: Axes, series: RateSeries) -> None:
 
 
 _ASIDE = 0.21
+RING = Look(INK, "o", "-")
 _RIGID = "left, hollow: rigid (high stiffness)"
 _HUMAN_LIKE = "right, filled: human-like (modular stiffness)"
 
@@ -190,6 +191,8 @@ class ConditionBoxes:
     look: Look
     rigid: Floats
     human_like: Floats
+    far: bool = False
+    "Whether their means differ by more than two SDs of a mean over mountings."
 
     @property
     def percent(self) -> Floats:
@@ -198,19 +201,24 @@ class ConditionBoxes:
         return 100 * (self.human_like / rigid.mean() - 1) if rigid.size else np.empty(0)
 
 
-def draw_conditions(panels: Sequence[tuple[str, Sequence[ConditionBoxes]]], unit: str) -> Figure:
-    """panels : title and specimens, stiffest first; ``unit`` of the area.
+def draw_conditions(
+    panels: Sequence[tuple[str, Sequence[ConditionBoxes]]], unit: str, reach: float = 0.0
+) -> Figure:  # fmt: skip
+    """panels : title and specimens, stiffest first; ``unit`` of the area. reach : percent that mountings explain.
 
     Above the levels, left and hollow rigid, right and filled human-like; below how far the human-like presses lie from
-    the mean of the rigid ones. Each row has one scale.
+    the mean of the rigid ones, with a ring around the mean of those that are ``far``. Each row has one scale.
     """
     figure, (levels, differences) = panel_grid(2, [1] * len(panels), 42, (15, 2, 8, 13), (6, 9))
     for above, below, (title, specimens) in zip(levels, differences, panels, strict=True):
         below.axhline(0, color=INK, linewidth=0.6)
+        below.axhspan(-reach, reach, color=GRID, linewidth=0)
         for place, each in enumerate(specimens):
             draw_box(above, place - _ASIDE, each.rigid, each.look, width=0.36, hollow_marks=True)
             draw_box(above, place + _ASIDE, each.human_like, each.look, width=0.36, filled=True)
             draw_box(below, place, each.percent, each.look, filled=True)
+            if each.far:
+                marks(below, place, np.mean(each.percent), RING, 13, 1.2, markerfacecolor="none")
         for axes in (above, below):
             groups(axes, [each.name for each in specimens])
         above.set_title(title, loc="center")
@@ -237,7 +245,7 @@ def draw_calibrations(
 ) -> Figure:
     """panels : title, and what the chosen vision algorithm gives; known_new : stiffness of ``new``, NaN if unknown."""
     rows = -(-len(panels) // _ACROSS)
-    figure, grid = panel_grid(rows, [1] * min(_ACROSS, len(panels)), 44, (13, 2, 12, 13), (12, 16))
+    figure, grid = panel_grid(rows, [1] * min(_ACROSS, len(panels)), 38, (13, 2, 12, 13), (12, 16))
     axes = [each for row in grid for each in row]
     for each, (title, condition, found) in zip(axes, panels, strict=False):
         _panel(each, condition, found, looks, new, known_new)
@@ -293,3 +301,67 @@ def _panel(
     if np.isfinite(known_new):
         axes.axhline(known_new, color=look.colour, linestyle=(0, (1, 1)), linewidth=0.8, label="known κ")
     axes.set_ylim(0, top)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One row: an estimate with its interval, NaN where there is none. printed : the paper's, without its sign."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    determined: bool
+    look: Look
+    printed: float = np.nan
+
+
+_ERRORS = (-100.0, 100.0)
+_NOT_DETERMINED = "not determined"
+
+
+def draw_estimates(
+    panels: Sequence[tuple[str, Sequence[Estimate]]], label: str, truth: float, known: Mapping[str, float] | None = None
+) -> Figure:
+    """panels : title and rows, the same rows in each. truth : a line. An interval ends in an arrow at the panel's edge.
+
+    known : stiffness of specimens, the ticks of a logarithmic scale; without them a scale of errors in percent.
+    """
+    names = [each.name for each in panels[0][1]]
+    left = 6 + 1.55 * max(map(len, names))
+    figure, (row,) = panel_grid(1, [1] * len(panels), 4 + 7 * len(names), (left, 3, 16 if known else 12, 6), (4, 0))
+    limits = (min(known.values()) / 1.8, 3.5 * max(known.values())) if known else _ERRORS
+    for axes, (title, estimates) in zip(row, panels, strict=True):
+        axes.axvline(truth, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
+        for place, each in enumerate(estimates):
+            _estimate(axes, place, each, limits)
+        if known:
+            axes.set_xscale("log")
+            axes.set_xticks(list(known.values()), [f"{name}\n{kappa:g}" for name, kappa in known.items()])
+            axes.minorticks_off()
+        else:
+            axes.set_xticks([-50, 0, 50])
+        axes.set(xlim=limits, ylim=(len(names) - 0.4, -0.6), xlabel=label)
+        axes.set_yticks(range(len(names)), names if axes is row[0] else [""] * len(names))
+        axes.set_title(title, loc="center")
+    if len(row) == 1:
+        row[0].set_title("", loc="left")
+    return figure
+
+
+def _estimate(axes: Axes, place: int, each: Estimate, limits: tuple[float, float]) -> None:
+    if np.isfinite(each.printed):
+        ends = [-each.printed, each.printed]
+        axes.plot(ends, [place + 0.28] * 2, color=MUTED, linewidth=0.8, marker="|", markersize=5)
+    colour = each.look.colour if each.determined else GREY
+    if np.isfinite(each.value):
+        ends = np.clip([each.low, each.high], *limits).tolist()
+        axes.plot(ends, [place] * 2, color=colour, linewidth=1.4)
+        for end, clipped, marker in zip((each.low, each.high), ends, "<>", strict=True):
+            if end != clipped:
+                axes.plot(clipped, place, marker=marker, markersize=4, color=colour, clip_on=False)
+        face = colour if each.determined else "white"
+        value = min(max(each.value, limits[0]), limits[1])
+        marks(axes, value, place, each.look, 5, 0.8, markerfacecolor=face, markeredgecolor=colour, clip_on=False)
+    if not each.determined and (np.isfinite(each.value) or each.low == each.low):
+        axes.text(0.99 * limits[1], place - 0.12, _NOT_DETERMINED, ha="right", va="bottom", color=MUTED, fontsize=6)

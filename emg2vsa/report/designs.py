@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,14 +15,12 @@ from emg2vsa.figures.palette import Look
 from emg2vsa.figures.palette import looks as looks_of
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items
-from emg2vsa.report.table import Column
-from emg2vsa.report.wording import SIMULATED, number
-from emg2vsa.statistics.kruskal import KruskalWallis
+from emg2vsa.report.numbers import Items, with_interval
+from emg2vsa.report.table import Column, Table, table_of
+from emg2vsa.report.wording import SIMULATED, interval, number
 
 DESIGN = Column("design", "Condition, angle")
 BY_PRESSES = "The paper's rank tests take presses of one mounting as independent"
-BOXES = "Boxes are Hazen's quartiles, whiskers reach the furthest value within 1.5 interquartile ranges."
 
 
 def of_tests(results: StudyResults) -> bool:
@@ -43,26 +41,52 @@ def tested(results: StudyResults) -> Discrimination:
     return found
 
 
+def pairs_of(table: RunTable) -> list[tuple[str, float]]:
+    """Condition and angle of every design."""
+    return [*zip(table.conditions, table.angles_deg.tolist(), strict=True)]
+
+
 def design_name(table: RunTable, design: int) -> str:
     """``modular, 30°``."""
     return f"{table.conditions[design]}, {table.angles_deg[design]:g}°"
 
 
-def design_names(table: RunTable) -> list[str]:
-    """Of all designs, in their order."""
-    return [design_name(table, i) for i in range(len(table.conditions))]
+def by_design(name: str, caption: str, table: RunTable, columns: Mapping[Column, Any]) -> Table:
+    """A table with one row for each design; what has ends is said with its interval."""
+    names = [design_name(table, i) for i in range(len(table.conditions))]
+    told = {column: said(values) if hasattr(values, "low") else values for column, values in columns.items()}
+    return table_of(name, caption, {DESIGN: names, **told})
+
+
+def of_designs(found: Discrimination, values: Mapping[str, Any]) -> Items:
+    """Quantities ``runs.modular.30.<key>`` of every design; of what has ends, with them."""
+    for i, name in enumerate(keys(found)):
+        for key, each in values.items():
+            if hasattr(each, "low"):
+                yield from intervals(f"{name}.{key}", each, i)
+            else:
+                yield f"{name}.{key}", each[i].item()
 
 
 def keys(found: Discrimination) -> list[str]:
     """``runs.modular.30`` of every design: how its quantities begin."""
-    table = found.table
-    return [f"runs.{c}.{a:g}" for c, a in zip(table.conditions, table.angles_deg.tolist(), strict=True)]
+    return [f"runs.{condition}.{angle:g}" for condition, angle in pairs_of(found.table)]
 
 
 def ends_of(found: Any, i: int) -> tuple[float, float, float]:
     """Estimate, low and high of one design: of ``Gaps``, or of ``Ratios``."""
     estimate = found.gap if hasattr(found, "gap") else found.estimate
     return float(estimate[i]), float(found.low[i]), float(found.high[i])
+
+
+def said(found: Any, places: Iterable[int] | None = None) -> list[str]:
+    """``3.01 [1.70, 4.23]`` of each of them, or of those at ``places``."""
+    return [interval(*ends_of(found, i)) for i in (range(len(found.low)) if places is None else places)]
+
+
+def intervals(name: str, found: Any, i: int) -> Items:
+    """Quantities of an estimate and its ends."""
+    yield from with_interval(name, *ends_of(found, i))
 
 
 def looks(results: StudyResults) -> dict[str, Look]:
@@ -79,21 +103,20 @@ def drawing(results: StudyResults, name: str, title: str, caption: str, told: st
     return Drawing(name, title, caption + origin, f"{told}{origin}", figure, None)
 
 
-def ranks_of(name: str, found: KruskalWallis, i: int) -> Items:
-    """Kruskal and Wallis' test of the known specimens in one design."""
-    yield f"{name}.specimens_p", float(found.p[i])
-    yield f"{name}.specimens_epsilon2", float(found.epsilon2[i])
-
-
 def finite(values: Floats) -> Floats:
     """Those that are."""
     return np.asarray(values[np.isfinite(values)])
 
 
-def median_said(values: Floats) -> str:
+def medians_said(rows: Iterable[tuple[str, Iterable[tuple[str, Floats]]]]) -> str:
+    """``0°: S1 9.81, S3 12.2; 30°: ...``, for those who do not see a figure."""
+    return "; ".join(f"{title}: " + ", ".join(f"{n} {_median(finite(v))}" for n, v in row) for title, row in rows)
+
+
+def _median(values: Floats) -> str:
     return number(float(np.median(values))) if values.size else "none"
 
 
-def medians_said(rows: Sequence[tuple[str, Sequence[tuple[str, Floats]]]]) -> str:
-    """``0°: S1 9.81, S3 12.2; 30°: ...``, for those who do not see a figure."""
-    return "; ".join(f"{title}: " + ", ".join(f"{n} {median_said(v)}" for n, v in row) for title, row in rows)
+def shared(values: Sequence[int]) -> str:
+    """``3`` where all are the same, ``2 to 3`` where not."""
+    return f"{min(values)}" if min(values) == max(values) else f"{min(values)} to {max(values)}"

@@ -8,15 +8,17 @@ import pytest
 from casr.overlays.frames import hexagons
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.results import LawResult
-from emg2vsa.figures.algorithm_1 import PinCounts, draw_pin_counts, draw_steps
+from emg2vsa.figures.algorithm_1 import draw_steps
 from emg2vsa.figures.canvas import PairBar, panel_grid, style, svg_text
 from emg2vsa.figures.casr import (
     AreaPanel,
     ConditionBoxes,
+    Estimate,
     RateSeries,
     draw_areas,
     draw_conditions,
     draw_contacts,
+    draw_estimates,
     draw_rates,
     law_curve,
 )
@@ -172,19 +174,23 @@ def test_steps_of_algorithm_1_show_the_selected_pins_and_a_hexagon_for_each(turn
     assert svg.count("data:image/png;base64") == 8
 
 
-def test_pins_are_drawn_by_the_force_of_the_first_frame_on_one_scale():
-    low, high = np.array([4, 20]), np.array([40, 73])
-    panels = [
-        ("0°", [PinCounts("S1", LOOKS["S1"], np.array([0.5, 0.7]), low)]),
-        ("45°", [PinCounts("S1", LOOKS["S1"], np.array([0.6, 0.9]), high)]),
+def test_an_interval_beyond_the_panel_ends_in_an_arrow_and_the_papers_error_is_a_bracket():
+    rows = [
+        Estimate("front, rigid", 10.0, -20.0, np.inf, True, LOOKS["S1"], printed=7.0),
+        Estimate("edge, rigid", np.nan, np.nan, np.nan, False, LOOKS["S1"]),
+        Estimate("circle, rigid", 300.0, -500.0, 900.0, False, LOOKS["S1"]),
     ]
-    first, second = draw(draw_pin_counts, panels).axes
-    assert (first.get_ylim(), first.get_xlim()) == (second.get_ylim(), second.get_xlim())
-    assert first.get_ylim()[0] == 0
-    assert first.get_ylim()[1] > 73
-    np.testing.assert_allclose(second.lines[0].get_ydata(), high)
-    assert [axes.get_ylabel() for axes in (first, second)] == ["Pins selected, n", ""]
-    assert {axes.get_xlabel() for axes in (first, second)} == {"Force of the first frame (N)"}
+    axes = draw(draw_estimates, [("0°", rows)], "Error (%)", 0.0).axes[0]
+    assert [line.get_marker() for line in axes.lines if line.get_marker() in "<>"] == [">", "<", ">"]
+    bracket = axes.lines[1]
+    assert (bracket.get_marker(), bracket.get_xdata().tolist()) == ("|", [-7.0, 7.0])
+    assert [text.get_text() for text in axes.texts] == ["not determined"]
+    assert [text.get_text() for text in axes.get_yticklabels()] == [row.name for row in rows]
+    known = draw(
+        draw_estimates, [("", [replace(rows[0], value=5.0, low=4.0, high=6.0)])], "κ", 5.3, {"S1": 7.6, "S5": 1.1}
+    )
+    assert known.axes[0].get_xscale() == "log"
+    assert [text.get_text() for text in known.axes[0].get_xticklabels()] == ["S1\n7.6", "S5\n1.1"]
 
 
 def test_rates_have_a_row_for_each_design_and_one_legend():
@@ -200,14 +206,20 @@ def test_rates_have_a_row_for_each_design_and_one_legend():
 
 
 def test_both_conditions_stand_side_by_side_and_their_difference_below():
-    boxes = [ConditionBoxes("S1", LOOKS["S1"], VALUES, VALUES + 5), ConditionBoxes("S3", LOOKS["S3"], VALUES, VALUES)]
-    figure = draw(draw_conditions, [("0°", boxes), ("30°", boxes[:1])], "mm²")
+    boxes = [
+        ConditionBoxes("S1", LOOKS["S1"], VALUES, VALUES + 5, far=True),
+        ConditionBoxes("S3", LOOKS["S3"], VALUES, VALUES),
+    ]
+    figure = draw(draw_conditions, [("0°", boxes), ("30°", boxes[1:])], "mm²", 4.0)
     above, _, below, _ = figure.axes
     hollow, filled = above.patches[:2]
     assert hollow.get_x() + hollow.get_width() < filled.get_x()
     assert hollow.get_facecolor()[3] == 0 < filled.get_facecolor()[3]
     assert len(above.patches) == 4
-    difference = below.patches[0]
+    band, difference = below.patches[:2]
+    assert (band.get_y(), band.get_height()) == (-4.0, 8.0)
+    rings = [line for each in (below, figure.axes[3]) for line in each.lines if line.get_markersize() > 10]
+    assert [line.get_ydata()[0] for line in rings] == [pytest.approx(50)]  # of the one that is far
     assert difference.get_y() + difference.get_height() / 2 == pytest.approx(50)  # 15 beside a mean of 10
     assert len({axes.get_ylim() for axes in figure.axes[:2]}) == len({axes.get_ylim() for axes in figure.axes[2:]}) == 1
     # marks tell both apart where boxes are thin

@@ -6,26 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from emg2vsa.discrimination.conditions import ConditionComparison
 from emg2vsa.discrimination.contrast import Contrast
-from emg2vsa.discrimination.contrast_words import change_percent, contrast_words, schedule_words
+from emg2vsa.discrimination.contrast_words import change_percent, schedule_words
 from emg2vsa.discrimination.discriminate import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID, RunTable
 from emg2vsa.figures.casr import ConditionBoxes, draw_conditions
-from emg2vsa.report.designs import (
-    BOXES,
-    DESIGN,
-    design_name,
-    design_names,
-    drawing,
-    ends_of,
-    finite,
-    keys,
-    looks,
-    median_said,
-    of_tests,
-    tested,
-)
+from emg2vsa.report import designs
+from emg2vsa.report.designs import design_name, ends_of, finite, intervals, of_tests, tested
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, with_interval
@@ -36,23 +23,18 @@ from emg2vsa.report.wording import UNDEFINED, area_unit, interval, listed
 _MEASURES = {"slope": "slope", "frame_sum": "equation (2)"}
 
 
-def _verdict(low: float, high: float) -> str:
-    return "larger" if low > 0 else "smaller" if high < 0 else "not determined"
-
-
 def _quantities(results: StudyResults) -> Items:
     found = tested(results)
     compared, table = found.conditions, found.table
     yield "runs.closest_pair", " ".join(compared.pair)
-    for i, name in enumerate(keys(found)):
-        yield from with_interval(f"{name}.separation.gap", *ends_of(compared.gaps, i))
-        yield f"{name}.separation.cv", float(compared.press_sd[i])
+    yield from designs.of_designs(found, {"separation.gap": compared.gaps, "separation.cv": compared.press_sd})
     for i, other in enumerate(compared.other.tolist()):
         name = f"runs.human_like_against.{table.conditions[other]}.{table.angles_deg[other]:g}"
-        yield from with_interval(f"{name}.gap_difference", *ends_of(compared.gap_differences, i))
-        yield from with_interval(f"{name}.level_ratio", *ends_of(compared.level_ratio, i))
-        yield from with_interval(f"{name}.cv_ratio", *ends_of(compared.cv_ratio, i))
-        yield f"{name}.verdict", _verdict(*ends_of(compared.gap_differences, i)[1:])
+        yield from intervals(f"{name}.gap_difference", compared.gap_differences, i)
+        yield from intervals(f"{name}.level_ratio", compared.level_ratio, i)
+        yield from intervals(f"{name}.cv_ratio", compared.cv_ratio, i)
+        _, low, high = ends_of(compared.gap_differences, i)
+        yield f"{name}.verdict", "larger" if low > 0 else "smaller" if high < 0 else "not determined"
     yield from with_interval("runs.mounting_sd_percent", *(100 * value for value in compared.mounting_sd))
     for contrast in found.contrasts:
         yield from _contrast_quantities(contrast, table)
@@ -61,12 +43,12 @@ def _quantities(results: StudyResults) -> Items:
 def _contrast_quantities(contrast: Contrast, table: RunTable) -> Items:
     """``contrast.slope.modular.0.S5_S1`` is the logarithm of the ratio of two specimens, and so on."""
     begin, pairs = f"contrast.{contrast.measure}", ["_".join(pair) for pair in contrast.pairs]
-    designs = [f"{c}.{a:g}" for c, a in zip(table.conditions, table.angles_deg.tolist(), strict=True)]
     yield f"{begin}.algorithm", contrast.algorithm
-    for d, design in enumerate(designs):
-        yield f"{begin}.{design}.mountings", int(contrast.mountings[d])
+    for d, (condition, angle) in enumerate(designs.pairs_of(table)):
+        yield f"{begin}.{condition}.{angle:g}.mountings", int(contrast.mountings[d])
         for k, pair in enumerate(pairs):
-            yield from with_interval(f"{begin}.{design}.{pair}", *contrast.levels.at(d * len(pairs) + k))
+            level = contrast.levels.at(d * len(pairs) + k)
+            yield from with_interval(f"{begin}.{condition}.{angle:g}.{pair}", *level)
     for i, (one, other, k) in enumerate(zip(contrast.one, contrast.other, contrast.pair, strict=True)):
         name = f"{begin}.{table.conditions[one]}_against_{table.conditions[other]}.{table.angles_deg[one]:g}.{pairs[k]}"
         yield from with_interval(f"{name}.change", *contrast.changes.at(i))
@@ -79,27 +61,17 @@ def _contrast_quantities(contrast: Contrast, table: RunTable) -> Items:
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     found = tested(results)
     compared, table = found.conditions, found.table
-    level, others = f"{100 * compared.confidence:g} %", range(compared.other.size)
-    columns: Columns = {
+    level = f"{100 * compared.confidence:g} %"
+    against: Columns = {
         Column("other", "Human-like (modular) against"): [design_name(table, i) for i in compared.other.tolist()],
-        Column("gap_difference", "Distance: difference, in SDs"): [
-            interval(*ends_of(compared.gap_differences, i)) for i in others
+        Column("gap_difference", "Distance: difference, in SDs"): designs.said(compared.gap_differences),
+        Column("cv_ratio", "SD of a press: ratio"): designs.said(compared.cv_ratio),
+        Column("level_change_percent", "Mean CASR: difference (%)"): [
+            _level_change(*ends_of(compared.level_ratio, i)) for i in range(compared.other.size)
         ],
-        Column("cv_ratio", "SD of a press: ratio"): [interval(*ends_of(compared.cv_ratio, i)) for i in others],
-        Column("level_change_percent", "Mean CASR: difference (%)"): [level_change(compared, i) for i in others],
     }
     caption = f"The human-like condition against every other at the same angle, {level} intervals over mountings"
-    yield table_of("conditions_compared", caption, columns)
-    each: Columns = {
-        DESIGN: design_names(table),
-        Column("gap", "Distance, in SDs"): [interval(*ends_of(compared.gaps, i)) for i in range(len(table.conditions))],
-        Column("cv", "SD of a press (%)", 100.0): compared.press_sd,
-    }
-    caption = (
-        f"Distance of {listed(compared.pair)}, the neighbours that differ least in stiffness: mean ln CASR over "
-        f"mountings, in SDs of a press of one mounting, with {level} interval"
-    )
-    yield table_of("conditions", caption, each)
+    yield table_of("conditions_compared", caption, against)
     yield _contrast_table(found)
 
 
@@ -107,7 +79,7 @@ def _contrast_table(found: Discrimination) -> Table:
     """Contrasts under every condition against every other that it is compared with."""
     every = [(contrast, i) for contrast in found.contrasts for i in range(contrast.pair.size)]
     conditions = found.table.conditions
-    columns: Columns = {
+    rows: Columns = {
         Column("of", "CASR"): [_MEASURES[c.measure] for c, _ in every],
         Column("pair", "Pair"): [" : ".join(c.pairs[c.pair[i]]) for c, i in every],
         Column("compared", "Condition, against"): [
@@ -126,25 +98,25 @@ def _contrast_table(found: Discrimination) -> Table:
         f"{100 * (1 - found.settings.alpha):g}% intervals; p corrected by the order of tests (human-like against rigid "
         "first) and by Holm within its last step"
     )
-    return table_of("contrasts", caption, columns)
+    return table_of("contrasts", caption, rows)
 
 
-def level_change(compared: ConditionComparison, i: int) -> str:
+def _level_change(*ratio: float) -> str:
     """Mean CASR, human-like less other, in percent of the other, with two decimals."""
-    estimate, low, high = (f"{100 * (ratio - 1):+.2f}" for ratio in ends_of(compared.level_ratio, i))
+    estimate, low, high = (f"{100 * (each - 1):+.2f}" for each in ratio)
     return UNDEFINED if "nan" in low else f"{estimate} [{low}, {high}]"
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
-    found, look = tested(results), looks(results)
-    table = found.table
-    values, unit = table.casr[table.algorithm], area_unit(table.area_unit)
+    found, look = tested(results), designs.looks(results)
+    table, compared = found.table, found.conditions
+    values, unit, far = table.casr[table.algorithm], area_unit(table.area_unit), {(d, s) for d, s, _ in compared.far}
     panels = [
         (
             f"{table.angles_deg[rigid]:g}°",
             [
-                ConditionBoxes(name, look[name], finite(values[rigid, j]), finite(values[human, j]))
-                for j, name in enumerate(table.specimens)
+                ConditionBoxes(name, look[name], finite(values[rigid, s]), finite(values[human, s]), (human, s) in far)
+                for s, name in enumerate(table.specimens)
             ],
         )
         for rigid in table.of_condition(RIGID)
@@ -152,62 +124,55 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     ]
     if not panels:
         return
-    told = "; ".join(
-        f"{title}: " + ", ".join(f"{b.name} {median_said(b.rigid)} and {median_said(b.human_like)}" for b in boxes)
-        for title, boxes in panels
-    )
+    fewest, most = compared.mountings
+    sd = compared.mounting_sd[0] if most > 1 else compared.assumed_sd
+    reach = 100 * np.expm1(2 * sd / np.sqrt(max(fewest, 1)))
+    boxes = "one mounting" if most == 1 else f"{designs.shared(compared.mountings)} mountings"
     caption = (
-        f"Fig. 14. CASR with the rigid motor (left, hollow) and human-like stiffness (right, filled) by the "
-        f"{table.algorithm} algorithm. Each box is {_mountings_said(found)}. Below: how far each human-like press lies "
-        f"from the mean of the rigid ones. {BOXES}"
+        f"Fig. 14. CASR ({table.algorithm} algorithm); each box holds the presses of {boxes}. Below: human-like "
+        "presses less the rigid mean; grey: two SDs of a mean over mountings; rings lie beyond."
     )
+    told = designs.medians_said(
+        (title, [(f"{b.name} {which}", v) for b in own for which, v in (("rigid", b.rigid), ("human", b.human_like))])
+        for title, own in panels
+    )
+    told = f"Median CASR in {unit}/N. {told}. Beyond two SDs: {_beyond(found) or 'none'}."
+    figure = draw_conditions(panels, unit, reach)
     title = "CASR with rigid and human-like stiffness"
-    figure = draw_conditions(panels, unit)
-    yield drawing(results, "fig14_conditions", title, caption, f"Median CASR in {unit}/N. {told}.", figure)
+    yield designs.drawing(results, "fig14_conditions", title, caption, told, figure)
 
 
-_TEXT = """
-<p>{{ (said + of_schedules + scatter) | join(" ") }}</p>
-{{ folded("contrasts", "Contrast of specimens under every condition, tested over mountings") }}
-{{ folded("conditions_compared", "Human-like stiffness against every other condition") }}
-{{ folded("conditions", "Every condition alone") }}
-{{ folded("fig14_conditions", "Figure 14: CASR with the rigid motor and human-like stiffness") }}
-"""
-
-
-def _mountings_said(found: Discrimination) -> str:
-    fewest, most = (int(n) for n in found.conditions.mountings)
-    return "one mounting" if most == 1 else f"{fewest} mountings" if fewest == most else f"{fewest} to {most} mountings"
-
-
-def _scatter_said(found: Discrimination) -> Iterator[str]:
-    """What the runs imply of mountings, and the cells of figure 14 that differ by more than two SDs of a mounting."""
-    compared, table = found.conditions, found.table
-    estimate, low, high = (100 * value for value in compared.mounting_sd)
-    if estimate == estimate:
-        of = "mountings" if compared.mountings[1] > 1 else "conditions of the same specimen and angle"
-        yield (
-            f"Scatter between {of} implies an SD of {interval(estimate, low, high)} % from mounting to mounting; "
-            f"assumed where specimens were mounted once: {100 * compared.assumed_sd:g} %."
-        )
-    marked = [
+def _beyond(found: Discrimination) -> str:
+    """The cells of figure 14 that differ by more than two SDs of a mean over mountings."""
+    table = found.table
+    return listed([
         f"{table.specimens[s]} at {table.angles_deg[d]:g}° ({100 * np.expm1(change):+.1f} %)"
-        for d, s, change in compared.far
-    ]
-    if marked:
-        yield (
-            "Under human-like stiffness CASR differs from that under the rigid motor by more than two SDs of "
-            f"a cell's mean on {listed(marked)}. A difference of two cells has 1.4 of them by chance."
-        )
+        for d, s, change in found.conditions.far
+    ])  # fmt: skip
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     found = tested(results)
+    compared = found.conditions
+    sds = [100 * value for value in compared.mounting_sd]
     return {
-        "said": contrast_words(found)[:1], "of_schedules": list(schedule_words(found)),
-        "scatter": list(_scatter_said(found)),
-    }  # fmt: skip
+        "schedules": list(schedule_words(found)),
+        "sd": interval(*sds) if sds[0] == sds[0] else "",
+        "between": "mountings" if compared.mountings[1] > 1 else "conditions of the same specimen and angle",
+        "assumed": 100 * compared.assumed_sd,
+        "beyond": _beyond(found),
+    }
 
+
+_TEXT = """
+{{ figure("fig14_conditions") }}
+<p>{% if sd %}Mountings scatter by {{ sd }} % (SD, from {{ between }}); {{ assumed | number(2) }} % is assumed of
+specimens mounted once. {% endif %}
+{% if beyond %}Beyond two SDs: {{ beyond }}. By chance a difference has an SD of 1.4 SDs. {% endif %}
+{{ schedules | join(" ") }}</p>
+{{ folded("contrasts", "Contrast of specimens under every condition, tested over mountings") }}
+{{ folded("conditions_compared", "Human-like stiffness against every other condition") }}
+"""
 
 ACTUATORS = Section(
     "actuators", "Rigid and human-like actuation", _TEXT, of_tests, _quantities, _tables, _drawings, _words

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -11,33 +11,19 @@ from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import RIGID
 from emg2vsa.figures.canvas import PairBar
 from emg2vsa.figures.casr import POOLED, AreaPanel, draw_areas, draw_contacts
-from emg2vsa.figures.palette import Look
+from emg2vsa.report import designs
 from emg2vsa.report.companion_rows import companion_table, normality_rows
-from emg2vsa.report.designs import (
-    BOXES,
-    BY_PRESSES,
-    DESIGN,
-    design_names,
-    drawing,
-    ends_of,
-    finite,
-    keys,
-    looks,
-    medians_said,
-    of_tests,
-    ranks_of,
-    tested,
-)
-from emg2vsa.report.drawing import STARS, Drawing
+from emg2vsa.report.designs import ends_of, finite, intervals, keys, of_tests, tested
+from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, moments, with_interval
+from emg2vsa.report.numbers import Items, moments
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Columns, Table, table_of
-from emg2vsa.report.wording import area_unit, interval, number, p_text, p_value
+from emg2vsa.report.wording import area_unit, interval, number, p_value
 from emg2vsa.run_scores import PICTURED_N
 
-_OUTLINED = {"front": "outline that the {} algorithm finds and the area within it"}
-_GROWN = "region whose growth is measured, and the area by the {} algorithm, which is A_c0 times that growth"
+_OUTLINED = {"front": "outline and area by the {} algorithm"}
+_GROWN = "region whose growth is measured, and A_c0 times that growth ({} algorithm)"
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -46,22 +32,24 @@ def _quantities(results: StudyResults) -> Items:
     yield "paper.high-stiffness.area.angles.worst_p", paper.AREA_ANGLES_WORST_P
     found = tested(results)
     table, area, unit = found.table, found.area, found.table.area_unit
+    of_area = {
+        "specimens_p": area.kruskal.p, "specimens_epsilon2": area.kruskal.epsilon2,
+        "softest_over_stiffest": area.softest_over_stiffest,
+    }  # fmt: skip
+    yield from designs.of_designs(found, {f"area.{key}": values for key, values in of_area.items()})
     for i, name in enumerate(keys(found)):
-        yield from ranks_of(f"{name}.area", area.kruskal, i)
-        yield from with_interval(f"{name}.area.softest_over_stiffest", *ends_of(area.softest_over_stiffest, i))
         for key, areas in (("a_c0", table.a_c0), ("start_area", table.start_area)):
             for specimen, values in zip(table.specimens, areas[table.algorithm][i], strict=True):
                 yield from moments(f"{name}.{specimen}.{key}_{unit}", values)
-    of = found.area_by_angle
-    for i, condition in enumerate(of.conditions if of else ()):
-        assert of is not None
-        name = f"runs.{condition}.area.angles"
-        yield f"{name}.p", float(of.kruskal.p[i])
-        yield f"{name}.worst_p", of.worst_p(i)
-        yield f"{name}.falls", of.falls(i)
-        for a, angle in enumerate(of.angles_deg.tolist()):
-            if np.isfinite(of.over_first[i].estimate[a]):
-                yield from with_interval(f"{name}.over_first.{angle:g}", *ends_of(of.over_first[i], a))
+    if of := found.area_by_angle:
+        for i, condition in enumerate(of.conditions):
+            name = f"runs.{condition}.area.angles"
+            yield f"{name}.p", float(of.kruskal.p[i])
+            yield f"{name}.worst_p", of.worst_p(i)
+            yield f"{name}.falls", of.falls(i)
+            for a, angle in enumerate(of.angles_deg.tolist()):
+                if np.isfinite(of.over_first[i].estimate[a]):
+                    yield from intervals(f"{name}.over_first.{angle:g}", of.over_first[i], a)
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
@@ -77,149 +65,122 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 
 
 def _by_specimen(found: Discrimination) -> Table:
-    table, area = found.table, found.area
-    unit, names = table.area_unit, [table.specimens[i] for i in table.known]
-    designs = [*zip(table.conditions, table.angles_deg.tolist(), strict=True)]
-    columns: Columns = {
-        DESIGN: design_names(table),
+    table, area, unit = found.table, found.area, found.table.area_unit
+    names = [table.specimens[i] for i in table.known]
+    columns = {
         **{
             Column(f"{name}_{unit}", f"{name} ({area_unit(unit)})"): mean
             for name, mean in zip(names, area.mean.T, strict=True)
         },
-        Column("softest_over_stiffest", "Softest / stiffest"): [
-            interval(*ends_of(area.softest_over_stiffest, i)) for i in range(len(designs))
-        ],
+        Column("softest_over_stiffest", "Softest / stiffest"): area.softest_over_stiffest,
         Column("p", "Kruskal-Wallis p"): area.kruskal.p,
         Column("p_paper", "Paper's p"): [
-            paper.AREA_SPECIMENS_P.get(angle) if condition == RIGID else None for condition, angle in designs
+            paper.AREA_SPECIMENS_P.get(angle) if condition == RIGID else None
+            for condition, angle in designs.pairs_of(table)
         ],
         Column("epsilon2", "ε²_R"): area.kruskal.epsilon2,
     }
     caption = f"Mean initial area by specimen ({table.algorithm} algorithm); ratio with its interval over mountings"
-    return table_of("area_by_specimen", f"{caption}. {BY_PRESSES}", columns)
+    return designs.by_design("area_by_specimen", f"{caption}. {designs.BY_PRESSES}", table, columns)
 
 
 def _by_angle(found: Discrimination) -> Table:
     of, unit = found.area_by_angle, found.table.area_unit
-    angles = of.angles_deg.tolist() if of else []
-    means = zip(angles, of.mean.T, strict=True) if of else ()
-    rows = range(len(of.conditions) if of else 0)
-    columns: Columns = {
-        Column("condition", "Condition"): of.conditions if of else (),
-        **{Column(f"area_{angle:g}_deg_{unit}", f"{angle:g}° ({area_unit(unit)})"): mean for angle, mean in means},
-        **{
-            Column(f"over_first_{angle:g}_deg", f"{angle:g}° / {angles[0]:g}°"): [
-                interval(*ends_of(of.over_first[i], a)) for i in rows
-            ]
-            for a, angle in enumerate(angles)
-            if a and of
-        },
-        Column("p", "Kruskal-Wallis p"): of.kruskal.p if of else [],
-        Column("worst_p", "Worst pair (Dunn, Bonferroni)", name="p_worst"): [
-            p_value(of.worst_p(i)) for i in rows if of
-        ],
-        Column("falls", "Falls with angle"): [of.falls(i) for i in rows if of],
-    }
+    columns: Columns = {Column("condition", "Condition"): ()}
+    if of:
+        angles, rows = of.angles_deg.tolist(), range(len(of.conditions))
+        columns = {Column("condition", "Condition"): of.conditions}
+        for angle, mean in zip(angles, of.mean.T, strict=True):
+            columns[Column(f"area_{angle:g}_deg_{unit}", f"{angle:g}° ({area_unit(unit)})")] = mean
+        for a, angle in enumerate(angles[1:], start=1):
+            ratios = [interval(*ends_of(of.over_first[i], a)) for i in rows]
+            columns[Column(f"over_first_{angle:g}_deg", f"{angle:g}° / {angles[0]:g}°")] = ratios
+        worst = [p_value(of.worst_p(i)) for i in rows]
+        columns |= {
+            Column("p", "Kruskal-Wallis p"): of.kruskal.p,
+            Column("worst_p", "Worst pair (Dunn, Bonferroni)", name="p_worst"): worst,
+            Column("falls", "Falls with angle"): [of.falls(i) for i in rows],
+        }
     caption = "Mean initial area by angle, all known specimens; ratios with their intervals over mountings"
-    return table_of("area_by_angle", f"{caption}. {BY_PRESSES}", columns)
+    return table_of("area_by_angle", f"{caption}. {designs.BY_PRESSES}", columns)
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
     found = tested(results)
     table = found.table
     condition = RIGID if table.of_condition(RIGID) else table.conditions[0]
-    designs = table.of_condition(condition)
-    yield _differences(results, found, condition, designs, looks(results))
+    own = table.of_condition(condition)
+    yield _differences(results, found, condition, own)
     pictures = {
         (run.specimen, run.angle_deg): run.picture for run in results.pressed.scores if run.condition == condition
     }
-    angles = [float(table.angles_deg[i]) for i in designs]
-    shown = max(
-        (
-            (name, [(f"{angle:g}°", picture) for angle in angles if (picture := pictures.get((name, angle)))])
-            for name in (table.specimens[i] for i in table.known)
-        ),
-        key=lambda each: len(each[1]),
-    )  # fmt: skip
-    specimen, panels = shown
-    if not panels:
+    angles, known = table.angles_deg[own].tolist(), [table.specimens[i] for i in table.known]
+    seen = {
+        name: [(f"{angle:g}°", picture) for angle in angles if (picture := pictures.get((name, angle)))]
+        for name in known
+    }
+    specimen = max(seen, key=lambda name: len(seen[name]))
+    if not (panels := seen[specimen]):
         return
     unit = area_unit(table.area_unit)
     told = "; ".join(f"{title}: {number(p.area_mm2)} {unit} at {p.force_n:.2f} N" for title, p in panels)
     caption = (
-        f"Fig. 9. Contact on {specimen}, {condition}, in the frame nearest to {PICTURED_N:g} N at each angle, with the "
+        f"Fig. 9. Contact on {specimen}, {condition}, near {PICTURED_N:g} N, with the "
         f"{_OUTLINED.get(table.algorithm, _GROWN).format(table.algorithm)}."
     )
     title = "Contact at each angle at one force"
-    yield drawing(results, "fig09_first_contact", title, caption, told + ".", draw_contacts(panels, unit))
+    yield designs.drawing(results, "fig09_first_contact", title, caption, f"{told}.", draw_contacts(panels, unit))
 
 
-def _differences(
-    results: StudyResults, found: Discrimination, condition: str, designs: list[int], look: Mapping[str, Look]
-) -> Drawing:
+def _differences(results: StudyResults, found: Discrimination, condition: str, own: list[int]) -> Drawing:
     """Figure 8: every press beside the mean of all specimens at its angle, and beside its specimen's at the first."""
-    table, known = found.table, found.table.known
+    table, known, look = found.table, found.table.known, designs.looks(results)
     names, values = [table.specimens[i] for i in known], table.start_area[table.algorithm][:, known]
-    p, unit = found.area.kruskal.p, area_unit(table.area_unit)
-    means = np.array(
-        [[finite(presses).mean() if finite(presses).size else np.nan for presses in row] for row in values]
-    )
+    means = np.array([[np.mean(finite(each)) if finite(each).size else np.nan for each in row] for row in values])
+    angles, unit, levels = [f"{table.angles_deg[i]:g}°" for i in own], area_unit(table.area_unit), means[own]
     panels = [
         AreaPanel(
-            f"{table.angles_deg[i]:g}°\nmean {number(float(np.nanmean(means[i])))} {unit}", names,
-            [100 * (finite(presses) / np.nanmean(means[i]) - 1) for presses in values[i]], [look[n] for n in names], (),
+            f"{angle}\nmean {number(float(np.nanmean(level)))} {unit}", names,
+            [100 * (finite(presses) / np.nanmean(level) - 1) for presses in values[i]], [look[n] for n in names], (),
         )
-        for i in designs
+        for i, angle, level in zip(own, angles, levels, strict=True)
     ]  # fmt: skip
-    pooled = None
-    if len(designs) > 1:
-        shares = [finite((100 * (values[i] / means[designs[0]][:, None] - 1)).ravel()) for i in designs]
-        angles = [f"{table.angles_deg[i]:g}°" for i in designs]
+    pooled, beside = None, ""
+    if len(own) > 1:
+        shares = [finite((100 * (values[i] / levels[0][:, None] - 1)).ravel()) for i in own]
         pooled = AreaPanel(
-            f"beside {angles[0]}", angles, shares, [POOLED] * len(designs), _bars(found, condition, designs)
-        )
-    each = "; ".join(f"{table.angles_deg[i]:g}°: {p_text(float(p[i]))}" for i in designs)
+            f"beside {angles[0]}", angles, shares, [POOLED] * len(own), _bars(found, condition, own)
+        )  # fmt: skip
+        beside = f"; right, from its specimen at {angles[0]} (Dunn's test, Bonferroni)"
     caption = (
-        f"Fig. 8. Initial area where loading begins, {condition}, by the {table.algorithm} algorithm. By specimen: "
-        f"difference from the mean of all specimens at the same angle (the paper's Kruskal-Wallis by presses, {each})"
+        f"Fig. 8. Initial area where loading begins, {condition} ({table.algorithm} algorithm): difference of each "
+        f"press from the mean at its angle{beside}."
     )
-    caption += (
-        f". By angle: difference from the mean of the same specimen at {table.angles_deg[designs[0]]:g}° (Dunn on the "
-        f"presses on all specimens, Bonferroni: {STARS}). "
-        if pooled
-        else ". "
+    told = designs.medians_said(
+        (panel.title.replace("\n", ", "), zip(panel.names, panel.percent, strict=True)) for panel in panels
     )
-    told = medians_said(
-        [(panel.title.replace("\n", ", "), list(zip(panel.names, panel.percent, strict=True))) for panel in panels]
-    )
-    title = "Initial contact area by specimen and by angle"
-    figure = draw_areas(panels, pooled)
-    return drawing(results, "fig08_initial_area", title, caption + BOXES, f"Medians in percent. {told}.", figure)
+    title, figure = "Initial contact area by specimen and by angle", draw_areas(panels, pooled)
+    return designs.drawing(results, "fig08_initial_area", title, caption, f"Medians in percent. {told}.", figure)
 
 
-def _bars(found: Discrimination, condition: str, designs: list[int]) -> list[PairBar]:
+def _bars(found: Discrimination, condition: str, own: list[int]) -> list[PairBar]:
     of = found.area_by_angle
     if of is None or condition not in of.conditions:
         return []
-    places = {float(angle): place for place, angle in enumerate(found.table.angles_deg[designs].tolist())}
-    p = of.pairs.p[of.conditions.index(condition)]
-    ends = [
-        (float(of.angles_deg[a]), float(of.angles_deg[b])) for a, b in zip(of.pairs.first, of.pairs.second, strict=True)
-    ]
-    return [PairBar(places[a], places[b], float(p[q])) for q, (a, b) in enumerate(ends) if {a, b} <= set(places)]
+    places = {angle: place for place, angle in enumerate(found.table.angles_deg[own].tolist())}
+    ends = zip(of.angles_deg[of.pairs.first].tolist(), of.angles_deg[of.pairs.second].tolist(), strict=True)
+    p = of.pairs.p[of.conditions.index(condition)].tolist()
+    return [PairBar(places[a], places[b], each) for (a, b), each in zip(ends, p, strict=True) if {a, b} <= set(places)]
 
 
 _TEXT = """
-<h3>Does the initial area depend on the specimen?</h3>
-<p>{% if runs.discrimination.table.algorithm == "paper" %}The table compares A_c0, the area of the first frame in
-contact, whatever its force.{% else %}The first frame in contact comes at a different force in every press, and areas
-grow with force. The table therefore compares areas at the force where loading begins.{% endif %}</p>
-{{ folded("area_by_specimen", "The area in every design") }}
-<h3>Does the initial area depend on the angle?</h3>
-<p>The paper's test pools the presses of all specimens at an angle.</p>
-{{ folded("area_by_angle", "The area at every angle") }}
-{{ folded("fig08_initial_area", "Figure 8: initial area by specimen and by angle") }}
-{{ folded("fig09_first_contact", "Figure 9: contact at each angle at one force") }}
+{{ figure("fig08_initial_area") }}
+{{ figure("fig09_first_contact") }}
+<p>{% if runs.discrimination.table.algorithm == "paper" %}Areas are A_c0, those of the first frame in contact, whatever
+its force.{% else %}The first frame in contact comes at another force in every press, so areas are compared where
+loading begins.{% endif %}</p>
+{{ folded("area_by_specimen", "Initial area in every design") }}
+{{ folded("area_by_angle", "Initial area at every angle") }}
 {{ folded("verdict_runs_normality", "Tests of normality compared") }}
 """
 

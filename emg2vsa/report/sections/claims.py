@@ -15,7 +15,6 @@ from emg2vsa.claims.people import claims_of_study
 from emg2vsa.figures.verdicts import draw_verdicts
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.kappa_tests import kappa_tests
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.people_tests import people_tests
 from emg2vsa.report.rig_tests import rig_tests
@@ -81,7 +80,7 @@ COLUMNS = (
 
 def claims_tables(results: StudyResults, judged: Sequence[Judged], q: Quantities) -> Iterator[Table]:
     """All claims, those on data by their questions, each with a link to its section; then those on settings."""
-    tests = people_tests(results, q) | rig_tests(results, q) | kappa_tests(results, q) | _setting_tests(results, q)
+    tests = people_tests(results, q) | rig_tests(results, q) | _setting_tests(results, q)
     of_data = [each for each in judged if each.claim.question != arithmetic.QUESTION]
     level = _level(of_data)
     caption = (

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from emg2vsa.devices.joints import export_of
-from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import CONDITIONS
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, most, with_interval
 from emg2vsa.report.section import Quantities, Section, of_runs
 from emg2vsa.report.table import Column, Columns, Table, table_of
-from emg2vsa.report.wording import count, listed
+from emg2vsa.report.wording import count, listed, signed
 from emg2vsa.run_scores import RunScores
 from emg2vsa.statistics.drift import Order
 
@@ -35,26 +34,16 @@ def _quantities(results: StudyResults) -> Items:
         yield "runs.largest_force_n", largest_n
     if found := results.pressed.discrimination:
         yield "runs.order", found.drift.order
-        yield from with_interval("runs.drift_percent", *_drift_percent(found))
-
-
-def _drift_percent(found: Discrimination) -> tuple[float, float, float]:
-    """Of CASR from the first mounting to the last, low and high."""
-    session = found.drift.session
-    estimate, low, high = 100 * np.expm1((session.value, *session.interval(1 - found.settings.alpha)))
-    return float(estimate), float(low), float(high)
+        session = found.drift.session
+        change = 100 * np.expm1((session.value, *session.interval(1 - found.settings.alpha)))
+        yield from with_interval("runs.drift_percent", *change)
 
 
 _ORDERS: dict[Order, str] = {
-    "differs": "it tells what drift does, which is taken out of every comparison",
-    "same": "it tells too little of drift, so every comparison is as uncertain as the trend within mountings allows",
-    "unknown": "nobody knows it, so every comparison is as uncertain as the trend within mountings allows",
+    "differs": "Drift of CASR from the first mounting to the last, {}, is taken out of every comparison.",
+    "same": "The order of mountings tells too little of drift, which widens every interval.",
+    "unknown": "Nobody knows the order of mountings, so that drift may widen every interval.",
 }
-
-
-def _order(results: StudyResults) -> str:
-    found = results.pressed.discrimination
-    return f"Order of mountings: {_ORDERS[found.drift.order]}." if found else ""
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
@@ -72,20 +61,32 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         Column("presses", "Presses"): [sum(run.repetitions.size for run in of) for of in runs],
         Column("rejected", "Rejected"): [sum(map(len, kinds)) for kinds in rejected],
         Column("peak_n", "Largest force (N)", digits=3): list(map(_largest_n, runs)),
-        Column("reasons", "Reasons"): ["; ".join(f"{of[0]} ({len(of)})" for of in kinds) for kinds in rejected],
+        Column("reasons", "Reasons"): ["; ".join(f"{of[0][0]} ({len(of)})" for of in kinds) for kinds in rejected],
     }
     yield table_of("runs", "Presses of every condition and angle", columns)
 
 
-def _rejected(runs: Sequence[RunScores]) -> list[list[str]]:
-    """Reasons of rejected presses, those that differ by their numbers alone together, the most frequent kind first."""
-    kinds: dict[str, list[str]] = {}
-    for run in runs:
-        for reason, verdict in zip(run.reasons, run.verdicts, strict=True):
-            if verdict == "rejected":
-                what = _PLACE.sub("", reason).split(". ")[0].removesuffix(".")
-                kinds.setdefault(_NUMBER.sub("#", what), []).append(what)
-    return sorted(kinds.values(), key=len, reverse=True)
+Told = list[tuple[str, str]]
+"""What is said of a run, and its name."""
+
+
+def _kinds(told: Iterable[tuple[str, str]]) -> list[Told]:
+    """Texts that differ by their numbers alone together."""
+    kinds: dict[str, Told] = {}
+    for text, run in told:
+        kinds.setdefault(_NUMBER.sub("#", text), []).append((text, run))
+    return [*kinds.values()]
+
+
+def _rejected(runs: Sequence[RunScores]) -> list[Told]:
+    """Reasons of rejected presses, the most frequent kind first."""
+    told = [
+        (_PLACE.sub("", reason).split(". ")[0].removesuffix("."), run.name)
+        for run in runs
+        for reason, verdict in zip(run.reasons, run.verdicts, strict=True)
+        if verdict == "rejected"
+    ]
+    return sorted(_kinds(told), key=len, reverse=True)
 
 
 def _largest_n(runs: Sequence[RunScores]) -> float:
@@ -94,16 +95,16 @@ def _largest_n(runs: Sequence[RunScores]) -> float:
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    runs = results.pressed.scores
+    runs, found = results.pressed.scores, results.pressed.discrimination
     n = sum(run.simulated for run in runs)
+    change = [q.get(f"runs.drift_percent{end}", np.nan) for end in ("", ".low", ".high")]
+    drift = "{} % [{}, {}]".format(*(signed(float(each)) for each in change))
     return {
         "emulated": "" if n == 0 else "These runs" if n == len(runs) else f"{n} of {len(runs)} runs",
-        "notes": _notes(runs),
-        "kinds": count(len(_notes(runs)), "kind"),
+        "notes": [_note(told) for told in _kinds((note, run.name) for run in runs for note in run.notes)],
         "absent": _absent(results),
-        "order": _order(results),
+        "order": _ORDERS[found.drift.order].format(drift) if found else "",
         "remark": export_of(results.study.schedule.actuator).remark,
-        "told_n": math.isfinite(_largest_n(runs)),
     }
 
 
@@ -115,43 +116,28 @@ def _absent(results: StudyResults) -> Sequence[str]:
     return runs.calibration.notes if runs.calibration and not runs.calibration.conditions else ()
 
 
-def _notes(runs: Sequence[RunScores]) -> list[str]:
-    """Notes that differ by their numbers alone are one kind: its first, and the runs it concerns."""
-    kinds: dict[str, list[tuple[str, str]]] = {}
-    for run in runs:
-        for note in run.notes:
-            kinds.setdefault(_NUMBER.sub("#", note), []).append((note, run.name))
-    return [_note([note for note, _ in of], list(dict.fromkeys(name for _, name in of))) for of in kinds.values()]
-
-
-def _note(notes: Sequence[str], names: list[str]) -> str:
-    like = f"{len(notes)} such notes with other numbers, " if len(set(notes)) > 1 else ""
+def _note(told: Told) -> str:
+    """The first of a kind of notes, and the runs that it concerns."""
+    names = list(dict.fromkeys(name for _, name in told))
+    like = f"{len(told)} such notes with other numbers, " if len({text for text, _ in told}) > 1 else ""
     where = ", ".join([*names[:_SHOWN_RUNS], *(["…"] if len(names) > _SHOWN_RUNS else [])])
-    return f"{notes[0]} ({like}{count(len(names), 'run')}: {where})"
+    return f"{told[0][0]} ({like}{count(len(names), 'run')}: {where})"
 
 
 _TEXT = """
-{% if emulated %}
-<p>{{ q['runs.presses'] }} presses in {{ q['runs.count'] }} runs were scored, {{ q['runs.rejected'] }} were rejected.
-<strong>{{ emulated }} come from a simulated rig,</strong> whose actuator, force sensor and camera share one world.</p>
-{% else %}
-<p><strong>These runs were measured,</strong> as far as their folders say.</p>
+<p>{{ q["runs.presses"] }} presses in {{ q["runs.count"] }} runs were scored; {{ q["runs.rejected"] }} were rejected.
+<strong>{{ emulated }} {{ "come from a simulated rig" if emulated else "These runs were measured" }}.</strong>
+{% if "runs.largest_force_n" in q %}
+The largest force was {{ q["runs.largest_force_n"] | number }} N: it passes F_max, as filter, bus and motors are late.
 {% endif %}
+{{ order }}
 {% if remark %}
-<p><strong>{{ remark }}</strong></p>
+<strong>{{ remark }}</strong>
 {% endif %}
-{% if told_n %}
-<p>The largest force of a press was {{ q['runs.largest_force_n'] | number }} N. Filter, bus and motors are late, so the
-force goes beyond F_max, at which the probe turns back.</p>
-{% endif %}
-{% if order %}
-<p>{{ order }}{% if q["runs.drift_percent.low"] == q["runs.drift_percent.low"] %} Drift of CASR from the first mounting
-to the last: {{ q["runs.drift_percent"] | signed }} % [{{ q["runs.drift_percent.low"] | signed }},
-{{ q["runs.drift_percent.high"] | signed }}].{% endif %}</p>
-{% endif %}
+Boxes in figures are Hazen's quartiles.</p>
 {{ folded("runs", "Presses of every condition and angle") }}
 {% if notes %}
-<details><summary>{{ kinds }} of notes about the runs</summary>{{ notes | bullets }}</details>
+<details><summary>{{ notes | length | count("kind") }} of notes about the runs</summary>{{ notes | bullets }}</details>
 {% endif %}
 {% for why in absent %}
 <p>{{ why }}</p>

@@ -1,0 +1,207 @@
+"""Table I of the paper beside ours: the error on the stiffness of the new specimen by vision algorithm and actuator."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults, LawResult
+from emg2vsa.claims import paper
+from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
+from emg2vsa.figures.casr import Estimate, draw_estimates
+from emg2vsa.figures.palette import BLUE, INK, Look
+from emg2vsa.report import designs
+from emg2vsa.report.drawing import Drawing
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.table import Cell, Column, Columns, Table, table_of
+from emg2vsa.report.wording import NO_BREAK, UNDEFINED, ends, number, signed
+from emg2vsa.settings import PAPER
+
+_ACTUATORS = (
+    (RIGID, "rigid", "Rigid", Look(INK, "o", "-")),
+    (HUMAN_LIKE, "human_like", "Human-like", Look(BLUE, "s", "-")),
+)
+"""Condition, key, head and look of the two halves of Table I."""
+PRINTED = {
+    ("circle", RIGID): ("old_vision", paper.ERROR_OLD_VISION),
+    ("paper", RIGID): ("new_vision", paper.ERROR_NEW_VISION),
+    ("paper", HUMAN_LIKE): ("human_like", paper.ERROR_HUMAN_LIKE),
+}
+"""Vision algorithm and condition to the key and the errors of a column of the paper's Table I."""
+ALGORITHM_NAMES = {
+    "circle": "circle (previous)",
+    "paper": "{area_rule} (paper)",
+    "hexagon": "filled hexagon (ours)",
+    "edge": "edge (ours)",
+    "front": "front (ours)",
+}
+
+
+def _name(results: StudyResults, algorithm: str) -> str:
+    """That of "paper" by its area rule, which a key of the study can set: hexagon (paper) unless it does."""
+    rule = results.study.scoring.recipe_of(algorithm).area_rule
+    return ALGORITHM_NAMES[algorithm].format(area_rule="hexagon" if rule == "paper" else rule)
+
+
+_Law = tuple[str, str]
+_PAPERS, _OURS = ("_same", "paper's law"), ("", "law of this study")
+"""End of a key and name: the exponential law of the paper, and that of the study where it is another."""
+_Rows = Sequence[tuple[float, str]]
+"""Angle and vision algorithm of every row."""
+
+
+def tables(results: StudyResults, found: CalibrationResults) -> Iterator[Table]:
+    """Table I, and how each of its algorithms scores a press."""
+    compared, settings = _compared(results), results.study.calibration
+    same = all(getattr(settings, key) == value for key, value in PAPER["calibration"].items())
+    rows = [(angle, name) for angle in _angles(found) for name in compared]
+    yield _table_one(results, found, rows, (_PAPERS,) if same else (_PAPERS, _OURS))
+    yield _recipes(results, compared)
+
+
+def _compared(results: StudyResults) -> tuple[str, ...]:
+    study = results.study
+    return tuple(dict.fromkeys((study.discrimination.old_algorithm, "paper", "front", study.scoring.algorithm)))
+
+
+def _angles(found: CalibrationResults) -> list[float]:
+    ours = {each.angle_deg for each in found.conditions if each.condition in (RIGID, HUMAN_LIKE)}
+    return sorted(ours | set(paper.ANGLES_DEG))
+
+
+def _at(found: CalibrationResults, angle_deg: float, condition: str, algorithm: str) -> AlgorithmResult | None:
+    each = found.find(angle_deg, condition)
+    return each.algorithms.get(algorithm) if each else None
+
+
+def _printed(angle_deg: float, condition: str, algorithm: str) -> float:
+    """The paper's error as a share, NaN where it has none."""
+    return PRINTED.get((algorithm, condition), ("", {}))[1].get(angle_deg, np.nan)
+
+
+def _over_array(results: StudyResults, angle_deg: float, condition: str, algorithm: str) -> tuple[float, int, int]:
+    """Largest area over that of the pin array, of the presses that have no CASR for it; how many, of how many."""
+    runs = [run for run in results.pressed.scores if (run.angle_deg, run.condition) == (angle_deg, condition)]
+    every = np.concatenate([np.empty(0), *(run.over_array[algorithm] for run in runs if algorithm in run.over_array)])
+    over = every[np.isfinite(every)]
+    return (float(over.max()) if over.size else np.nan), over.size, every.size
+
+
+def _table_one(results: StudyResults, found: CalibrationResults, rows: _Rows, laws: Sequence[_Law]) -> Table:
+    columns: Columns = {
+        Column("angle_deg", "Angle (°)", digits=2): [angle for angle, _ in rows],
+        Column("algorithm", "Vision algorithm"): [_name(results, name) for _, name in rows],
+    }
+    told: dict[str, list[Cell]] = {"algorithm": [_name(results, name).replace(" ", NO_BREAK) for _, name in rows]}
+    for condition, key, head, _ in _ACTUATORS:
+        each = [_at(found, angle, condition, name) for angle, name in rows]
+        printed = Column(f"{key}_paper", f"{head}: paper (%)", 100.0, 2)
+        columns[printed] = [_printed(angle, condition, name) for angle, name in rows]
+        for end, law in laws:
+            by = [(of.paper if end else of.chosen) if of else None for of in each]
+            columns[Column(f"{key}{end}", f"{head}: here, {law} (%)", 100.0)] = [o.error if o else np.nan for o in by]
+            told[f"{key}{end}"] = [
+                _error_said(of, found.known_kappa_new, _over_array(results, angle, condition, name)[0]) if of else None
+                for of, (angle, name) in zip(by, rows, strict=True)
+            ]
+    made = table_of("table_one", "", columns)
+    shown = tuple(row | {key: cells[i] for key, cells in told.items()} for i, row in enumerate(map(dict, made.rows)))
+    caption = (
+        f"Table I: error on κ of {found.new_specimen} ({number(found.known_kappa_new)} N/mm). Ours have a sign, plus "
+        "for too stiff, and an interval. Not determined: so few presses and mountings promise an interval wider than "
+        "the range of the known stiffnesses, or the law rises or explains nothing. –: not in the paper or not pressed"
+    )
+    if beyond := list(_beyond(results, rows)):
+        caption += f". Presses with areas above that of the pin array have no CASR: {'; '.join(beyond)}"
+    return replace(made, caption=caption, shown_rows=shown)
+
+
+def _beyond(results: StudyResults, rows: _Rows) -> Iterator[str]:
+    """Of every algorithm that lost presses in this way, how many."""
+    angles = {angle for angle, _ in rows}
+    for name in dict.fromkeys(name for _, name in rows):
+        each = [_over_array(results, angle, condition, name) for angle in angles for condition, *_ in _ACTUATORS]
+        if lost := sum(n for _, n, _ in each):
+            most = np.nanmax([ratio for ratio, *_ in each])
+            presses = sum(n for *_, n in each)
+            yield f"{_name(results, name)}, {lost} of {presses}, up to {number(most, 2)} × the pin array"
+
+
+def _error_said(law: LawResult, truth: float, over_array: float) -> str:
+    """The error with its interval; in its place the largest area over that of the pin array, where areas beyond it
+    leave no κ."""
+    if np.isnan(law.kappa) and over_array == over_array:
+        return f"areas up to {number(over_array, 2)} × the pin array"
+    if not law.determined or np.isnan([law.low, law.high]).any():
+        return "not determined"
+    if truth != truth:
+        return UNDEFINED
+    return f"{signed(100 * law.error)} {ends(*(100 * (end / truth - 1) for end in (law.low, law.high)))}"
+
+
+def picture(results: StudyResults, found: CalibrationResults) -> Drawing:
+    """Table I as a plot: a panel for each angle, a row for each algorithm and actuator."""
+    truth = found.known_kappa_new
+    panels, told = [], []
+    for angle in _angles(found):
+        rows = [_row(results, found, angle, name, actuator) for name in _compared(results) for actuator in _ACTUATORS]
+        panels.append((f"{angle:g}°", rows))
+        each = ", ".join(
+            f"{row.name} {signed(row.value)}{'' if row.determined else ' (not determined)'}" for row in rows
+        )
+        told.append(f"{angle:g}°: {each}")
+    figure = draw_estimates(panels, "Error on κ (%)", 0.0)
+    caption = (
+        f"Table I as a plot: error on κ of {found.new_specimen} with 95 % intervals, by vision algorithm and actuator. "
+        "Brackets: the paper's, printed without sign; hollow: not determined."
+    )
+    title, said = "Table I: error on the stiffness of the new specimen", "; ".join(told)
+    return designs.drawing(results, "figtable1_errors", title, caption, f"Known: {number(truth)} N/mm. {said}.", figure)
+
+
+def _row(
+    results: StudyResults, found: CalibrationResults, angle_deg: float, name: str, actuator: tuple[str, str, str, Look]
+) -> Estimate:
+    condition, _, head, look = actuator
+    of, truth = _at(found, angle_deg, condition, name), found.known_kappa_new
+    law, printed = of.chosen if of else None, 100 * _printed(angle_deg, condition, name)
+    values = (law.error, law.low / truth - 1, law.high / truth - 1) if law else (np.nan,) * 3
+    error, low, high = (100 * value for value in values)
+    return Estimate(f"{name}, {head.lower()}", error, low, high, bool(law and law.determined), look, printed)
+
+
+_STEPS = {
+    "edge": "edge of the contact", "hexagon": "hexagons, filled", "circle": "circle",
+    "pin-affine": "motion of the pins", "horn-schunck": "dense, Horn and Schunck", "dis": "dense, DIS",
+    "exposure": "at exposure", "mean": "mean of its rows", "ode": "A_c0 exp(Σ growth)",
+    "power": "mean slope of a power law", "slope": "slope of a line",
+}  # fmt: skip
+_AS_PRINTED = {"area_rule": "hexagons of Algorithm 1", "law": "equation (1)", "rate": "equation (2)"}
+
+
+_STEP_HEADS = {"area_rule": "Initial area", "engine": "Growth", "force_rule": "Force of a frame", "law": "Area"}
+_STEP_HEADS |= {"rate": "CASR"}
+
+
+def _recipes(results: StudyResults, algorithms: Sequence[str]) -> Table:
+    """Every step of the algorithms that are compared, by the name of its setting."""
+    settings = results.study.scoring
+    told = []
+    for name in algorithms:
+        recipe = settings.recipe_of(name)._asdict()
+        steps = {key: _AS_PRINTED[key] if recipe[key] == "paper" else _STEPS[recipe[key]] for key in _STEP_HEADS}
+        if recipe["region"] == "image":
+            steps["engine"] += ", whole image"
+        if name == "front":
+            steps |= {"area_rule": "front in every frame", "engine": UNDEFINED, "law": UNDEFINED}
+        told.append(steps)
+    low, high = settings.force_n
+    columns: Columns = {
+        Column("algorithm", "Vision algorithm"): [_name(results, name) for name in algorithms],
+        **{Column(key, head): [steps[key] for steps in told] for key, head in _STEP_HEADS.items()},
+        Column("force_low_n", "From (N)"): [low] * len(told),
+        Column("force_high_n", "To (N)"): [high] * len(told),
+    }
+    return table_of("recipes", "How each vision algorithm scores a press", columns)
