@@ -22,6 +22,25 @@ def write_text_atomic(path: Path, text: str | Iterable[str]) -> None:
     _write_atomic(path, (piece.encode() for piece in ((text,) if isinstance(text, str) else text)))
 
 
+def write_new(path: Path, data: bytes) -> None:
+    """Write ``data`` whole into a new file that has reached the disk itself; of two who try at once one succeeds.
+
+    FileExistsError : the file is there already.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
+        whole = Path(folder) / "whole"
+        write_bytes_atomic(whole, data, on_disk=True)
+        try:
+            os.link(whole, path)
+        except FileExistsError:
+            raise
+        except OSError:  # a file system without hard links
+            with path.open("xb") as file:
+                file.write(data)
+    sync_folder(path.parent)
+
+
 def sync_folder(folder: Path) -> None:
     """Names of files reach the disk itself; Windows has no such call, and its file systems need none."""
     if hasattr(os, "O_DIRECTORY"):

@@ -15,6 +15,9 @@ from emg2vsa.settings import (
     WindowSettings,
 )
 
+REGISTRATION = "registration.json"
+"""Beside a study file: the registration that the study is compared with, where the file names no other."""
+
 
 @dataclass(frozen=True)
 class Specimen:
@@ -141,6 +144,8 @@ class Study(StageSettings):
     "The rig's runs, once they have been looked up."
     session: SessionSettings | None = None
     "How a participant's session is run; None: the study file does not say."
+    registration: Path | None = None
+    "The registration that the study is compared with; None: it is not registered."
     task: str = ""
     "BIDS label of the task; a layout that is not BIDS has none."
 

@@ -15,9 +15,9 @@ PROGRAM = Program(
     description="From palpation EMG and force to stiffness schedules of a variable stiffness actuator.",
     epilog="Try: emg2vsa tools simulate studies/palpation/study.toml, then emg2vsa run studies/palpation/study.toml.",
     commands={
-        "new": "recordings", "inspect": "recordings", "check": "check", "run": "run", "status": "run",
-        "report": "report", "fit": "recordings", "schedule": "report", "stats": "stats", "session": "session",
-        "rig": "rig", "verify": "report", "tools": "tools",
+        "new": "recordings", "inspect": "recordings", "check": "check", "register": "register", "run": "run",
+        "status": "run", "report": "report", "fit": "recordings", "schedule": "report", "stats": "stats",
+        "session": "session", "rig": "rig", "verify": "report", "tools": "tools",
     },
     stopped="What was finished is kept; the same command goes on from there.",
     extras=dict.fromkeys(("scipy", "pandas", "matplotlib", "edfio", "ezc3d", "jinja2", "serial"), "study"),

@@ -74,11 +74,14 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.pipeline import run_words
     from emg2vsa.pipeline.profile import Profile
     from emg2vsa.pipeline.run_study import run_study
+    from emg2vsa.registration import read_registration
 
     start = time.monotonic()
     profile = Profile() if arguments.profile else None
     study, below = study_of(arguments)
     stages, shown = _stages(arguments, study), progress(arguments.explain, arguments.json)
+    if study.registration:
+        read_registration(study.registration, study.name)  # before anything runs
     with run_words.ended_by_scheduler():
         plan = run_study(
             study, stages=stages, jobs=jobs_of(arguments), progress=shown, wait=not arguments.no_wait, below=below,
@@ -87,6 +90,8 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.json:
         say_not_used(plan)
     told, lines = run_words.outcome(plan, time.monotonic() - start)
+    if registered := plan.campaign.registered:
+        told, lines = told | {"registration": registered.as_json()}, [*lines, *registered.lines()]
     if profile:
         told, lines = told | {"profile": profile.as_json()}, [*lines, *profile.lines()]
     answer(arguments.json, told, lines)

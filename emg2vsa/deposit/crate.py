@@ -17,7 +17,7 @@ SUPPLEMENT = "supplement.zip"
 SPECIFICATION = "https://w3id.org/ro/crate/1.1"
 CONTEXT = [f"{SPECIFICATION}/context", {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}]
 """RO-Crate 1.1 has no word for a checksum; the one of Workflow Run RO-Crate is declared beside its own."""
-SOURCES = ("study.toml", "rig.toml")
+SOURCES = ("study.toml", "rig.toml", "registration.json")
 """What the run took of the package itself."""
 UNPUBLISHED = "1980-01-01"
 """Stands for the date of publication, which the specification demands, until the author says it."""
@@ -131,6 +131,7 @@ _FILES = {
     "proof.tex": "All tables, figures, numbers and statements in one document, to look at",
     "study.toml": "The study file: every setting that differs from the defaults",
     "rig.toml": "The rig file: devices, how they are emulated, and the experiment",
+    "registration.json": "The registered plan: claims, margins, settings, order and code, signed by its hash",
 }
 _FOLDERS = {
     ("figures", ".pdf"): "Figure {}, vector graphics with embedded fonts",

@@ -87,7 +87,7 @@ def _from_report(plan: StepPlan) -> dict[str, bytes]:
 def _sources(study: Study) -> dict[str, bytes]:
     """The files that a person wrote, under the names that ``SOURCES`` has for them."""
     rig = study.runs_source.rig if study.runs_source else None
-    paths = zip(SOURCES, (study.path, rig), strict=True)
+    paths = zip(SOURCES, (study.path, rig, study.registration), strict=True)
     return {name: path.read_bytes() for name, path in paths if path is not None}
 
 

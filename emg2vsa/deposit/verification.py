@@ -30,8 +30,11 @@ from emg2vsa.deposit.crate import METADATA, SOURCES, sha256_of
 from emg2vsa.deposit.open_deposit import Deposit, open_deposit
 from emg2vsa.errors import DataError, SettingError
 from emg2vsa.pipeline.places import OWNER_FILE, placed_in
+from emg2vsa.pipeline.registered import registered
 from emg2vsa.pipeline.run_study import Progress, run_study
 from emg2vsa.pipeline.stage_order import stages_for
+from emg2vsa.registration import Registered
+from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
 
 RESULTS = "results.json"
@@ -97,15 +100,22 @@ def _led_to(keys: Iterable[str], provenance: Mapping[str, object], missing: froz
     return {key for key in keys if key not in numbers or any(map(lacks, numbers[key]))}
 
 
+def _study(deposit: Deposit, data: Data, work: Path) -> Study:
+    """The package's study on these data, with its own rig file and registration."""
+    study_file, rig, registration = (deposit.folder / name for name in SOURCES)
+    study = placed_in(load_study(study_file, data.folder), work)
+    source = study.runs_source
+    if source is not None and source.rig is not None:
+        study = replace(study, runs_source=replace(source, rig=rig))
+    return replace(study, registration=registration if deposit.has(registration.name) else None)
+
+
 def recompute(deposit: Deposit, data: Data, work: Path, jobs: int, progress: Progress) -> Path:
     """Run the package's study with everything that is written in ``work``; the folder of the report.
 
     DataError : the study in the package gives no report on these data.
     """
-    study = placed_in(load_study(deposit.folder / SOURCES[0], data.folder), work)
-    source = study.runs_source
-    if source is not None and source.rig is not None:
-        study = replace(study, runs_source=replace(source, rig=deposit.folder / SOURCES[1]))
+    study = _study(deposit, data, work)
     board = run_study(study, stages=stages_for("report"), jobs=jobs, progress=progress)
     why = [message for item, stage, message in board.failures() if (item, stage) == ("study", "report")]
     if why or not (study.reports / "results.json").is_file():
@@ -122,6 +132,7 @@ class Verification:
     damage : (file, what is wrong with it) of the package. restated : numbers that its other files say otherwise than
     its results.json. numbers : against those recomputed. texts : lines of tables and schedules, likewise; None where
     they could not be. unchecked : numbers, and files of lines, that could not be recomputed.
+    registered : the registration in the package and every deviation from it, None where it has none.
     """
 
     deposit: Deposit
@@ -131,6 +142,7 @@ class Verification:
     numbers: Agreement
     texts: Agreement
     unchecked: tuple[str, ...]
+    registered: Registered | None
 
     @property
     def status(self) -> int:
@@ -172,9 +184,10 @@ def _verify(deposit: Deposit, data: Data, work: Path, keys: str, jobs: int, prog
         difference for name, restate in (("numbers.tex", restated_macros), ("results.csv", restated_list))
         if deposit.has(name) for difference in restate(published, deposit.text(name))
     )  # fmt: skip
+    plan = registered(_study(deposit, data, work), final=not data.missing)
     if data.missing and len(data.missing) == len(deposit.inputs):
         nothing = Agreement(0, 0, ())
-        return Verification(deposit, data, damage, restated, nothing, nothing, (*wanted, *_texts(deposit)))
+        return Verification(deposit, data, damage, restated, nothing, nothing, (*wanted, *_texts(deposit)), plan)
     left = without_data(wanted, deposit.json("provenance.json") if data.missing else {}, data.missing)
     report = recompute(deposit, data, work, jobs, progress)
     ours = Deposit(report, report, {}, {}, emg2vsa.__version__)
@@ -187,7 +200,7 @@ def _verify(deposit: Deposit, data: Data, work: Path, keys: str, jobs: int, prog
             unread.append(name)
         else:
             texts.append(_text(name, deposit, ours, exact=not numbers.within and not numbers.differ))
-    return Verification(deposit, data, damage, restated, numbers, _sum(texts), tuple(unread))
+    return Verification(deposit, data, damage, restated, numbers, _sum(texts), tuple(unread), plan)
 
 
 def _texts(deposit: Deposit) -> list[str]:
@@ -264,6 +277,8 @@ def lines(found: Verification) -> Iterator[str]:
     files = len(found.unchecked) - len(unchecked)
     yield f"Lines of tables, statements and schedules: {_counted(found.texts)}, {files} files not checked"
     yield from _few(found.texts.differ)
+    if found.registered:
+        yield from found.registered.lines()
     yield ("Verified.", "Not as published.", "Not verified: see what was not checked.")[found.status]
 
 
@@ -293,6 +308,7 @@ def as_json(found: Verification) -> dict[str, object]:
         "numbers": _agreement(found.numbers),
         "lines": _agreement(found.texts),
         "not_checked": list(found.unchecked),
+        "registration": found.registered.as_json() if found.registered else None,
     }
 
 

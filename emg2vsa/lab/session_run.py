@@ -15,6 +15,7 @@ from emg2vsa.devices.clock import Clock, VirtualClock, WallClock, undisturbed
 from emg2vsa.errors import SettingError
 from emg2vsa.lab.session_devices import Virtual, devices
 from emg2vsa.lab.session_finish import SILENT, FinishedSession, finish
+from emg2vsa.pipeline.registered import session_deviations
 from emg2vsa.pipeline.run_study import Progress
 from emg2vsa.session.desk import SessionDesk
 from emg2vsa.session.open_session import folder_of, open_session, settings_of
@@ -176,7 +177,15 @@ class _Sitting:
         at_once = isinstance(clock, VirtualClock)
         with (
             _port_taken(pages) as at,
-            open_session(study, participant, clock, makers, resume=self.again, at_once=at_once) as desk,
+            open_session(
+                study,
+                participant,
+                clock,
+                makers,
+                resume=self.again,
+                at_once=at_once,
+                deviations=session_deviations(study, participant),
+            ) as desk,
         ):
             if person is not None:
                 person.watch(desk)

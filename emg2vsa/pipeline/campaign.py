@@ -15,6 +15,7 @@ from emg2vsa.settings import RIGID
 from emg2vsa.study import RecordingEntry, RunEntry, RunsSource, Study
 
 if TYPE_CHECKING:
+    from emg2vsa.registration import Registered
     from emg2vsa.rig.experiment import Run
     from emg2vsa.rig_file import RigFile
 
@@ -60,6 +61,13 @@ class Campaign:
         """Name of its folder to what the emulated rig is to press there, in the order of the experiment; empty for
         measured runs."""
         return {} if self.rig is None else {run.name: run for run in self.rig.experiment.ordered_runs()}
+
+    @cached_property
+    def registered(self) -> Registered | None:
+        """The registration of the study with every deviation from it; None without one."""
+        # most studies do not load what claims need
+        found: Registered | None = importlib.import_module("emg2vsa.pipeline.registered").registered(self.study)
+        return found
 
 
 def campaign(study: Study) -> Campaign:

@@ -17,6 +17,7 @@ from emg2vsa.figures.palette import ActivityScale, activity_scale
 from emg2vsa.fits import Fits, usable
 from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.profiles import Profiles
+from emg2vsa.registration import Registered
 from emg2vsa.report.failures import Failure
 from emg2vsa.run_scores import RunScores
 from emg2vsa.schedules import Schedule
@@ -75,6 +76,8 @@ class StudyResults:
     "Versions and digests by name."
     pages: str = "participants"
     'Folder of the participants\' pages, as the report links to it; "" for no links.'
+    registered: Registered | None = None
+    "The registration of the study, with its deviations; None: it is not registered."
 
     @property
     def recorded(self) -> People:

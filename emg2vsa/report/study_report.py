@@ -79,7 +79,7 @@ def numbers_and_tables(results: StudyResults) -> Content:
     content.quantities = dict(sorted(content.quantities.items()))
     content.judged = judged = judged_claims(results)
     content.summary = list(summary(results, judged))
-    content.quantities = dict(sorted((content.quantities | dict(claim_quantities(judged))).items()))
+    content.quantities = dict(sorted((content.quantities | dict(claim_quantities(judged, results.registered))).items()))
     content.tables |= {table.name: table for table in claims_tables(results, judged, content.quantities) if table.rows}
     for section in sections:
         _add(content.tables, {table.name: table for table in section.tables(results, content.quantities)}, section)

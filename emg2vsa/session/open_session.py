@@ -79,12 +79,19 @@ def kept_settings(study: Study) -> dict[str, Any]:
 
 @contextmanager
 def open_session(
-    study: Study, participant: str, clock: Clock, makers: Makers, *, resume: bool = False, at_once: bool = False
+    study: Study,
+    participant: str,
+    clock: Clock,
+    makers: Makers,
+    *,
+    resume: bool = False,
+    at_once: bool = False,
+    deviations: Sequence[str] = (),
 ) -> Iterator[SessionDesk]:
     """Devices started, folder and order made or found again, ready for `SessionDesk.run`.
 
     at_once : judge and write within the turn, for a clock that stands still meanwhile. When the block is left before
-    the session has ended, the session ends as interrupted.
+    the session has ended, the session ends as interrupted. deviations : from a registered plan; the session tells them.
     SettingError, DataError, DeviceError : as `settings_of`, `new_session`, `resume_session`, and the devices.
     """
     settings = settings_of(study, participant)
@@ -113,6 +120,6 @@ def open_session(
         )
         judge = JudgeAtOnce() if at_once else JudgeBeside()
         changed = changes(record.plan.settings, now) if resume else ()
-        session = Session(study, settings, record, (emg, force), judge, clock.now_s(), changed)
+        session = Session(study, settings, record, (emg, force), judge, clock.now_s(), changed, deviations)
         stack.callback(session.end, "failed", "the program ended")
         yield SessionDesk(session)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import platform
 import threading
 from collections import deque
+from collections.abc import Sequence
 
 from emg2vsa import __version__
 from emg2vsa.errors import SettingError
@@ -60,8 +61,10 @@ class Session:
         judge: Judge,
         now_s: float,
         changes: tuple[str, ...] = (),
+        deviations: Sequence[str] = (),
     ) -> None:
-        """streams : of EMG and force, open. judge : closed by the session. changes : of the study file on resume."""
+        """streams : of EMG and force, open. judge : closed by the session. changes : of the study file on resume.
+        deviations : from a registered plan, in sentences."""
         self.study, self.settings, self.record = study, settings, record
         self.emg, self.force = streams
         self.lock = threading.RLock()
@@ -94,6 +97,8 @@ class Session:
         )  # fmt: skip
         for change in changes:
             self._say(f"The study file has changed since the session began: {change}. The order stays.")
+        for deviation in deviations:
+            self._say(deviation)
 
     def _follow(self, line: Line) -> None:
         if isinstance(line.event, journal.Judged):

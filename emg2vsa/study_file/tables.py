@@ -43,6 +43,8 @@ class StudyTable:
     "Folder of the intermediate results; omitted: .emg2vsa/<name>."
     reports: Text | None = None
     "Folder of the report; omitted: reports/<name>, or ../../reports/<name> where the file lies in studies/<folder>."
+    registration: Text | None = None
+    "Registration that the study is compared with (emg2vsa register); omitted: registration.json, where it is there."
 
 
 @dataclass(frozen=True, kw_only=True)

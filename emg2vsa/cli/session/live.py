@@ -70,6 +70,7 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa import session
     from emg2vsa.cli.progress import progress
+    from emg2vsa.pipeline.registered import session_deviations
     from emg2vsa.study_file import load_study
 
     study, alone = load_study(arguments.study), arguments.no_page
@@ -91,6 +92,8 @@ def run(arguments: argparse.Namespace) -> int:
             say(f"Go on: emg2vsa session {words} --resume")
             say(f"Or write the recordings so far: emg2vsa session finish {words}")
 
+    for deviation in session_deviations(study, arguments.participant):
+        say(deviation)
     with web_pages("session"):
         end = (session.resume if arguments.resume else session.run)(
             study, arguments.participant, virtual=virtual if arguments.virtual else None, shown=shown, ended=ended,

@@ -16,7 +16,18 @@ if TYPE_CHECKING:
     from emg2vsa.pipeline.campaign import Campaign
     from emg2vsa.report.inputs import StudyResults
 
-NOT_SHOWN = ("path", "results", "reports", "data", "task", "runs", "runs_source", "recordings", "session")
+NOT_SHOWN = (
+    "path",
+    "results",
+    "reports",
+    "data",
+    "task",
+    "runs",
+    "runs_source",
+    "recordings",
+    "session",
+    "registration",
+)
 """Where things lie changes nothing in a report; which runs there are, it sees in their results.
 
 How a session is run makes recordings, and what they hold counts.
@@ -28,7 +39,10 @@ PEOPLE, RIG = "people", "rig"
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     study = campaign.study
     shown = {each.name: getattr(study, each.name) for each in fields(study) if each.name not in NOT_SHOWN}
-    return {"study": Keyed(study, shown | {"file": study.path.name, "recordings": _recordings(campaign)})}
+    return {
+        "study": Keyed(study, shown | {"file": study.path.name, "recordings": _recordings(campaign)}),
+        "registered": campaign.registered,
+    }
 
 
 def _recordings(campaign: Campaign) -> list[tuple[Any, list[str]]]:
@@ -92,7 +106,14 @@ def results_of(given: Given, pages: str = "") -> StudyResults:
         runs = Runs(scores, given.one("discrimination"), given.one("calibration"))
     failures = tuple(Failure(*failure) for failure in given.failures)
     return StudyResults(
-        given.settings["study"], people, runs, given.one("stiffness"), failures, _provenance(given), pages
+        given.settings["study"],
+        people,
+        runs,
+        given.one("stiffness"),
+        failures,
+        _provenance(given),
+        pages,
+        given.settings["registered"],
     )
 
 

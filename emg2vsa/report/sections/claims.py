@@ -13,6 +13,7 @@ from emg2vsa.claims.claim import OF_A_STUDY, Claim, Judged, judge
 from emg2vsa.claims.on_rig import claims_on_rig
 from emg2vsa.claims.people import claims_of_study
 from emg2vsa.figures.verdicts import draw_verdicts
+from emg2vsa.registration import Registered
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
@@ -59,8 +60,9 @@ def _counted(results: StudyResults) -> Counted | None:
     return Counted(int(np.count_nonzero(np.isfinite(fits.b_v))), recorded, asked)
 
 
-def claim_quantities(judged: Sequence[Judged]) -> Items:
-    """``claims.<key>.ours``, its interval, its margin and its verdict; in the unit that the table shows."""
+def claim_quantities(judged: Sequence[Judged], registered: Registered | None = None) -> Items:
+    """``claims.<key>.ours``, its interval, its margin and its verdict, and how it was registered; in the unit that the
+    table shows."""
     for each in judged:
         claim, name = each.claim, f"claims.{each.claim.key}"
         yield f"{name}.ours", claim.found.estimate * claim.factor
@@ -69,6 +71,8 @@ def claim_quantities(judged: Sequence[Judged]) -> Items:
         yield f"{name}.margin", claim.margin * claim.factor
         yield f"{name}.unit_of_error", claim.unit
         yield f"{name}.verdict", each.verdict
+        if registered is not None:
+            yield f"{name}.registered", registered.state(each)
 
 
 COLUMNS = (

@@ -1,0 +1,72 @@
+"""``emg2vsa register``: the plan of a study, frozen before its data."""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import os
+from pathlib import Path
+
+from casr.command_line import JSON, Commands, add_command, answer
+from emg2vsa.cli.arguments import STUDY
+
+SUMMARY = "Freeze plan, claims, margins, order, exclusions and code of a study into a file that its hash signs."
+EPILOG = """
+Register before the first recording, and deposit the file (OSF, AsPredicted, an archive): its hash shows that it was not
+changed, the deposit shows when it was made. A text with the questions of AsPredicted and OSF is written beside it. From
+then on emg2vsa run, session and verify name every deviation. Nothing is overwritten: a changed plan is a registration
+of its own (--out), which names the hash of the earlier one. Exit status 2: the file is there already.
+"""
+OPTIONS = f"""
+{STUDY}
+--out FILE  file of the registration, ending in .json (default: registration.json beside the study file)
+--rig FILE  rig file whose experiment is registered too, for runs that are to be measured
+{JSON}
+"""
+
+
+def add_to(commands: Commands) -> None:
+    add_command(commands, "register", run, SUMMARY, EPILOG, OPTIONS)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.errors import SettingError
+    from emg2vsa.pipeline.campaign import rig_of
+    from emg2vsa.pipeline.registered import as_it_is
+    from emg2vsa.registration import document, read_registration, write_registration
+    from emg2vsa.study import REGISTRATION
+    from emg2vsa.study_file import load_study
+
+    study, out = load_study(arguments.study), arguments.out
+    if out is not None and out.suffix != ".json":
+        do = "Give the file a name such as registration-2.json."
+        raise SettingError(f"--out {out}", wanted="a name that ends in .json", found=out.suffix or "no ending", do=do)
+    own = study.runs_source.rig if study.runs_source else None
+    if own and arguments.rig:
+        do = "Leave --rig out."
+        raise SettingError(
+            "--rig", wanted="the rig file of the study alone", found=f"rig = {own.name} in [runs]", do=do
+        )
+    path = out.absolute() if out else study.registration or study.path.with_name(REGISTRATION)
+    before = study.registration if study.registration and study.registration.is_file() else None
+    amends = read_registration(before, study.name)["sha256"] if before and before != path else ""
+    file = own or arguments.rig
+    rig = rig_of(study, file) if file else None
+    beside = Path(os.path.relpath(file, study.path.parent)).as_posix() if file else ""
+    content = document(
+        study.name, study.title, now=as_it_is(study, rig), rig_file=beside, amends=amends,
+        registered_at=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+    )  # fmt: skip
+    files = [str(each) for each in write_registration(path, content)]
+    told = {name: content[name] for name in ("sha256", "registered_at", "amends", "collected")}
+    lines = [
+        f"{study.name}: {len(content['claims'])} claims registered. {content['collected']}",
+        *(f"  {each}" for each in files),
+        f"SHA-256 {content['sha256']}",
+        "Deposit the file or its hash where its date is public.",
+    ]
+    if study.registration != path and path != study.path.with_name(REGISTRATION):
+        named = Path(os.path.relpath(path, study.path.parent)).as_posix()
+        lines.append(f'Name it in the study file, under [study]: registration = "{named}"')
+    answer(arguments.json, told | {"files": files, "claims": sorted(content["claims"])}, lines)
+    return 0
