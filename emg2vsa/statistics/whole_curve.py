@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,7 +34,8 @@ _AT_ONCE = 4_000_000
 _Z = 1.96
 
 
-class Threshold(NamedTuple):
+@dataclass(frozen=True)
+class Threshold:
     """What the largest statistic exceeds with a chance of alpha; low, high : 95 % Monte-Carlo interval."""
 
     value: float = np.nan
@@ -108,8 +108,8 @@ class CurveTests:
 def curve_tests(values: ArrayLike, alpha: float = 0.05, draws: int = DRAWS, seed: int = SEED) -> CurveTests:
     """Compare ``values`` (P, S, G), NaN where there is none. DataError for another shape; never for a small table.
 
-    Left out are specimens that fewer than half of the people have, then people without one of the others and forces
-    that some of these people lack, so that people times forces are as many as can be.
+    Left out are specimens that fewer than half of the people have; then, until nothing lacks, the person or the force
+    that lacks the largest share of the others.
     """
     y = np.asarray(values, dtype=np.float64)
     if y.ndim != 3:
@@ -130,7 +130,7 @@ def curve_tests(values: ArrayLike, alpha: float = 0.05, draws: int = DRAWS, seed
     half_width = pair_half_width = np.nan
     if people.size >= FEWEST_FOR_BANDS:
         _, of_residuals, of_own = _nulls(own - _mean(own, 0), draws, seed)
-        t2_threshold = max(t2_threshold, of_residuals.threshold(alpha))
+        t2_threshold = max(t2_threshold, of_residuals.threshold(alpha), key=_value)
         pair_p = np.maximum(pair_p, of_residuals.p(t**2))
         half_width, pair_half_width = np.sqrt((of_own.threshold(alpha).value, t2_threshold.value))
     return CurveTests(
@@ -146,10 +146,14 @@ def curve_tests(values: ArrayLike, alpha: float = 0.05, draws: int = DRAWS, seed
         pair_t=t,
         pair_p=pair_p,
         f_threshold=of_all.threshold(alpha),
-        t_threshold=Threshold(*np.sqrt(t2_threshold).tolist()),
+        t_threshold=Threshold(*np.sqrt((t2_threshold.value, t2_threshold.low, t2_threshold.high)).tolist()),
         alpha=alpha,
         draws=draws,
     )  # fmt: skip
+
+
+def _value(threshold: Threshold) -> float:
+    return threshold.value
 
 
 def _whole_table(known: NDArray[np.bool_]) -> tuple[Ints, Ints, Ints, str]:
@@ -161,19 +165,15 @@ def _whole_table(known: NDArray[np.bool_]) -> tuple[Ints, Ints, Ints, str]:
         counted = "1 specimen has" if specimens.size else "no specimen has"
         return nothing, nothing, nothing, f"{counted} curves of at least half of the people; a comparison takes 2"
     there = np.all(known[:, specimens], axis=1)
-    order = np.argsort(-there.sum(axis=0), kind="stable")
-    complete = np.logical_and.accumulate(there[:, order], axis=1)
-    n = complete.sum(axis=0)
-    size = np.where(n >= FEWEST, n * np.arange(1, n.size + 1), 0)
-    if not size.any():
-        return (
-            nothing,
-            nothing,
-            nothing,
-            f"{n.max(initial=0)} people have a curve on every specimen; the test takes {FEWEST}",
-        )
-    most = int(np.argmax(size))
-    return np.flatnonzero(complete[:, most]), specimens, np.sort(order[: most + 1]), ""
+    people, forces = (np.ones(size, dtype=np.bool_) for size in there.shape)
+    while (lacks := ~there & people[:, None] & forces).any():
+        by_person = lacks.sum(axis=1) / np.count_nonzero(forces)
+        by_force = lacks.sum(axis=0) / np.count_nonzero(people)
+        worst, shares = (people, by_person) if by_person.max() >= by_force.max() else (forces, by_force)
+        worst[np.argmax(shares)] = False
+    if (n := np.count_nonzero(people)) < FEWEST or not forces.any():
+        return nothing, nothing, nothing, f"{n} people have curves of every specimen; the test takes {FEWEST}"
+    return np.flatnonzero(people), specimens, np.flatnonzero(forces), ""
 
 
 def _mean(values: Floats, axis: int) -> Floats:

@@ -71,7 +71,7 @@ def test_everything_the_issue_names_is_there(written):
 
 def test_the_page_is_whole_self_contained_and_speaks(written, read_page):
     page = read_page(written / "index.html")
-    assert page.tags.count("svg") == 5
+    assert page.tags.count("svg") == 6
     assert "These data are simulated." in page.text
     assert "EDC clipped <3 %>" in page.text
     assert [f"participants/P0{i}.html" for i in (1, 2, 3)] == [

@@ -26,6 +26,7 @@ from emg2vsa.report.section import Section
 from emg2vsa.report.sections.actuators import ACTUATORS
 from emg2vsa.report.sections.area import AREA
 from emg2vsa.report.sections.claims import CLAIMS
+from emg2vsa.report.sections.curves import CURVES
 from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.hypotheses import HYPOTHESES
 from emg2vsa.report.sections.kappa import KAPPA
@@ -34,12 +35,13 @@ from emg2vsa.report.sections.participants import PARTICIPANTS
 from emg2vsa.report.sections.profiles import PROFILES
 from emg2vsa.report.sections.provenance import GLOSSARY, METHODS, PROVENANCE
 from emg2vsa.report.sections.rates import RATES
+from emg2vsa.report.sections.registration import REGISTRATION
 from emg2vsa.report.sections.rig_runs import RUNS
 from emg2vsa.report.sections.schedules import SCHEDULES
 from emg2vsa.report.sections.stiffness import STIFFNESS
 from emg2vsa.report.sections.vision import VISION
 
 SECTIONS: tuple[Section, ...] = (
-    CLAIMS, PARTICIPANTS, FITS, HYPOTHESES, PROFILES, SCHEDULES, RUNS, AREA, VISION, RATES, ACTUATORS, STIFFNESS,
-    KAPPA, MODELS, METHODS, GLOSSARY, REGISTRATION, PROVENANCE,
+    CLAIMS, PARTICIPANTS, FITS, HYPOTHESES, CURVES, PROFILES, SCHEDULES, RUNS, AREA, VISION, RATES, ACTUATORS,
+    STIFFNESS, KAPPA, MODELS, METHODS, GLOSSARY, REGISTRATION, PROVENANCE,
 )  # fmt: skip
