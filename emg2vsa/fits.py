@@ -100,17 +100,22 @@ class Fits:
 
 
 def fit_trials(
-    trials: Trials, fit: FitSettings, window: WindowSettings, judgements: Sequence[PressJudgement] = ()
+    trials: Trials,
+    fit: FitSettings,
+    window: WindowSettings,
+    judgements: Sequence[PressJudgement] = (),
+    edges_n: Floats | None = None,
 ) -> Fits:
     """Fit every trial of a recording, the rejected ones too, and reject those whose fit is no fit.
 
     ``judgements`` of people have the last word, that on a press before that on its recording, except that what could
     not be fitted stays rejected, and so does a press of a recording with a fault unless all of it is accepted.
+    edges_n : of the force bins, in place of those that ``fit`` and ``window`` make.
 
     With inverse-variance weights a bin counts as its number of samples over the square of its fitted level
     (``fit_log_by_level``); its errors allow for the envelope's memory (``bin_covariance``). On samples they do not.
     """
-    edges = fit_edges(*window.force_n, fit.bin_n)
+    edges = fit_edges(*window.force_n, fit.bin_n) if edges_n is None else edges_n
     curves = fit_presses(trials.force_n, trials.activity, trials.offsets, edges, fit)
     reported, bins = curves.reported, curves.bins
     fitted = (reported.n >= MIN_POINTS) & np.isfinite(reported.b) & np.isfinite(reported.b_se)

@@ -30,6 +30,8 @@ PARTS = f"""
 --only STAGE  stop after: {", ".join(ORDER)}
 --human-only  only the recordings of people, without the runs of the rig; the report goes to its subfolder people
 --casr-only  only the runs of the rig, with the schedules that they need; the report goes to its subfolder rig
+--paths  the whole study, and how far each verdict hangs on choices of analysis: a minute more for 14 people and a rig.
+  The report shows them until something that they depend on changes
 """
 RUN_OPTIONS = f"""
 --explain  say why each step runs
@@ -86,6 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
         plan = run_study(
             study, stages=stages, jobs=jobs_of(arguments), progress=shown, wait=not arguments.no_wait, below=below,
             cluster=_cluster_of(arguments, study, stages, shown.say), profile=profile,
+            asked=("paths",) if arguments.paths or arguments.only == "paths" else (),
         )  # fmt: skip
     if not arguments.json:
         say_not_used(plan)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, mean_of
@@ -79,6 +80,12 @@ def rows_of_cells(fits: Fits, use: str) -> dict[tuple[str, str], list[int]]:
     for i, *names in zip(at.tolist(), fits.participant[at].tolist(), fits.specimen[at].tolist(), strict=True):
         rows.setdefault((names[0], names[1]), []).append(i)
     return rows
+
+
+def bin_errors(fits: Fits, rows: NDArray[np.bool_]) -> CellErrors:
+    """Errors of prediction of bins alone, of the presses ``rows`` (n,) of one cell; NaN for those of presses."""
+    errors = _errors(fits.bin_force_n[rows], fits.bin_v[rows], _without_a_bin)
+    return CellErrors(str(fits.participant[0]), str(fits.specimen[0]), np.array([np.full(len(LAWS), np.nan), errors]))
 
 
 def compare_laws(cells: Iterable[CellErrors], confidence: float = 0.95) -> ForceLaws:

@@ -116,7 +116,8 @@ def recompute(deposit: Deposit, data: Data, work: Path, jobs: int, progress: Pro
     DataError : the study in the package gives no report on these data.
     """
     study = _study(deposit, data, work)
-    board = run_study(study, stages=stages_for("report"), jobs=jobs, progress=progress)
+    asked = ("paths",) if "paths.count" in deposit.json("results.json") else ()
+    board = run_study(study, stages=stages_for("report"), jobs=jobs, progress=progress, asked=asked)
     why = [message for item, stage, message in board.failures() if (item, stage) == ("study", "report")]
     if why or not (study.reports / "results.json").is_file():
         found = why[0] if why else "no report"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -56,11 +56,20 @@ class Step:
 class StepPlan:
     """The state of all steps so far; the one place that knows keys.
 
-    reading : nothing is recorded, and results below count for stages that write files too.
+    reading : nothing is recorded, and results below count for stages that write files too. asked : stages on request
+    that somebody asks for; of others only fresh steps are here.
     """
 
-    def __init__(self, found: Campaign, store: Store, warn: Callable[[str], None], *, reading: bool) -> None:
-        self.campaign, self.store, self._reading = found, store, reading
+    def __init__(
+        self,
+        found: Campaign,
+        store: Store,
+        warn: Callable[[str], None],
+        *,
+        reading: bool,
+        asked: Collection[str] = (),
+    ) -> None:
+        self.campaign, self.store, self._reading, self._asked = found, store, reading, asked
         self.ledger = Ledger(store.folder, warn)
         self._below = None if store.below is None else Ledger(store.below)
         self.prints = memory_of_files(store.folder, warn)
@@ -76,7 +85,10 @@ class StepPlan:
     def add_stage(self, name: str) -> list[Step]:
         """Every step of a stage, given the steps of the stages before it."""
         reached = self._code.reached(module_of(name))
-        self._of[name] = added = [self._step(name, item, reached) for item in items(self.campaign, name)]
+        added = [self._step(name, item, reached) for item in items(self.campaign, name)]
+        if stage(name).on_request and name not in self._asked:
+            added = [step for step in added if step.status in DONE]
+        self._of[name] = added
         self.steps.update((step.id, step) for step in added)
         return added
 
@@ -294,10 +306,11 @@ def open_step_plan(
     *,
     below: Path | None = None,
     reading: bool = False,
+    asked: Collection[str] = (),
 ) -> StepPlan:
     """The plan of a study, with its runs looked up where one of the ``stages`` needs them. Raises as ``campaign``."""
     found = campaign(study) if needs_runs(tuple(stages)) else Campaign(study)
-    return StepPlan(found, Store(study.results, below), warn, reading=reading)
+    return StepPlan(found, Store(study.results, below), warn, reading=reading, asked=asked)
 
 
 def memory_of_files(results: Path, warn: Callable[[str], None]) -> Fingerprints:
@@ -305,9 +318,16 @@ def memory_of_files(results: Path, warn: Callable[[str], None]) -> Fingerprints:
     return Fingerprints(results / "fingerprints.json", warn)
 
 
-def survey(study: Study, stages: Sequence[str], warn: Callable[[str], None], *, below: Path | None = None) -> StepPlan:
+def survey(
+    study: Study,
+    stages: Sequence[str],
+    warn: Callable[[str], None],
+    *,
+    below: Path | None = None,
+    asked: Collection[str] = (),
+) -> StepPlan:
     """The state of all steps of the stages; nothing is computed, nothing but the fingerprint memory is written."""
-    plan = open_step_plan(study, stages, warn, below=below, reading=True)
+    plan = open_step_plan(study, stages, warn, below=below, reading=True, asked=asked)
     for name in stages:
         plan.add_stage(name)
     plan.prints.save()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -49,11 +49,13 @@ def run_study(
     below: Path | None = None,
     cluster: ClusterWorkers | None = None,
     profile: Profile | None = None,
+    asked: Collection[str] = (),
 ) -> StepPlan:
     """Bring the ``stages`` of a study up to date and say how every step ended.
 
     wait : for another run of the same study to end. below : results of the same study elsewhere, read and not written.
-    cluster : workers that take the place of ``jobs`` processes. profile : is told what every step took.
+    cluster : workers that take the place of ``jobs`` processes. profile : is told what every step took. asked : stages
+    on request that are to run; others of that kind never do.
 
     Raises
     ------
@@ -68,7 +70,7 @@ def run_study(
         Store(study.results).sweep()
         workers: Workers | ClusterWorkers = Workers(jobs) if cluster is None else cluster
         held.enter_context(workers)
-        plan = open_step_plan(study, stages, progress.say, below=below)
+        plan = open_step_plan(study, stages, progress.say, below=below, asked=asked)
         plan.ledger.compact()
         ran: set[str] = set()
         for last in range(_TRIES - 1, -1, -1):
@@ -143,7 +145,7 @@ def clean(study: Study, *, wait: bool, say: Callable[[str], None]) -> tuple[int,
     never touched. Raises as ``survey`` and ``study_lock``.
     """
     with study_lock(study.results, wait=wait, say=say):
-        plan = survey(study, (*ORDER, *PART_REPORTS), say)
+        plan = survey(study, (*ORDER, *PART_REPORTS), say, asked=ORDER)
         plan.store.sweep()
         removed = size = 0
         for step_id in list(plan.store.stored_steps()):

@@ -90,6 +90,7 @@ class Stage:
     loads : modules that its steps load, so that workers may share them from the start.
     gives : what it puts into the report, with a verb, such as "The mean profiles are".
     alone : up to so many steps run in the calling process, as starting workers would take longer.
+    on_request : its steps run only where somebody asks for them; a result that is fresh counts, others do not exist.
     """
 
     per: Literal["recording", "run", "mounting", "participant", "study"]
@@ -106,3 +107,4 @@ class Stage:
     gives: str = "Results are"
     alone: int = 1
     loads: tuple[str, ...] = ()
+    on_request: bool = False

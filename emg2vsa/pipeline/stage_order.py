@@ -25,6 +25,7 @@ ORDER = (
     "runs",
     "discrimination",
     "calibration",
+    "paths",
     "report",
 )
 """Each is the file of that name in ``emg2vsa/pipeline/stages``."""

@@ -153,11 +153,11 @@ def load(study: StudyFile) -> Results:
     return Results(survey(_study_of(study), ORDER, lambda text: None))
 
 
-def run(study: StudyFile, *, only: str | None = None, jobs: int | None = None) -> Results:
+def run(study: StudyFile, *, only: str | None = None, jobs: int | None = None, paths: bool = False) -> Results:
     """Bring a study up to date, as ``emg2vsa run``, and load its results.
 
     only : stop after this stage. jobs : processes; all cores where it is None (a script then needs the usual
-    ``if __name__ == "__main__"``).
+    ``if __name__ == "__main__"``). paths : also how far each verdict hangs on choices of analysis.
     """
     if only is not None and only not in ORDER:
         raise DataError("only", wanted=f"one of {', '.join(ORDER)}", found=repr(only), do="Choose one of these.")
@@ -166,7 +166,10 @@ def run(study: StudyFile, *, only: str | None = None, jobs: int | None = None) -
         do = "Choose a number of processes, or leave it out for all cores."
         raise SettingError("jobs", wanted="a whole number from 1", found=shown(jobs), do=do)
     silent = Progress(lambda stage, total: None, lambda step: None, lambda: None, lambda text: None)
-    run_study(_study_of(study), stages=stages_for(only), jobs=jobs or available_cores(), progress=silent)
+    if not isinstance(paths, bool):
+        raise SettingError("paths", wanted="True or False", found=shown(paths), do="Leave it out for False.")
+    asked = ("paths",) if paths or only == "paths" else ()
+    run_study(_study_of(study), stages=stages_for(only), jobs=jobs or available_cores(), progress=silent, asked=asked)
     return load(study)
 
 

@@ -16,6 +16,7 @@ from emg2vsa.extraction import Trials
 from emg2vsa.figures.palette import ActivityScale, activity_scale
 from emg2vsa.fits import Fits, usable
 from emg2vsa.hypotheses import Hypotheses
+from emg2vsa.multiverse import IndexPresets, Paths
 from emg2vsa.profiles import Profiles
 from emg2vsa.registration import Registered
 from emg2vsa.report.failures import Failure
@@ -78,6 +79,10 @@ class StudyResults:
     'Folder of the participants\' pages, as the report links to it; "" for no links.'
     registered: Registered | None = None
     "The registration of the study, with its deviations; None: it is not registered."
+    paths: Paths | None = None
+    "Verdicts along other paths of analysis; None unless somebody asked for them."
+    presets: IndexPresets | None = None
+    "Of the schedules, by index of co-contraction."
 
     @property
     def recorded(self) -> People:

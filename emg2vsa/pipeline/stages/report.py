@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from emg2vsa.pipeline.stage import Given, Keyed, Stage
 
 if TYPE_CHECKING:
+    from emg2vsa.multiverse import IndexPresets
     from emg2vsa.pipeline.campaign import Campaign
     from emg2vsa.report.inputs import StudyResults
 
@@ -104,17 +105,29 @@ def results_of(given: Given, pages: str = "") -> StudyResults:
         )
     if scores:
         runs = Runs(scores, given.one("discrimination"), given.one("calibration"))
-    failures = tuple(Failure(*failure) for failure in given.failures)
     return StudyResults(
         given.settings["study"],
         people,
         runs,
         given.one("stiffness"),
-        failures,
+        tuple(Failure(*failure) for failure in given.failures),
         _provenance(given),
         pages,
         given.settings["registered"],
+        given.one("paths"),
+        _presets(given),
     )
+
+
+def _presets(given: Given) -> IndexPresets | None:
+    """From the profile of one person; that of all people takes too long for every report, and is one of the paths."""
+    from emg2vsa.multiverse import index_presets
+
+    paths, profiles = given.one("paths"), given.one("profiles")
+    if paths is not None or profiles is None or not profiles.participant:
+        return paths.presets if paths is not None else None
+    own = [trials for trials in given.each("trials") if trials.participant == profiles.participant]
+    return index_presets(given.settings["study"], own, profiles.participant)
 
 
 def _provenance(given: Given) -> dict[str, str]:
@@ -139,7 +152,7 @@ STAGE = Stage(
     per="study", of="report", run=run, settings=settings, files=files, folder=folder, tells_failures=True,
     needs=(
         "trials", "fits", "pages", "hypotheses", "exemplary", "profiles", "schedules", "stiffness", "emulation", "runs",
-        "discrimination", "calibration",
+        "discrimination", "calibration", "paths",
     ),
 )  # fmt: skip
 PART_STAGES = {
@@ -153,7 +166,7 @@ PART_STAGES = {
         STAGE,
         run=lambda given: run(given, ""),
         folder=lambda campaign, item: campaign.study.reports / RIG,
-        needs=tuple(need for need in STAGE.needs if need not in ("pages", "hypotheses")),
+        needs=tuple(need for need in STAGE.needs if need not in ("pages", "hypotheses", "paths")),
     ),
 }
 """What people do, without the runs of a rig; and those runs, with the schedules behind them."""

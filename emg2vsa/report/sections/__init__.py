@@ -37,11 +37,12 @@ from emg2vsa.report.sections.provenance import GLOSSARY, METHODS, PROVENANCE
 from emg2vsa.report.sections.rates import RATES
 from emg2vsa.report.sections.registration import REGISTRATION
 from emg2vsa.report.sections.rig_runs import RUNS
+from emg2vsa.report.sections.robustness import ROBUSTNESS
 from emg2vsa.report.sections.schedules import SCHEDULES
 from emg2vsa.report.sections.stiffness import STIFFNESS
 from emg2vsa.report.sections.vision import VISION
 
 SECTIONS: tuple[Section, ...] = (
-    CLAIMS, PARTICIPANTS, FITS, HYPOTHESES, CURVES, PROFILES, SCHEDULES, RUNS, AREA, VISION, RATES, ACTUATORS,
-    STIFFNESS, KAPPA, MODELS, METHODS, GLOSSARY, REGISTRATION, PROVENANCE,
+    CLAIMS, ROBUSTNESS, PARTICIPANTS, FITS, HYPOTHESES, CURVES, PROFILES, SCHEDULES, RUNS, AREA, VISION, RATES,
+    ACTUATORS, STIFFNESS, KAPPA, MODELS, METHODS, GLOSSARY, REGISTRATION, PROVENANCE,
 )  # fmt: skip

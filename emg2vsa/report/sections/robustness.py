@@ -1,0 +1,135 @@
+"""Where verdicts hang on choices: the share of paths of analysis that keep each, and presets by index."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from emg2vsa.figures.multiverse import draw_paths
+from emg2vsa.multiverse import KINDS, IndexPresets, Paths
+from emg2vsa.report.drawing import Drawing
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.numbers import Items
+from emg2vsa.report.section import Quantities, Section
+from emg2vsa.report.table import Column, Row, Table, table_of
+from emg2vsa.report.wording import number
+
+_ALL = "all paths"
+_BY_KIND = (
+    Column("claim", "Claim"), Column("verdict", "Verdict"), Column("kind", "Choice that differs"),
+    Column("paths", "Paths"), Column("kept", "Keep the verdict"), Column("share", "Share, %", 100),
+)  # fmt: skip
+_PRESETS = (
+    Column("index", "Index"), Column("specimen", "Specimen"), Column("largest_move_points", "Largest move, points"),
+    Column("place", "Place by mean preset"), Column("own_place", "Place by the study's index"),
+    Column("turned", "Order turns"),
+)  # fmt: skip
+
+
+def paths_share(results: StudyResults) -> dict[str, tuple[int, int]]:
+    """Claim to the number of paths that keep its verdict, and of all that bear on it; empty where nobody asked."""
+    return {claim: results.paths.kept(claim) for claim in results.paths.claims} if results.paths else {}
+
+
+def _quantities(results: StudyResults) -> Items:
+    if results.paths:
+        yield "paths.count", int(results.paths.name.size)
+        for claim, (kept, of) in paths_share(results).items():
+            yield f"paths.{claim}.kept", kept
+            yield f"paths.{claim}.applicable", of
+            yield f"paths.{claim}.share", kept / of if of else np.nan
+            yield f"paths.{claim}.overturned_by", results.paths.worst_kind(claim)
+    for index, specimen, move, *_, turned in _moves(results.presets):
+        yield f"index.{index}.{specimen}.largest_move_points", move
+        yield f"index.{index}.{specimen}.turned", turned
+
+
+def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
+    if paths := results.paths:
+        rows = [row for claim in paths.claims for row in _kind_rows(paths, claim)]
+        shown = tuple(row for row in rows if row["kind"] == _ALL or row["kept"] != row["paths"])
+        caption = "Paths that keep each verdict; the page leaves out what overturns none"
+        yield Table("paths", caption, _BY_KIND, rows, shown)
+        claim, path = np.nonzero(paths.verdict != "")
+        whole = {"claim": np.array(paths.claims)[claim], "kind": paths.kind[path], "path": paths.name[path]}
+        whole |= {name: getattr(paths, name)[claim, path] for name in ("verdict", "estimate", "low", "high")}
+        yield table_of("paths_all", "Every claim along every path", {Column(k, k): v for k, v in whole.items()})
+    if moves := list(_moves(results.presets)):
+        columns = dict(zip(_PRESETS, zip(*moves, strict=True), strict=True))
+        yield table_of("index_presets", "Stiffness presets by index of co-contraction", columns)
+
+
+def _kind_rows(paths: Paths, claim: str) -> Iterator[Row]:
+    at = paths.claims.index(claim)
+    said = {"claim": paths.says[at], "verdict": str(paths.own[at])}
+    for kind in ("", *KINDS):
+        kept, of = paths.kept(claim, kind)
+        if of:
+            yield said | {"kind": kind or _ALL, "paths": of, "kept": kept, "share": kept / of}
+
+
+def _moves(presets: IndexPresets | None) -> Iterator[tuple[str, str, float, float, float, bool]]:
+    """Index, specimen, largest move, place by this index and by the study's, and whether they differ."""
+    if presets is None:
+        return
+    move, rank = presets.largest_move, presets.rank
+    for (i, s), place in np.ndenumerate(rank):
+        if i:
+            turned = bool(place == place and place != rank[0, s])
+            yield presets.indices[i], presets.specimens[s], float(move[i, s]), float(place), float(rank[0, s]), turned
+
+
+def _drawings(results: StudyResults) -> Iterator[Drawing]:
+    paths = results.paths
+    if not paths or not paths.name.size:
+        return
+    kinds = [kind for kind in KINDS if (paths.verdict[:, paths.kind == kind] != "").any()]
+    counts = np.array([[paths.kept(claim, kind) for kind in (*kinds, "")] for claim in paths.claims])
+    share = counts[..., 0] / np.where(counts[..., 1], counts[..., 1], np.nan)
+    caption = (
+        "Fig. P. Share of paths, in percent, that keep a verdict. A column changes one choice alone; a gap: the choice "
+        "does not bear on the claim. Green: holds; red: refuted; grey: not determined."
+    )
+    each = zip(paths.says, paths.own, share, strict=True)
+    told = " ".join(f"{says}: {own}, kept by {number(100 * of[-1])} % of paths." for says, own, of in each)
+    figure = draw_paths(paths.says, paths.own.tolist(), [*kinds, _ALL], share)
+    yield Drawing("figpaths", "Where verdicts hang on choices", caption, told, figure, None)
+
+
+def _words(results: StudyResults, q: Quantities) -> Mapping[str, object]:
+    """The claim whose verdict the fewest paths keep, and the index that moves presets most."""
+    found: dict[str, object] = {"least": "", "moved": ()}
+    shares = {claim: kept / of for claim, (kept, of) in paths_share(results).items() if of}
+    if results.paths and shares:
+        found["least"] = claim = min(shares, key=shares.__getitem__)
+        found["says"] = results.paths.says[results.paths.claims.index(claim)]
+    if moves := [move for move in _moves(results.presets) if move[2] == move[2]]:
+        low, high = results.study.schedule.stiffness_percent
+        turning = dict.fromkeys(move[0] for move in moves if move[-1])
+        found |= {"moved": max(moves, key=lambda move: move[2]), "points": high - low, "turning": list(turning)}
+    return found
+
+
+_TEXT = """
+{{ figure("figpaths") }}
+{% if least %}
+{% set by = q["paths." ~ least ~ ".overturned_by"] %}
+<p>The fewest paths keep the verdict on “{{ says }}”: {{ q["paths." ~ least ~ ".share"] | percent }}.
+{% if by %}Among single choices, “{{ by }}” overturns that verdict most often.{% endif %}</p>
+{{ folded("paths", "Paths of analysis that keep each verdict") }}
+{% else %}
+<p><code>emg2vsa run {{ study.path.name }} --paths</code> judges every claim again along other paths of analysis.</p>
+{% endif %}
+{% if moved %}
+<p>Another index of co-contraction moves a stiffness preset by up to {{ moved[2] | number(2) }} points of
+{{ points | number(2) }} ({{ moved[1] }}, {{ moved[0] }}).
+{% if turning %}By {{ turning | listed }} the specimens change their order.{% endif %}</p>
+{{ folded("index_presets", "Stiffness presets by index of co-contraction") }}
+{% endif %}
+"""
+
+ROBUSTNESS = Section(
+    "robustness", "Where verdicts hang on choices", _TEXT,
+    quantities=_quantities, tables=_tables, drawings=_drawings, words=_words,
+)  # fmt: skip
