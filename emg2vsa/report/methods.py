@@ -201,8 +201,8 @@ from intervals over participants alone, whose confidence allows for the number o
 A linear drift of b over the session was taken out of comparisons of specimens where their order differed from person
 to person, and else widened their intervals by as much as the trend within recordings allows.
 The whole curves of co-contraction were compared at all force bins at once by the largest repeated-measures F and, of
-pairs, the largest paired t, against random rotations of the people [@langsrud]; ranges of force beyond the threshold are
-reported as in statistical parametric mapping [@pataky].
+pairs, the largest paired t, against random rotations of the people [@langsrud]; ranges of force beyond the threshold
+are reported as in statistical parametric mapping [@pataky].
 {% endif %}
 
 {% if exported %}

@@ -66,8 +66,8 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     drawn = neighbours + others * (found.specimens.size <= _ALL_PAIRS_UP_TO)
     figure = draw_whole_curve(found, drawn, neighbours, looks(results.specimens), results.scale)
     caption = (
-        "Whole curves. (a) Mean over people; simultaneous bands of the difference from the mean of all specimens. "
-        "(b) F between specimens; dashed: threshold. (c) Forces at which pairs differ; blue: neighbours."
+        "Whole curves. (a) Mean over people, with simultaneous bands about the mean of the specimens. (b) F between "
+        "specimens; dashed: threshold. (c) Forces at which pairs differ; blue: neighbours in stiffness."
     )
     description = (
         f"Of the forces from {number(found.from_n[0])} to {number(found.to_n[-1])} N, all specimens differ over "
