@@ -31,9 +31,9 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.errors import SettingError
-    from emg2vsa.pipeline.campaign import rig_of
     from emg2vsa.pipeline.registered import as_it_is
     from emg2vsa.registration import document, read_registration, write_registration
+    from emg2vsa.rig_file import load_rig
     from emg2vsa.study import REGISTRATION
     from emg2vsa.study_file import load_study
 
@@ -51,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
     before = study.registration if study.registration and study.registration.is_file() else None
     amends = read_registration(before, study.name)["sha256"] if before and before != path else ""
     file = own or arguments.rig
-    rig = rig_of(study, file) if file else None
+    rig = load_rig(file) if file else None
     beside = Path(os.path.relpath(file, study.path.parent)).as_posix() if file else ""
     content = document(
         study.name, study.title, now=as_it_is(study, rig), rig_file=beside, amends=amends,

@@ -176,6 +176,8 @@ def _lines(plan: StepPlan, explain: bool) -> Iterator[str]:
         yield f"{stage:<15}" + "".join(f"{counts[stage, status]:>9}" for status in STATUSES)
     if held := holder(plan.study.results):
         yield f"A run is under way: {held}."
+    if registered := plan.campaign.registered:
+        yield from registered.lines()
     late = [step for step in plan.steps.values() if step.status != "fresh"]
     if explain:
         yield from (f"{step.status}: {step.id}: {shortened(step.reasons, 6) or step.message}" for step in late)

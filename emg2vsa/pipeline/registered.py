@@ -64,8 +64,8 @@ def session_deviations(study: Study, participant: str) -> tuple[str, ...]:
     except Emg2vsaError as error:
         return (f"The registered plan cannot be read: {error}",)
     of = [each for each in found.deviations if each.kind == "protocol"] if found else []
-    others = {f"participant {name}" for name in study.participants if name != participant}
-    return tuple(f"Deviation from the registered plan: {each}" for each in of if each.what not in others)
+    others = ("session of ", *(f"participant {name}" for name in study.participants if name != participant))
+    return tuple(f"Deviation from the registered plan: {each}" for each in of if not each.what.startswith(others))
 
 
 def _sessions(study: Study) -> Iterator[tuple[str, dict[str, Any]]]:

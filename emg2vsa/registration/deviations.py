@@ -187,9 +187,9 @@ def _what(path: Path, recordings: Sequence[str]) -> str:
 
 def _of_sessions(of: Plain, now: Plain) -> Iterator[Deviation]:
     """What plan.json of a recorded session says otherwise than the registered [session]."""
-    planned = of["plan"]["tables"].get("session", {})
-    for who, recorded in now["sessions"].items():
-        for path, was, present in _changed(planned, recorded if planned else {}):
+    planned = of["plan"]["tables"].get("session")
+    for who, recorded in now["sessions"].items() if planned else ():
+        for path, was, present in _changed(planned, recorded) if who in of["plan"]["participants"] else ():
             what = f"session of {who}, {'.'.join(path)}"
             yield Deviation("protocol", what, _shown(was), _shown(present), _hang_on(of, TOUCHES["session"]))
 

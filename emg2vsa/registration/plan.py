@@ -34,8 +34,8 @@ _PRESSES = 2
 
 def plan_of(study: Study, rig: Plain) -> Plain:
     """The plan of ``study``. rig : tables of the rig file of its runs, empty where there is none."""
-    tables = {each.name: asdict(getattr(study, each.name)) for each in fields(StageSettings)}
-    tables = {name: table for name, table in tables.items() if name not in LEFT_OUT}
+    names = [each.name for each in fields(StageSettings) if each.name not in LEFT_OUT]
+    tables = {name: asdict(getattr(study, name)) for name in names}
     tables |= {"runs": asdict(study.scoring)} if study.runs_source else {}
     tables |= {"session": session_plan(asdict(study.session))} if study.session else {}
     return plain(
@@ -121,7 +121,8 @@ def _runs(study: Study, experiment: ExperimentSettings | None) -> RunTable:
     stiffness: Mapping[str, float] = study.pressed_n_per_mm
     runs = experiment.all_runs() if experiment else ()
     designs: list[tuple[str, float]] = sorted({(run.condition, run.angle_deg) for run in runs}) or [*paper.CASR_WORST_P]
-    names = sorted({run.specimen for run in runs} or stiffness, key=lambda name: -stiffness[name])
+    planned = {run.specimen for run in runs} & stiffness.keys() if runs else stiffness
+    names = sorted(planned, key=lambda name: -stiffness[name])
     new, shape = study.profile.new_specimen, (len(designs), len(names), _PRESSES)
     return RunTable(
         conditions=tuple(condition for condition, _ in designs),

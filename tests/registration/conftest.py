@@ -34,7 +34,7 @@ class RegisteredStudy:
 
     def recording(self, participant: str, specimen: str = "S1") -> Path:
         """Where it is, or will be."""
-        name = f"sub-{participant}_task-palpation_acq-{specimen}_emg.bdf"
+        name = f"sub-{participant}_task-{load_study(self.file).task}_acq-{specimen}_emg.bdf"
         return self.folder / "data" / f"sub-{participant}" / "emg" / name
 
     def record(self, participant: str, specimen: str) -> None:

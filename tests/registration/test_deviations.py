@@ -286,7 +286,7 @@ def harmless(study: RegisteredStudy, numbers: random.Random) -> RegisteredStudy:
             if "ttyUSB0" in (study.folder / "rig.toml").read_text()
             else None
         ),
-        lambda: shutil.rmtree(study.folder / ".emg2vsa", ignore_errors=True) if n % 7 == 0 else None,
+        lambda: shutil.rmtree(study.folder / ".emg2vsa", ignore_errors=True) if n % 50 == 0 else None,
         lambda: study.registration.write_bytes(study.registration.read_bytes()),
     ]
     numbers.choice(edits)()

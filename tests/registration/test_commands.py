@@ -1,0 +1,253 @@
+"""``emg2vsa register``, and what run, status, session, the report and verify say of a registered study."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from benchmarks.small_study import SIMULATED_SESSION, small_study
+from emg2vsa import session
+from emg2vsa.cli import main
+from emg2vsa.deposit import verification
+from emg2vsa.session.journal import JOURNAL_FILE, Told, read_journal
+from emg2vsa.study_file import load_study
+from tests.once import Once
+from tests.registration.conftest import RegisteredStudy
+from tests.small import run_all, study_of_runs
+
+Said = pytest.CaptureFixture[str]
+
+
+def told(capsys: Said, *words: str, status: int = 0) -> dict[str, Any]:
+    capsys.readouterr()
+    assert main([*words, "--json"]) == status
+    said: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return said
+
+
+@pytest.fixture
+def finished(built_once: Once, tmp_path: Path) -> RegisteredStudy:
+    """A small study with a rig that was registered, and run to its report."""
+    folder = Path(shutil.copytree(built_once("finished", run_all), tmp_path / "copy")) / "studies" / "small"
+    assert main(["register", str(folder / "study.toml"), "--json"]) == 0
+    return RegisteredStudy(folder)
+
+
+def results(study: RegisteredStudy) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((load_study(study.file).reports / "results.json").read_text())
+    return found
+
+
+def test_a_clean_run_names_nothing_and_every_verdict_is_registered(
+    finished: RegisteredStudy, capsys: Said, blank_drawings: None
+) -> None:
+    run = told(capsys, "run", str(finished.file), "--jobs", "1")
+    assert (run["ran"], run["registration"]["deviations"]) == (["report/study"], [])
+    found = results(finished)
+    states = {value for key, value in found.items() if key.startswith("claims.") and key.endswith(".registered")}
+    assert states == {"registered"}
+    assert found["registration.sha256"] == json.loads(finished.registration.read_text())["sha256"]
+    assert told(capsys, "run", str(finished.file), "--jobs", "1")["ran"] == []
+
+
+def test_three_deviations_are_named_by_the_run_its_report_and_its_package(
+    finished: RegisteredStudy, capsys: Said, monkeypatch: pytest.MonkeyPatch, blank_drawings: None
+) -> None:
+    finished.add("claims", "slope_percent = 30.0")
+    finished.add("hypotheses", 'use = "ok"')
+    late = '[[exclude]]\nparticipant = "P01"\nspecimen = "S1"\nrepetition = 2\nreason = "late"\n'
+    finished.edit("[study]", late + "[study]")
+    assert main(["run", str(finished.file), "--jobs", "1"]) == 0
+    said = capsys.readouterr().out
+    assert "SHA-256" in said
+    assert said.count("deviation: ") == 3
+    for line in (
+        "deviation: [claims] slope_percent: 10.0 when registered, 30.0 now; touches ",
+        "deviation: [hypotheses] use: ok+warned when registered, ok now; touches ",
+        "deviation: P01/S1, press 2: absent when registered, rejected by hand: late now; touches ",
+    ):
+        assert line in said
+    assert main(["status", str(finished.file)]) == 0
+    assert capsys.readouterr().out.count("deviation: ") == 3
+
+    found, reports = results(finished), load_study(finished.file).reports
+    assert found["registration.deviations"] == 3
+    deviates = found["claims.specimens_differ.registered"]
+    assert deviates == "registered, deviates: P01/S1, press 2; [claims] slope_percent; [hypotheses] use"
+    assert found["claims.casr_rigid.registered"] == "registered"
+    table = (reports / "tables" / "deviations.csv").read_text().splitlines()
+    whats = [row.partition(",")[0].strip('"') for row in table[1:]]
+    assert whats == ["P01/S1", "[claims] slope_percent", "[hypotheses] use"]
+    page = (reports / "index.html").read_text()
+    assert "The plan of this study was registered on" in page
+    assert "Deviations from the registered plan" in page
+
+    assert main(["report", str(finished.file), "--paper", "--jobs", "1", "-q"]) == 0
+    package = reports / "paper"
+    assert (package / "registration.json").read_bytes() == finished.registration.read_bytes()
+    monkeypatch.setattr(verification, "recompute", lambda *_: reports)
+    verified = told(capsys, "verify", str(package), "--data", str(finished.folder))
+    assert [each["what"] for each in verified["registration"]["deviations"]] == [
+        "P01/S1, press 2", "[claims] slope_percent", "[hypotheses] use",
+    ]  # fmt: skip
+    finished.recording("P02").unlink()
+    finished.registration.unlink()  # that of the package counts
+    verified = told(capsys, "verify", str(package), "--data", str(finished.folder), status=2)
+    assert len(verified["registration"]["deviations"]) == 4
+    content = json.loads((package / "registration.json").read_text())
+    content["plan"]["tables"]["claims"]["slope_percent"] = 30.0
+    (package / "registration.json").write_text(json.dumps(content))
+    capsys.readouterr()
+    assert main(["verify", str(package), "--data", str(finished.folder)]) == 2
+    assert "(edited: plan)" in capsys.readouterr().err
+
+
+def test_a_change_of_the_registration_makes_the_report_anew(
+    finished: RegisteredStudy, capsys: Said, blank_drawings: None
+) -> None:
+    assert main(["run", str(finished.file), "--jobs", "1", "--json"]) == 0
+    finished.registration.unlink()
+    assert told(capsys, "run", str(finished.file), "--jobs", "1")["ran"] == ["report/study"]
+    assert "registration.sha256" not in results(finished)
+
+
+def test_a_second_registration_names_the_first(study: RegisteredStudy, capsys: Said) -> None:
+    study.add("fit", "bin_n = 0.6")
+    second = study.folder / "registration-2.json"
+    assert main(["register", str(study.file), "--out", str(second)]) == 0
+    assert 'under [study]: registration = "registration-2.json"' in capsys.readouterr().out
+    first = json.loads(study.registration.read_text())["sha256"]
+    assert json.loads(second.read_text())["amends"] == first
+    assert first in second.with_suffix(".md").read_text()
+    assert [each.what for each in study.found().deviations] == ["[fit] bin_n"]
+    study.edit("[study]\n", '[study]\nregistration = "registration-2.json"\n')
+    found = study.found()
+    assert (found.deviations, found.amends, found.file) == ((), first, "registration-2.json")
+    assert main(["register", str(study.file)]) == 2
+
+
+def test_a_registration_that_is_named_must_be_there(study: RegisteredStudy, capsys: Said) -> None:
+    study.edit("[study]\n", '[study]\nregistration = "mine.json"\n')
+    assert main(["run", str(study.file), "--only", "fits"]) == 2
+    assert "mine.json: expected a registration, but found No such file" in capsys.readouterr().err
+    assert main(["register", str(study.file), "--json"]) == 0
+    assert (study.folder / "mine.json").is_file()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--out", "plan.txt"], "--out plan.txt: expected a name that ends in .json, but found .txt"),
+        (["--out", "plan"], "but found no ending"),
+        (["--rig", "rig.toml"], "--rig: expected the rig file of the study alone, but found rig = rig.toml in [runs]"),
+    ],
+)
+def test_options_that_cannot_be(study: RegisteredStudy, capsys: Said, words: list[str], said: str) -> None:
+    assert main(["register", str(study.file), *words]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_bad_files_are_refused(study: RegisteredStudy, tmp_path: Path, capsys: Said) -> None:
+    assert main(["register", str(tmp_path / "none.toml")]) == 2
+    study.edit("seed = 20260105", "seed = -1")
+    assert main(["register", str(study.file), "--out", str(tmp_path / "r.json")]) == 2
+    study.edit("seed = -1", "seed = 1")
+    study.registration.write_text("{")  # which the second would amend
+    assert main(["register", str(study.file), "--out", str(tmp_path / "r.json")]) == 2
+    assert "restore" in capsys.readouterr().err.lower()
+    assert not (tmp_path / "r.json").exists()
+    (tmp_path / "file").write_text("")
+    study.registration.unlink()
+    assert main(["register", str(study.file), "--out", str(tmp_path / "file" / "r.json")]) == 2
+
+
+def test_runs_that_are_to_be_measured(study: RegisteredStudy, tmp_path: Path, capsys: Said) -> None:
+    """Their rig file is registered by an option; measured runs are data."""
+    text = study_of_runs("measured", "lab", ("S1", "S3", "S5", "S_new"))
+    file = tmp_path / "study.toml"
+    file.write_text(text)
+    load_study(file).results.mkdir(parents=True)  # where digests of code are remembered
+    for name in ("rig.toml", "rig-2.toml"):
+        shutil.copy(study.folder / "rig.toml", tmp_path / name)
+    run = tmp_path / "lab" / "S1_0_modular"
+    run.mkdir(parents=True)
+    (run / "force.csv").write_text("1")
+    assert main(["register", str(file), "--rig", str(tmp_path / "rig-2.toml"), "--json"]) == 0
+    of = RegisteredStudy(tmp_path)
+    content = json.loads(of.registration.read_text())
+    assert (content["rig_file"], content["collected"]) == ("rig-2.toml", "1 measured runs of the rig were there.")
+    assert not of.found().deviations
+    (tmp_path / "lab" / "S3_0_modular").mkdir()
+    (tmp_path / "lab" / "S3_0_modular" / "force.csv").write_text("2")
+    assert not of.found().deviations
+    of.edit("[experiment]\n", "[experiment]\nseed = 9\n", "rig-2.toml")
+    (run / "force.csv").write_text("3")
+    assert [each.what for each in of.found().deviations] == ["rig file, [experiment] seed", "run S1_0_modular"]
+    (tmp_path / "rig-2.toml").unlink()
+    assert [each.what for each in of.found().deviations][-1] == "run S1_0_modular"
+    assert {each.now for each in of.found().deviations if each.kind == "rig"} == {"absent"}
+
+
+# sessions
+
+
+@pytest.fixture
+def pressing(tmp_path: Path) -> RegisteredStudy:
+    """A study with a session for emulated people, registered before anybody pressed."""
+    text = small_study(
+        participants=["P01", "P03"], specimens=["S1"], task="press", simulation="seed = 5\n",
+        tables=f"[session]\n{SIMULATED_SESSION}pause_s = 1.0\nrepetitions = 2\n",
+    )  # fmt: skip
+    (tmp_path / "study.toml").write_text(text)
+    load_study(tmp_path / "study.toml").results.mkdir(parents=True)  # where digests of code are remembered
+    assert main(["register", str(tmp_path / "study.toml"), "--json"]) == 0
+    assert json.loads((tmp_path / "registration.json").read_text())["collected"].startswith("0 of 2 planned")
+    return RegisteredStudy(tmp_path)
+
+
+def said_in(study: RegisteredStudy, participant: str) -> list[str]:
+    """What a session says of its plan before the first press, where it is stopped."""
+
+    def stop(state: object) -> None:
+        raise KeyboardInterrupt
+
+    done = session.run(load_study(study.file), participant, virtual=session.Virtual(seed=1), seen=stop)
+    assert done.how == "ended"
+    lines = read_journal(done.folder / JOURNAL_FILE)[0]
+    return [each.event.text for each in lines if isinstance(each.event, Told) and "registered plan" in each.event.text]
+
+
+def test_a_session_as_planned_names_nothing(pressing: RegisteredStudy) -> None:
+    assert said_in(pressing, "P01") == []
+    pressing.record("P01", "S1")
+    assert pressing.found().awaited == ("P03/S1",)
+    assert pressing.found().deviations == ()
+
+
+def test_a_session_names_what_it_does_otherwise_and_goes_on(pressing: RegisteredStudy) -> None:
+    pressing.add("session", "seed = 4")
+    pressing.edit('"P03"', '"P03", "P04"')
+    pressing.edit("repetitions = 2", "repetitions = 3")
+    pressing.add("fit", "bin_n = 0.6")  # which is no matter of a session
+    said = said_in(pressing, "P04")
+    assert len(said) == 3
+    assert all(each.startswith("Deviation from the registered plan: ") for each in said)
+    assert [word in " ".join(said) for word in ("participant P04", "[session] seed", "[session] repetitions")] == [
+        True
+    ] * 3
+    assert len(said_in(pressing, "P01")) == 2
+    assert "session of P04, seed" not in {each.what for each in pressing.found().deviations}  # not planned
+    assert "session of P01, seed" in {each.what for each in pressing.found().deviations}
+
+
+def test_a_session_goes_on_without_a_registration_that_can_be_read(pressing: RegisteredStudy, capsys: Said) -> None:
+    pressing.registration.write_text("{")
+    (said,) = said_in(pressing, "P01")
+    assert said.startswith("The registered plan cannot be read: ")
+    words = ["session", "run", str(pressing.file), "--participant", "P03", "--virtual", "--no-page", "--resume"]
+    assert main(words) == 2  # there is none to resume
+    assert "The registered plan cannot be read: " in capsys.readouterr().out
