@@ -62,7 +62,7 @@ def _of_people(study: Study, weight_alpha: float, counted: Counted) -> Iterator[
     yield _claim(
         "plate_r2", "a straight line describes every plate indentation", "1 less the worst adj. R²",
         exactly(worst, worst if len(known) == len(r2) else max(worst, 1.0)), 1 - _LEAST_PLATE_R2,
-        "fits", why="" if len(known) == len(r2) else "The study file does not give R² of every plate test.",
+        "plates", why="" if len(known) == len(r2) else "R² of some specimens is not known (emg2vsa rig run --plate).",
     )  # fmt: skip
     lost, waiting = counted.recorded - counted.curves, max(counted.asked - counted.recorded, 0)
     yield _claim(

@@ -6,7 +6,7 @@ Contact is where the curve leaves its rest: one level, then one straight line th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +15,7 @@ from casr.counts import count
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.curves.line import fit_line, weighted_rows
 from emg2vsa.errors import SettingError
+from emg2vsa.shown import shown
 
 _LEAST_POINTS = 3
 """Fewest points of the line behind the hinge."""
@@ -67,12 +68,12 @@ class HookeFit:
     The standard errors take points as independent: filtered samples are not, and then they are too small.
     """
 
-    kappa: Floats
-    kappa_se: Floats
-    contact: Floats
-    adj_r2: Floats
+    kappa: Floats = field(metadata=shown("κ (N/mm)", digits=4))
+    kappa_se: Floats = field(metadata=shown("Standard error (N/mm)", digits=2))
+    contact: Floats = field(metadata=shown("Contact (mm)"))
+    adj_r2: Floats = field(metadata=shown("adj. R²", digits=4))
     n_rest: Ints
-    n: Ints
+    n: Ints = field(metadata=shown("Points in contact"))
 
     def notes(self, i: int = 0) -> tuple[str, ...]:
         if np.isnan(self.kappa[i]):
@@ -128,13 +129,41 @@ def fit_plate(trials: Sequence[tuple[Floats, Floats]], window: int = PAPER_WINDO
     """
     if window < 1:
         raise SettingError("window", wanted="1 sample or more", found=str(window), do="Use 5, as in the paper.")
-    loaded = [_loading(*trial) for trial in trials]
-    smooth = [(_averaged(x, window), _averaged(y, window)) for x, y in loaded]
+    smooth = [smoothed(*trial, window) for trial in trials]
     longest = max((x.size for x, _ in smooth), default=0)
     padded = np.full((2, len(smooth), longest), np.nan)
     for row, (x, y) in enumerate(smooth):
         padded[0, row, : x.size], padded[1, row, : y.size] = x, y
     return fit_hooke(padded[0], padded[1])
+
+
+def smoothed(indentation_mm: Floats, force_n: Floats, window: int = PAPER_WINDOW) -> tuple[Floats, Floats]:
+    """(n,) of a trial up to its deepest point, both averaged over ``window`` samples."""
+    x, y = _loading(indentation_mm, force_n)
+    return _averaged(x, window), _averaged(y, window)
+
+
+@dataclass(frozen=True, eq=False)
+class PlateTests:
+    """Indentations of specimens by a flat plate, d trials.
+
+    specimens, trials : (d,) names. curves : of each trial indentation (m,) in mm and force (m,) in N, smoothed, up to
+    its deepest point. simulated : whether an emulated rig made any.
+    """
+
+    specimens: tuple[str, ...]
+    trials: tuple[str, ...]
+    fit: HookeFit
+    curves: tuple[tuple[Floats, Floats], ...]
+    simulated: bool
+
+    def of(self, specimen: str) -> list[int]:
+        """Places of the trials on a specimen."""
+        return [i for i, name in enumerate(self.specimens) if name == specimen]
+
+    def worst_adj_r2(self) -> dict[str, float]:
+        """Specimen to the smallest adjusted R2 of its trials."""
+        return {name: float(self.fit.adj_r2[self.of(name)].min()) for name in dict.fromkeys(self.specimens)}
 
 
 def _loading(indentation_mm: Floats, force_n: Floats) -> tuple[Floats, Floats]:

@@ -87,7 +87,11 @@ def plates(
     SettingError : a specimen that the experiment has not, or a plan that breaks a limit. Else as `press`.
     """
     pressing, trials = pressing_of(file, folder, virtual, person), file.plate.trials
-    known = file.experiment.specimens
+    known = tuple(
+        dict.fromkeys(
+            (*file.experiment.specimens, *(file.emulated.stiffness_n_per_mm if virtual and file.emulated else ()))
+        )
+    )
     plans = {name: plate_plan(file.plate, file.experiment, name) for name in specimens}
     for name, plan in plans.items():
         if name not in known:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.calibration.results import CalibrationResults
+from emg2vsa.curves.plate import PlateTests
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.exemplary import Choice
 from emg2vsa.extraction import Trials
@@ -83,6 +84,8 @@ class StudyResults:
     "Verdicts along other paths of analysis; None unless somebody asked for them."
     presets: IndexPresets | None = None
     "Of the schedules, by index of co-contraction."
+    plates: PlateTests | None = None
+    "Indentations of the specimens by a flat plate, where there are logs."
 
     @property
     def recorded(self) -> People:

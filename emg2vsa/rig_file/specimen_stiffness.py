@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.curves.plate import fit_plate
+from emg2vsa.curves.plate import PAPER_WINDOW, PlateTests, fit_plate, smoothed
 from emg2vsa.errors import DataError
 from emg2vsa.readers.tidy_table import read_tidy_table
-from emg2vsa.rig.record.new_folder import PLAN_FILE
+from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
 from emg2vsa.rig.record.press_counts import verdicts
 from emg2vsa.rig.record.run_log import read_log
 from emg2vsa.rig.rig_settings import axis_of
@@ -86,17 +86,30 @@ def read_trials(path: Path) -> Iterator[PlateTrial]:
 Row = dict[str, Any]
 
 
-def plate_rows(files: Sequence[Path], window: int) -> list[Row]:
-    """One row a trial. window : length of the moving average in samples. DataError for what is no log."""
+def plate_tests(files: Sequence[Path], window: int = PAPER_WINDOW) -> PlateTests:
+    """Every trial. window : length of the moving average in samples. DataError for what is no log."""
     trials = [trial for path in files for trial in read_trials(path)]
-    fit = fit_plate([(trial.indentation_mm, trial.force_n) for trial in trials], window)
+    measured = [(trial.indentation_mm, trial.force_n) for trial in trials]
+    return PlateTests(
+        tuple(trial.specimen for trial in trials),
+        tuple(trial.trial for trial in trials),
+        fit_plate(measured, window),
+        tuple(smoothed(*each, window) for each in measured),
+        any((path / EMULATED_FILE).is_file() for path in files),
+    )
+
+
+def plate_rows(files: Sequence[Path], window: int) -> list[Row]:
+    """One row a trial; as ``plate_tests``."""
+    found = plate_tests(files, window)
+    fit = found.fit
     return [
         {
-            "specimen": trial.specimen, "trial": trial.trial, "stiffness_n_per_mm": float(fit.kappa[i]),
+            "specimen": specimen, "trial": trial, "stiffness_n_per_mm": float(fit.kappa[i]),
             "standard_error": float(fit.kappa_se[i]), "contact_mm": float(fit.contact[i]),
             "adjusted_r2": float(fit.adj_r2[i]), "points": int(fit.n[i]), "notes": list(fit.notes(i)),
         }
-        for i, trial in enumerate(trials)
+        for i, (specimen, trial) in enumerate(zip(found.specimens, found.trials, strict=True))
     ]  # fmt: skip
 
 

@@ -213,3 +213,9 @@ def _plain(name: str) -> str:
 def _unusable(where: object, wanted: str, found: str) -> DataError:
     do = "Mend it; docs/how-to/measured-runs.md shows one."
     return DataError(where, wanted=wanted, found=found, do=do)
+
+
+def plate_logs(runs: Path) -> list[Path]:
+    """Plate indentations beside the folder ``runs``: what ``rig run --plate`` wrote there, and tables (.csv)."""
+    found = sorted(runs.with_name(f"{runs.name}-plate").glob("[!.]*"))
+    return [path for path in found if (path / PLAN_FILE).is_file() or (path.suffix == ".csv" and path.is_file())]

@@ -241,7 +241,7 @@ def test_a_study_without_usable_recordings_or_without_people_says_so(results, tm
     assert "No recording of people could be used." in page.text
     assert "no channel <Fz>" in page.text
     assert "#participants" in page.addresses
-    assert [path.name for path in sorted((tmp_path / "tables").glob("*.csv"))] == ["failures.csv"]
+    assert [path.name for path in sorted((tmp_path / "tables").glob("*.csv"))] == ["failures.csv", "specimens.csv"]
     study = replace(results.study, recordings=(), participants=())
     write_study_report(StudyResults(study, provenance={"numpy": "2.3", "digest of runs": "abc"}), tmp_path)
     page = read_page(tmp_path / "index.html")

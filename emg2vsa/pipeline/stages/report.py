@@ -5,17 +5,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from emg2vsa.pipeline.stage import Given, Keyed, Stage
+from emg2vsa.run_folders.find import plate_logs
 
 if TYPE_CHECKING:
     from emg2vsa.multiverse import IndexPresets
     from emg2vsa.pipeline.campaign import Campaign
     from emg2vsa.report.inputs import StudyResults
+    from emg2vsa.study import Study
 
 NOT_SHOWN = (
     "path",
@@ -40,9 +42,12 @@ PEOPLE, RIG = "people", "rig"
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     study = campaign.study
     shown = {each.name: getattr(study, each.name) for each in fields(study) if each.name not in NOT_SHOWN}
+    source = study.runs_source
+    logs = plate_logs(source.root) if source else []
     return {
         "study": Keyed(study, shown | {"file": study.path.name, "recordings": _recordings(campaign)}),
         "registered": campaign.registered,
+        "plates": Keyed(logs, [log.name for log in logs]),
     }
 
 
@@ -56,10 +61,17 @@ def _recordings(campaign: Campaign) -> list[tuple[Any, list[str]]]:
 
 
 def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
-    """The table of the simulated presses beside the recordings, where the study was simulated."""
+    """The table of the simulated presses beside the recordings, where the study was simulated; logs of plates."""
     data = campaign.study.data
     places = (data / "derivatives" / "truth" / "truth.tsv", data / "truth.tsv")
-    return {"truth": [path for path in places if path.is_file()][:1]} if campaign.study.recordings else {}
+    truth = [path for path in places if path.is_file()][:1] if campaign.study.recordings else []
+    source = campaign.study.runs_source
+    logs = plate_logs(source.root) if source else []
+    return {"truth": truth, "plates": [path for log in logs for path in _files_of(log)]}
+
+
+def _files_of(log: Path) -> list[Path]:
+    return [log] if log.is_file() else sorted(path for path in log.glob("[!.]*") if path.is_file())
 
 
 def folder(campaign: Campaign, item: str) -> Path:
@@ -85,9 +97,11 @@ def run(given: Given, pages: str = "participants") -> list[Path]:
 
 def results_of(given: Given, pages: str = "") -> StudyResults:
     """All products of the study; of stages that failed none. pages : as for ``run``."""
+    from emg2vsa.errors import Emg2vsaError
     from emg2vsa.fits import concatenate
     from emg2vsa.report.failures import Failure
     from emg2vsa.report.inputs import People, Runs, StudyResults, without_samples
+    from emg2vsa.rig_file.specimen_stiffness import plate_tests
     from emg2vsa.truth import read_truth
 
     scores, truth = tuple(given.each("runs")), given.files.get("truth", ())
@@ -105,18 +119,35 @@ def results_of(given: Given, pages: str = "") -> StudyResults:
         )
     if scores:
         runs = Runs(scores, given.one("discrimination"), given.one("calibration"))
+    study, failures, plates = given.settings["study"], [Failure(*failure) for failure in given.failures], None
+    if logs := given.settings["plates"]:
+        try:
+            plates = plate_tests(logs)
+            study = _with_plates(study, plates.worst_adj_r2())
+        except Emg2vsaError as error:
+            failures.append(Failure("study", "plates", str(error)))
     return StudyResults(
-        given.settings["study"],
+        study,
         people,
         runs,
         given.one("stiffness"),
-        tuple(Failure(*failure) for failure in given.failures),
+        tuple(failures),
         _provenance(given),
         pages,
         given.settings["registered"],
         given.one("paths"),
         _presets(given),
+        plates,
     )
+
+
+def _with_plates(study: Study, worst_adj_r2: Mapping[str, float]) -> Study:
+    """R2 of the logs where the study file gives none."""
+    given = [
+        each if each.plate_adjusted_r2 is not None else replace(each, plate_adjusted_r2=worst_adj_r2.get(each.name))
+        for each in study.specimens
+    ]
+    return replace(study, specimens=tuple(given))
 
 
 def _presets(given: Given) -> IndexPresets | None:

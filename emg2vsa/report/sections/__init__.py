@@ -32,6 +32,7 @@ from emg2vsa.report.sections.hypotheses import HYPOTHESES
 from emg2vsa.report.sections.kappa import KAPPA
 from emg2vsa.report.sections.models import MODELS
 from emg2vsa.report.sections.participants import PARTICIPANTS
+from emg2vsa.report.sections.plates import PLATES
 from emg2vsa.report.sections.profiles import PROFILES
 from emg2vsa.report.sections.provenance import GLOSSARY, METHODS, PROVENANCE
 from emg2vsa.report.sections.rates import RATES
@@ -43,6 +44,6 @@ from emg2vsa.report.sections.stiffness import STIFFNESS
 from emg2vsa.report.sections.vision import VISION
 
 SECTIONS: tuple[Section, ...] = (
-    CLAIMS, ROBUSTNESS, PARTICIPANTS, FITS, HYPOTHESES, CURVES, PROFILES, SCHEDULES, RUNS, AREA, VISION, RATES,
+    CLAIMS, ROBUSTNESS, PARTICIPANTS, FITS, HYPOTHESES, CURVES, PROFILES, SCHEDULES, PLATES, RUNS, AREA, VISION, RATES,
     ACTUATORS, STIFFNESS, KAPPA, MODELS, METHODS, GLOSSARY, REGISTRATION, PROVENANCE,
 )  # fmt: skip

@@ -1,0 +1,98 @@
+"""Stiffness of the specimens: what the study file says, and indentations by a flat plate where there are logs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from emg2vsa.curves.plate import PlateTests
+from emg2vsa.figures.palette import looks
+from emg2vsa.figures.plates import PlateCurves, draw_plates
+from emg2vsa.report.drawing import Drawing
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.numbers import Items, moments
+from emg2vsa.report.section import Quantities, Section
+from emg2vsa.report.table import Column, Columns, Table, columns, table_of
+from emg2vsa.report.wording import SIMULATED, bounded, number
+
+
+def _quantities(results: StudyResults) -> Items:
+    if plates := results.plates:
+        yield "plates.simulated", plates.simulated
+        for name, worst in plates.worst_adj_r2().items():
+            yield from moments(f"plates.{name}.kappa_n_per_mm", plates.fit.kappa[plates.of(name)])
+            yield f"plates.{name}.trials", len(plates.of(name))
+            yield f"plates.{name}.adj_r2.min", worst
+
+
+def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
+    study, plates = results.study, results.plates
+    stated: Columns = {
+        Column("specimen", "Specimen"): results.specimens,
+        Column("stiffness_n_per_mm", "κ (N/mm)"): [each.stiffness_n_per_mm for each in study.specimens],
+        Column("stiffness_se_n_per_mm", "Standard error", digits=2): [
+            each.stiffness_se_n_per_mm or None for each in study.specimens
+        ],
+        Column("plate_adjusted_r2", "Worst adj. R² of a line", digits=4): [
+            each.plate_adjusted_r2 for each in study.specimens
+        ],
+    }
+    yield table_of("specimens", "Stiffness of the specimens by plate indentation, as the study file has it", stated)
+    if plates:
+        own: Columns = {
+            Column("specimen", "Specimen"): plates.specimens,
+            Column("trial", "Trial"): plates.trials,
+            **columns(plates.fit, "kappa", "kappa_se", "contact", "adj_r2", "n"),
+        }
+        caption = "Plate indentations: F = κ (x − x0) up to the deepest point, by least squares; points as independent"
+        yield table_of("plates", caption, own)
+
+
+def _drawings(results: StudyResults) -> Iterator[Drawing]:
+    if (plates := results.plates) is None:
+        return
+    names = sorted(plates.worst_adj_r2(), key=lambda name: -float(np.mean(plates.fit.kappa[plates.of(name)])))
+    figure = draw_plates(
+        {name: _curves(plates, plates.of(name)) for name in names},
+        looks([*results.specimens, *(name for name in names if name not in results.specimens)], None),
+    )
+    origin = f" {SIMULATED}" if plates.simulated else ""
+    told = "; ".join(
+        f"{name}: {number(float(np.mean(plates.fit.kappa[plates.of(name)])))} N/mm, adj. R² {bounded(worst, 4)} or more"
+        for name, worst in plates.worst_adj_r2().items()
+    )
+    caption = (
+        "Fig. P1. Force of a flat plate against depth past contact, all trials (pale), with the line F = κ x of each "
+        f"specimen; right: force less that line.{origin}"
+    )
+    yield Drawing("figplate_indentation", "Plate indentations", caption, f"{told}.{origin}", figure, None)
+
+
+def _curves(plates: PlateTests, places: list[int]) -> PlateCurves:
+    """Depths from contact on, and forces less those of rest."""
+    fit, trials = plates.fit, []
+    for i in places:
+        x, y = plates.curves[i]
+        trials.append((x - fit.contact[i], y - (y[: fit.n_rest[i]].mean() if fit.n_rest[i] else 0.0)))
+    return PlateCurves(trials, fit.kappa[places])
+
+
+_TEXT = """
+{{ figure("figplate_indentation") }}
+{% if has("plates") %}
+<p>A straight line describes the plate indentations with adj. R² ≥ {{ worst | bounded(4) }} (paper: .882).</p>
+{% endif %}
+{{ folded("specimens", "Stiffness of the specimens") }}
+{{ folded("plates", "Every plate indentation") }}
+"""
+
+
+def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
+    return {"worst": min(results.plates.worst_adj_r2().values(), default=np.nan) if results.plates else np.nan}
+
+
+PLATES = Section(
+    "plates", "Stiffness of the specimens", _TEXT, lambda results: bool(results.study.specimens), _quantities, _tables,
+    _drawings, _words,
+)  # fmt: skip

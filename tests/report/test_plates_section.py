@@ -1,0 +1,76 @@
+"""Section "Stiffness of the specimens": plate indentations, their lines, and the claim that a line describes them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from emg2vsa.curves.plate import PlateTests, fit_plate, smoothed
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.section import rendered
+from emg2vsa.report.sections.plates import PLATES
+from emg2vsa.report.study_report import contents
+
+DEPTH_MM = np.linspace(0, 3, 200)
+
+
+def indentations(*, bend: float = 0.0) -> PlateTests:
+    """Two trials on S1 and one on S5, contact at 1 mm; ``bend`` : of the curve of S5 away from a line, N/mm2."""
+    past = np.maximum(DEPTH_MM - 1, 0)
+    noise = np.random.default_rng(5).normal(0, 0.01, (3, 200))
+    forces = np.stack([7.6 * past, 7.8 * past, 1.1 * past + bend * past**2]) + noise
+    measured = [(DEPTH_MM, force) for force in forces]
+    return PlateTests(
+        ("S1", "S1", "S5"),
+        ("a/1", "a/2", "b/1"),
+        fit_plate(measured),
+        tuple(smoothed(*each) for each in measured),
+        False,
+    )
+
+
+def test_trials_are_drawn_from_their_contact_with_the_line_of_their_specimen(results: StudyResults) -> None:
+    content = contents(replace(results, plates=indentations()))
+    curves, rest = content.drawings["figplate_indentation"].figure.axes
+    pale = [line for line in curves.lines if line.get_alpha()]
+    assert len(pale) == 3
+    for line in pale:
+        x, y = line.get_data()
+        assert np.interp(0, x, y) == pytest.approx(0, abs=0.12)  # the mean of five samples rounds the corner
+    drawn = {line.get_label(): line.get_data() for line in curves.lines if "N/mm" in line.get_label()}
+    assert list(drawn) == ["S1: 7.70 N/mm", "S5: 1.10 N/mm"]
+    assert drawn["S1: 7.70 N/mm"][1][-1] / drawn["S1: 7.70 N/mm"][0][-1] == pytest.approx(7.7, rel=2e-3)
+    assert max(np.abs(line.get_ydata()).max() for line in rest.lines) < 60  # mN, of noise and the corner at contact
+    assert "Simulated" not in content.drawings["figplate_indentation"].caption
+
+
+def test_numbers_and_tables_are_those_of_the_trials(results: StudyResults) -> None:
+    found = indentations()
+    content = contents(replace(results, plates=found))
+    assert content.quantities["plates.S1.kappa_n_per_mm.mean"] == pytest.approx(found.fit.kappa[:2].mean(), rel=1e-12)
+    assert content.quantities["plates.S1.adj_r2.min"] == found.fit.adj_r2[:2].min()
+    assert (content.quantities["plates.S1.trials"], content.quantities["plates.S5.trials"]) == (2, 1)
+    rows = content.tables["plates"].rows
+    assert [(row["specimen"], row["trial"], row["kappa"]) for row in rows] == [
+        *zip(found.specimens, found.trials, found.fit.kappa.tolist(), strict=True)
+    ]
+    assert [row["specimen"] for row in content.tables["specimens"].rows] == results.specimens
+    assert "Figure" not in rendered(PLATES, results, contents(results))
+    assert "adj. R² ≥ .99" in rendered(PLATES, replace(results, plates=found), content)
+
+
+def test_a_curve_that_bends_lowers_r2_and_departs_from_its_line(results: StudyResults) -> None:
+    bent = indentations(bend=3.0)
+    assert bent.worst_adj_r2()["S5"] < 0.99 < 0.999 < bent.worst_adj_r2()["S1"]
+    _, rest = contents(replace(results, plates=bent)).drawings["figplate_indentation"].figure.axes
+    assert max(np.abs(line.get_ydata()).max() for line in rest.lines) > 300
+
+
+def test_a_study_without_logs_shows_what_its_file_says(results: StudyResults) -> None:
+    content = contents(results)
+    assert "figplate_indentation" not in content.drawings
+    assert "plates" not in content.tables
+    assert not [key for key in content.quantities if key.startswith("plates.")]
+    assert "specimens" in content.tables
