@@ -92,6 +92,10 @@ class Trials:
     "The raw EMG of each recording, for its picture."
     began: str = ""
     "When the recording began, as its file states it; that of the first of several."
+    rates_hz: tuple[float, ...] = ()
+    "Samples a second of each muscle's EMG, then of the force, as recorded."
+    equipment: tuple[str, ...] = ()
+    "What a side file tells of electrodes and amplifier, such as ``ElectrodeType: wet``."
 
     def __repr__(self) -> str:
         usable = int(np.count_nonzero(self.verdict != "rejected"))

@@ -161,6 +161,7 @@ def extract_trials(
         zero_shift_n=conditioned.zero_shift_n,
         fault=fault,
         remarks=() if fault else remarks,
+        rates_hz=(*(channel.fs_hz for channel in emg.values()), force.fs_hz),
         overviews=(emg_overview(raw.samples, raw.fs_hz, emg_clock.start_s, signals.presses, signals.rests),),
     )
 

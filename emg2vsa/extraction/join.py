@@ -125,7 +125,8 @@ def _median(values: Sequence[Any]) -> Any:
 
 _JOINED: dict[str, Callable[[Sequence[Any]], Any]] = {
     **dict.fromkeys(
-        ("participant", "specimen", "muscles", "activity_unit", "fs_hz", "delay", "began"), lambda values: values[0]
+        ("participant", "specimen", "muscles", "activity_unit", "fs_hz", "delay", "began", "rates_hz", "equipment"),
+        lambda values: values[0],
     ),
     **dict.fromkeys(
         (

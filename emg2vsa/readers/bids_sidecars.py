@@ -100,6 +100,20 @@ def side_files(path: Path) -> SideFiles:
     return SideFiles(_channels(tables[-1]) if tables else {}, emg)
 
 
+_EQUIPMENT = (
+    "ElectrodeManufacturer", "ElectrodeManufacturersModelName", "ElectrodeType", "ElectrodeMaterial",
+    "InterelectrodeDistance", "EMGPlacementSchemeDescription", "SkinPreparation", "EMGReference", "EMGGround",
+    "Manufacturer", "ManufacturersModelName",
+)  # fmt: skip
+
+
+def equipment(path: Path) -> tuple[str, ...]:
+    """``key: value`` of what the ``_emg.json`` of a recording states of electrodes, place and amplifier."""
+    emg = side_files(path).emg
+    stated = {key: " ".join(str(emg.get(key, "")).split()) for key in _EQUIPMENT}
+    return tuple(f"{key}: {text}" for key, text in stated.items() if text and not text.startswith("n/a"))
+
+
 @dataclass(frozen=True)
 class _Folder:
     """is_root : it holds dataset_description.json. tables, emg : its side files, by `_by_entity`."""

@@ -86,6 +86,8 @@ class StudyResults:
     "Of the schedules, by index of co-contraction."
     plates: PlateTests | None = None
     "Indentations of the specimens by a flat plate, where there are logs."
+    run_order: str = ""
+    'Order in which the rig made its runs, as ``random, seed 0``; "" where nothing tells.'
 
     @property
     def recorded(self) -> People:
@@ -149,7 +151,8 @@ def without_samples(trials: Trials) -> Trials:
     # a copy lets go of the file that the array was a part of
     left: dict[str, Any] = {name: value.copy() if name in _KEPT else _NOTHING for name, value in arrays.items()}
     texts: dict[str, Any] = {
-        name: tuple(map(sys.intern, getattr(trials, name))) for name in ("notes", "remarks", "reasons", "muscles")
+        name: tuple(map(sys.intern, getattr(trials, name)))
+        for name in ("notes", "remarks", "reasons", "muscles", "equipment")
     }
     return replace(trials, **left, **texts, overviews=())
 

@@ -1,7 +1,7 @@
 """Methods as a journal prints them, from the settings that ran; ``[@key]`` cites a work of ``references``.
 
-The items follow the reporting standards of ISEK (Merletti and Di Torino 1999) and SENIAM; what a study file does not
-know (electrodes, amplifier, ethics) is listed for the authors to add, not made up.
+The items follow the reporting standards of ISEK (Merletti and Di Torino 1999) and SENIAM. What nothing tells is listed
+for the authors to add, not made up: ``facts``.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -17,26 +17,30 @@ import numpy as np
 from jinja2 import Environment, StrictUndefined, Template
 
 from emg2vsa.calibration.presses import MOST_OUTLIERS
-from emg2vsa.calibration.results import CalibrationResults, LawResult
+from emg2vsa.calibration.results import LawResult
 from emg2vsa.devices.joints import export_of
 from emg2vsa.exemplary import Choice
-from emg2vsa.extraction import Trials
+from emg2vsa.report import facts
+from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.wording import count, listed
 from emg2vsa.run_scores import RunScores
 from emg2vsa.settings import MEDOID, CalibrationSettings
+from emg2vsa.statistics.whole_curve import DRAWS
 from emg2vsa.study import Person, RecordingEntry, Study
 
 _FEW = 3
+_AMPLIFIER = ("gain, input impedance and common-mode rejection of the amplifier", "resolution of the converter")
+"""Facts that no file states."""
 _SEX = {"f": "female", "female": "female", "m": "male", "male": "male", "o": "other", "other": "other"}
 _HAND = {"r": "right", "l": "left", "a": "ambidextrous"}
 _HAND |= {word: word for word in _HAND.values()}
 _CHOICES = {
     "phase": {
-        "zero-phase": "the Butterworth filters were run forward and backward and the {envelope} was centred, so that "
+        "zero-phase": "The Butterworth filters were run forward and backward and the {envelope} was centred, so that "
         "nothing is delayed (zero phase)",
-        "compensated": "all filters were causal, and the difference of their known delays was removed when EMG and "
+        "compensated": "All filters were causal, and the difference of their known delays was removed when EMG and "
         "force were paired",
-        "causal": "all filters were causal, as on line, and their delays were left in",
+        "causal": "All filters were causal, as on line, and their delays were left in",
     },
     "index": {
         "sum": "the sum of the envelopes",
@@ -99,183 +103,141 @@ _CHOICES = {
 """What a setting says, by its value."""
 
 _TEMPLATE = """
+# Specimens
+{{ of_specimens }}
 {% if study.recordings %}
 # Participants and recordings
-{% if simulated %}
-Recordings of {{ people }} pressing {{ specimens }}, with {{ emg }} and the pressing force, were simulated.
-{% else %}
-{{ people }}{% if about %} ({{ about }}){% endif %} pressed {{ specimens }} while {{ emg }} and the pressing force were
-recorded.
-{% endif %}
-
+{% if simulated %}Recordings of {{ people }} pressing {{ specimens }}, with {{ emg }} and the pressing force, were
+simulated.{% else %}{{ people }}{% if about %} ({{ about }}){% endif %} pressed {{ specimens }} while {{ emg }} and
+the pressing force were recorded.{% endif %} {{ of_people }}
 # Signal processing
 {% macro filters(entry) %}
-{% set f = entry.filters %}
-{% set fir = f.envelope == "fir" %}
-EMG was band-pass filtered (Butterworth, order {{ f.band_order }}, {{ f.band_hz[0] | g }} to {{ f.band_hz[1] | g }} Hz)
-{%- if fir %}, full-wave rectified and smoothed by an FIR low-pass (Hamming, order {{ f.fir_order }},
-{{ f.fir_cutoff_hz | g }} Hz){% else %}
- and smoothed by a moving root mean square over {{ (1000 * f.rms_window_s) | g }} ms (which reads 25 % more than a
-rectified mean of the same Gaussian signal, in a and b alike){% endif %};
-{% if f.force_filter %}
-force was low-pass filtered (Butterworth, order {{ f.force_order }}, {{ f.force_cutoff_hz | g }} Hz);
-{% else %}
-force was not filtered;
-{% endif %}
+{% set f, fir = entry.filters, entry.filters.envelope == "fir" %}
+EMG was band-pass filtered (Butterworth, order {{ f.band_order }}, {{ f.band_hz[0] | g }} to {{ f.band_hz[1] | g }}
+Hz) {%- if fir %}, full-wave rectified and smoothed by an FIR low-pass (Hamming, order {{ f.fir_order }},
+{{ f.fir_cutoff_hz | g }} Hz).{% else %} and smoothed by a moving root mean square over
+{{ (1000 * f.rms_window_s) | g }} ms (which reads 25 % more than a rectified mean of the same Gaussian signal, in a
+and b alike).{% endif %} {% if f.force_filter %}Force was low-pass filtered (Butterworth, order {{ f.force_order }},
+{{ f.force_cutoff_hz | g }} Hz).{% else %}Force was not filtered.{% endif %}
 {{ choices.phase[f.phase].format(envelope="FIR filter" if fir else "moving window") }}.
-{% if f.mains == "remove" %}
-Mains hum and its harmonics, fitted at rest, were subtracted from the EMG.
-{% endif %}
-{% if f.rest_level == "subtract" %}
-The lowest level of each envelope at rest was subtracted in power.
-{% endif %}
-{% if f.align == "lag" %}
-Force was moved by the lag at which it followed the EMG, estimated for each recording, where certain.
-{% endif %}
+{% if f.mains == "remove" %}Mains hum and its harmonics, fitted at rest, were subtracted from the EMG.{% endif %}
+{% if f.rest_level == "subtract" %}The lowest level of each envelope at rest was subtracted in power.{% endif %}
+{% if f.align == "lag" %}Force was moved by the lag at which it followed the EMG, estimated for each recording, where
+certain.{% endif %}
 {% endmacro %}
 {% macro tare(entry) %}
 {{ "The force at rest was subtracted." if entry.channels.force.tare == "rest" else "Force was not tared." }}
 {% endmacro %}
 {% set c = study.cocontraction %}
-{{ by_recording(filters) }} {{ by_recording(tare) }}
-Co-contraction was {{ choices.index[c.index] }}, {% if c.index == "falconer-winter" and c.normalise == "none" -%}
-of envelopes in volts.{% else %}{{ choices.normalise[c.normalise] }}.{% endif %}
-
+{{ by_recording(filters) }} {{ by_recording(tare) }} Co-contraction was {{ choices.index[c.index] }},
+{% if c.index == "falconer-winter" and c.normalise == "none" -%} of envelopes in
+volts.{% else %}{{ choices.normalise[c.normalise] }}.{% endif %}
 # Presses and fits
 {% macro segmentation(entry) %}
-{% set w = entry.window %}
-{% set high = w.force_n[1] | g %}
-A trial is the loading phase from {{ w.force_n[0] | g }} to {{ high }} N. It was rejected if it did not reach {{ high }}
-N, lasted less than {{ w.min_duration_s | g }} s or more than {{ w.max_duration_s | g }} s, if force fell on more than
-{{ (100 * w.max_falling_share) | g }} % of its path, or if a channel was clipped (more than
-{{ (100 * w.clip_share) | g }} % of samples), flat or incomplete; it was marked with a warning if, among others, force
-fell on more than {{ (100 * w.warn_falling_share) | g }} % of its path, EMG was less than {{ w.min_snr_db | g }} dB
-above rest, or force rested more than {{ w.max_gap_force_n | g }} N from zero.
+{% set w, high = entry.window, entry.window.force_n[1] | g %}
+A trial is the loading phase of a press, from {{ w.force_n[0] | g }} to {{ high }} N. A trial was rejected if it did
+not reach {{ high }} N, if it lasted less than {{ w.min_duration_s | g }} s or more than {{ w.max_duration_s | g }} s,
+if force fell on more than {{ (100 * w.max_falling_share) | g }} % of its path, or if a channel was clipped (more than
+{{ (100 * w.clip_share) | g }} % of the samples), flat or incomplete. A trial was marked with a warning if, among
+other faults, force fell on more than {{ (100 * w.warn_falling_share) | g }} % of its path, EMG was less than
+{{ w.min_snr_db | g }} dB above rest, or force rested more than {{ w.max_gap_force_n | g }} N from zero.
 {% endmacro %}
-{% set f, w = study.fit, study.window %}
-{% set bins = f.points == "bins" %}
-{{ by_recording(segmentation) }}
-Each trial was fitted as v = a + b ln F (F in newtons) by
-{% if f.weights == "inverse-variance" %}
-least squares weighted by inverse variance ({{ "number of samples in the bin over the squared fitted level" if bins else
-"one over the squared level" }}){% else %}
-{{ "unweighted" if f.robust else "ordinary" }} least squares{% endif %}
-{% if f.robust %}, with Huber's weights against outliers [@huber],{% endif %}
- on {% if bins %}the means over force bins of {{ f.bin_n | g }} N from {{ w.force_n[0] | g }} to {{ w.force_n[1] | g }}
-N
-{%- else %}the samples{% endif %}; intervals of a and b are at {{ (100 * f.confidence) | g }} % (Student's t), and
-{% if bins %}
-their standard errors allow for the correlation of neighbouring samples.
-{% else %}
-their standard errors take neighbouring samples as independent, and are therefore too small.
-{% endif %}
-
+{% set f, w, bins = study.fit, study.window, study.fit.points == "bins" %}
+{{ by_recording(segmentation) }} Each trial was fitted as v = a + b ln F (F in newtons) by
+{% if f.weights == "inverse-variance" %} least squares weighted by inverse variance
+({{ "number of samples in the bin over the squared fitted level" if bins else "one over the squared level" }})
+{%- else %}{{ "unweighted" if f.robust else "ordinary" }} least squares{% endif %}
+{%- if f.robust %}, with Huber's weights against outliers [@huber],{% endif %} on {% if bins %}the means over force
+bins of {{ f.bin_n | g }} N from {{ w.force_n[0] | g }} to {{ w.force_n[1] | g }} N{% else %}the samples{% endif %}.
+Intervals of a and b are at {{ (100 * f.confidence) | g }} % (Student's t). {% if bins %}Their standard errors allow
+for the correlation of neighbouring samples.{% else %}Their standard errors take neighbouring samples as independent,
+and are therefore too small.{% endif %}
 # Statistical analysis
-{% set h, many_people = study.hypotheses, study.participants | length > 1 %}
-{% set many_specimens = study.specimens | length > 1 %}
-The slopes b of the trials judged {{ h.use.replace("+", " or ") }} were tested at alpha = {{ h.alpha | g }}: a
-one-sample Kolmogorov-Smirnov test of each cluster (participant by specimen), both on values standardised by the
-cluster's own mean and SD and on raw values against N(0, 1)
-{%- if many_people %}; a one-way ANOVA between participants for each specimen{% endif %}
-{% if many_specimens %}; a one-way ANOVA between specimens for each participant, followed by Fisher's LSD without
-correction for the number of pairs, whose largest p
-{% if h.kept_specimens %} among {{ h.kept_specimens | listed }}{% endif %} is reported
-{%- endif %}.
-Companion tests were Lilliefors' test [@lilliefors] and the Shapiro-Wilk test [@shapiro] of each cluster
-{%- if many_people or many_specimens %}; Welch's ANOVA [@welch], the Kruskal-Wallis test [@kruskal], the Brown-Forsythe
-test [@brown] and JZS Bayes factors [@rouder]{% endif %}
-{% if many_specimens %}; for the pairs of a participant Holm's correction [@holm], the false discovery rate
-[@benjamini], Tukey's HSD, the Games-Howell test [@games], Dunn's test on mean ranks with Bonferroni's correction
-[@dunn] and exact Mann-Whitney tests [@mann] with Holm's correction{% endif %}
-{% if many_people and many_specimens %}; over participants a repeated-measures ANOVA of the means with the
-Greenhouse-Geisser correction [@greenhouse], a linear mixed model (specimen fixed, participant and participant by
-specimen random; REML [@patterson] with profile-likelihood intervals of its standard deviations) and Friedman's test
-[@friedman]{% endif %}
-{% if h.equivalence_margin_sd is not none and many_people %}; two one-sided tests [@schuirmann] of equality of every
-pair of participants within {{ h.equivalence_margin_sd | g }} SD of their repetitions{% endif %}. No test was chosen by
-the outcome of another. Intervals of ω² come from the noncentral F distribution [@steiger]. A trend of b over the
-repetitions was tested by Student's t of the participants' slopes. The logarithmic law was compared with a power law
-and a straight line by errors of prediction, leaving out one press or one force bin at a time. Verdicts on claims follow
-from intervals over participants alone, whose confidence allows for the number of claims.
-{% if many_people and many_specimens %}
-A linear drift of b over the session was taken out of comparisons of specimens where their order differed from person
-to person, and else widened their intervals by as much as the trend within recordings allows.
-The whole curves of co-contraction were compared at all force bins at once by the largest repeated-measures F and, of
-pairs, the largest paired t, against random rotations of the people [@langsrud]; ranges of force beyond the threshold
-are reported as in statistical parametric mapping [@pataky].
-{% endif %}
-
+{% set h, many_people, many_specimens = study.hypotheses, study.participants[1:], study.specimens[1:] %}
+The slopes b of the trials judged {{ h.use.replace("+", " or ") }} were tested at α = {{ h.alpha | g }}. A one-sample
+Kolmogorov-Smirnov test examined each cluster (participant by specimen), both on values standardised by the cluster's
+own mean and SD and on raw values against N(0, 1). {% if many_people %}A one-way ANOVA compared participants on each
+specimen.{% endif %} {% if many_specimens %}A one-way ANOVA compared specimens for each participant; Fisher's LSD
+without correction for the number of pairs followed, and its largest p{% if h.kept_specimens %} among
+{{ h.kept_specimens | listed }}{% endif %} is reported.{% endif %} Companion tests of each cluster were Lilliefors'
+test [@lilliefors] and the Shapiro-Wilk test [@shapiro]. {% if many_people or many_specimens %}Companions of the ANOVA
+were Welch's ANOVA [@welch], the Kruskal-Wallis test [@kruskal], the Brown-Forsythe test [@brown] and JZS Bayes
+factors [@rouder].{% endif %} {% if many_specimens %}Companions of the pairs were Holm's correction [@holm], the false
+discovery rate [@benjamini], Tukey's HSD, the Games-Howell test [@games], Dunn's test on mean ranks with Bonferroni's
+correction [@dunn] and exact Mann-Whitney tests [@mann] with Holm's correction.{% endif %}
+{% if many_people and many_specimens %}Over participants, the means were compared by a repeated-measures ANOVA with
+the Greenhouse-Geisser correction [@greenhouse], by a linear mixed model (specimen fixed, participant and participant
+by specimen random; REML [@patterson] with profile-likelihood intervals of its standard deviations) and by Friedman's
+test [@friedman]. Whole curves of co-contraction against force were compared between specimens by rotation tests over
+participants [@langsrud] with {{ DRAWS }} draws: the largest statistic of all forces and pairs gave the threshold, and
+neighbouring forces beyond the threshold form a cluster, as in statistical parametric mapping [@pataky].{% endif %}
+{% if h.equivalence_margin_sd is not none and many_people %}Two one-sided tests [@schuirmann] examined whether each
+pair of participants is equal within {{ h.equivalence_margin_sd | g }} SD of their repetitions.{% endif %} No test was
+chosen by the outcome of another. Intervals of ω² come from the noncentral F distribution [@steiger]. A trend of b
+over the repetitions was tested by Student's t of the participants' slopes. The logarithmic law was compared with a
+power law and a straight line by errors of prediction, leaving out one press or one force bin at a time. Verdicts on
+claims follow from intervals over participants, whose confidence allows for the number of claims.
+{% if many_people and many_specimens %}Where the order of specimens differed between participants, a linear drift of b
+over the session was taken out of the comparisons of specimens. Elsewhere the trend within recordings widened the
+intervals of these comparisons.{% endif %}
 {% if exported %}
 # Stiffness schedules
 {% set profile, schedule = study.profile, study.schedule %}
-A specimen's profile is the mean of the fits of {{ whose }}.
-{% if profile.new_specimen %}
-The profile of {{ profile.new_specimen }} was interpolated {{ choices.interpolation[profile.interpolation] }}.
-{% endif %}
-Mean co-contraction in force steps of {{ schedule.step_n | g }} N was mapped linearly on
+A specimen's profile is the mean of the fits of {{ whose }}. {% if profile.new_specimen %}The profile of
+{{ profile.new_specimen }} was interpolated {{ choices.interpolation[profile.interpolation] }}.{% endif %} Mean
+co-contraction in force steps of {{ schedule.step_n | g }} N was mapped linearly on
 {{ schedule.stiffness_percent[0] | g }} to {{ schedule.stiffness_percent[1] | g }} % of the maximum stiffness
 {{ "preset" if schedule.scale == "preset" else "at zero load" }} of a {{ schedule.actuator }}, over all exported
-specimens together.
-{{ remark }}
+specimens together. {{ export_of(schedule.actuator).remark }}
 {% endif %}
 {% endif %}
 {% if runs %}
-{% set s, d, k = study.scoring, study.discrimination, study.calibration %}
-{% set recipe = s.recipe %}
+{% set s, recipe, k = study.scoring, study.scoring.recipe, study.calibration %}
 # Tactile presses
-{{ presses }} presses on {{ pressed | listed }} were made by {{ "an emulated rig" if emulated else "a rig" }}:
-{{ designs }}.
-
+{{ "An emulated rig" if emulated else "A rig" }} made {{ presses }} presses on {{ pressed | listed }}: {{ designs }}.
+{{ of_rig }}
 # Contact area spread rate
-Frames of the loading phase from {{ s.force_n[0] | g }} N were scored, with {{ choices.force_rule[recipe.force_rule] }}.
-{% if s.algorithm == "front" %}
-The area was that within the contact front in every frame, found by comparing the motion of the pins with that of
-finite-element contacts; CASR was {{ rate }}.
-{% else %}
-The initial area was {{ choices.area_rule[recipe.area_rule].format(threshold=s.threshold_px) }}; its growth came from
-{{ choices.engine[recipe.engine] }}, as {{ choices.region[recipe.region] }}; areas followed from it by
-{{ choices.area_law[recipe.law] }}; CASR was {{ rate }}.
-{% endif %}
-
+Frames of the loading phase from {{ s.force_n[0] | g }} N were scored, with
+{{ choices.force_rule[recipe.force_rule] }}. {% if s.algorithm == "front" %}The area was the area within the contact
+front in every frame; the front was found by comparing the motion of the pins with the motion in finite-element
+contacts.{% else %}The initial area was {{ choices.area_rule[recipe.area_rule].format(threshold=s.threshold_px) }}.
+Its growth came from {{ choices.engine[recipe.engine] }}, as {{ choices.region[recipe.region] }}. Later areas followed
+by {{ choices.area_law[recipe.law] }}.{% endif %} CASR was {{ rate }}.
 # Tests of areas and rates
-Specimens, angles and conditions were compared by the logarithms of areas and rates, averaged within each mounting; the
-error of a difference is the scatter between mountings, pooled over the cells of the designs compared
-{%- if once %} (taken as {{ k.mounting_sd_percent | g }} %, as specimens were mounted once){% endif %}.
-The distance of two specimens is the size of that difference over the SD of presses within mountings; differences of
-distances recover the variance at each end of both intervals [@zou]. The paper's own tests by presses, Kruskal-Wallis
-[@kruskal] and pairs on mean ranks with Bonferroni's correction [@dunn], stand beside them.
-{% if not once %}
-One model of ln(area) and one of ln(CASR) with condition, angle and specimen (type II [@yates]) gave partial ω² with
-intervals from the noncentral F distribution [@steiger].
-{% endif %}
-
+Specimens, angles and conditions were compared by the logarithms of areas and rates, averaged within each mounting.
+The error of a difference is the scatter between mountings, pooled over the cells of the designs compared
+{%- if once %} (taken as {{ k.mounting_sd_percent | g }} %, as specimens were mounted once){% endif %}. The distance
+of two specimens is that difference over the SD of presses within mountings. Intervals of differences of distances
+recover the variance at each end of both intervals [@zou]. The paper's tests by presses stand beside them:
+Kruskal-Wallis [@kruskal] and pairs on mean ranks with Bonferroni's correction [@dunn]. {% if not once %}One model of
+ln(area) and one of ln(CASR) with condition, angle and specimen (type II [@yates]) gave partial ω² with intervals from
+the noncentral F distribution [@steiger].{% endif %}
 {% if study.profile.new_specimen %}
 # Stiffness calibration
-{% if k.outlier_mads %}
-A press further than {{ k.outlier_mads | g }} median absolute deviations, scaled to an SD, from the median of its
-specimen was left out of the calibration, where the specimen had five presses or more and no more than
-{{ most_outliers }} of them lay so far off.
-{% endif %}
-The stiffness of the new specimen was read off {{ choices.law[k.law] }}, fitted to
-{{ "mean scores" if k.points == "means" else "all scores" }} of the others at each angle of each condition by least
-squares of {{ choices.minimise[k.minimise] }}. Its {{ (100 * k.confidence) | g }} % interval joins the scatter of
-repeated presses, the standard errors of the known stiffnesses{% if k.law == "compliance" %}, {{ mounting }}, and how
-far κ moves with the exponent that the contact's growth shows in place of Hertz's 1.5{% else %}
- and {{ mounting }}{% endif %}. Presses that are serially correlated count as fewer, and where the left-out specimens
-reject the law its interval is widened until theirs hold; it also holds what every other law says that they do not
-reject. No stiffness is given where CASR does not follow κ in one direction. κ is called determined where presses and
-mountings promise an interval narrower than the calibrated range, by a law that falls and has an adjusted R² of 0 or
-more.
+{% if k.outlier_mads %}A press further than {{ k.outlier_mads | g }} median absolute deviations, scaled to an SD, from
+the median of its specimen was left out of the calibration, where the specimen had five presses or more and no more
+than {{ (100 * MOST_OUTLIERS) | g }} % of them lay so far off.{% endif %}
+The stiffness of the new specimen was read off {{ choices.law[k.law] }}. This law was fitted to
+{{ "mean scores" if k.points == "means" else "all scores" }} of the other specimens at each angle under each condition
+by least squares of {{ choices.minimise[k.minimise] }}. Its {{ (100 * k.confidence) | g }} % interval joins the
+scatter of repeated presses, the standard errors of the known stiffnesses{% if k.law == "compliance" %},
+{{ mounting }}, and how far κ moves with the exponent that the contact's growth shows in place of Hertz's
+1.5{% else %} and {{ mounting }}{% endif %}. Presses that are serially correlated count as fewer. Where the left-out
+specimens reject the law, the interval was widened until theirs hold. The interval also holds the κ of every other law
+that the specimens do not reject. No stiffness is given where CASR does not follow κ in one direction. κ is called
+determined where presses and mountings promise an interval narrower than the calibrated range, by a law that falls and
+has an adjusted R² of 0 or more.
 {% endif %}
 {% endif %}
+# Registration
+{{ of_plan }}
 {% if versions %}
 # Software
-{{ versions | listed }}.
+The analysis ran with {{ versions | listed }}.
 {% endif %}
-{% if study.recordings and not simulated %}
+{% if missing %}
 # To be added by the authors
-Electrode type, size, distance and placement; amplifier, its gain, input impedance and common-mode rejection; resolution
-of the converter; {% if unknown %}participants' {{ unknown | listed }}; {% endif %}ethics approval.
+These facts stand in no file of the study: {{ missing | join("; ") }}.
 {% endif %}
 """
 
@@ -290,56 +252,59 @@ class Paragraph:
 
 @cache
 def _template() -> Template:
-    plain = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    plain = Environment(undefined=StrictUndefined)
     plain.filters |= {"g": lambda value: f"{value:g}", "listed": listed}
+    plain.globals |= {"choices": _CHOICES, "export_of": export_of, "DRAWS": DRAWS, "MOST_OUTLIERS": MOST_OUTLIERS}
     return plain.from_string(_TEMPLATE)
 
 
-def methods(
-    study: Study,
-    trials: Sequence[Trials],
-    versions: Mapping[str, str],
-    simulated: bool = False,
-    runs: Sequence[RunScores] = (),
-    calibration: CalibrationResults | None = None,
-    choice: Choice | None = None,
-    exported: bool = True,
-) -> list[Paragraph]:
-    """``trials`` supply what was measured of the filters (true edges, delays) as they ran.
-
-    calibration : of the runs. choice : how far the participants are apart. exported : there are profiles.
-
-    Of a study without recordings, nothing is said of people, and of one without runs nothing of the rig.
-    """
+def methods(results: StudyResults) -> list[Paragraph]:
+    """Of a study without recordings, nothing is said of people, and of one without runs nothing of the rig."""
+    study, people, runs = results.study, results.people, results.runs.scores if results.runs else ()
+    trials, choice = (people.trials, people.choice) if people else ((), None)
+    simulated = people is not None and people.truth is not None
+    exported = people is None or people.profiles is not None
+    emulated = any(run.simulated for run in runs)
+    of_people, unknown = facts.stated(facts.OF_PEOPLE, facts.told_of_people(study, trials))
+    of_specimens, unmeasured = facts.stated(facts.OF_SPECIMENS, facts.told_of_specimens(study))
+    of_plan, unplanned = facts.stated(facts.OF_PLAN, facts.told_of_plan(results.registered))
+    of_rig, untold = facts.stated(facts.OF_RIG, facts.told_of_runs(runs, results.run_order)) if runs else ("", [])
+    personal = [key for key in ("age", "sex", "handedness") if not any(getattr(p, key) for p in study.people)]
+    of_everybody = [f"participants' {listed(personal)}"] if personal else []
+    missing = [*unknown, *_AMPLIFIER, *of_everybody] if study.recordings and not simulated else []
+    missing += untold if not emulated else []
     muscles = list(dict.fromkeys(muscle for t in trials for muscle in t.muscles))
     (low, high), algorithm = study.scoring.force_n, study.scoring.algorithm
+    calibration = results.runs.calibration if results.runs else None
     by_algorithm = [each.algorithms for each in calibration.conditions] if calibration else []
     text = _template().render(
         study=study,
         simulated=simulated,
         runs=runs,
         exported=exported,
-        choices=_CHOICES,
         people=count(len(study.participants), "participant"),
         specimens=count(len(study.specimens), "specimen"),
         emg=f"surface EMG{' of ' + listed(muscles) if muscles else ''}",
         about="" if simulated else _about(study.people),
+        of_people=of_people,
+        of_specimens=of_specimens,
+        of_rig=of_rig,
+        of_plan=of_plan,
         by_recording=lambda sentence_of: _by_recording(study, sentence_of),
         whose=_whose(study, choice) if exported and study.recordings else "",
-        remark=export_of(study.schedule.actuator).remark,
         presses=sum(len(run.verdicts) for run in runs),
         pressed=list(dict.fromkeys(run.specimen for run in runs)),
-        emulated=any(run.simulated for run in runs),
+        emulated=emulated,
         once=all(run.mounting.max(initial=1) == 1 for run in runs),
         designs=_designs(runs),
         rate=_CHOICES["rate"][study.scoring.recipe.rate].format(low=low, high=high),
-        most_outliers=f"{MOST_OUTLIERS:.0%}",
         mounting=_mounting(study.calibration, [of[algorithm].chosen for of in by_algorithm if algorithm in of]),
-        versions=[f"{name} {version}" for name, version in versions.items()],
-        unknown=[key for key in ("age", "sex", "handedness") if not any(getattr(p, key) for p in study.people)],
+        versions=[f"{name} {version}" for name, version in results.provenance.items() if "digest of " not in name],
+        missing=[*missing, *unmeasured, *unplanned] if missing else [],
     )
     parts = [part.partition("\n") for part in re.split(r"^# ", text, flags=re.M)[1:]]
-    return [Paragraph(heading, _one_line(body)) for heading, _, body in parts]
+    told = [Paragraph(heading, _one_line(body)) for heading, _, body in parts]
+    return [each for each in told if each.text]
 
 
 def _one_line(text: str) -> str:

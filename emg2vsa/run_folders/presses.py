@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from datetime import datetime
@@ -40,7 +41,7 @@ def run_notes(folders: Sequence[Path]) -> tuple[str, ...]:
     """What a reader of the scores should know of runs that were not completed, and of presses that lost something."""
     notes = []
     for folder in folders:
-        ended = _json(folder / "ended.json")
+        ended = _document(folder / "ended.json")
         if ended and ended.get("how") != "completed":
             cause = ended.get("cause") or ended.get("why") or "unknown"
             notes.append(f"{folder.name} ended early: {ended.get('how')}, {cause}")
@@ -50,6 +51,29 @@ def run_notes(folders: Sequence[Path]) -> tuple[str, ...]:
             if verdict == "doubtful"
         ]
     return tuple(notes)
+
+
+_SETUP = {
+    PLAN_FILE: ("f_contact_n", "f_max_n", "ramp_mm_per_s", "travel_mm", "pause_s", "rate_hz"),
+    CAMERA_FILE: ("frame_rate_hz", "pin_length_mm", "dome_radius_mm"),
+}
+
+
+def run_setup(folders: Sequence[Path], camera: Path | None = None) -> dict[str, tuple[float, ...]]:
+    """How presses were made, as the plans and camera files of their folders tell; what none of them tells is absent.
+
+    Each value stands once. camera : the file of folders that have none.
+    """
+    found: dict[str, list[float]] = {}
+    for folder in folders:
+        own = folder / CAMERA_FILE
+        files = {PLAN_FILE: folder / PLAN_FILE, CAMERA_FILE: own if own.is_file() or camera is None else camera}
+        for kind, path in files.items():
+            tables = [table for table in _document(path).values() if isinstance(table, dict)]
+            for key in _SETUP[kind]:
+                values = [table[key] for table in tables if isinstance(table.get(key), (int, float))]
+                found.setdefault(key, []).extend(map(float, values[:1]))
+    return {key: tuple(dict.fromkeys(values)) for key, values in found.items() if values}
 
 
 def read_presses(folders: Sequence[Path], camera: Path | None = None, order: Sequence[float] = ()) -> Iterator[Press]:
@@ -98,7 +122,7 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None, order: Seq
 
 def _mountings(folders: Sequence[Path]) -> list[int]:
     """Number of each folder's mounting, from 1: the rig continues a mounting in a further folder, as its plan tells."""
-    plans = [_json(folder / PLAN_FILE).get("plan") for folder in folders]
+    plans = [_document(folder / PLAN_FILE).get("plan") for folder in folders]
     told = [plan.get("mounting") if isinstance(plan, dict) else None for plan in plans]
     own = [m if isinstance(m, int) else folder for folder, m in zip(folders, told, strict=True)]
     return [list(dict.fromkeys(own)).index(one) + 1 for one in own]
@@ -106,7 +130,7 @@ def _mountings(folders: Sequence[Path]) -> list[int]:
 
 def _pressed_at(folder: Path) -> float:
     """See ``RunScores``. All runs of an emulated rig begin at the same date."""
-    document = _json(folder / PLAN_FILE)
+    document = _document(folder / PLAN_FILE)
     try:
         if is_simulated([folder]):
             return float(document["plan"]["order"])
@@ -156,7 +180,7 @@ def _camera(path: Path | None) -> tuple[Camera | None, CasrError | None]:
 def _travel(folder: Path) -> dict[int, tuple[Floats, Floats, int]]:
     """Repetition to force, N, and depth of the shaft, mm, on its way in, and how many of these rows come before the
     loading phase; empty without the rig's own log."""
-    plan = _json(folder / PLAN_FILE)
+    plan = _document(folder / PLAN_FILE)
     try:
         log = read_log(folder / _LOG, ["repetition", "phase", "force_n"])
         axis = axis_of(plan["rig"])
@@ -173,9 +197,11 @@ def _travel(folder: Path) -> dict[int, tuple[Floats, Floats, int]]:
     }
 
 
-def _json(path: Path) -> dict[str, Any]:
+def _document(path: Path) -> dict[str, Any]:
+    """A JSON or TOML file; empty where it is missing or no such thing."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        found = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
     except (OSError, ValueError):
         return {}
     return found if isinstance(found, dict) else {}

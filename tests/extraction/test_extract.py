@@ -37,6 +37,7 @@ def test_a_good_session(force_of, recorded, extract):
     assert trials.duration_s == pytest.approx([2.6 * 6.5 / 7.6] * 4, abs=0.03)
     assert trials.rest_force_n == pytest.approx(0.3, abs=1e-3)
     assert trials.activity_unit == "V"
+    assert trials.rates_hz == (*(channel.fs_hz for channel in emg.values()), force.fs_hz)
     assert np.array_equal(trials.activity, trials.envelopes_v.sum(axis=0))
     assert trials.offsets[-1] == trials.force_n.size == trials.activity.size
     assert trials.notes[0] == "a note of the reader"

@@ -19,7 +19,7 @@ from emg2vsa.errors import RecordingError
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.extraction.remedies import remedy_of
-from emg2vsa.readers.bids_sidecars import SideFileIndex, side_file_paths, side_files
+from emg2vsa.readers.bids_sidecars import SideFileIndex, equipment, side_file_paths, side_files
 from emg2vsa.readers.front_door import inspect, read
 from emg2vsa.readers.session_events import SessionPress, only_counted
 from emg2vsa.recordings import Channel
@@ -259,3 +259,10 @@ def test_a_repeated_press_is_missing_to_nobody(trials):
 
 def test_nothing_is_to_be_done_about_a_press_that_was_put_aside():
     assert remedy_of("press 4 rejected: operator: repeat: lasted 0.3 s, shorter than 0.5 s") == ""
+
+
+def test_electrodes_and_amplifier_are_told_as_far_as_the_side_file_states_them(tmp_path: Path) -> None:
+    stated = {"ElectrodeType": " wet \n gel", "InterelectrodeDistance": 10, "EMGGround": "n/a (simulated)", "Other": 1}
+    path = bids(tmp_path, HEAD, **stated)
+    assert equipment(path) == ("ElectrodeType: wet gel", "InterelectrodeDistance: 10")
+    assert equipment(tmp_path / "press.csv") == ()

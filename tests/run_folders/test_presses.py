@@ -12,7 +12,7 @@ import tifffile
 
 from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
 from emg2vsa.rig.record.press_counts import PRESSES_FILE
-from emg2vsa.run_folders.presses import read_presses, run_notes
+from emg2vsa.run_folders.presses import read_presses, run_notes, run_setup
 
 
 @pytest.fixture
@@ -93,3 +93,28 @@ def test_a_press_tells_when_its_folder_was_begun(run, emulated, document, expect
     if emulated:
         (run / EMULATED_FILE).write_text("{}")
     assert [press.pressed_at for press in read_presses([run])] == pytest.approx([expected] * 3, nan_ok=True)
+
+
+def test_plans_and_camera_files_tell_how_runs_were_made_each_value_once(run, tmp_path):
+    camera = tmp_path / "camera.toml"
+    camera.write_text("[camera]\nframe_rate_hz = 20\n[sensor]\npin_length_mm = 3.0\n")
+    again = tmp_path / "tuesday-1"
+    again.mkdir()
+    for folder, f_max_n in ((run, 7.0), (again, 5.0)):
+        plan = {
+            "plan": {"f_max_n": f_max_n, "travel_mm": 15.0, "schedule": {}},
+            "rig": {"rate_hz": 200.0, "travel_mm": 20},
+        }
+        (folder / PLAN_FILE).write_text(json.dumps(plan))
+    (again / "camera.toml").write_text("[camera]\nframe_rate_hz = 25.0\n")
+    assert run_setup([run, again], camera) == {
+        "f_max_n": (7.0, 5.0), "travel_mm": (15.0,), "rate_hz": (200.0,), "frame_rate_hz": (20.0, 25.0),
+        "pin_length_mm": (3.0,),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("text", ["", "[1]", "{", '{"plan": 3, "rig": {"rate_hz": "fast"}}'])
+def test_a_folder_that_tells_nothing_has_no_setup(run, text):
+    (run / PLAN_FILE).write_text(text)
+    (run / "camera.toml").write_text("camera =")
+    assert run_setup([run]) == {}

@@ -35,6 +35,10 @@ NOT_SHOWN = (
 
 How a session is run makes recordings, and what they hold counts.
 """
+ASKED = (
+    "order", "seed", "training_specimens", "training_repetitions", "rest_s", "pause_s", "ethics",
+)  # fmt: skip
+"""... but for what its methods say of it."""
 PEOPLE, RIG = "people", "rig"
 """Folders of the reports of one part, in that of the whole report."""
 
@@ -42,11 +46,14 @@ PEOPLE, RIG = "people", "rig"
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     study = campaign.study
     shown = {each.name: getattr(study, each.name) for each in fields(study) if each.name not in NOT_SHOWN}
+    asked = study.session and tuple(getattr(study.session, name) for name in ASKED)
+    more = {"file": study.path.name, "recordings": _recordings(campaign), "session": asked}
     source = study.runs_source
     logs = plate_logs(source.root) if source else []
     return {
-        "study": Keyed(study, shown | {"file": study.path.name, "recordings": _recordings(campaign)}),
+        "study": Keyed(study, shown | more),
         "registered": campaign.registered,
+        "run_order": campaign.rig and (campaign.rig.experiment.order, campaign.rig.experiment.seed),
         "plates": Keyed(logs, [log.name for log in logs]),
     }
 
@@ -61,13 +68,16 @@ def _recordings(campaign: Campaign) -> list[tuple[Any, list[str]]]:
 
 
 def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
-    """The table of the simulated presses beside the recordings, where the study was simulated; logs of plates."""
-    data = campaign.study.data
-    places = (data / "derivatives" / "truth" / "truth.tsv", data / "truth.tsv")
-    truth = [path for path in places if path.is_file()][:1] if campaign.study.recordings else []
-    source = campaign.study.runs_source
+    """The table of the simulated presses, where the study was simulated; logs of plates; the order of measured runs."""
+    data, source = campaign.study.data, campaign.study.runs_source
+    places = (data / "derivatives" / "truth" / "truth.tsv", data / "truth.tsv") if campaign.study.recordings else ()
+    drawn = [source.root / "order.json"] if source and campaign.rig is None else []
     logs = plate_logs(source.root) if source else []
-    return {"truth": truth, "plates": [path for log in logs for path in _files_of(log)]}
+    return {
+        "truth": [path for path in places if path.is_file()][:1],
+        "order": [path for path in drawn if path.is_file()],
+        "plates": [path for log in logs for path in _files_of(log)],
+    }
 
 
 def _files_of(log: Path) -> list[Path]:
@@ -138,7 +148,25 @@ def results_of(given: Given, pages: str = "") -> StudyResults:
         given.one("paths"),
         _presets(given),
         plates,
+        _run_order(given),
     )
+
+
+def _run_order(given: Given) -> str:
+    """As the rig file of an emulated rig says, or as the rig kept it beside its runs. DataError : it is damaged."""
+    import json
+
+    from emg2vsa.errors import DataError
+
+    order, seed = given.settings["run_order"] or ("", None)
+    for path in given.files.get("order", ()):
+        try:
+            kept = json.loads(path.read_text(encoding="utf-8"))
+            order, seed = kept["order"], kept["seed"]
+        except (ValueError, KeyError, TypeError) as error:
+            do = "Put back the file that the rig wrote, or remove it."
+            raise DataError(path, wanted="the order of the runs", found=f"no such file: {error}", do=do) from error
+    return f"{order}, seed {seed}" if order == "random" else order
 
 
 def _with_plates(study: Study, worst_adj_r2: Mapping[str, float]) -> Study:

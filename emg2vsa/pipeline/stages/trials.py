@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from emg2vsa.errors import Emg2vsaError, PassingError, RecordingError
 from emg2vsa.pipeline.stage import Given, Stage
-from emg2vsa.readers.bids_sidecars import session_events, side_file_paths
+from emg2vsa.readers.bids_sidecars import equipment, session_events, side_file_paths
 
 if TYPE_CHECKING:
     from emg2vsa.extraction import Trials
@@ -151,7 +151,8 @@ def trials_of(
     if (events := session_events(emg_file)) is not None:
         trials = only_counted(trials, session_presses(events))
     doubtful = tuple(note for note in roles.notes if remedy_of(note))  # to be acted upon, not only recorded
-    return replace(trials, began=roles.began, remarks=trials.remarks if trials.fault else (*doubtful, *trials.remarks))
+    remarks = trials.remarks if trials.fault else (*doubtful, *trials.remarks)
+    return replace(trials, began=roles.began, equipment=equipment(emg_file), remarks=remarks)
 
 
 def says(trials: Trials) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from emg2vsa.extraction import Trials
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.methods import Paragraph, methods
+from emg2vsa.report.methods import methods
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.references import bibtex, cited, works_in
 from emg2vsa.report.section import Quantities, Section
@@ -19,25 +19,9 @@ def filters_as_run(trials: Sequence[Trials]) -> list[str]:
     return list(dict.fromkeys(note for t in trials for note in t.notes if note.startswith(_FILTER_NOTES)))
 
 
-def paragraphs(results: StudyResults) -> list[Paragraph]:
-    """The methods of this study, with citations as keys."""
-    people, runs = results.people, results.runs
-    versions = {name: value for name, value in results.provenance.items() if "digest of " not in name}
-    return methods(
-        results.study,
-        people.trials if people else (),
-        versions,
-        people is not None and people.truth is not None,
-        runs.scores if runs else (),
-        runs.calibration if runs else None,
-        people.choice if people else None,
-        people is None or people.profiles is not None,
-    )
-
-
 def methods_text(results: StudyResults) -> str:
     """Plain text: headings, paragraphs, references."""
-    told = paragraphs(results)
+    told = methods(results)
     works = works_in(each.text for each in told)
     parts = [f"{each.heading}\n{cited(each.text)}" for each in told]
     parts += ["References\n" + "\n".join(f"{work.text} {work.doi}".rstrip() for work in works)] if works else []
@@ -46,11 +30,11 @@ def methods_text(results: StudyResults) -> str:
 
 def references_bib(results: StudyResults) -> str:
     """The works that the methods cite, as BibTeX."""
-    return bibtex(works_in(each.text for each in paragraphs(results)))
+    return bibtex(works_in(each.text for each in methods(results)))
 
 
 def _methods_words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    told = paragraphs(results)
+    told = methods(results)
     return {
         "told": [(each.heading, cited(each.text)) for each in told],
         "works": works_in(each.text for each in told),

@@ -1,0 +1,161 @@
+"""Facts that a referee asks for, each with its sentence; what nothing tells is left to the authors by its name."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from emg2vsa.extraction import Trials
+from emg2vsa.registration.deviations import Registered
+from emg2vsa.report.wording import count, listed
+from emg2vsa.run_scores import RunScores
+from emg2vsa.session_settings import SessionSettings
+from emg2vsa.study import Study
+
+OF_PEOPLE = {
+    "presses of each specimen": "The study file asks each participant for {asked} on each specimen; {found} presses "
+    "were found.",
+    "order of the specimens, practice and rests": "The study file asks for specimens {order}, before them for "
+    "{practice}, and for rests of at least {rest_s} s between presses and {pause_s} s between specimens.",
+    "sampling rates": "EMG was sampled at {emg_hz} and force at {force_hz}.",
+    "type of the electrodes": "The recordings state the electrodes: {electrodes}.",
+    "distance of the electrodes of a pair": "The electrodes of a pair were {InterelectrodeDistance} mm apart.",
+    "placement of the electrodes": "The recordings state the placement: {EMGPlacementSchemeDescription}.",
+    "reference and ground": "The recordings state the reference and the ground: {reference}.",
+    "preparation of the skin": "The recordings state the preparation of the skin: {SkinPreparation}.",
+    "maker and model of the amplifier": "The recordings state the amplifier: {amplifier}.",
+    "ethics approval": "The ethics approval is {ethics}.",
+}
+"""Name of a fact to the sentence that states it; the names in braces are values of ``told_of_people``."""
+
+OF_SPECIMENS = {
+    "stiffness of the specimens": "Plate indentation gave the specimens a stiffness κ of {stiffness} N/mm.",
+    "standard errors of that stiffness": "The standard errors of κ are {errors} N/mm.",
+}
+OF_PLAN = {
+    "registration of the plan": "The plan of the study was registered on {date} (SHA-256 {sha256}). The study {kept} it."
+}
+OF_RIG = {
+    "ramp": "The probe moved at {ramp_mm_per_s} mm/s along a ramp of {travel_mm} mm.",
+    "forces of contact and turning back": "Contact was a force of {f_contact_n} N; a press turned back at {f_max_n} N.",
+    "pause between presses": "The pause between presses was {pause_s} s.",
+    "largest force of a press": "The largest force of a press was {peak_n} N.",
+    "presses and mountings": "Each specimen had {mountings} at each angle under each condition, and each mounting "
+    "had {presses}.",
+    "order of the runs": "The order of the runs was {run_order}.",
+    "rate of the control loop": "The control loop ran at {rate_hz} Hz.",
+    "rate of the camera": "The camera took {frame_rate_hz} frames a second.",
+    "size of the frames": "A frame had {frame_px} px.",
+    "pins of the sensor": "The sensor had {pins} pins.",
+    "size of the sensor": "The pins were {pin_length_mm} mm long, under a dome with a radius of {dome_radius_mm} mm.",
+}
+"""The same of ``told_of_specimens``, ``told_of_plan`` and ``told_of_runs``."""
+
+_ORDERS = {
+    "blocked": "in random order, all presses of one in a row (seed {})",
+    "interleaved": "in random order, press by press (seed {})",
+    "listed": "in the order of the study file",
+}
+_ELECTRODES = ("ElectrodeManufacturer", "ElectrodeManufacturersModelName", "ElectrodeType", "ElectrodeMaterial")
+_JOINED = {
+    "electrodes": _ELECTRODES,
+    "reference": ("EMGReference", "EMGGround"),
+    "amplifier": ("Manufacturer", "ManufacturersModelName"),
+}
+
+Told = dict[str, str]
+
+
+def stated(facts: Mapping[str, str], told: Told) -> tuple[str, list[str]]:
+    """The sentences of the facts that are told, and the names of the others."""
+    sentences, missing = [], []
+    for name, sentence in facts.items():
+        try:
+            sentences.append(sentence.format_map(told))
+        except KeyError:
+            missing.append(name)
+    return " ".join(sentences), missing
+
+
+def told_of_people(study: Study, trials: Sequence[Trials]) -> Told:
+    """What the study file and the recordings tell; the samples of ``trials`` are not needed."""
+    told: Told = {}
+    asked = {entry.window.expected_trials for entry in study.recordings} - {None}
+    if asked and trials:
+        told |= {"asked": _several(asked, " press"), "found": str(sum(t.repetition.size for t in trials))}
+    if rated := [t.rates_hz for t in trials if t.rates_hz]:
+        told |= {"emg_hz": _rates(rates[:-1] for rates in rated), "force_hz": _rates(rates[-1:] for rates in rated)}
+    stated_by: dict[str, list[str]] = {}
+    for key, _, text in (each.partition(": ") for t in trials for each in t.equipment):
+        stated_by.setdefault(key, []).append(text.rstrip("."))
+    found = {key: "; ".join(dict.fromkeys(texts)) for key, texts in stated_by.items()}
+    joined = {name: ", ".join(found[key] for key in keys if key in found) for name, keys in _JOINED.items()}
+    return told | found | {name: text for name, text in joined.items() if text} | _told_of_session(study.session)
+
+
+def _told_of_session(session: SessionSettings | None) -> Told:
+    if session is None:
+        return {}
+    practice = f"{_several([session.training_repetitions], ' press')} on each of {listed(session.training_specimens)}"
+    told = {
+        "order": _ORDERS[session.order].format(session.seed),
+        "practice": f"practice of {practice}" if session.training_specimens else "no practice",
+        "rest_s": f"{session.rest_s:g}",
+        "pause_s": f"{session.pause_s:g}",
+    }
+    return told | ({"ethics": session.ethics} if session.ethics else {})
+
+
+def told_of_specimens(study: Study) -> Told:
+    """Stiffness and standard errors as far as the study file states them."""
+    known = [s for s in study.specimens if s.stiffness_n_per_mm is not None]
+    with_error = [s for s in known if s.stiffness_se_n_per_mm]
+    told = {"stiffness": listed([f"{s.stiffness_n_per_mm:g} ({s.name})" for s in known])} if known else {}
+    errors = listed([f"{s.stiffness_se_n_per_mm:g} ({s.name})" for s in with_error])
+    return told | ({"errors": errors} if with_error else {})
+
+
+def told_of_plan(registered: Registered | None) -> Told:
+    """Of the registered plan, None where there is none."""
+    if registered is None:
+        return {}
+    n = len(registered.of_plan)
+    kept = f"deviates in {count(n, 'point')} from" if n else "follows"
+    return {"date": registered.registered_at[:10], "sha256": registered.sha256, "kept": kept}
+
+
+def told_of_runs(runs: Sequence[RunScores], run_order: str) -> Told:
+    """What the folders of the runs and their presses tell."""
+    setup: dict[str, set[float]] = {}
+    for run in runs:
+        for key, values in run.setup.items():
+            setup.setdefault(key, set()).update(values)
+    told = {key: _several(values) for key, values in setup.items()}
+    mountings = {int(run.mounting.max()) for run in runs}
+    presses = {n for run in runs for n in np.unique(run.mounting, return_counts=True)[1].tolist()}
+    told |= {"mountings": _several(mountings, " mounting"), "presses": _several(presses, " press")}
+    peaks_n = np.concatenate([run.peak_n for run in runs])
+    if np.isfinite(peaks_n).any():
+        told["peak_n"] = f"{np.nanmax(peaks_n):.3g}"
+    if pictures := [run.picture.image.shape for run in runs if run.picture]:
+        told["frame_px"] = listed(list(dict.fromkeys(f"{width} × {height}" for height, width in pictures)))
+    if contacts := [len(run.first_contact.rest_px) for run in runs if run.first_contact]:
+        told["pins"] = str(max(contacts))
+    return told | ({"run_order": run_order} if run_order else {})
+
+
+def _several(values: Iterable[float | int | None], noun: str = "") -> str:
+    """``7``, ``5 or 7``, ``5 to 10``; with a noun ``1 press``, ``5 or 7 presses``."""
+    shown = [f"{value:g}" for value in sorted(value for value in values if value is not None)]
+    many = "" if shown == ["1"] or not noun else "es" if noun.endswith("s") else "s"
+    return (" or ".join(shown) if len(shown) < 3 else f"{shown[0]} to {shown[-1]}") + noun + many
+
+
+def _rates(of: Iterable[tuple[float, ...]]) -> str:
+    """``1000 Hz``; several with the number of recordings of each."""
+    counts = Counter(f"{rate:.6g} Hz" for rates in of for rate in dict.fromkeys(rates))
+    if len(counts) == 1:
+        return next(iter(counts))
+    return listed([f"{rate} ({count(n, 'recording')})" for rate, n in counts.items()])
