@@ -35,7 +35,7 @@ OF_SPECIMENS = {
     "standard errors of that stiffness": "The standard errors of κ are {errors} N/mm.",
 }
 OF_PLAN = {
-    "registration of the plan": "The plan of the study was registered on {date} (SHA-256 {sha256}). The study {kept} it."
+    "registration of the plan": "The study plan was registered on {date} (SHA-256 {sha256}). The study {kept} it."
 }
 OF_RIG = {
     "ramp": "The probe moved at {ramp_mm_per_s} mm/s along a ramp of {travel_mm} mm.",
