@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from benchmarks.planted_deviations import RegisteredStudy
 from benchmarks.small_study import SIMULATED_SESSION, small_study
 from emg2vsa import session
 from emg2vsa.cli import main
@@ -16,7 +17,6 @@ from emg2vsa.deposit import verification
 from emg2vsa.session.journal import JOURNAL_FILE, Told, read_journal
 from emg2vsa.study_file import load_study
 from tests.once import Once
-from tests.registration.conftest import RegisteredStudy
 from tests.small import run_all, study_of_runs
 
 Said = pytest.CaptureFixture[str]

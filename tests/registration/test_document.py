@@ -12,11 +12,11 @@ from typing import Any
 
 import pytest
 
+from benchmarks.planted_deviations import RegisteredStudy
 from casr.atomic import write_new
 from emg2vsa.cli import main
 from emg2vsa.errors import DataError
 from emg2vsa.registration.document import _sha256, _signed, read_registration, write_registration
-from tests.registration.conftest import RegisteredStudy
 
 Edit = Callable[[dict[str, Any]], object]
 
