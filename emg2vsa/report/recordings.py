@@ -20,6 +20,7 @@ from emg2vsa.figures.palette import BLUE, INK, YELLOW
 from emg2vsa.readers.opened import StoredChannel
 from emg2vsa.readers.survey import ChannelFacts, FileFacts
 from emg2vsa.recordings import ChannelInfo
+from emg2vsa.report.wording import aligned, count
 
 if TYPE_CHECKING:
     from emg2vsa.extraction import Trials
@@ -33,25 +34,12 @@ _COLOURS = {"EMG": BLUE, "force": YELLOW, "other": INK}
 
 def cells(channel: ChannelFacts) -> tuple[str, ...]:
     """A channel's row of the table, in the order of ``HEADS``."""
-    return (
-        channel.name,
-        channel.unit or "none",
-        f"{channel.fs_hz:.6g}" if channel.fs_hz > 0 else "unknown",
-        _number(channel.low),
-        _number(channel.high),
-        _percent(channel.clip_share),
-        _number(channel.noise),
-        _percent(channel.mains_share) if channel.role != "force" else "",
-        channel.fault or channel.guess,
-    )
-
-
-def _number(value: float) -> str:
-    return "" if math.isnan(value) else f"{value:.3g}"
-
-
-def _percent(share: float) -> str:
-    return "" if math.isnan(share) else f"{100 * share:.2g} %"
+    rate = f"{channel.fs_hz:.6g}" if channel.fs_hz > 0 else "unknown"
+    low, high, noise = ("" if math.isnan(v) else f"{v:.3g}" for v in (channel.low, channel.high, channel.noise))
+    mains_share = math.nan if channel.role == "force" else channel.mains_share
+    clipped, mains = ("" if math.isnan(v) else f"{100 * v:.2g} %" for v in (channel.clip_share, mains_share))
+    guess = channel.fault or channel.guess
+    return channel.name, channel.unit or "none", rate, low, high, clipped, noise, mains, guess
 
 
 def recording_page(files: Sequence[FileFacts], refused: Sequence[str]) -> str:
@@ -70,25 +58,18 @@ def recording_page(files: Sequence[FileFacts], refused: Sequence[str]) -> str:
 
 def _section(number: int, title: str, file: FileFacts) -> str:
     rows = [(f"{name}: {guess}", *numbers) for name, *numbers, guess in map(cells, file.channels)]
-    parts = [
-        paragraph(f"{file.format}, {len(file.channels)} channels. Values have the unit that the file states."),
-        table(f"Channels of {file.path.name}", HEADS[:-1], rows),
-    ]
-    if file.notes:
-        parts.append(bullets(file.notes))
+    said = f"{file.format}, {len(file.channels)} channels. Values have the unit that the file states."
     drawn = [(c, s) for c, s in zip(file.channels, file.stored, strict=True) if s is not None and s.fs_hz > 0]
-    told = [(c, s) for c, s in drawn if c.role != "other"] or drawn
-    parts += [_pictures(number, i, c, s) for i, (c, s) in enumerate(told[:_MOST_DRAWN])]
-    others = [(c, s) for c, s in drawn if c.role == "other" and (c, s) not in told][:_MOST_DRAWN]
-    if others:
-        start = len(told)
-        more = "".join(_pictures(number, start + i, c, s) for i, (c, s) in enumerate(others))
-        parts.append(details(f"{len(others)} other channels", more))
-    return section(f"file{number}", title, *parts)
+    others = [each for each in drawn if each[0].role == "other"]
+    told = drawn if len(others) == len(drawn) else [each for each in drawn if each[0].role != "other"]
+    told, others = told[:_MOST_DRAWN], [] if told is drawn else others[:_MOST_DRAWN]
+    shown = [_pictures(f"f{number}c{i}", *each) for i, each in enumerate([*told, *others])]
+    more = details(f"{len(others)} other channels", "".join(shown[len(told) :])) if others else ""
+    channels = table(f"Channels of {file.path.name}", HEADS[:-1], rows)
+    return section(f"file{number}", title, paragraph(said), channels, bullets(file.notes), *shown[: len(told)], more)
 
 
-def _pictures(number: int, index: int, facts: ChannelFacts, channel: StoredChannel) -> str:
-    name = f"f{number}c{index}"
+def _pictures(name: str, facts: ChannelFacts, channel: StoredChannel) -> str:
     shown = [figure(_trace(facts, channel, f"{name}t"), f"{facts.name} over time: {facts.guess}.")]
     if facts.role == "EMG" and channel.samples.size >= 2 * channel.fs_hz:
         caption = f"Spectrum of {facts.name}. Mains hum shows as peaks at multiples of 50 or 60 Hz."
@@ -147,9 +128,8 @@ def as_json(facts: FileFacts) -> dict[str, Any]:
 
 def file_lines(facts: FileFacts) -> Iterator[str]:
     """A line per channel."""
-    n = len(facts.channels)
-    yield f"{facts.path}: {facts.format}, {n} channel{'s' if n != 1 else ''}, {_longest_s(facts):.1f} s"
-    yield from _table([HEADS, *(cells(channel) for channel in facts.channels)], left=(0, 1, len(HEADS) - 1))
+    yield f"{facts.path}: {facts.format}, {count(len(facts.channels), 'channel')}, {_longest_s(facts):.1f} s"
+    yield from aligned([HEADS, *(cells(channel) for channel in facts.channels)], left=(0, 1, len(HEADS) - 1))
     yield from (f"note: {note}" for note in facts.notes)
     if facts.emg and facts.force:
         emg = " ".join(f"--emg {shlex.quote(channel.name)}" for channel in facts.emg[:4])
@@ -166,7 +146,7 @@ def folder_lines(paths: Sequence[Path], outcomes: Sequence[FileFacts | Recording
             rows.append((str(path), "not read", "", "", "", _shortened(reason, _LONGEST_REASON)))
         else:
             rows.append((str(path), *_cells(outcome)))
-    yield from _table(rows, left=(0, 1, 4, 5))
+    yield from aligned(rows, left=(0, 1, 4, 5))
     bad = sum(isinstance(outcome, RecordingError) for outcome in outcomes)
     yield f"{len(paths) - bad} of {len(paths)} files read"
 
@@ -190,14 +170,6 @@ def _shortened(text: str, most: int) -> str:
     return text if len(text) <= most else text[: most - 3] + "..."
 
 
-def _table(rows: Sequence[Sequence[str]], left: Sequence[int]) -> Iterator[str]:
-    """Columns as wide as their longest cell; ``left``: those that are no numbers."""
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    for row in rows:
-        cut = (c.ljust(w) if i in left else c.rjust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True)))
-        yield "  ".join(cut).rstrip()
-
-
 _FITTED = (
     "repetition", "verdict", "start_s", "a_v", "b_v", "a_se_v", "b_se_v", "b_lo_v", "b_hi_v", "n_points", "adj_r2",
     "r2_bins", "adj_r2_bins", "r2_samples", "adj_r2_samples", "n_effective", "lag1",
@@ -212,23 +184,24 @@ def rows(trials: Trials, fits: Fits) -> list[dict[str, Any]]:
     return found
 
 
+_SHOWN = {
+    "press": "{repetition}", "from s": "{start_s:.3f}", "to s": "{stop_s:.3f}", "verdict": "{verdict}",
+    "a": "{a_v:.4g}", "b": "{b_v:.4g}", "b 95 % interval": "{b_lo_v:.3g} to {b_hi_v:.3g}",
+    "adj R2 bins": "{adj_r2_bins:.3f}", "samples": "{adj_r2_samples:.3f}", "n eff": "{n_effective:.0f}",
+}  # fmt: skip
+"""Columns of the presses, from their rows in microvolts."""
+
+
 def fit_lines(trials: Trials, fits: Fits) -> Iterator[str]:
     """A line a press, with the reason beneath where it is not ok."""
     found = rows(trials, fits)
     ok = sum(row["verdict"] == "ok" for row in found)
     yield f"{len(found)} press{'es' if len(found) != 1 else ''} found, {ok} ok; v = a + b ln(F / 1 N), in microvolts"
-    if found:
-        head = ("press", "from s", "to s", "verdict", "a", "b", "b 95 % interval", "adj R2 bins", "samples", "n eff")
-        yield "{:>5} {:>8} {:>8} {:<9} {:>8} {:>8} {:>20} {:>11} {:>8} {:>6}".format(*head)
-    for row in found:
-        interval = f"{row['b_lo_v'] * 1e6:.3g} to {row['b_hi_v'] * 1e6:.3g}"
-        yield (
-            f"{row['repetition']:>5} {row['start_s']:>8.3f} {row['stop_s']:>8.3f} {row['verdict']:<9} "
-            f"{row['a_v'] * 1e6:>8.4g} {row['b_v'] * 1e6:>8.4g} {interval:>20} "
-            f"{row['adj_r2_bins']:>11.3f} {row['adj_r2_samples']:>8.3f} {row['n_effective']:>6.0f}"
-        )
-        if row["reason"]:
-            yield f"      {row['reason']}"
+    scaled = [{key: value * 1e6 if key.endswith("_v") else value for key, value in row.items()} for row in found]
+    told = [[form.format(**row) for form in _SHOWN.values()] for row in scaled]
+    for line, row in zip(aligned([[*_SHOWN], *told], left=(3,)) if told else (), [{}, *found], strict=False):
+        yield line
+        yield from [f"      {reason}"] if (reason := row.get("reason")) else []
     yield from (f"note: {note}" for note in trials.notes)
 
 
@@ -236,10 +209,11 @@ def channel_lines(
     path: Path, format: str, channels: Sequence[ChannelInfo], notes: Sequence[str], absent: Sequence[str]
 ) -> Iterator[str]:
     """A line a channel. absent : options that a fit needs too."""
-    yield f"{path}: {format}, {len(channels)} channel{'s' if len(channels) != 1 else ''}"
-    width = max((len(channel.name) for channel in channels), default=0)
-    for channel in channels:
-        rate = f"{channel.fs_hz:.4f} Hz" if channel.fs_hz > 0 else "rate unknown"
-        yield f"  {channel.name:<{width}}  {channel.unit or 'no unit':<10} {rate:>14} {channel.n_samples:>9} samples"
+    yield f"{path}: {format}, {count(len(channels), 'channel')}"
+    rates = [f"{channel.fs_hz:.4f} Hz" if channel.fs_hz > 0 else "rate unknown" for channel in channels]
+    told = [
+        (c.name, c.unit or "no unit", rate, f"{c.n_samples} samples") for c, rate in zip(channels, rates, strict=True)
+    ]
+    yield from aligned(told, left=(0, 1))
     yield from (f"note: {note}" for note in notes)
     yield f"To fit, add {' and '.join(absent)}; more muscles: --emg again"

@@ -181,6 +181,11 @@ def columns(found: object, *keys: str, at: Any = slice(None)) -> Columns:
     return {Column(key, *words[key]): getattr(found, key)[at] for key in keys}
 
 
+def from_quantities(q: Mapping[str, Cell], names: Sequence[str], keys: Mapping[Column, str]) -> Columns:
+    """Columns of quantities ``name.key``, one row for each of the ``names``; None where there is none."""
+    return {column: [q.get(f"{name}.{key}") for name in names] for column, key in keys.items()}
+
+
 def records(objects: Iterable[object], columns: Sequence[Column]) -> tuple[Row, ...]:
     """Rows from objects that have an attribute for each key."""
     return tuple({column.key: getattr(each, column.key) for column in columns} for each in objects)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from collections.abc import Iterator, Sequence
 from itertools import combinations, pairwise
-from typing import Any
 
 import numpy as np
 
@@ -20,9 +18,18 @@ from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, least, moments, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
-from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, activity_column, columns, table_of
+from emg2vsa.report.table import (
+    FEW_ON_PAGE,
+    Column,
+    Columns,
+    Table,
+    activity_column,
+    columns,
+    from_quantities,
+    table_of,
+)
 from emg2vsa.report.wording import activity, count, p_text
-from emg2vsa.truth import Recovery, recover
+from emg2vsa.truth import recover
 
 _R2 = {
     "adj_r2": "adj. R²", "r2_bins": "R², bins", "adj_r2_bins": "adj. R², bins", "r2_samples": "R², samples",
@@ -56,8 +63,9 @@ def _quantities(results: StudyResults) -> Items:
         yield from moments(f"fit.{specimen}.b{v}", fits.b_v[of])
         yield from zip((f"fit.{specimen}.b{v}.low", f"fit.{specimen}.b{v}.high"), ends.get(specimen, ()), strict=False)
     if people.truth is not None and fits.activity_unit == "V":
-        for specimen, recovery in _recoveries(results):
-            yield from fields_of(f"recovery.{specimen}".rstrip("."), recovery, *vars(recovery))
+        for of in (None, *results.specimens):
+            recovery = recover(fits, people.truth, results.study.hypotheses.use, of)
+            yield from fields_of(f"recovery.{of}" if of else "recovery", recovery, *vars(recovery))
     if people.hypotheses is not None:
         yield from _laws(people.hypotheses.laws)
 
@@ -96,19 +104,11 @@ def _median(values: Floats) -> float:
     return float(np.nanmedian(values)) if np.isfinite(values).any() else np.nan
 
 
-def _recoveries(results: StudyResults) -> Iterator[tuple[str, Recovery]]:
-    """Of all specimens together (""), then of each."""
-    fits, truth = results.recorded.fits, results.recorded.truth
-    assert truth is not None
-    for name in ("", *results.specimens):
-        yield name, recover(fits, truth, results.study.hypotheses.use, name or None)
-
-
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     yield _every(results)
-    yield _by_specimen(results)
-    if results.recorded.truth is not None:
-        yield _recovery(results)
+    yield _by_specimen(results, q)
+    if "recovery.n" in q:
+        yield _recovery(results, q)
     if results.recorded.hypotheses is not None:
         yield _laws_table(results.recorded.hypotheses.laws)
 
@@ -130,64 +130,58 @@ def _laws_table(laws: ForceLaws) -> Table:
 
 def _every(results: StudyResults) -> Table:
     fits, scale = results.recorded.fits, results.scale
-    texts = {"participant": "Participant", "specimen": "Specimen", "repetition": "Press", "verdict": "Verdict"}
-    activities = {"a_v": "a", "b_v": "b", "a_se_v": "SE a", "b_se_v": "SE b", "b_lo_v": "b low", "b_hi_v": "b high"}
-    others = {"n_points": "Points", **_R2, "n_effective": "n effective", "lag1": "lag-1", "start_s": "Start (s)"}
-    columns = (
-        *(Column(key, head) for key, head in texts.items()),
-        *(activity_column(key, head, scale) for key, head in activities.items()),
-        *(Column(key, head) for key, head in (others | {"reason": "Reason"}).items()),
-    )
-    values = {column: getattr(fits, column.key) for column in columns}
+    heads = {
+        "participant": "Participant", "specimen": "Specimen", "repetition": "Press", "verdict": "Verdict", "a_v": "a",
+        "b_v": "b", "a_se_v": "SE a", "b_se_v": "SE b", "b_lo_v": "b low", "b_hi_v": "b high", "n_points": "Points",
+        **_R2, "n_effective": "n effective", "lag1": "lag-1", "start_s": "Start (s)", "reason": "Reason",
+    }  # fmt: skip
+    values = {
+        activity_column(key, head, scale) if key.endswith("_v") else Column(key, head): getattr(fits, key)
+        for key, head in heads.items()
+    }
     return table_of("fits", "All trials, rejected ones included: fit v = a + b ln F", values, FEW_ON_PAGE)
 
 
-def _by_specimen(results: StudyResults) -> Table:
-    fits, scale, specimens = results.recorded.fits, results.scale, results.study.specimens
+def _by_specimen(results: StudyResults, q: Quantities) -> Table:
+    fits, scale, specimens, v = results.recorded.fits, results.scale, results.study.specimens, results.activity_suffix
     every = [fits.specimen == specimen.name for specimen in specimens]
-    found = _means_of_b(results)
-    low, high = zip(*(found.get(name, (None, None)) for name in results.specimens), strict=True)
-    used = [results.used & of for of in every]
-
-    def over(statistic: Callable[[Floats], Any], values: Floats, least: int = 1) -> list[float | None]:
-        return [float(statistic(values[of])) if np.count_nonzero(of) >= least else None for of in used]
-
-    columns: Columns = {
+    found: Columns = {
         Column("specimen", "Specimen"): results.specimens,
         Column("stiffness_n_per_mm", "Stiffness κ (N/mm)"): [specimen.stiffness_n_per_mm for specimen in specimens],
         Column("trials", "Trials"): [int(np.count_nonzero(of)) for of in every],
-        Column("used", "Used"): [int(np.count_nonzero(of)) for of in used],
-        activity_column("a_mean_v", "Mean a", scale): over(np.mean, fits.a_v),
-        activity_column("b_mean_v", "Mean b", scale): over(np.mean, fits.b_v),
-        activity_column("b_low_v", "Low", scale): low,
-        activity_column("b_high_v", "High", scale): high,
-        activity_column("b_sd_v", "SD b", scale): over(partial(np.std, ddof=1), fits.b_v, 2),
-        Column("adj_r2_bins_min", "Worst adj. R², bins"): over(np.min, fits.adj_r2_bins),
-        Column("adj_r2_bins_median", "Median adj. R², bins"): over(np.median, fits.adj_r2_bins),
-        Column("adj_r2_samples_min", "Worst adj. R², samples"): over(np.min, fits.adj_r2_samples),
-        Column("adj_r2_samples_median", "Median adj. R², samples"): over(np.median, fits.adj_r2_samples),
-    }
-    over_what = "people" if _unit(results) == "person" else "presses"
+        **from_quantities(q, [f"fit.{specimen}" for specimen in results.specimens], {
+            Column("used", "Used"): "n",
+            activity_column("a_mean_v", "Mean a", scale): f"a{v}.mean",
+            activity_column("b_mean_v", "Mean b", scale): f"b{v}.mean",
+            activity_column("b_low_v", "Low", scale): f"b{v}.low",
+            activity_column("b_high_v", "High", scale): f"b{v}.high",
+            activity_column("b_sd_v", "SD b", scale): f"b{v}.sd",
+        }),
+    }  # fmt: skip
+    for key in ("adj_r2_bins", "adj_r2_samples"):
+        used = [getattr(fits, key)[results.used & of] for of in every]
+        found[Column(f"{key}_min", f"Worst {_R2[key]}")] = list(map(least, used))
+        found[Column(f"{key}_median", f"Median {_R2[key]}")] = list(map(_median, used))
     caption = (
-        f"Fits v = a + b ln F of the trials used, by specimen. Low and high: interval of the mean b over {over_what}, "
-        f"{100 * fits.confidence:g} %. Smoother points give a larger R² from the same trial, so force bins and samples "
-        "have an R² each"
+        "Fits v = a + b ln F of the trials used, by specimen. Low and high: interval of the mean b over "
+        f"{'people' if _unit(results) == 'person' else 'presses'}, {100 * fits.confidence:g} %. Smoother points give a "
+        "larger R² from the same trial, so force bins and samples have an R² each"
     )
-    return table_of("fits_by_specimen", caption, columns)
+    return table_of("fits_by_specimen", caption, found)
 
 
-def _recovery(results: StudyResults) -> Table:
-    every = list(_recoveries(results))
-    columns = (
-        Column("n", "Trials"), Column("mean_b_error", "Mean error of b (%)", 100.0),
-        Column("mean_b_error_mcse", "Monte-Carlo SE (%)", 100.0, 2),
-        Column("sd_b_error", "SD of the error of b (%)", 100.0),
-        Column("coverage", "Intervals that hold the true b (%)", 100.0),
-        Column("coverage_mcse", "Monte-Carlo SE (%)", 100.0, 2),
-    )  # fmt: skip
-    found = {column: [getattr(each, column.key) for _, each in every] for column in columns}
-    names = {Column("specimen", "Specimen"): [name or "all" for name, _ in every]}
-    return table_of("recovery", "Fitted slopes beside the true slopes of the simulation", names | found)
+def _recovery(results: StudyResults, q: Quantities) -> Table:
+    names = ("all", *results.specimens)
+    keys = {
+        Column("n", "Trials"): "n", Column("mean_b_error", "Mean error of b (%)", 100.0): "mean_b_error",
+        Column("mean_b_error_mcse", "Monte-Carlo SE (%)", 100.0, 2): "mean_b_error_mcse",
+        Column("sd_b_error", "SD of the error of b (%)", 100.0): "sd_b_error",
+        Column("coverage", "Intervals that hold the true b (%)", 100.0): "coverage",
+        Column("coverage_mcse", "Monte-Carlo SE (%)", 100.0, 2): "coverage_mcse",
+    }  # fmt: skip
+    found = from_quantities(q, ["recovery", *(f"recovery.{name}" for name in results.specimens)], keys)
+    caption = "Fitted slopes beside the true slopes of the simulation"
+    return table_of("recovery", caption, {Column("specimen", "Specimen"): names} | found)
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
@@ -254,7 +248,7 @@ The slope of {{ q['fit.b_not_positive'] | count("used trial") }} is not positive
 {{ q['recovery.mean_b_error'] | percent(2) }} on average, and {{ q['recovery.coverage'] | percent(3) }} of the
 {{ q['recovery.confidence'] | percent(2) }} intervals hold the true slope.</p>
 {{ folded("recovery", "Fitted and true slopes by specimen") }}
-{% elif has("recovery") %}
+{% elif people.truth %}
 <p>The activity is normalised and the simulated truth is in volts, so they cannot be compared.</p>
 {% endif %}
 """
