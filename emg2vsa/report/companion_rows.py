@@ -10,7 +10,7 @@ import numpy as np
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.companions.groups import EqualityTests, GroupTests, NormalityTests, PairTests
 from emg2vsa.companions.table import BlockTests
-from emg2vsa.figures.palette import ActivityScale
+from emg2vsa.figures.palette import ActivityScale as Scale
 from emg2vsa.report.outcome_text import Style, effect_said, p_said, range_said, span_said, statistic_said
 from emg2vsa.report.table import Column, Table, records
 from emg2vsa.report.wording import bounded, number
@@ -57,9 +57,10 @@ class CompanionRow:
     effect: str
 
 
-def companion_table(
-    name: str, of: str, rows: Sequence[CompanionRow], beside: str = "the paper's test beside its companions"
-) -> Table:
+Rows = Sequence[CompanionRow]
+
+
+def companion_table(name: str, of: str, rows: Rows, beside: str = "the paper's test beside its companions") -> Table:
     """``verdict_<name>``. People see a test of the paper once, above all its companions."""
     full = records(rows, COLUMNS)
     papers = ["", *(row.paper for row in rows)]
@@ -69,23 +70,18 @@ def companion_table(
     return Table(f"verdict_{name}", f"{of}: {beside}", COLUMNS, full, shown)
 
 
-def rows_of(paper: str, companions: Iterable[tuple[str, str, str]]) -> list[CompanionRow]:
+def rows_of(paper: str, companions: Iterable[tuple[str, str, str]]) -> Rows:
     """Companions of one test: name, result and effect of each."""
     return [CompanionRow(paper, f"{name}: {result}", effect) for name, result, effect in companions]
 
 
-def normality_rows(tests: NormalityTests, alpha: float, many: str, style: Style = "apa") -> list[CompanionRow]:
+def normality_rows(tests: NormalityTests, alpha: float, many: str, style: Style = "apa") -> Rows:
     """Both forms of Kolmogorov-Smirnov, each beside Lilliefors and Shapiro-Wilk. many : what each sample is."""
-
-    def deviate(of: Outcomes) -> str:
-        return how_many(of.p, alpha, many, style, "deviate")
-
-    companions = [
-        (name, deviate(of), range_said(of.statistic_name, of.statistic, style))
-        for name, of in (("Lilliefors", tests.lilliefors), ("Shapiro-Wilk", tests.shapiro))
-    ]
-    forms = ("standardised", tests.standardised), ("raw N(0, 1)", tests.raw)
-    return [row for form, of in forms for row in rows_of(f"Kolmogorov-Smirnov, {form}: {deviate(of)}", companions)]
+    forms = {"standardised": tests.standardised, "raw N(0, 1)": tests.raw}
+    by = {"Lilliefors": tests.lilliefors, "Shapiro-Wilk": tests.shapiro}
+    deviate = {name: how_many(of.p, alpha, many, style, "deviate") for name, of in (forms | by).items()}
+    companions = [(name, deviate[name], range_said(of.statistic_name, of.statistic, style)) for name, of in by.items()]
+    return [row for form in forms for row in rows_of(f"Kolmogorov-Smirnov, {form}: {deviate[form]}", companions)]
 
 
 def anova_said(tests: GroupTests, alpha: float, many: str, style: Style = "apa") -> str:
@@ -97,47 +93,38 @@ _BAYES = "above 3 supports equal means, below 1/3 different ones"
 
 
 def group_rows(
-    tests: GroupTests,
-    alpha: float,
-    many: str,
-    style: Style = "apa",
-    blocks: BlockTests | None = None,
-    equal: Sequence[CompanionRow] = (),
-) -> list[CompanionRow]:
+    tests: GroupTests, alpha: float, many: str, style: Style = "apa", over: BlockTests | None = None, equal: Rows = ()
+) -> Rows:
     """One-way analysis of variance beside tests over people, tests that rest on less, ``equal``, and its assumption.
 
     many : as in ``anova_said``.
     """
     paper, one = anova_said(tests, alpha, many, style), tests.anova.p.size == 1
     share = effect_said(tests.anova_outcome(), style) if one else range_said("omega2", tests.omega2, style)
-    ranks, bayes = (
-        range_said(name, values, style)
-        for name, values in (("rank epsilon2", tests.kruskal.epsilon2), ("BF01", tests.bayes.bf01))
-    )
+    ranks = range_said("rank epsilon2", tests.kruskal.epsilon2, style)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.fmax.reduce(tests.sd, axis=1, initial=-np.inf) / np.fmin.reduce(tests.sd, axis=1, initial=np.inf)
     spread = range_said("largest SD / smallest SD", ratio[np.isfinite(ratio)], style)
     welch, kruskal, variances = (
         decided(of, alpha, many, style) for of in (tests.welch, tests.kruskal, tests.brown_forsythe)
     )
-    companions = (
-        ("Welch's ANOVA", welch, share),
-        ("Kruskal-Wallis", kruskal, ranks),
-        ("Bayes factor (JZS)", bayes, _BAYES),
-    )
-    assumed = "Brown-Forsythe", variances, f"{spread}; where they are unequal, prefer Welch"
-    over = rows_of(paper, _over_people(blocks, style)) if blocks else []
     return [
-        *over, *rows_of(paper, companions), *equal, *rows_of("One-way ANOVA assumes equal variances", [assumed])
+        *rows_of(paper, _over_people(over, style) if over else ()),
+        *rows_of(paper, [("Welch's ANOVA", welch, share), ("Kruskal-Wallis", kruskal, ranks)]),
+        *rows_of(paper, [("Bayes factor (JZS)", range_said("BF01", tests.bayes.bf01, style), _BAYES)]),
+        *equal,
+        CompanionRow(
+            "One-way ANOVA assumes equal variances", f"Brown-Forsythe: {variances}",
+            f"{spread}; where they are unequal, prefer Welch",
+        ),
     ]  # fmt: skip
 
 
 def _over_people(blocks: BlockTests, style: Style) -> Iterator[tuple[str, str, str]]:
     """That which allows for unequal scatter first."""
-    repeated = blocks.repeated
-    gg, hf = (bounded(float(epsilon[0]), 2) for epsilon in (repeated.epsilon_gg, repeated.epsilon_hf))
-    every = (repeated.outcome(), f"sphericity ε: GG {gg}, HF {hf}"), (blocks.mixed, ""), (blocks.friedman.outcome(), "")
-    for found, more in every:
+    gg, hf = (bounded(float(e[0]), 2) for e in (blocks.repeated.epsilon_gg, blocks.repeated.epsilon_hf))
+    sphericity = f"sphericity ε: GG {gg}, HF {hf}"
+    for found, more in (blocks.repeated.outcome(), sphericity), (blocks.mixed, ""), (blocks.friedman.outcome(), ""):
         if found is not None:
             failed = "; ".join(found.notes) if found.p is None or np.isnan(found.p) else ""
             effect = "; ".join(filter(None, (effect_said(found, style), more)))
@@ -151,67 +138,49 @@ CORRECTED = {
 """Tests of ``PairTests.corrected`` in heads of columns."""
 
 
-def pair_rows(tests: PairTests, alpha: float, style: Style = "apa") -> list[CompanionRow]:
-    """Fisher's LSD beside tests that hold the error of the family; pooled mean ranks beside those of each pair."""
-    said = {name: how_many(p, alpha, "pairs", style) for name, p in tests.corrected.items()}
+def pair_rows(tests: PairTests, alpha: float, style: Style = "apa", over: BlockTests | None = None) -> Rows:
+    """Fisher's LSD beside tests that hold the error of the family; pooled mean ranks beside those of each pair.
+
+    over : beside the pairs over these blocks, whose sample is the people.
+    """
+
+    def pairs(p: Floats) -> str:
+        return how_many(p, alpha, "pairs", style)
+
+    lsd, p = f"{tests.lsd.method}: {pairs(tests.lsd.p)}", tests.corrected
+    if over is not None:
+        size, people = range_said("|g_z|", np.abs(over.paired.g), style), f"over {over.repeated.n[0]} blocks, Holm"
+        return rows_of(lsd, [(f"{name} {people}", pairs(of), size) for name, of in over.pair_families.items()])
     size = range_said("|g|", np.abs(tests.g), style)
     shift = range_said("|r_rb|", np.abs(tests.mann_whitney.rank_biserial), style)
-    of_means = {
-        "Holm": "holm", "Tukey's HSD": "tukey", "Games-Howell": "games_howell", "False discovery rate": "fdr",
-    }  # fmt: skip
+    of_means = {"Holm": "holm", "Tukey's HSD": "tukey", "Games-Howell": "games_howell", "False discovery rate": "fdr"}
+    dunn = f"Dunn on mean ranks, Bonferroni (MATLAB's multcompare): {pairs(p['dunn'])}"
     return [
-        *rows_of(_lsd_said(tests, alpha, style), [(name, said[key], size) for name, key in of_means.items()]),
-        *rows_of(
-            f"Dunn on mean ranks, Bonferroni (MATLAB's multcompare): {said['dunn']}",
-            [("Mann-Whitney, exact with ties, Holm", said["mann_whitney"], shift)],
-        ),
+        *rows_of(lsd, [(name, pairs(p[key]), size) for name, key in of_means.items()]),
+        *rows_of(dunn, [("Mann-Whitney, exact with ties, Holm", pairs(p["mann_whitney"]), shift)]),
     ]
 
 
-def _lsd_said(tests: PairTests, alpha: float, style: Style) -> str:
-    return f"{tests.lsd.method}: {how_many(tests.lsd.p, alpha, 'pairs', style)}"
-
-
-def over_people_pair_rows(
-    tests: PairTests, blocks: BlockTests, alpha: float, style: Style = "apa"
-) -> list[CompanionRow]:
-    """Fisher's LSD beside the pairs over blocks, whose sample is the people."""
-    size, people = range_said("|g_z|", np.abs(blocks.paired.g), style), f"over {blocks.repeated.n[0]} blocks, Holm"
-    return rows_of(
-        _lsd_said(tests, alpha, style),
-        [(f"{name} {people}", how_many(p, alpha, "pairs", style), size) for name, p in blocks.pair_families.items()],
-    )
-
-
-_AS_STORED = ActivityScale("", 1.0)
+_AS_STORED = Scale("", 1.0)
 
 
 def equality_rows(
-    paper: str,
-    equality: EqualityTests,
-    style: Style = "apa",
-    blocks: BlockTests | None = None,
-    scale: ActivityScale = _AS_STORED,
-) -> list[CompanionRow]:
+    paper: str, tests: EqualityTests, style: Style = "apa", over: BlockTests | None = None, scale: Scale = _AS_STORED
+) -> Rows:
     """ "No difference found" beside what would show equality. scale : of the data, for people."""
-    level = f"{100 * (1 - 2 * equality.alpha):g}% intervals"
-    bound, in_sd = (span_said(found, style) for found in (equality.bound * scale.factor, equality.bound_sd))
+    level = f"{100 * (1 - 2 * tests.alpha):g}% intervals"
+    bound, in_sd = (span_said(found, style) for found in (tests.bound * scale.factor, tests.bound_sd))
     effect = f"{level} of all differences lie within ± {f'{bound} {scale.unit}'.rstrip()} (± {in_sd} SD)"
     within, result = "", "no margin stated"
-    if equality.margin:
-        margin = (
-            f"{equality.margin:g} SD"
-            if equality.unit == "sd"
-            else f"{number(equality.margin * scale.factor)} {scale.unit}".rstrip()
-        )
-        within = f" within ± {margin}"
-        result = f"{int(np.sum(equality.shown))} of {int(np.sum(equality.pairs))} pairs shown equal"
+    if tests.margin:
+        in_data = f"{number(tests.margin * scale.factor)} {scale.unit}".rstrip()
+        within = f" within ± {f'{tests.margin:g} SD' if tests.unit == 'sd' else in_data}"
+        result = f"{int(np.sum(tests.shown))} of {int(np.sum(tests.pairs))} pairs shown equal"
     rows = rows_of(paper, [(f"Equivalence (TOST){within}", result, effect)])
-    if blocks is None:
+    if over is None:
         return rows
     # how much people differ, as a share of what is left unexplained
-    mixed, agreement = blocks.mixed, blocks.agreement
-    if mixed is not None and mixed.interval and not np.isnan(mixed.interval[0]):
-        return [*rows, CompanionRow(paper, "Variance components of the mixed model", effect_said(mixed, style))]
-    named = f"Intraclass correlation of means, {agreement.estimate_name or ''}"
-    return [*rows, CompanionRow(paper, named, effect_said(agreement, style))]
+    name, share = "Variance components of the mixed model", over.mixed
+    if share is None or not share.interval or np.isnan(share.interval[0]):
+        name, share = f"Intraclass correlation of means, {over.agreement.estimate_name or ''}", over.agreement
+    return [*rows, CompanionRow(paper, name, effect_said(share, style))]

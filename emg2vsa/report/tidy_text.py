@@ -13,18 +13,7 @@ import numpy as np
 
 from emg2vsa.companions.table import BlockTests
 from emg2vsa.companions.tidy import TidyTests
-from emg2vsa.report.companion_rows import (
-    COLUMNS,
-    CORRECTED,
-    CompanionRow,
-    anova_said,
-    dunn_bounds,
-    equality_rows,
-    group_rows,
-    normality_rows,
-    over_people_pair_rows,
-    pair_rows,
-)
+from emg2vsa.report import companion_rows as beside
 from emg2vsa.report.outcome_text import STYLES, Style, p_said, said
 from emg2vsa.report.wording import NO_BREAK, aligned, count, number
 from emg2vsa.statistics.outcome import Outcome
@@ -59,41 +48,35 @@ class Hypothesis:
     """A question, the rows that answer it, and ``mind``: what limits the answer."""
 
     question: str
-    rows: Sequence[CompanionRow]
+    rows: beside.Rows
     mind: str
 
 
 def hypotheses(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
     """Over all rows; then block by block, and between blocks, where there are blocks."""
     tests, alpha, table, over = found.together, found.alpha, found.by_block, _over_blocks(found)
-    groups = tests.between_groups
-    if table and np.isfinite(table.normality.lilliefors.p).any():
-        rows = normality_rows(table.normality, alpha, "cells", style)
-        yield Hypothesis("Is each group of each block Gaussian?", rows, _NORMALITY)
-    else:
-        yield Hypothesis("Is each group Gaussian?", normality_rows(tests.normality, alpha, "groups", style), _NORMALITY)
-    mind = _OVER_BLOCKS if over else _ONE_BLOCK if table else _NO_BLOCK
-    yield Hypothesis("Do groups differ?", group_rows(groups, alpha, "", style, over), mind)
-    if over:
-        rows, mind = over_people_pair_rows(tests.pairs, over, alpha, style), _PAIRS_OVER_BLOCKS
-    else:
-        rows, floor, n = pair_rows(tests.pairs, alpha, style), dunn_bounds(found.count), tests.pairs.first.size
-        mind = (
-            f"The groups form {count(n, 'pair')}. LSD does not control the familywise error of more than three groups."
-        )
-        if floor:
+    cells = table.normality if table and np.isfinite(table.normality.lilliefors.p).any() else None
+    each, many = ("group of each block", "cells") if cells else ("group", "groups")
+    rows = beside.normality_rows(cells or tests.normality, alpha, many, style)
+    yield Hypothesis(f"Is each {each} Gaussian?", rows, _NORMALITY)
+    rows = beside.group_rows(tests.between_groups, alpha, "", style, over)
+    yield Hypothesis("Do groups differ?", rows, _OVER_BLOCKS if over else _ONE_BLOCK if table else _NO_BLOCK)
+    rows, mind, pairs = beside.pair_rows(tests.pairs, alpha, style, over), _PAIRS_OVER_BLOCKS, tests.pairs.first.size
+    if not over:
+        mind = f"The groups form {count(pairs, 'pair')}. LSD controls no familywise error of more than three groups."
+        if floor := beside.dunn_bounds(found.count):
             mind += f" With groups of this size and no ties, the largest p of Dunn's pairs is {floor[1]:.2g} or more."
     yield Hypothesis("Which groups differ?", rows, mind)
-    rows = equality_rows(anova_said(groups, alpha, "", style), found.equality, style)
+    rows = beside.equality_rows(beside.anova_said(tests.between_groups, alpha, "", style), found.equality, style)
     yield Hypothesis("Are groups equal?", rows, f"{_EQUAL} State a margin with --margin.")
     if table and np.isfinite(table.between_groups.anova.p).any():
-        rows = [*group_rows(table.between_groups, alpha, "blocks", style), *pair_rows(table.pairs, alpha, style)]
+        rows, of = beside.group_rows(table.between_groups, alpha, "blocks", style), table.pairs
         mind = "Each block has tests of its own. Their results hold for this block only."
-        yield Hypothesis("Do groups differ within each block?", rows, mind)
+        yield Hypothesis("Do groups differ within each block?", [*rows, *beside.pair_rows(of, alpha, style)], mind)
     if table and np.isfinite(table.between_blocks.anova.p).any():
-        paper = anova_said(table.between_blocks, alpha, "groups", style)
-        equal = equality_rows(paper, table.equality, style, table.blocks)
-        rows = group_rows(table.between_blocks, alpha, "groups", style, equal=equal)
+        paper = beside.anova_said(table.between_blocks, alpha, "groups", style)
+        equal = beside.equality_rows(paper, table.equality, style, table.blocks)
+        rows = beside.group_rows(table.between_blocks, alpha, "groups", style, equal=equal)
         yield Hypothesis("Are blocks equal?", rows, f"Each group has tests of its own. {_EQUAL}")
 
 
@@ -163,7 +146,7 @@ def _pair_lines(found: TidyTests, style: Style) -> Iterator[str]:
     tests, over = found.together.pairs, _over_blocks(found)
     if over is None:
         of, method, size = tests.lsd, "LSD", ("g", tests.g)
-        families = {"LSD": tests.lsd.p} | {CORRECTED[key]: p for key, p in tests.corrected.items()}
+        families = {"LSD": tests.lsd.p} | {beside.CORRECTED[key]: p for key, p in tests.corrected.items()}
     else:
         of, method, size = over.paired.t, over.paired.t.method, ("g_z", over.paired.g)
         families = over.pair_families | {"LSD (rows)": tests.lsd.p}
@@ -178,14 +161,14 @@ def _pair_lines(found: TidyTests, style: Style) -> Iterator[str]:
     yield from aligned(rows, left=(0, 1))
 
 
-def _grid(rows: Sequence[CompanionRow]) -> Iterator[str]:
+def _grid(rows: beside.Rows) -> Iterator[str]:
     """Three columns of wrapped text. The first column does not repeat the text of the row above."""
-    above, rule = "", ["-" * width for width in _WIDTHS]
-    for cells in ([column.head for column in COLUMNS], rule, *((row.paper, row.companion, row.effect) for row in rows)):
-        shown = ["" if cells[0] == above else cells[0], *cells[1:]]
-        above = cells[0]
-        columns = [wrap(cell, width) for cell, width in zip(shown, _WIDTHS, strict=True)]
-        for line in zip_longest(*columns, fillvalue=""):
+    above = ""
+    heads = [column.head for column in beside.COLUMNS], ["-" * width for width in _WIDTHS]
+    for first, *others in (*heads, *((row.paper, row.companion, row.effect) for row in rows)):
+        shown = ["" if first == above else first, *others]
+        above = first
+        for line in zip_longest(*(wrap(c, width) for c, width in zip(shown, _WIDTHS, strict=True)), fillvalue=""):
             yield "  ".join(f"{part:<{width}}" for part, width in zip(line, _WIDTHS, strict=True)).rstrip()
 
 

@@ -63,7 +63,7 @@ def test_people_come_before_presses_and_what_allows_for_unequal_scatter_before_w
     assert tests.blocks is not None
     rows = [
         row.companion.partition(":")[0]
-        for row in group_rows(tests.between_groups, 0.05, "participants", blocks=tests.blocks)
+        for row in group_rows(tests.between_groups, 0.05, "participants", over=tests.blocks)
     ]
     assert rows[0] == "Repeated-measures ANOVA, Greenhouse-Geisser"
     assert rows[1].startswith("Linear mixed model")

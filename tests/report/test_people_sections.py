@@ -11,8 +11,9 @@ from scipy import stats
 from emg2vsa.discrimination import discriminate
 from emg2vsa.report.inputs import Runs
 from emg2vsa.report.section import Content, rendered
+from emg2vsa.report.sections.factors import FACTORS
 from emg2vsa.report.sections.fits import FITS
-from emg2vsa.report.sections.models import MODELS
+from emg2vsa.report.sections.hypotheses import HYPOTHESES
 from emg2vsa.report.study_report import contents
 from emg2vsa.truth import recover
 
@@ -57,13 +58,13 @@ def test_the_figure_shows_every_residual_against_its_quantile_and_its_fitted_val
     fitted = found.fitted * whole.scale.factor
     np.testing.assert_array_equal(level.lines[-1].get_xydata(), np.column_stack([fitted, found.residual]))
     assert whole.scale.label("Fitted b") == level.get_xlabel()
-    text = rendered(MODELS, whole, content)
+    text = rendered(HYPOTHESES, whole, content)
     assert "Residuals of the mixed model</summary>" in text
     assert text.count('role="img"') == 1
 
 
 def test_the_text_says_how_the_trend_was_tested(whole, content: Content) -> None:
-    assert "t test over participants" in rendered(MODELS, whole, content)
+    assert "t test over participants" in rendered(HYPOTHESES, whole, content)
 
 
 @pytest.mark.parametrize("part", ["people", "runs"])
@@ -72,7 +73,7 @@ def test_a_study_of_one_half_has_the_models_of_that_half(whole, part: str) -> No
     content = contents(half)
     assert ("mixed_sd" in content.tables) == ("mixed_residuals" in content.drawings) == (part == "people")
     assert ("factors" in content.tables) == (part == "runs")
-    assert rendered(MODELS, half, content)
+    assert rendered(FACTORS if part == "runs" else HYPOTHESES, half, content)
 
 
 @pytest.mark.parametrize("n", [0, 1, 2])

@@ -27,10 +27,10 @@ from emg2vsa.report.sections.actuators import ACTUATORS
 from emg2vsa.report.sections.area import AREA
 from emg2vsa.report.sections.claims import CLAIMS
 from emg2vsa.report.sections.curves import CURVES
+from emg2vsa.report.sections.factors import FACTORS
 from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.hypotheses import HYPOTHESES
 from emg2vsa.report.sections.kappa import KAPPA
-from emg2vsa.report.sections.models import MODELS
 from emg2vsa.report.sections.participants import PARTICIPANTS
 from emg2vsa.report.sections.plates import PLATES
 from emg2vsa.report.sections.profiles import PROFILES
@@ -45,5 +45,5 @@ from emg2vsa.report.sections.vision import VISION
 
 SECTIONS: tuple[Section, ...] = (
     CLAIMS, ROBUSTNESS, PARTICIPANTS, FITS, HYPOTHESES, CURVES, PROFILES, SCHEDULES, PLATES, RUNS, AREA, VISION, RATES,
-    ACTUATORS, STIFFNESS, KAPPA, MODELS, METHODS, GLOSSARY, REGISTRATION, PROVENANCE,
+    FACTORS, ACTUATORS, STIFFNESS, KAPPA, METHODS, GLOSSARY, REGISTRATION, PROVENANCE,
 )  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -9,14 +10,17 @@ from scipy.special import stdtrit
 
 from emg2vsa.arrays import Floats
 from emg2vsa.companions.groups import GroupTests
+from emg2vsa.figures.cocontraction import draw_mixed_residuals
 from emg2vsa.hypotheses import Hypotheses
+from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, least, most, plain, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.sections.hypothesis_tables import hypothesis_tables
-from emg2vsa.report.wording import UNDEFINED, signed
+from emg2vsa.report.wording import UNDEFINED, number, signed
 from emg2vsa.statistics.clusters import Names
 from emg2vsa.statistics.mixed import MixedModel
+from emg2vsa.statistics.mixed_variances import SOURCES
 from emg2vsa.statistics.studentized_range import survival
 from emg2vsa.statistics.trend import trend
 
@@ -30,7 +34,7 @@ def _quantities(results: StudyResults) -> Items:
     yield from _design_quantities("between_participants", found.specimens, found.tests.between_blocks, found.alpha)
     yield from _design_quantities("between_specimens", found.participants, found.tests.between_groups, found.alpha)
     yield from _pair_quantities(found)
-    yield from _over_people_quantities(found)
+    yield from _over_people_quantities(found, results.activity_suffix)
     yield from _stiffness_quantities(results)
     yield from _drift_quantities(found, results.recorded.fits.b_v[results.used])
 
@@ -72,9 +76,8 @@ def _design_quantities(name: str, designs: Names, tests: GroupTests, alpha: floa
     yield from _family(name, anova.p, alpha)
     yield f"{name}.smallest_p", least(anova.p)
     yield f"{name}.largest_p", most(anova.p)
-    yield f"{name}.welch.significant", _significant(tests.welch.p, alpha)
-    yield f"{name}.kruskal.significant", _significant(tests.kruskal.p, alpha)
-    yield f"{name}.brown_forsythe.significant", _significant(tests.brown_forsythe.p, alpha)
+    for kind in ("welch", "kruskal", "brown_forsythe"):
+        yield f"{name}.{kind}.significant", _significant(getattr(tests, kind).p, alpha)
     for i, design in enumerate(designs[: anova.f.size].tolist()):
         yield from fields_of(f"{name}.{design}", anova, "f", "df1", "df2", "p", "eta2", at=i)
         yield from fields_of(f"{name}.{design}", tests, "omega2", "eta2_low", "eta2_high", at=i)
@@ -97,8 +100,12 @@ def _ends(found: Hypotheses, pairs: Any) -> list[str]:
     return [f"{found.specimens[i]}-{found.specimens[j]}" for i, j in zip(pairs.first, pairs.second, strict=True)]
 
 
-def _over_people_quantities(found: Hypotheses) -> Items:
+def _over_people_quantities(found: Hypotheses, unit: str) -> Items:
     equality, blocks, name = found.tests.equality, found.tests.blocks, "hypotheses.over_people"
+    slope = found.trend
+    yield from with_interval(f"hypotheses.trend.b{unit}_per_repetition", slope.mean, slope.low, slope.high)
+    yield "hypotheses.trend.relative_per_repetition", slope.per_mean
+    yield "hypotheses.trend.p", slope.p
     yield "hypotheses.equality.bound_sd", most(equality.bound_sd)
     if equality.margin:
         yield "hypotheses.equality.margin_sd", equality.margin
@@ -115,6 +122,14 @@ def _over_people_quantities(found: Hypotheses) -> Items:
             yield f"{name}.mixed.{key}", plain(value)
     if isinstance(blocks.model, MixedModel):
         yield from fields_of(f"{name}.mixed", blocks.model, "sd_ratio", "ratio_low", "ratio_high")
+    for i, source in enumerate(SOURCES if (of := blocks.variances) else ()):
+        assert of is not None
+        key = f"{name}.mixed.sd_{source.replace(' ', '_')}{unit}"
+        yield from with_interval(key, of.sd[i], of.low[i], of.high[i])
+    if blocks.residuals is not None:
+        normal, level = blocks.residuals.outcomes()
+        for key, value in (("shapiro_p", normal.p), ("level_rho", level.effect_size), ("level_p", level.p)):
+            yield f"{name}.mixed.residuals.{key}", plain(value)
     for j, ends in enumerate(_ends(found, blocks.paired.t)):
         for test, p in blocks.pair_families.items():
             yield f"{name}.pairs.{ends}.{test.lower().replace(' ', '_').replace('-', '_')}.p_holm", p[0, j].item()
@@ -146,9 +161,35 @@ def _chance_of_any_pair(found: Hypotheses) -> float:
     return float(1 - np.prod(1 - some))
 
 
+_FAR = 3
+"""Of 370 normal residuals, one lies farther from zero than so many SDs."""
+
+
+def _drawings(results: StudyResults) -> Iterator[Drawing]:
+    tested = results.recorded.hypotheses
+    found = tested.tests.blocks.residuals if tested and tested.tests.blocks else None
+    if found is None:
+        return
+    least_sd, most_sd = (number(float(end)) for end in (found.residual.min(), found.residual.max()))
+    far = np.count_nonzero(np.abs(found.residual) > _FAR)
+    yield Drawing(
+        "mixed_residuals",
+        "Residuals of the mixed model",
+        "Residuals of the mixed model, in SDs of repetitions: (a) against normal quantiles, where normal residuals lie "
+        "near the dashed line; (b) against fitted b, where an equal scatter fills a band of one width.",
+        f"{found.residual.size} residuals from {least_sd} to {most_sd} SDs of repetitions; {far} lie farther than "
+        f"{_FAR} SDs from zero.",
+        draw_mixed_residuals(found.fitted, found.residual, found.quantile, results.scale),
+        None,
+    )
+
+
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     found = results.recorded.hypotheses
-    return {"tested": found, "drift": _drift(q), "order": _ORDERS[found.drift.order]} if found else {}
+    if found is None:
+        return {}
+    trend = "t test over participants" if found.trend.over_blocks else "regression within one participant"
+    return {"tested": found, "drift": _drift(q), "order": _ORDERS[found.drift.order], "trend": trend}
 
 
 _ORDERS = {
@@ -189,6 +230,18 @@ in the <a href="#claims">summary</a> follow from intervals over people, not from
 {% else %}
 <p>Tests between specimens take usable trials on two specimens or more.</p>
 {% endif %}
+{% if has("mixed_residuals") %}
+<p>The mixed model assumes normal residuals with one scatter at every level; the tests of these assumptions give
+{{ q["hypotheses.over_people.mixed.residuals.shapiro_p"] | p }} and
+{{ q["hypotheses.over_people.mixed.residuals.level_p"] | p }}.</p>
+{{ folded("mixed_sd", "Scatter of b between people and between repetitions") }}
+{{ folded("mixed_residuals", "Residuals of the mixed model") }}
+{% endif %}
+{% if tested.trend.p == tested.trend.p %}
+<p>From one repetition to the next, b changes by {{ tested.trend.per_mean | percent(2) }} of its mean
+({{ tested.trend.p | p }}; {{ trend }}).</p>
+{{ folded("trend", "Trend of every participant") }}
+{% endif %}
 {{ folded("statements", "Every result as APA, IEEE, LaTeX and plain text") }}
 {% if tested.notes %}
 <details><summary>Notes on the tests</summary>
@@ -199,5 +252,5 @@ in the <a href="#claims">summary</a> follow from intervals over people, not from
 """
 
 HYPOTHESES = Section(
-    "hypotheses", "Tests of the slopes b", _TEXT, of_people, _quantities, hypothesis_tables, words=_words
+    "hypotheses", "Tests of the slopes b", _TEXT, of_people, _quantities, hypothesis_tables, _drawings, _words
 )

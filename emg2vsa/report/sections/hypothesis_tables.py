@@ -9,20 +9,13 @@ import numpy as np
 from emg2vsa.companions.groups import GroupTests
 from emg2vsa.figures.palette import ActivityScale
 from emg2vsa.hypotheses import Hypotheses
-from emg2vsa.report.companion_rows import (
-    CORRECTED,
-    anova_said,
-    companion_table,
-    equality_rows,
-    group_rows,
-    normality_rows,
-    over_people_pair_rows,
-    pair_rows,
-)
+from emg2vsa.report import companion_rows as beside
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.outcome_text import STYLES, said
 from emg2vsa.report.section import Quantities
 from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, activity_column, columns, table_of
+from emg2vsa.report.wording import listed
+from emg2vsa.statistics.mixed_variances import SOURCES
 from emg2vsa.statistics.outcome import Outcome
 
 
@@ -44,6 +37,7 @@ def hypothesis_tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     yield table_of("anova_specimens", between[1], people | _anova(within), FEW_ON_PAGE)
     yield _pairs(found, results.scale)
     yield from _compared(found, results.scale)
+    yield from _models(found, results.scale)
     yield _statements(found)
 
 
@@ -91,7 +85,7 @@ def _pairs(found: Hypotheses, scale: ActivityScale) -> Table:
         Column("t", "t"): lsd.statistic,
         Column("df", "df"): lsd.df,
         Column("p", "p LSD"): lsd.p,
-        **{Column(f"p_{key}", f"p {CORRECTED[key]}"): p for key, p in tests.corrected.items()},
+        **{Column(f"p_{key}", f"p {beside.CORRECTED[key]}"): p for key, p in tests.corrected.items()},
         **columns(tests, "g", "g_low", "g_high"),
     }
     who: Columns = {
@@ -121,18 +115,47 @@ _UNITS = (
 def _compared(found: Hypotheses, scale: ActivityScale) -> Iterator[Table]:
     tests, alpha, blocks = found.tests, found.alpha, found.tests.blocks
     across, within = tests.between_blocks, tests.between_groups
-    rows = normality_rows(tests.normality, alpha, "clusters")
-    yield companion_table("normality", "Gaussian clusters", rows, _FORMS)
+    rows = beside.normality_rows(tests.normality, alpha, "clusters")
+    yield beside.companion_table("normality", "Gaussian clusters", rows, _FORMS)
     if across.anova.f.size:
-        paper = anova_said(across, alpha, "specimens")
-        equal = equality_rows(paper, tests.equality, blocks=blocks, scale=scale)
-        rows = group_rows(across, alpha, "specimens", equal=equal)
-        yield companion_table("participants", "Equal participants", rows, _BOUND)
+        paper = beside.anova_said(across, alpha, "specimens")
+        equal = beside.equality_rows(paper, tests.equality, over=blocks, scale=scale)
+        rows = beside.group_rows(across, alpha, "specimens", equal=equal)
+        yield beside.companion_table("participants", "Equal participants", rows, _BOUND)
     if within.anova.f.size:
-        rows = group_rows(within, alpha, "participants", blocks=blocks)
-        yield companion_table("specimens", "Different specimens", rows, *([_UNITS] if blocks else []))
-        over = over_people_pair_rows(tests.pairs, blocks, alpha) if blocks else []
-        yield companion_table("pairs", "Different pairs of specimens", [*over, *pair_rows(tests.pairs, alpha)])
+        rows = beside.group_rows(within, alpha, "participants", over=blocks)
+        yield beside.companion_table("specimens", "Different specimens", rows, *([_UNITS] if blocks else []))
+        over = beside.pair_rows(tests.pairs, alpha, over=blocks) if blocks else []
+        rows = [*over, *beside.pair_rows(tests.pairs, alpha)]
+        yield beside.companion_table("pairs", "Different pairs of specimens", rows)
+
+
+def _models(found: Hypotheses, scale: ActivityScale) -> Iterator[Table]:
+    """What the mixed model says of the scatter of b, and the trend over repetitions."""
+    blocks = found.tests.blocks
+    if blocks is not None and (of := blocks.variances) is not None:
+        scatter: Columns = {
+            Column("source", "Source"): SOURCES,
+            activity_column("sd_v", "SD of b", scale): of.sd,
+            activity_column("low_v", "Low", scale): of.low,
+            activity_column("high_v", "High", scale): of.high,
+            Column("ratio", "SD / SD of repetitions"): [*of.ratio[:2].tolist(), 1.0],
+            Column("ratio_low", "Low"): [*of.ratio_low[:2].tolist(), None],
+            Column("ratio_high", "High"): [*of.ratio_high[:2].tolist(), None],
+        }
+        caption = "Scatter of b by the mixed model: standard deviations (REML) and their profile-likelihood intervals"
+        if zero := [source for source, sd in zip(SOURCES, of.sd, strict=True) if sd == 0]:
+            caption += f". The likelihood is largest where {listed(zero)} do not scatter: only the upper limit informs"
+        yield table_of("mixed_sd", caption, scatter)
+    if blocks is not None and blocks.residuals is not None:
+        fitted: Columns = {activity_column("fitted_v", "Fitted b", scale): blocks.residuals.fitted}
+        caption = "Residuals of the mixed model, for a QQ plot and for residuals against fitted values"
+        yield table_of("mixed_residuals", caption, fitted | columns(blocks.residuals, "residual", "quantile"))
+    slopes: Columns = {
+        Column("participant", "Participant"): found.trend.blocks,
+        activity_column("slope_v", "Change of b per repetition", scale): found.trend.slope,
+    }
+    yield table_of("trend", "Trend of b over the repetitions of each participant", slopes, FEW_ON_PAGE)
 
 
 def _statements(found: Hypotheses) -> Table:

@@ -7,7 +7,7 @@ paper, and the power of the test that its main claim rests on.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +15,6 @@ import numpy as np
 from emg2vsa.extraction.reasons import most_frequent
 from emg2vsa.fits import by_recording
 from emg2vsa.hypotheses import EFFECT_F, EPSILON, RHO, TARGET, Hypotheses
-from emg2vsa.report.companion_rows import companion_table, rows_of
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Quantities, Section
@@ -43,9 +42,8 @@ def _quantities(results: StudyResults) -> Items:
     planned = power_rm(_PARTICIPANTS, _REPETITIONS, EFFECT_F, RHO, EPSILON, _ALPHA)
     yield f"power.n{_PARTICIPANTS}", float(planned)
     if (found := results.people.hypotheses) is not None:
-        yield "power.study", found.power.repetitions
-        yield "power.study_specimens", found.power.specimens
-        yield "power.people_for_specimens", found.power.people
+        keys = ("power.study", "power.study_specimens", "power.people_for_specimens")
+        yield from zip(keys, (found.power.repetitions, found.power.specimens, found.power.people), strict=True)
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
@@ -55,19 +53,8 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     if results.people is None:
         return
     yield _sessions(results)
-    for verdict, chosen in _judged(results).items():
-        yield _listing(results, verdict, chosen)
-    if (found := results.people.hypotheses) is not None:
-        people = f"{found.power.people} people" if found.power.people else "not defined"
-        specimens = f"power {bounded(found.power.specimens)} here"
-        rows = rows_of("Sample size: 14 people by ten measurements", [
-            (
-                "Repeated-measures F between repetitions", f"power {bounded(found.power.repetitions)} here",
-                f"f = {EFFECT_F:g}, ρ = {RHO:g}, ε = {EPSILON:g}: chosen, not measured",
-            ),
-            ("Repeated-measures F between specimens", specimens, f"{people} for a power of {bounded(TARGET, 2)}"),
-        ])  # fmt: skip
-        yield companion_table("power", "Sample size", rows, "the paper's computation beside others")
+    yield from (_listing(results, verdict, chosen) for verdict, chosen in _judged(results).items())
+    if (found := results.people.hypotheses) is not None and found.power.people:
         yield _sensitivity(found)
 
 
@@ -120,14 +107,10 @@ def _listing(results: StudyResults, verdict: str, chosen: np.ndarray) -> Table:
 def _sensitivity(found: Hypotheses) -> Table:
     """How the power to tell the specimens apart depends on what nobody knew beforehand."""
     people, specimens = found.participants.size, found.specimens.size
-    columns = (
-        Column("rho", "Correlation ρ"), Column("epsilon", "Sphericity ε"), Column("power", "Power here"),
-        Column("people", f"People for a power of {bounded(TARGET, 2)}"),
-    )  # fmt: skip
-    values: tuple[Sequence[float] | np.ndarray, ...] = ((),) * len(columns)
-    if people > 1 and specimens > 1:
-        table = power_table(people, specimens, EFFECT_F, alpha=found.alpha, power=TARGET)
-        values = (*np.meshgrid(table.rho, table.epsilon, indexing="ij"), table.power, table.people)
+    heads = "Correlation ρ", "Sphericity ε", "Power here", f"People for a power of {bounded(TARGET, 2)}"
+    table = power_table(people, specimens, EFFECT_F, alpha=found.alpha, power=TARGET)
+    values = (*np.meshgrid(table.rho, table.epsilon, indexing="ij"), table.power, table.people)
+    columns = map(Column, ("rho", "epsilon", "power", "people"), heads)
     caption = f"Power of {people} people to tell {specimens} specimens apart at f = {EFFECT_F:g}"
     return table_of("power_sensitivity", caption, dict(zip(columns, map(np.ravel, values), strict=True)))
 
@@ -158,11 +141,11 @@ _TEXT = """
 {% for name in judged %}
 {{ folded(name, "Trials " ~ name ~ ", with reasons") }}
 {% endfor %}
-{% if has("verdict_power") %}
-<p>The paper planned its sample size for a test between repetitions, but its hypothesis is about specimens.</p>
-{{ folded("verdict_power", "Power of both tests") }}
-{{ folded("power_sensitivity", "Power under other correlations and sphericities") }}
+{% if q['power.study'] is defined and q['power.study'] == q['power.study'] %}
+<p>The paper planned its sample for a test between repetitions. With the people of this study, that test has a power of
+{{ q['power.study'] | bounded }}, and one between specimens {{ q['power.study_specimens'] | bounded }}.</p>
 {% endif %}
+{{ folded("power_sensitivity", "Power between specimens by correlation and sphericity") }}
 """
 
 PARTICIPANTS = Section("participants", "Participants", _TEXT, _applies, _quantities, _tables, words=_words)
