@@ -32,7 +32,7 @@ def draw_whole_curve(
     for low, high in zip(ranges.from_n[ranges.pair < 0], ranges.to_n[ranges.pair < 0], strict=True):
         statistic.axvspan(low, high, color=BLUE, alpha=0.15, linewidth=0)
     statistic.set(ylabel="F between specimens", yscale="log" if np.any(tests.f > 0) else "linear")
-    differing.hlines(-np.arange(len(pairs)), force_n[0], force_n[-1], colors=GREY, linewidth=0.6)
+    differing.hlines(-np.arange(len(pairs)), found.from_n[0], found.to_n[-1], colors=GREY, linewidth=0.6)
     for row, pair in enumerate(pairs):
         own = ranges.pair == pair
         colour = BLUE if pair in neighbours else GREY

@@ -160,10 +160,10 @@ def _whole_table(known: NDArray[np.bool_]) -> tuple[Ints, Ints, Ints, str]:
     """Numbers of the people, specimens and forces of a table without gaps, and why there is none."""
     had = np.any(known, axis=2)
     specimens = np.flatnonzero(np.any(had, axis=0) & (2 * had.sum(axis=0) >= np.any(had, axis=1).sum()))
-    nothing = np.empty(0, dtype=np.int64)
+    takes, nothing = "the test takes {} with curves of {}, and found {}", np.empty(0, dtype=np.int64)
     if specimens.size < 2:
-        counted = "1 specimen has" if specimens.size else "no specimen has"
-        return nothing, nothing, nothing, f"{counted} curves of at least half of the people; a comparison takes 2"
+        said = takes.format("2 specimens", "half of the people or more", specimens.size)
+        return nothing, nothing, nothing, said
     there = np.all(known[:, specimens], axis=1)
     people, forces = (np.ones(size, dtype=np.bool_) for size in there.shape)
     while (lacks := ~there & people[:, None] & forces).any():
@@ -172,7 +172,7 @@ def _whole_table(known: NDArray[np.bool_]) -> tuple[Ints, Ints, Ints, str]:
         worst, shares = (people, by_person) if by_person.max() >= by_force.max() else (forces, by_force)
         worst[np.argmax(shares)] = False
     if (n := np.count_nonzero(people)) < FEWEST or not forces.any():
-        return nothing, nothing, nothing, f"{n} people have curves of every specimen; the test takes {FEWEST}"
+        return nothing, nothing, nothing, takes.format(f"{FEWEST} people", "every specimen", n)
     return np.flatnonzero(people), specimens, np.flatnonzero(forces), ""
 
 

@@ -57,14 +57,17 @@ def test_the_page_shows_the_picture_at_once_and_names_neighbours(results) -> Non
     content = contents(study)
     text = rendered(CURVES, study, content)
     assert text.index("<svg") < text.index("<details")
-    assert "S1 and S2 over 67" in text
+    assert "S1–S2 over 67" in text
     assert "9 people at 12 forces" in text
     assert "S1–S2 over 67" in content.drawings["curves"].description
-    assert len(content.drawings["curves"].caption.split()) <= 40
+    assert len(content.drawings["curves"].caption.split()) <= 35
 
 
 def test_a_study_whose_curves_cannot_be_compared_says_why(results) -> None:
-    for people, why in ((2, "2 people have curves of every specimen"), (0, "no specimen has curves")):
+    for people, why in (
+        (2, "3 people with curves of every specimen, and found 2"),
+        (0, "2 specimens with curves of half of the people or more, and found 0"),
+    ):
         study = with_curves(results, curves(people))
         content = contents(study)
         assert why in rendered(CURVES, study, content)

@@ -67,26 +67,26 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     figure = draw_whole_curve(found, drawn, neighbours, looks(results.specimens), results.scale)
     caption = (
         "Whole curves. (a) Mean over people, with simultaneous bands about the mean of the specimens. (b) F between "
-        "specimens; dashed: threshold. (c) Forces at which pairs differ; blue: neighbours in stiffness."
+        "specimens; dashed: threshold. (c) Forces at which pairs differ; blue: neighbours."
     )
     description = (
         f"Of the forces from {number(found.from_n[0])} to {number(found.to_n[-1])} N, all specimens differ over "
-        f"{percent(found.differing()[0], 2)}; {'; '.join(_told(found, drawn, '–'))}."
+        f"{percent(found.differing()[0], 2)}; {'; '.join(_told(found, drawn))}."
     )
     yield Drawing("curves", "Whole curves of co-contraction against force", caption, description, figure, None)
 
 
-def _told(found: WholeCurve, pairs: list[int], link: str) -> list[str]:
+def _told(found: WholeCurve, pairs: list[int]) -> list[str]:
     """``S1–S2 over 100 %`` of each pair."""
     share = found.differing()
-    return [f"{link.join(found.pairs[pair])} over {percent(share[pair + 1], 2)}" for pair in pairs]
+    return [f"{'–'.join(found.pairs[pair])} over {percent(share[pair + 1], 2)}" for pair in pairs]
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     if (found := _found(results)) is None:
         tested = results.recorded.hypotheses
         return {"why": tested.curves.tests.why if tested else ""}
-    told = _told(found, found.neighbours(results.study.stiffness_n_per_mm), " and ")
+    told = _told(found, found.neighbours(results.study.stiffness_n_per_mm))
     return {"differ": listed(told), "left_out": listed(found.left_out)}
 
 
