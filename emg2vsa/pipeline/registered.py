@@ -37,9 +37,12 @@ def registered(study: Study, *, final: bool = False) -> Registered | None:
 
 
 def _rig(study: Study, planned: Path | None) -> RigFile | None:
-    """The rig file of the study, or the one that was registered; None where that is gone."""
+    """The rig file of the study, or the one that was registered; None where it is gone or has problems, which a run of
+    the rig tells."""
     path = study.runs_source.rig if study.runs_source and study.runs_source.rig else planned
-    return importlib.import_module("emg2vsa.rig_file").load_rig(path) if path and path.is_file() else None
+    with contextlib.suppress(Emg2vsaError):
+        return importlib.import_module("emg2vsa.rig_file").load_rig(path) if path else None
+    return None
 
 
 def as_it_is(study: Study, rig: RigFile | None) -> dict[str, Any]:

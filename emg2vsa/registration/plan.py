@@ -96,9 +96,9 @@ def claim_plan(judged: Judged) -> Plain:
 
 def _claims(study: Study, experiment: ExperimentSettings | None) -> Iterable[Claim]:
     """On tables of the shape that the data will have; their numbers mean nothing."""
-    new, people, runs = study.profile.new_specimen or "", bool(study.recordings), study.runs_source is not None
+    new, people, runs = study.profile.new_specimen or "", bool(study.participants), study.runs_source is not None
     if people:
-        kept = study.hypotheses.kept_specimens or study.palpated
+        kept = study.hypotheses.kept_specimens or _palpated(study)
         yield from people_claims(_presses(study), study.stiffness_n_per_mm, kept, study.claims, new=new)
     if runs:
         yield from rig_claims(_runs(study, experiment), study.calibration.mounting_sd_percent / 100, study.claims)
@@ -109,8 +109,13 @@ def _claims(study: Study, experiment: ExperimentSettings | None) -> Iterable[Cla
     yield from arithmetic_claims(study, weight_alpha=weight, counted=Counted(0, 0, 0) if people else None, runs=runs)
 
 
+def _palpated(study: Study) -> tuple[str, ...]:
+    """All specimens while no recording is listed yet."""
+    return study.palpated or tuple(specimen.name for specimen in study.specimens)
+
+
 def _presses(study: Study) -> PressTable:
-    cells = list(product(study.participants, study.palpated, range(1, _PRESSES + 1)))
+    cells = list(product(study.participants, _palpated(study), range(1, _PRESSES + 1)))
     who, specimen, repetition = (np.array(column) for column in zip(*cells, strict=True))
     values = np.linspace(1.0, 2.0, len(cells))
     return PressTable(who, specimen, repetition.astype(np.int64), values, values, np.full(len(cells), np.nan))

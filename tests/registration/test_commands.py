@@ -17,7 +17,7 @@ from emg2vsa.deposit import verification
 from emg2vsa.session.journal import JOURNAL_FILE, Told, read_journal
 from emg2vsa.study_file import load_study
 from tests.once import Once
-from tests.small import run_all, study_of_runs
+from tests.small import run_all, study_of_files, study_of_runs
 
 Said = pytest.CaptureFixture[str]
 
@@ -187,9 +187,25 @@ def test_runs_that_are_to_be_measured(study: RegisteredStudy, tmp_path: Path, ca
     of.edit("[experiment]\n", "[experiment]\nseed = 9\n", "rig-2.toml")
     (run / "force.csv").write_text("3")
     assert [each.what for each in of.found().deviations] == ["rig file, [experiment] seed", "run S1_0_modular"]
-    (tmp_path / "rig-2.toml").unlink()
-    assert [each.what for each in of.found().deviations][-1] == "run S1_0_modular"
-    assert {each.now for each in of.found().deviations if each.kind == "rig"} == {"absent"}
+    for change in (lambda file: file.write_text("[rig"), Path.unlink):
+        change(tmp_path / "rig-2.toml")
+        assert [each.what for each in of.found().deviations][-1] == "run S1_0_modular"
+        assert {each.now for each in of.found().deviations if each.kind == "rig"} == {"absent"}
+
+
+def test_people_are_registered_before_any_recording_is_listed(tmp_path: Path) -> None:
+    text = study_of_files(participants=["P01", "P02"], specimens=["S1", "S2"])
+    file, layout = tmp_path / "study.toml", 'layout = "pattern"\npattern = "{participant}_{specimen}.csv"'
+    assert layout in text
+    first = '[[recordings.files]]\nparticipant = "P01"\nspecimen = "S1"\nemg = "one.csv"\n'
+    file.write_text(text.replace(layout, 'layout = "files"\n' + first))
+    assert main(["register", str(file), "--json"]) == 0
+    of = RegisteredStudy(tmp_path)
+    assert "specimens_differ" in json.loads(of.registration.read_text())["claims"]
+    file.write_text(
+        text.replace(layout, 'layout = "files"\n' + first + first.replace("P01", "P02").replace("one", "two"))
+    )
+    assert not of.found().deviations
 
 
 # sessions
