@@ -6,12 +6,11 @@ over frames, through how many there are; and errors of timing, through how fast 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.shown import shown
 
 LOSSY_SENSOR, LOSSY_SPECIMENS = 0.30, 0.10
 "Shares of a sensor that creeps as much as soft printed skin may, on specimens that creep alike."
@@ -36,10 +35,10 @@ class StiffnessEffect:
     conditions: tuple[str, ...]
     materials: tuple[str, ...]
     pair: tuple[str, str]
-    duration_s: Floats = field(metadata=shown("Duration (s)"))
+    duration_s: Floats
     slope: Floats
-    frame_sum: Floats = field(metadata=shown("Eq. (2) (mm²/N)"))
-    frame_sum_swapped: Floats = field(metadata=shown("Eq. (2), schedules swapped"))
+    frame_sum: Floats
+    frame_sum_swapped: Floats
     slope_swapped: Floats
     timing_cv: Floats
     timing_d: Floats

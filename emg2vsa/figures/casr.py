@@ -33,36 +33,27 @@ POOLED = Look(GREY, "o", "-")
 """All specimens of an angle together."""
 
 
-@dataclass(frozen=True)
-class AreaPanel:
-    """One panel: ``percent`` (n,) of each group, their names and looks, and bars between them."""
-
-    title: str
-    names: Sequence[str]
-    percent: Sequence[Floats]
-    looks: Sequence[Look]
-    bars: Sequence[PairBar]
+Group = tuple[str, Floats, Look]
+"""Name, values (n,) and look of a box."""
 
 
-def draw_areas(by_specimen: Sequence[AreaPanel], by_angle: AreaPanel | None) -> Figure:
-    """Differences of areas in percent. All panels share one scale, which the levels, from zero, would not leave."""
-    panels = [*by_specimen, *([by_angle] if by_angle else [])]
-    figure, (row,) = panel_grid(1, [1] * len(panels), 50, (15, 2, 11, 10), (11, 0))
-    values = [v[np.isfinite(v)] for panel in panels for v in panel.percent]
-    together = np.concatenate([np.zeros(1), *values])
-    room = 0.05 * (np.ptp(together) or 1.0)
-    for axes, panel in zip(row, panels, strict=True):
+def _boxes(axes: Axes, title: str, boxes: Sequence[Group]) -> None:
+    for place, (_, values, look) in enumerate(boxes):
+        draw_box(axes, place, values, look)
+    groups(axes, [name for name, *_ in boxes])
+    axes.set_title(title, loc="center")
+
+
+def draw_areas(panels: Sequence[tuple[str, Sequence[Group]]], bars: Sequence[PairBar]) -> Figure:
+    """Differences of areas in percent; ``bars`` over the boxes of the last panel."""
+    figure, (row,) = panel_grid(1, [1] * len(panels), 50, (15, 2, 11, 10), (6, 0))
+    for axes, (title, boxes) in zip(row, panels, strict=True):
         axes.axhline(0, color=INK, linewidth=0.6)
-        for place, (percent, look) in enumerate(zip(panel.percent, panel.looks, strict=True)):
-            draw_box(axes, place, percent, look)
-        axes.set_ylim(together.min() - room, together.max() + room)
-        draw_bars(axes, panel.bars, "")
-        groups(axes, panel.names)
-        axes.set_title(panel.title, loc="center")
+        _boxes(axes, title, boxes)
+    one_scale(row)
+    draw_bars(row[-1], bars, "")
+    one_scale(row)
     row[0].set_ylabel("Difference of area (%)")
-    highest = max(axes.get_ylim()[1] for axes in row)
-    for axes in row:
-        axes.set_ylim(top=highest)
     return figure
 
 
@@ -127,32 +118,19 @@ def draw_rates(rows: Sequence[tuple[str, Sequence[RateSeries]]], unit: str) -> F
     """rows : title and specimens, stiffest first; ``unit`` of the area."""
     figure, panels = panel_grid(len(rows), (1.15, 1), 38, (13, 2, 11, 13), (17, 12))
     for (raw, boxes), (title, specimens) in zip(panels, rows, strict=True):
-        for place, series in enumerate(specimens):
+        for series in specimens:
             _raw(raw, series)
-            draw_box(boxes, place, series.casr, series.look)
         raw.set(ylabel=f"dA/dF ({unit}/N)", xlim=(0, None))
-        _keep_most(raw, [series.quotients[1] for series in specimens])
-        groups(boxes, [series.name for series in specimens])
-        boxes.set_ylabel(f"CASR ({unit}/N)")
         raw.set_title(title, loc="center")
+        _keep_most(raw, [series.quotients[1] for series in specimens])
+        _boxes(boxes, "", [(series.name, series.casr, series.look) for series in specimens])
+        boxes.set_ylabel(f"CASR ({unit}/N)")
     panels[-1][0].set_xlabel("Force (N)")
-    _one_scale_unless_flat([boxes for _, boxes in panels])
     named = {series.name: series.look for _, specimens in rows for series in specimens}
     for name, look in named.items():
         marks(panels[0][0], [], [], look, linestyle=look.dash, label=name)
     figure.legend(loc="upper center", ncols=len(named) or 1)
     return figure
-
-
-_LEAST_SPAN = 0.15
-
-
-def _one_scale_unless_flat(column: Sequence[Axes]) -> None:
-    """The same scale for all, unless that would leave the boxes of one of them flat."""
-    low, high = np.transpose([axes.get_ylim() for axes in column])
-    if (high - low).min() >= _LEAST_SPAN * (high.max() - low.min()):
-        for axes in column:
-            axes.set_ylim(low.min(), high.max())
 
 
 def _keep_most(axes: Axes, rates: Sequence[Floats]) -> None:
@@ -178,7 +156,7 @@ def _raw(axes: Axes, series: RateSeries) -> None:
 
 
 _ASIDE = 0.21
-RING = Look(INK, "o", "-")
+_RING = Look(INK, "o", "-")
 _RIGID = "left, hollow: rigid (high stiffness)"
 _HUMAN_LIKE = "right, filled: human-like (modular stiffness)"
 
@@ -216,12 +194,11 @@ def draw_conditions(
         for place, each in enumerate(specimens):
             draw_box(above, place - _ASIDE, each.rigid, each.look, width=0.36, hollow_marks=True)
             draw_box(above, place + _ASIDE, each.human_like, each.look, width=0.36, filled=True)
-            draw_box(below, place, each.percent, each.look, filled=True)
             if each.far:
-                marks(below, place, np.mean(each.percent), RING, 13, 1.2, markerfacecolor="none")
-        for axes in (above, below):
-            groups(axes, [each.name for each in specimens])
+                marks(below, place, np.mean(each.percent), _RING, 13, 1.2, markerfacecolor="none")
+        groups(above, [each.name for each in specimens])
         above.set_title(title, loc="center")
+        _boxes(below, "", [(each.name, each.percent, each.look) for each in specimens])
     for row, name in ((levels, f"CASR ({unit}/N)"), (differences, "Human-like less rigid (%)")):
         one_scale(row)
         row[0].set_ylabel(name)
@@ -238,17 +215,14 @@ _BEYOND = 0.08
 
 
 def draw_calibrations(
-    panels: Sequence[tuple[str, ConditionResult, AlgorithmResult]],
-    looks: Mapping[str, Look],
-    new: str,
-    known_new: float,
+    panels: Sequence[tuple[str, ConditionResult, AlgorithmResult]], looks: Mapping[str, Look], new: str, known: float
 ) -> Figure:
-    """panels : title, and what the chosen vision algorithm gives; known_new : stiffness of ``new``, NaN if unknown."""
+    """panels : title, and what the chosen vision algorithm gives; known : stiffness of ``new``, NaN if not."""
     rows = -(-len(panels) // _ACROSS)
     figure, grid = panel_grid(rows, [1] * min(_ACROSS, len(panels)), 38, (13, 2, 12, 13), (12, 16))
     axes = [each for row in grid for each in row]
     for each, (title, condition, found) in zip(axes, panels, strict=False):
-        _panel(each, condition, found, looks, new, known_new)
+        _calibration(each, condition, found, looks, new, known)
         each.set_title(title, loc="center")
         each.set_xlabel(f"CASR ({found.casr_unit.replace('2', '²')})")
     for unused in axes[len(panels) :]:
@@ -268,13 +242,8 @@ def law_curve(result: LawResult, casr: Floats) -> Floats:
     return kappa_of(law, level + second * x_of(law, casr))
 
 
-def _panel(
-    axes: Axes,
-    condition: ConditionResult,
-    found: AlgorithmResult,
-    looks: Mapping[str, Look],
-    new: str,
-    known_new: float,
+def _calibration(
+    axes: Axes, condition: ConditionResult, found: AlgorithmResult, looks: Mapping[str, Look], new: str, known: float
 ) -> None:
     scores = [row[np.isfinite(row)] for row in (*found.casr, found.new_casr)]
     together = np.concatenate(scores)
@@ -298,8 +267,8 @@ def _panel(
         # the interval goes on beyond the panel
         axes.plot(mean, top, marker="^", markersize=5, color=look.colour, clip_on=False)
     marks(axes, mean, found.chosen.kappa, look, 6, label=new)
-    if np.isfinite(known_new):
-        axes.axhline(known_new, color=look.colour, linestyle=(0, (1, 1)), linewidth=0.8, label="known κ")
+    if np.isfinite(known):
+        axes.axhline(known, color=look.colour, linestyle=(0, (1, 1)), linewidth=0.8, label="known κ")
     axes.set_ylim(0, top)
 
 

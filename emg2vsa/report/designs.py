@@ -115,8 +115,3 @@ def medians_said(rows: Iterable[tuple[str, Iterable[tuple[str, Floats]]]]) -> st
 
 def _median(values: Floats) -> str:
     return number(float(np.median(values))) if values.size else "none"
-
-
-def shared(values: Sequence[int]) -> str:
-    """``3`` where all are the same, ``2 to 3`` where not."""
-    return f"{min(values)}" if min(values) == max(values) else f"{min(values)} to {max(values)}"

@@ -11,7 +11,6 @@ from emg2vsa.calibration.results import LawResult
 from emg2vsa.figures.algorithm_1 import draw_steps
 from emg2vsa.figures.canvas import PairBar, panel_grid, style, svg_text
 from emg2vsa.figures.casr import (
-    AreaPanel,
     ConditionBoxes,
     Estimate,
     RateSeries,
@@ -53,17 +52,19 @@ def marked(axes):
 
 
 def test_differences_of_areas_share_one_scale_and_show_every_value():
-    look = [LOOKS["S1"], LOOKS["S3"]]
-    panels = [AreaPanel(f"{angle}°", ["S1", "S3"], [VALUES - 10, 4 * VALUES - 40], look, ()) for angle in (0, 30)]
-    pooled = AreaPanel("beside 0°", ["0°", "30°"], [VALUES - 10, VALUES - 30], look, [PairBar(0, 1, 0.2)])
-    figure = draw(draw_areas, panels, pooled)
+    def boxes(first, second, names=("S1", "S3")):
+        return [(names[0], first, LOOKS["S1"]), (names[1], second, LOOKS["S3"])]
+
+    panels = [(f"{angle}°", boxes(VALUES - 10, 4 * VALUES - 40)) for angle in (0, 30)]
+    pooled = "beside 0°", boxes(VALUES - 10, VALUES - 30, ("0°", "30°"))
+    figure = draw(draw_areas, [*panels, pooled], [PairBar(0, 1, 0.2)])
     ((low, high),) = {axes.get_ylim() for axes in figure.axes}
     assert low < -21 < 4 < high
     assert [text.get_text() for text in figure.axes[-1].texts] == ["ns"]
     assert np.allclose(np.sort(marked(figure.axes[0])[1].get_ydata()), 4 * VALUES - 40)
     assert figure.axes[0].get_ylabel() == "Difference of area (%)"
     # a box without values leaves its place empty
-    axes = draw(draw_areas, [replace(panels[0], percent=[VALUES, np.array([np.nan])])], None).axes[0]
+    axes = draw(draw_areas, [("0°", boxes(VALUES, np.array([np.nan])))], []).axes[0]
     assert len(marked(axes)) == 1
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["S1", "S3"]
 
@@ -142,16 +143,6 @@ def test_quotients_beyond_the_scale_are_counted():
     raw = draw(draw_rates, [("0°", [wild])], "mm²").axes[0]
     assert raw.get_title(loc="right") == "2 beyond"  # up to the wild frame, and down again
     assert raw.get_ylim()[1] < 100
-
-
-def test_boxes_share_a_scale_unless_some_would_be_flat():
-    def row(level, spread):
-        return [RateSeries("S1", LOOKS["S1"], [], level + spread * (VALUES - 10))]
-
-    near = draw(draw_rates, [("0°", row(10, 1)), ("30°", row(12, 1))], "mm²")
-    far = draw(draw_rates, [("0°", row(10, 1)), ("45°", row(900, 100))], "mm²")
-    assert near.axes[1].get_ylim() == near.axes[3].get_ylim()
-    assert far.axes[1].get_ylim() != far.axes[3].get_ylim()
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.3])

@@ -127,7 +127,8 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     fewest, most = compared.mountings
     sd = compared.mounting_sd[0] if most > 1 else compared.assumed_sd
     reach = 100 * np.expm1(2 * sd / np.sqrt(max(fewest, 1)))
-    boxes = "one mounting" if most == 1 else f"{designs.shared(compared.mountings)} mountings"
+    several = f"{most} mountings" if fewest == most else f"{fewest} to {most} mountings"
+    boxes = "one mounting" if most == 1 else several
     caption = (
         f"Fig. 14. CASR ({table.algorithm} algorithm); each box holds the presses of {boxes}. Below: human-like "
         "presses less the rigid mean; grey: two SDs of a mean over mountings; rings lie beyond."

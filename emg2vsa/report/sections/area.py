@@ -10,7 +10,7 @@ from emg2vsa.claims import paper
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import RIGID
 from emg2vsa.figures.canvas import PairBar
-from emg2vsa.figures.casr import POOLED, AreaPanel, draw_areas, draw_contacts
+from emg2vsa.figures.casr import POOLED, draw_areas, draw_contacts
 from emg2vsa.report import designs
 from emg2vsa.report.companion_rows import companion_table, normality_rows
 from emg2vsa.report.designs import ends_of, finite, intervals, keys, of_tests, tested
@@ -139,27 +139,26 @@ def _differences(results: StudyResults, found: Discrimination, condition: str, o
     means = np.array([[np.mean(finite(each)) if finite(each).size else np.nan for each in row] for row in values])
     angles, unit, levels = [f"{table.angles_deg[i]:g}°" for i in own], area_unit(table.area_unit), means[own]
     panels = [
-        AreaPanel(
-            f"{angle}\nmean {number(float(np.nanmean(level)))} {unit}", names,
-            [100 * (finite(presses) / np.nanmean(level) - 1) for presses in values[i]], [look[n] for n in names], (),
-        )
+        (f"{angle}\nmean {number(float(np.nanmean(level)))} {unit}", [
+            (name, 100 * (finite(presses) / np.nanmean(level) - 1), look[name])
+            for name, presses in zip(names, values[i], strict=True)
+        ])
         for i, angle, level in zip(own, angles, levels, strict=True)
     ]  # fmt: skip
-    pooled, beside = None, ""
+    beside, bars = "", []
     if len(own) > 1:
         shares = [finite((100 * (values[i] / levels[0][:, None] - 1)).ravel()) for i in own]
-        pooled = AreaPanel(
-            f"beside {angles[0]}", angles, shares, [POOLED] * len(own), _bars(found, condition, own)
-        )  # fmt: skip
-        beside = f"; right, from its specimen at {angles[0]} (Dunn's test, Bonferroni)"
+        panels.append((f"beside {angles[0]}", [(*each, POOLED) for each in zip(angles, shares, strict=True)]))
+        beside, bars = (
+            f"; right, from its specimen at {angles[0]} (Dunn's test, Bonferroni)",
+            _bars(found, condition, own),
+        )
     caption = (
         f"Fig. 8. Initial area where loading begins, {condition} ({table.algorithm} algorithm): difference of each "
         f"press from the mean at its angle{beside}."
     )
-    told = designs.medians_said(
-        (panel.title.replace("\n", ", "), zip(panel.names, panel.percent, strict=True)) for panel in panels
-    )
-    title, figure = "Initial contact area by specimen and by angle", draw_areas(panels, pooled)
+    told = designs.medians_said((title.replace("\n", ", "), [each[:2] for each in boxes]) for title, boxes in panels)
+    title, figure = "Initial contact area by specimen and by angle", draw_areas(panels, bars)
     return designs.drawing(results, "fig08_initial_area", title, caption, f"Medians in percent. {told}.", figure)
 
 

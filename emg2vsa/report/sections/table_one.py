@@ -138,38 +138,36 @@ def _error_said(law: LawResult, truth: float, over_array: float) -> str:
         return "not determined"
     if truth != truth:
         return UNDEFINED
-    return f"{signed(100 * law.error)} {ends(*(100 * (end / truth - 1) for end in (law.low, law.high)))}"
+    error, *interval = _errors(law, truth)
+    return f"{signed(error)} {ends(*interval)}"
 
 
 def picture(results: StudyResults, found: CalibrationResults) -> Drawing:
     """Table I as a plot: a panel for each angle, a row for each algorithm and actuator."""
-    truth = found.known_kappa_new
-    panels, told = [], []
+    truth, panels, told = found.known_kappa_new, [], []
     for angle in _angles(found):
-        rows = [_row(results, found, angle, name, actuator) for name in _compared(results) for actuator in _ACTUATORS]
+        rows = []
+        for name in _compared(results):
+            for condition, _, head, look in _ACTUATORS:
+                of, printed = _at(found, angle, condition, name), 100 * _printed(angle, condition, name)
+                errors, known = (_errors(of.chosen, truth), of.chosen.determined) if of else ((np.nan,) * 3, False)
+                rows.append(Estimate(f"{name}, {head.lower()}", *errors, known, look, printed))
         panels.append((f"{angle:g}°", rows))
-        each = ", ".join(
-            f"{row.name} {signed(row.value)}{'' if row.determined else ' (not determined)'}" for row in rows
-        )
-        told.append(f"{angle:g}°: {each}")
+        said = [f"{row.name} {signed(row.value)}{'' if row.determined else ' (not determined)'}" for row in rows]
+        told.append(f"{angle:g}°: {', '.join(said)}")
     figure = draw_estimates(panels, "Error on κ (%)", 0.0)
     caption = (
         f"Table I as a plot: error on κ of {found.new_specimen} with 95 % intervals, by vision algorithm and actuator. "
         "Brackets: the paper's, printed without sign; hollow: not determined."
     )
-    title, said = "Table I: error on the stiffness of the new specimen", "; ".join(told)
-    return designs.drawing(results, "figtable1_errors", title, caption, f"Known: {number(truth)} N/mm. {said}.", figure)
+    title = "Table I: error on the stiffness of the new specimen"
+    said_all = f"Known: {number(truth)} N/mm. {'; '.join(told)}."
+    return designs.drawing(results, "figtable1_errors", title, caption, said_all, figure)
 
 
-def _row(
-    results: StudyResults, found: CalibrationResults, angle_deg: float, name: str, actuator: tuple[str, str, str, Look]
-) -> Estimate:
-    condition, _, head, look = actuator
-    of, truth = _at(found, angle_deg, condition, name), found.known_kappa_new
-    law, printed = of.chosen if of else None, 100 * _printed(angle_deg, condition, name)
-    values = (law.error, law.low / truth - 1, law.high / truth - 1) if law else (np.nan,) * 3
-    error, low, high = (100 * value for value in values)
-    return Estimate(f"{name}, {head.lower()}", error, low, high, bool(law and law.determined), look, printed)
+def _errors(law: LawResult, truth: float) -> tuple[float, float, float]:
+    """Percent: error, low and high."""
+    return 100 * law.error, 100 * (law.low / truth - 1), 100 * (law.high / truth - 1)
 
 
 _STEPS = {
@@ -181,8 +179,9 @@ _STEPS = {
 _AS_PRINTED = {"area_rule": "hexagons of Algorithm 1", "law": "equation (1)", "rate": "equation (2)"}
 
 
-_STEP_HEADS = {"area_rule": "Initial area", "engine": "Growth", "force_rule": "Force of a frame", "law": "Area"}
-_STEP_HEADS |= {"rate": "CASR"}
+_STEP_HEADS = {
+    "area_rule": "Initial area", "engine": "Growth", "force_rule": "Force of a frame", "law": "Area", "rate": "CASR",
+}  # fmt: skip
 
 
 def _recipes(results: StudyResults, algorithms: Sequence[str]) -> Table:
