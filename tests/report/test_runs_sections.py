@@ -124,7 +124,7 @@ def test_a_report_on_a_dynamixel_says_that_no_real_one_was_tried(whole, content)
     for results, times in ((whole, 0), (other, 1)):
         for section in (RUNS, SCHEDULES):
             assert rendered(section, results, content).count(UNTRIED) == times
-        assert str(methods(results.study, results.people.trials, {})).count(UNTRIED) == times
+        assert str(methods(results)).count(UNTRIED) == times
 
 
 def test_every_figure_of_section_six_is_there_and_the_page_says_that_the_rig_is_simulated(written, content, read_page):
