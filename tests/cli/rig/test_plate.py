@@ -60,6 +60,19 @@ def test_plate_runs_give_the_stiffness_of_the_emulated_specimens(
     assert err == "S1: done before\n"
 
 
+def test_the_emulated_rig_indents_specimens_that_its_world_has_and_no_run_presses(
+    rig: Rig, rig_file: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = rig_file(FAST)
+    assert rig("run", path, "--virtual", "--plate", "S4")[0] == 0
+    assert main(["tools", "stiffness", str(tmp_path / "runs-virtual-plate" / "S4"), "--json"]) == 0
+    kappa = [row["stiffness_n_per_mm"] for row in json.loads(capsys.readouterr().out)]
+    assert sum(kappa) / len(kappa) == pytest.approx(3.12, rel=0.05)
+    status, _, err = rig("run", path, "--plate", "S4")  # the bench of a laboratory has what its rig file names
+    assert status == 2
+    assert "--plate: expected S1, S3, but found S4." in err
+
+
 def test_what_is_no_plate_run_is_refused(
     rig: Rig, rig_file: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

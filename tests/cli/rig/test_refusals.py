@@ -30,7 +30,7 @@ emulate rig.toml --fault "gain lots" --write e.toml       | fault gain: expected
 run not-emulated.toml --virtual                           | not-emulated.toml: expected a table [emulated], but found none.
 run strong.toml --virtual                                 | schedule of S1, modular, stiffness preset: expected 20 to 80 % of the device's maximum, but found 85.7143 %.
 run listed.toml --all --virtual --seed 1                  | --seed: expected a seed for a random order, but found 1.
-run rig.toml --virtual --plate S9                         | --plate: expected S1, S3, but found S9.
+run rig.toml --virtual --plate S9                         | --plate: expected S1, S3, S2, S4, S5, but found S9.
 run rig.toml --virtual --plate S1 --all                   | --plate: expected --plate alone, but found a choice of runs beside it.
 run far-plate.toml --virtual --plate S1                   | plate.f_max_n: expected a force above contact, 0.3 N, and below the guard rig.guards.force_n, 50 N
 run rig.toml --virtual --plate S3 --calibration good.json | --calibration: expected presses of the tactile sensor
