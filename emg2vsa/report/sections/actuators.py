@@ -169,7 +169,7 @@ _TEXT = """
 {{ figure("fig14_conditions") }}
 <p>{% if sd %}Mountings scatter by {{ sd }} % (SD, from {{ between }}); {{ assumed | number(2) }} % is assumed of
 specimens mounted once. {% endif %}
-{% if beyond %}Beyond two SDs: {{ beyond }}. By chance a difference has an SD of 1.4 SDs. {% endif %}
+{% if beyond %}Beyond two SDs (a difference has 1.4 by chance): {{ beyond }}. {% endif %}
 {{ schedules | join(" ") }}</p>
 {{ folded("contrasts", "Contrast of specimens under every condition, tested over mountings") }}
 {{ folded("conditions_compared", "Human-like stiffness against every other condition") }}

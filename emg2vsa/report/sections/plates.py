@@ -63,8 +63,8 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
         for name, worst in plates.worst_adj_r2().items()
     )
     caption = (
-        "Fig. P1. Force of a flat plate against depth past contact, all trials (pale), with the line F = κ x of each "
-        f"specimen; right: force less that line.{origin}"
+        "Fig. P1. Force of a flat plate against depth past contact (pale) with F = κ x of each specimen; right: force "
+        f"less that line.{origin}"
     )
     yield Drawing("figplate_indentation", "Plate indentations", caption, f"{told}.{origin}", figure, None)
 

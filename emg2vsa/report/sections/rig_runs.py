@@ -128,7 +128,7 @@ _TEXT = """
 <p>{{ q["runs.presses"] }} presses in {{ q["runs.count"] }} runs were scored; {{ q["runs.rejected"] }} were rejected.
 <strong>{{ emulated }} {{ "come from a simulated rig" if emulated else "These runs were measured" }}.</strong>
 {% if "runs.largest_force_n" in q %}
-The largest force was {{ q["runs.largest_force_n"] | number }} N: it passes F_max, as filter, bus and motors are late.
+The largest force, {{ q["runs.largest_force_n"] | number }} N, passes F_max, as filter, bus and motors are late.
 {% endif %}
 {{ order }}
 {% if remark %}

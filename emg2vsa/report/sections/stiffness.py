@@ -103,8 +103,8 @@ def _named(condition: str) -> str:
 
 _TEXT = """
 <p>By contact mechanics the actuator's stiffness changes only how long a press lasts. CASR follows by creep (contrast:
-{{ creep | number(2) }} % at most{% if creep < mountings %}, less than mountings scatter,
-{{ mountings | number(2) }} %{% endif %}), by the frames that equation (2) sums, and by the camera's timing.
+{{ creep | number(2) }} % at most{% if creep < mountings %}, less than mountings scatter{% endif %}), by the frames that
+equation (2) sums, and by the camera's timing.
 {% if q["stiffness.frame_sum.swaps_order"] %}
 By equation (2), swapped schedules swap {{ pair[0] }} and {{ pair[1] }}.
 {% endif %}
