@@ -17,18 +17,21 @@ from matplotlib.figure import Figure
 from emg2vsa.arrays import Floats
 from emg2vsa.figures.canvas import (
     ONE_COLUMN_MM,
-    TWO_COLUMNS_MM,
     PairBar,
     draw_bars,
     draw_box,
     groups,
     marks,
     new_figure,
+    panel_grid,
     show_zero,
 )
 from emg2vsa.figures.palette import BLUE, INK, NEW, ActivityScale, Look
 from emg2vsa.profiles import Profile
 from emg2vsa.schedules import Schedule
+
+_TWO_PANELS: Any = {"panel_mm": 53, "margins_mm": (13, 2, 11, 6), "gaps_mm": (16, 0)}
+_BAND: Any = {"alpha": 0.18, "linewidth": 0}
 
 
 def draw_cocontraction(
@@ -40,12 +43,10 @@ def draw_cocontraction(
     bar_legend: str,
 ) -> Figure:
     """profiles, slopes (n,) and looks belong together, one per specimen; ``bar_legend`` names test and correction."""
-    figure, trends, boxes = _two_panels(72)
+    figure, ((trends, boxes),) = panel_grid(1, (1, 1), **_TWO_PANELS)
+    _trends(trends, [(profile, profile.specimen, look) for profile, look in zip(profiles, looks, strict=True)], scale)
     for profile, look in zip(profiles, looks, strict=True):
-        v, sd = profile.v * scale.factor, profile.sd_v * scale.factor
-        trends.fill_between(profile.force_n, v - sd, v + sd, color=look.colour, alpha=0.18, linewidth=0)
-        _trend(trends, profile, look, scale, profile.specimen)
-    _label_trends(trends, profiles, scale)
+        _band(trends, profile, profile.sd_v, look, scale)
     falling = sum(profile.b_v < 0 for profile in profiles)
     trends.legend(loc="upper right" if 2 * falling > len(profiles) else "upper left")
     for place, (b, look) in enumerate(zip(slopes, looks, strict=True)):
@@ -56,44 +57,29 @@ def draw_cocontraction(
     return figure
 
 
-def _two_panels(height_mm: float) -> tuple[Figure, Axes, Axes]:
-    figure, panels = new_figure(TWO_COLUMNS_MM, height_mm, (13, 2, 11, 6), shares=(1, 1), gap_mm=16)
-    for axes, letter in zip(panels, "ab", strict=True):
-        axes.set_title(f"({letter})", loc="left")
-    return figure, panels[0], panels[1]
-
-
-def _trend(axes: Axes, profile: Profile, look: Look, scale: ActivityScale, label: str) -> None:
-    every = max(1, profile.force_n.size // 8)
-    v = profile.v * scale.factor
-    marks(axes, profile.force_n, v, look, linestyle=look.dash, markevery=every, label=label)
-
-
-def _label_trends(axes: Axes, profiles: Sequence[Profile], scale: ActivityScale) -> None:
+def _trends(axes: Axes, profiles: Sequence[tuple[Profile, str, Look]], scale: ActivityScale) -> None:
+    """Each profile with its name and look."""
+    for profile, name, look in profiles:
+        every = max(1, profile.force_n.size // 8)
+        v = profile.v * scale.factor
+        marks(axes, profile.force_n, v, look, linestyle=look.dash, markevery=every, label=name)
     axes.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None))
-    show_zero(axes, [profile.v for profile in profiles])
+    show_zero(axes, [profile.v for profile, *_ in profiles])
+
+
+def _band(axes: Axes, profile: Profile, half_v: Floats, look: Look, scale: ActivityScale) -> None:
+    low, high = (scale.factor * (profile.v + sign * half_v) for sign in (-1, 1))
+    axes.fill_between(profile.force_n, low, high, color=look.colour, **_BAND)
 
 
 def draw_interpolation(
-    measured: Sequence[Profile],
-    new: Profile,
-    half_v: Floats,
-    looks: Mapping[str, Look],
-    scale: ActivityScale,
-    rmse: float,
+    measured: Sequence[Profile], new: Profile, half_v: Floats, looks: Mapping[str, Look], scale: ActivityScale
 ) -> Figure:
-    """``half_v`` (G,) of the band of ``new``. ``rmse`` in stored units, NaN where nobody measured the new specimen."""
+    """``half_v`` (G,) of the band of ``new``."""
     figure, (axes,) = new_figure(ONE_COLUMN_MM, 70, (13, 3, 11, 12))
-    every = [*measured, new]
-    low, high = (scale.factor * (new.v + sign * half_v) for sign in (-1, 1))
-    axes.fill_between(new.force_n, low, high, color=NEW.colour, alpha=0.18, linewidth=0)
-    for profile in every:
-        label = f"{profile.specimen}{' (interpolated)' if profile.source == 'interpolated' else ''}"
-        _trend(axes, profile, NEW if profile is new else looks[profile.specimen], scale, label)
-    _label_trends(axes, every, scale)
-    if not np.isnan(rmse):
-        said = f"RMSE to measured: {rmse * scale.factor:.3g} {scale.unit}".rstrip()
-        axes.text(0.98, 0.03, said, transform=axes.transAxes, ha="right", va="bottom")
+    of_measured = [(profile, profile.specimen, looks[profile.specimen]) for profile in measured]
+    _trends(axes, [*of_measured, (new, f"{new.specimen} (interpolated)", NEW)], scale)
+    _band(axes, new, half_v, NEW, scale)
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, columnspacing=1, handletextpad=0.4)
     return figure
 
@@ -110,7 +96,7 @@ def draw_schedules(schedules: Sequence[Schedule], looks: Mapping[str, Look]) -> 
             edges, look = schedule.step_force_n, looks[schedule.specimen]
             if schedule.interval_percent is not None:
                 low, high = np.append(schedule.interval_percent, schedule.interval_percent[:, -1:], axis=1)
-                steps.fill_between(edges, low, high, step="post", color=look.colour, alpha=0.18, linewidth=0)
+                steps.fill_between(edges, low, high, step="post", color=look.colour, **_BAND)
             steps.stairs(schedule.stiffness_percent, edges, baseline=None, color=look.colour, linewidth=1.0)
             middle = (edges[1:] + edges[:-1]) / 2
             marks(steps, middle, schedule.stiffness_percent, look, label=schedule.specimen)
@@ -132,7 +118,7 @@ def draw_schedules(schedules: Sequence[Schedule], looks: Mapping[str, Look]) -> 
 def _levels(axes: Axes, place: int, constant: Mapping[str, Schedule], look: Look) -> None:
     """constant : schedules by condition, of one specimen."""
     for interval in (s.interval_percent for s in constant.values() if s.interval_percent is not None):
-        axes.fill_between([place - 0.3, place + 0.3], *interval[:, 0], color=look.colour, alpha=0.18, linewidth=0)
+        axes.fill_between([place - 0.3, place + 0.3], *interval[:, 0], color=look.colour, **_BAND)
     percent = {condition: float(s.stiffness_percent[0]) for condition, s in constant.items()}
     ends = [percent[name] for name in ("constant-min", "constant-max") if name in percent]
     axes.hlines(ends, place - 0.3, place + 0.3, colors=look.colour, linewidth=1.6)
@@ -148,7 +134,7 @@ MOST_DRAWN = 2000
 
 def draw_mixed_residuals(fitted: Floats, residual: Floats, quantile: Floats, scale: ActivityScale) -> Figure:
     """(a) Residuals over the SD of repetitions against normal quantiles; (b) against fitted slopes; (n,) each."""
-    figure, normal, level = _two_panels(66)
+    figure, ((normal, level),) = panel_grid(1, (1, 1), **_TWO_PANELS)
     points: dict[str, Any] = {"color": BLUE, "linestyle": "none", "marker": "o", "markeredgewidth": 0, "alpha": 0.6}
     points["rasterized"] = residual.size > MOST_DRAWN
     ends = [float(quantile.min()), float(quantile.max())]

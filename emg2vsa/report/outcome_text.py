@@ -13,7 +13,7 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.report.latex import latex_number, latex_text
-from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number, p_parts, p_text
+from emg2vsa.report.wording import NO_BREAK, UNDEFINED, aligned, number, p_parts, p_text
 from emg2vsa.statistics.outcome import Outcome
 from emg2vsa.statistics.power import MEANING, PairPower, PowerTable
 
@@ -160,19 +160,16 @@ def _equation(name: str, value: str, style: Style, relation: str = "=", of: str 
 
 def pair_words(found: PairPower, design: str, n: int, target: float) -> tuple[dict[str, Any], list[str]]:
     """Of two treatments; n : people, of each group for "equal-groups". target : the wanted power."""
-    each = " in each group" if design == "equal-groups" else ""
-    who = f"two groups of {n} participants" if each else f"{n} participants"
-    if design == "paired":
-        name, of = "smallest_effect", f"to find a mean difference of {found.effect:g} SD of the differences"
-        least = f"smallest difference found with power {target:g}: {found.least:.3f} SD of the differences"
-    else:
-        name = "smallest_margin"
-        of = f"to find equality within {found.margin:g} SD where the true difference is {found.effect:g} SD"
-        least = f"smallest margin shown with power {target:g}: {found.least:.3f} SD"
+    groups, paired = design == "equal-groups", design == "paired"
+    of = f"to find equality within {found.margin:g} SD where the true difference is {found.effect:g} SD"
+    name, least = "smallest_margin", "margin shown"
+    if paired:
+        name, least = "smallest_effect", "difference found"
+        of = f"to find a mean difference of {found.effect:g} SD of the differences"
     lines = [
-        f"power {found.power:.4f} with {who} {of}",
-        f"participants needed{each} for power {target:g}: {found.needed or 'more than a million'}",
-        least,
+        f"power {found.power:.4f} with {'two groups of ' * groups}{n} participants {of}",
+        f"participants needed{' in each group' * groups} for power {target:g}: {found.needed or 'more than a million'}",
+        f"smallest {least} with power {target:g}: {found.least:.3f} SD{' of the differences' * paired}",
     ]
     told = {"design": design, "power": found.power, "participants_needed": found.needed or None, name: found.least}
     return told, lines
@@ -188,11 +185,11 @@ def repeated_words(
         f"participants needed for power {target:g}: {needed or 'more than a million'}",
     ]
     if sensitivity:
-        lines.append("power (participants needed) over rho (down) and epsilon (across)")
-        lines.append("rho    " + "".join(f"{epsilon:>16.2f}" for epsilon in table.epsilon))
+        rows = [["rho", *(f"{epsilon:.2f}" for epsilon in table.epsilon)]]
         for rho, powers, people in zip(table.rho, table.power, table.people, strict=True):
             cells = (f"{p:.4f} ({k or '>1e6'})" for p, k in zip(powers, people, strict=True))
-            lines.append(f"{rho:<7.2f}" + "".join(f"{cell:>16}" for cell in cells))
+            rows.append([f"{rho:.2f}", *cells])
+        lines += ["power (participants needed) over rho (down) and epsilon (across)", *aligned(rows)]
     over = {
         "rho": table.rho.tolist(), "epsilon": table.epsilon.tolist(), "power": table.power.tolist(),
         "participants_needed": table.people.tolist(),

@@ -92,7 +92,7 @@ def test_interpolated_and_measured_of_the_same_name_look_different():
     measured, new = profile("S2", 1.7e-5), profile("S2", 1.6e-5, source="interpolated")
     with style():
         half_v = np.full(new.v.size, 1e-6)
-        axes = draw_interpolation([measured], new, half_v, looks(["S2"]), activity_scale("V", new.v), 2e-6).axes[0]
+        axes = draw_interpolation([measured], new, half_v, looks(["S2"]), activity_scale("V", new.v)).axes[0]
     (band,) = axes.collections
     low, high = np.array([new.v.min(), new.v.max()]) * 1e6 + [-1, 1]
     extent = band.get_paths()[0].get_extents()
@@ -100,7 +100,8 @@ def test_interpolated_and_measured_of_the_same_name_look_different():
     first, second = axes.lines
     assert first.get_color() != second.get_color()
     assert first.get_marker() != second.get_marker()
-    assert [text.get_text() for text in axes.texts] == ["RMSE to measured: 2 µV"]
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert names == ["S2", "S2 (interpolated)"]
 
 
 def test_drawing_twice_gives_the_same_bytes():

@@ -14,7 +14,7 @@ from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, most, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
-from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, activity_column, table_of
+from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, activity_column, from_quantities, table_of
 from emg2vsa.report.wording import activity, listed, number, percent
 
 
@@ -60,23 +60,20 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     if profiles is None:
         return
     shown = [*profiles.profiles, *([profiles.new] if profiles.new else [])]
-    ends = {end: [q[f"profiles.{p.specimen}.b{v}.{end}"] for p in shown] for end in ("low", "high")}
     columns: Columns = {
         Column("specimen", "Specimen"): [p.specimen for p in shown],
         Column("stiffness_n_per_mm", "Stiffness κ (N/mm)"): [p.stiffness_n_per_mm for p in shown],
         Column("source", "Source"): [p.source for p in shown],
         Column("n_trials", "Trials"): [p.n_trials for p in shown],
-        activity_column("a_v", "a", scale): [p.a_v for p in shown],
-        activity_column("b_v", "b", scale): [p.b_v for p in shown],
-        activity_column("b_low_v", "b low", scale): ends["low"],
-        activity_column("b_high_v", "b high", scale): ends["high"],
-        activity_column("half_width_v", "Band ±, at most", scale): [most(profiles.half_width_v(p)) for p in shown],
-    }
-    caption = f"Mean profiles of {profiles.participant or 'all participants'}"
-    if profiles.errors:
-        level = f"{100 * profiles.errors.confidence:g} %"
-        caption += f"; intervals and bands: {level}, from the scatter between {profiles.drawn}"
-    yield table_of("profiles", caption, columns)
+        **from_quantities(q, [f"profiles.{p.specimen}" for p in shown], {
+            activity_column("a_v", "a", scale): f"a{v}", activity_column("b_v", "b", scale): f"b{v}",
+            activity_column("b_low_v", "b low", scale): f"b{v}.low",
+            activity_column("b_high_v", "b high", scale): f"b{v}.high",
+            activity_column("half_width_v", "Band ±, at most", scale): f"half_width{v}",
+        }),
+    }  # fmt: skip
+    scatter = _level(profiles, f"; intervals and bands: {{}}, from the scatter between {profiles.drawn}")
+    yield table_of("profiles", f"Mean profiles of {profiles.participant or 'all participants'}{scatter}", columns)
     every = profiles.leave_one_out
     left_out: Columns = {
         Column("specimen", "Left out"): [left.specimen for left in every],
@@ -89,6 +86,11 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         yield _choice(results.recorded.choice, results, q)
 
 
+def _level(profiles: Profiles, said: str) -> str:
+    """``said`` with the confidence of the intervals; nothing where there are none."""
+    return said.format(f"{100 * profiles.errors.confidence:g} %") if profiles.errors else ""
+
+
 _DISTANCES = {
     "to_others": "Mean distance to the others (points)", "to_used": "Distance to the schedules used (points)",
     "largest": "Largest difference from them (points)",
@@ -96,10 +98,9 @@ _DISTANCES = {
 
 
 def _choice(choice: Choice, results: StudyResults, q: Quantities) -> Table:
-    columns: Columns = {Column("participant", "Participant"): choice.participants}
-    for key, head in _DISTANCES.items():
-        values = [q[f"profiles.choice.{name}.{key}_percent"] for name in choice.participants]
-        columns[Column(f"{key}_percent", head)] = values
+    names = [f"profiles.choice.{name}" for name in choice.participants]
+    keys = {Column(f"{key}_percent", head): f"{key}_percent" for key, head in _DISTANCES.items()}
+    columns = {Column("participant", "Participant"): choice.participants} | from_quantities(q, names, keys)
     low, high = results.study.schedule.stiffness_percent
     caption = (
         f"Schedules that each participant would give, in points of stiffness percent ({low:g} to {high:g} %): root "
@@ -111,25 +112,28 @@ def _choice(choice: Choice, results: StudyResults, q: Quantities) -> Table:
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
-    profiles, scale = results.recorded.profiles, results.scale
+    profiles, scale, order = results.recorded.profiles, results.scale, results.specimens
     if profiles is None or profiles.new is None:
         return
-    new, error, order = profiles.new, profiles.new_error, results.specimens
-    measured = {profile.specimen: profile for profile in profiles.profiles}
+    new, half_v, measured = (
+        profiles.new,
+        profiles.half_width_v(profiles.new),
+        {p.specimen: p for p in profiles.profiles},
+    )
     if profiles.new_measured:
         measured.setdefault(profiles.new_measured.specimen, profiles.new_measured)
     every = sorted(measured.values(), key=lambda profile: order.index(profile.specimen))
-    half_v, rmse = profiles.half_width_v(new), error.rmse_v if error else float("nan")
-    figure = draw_interpolation(every, new, half_v, looks(order), scale, rmse)
-    banded = np.isfinite(half_v).all() and profiles.errors
-    band = f" and its {100 * profiles.errors.confidence:g} % band" if banded and profiles.errors else ""
-    told = f"The profile of {new.specimen} ({number(new.stiffness_n_per_mm)} N/mm)"
     beside = "nobody palpated a specimen of this stiffness"
-    if error:
-        beside = f"the RMSE to the measured {error.specimen} is {activity(rmse, scale)} ({percent(error.relative)})"
-    whole = f"{told}{band}, interpolated from {listed(profiles.bracket or ())}, beside the measured profiles; {beside}."
+    if error := profiles.new_error:
+        off = f"{activity(error.rmse_v, scale)} ({percent(error.relative)})"
+        beside = f"the RMSE to the measured {error.specimen} is {off}"
+    whole = (
+        f"The profile of {new.specimen} ({number(new.stiffness_n_per_mm)} N/mm){_level(profiles, ' and its {} band')}, "
+        f"interpolated from {listed(profiles.bracket or ())}, beside the measured profiles; {beside}."
+    )
     title = f"Interpolated profile of {new.specimen} beside measured profiles"
     lines = "; ".join(f"{p.specimen}: {activity(p.v[0], scale)} to {activity(p.v[-1], scale)}" for p in [*every, new])
+    figure = draw_interpolation(every, new, profiles.half_width_v(new), looks(order), scale)
     yield Drawing("fig11_interpolation", title, f"Fig. 11. {whole}", f"{whole} {lines}.", figure, None)
 
 
