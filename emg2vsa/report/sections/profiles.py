@@ -115,11 +115,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     profiles, scale, order = results.recorded.profiles, results.scale, results.specimens
     if profiles is None or profiles.new is None:
         return
-    new, half_v, measured = (
-        profiles.new,
-        profiles.half_width_v(profiles.new),
-        {p.specimen: p for p in profiles.profiles},
-    )
+    new, measured = profiles.new, {profile.specimen: profile for profile in profiles.profiles}
     if profiles.new_measured:
         measured.setdefault(profiles.new_measured.specimen, profiles.new_measured)
     every = sorted(measured.values(), key=lambda profile: order.index(profile.specimen))
