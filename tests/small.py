@@ -26,7 +26,7 @@ def run_all(root: Path) -> None:
     """Simulate and run the small study in ``root``, for the fixture ``built_once``."""
     study = simulated(root, STUDY)
     study.with_name("rig.toml").write_text(RIG)
-    assert main(["run", str(study), "--jobs", "1", "--json"]) == 0
+    assert main(["run", str(study), "--jobs", "1", "--json", "--paths"]) == 0
 
 
 def study_of_files(

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from casr.doubts import Stretch, unlike_others
 from casr.errors import CasrError
 from casr.spread import spread_rate
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.laws import WAYS
 from emg2vsa.calibration.presses import far_off
 from emg2vsa.calibration.runs_calibration import ChosenLaws, chosen_laws
 from emg2vsa.claims.claim import Claim
 from emg2vsa.claims.kappa import DESIGNS as KAPPA_DESIGNS
-from emg2vsa.claims.kappa import NEW, OLD
+from emg2vsa.claims.kappa import NEW, OLD, STEPS
 from emg2vsa.claims.on_rig import claims_on_rig
 from emg2vsa.discrimination.run_table import RunTable, run_table
 from emg2vsa.errors import DataError
@@ -49,6 +49,8 @@ FAR_MADS = 5.0
 SD_FACTORS = (0.5, 1.5)
 LAW_PARAMETERS = 2
 """Of a law of kappa, which passes through as many specimens whatever they are."""
+_OF_THEIR_OWN = tuple(f"reduction_{key}" for key, step in STEPS.items() if step.before[1] and step.after[1])
+"""Claims that name their algorithms."""
 _FITTED = tuple(f"kappa_fit_{key}" for key in KAPPA_DESIGNS)
 _RATES = {"power": "slope", "slope": "power"}
 
@@ -66,7 +68,8 @@ def rig_paths(
         for algorithm in dict.fromkeys((own.algorithm, *ALGORITHMS)):
             other = Choice(ALGORITHM, algorithm) if algorithm != own.algorithm else None
             for (rule, presses), by in zip(rules, laws, strict=True):
-                yield tried((way, other, rule), by_way.claims(presses, by, algorithm))
+                found = by_way.claims(presses, by, algorithm, of_scores=way is None)
+                yield tried((way, other, rule), found, _OF_THEIR_OWN if other else ())
     left = list(own.left_out())
     for (choice, presses), by in zip(left, own.laws([presses for _, presses in left]), strict=True):
         yield tried([choice], own.claims(presses, by))
@@ -121,11 +124,16 @@ class _Rig:
             study.calibration, study.pressed_se_n_per_mm,
         )  # fmt: skip
 
-    def claims(self, presses: Presses, laws: ChosenLaws | None, algorithm: str = "") -> Iterator[Claim]:
-        """Of the ``presses``, and the ``laws`` through them, by a vision algorithm, that of the study if none."""
+    def claims(
+        self, presses: Presses, laws: ChosenLaws | None, algorithm: str = "", *, of_scores: bool = True
+    ) -> Iterator[Claim]:
+        """Of the ``presses`` and the ``laws`` through them, by a vision algorithm, that of the study if none.
+
+        of_scores : False for claims on kappa alone.
+        """
         name = algorithm or self.algorithm
         study = replace(self.study, scoring=replace(self.study.scoring, algorithm=name))  # type: ignore[arg-type]
-        table = self.table
+        table = self.table if of_scores else None
         if table is not None:
             casr, area = (_of_presses(scores, name, presses) for scores in (table.casr, table.start_area))
             table = replace(table, algorithm=name, casr=casr, start_area=area)
@@ -146,7 +154,7 @@ class _Rig:
             yield Choice(PRESS, f"without press {r + 1} of every run"), there & (np.arange(there.shape[2]) != r)
 
     def exclusions(self) -> Iterator[tuple[Choice, Presses]]:
-        """Without doubtful presses, and without scores far off, where there are any."""
+        """By rules: without doubtful presses, scores far off, and the first or the last press of every mounting."""
         doubtful = set(_doubtful(self.runs))
         rules: dict[str, Callable[[RunScores], Presses]] = {
             "without presses whose skin stretched otherwise": lambda run: np.array(
@@ -154,6 +162,9 @@ class _Rig:
             ),
             "without outlying scores": lambda run: far_off(run.casr[self.algorithm][None], FAR_MADS)[0],
         }
+        if any(np.unique(run.mounting).size < run.mounting.size for run in self.runs):
+            rules["without the first press of every mounting"] = lambda run: _first_of_each(run.mounting)
+            rules["without the last press of every mounting"] = lambda run: _first_of_each(run.mounting[::-1])[::-1]
         for says, rule in rules.items():
             presses = self.everything.copy()
             for run in self.runs:
@@ -168,8 +179,6 @@ class _Rig:
             with suppress(DataError):
                 yield Choice(RATE, rule), self._of(runs)
         own = self.study.calibration
-        points: Points = "repetitions" if own.points == "means" else "means"
-        yield Choice(KAPPA, f"law through {points}"), self.calibrated_by(replace(own, points=points))
         for factor in SD_FACTORS if own.mounting_sd_percent else ():
             sd = own.mounting_sd_percent * factor
             settings = replace(own, mounting_sd_percent=sd)
@@ -183,13 +192,22 @@ class _Rig:
         return other if self.table is None else replace(other, table=other._sorted)
 
 
+def _first_of_each(numbers: Ints) -> Presses:
+    """(n,) whether a value is there for the first time."""
+    found = np.zeros(numbers.size, dtype=np.bool_)
+    found[np.unique(numbers, return_index=True)[1]] = True
+    return found
+
+
 def _of_presses(scores: dict[str, Floats], algorithm: str, presses: Presses) -> dict[str, Floats]:
     return {name: np.where(presses, own, np.nan) for name, own in scores.items() if name == algorithm}
 
 
 def _ways(own: CalibrationSettings) -> Iterator[tuple[Choice | None, CalibrationSettings]]:
-    """The study's own law of kappa, and every other law by every error that it can make least."""
+    """The study's own law of kappa, through other points, and every other law by every error that it can make least."""
     yield None, own
+    points: Points = "repetitions" if own.points == "means" else "means"
+    yield Choice(KAPPA, f"law through {points}"), replace(own, points=points)
     for law, errors in WAYS.items():
         for minimise in errors:
             if (law, minimise) != (own.law, own.minimise):

@@ -57,7 +57,7 @@ class StepPlan:
     """The state of all steps so far; the one place that knows keys.
 
     reading : nothing is recorded, and results below count for stages that write files too. asked : stages on request
-    that somebody asks for; of others only fresh steps are here.
+    that somebody asks for; of others only steps are here that are fresh or may turn out to be.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class StepPlan:
         reached = self._code.reached(module_of(name))
         added = [self._step(name, item, reached) for item in items(self.campaign, name)]
         if stage(name).on_request and name not in self._asked:
-            added = [step for step in added if step.status in DONE]
+            added = [step for step in added if step.status in DONE or step.status == "waits"]
         self._of[name] = added
         self.steps.update((step.id, step) for step in added)
         return added

@@ -117,7 +117,11 @@ def _within(unit: Names, recording: Names, repetition: Floats, values: Floats) -
     slope = found.slope[np.isfinite(found.slope)]
     if slope.size > 1:
         return Slope(float(np.mean(slope)), float(np.std(slope, ddof=1) / np.sqrt(slope.size)), slope.size - 1.0)
-    return Slope(found.mean, found.mean / found.t, found.df) if slope.size else Slope()
+    if not slope.size:
+        return Slope()
+    # a slope of exactly 0 has t = 0, and its error from the interval
+    error = found.mean / found.t if found.t else found.high / float(special.stdtrit(found.df, 0.975))
+    return Slope(found.mean, error, found.df)
 
 
 def _by_order(levels: Ints, place: Floats, mean: Floats) -> Slope | None:

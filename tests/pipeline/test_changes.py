@@ -76,7 +76,7 @@ def test_the_order_of_acquisition_enters_the_tests_and_a_changed_order_makes_the
     swapped = [f"{row.split(chr(9))[0]}\t{time}" for row, time in zip(rows[1:], times[::-1], strict=True)]
     scans.write_text("\n".join([rows[0], *swapped]) + "\n")
     stale = {name for name, step in look(study).items() if step.status != "fresh"}
-    assert stale == {"hypotheses/study", "report/study"}
+    assert stale == {"hypotheses/study", "paths/study", "report/study"}
 
 
 def test_stiffness_of_one_emulated_specimen_concerns_its_runs_and_what_stiffness_can_do(study: Path) -> None:
@@ -87,7 +87,7 @@ def test_stiffness_of_one_emulated_specimen_concerns_its_runs_and_what_stiffness
     steps = look(study)
     not_fresh = {step.id: step.status for step in steps.values() if step.status != "fresh"}
     own = {f"{name}/S1_0_{c}": "stale" for name in ("emulation", "runs") for c in ("high-stiffness", "modular")}
-    behind = dict.fromkeys(("discrimination/study", "calibration/study", "report/study"), "waits")
+    behind = dict.fromkeys(("discrimination/study", "calibration/study", "paths/study", "report/study"), "waits")
     assert not_fresh == own | behind | {"stiffness/study": "stale"}
     assert steps["emulation/S1_0_modular"].reasons == ("setting emulated.stiffness_n_per_mm.S1: 7.63 -> 7.0",)
 

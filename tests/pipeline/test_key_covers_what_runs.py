@@ -37,6 +37,7 @@ STEPS = {
     "runs": "S1_0_modular",
     "discrimination": "study",
     "calibration": "study",
+    "paths": "study",
     "report": "study",
 }
 
@@ -133,7 +134,7 @@ for line in sys.stdin:
     file, text = json.loads(line)
     path, before = Path(file), Path(file).read_bytes()
     path.write_text(text)
-    plan = survey(load_study(sys.argv[1]), ORDER, print)
+    plan = survey(load_study(sys.argv[1]), ORDER, print, asked=ORDER)
     path.write_bytes(before)
     stale = {s.stage: s.reasons for s in plan.steps.values() if s.status == "stale"}
     print(json.dumps(stale), flush=True)

@@ -131,3 +131,12 @@ def test_one_press_a_recording_leaves_the_drift_unbounded():
 def test_the_most_that_a_slope_allows_is_its_farther_end():
     assert Slope(-1.0, 0.5, np.inf).most(0.95) == pytest.approx(1.98, abs=0.001)
     assert Slope(-1.0, 0.5, np.inf).times(-2).interval(0.95) == pytest.approx((0.04, 3.96), abs=0.001)
+
+
+def test_a_slope_of_exactly_nothing_has_an_error():
+    """One unit and t = 0: the error is that of the slope; values that are all alike have none."""
+    columns = np.full(4, "P1"), np.full(4, "S1"), np.full(4, np.nan), np.arange(1.0, 5.0)
+    found = drift(*columns, np.array([1.0, 0.0, 0.0, 1.0])).within
+    assert found.value == 0
+    assert 0 < found.error < np.inf
+    assert np.isnan(drift(*columns, np.ones(4)).within.error)
