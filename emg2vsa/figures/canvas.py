@@ -29,34 +29,17 @@ _ON_SCREEN = 1.6
 
 STYLE: dict[str, Any] = {
     "font.family": ["DejaVu Sans"],  # ships with matplotlib: the same text on every machine
-    "font.size": 8,
-    "axes.titlesize": 8,
     "axes.titley": 1.0,  # else every drawing measures all ticks to find out whether a title is in their way
-    "axes.labelsize": 8,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "legend.fontsize": 8,
-    "legend.frameon": False,
-    "legend.handlelength": 2.6,
-    "axes.edgecolor": INK,
-    "axes.labelcolor": INK,
-    "text.color": INK,
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": GRID,
-    "grid.linewidth": 0.4,
-    "lines.linewidth": 1.2,
-    "lines.markersize": 3.5,
-    "path.simplify": False,
-    "svg.fonttype": "path",
-    "svg.hashsalt": "emg2vsa",
+    **dict.fromkeys(
+        ("font.size", "axes.titlesize", "axes.labelsize", "xtick.labelsize", "ytick.labelsize", "legend.fontsize"), 8
+    ),
+    **dict.fromkeys(("axes.edgecolor", "axes.labelcolor", "text.color", "xtick.color", "ytick.color"), INK),
+    **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon", "path.simplify"), False),
+    **dict.fromkeys(("axes.grid", "axes.axisbelow"), True),
+    "legend.handlelength": 2.6, "axes.linewidth": 0.6, "grid.color": GRID, "grid.linewidth": 0.4,
+    "lines.linewidth": 1.2, "lines.markersize": 3.5, "svg.fonttype": "path", "svg.hashsalt": "emg2vsa",
     "pdf.fonttype": 42,
-}
+}  # fmt: skip
 
 
 def new_figure(
@@ -69,6 +52,36 @@ def new_figure(
     panel_mm = height_mm - margins_mm[2] - margins_mm[3]
     figure, (row,) = _panels(width_mm, 1, shares, panel_mm, margins_mm, (gap_mm, 0.0))
     return figure, row
+
+
+def panel_grid(
+    rows: int, shares: Sequence[float], panel_mm: float, margins_mm: Sequence[float], gaps_mm: tuple[float, float]
+) -> tuple[Figure, list[list[Axes]]]:
+    """The same over both columns of the page, row by row, with letters.
+
+    panel_mm : height of a panel. gaps_mm : between columns, between rows.
+    """
+    figure, axes = _panels(TWO_COLUMNS_MM, rows, shares, panel_mm, margins_mm, gaps_mm)
+    for letter, panel in zip(ascii_lowercase, (panel for row in axes for panel in row), strict=False):
+        panel.set_title(f"({letter})", loc="left")
+    return figure, axes
+
+
+def _panels(
+    width_mm: float, rows: int, shares: Sequence[float], panel_mm: float, margins_mm: Sequence[float],
+    gaps_mm: tuple[float, float],
+) -> tuple[Figure, list[list[Axes]]]:  # fmt: skip
+    left, right, bottom, top = margins_mm
+    across, down = gaps_mm
+    height_mm = bottom + top + rows * panel_mm + (rows - 1) * down
+    figure = Figure(figsize=(width_mm / _MM_PER_INCH, height_mm / _MM_PER_INCH))
+    unit = (width_mm - left - right - across * (len(shares) - 1)) / sum(shares)
+    lefts = [(left + unit * sum(shares[:column]) + column * across) / width_mm for column in range(len(shares))]
+    bottoms = [1 - (top + (row + 1) * panel_mm + row * down) / height_mm for row in range(rows)]
+    widths, height = [unit * share / width_mm for share in shares], panel_mm / height_mm
+    return figure, [
+        [figure.add_axes((x, y, width, height)) for x, width in zip(lefts, widths, strict=True)] for y in bottoms
+    ]
 
 
 def marks(
@@ -108,15 +121,17 @@ def style() -> Any:
 
 def svg_text(figure: Figure) -> str:
     """The figure as SVG, without date and without the XML prologue's document type."""
-    buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-    return re.sub(r"<!DOCTYPE[^>]*>\s*", "", buffer.getvalue())
+    return re.sub(r"<!DOCTYPE[^>]*>\s*", "", _saved(figure, "svg", "Date", "Creator").decode())
 
 
 def pdf_bytes(figure: Figure) -> bytes:
     """The figure as PDF, text as embedded TrueType, without date."""
+    return _saved(figure, "pdf", "CreationDate", "Creator", "Producer")
+
+
+def _saved(figure: Figure, kind: str, *left_out: str) -> bytes:
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="pdf", metadata={"CreationDate": None, "Creator": None, "Producer": None})
+    figure.savefig(buffer, format=kind, metadata=dict.fromkeys(left_out))
     return buffer.getvalue()
 
 
@@ -142,44 +157,6 @@ def inline_svg(svg: str, prefix: str, title: str, description: str) -> str:
         f'{head} style="{widths}" role="img" aria-labelledby="{prefix}-title {prefix}-desc">'
         f'<title id="{prefix}-title">{title}</title><desc id="{prefix}-desc">{description}</desc>{rest}'
     )
-
-
-def panel_grid(
-    rows: int, shares: Sequence[float], panel_mm: float, margins_mm: Sequence[float], gaps_mm: tuple[float, float]
-) -> tuple[Figure, list[list[Axes]]]:
-    """A figure over both columns of the page, and its axes row by row. Call it inside ``style()``.
-
-    shares : widths of the columns, relative. panel_mm : height of a panel. margins_mm : left, right, bottom, top.
-    gaps_mm : between columns, between rows.
-    """
-    figure, axes = _panels(TWO_COLUMNS_MM, rows, shares, panel_mm, margins_mm, gaps_mm)
-    for letter, panel in zip(ascii_lowercase, (panel for row in axes for panel in row), strict=False):
-        panel.set_title(f"({letter})", loc="left")
-    return figure, axes
-
-
-def _panels(
-    width_mm: float,
-    rows: int,
-    shares: Sequence[float],
-    panel_mm: float,
-    margins_mm: Sequence[float],
-    gaps_mm: tuple[float, float],
-) -> tuple[Figure, list[list[Axes]]]:
-    left, right, bottom, top = margins_mm
-    across, down = gaps_mm
-    height_mm = bottom + top + rows * panel_mm + (rows - 1) * down
-    figure = Figure(figsize=(width_mm / _MM_PER_INCH, height_mm / _MM_PER_INCH))
-    unit = (width_mm - left - right - across * (len(shares) - 1)) / sum(shares)
-    lefts = [(left + unit * sum(shares[:column]) + column * across) / width_mm for column in range(len(shares))]
-    bottoms = [1 - (top + (row + 1) * panel_mm + row * down) / height_mm for row in range(rows)]
-    return figure, [
-        [
-            figure.add_axes((x, y, unit * share / width_mm, panel_mm / height_mm))
-            for x, share in zip(lefts, shares, strict=True)
-        ]
-        for y in bottoms
-    ]
 
 
 _STARS = ((1e-4, "****"), (1e-3, "***"), (1e-2, "**"), (5e-2, "*"))
@@ -210,15 +187,9 @@ def hazen_box(values: Floats) -> tuple[float, float, float, float, float]:
 
 
 def draw_box(
-    axes: Axes,
-    place: float,
-    values: Floats,
-    look: Look,
-    *,
-    width: float = 0.5,
-    filled: bool = False,
+    axes: Axes, place: float, values: Floats, look: Look, *, width: float = 0.5, filled: bool = False,
     hollow_marks: bool = False,
-) -> None:
+) -> None:  # fmt: skip
     """One box at ``place`` with all finite ``values`` (n,) as marks; nothing where there is none."""
     values = values[np.isfinite(values)]
     if not values.size:

@@ -9,6 +9,7 @@ import numpy as np
 
 from emg2vsa.extraction import Trials
 from emg2vsa.registration.deviations import Registered
+from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.wording import count, listed
 from emg2vsa.run_scores import RunScores
 from emg2vsa.session_settings import SessionSettings
@@ -66,6 +67,32 @@ _JOINED = {
 }
 
 Told = dict[str, str]
+
+
+_STATED_BY_NONE = ("gain, input impedance and common-mode rejection of the amplifier", "resolution of the converter")
+
+
+def facts_of(results: StudyResults) -> tuple[dict[str, str], list[str]]:
+    """What is stated of people, specimens, plan and rig, and the names of what is left to the authors.
+
+    Nothing is left to the authors of what was simulated.
+    """
+    study, people, runs = results.study, results.people, results.runs
+    said, left = {"people": "", "rig": ""}, []
+    if study.recordings:
+        said["people"], missing = stated(OF_PEOPLE, told_of_people(study, people.trials if people else ()))
+        personal = [key for key in ("age", "sex", "handedness") if not any(getattr(p, key) for p in study.people)]
+        if people is None or people.truth is None:
+            left += [*missing, *_STATED_BY_NONE, *([f"participants' {listed(personal)}"] if personal else [])]
+    if runs:
+        said["rig"], missing = stated(OF_RIG, told_of_runs(runs.scores, results.run_order))
+        left += missing if not runs.simulated else []
+    for part, facts, told in (
+        ("specimens", OF_SPECIMENS, told_of_specimens(study)), ("plan", OF_PLAN, told_of_plan(results.registered)),
+    ):  # fmt: skip
+        said[part], missing = stated(facts, told)
+        left += missing if left else []
+    return said, left
 
 
 def stated(facts: Mapping[str, str], told: Told) -> tuple[str, list[str]]:

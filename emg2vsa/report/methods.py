@@ -6,11 +6,9 @@ for the authors to add, not made up: ``facts``.
 
 from __future__ import annotations
 
-import math
 import re
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -20,7 +18,7 @@ from emg2vsa.calibration.presses import MOST_OUTLIERS
 from emg2vsa.calibration.results import LawResult
 from emg2vsa.devices.joints import export_of
 from emg2vsa.exemplary import Choice
-from emg2vsa.report import facts
+from emg2vsa.report.facts import facts_of
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.wording import count, listed
 from emg2vsa.run_scores import RunScores
@@ -29,87 +27,73 @@ from emg2vsa.statistics.whole_curve import DRAWS
 from emg2vsa.study import Person, RecordingEntry, Study
 
 _FEW = 3
-_AMPLIFIER = ("gain, input impedance and common-mode rejection of the amplifier", "resolution of the converter")
-"""Facts that no file states."""
 _SEX = {"f": "female", "female": "female", "m": "male", "male": "male", "o": "other", "other": "other"}
 _HAND = {"r": "right", "l": "left", "a": "ambidextrous"}
 _HAND |= {word: word for word in _HAND.values()}
-_CHOICES = {
-    "phase": {
-        "zero-phase": "The Butterworth filters were run forward and backward and the {envelope} was centred, so that "
-        "nothing is delayed (zero phase)",
-        "compensated": "All filters were causal, and the difference of their known delays was removed when EMG and "
-        "force were paired",
-        "causal": "All filters were causal, as on line, and their delays were left in",
-    },
-    "index": {
-        "sum": "the sum of the envelopes",
-        "rudolph": "the index (lower / higher envelope) × their sum [@rudolph]",
-        "falconer-winter": "twice the lower envelope over the sum of both [@falconer]",
-        "minimum": "the lowest envelope at each instant",
-    },
-    "normalise": {
-        "none": "in volts and not normalised, so that levels compare within a session only",
-        "session-max": "each envelope first divided by the muscle's largest in the trials of the session that were "
-        "not rejected",
-        "mvc": "each envelope first divided by the muscle's level at maximum voluntary contraction (the largest mean "
-        "over 0.5 s, where that was recorded)",
-    },
-    "interpolation": {
-        "bracket": "linearly in stiffness between its two neighbours",
-        "paper": "between its two neighbours in stiffness, with the new stiffness over 10 N/mm as the weight of the "
-        "softer",
-        "log-stiffness": "linearly in the logarithm of stiffness between its two neighbours",
-        "coefficients": "by monotone cubics in stiffness through a and b of all exported specimens [@fritsch]",
-    },
-    "area_rule": {
-        "edge": "the ellipse at the fold of the pins' displacement field",
-        "hexagon": "one hexagon for each pin that moved more than {threshold:g} px (Algorithm 1, pins matched one to "
-        "one)",
-        "circle": "the circle through the outermost pin (previous work)",
-        "paper": "one hexagon for each pin whose whole-pixel centroid moved more than {threshold:g} px (Algorithm 1, "
-        "pins matched one to one)",
-    },
-    "force_rule": {
-        "exposure": "the force at their exposure",
-        "mean": "the mean of the forces logged while each was the last",
-    },
-    "engine": {
-        "pin-affine": "the affine motion of the pins in contact",
-        "horn-schunck": "dense optical flow [@horn]",
-        "dis": "dense optical flow [@kroeger]",
-    },
-    "region": {
-        "contact": "its divergence over the contact",
-        "image": "its mean divergence over the whole image",
-    },
-    "area_law": {
-        "ode": "the exponential of its sum",
-        "paper": "equation (1) as printed, which multiplies its sum over the whole press by force",
-    },
-    "rate": {
-        "power": "the mean slope of a power law A = k Fᵐ through area and force from {low:g} to {high:g} N",
-        "slope": "the slope of the line through area and force",
-        "paper": "the sum of the quotients of area and force differences, equation (2) as printed",
-    },
-    "law": {
-        "compliance": "1/κ = a + b CASR^1.5 (sensor and specimen in series, contact after Hertz [@hertz])",
-        "exponential": "κ = p exp(q CASR)",
-        "power": "κ = p CASR^q",
-        "linear-log": "κ = a + b ln CASR",
-    },
-    "minimise": {"casr": "CASR", "kappa": "κ", "ln kappa": "ln κ"},
-}
+_CHOICES: dict[str, dict[str, str]] = {}
+for _line in (
+    """
+phase, zero-phase: The Butterworth filters were run forward and backward and the {envelope} was centred, so that
+  nothing is delayed (zero phase)
+phase, compensated: All filters were causal, and the difference of their known delays was removed when EMG and force
+  were paired
+phase, causal: All filters were causal, as on line, and their delays were left in
+index, sum: the sum of the envelopes
+index, rudolph: the index (lower / higher envelope) × their sum [@rudolph]
+index, falconer-winter: twice the lower envelope over the sum of both [@falconer]
+index, minimum: the lowest envelope at each instant
+normalise, none: in volts and not normalised, so that levels compare within a session only
+normalise, session-max: each envelope first divided by the muscle's largest in the trials of the session that were not
+  rejected
+normalise, mvc: each envelope first divided by the muscle's level at maximum voluntary contraction (the largest mean
+  over 0.5 s, where that was recorded)
+interpolation, bracket: linearly in stiffness between its two neighbours
+interpolation, paper: between its two neighbours in stiffness, with the new stiffness over 10 N/mm as the weight of
+  the softer
+interpolation, log-stiffness: linearly in the logarithm of stiffness between its two neighbours
+interpolation, coefficients: by monotone cubics in stiffness through a and b of all exported specimens [@fritsch]
+area_rule, edge: the ellipse at the fold of the pins' displacement field
+area_rule, hexagon: one hexagon for each pin that moved more than {threshold:g} px (Algorithm 1, pins matched one to
+  one)
+area_rule, circle: the circle through the outermost pin (previous work)
+area_rule, paper: one hexagon for each pin whose whole-pixel centroid moved more than {threshold:g} px (Algorithm 1,
+  pins matched one to one)
+force_rule, exposure: the force at their exposure
+force_rule, mean: the mean of the forces logged while each was the last
+engine, pin-affine: the affine motion of the pins in contact
+engine, horn-schunck: dense optical flow [@horn]
+engine, dis: dense optical flow [@kroeger]
+region, contact: its divergence over the contact
+region, image: its mean divergence over the whole image
+area_law, ode: the exponential of its sum
+area_law, paper: equation (1) as printed, which multiplies its sum over the whole press by force
+rate, power: the mean slope of a power law A = k Fᵐ through area and force from {low:g} to {high:g} N
+rate, slope: the slope of the line through area and force
+rate, paper: the sum of the quotients of area and force differences, equation (2) as printed
+law, compliance: 1/κ = a + b CASR^1.5 (sensor and specimen in series, contact after Hertz [@hertz])
+law, exponential: κ = p exp(q CASR)
+law, power: κ = p CASR^q
+law, linear-log: κ = a + b ln CASR
+minimise, casr: CASR
+minimise, kappa: κ
+minimise, ln kappa: ln κ
+""".replace("\n  ", " ")
+    .strip()
+    .splitlines()
+):
+    (_setting, _value), _said = _line.partition(": ")[0].split(", "), _line.partition(": ")[2]
+    _CHOICES.setdefault(_setting, {})[_value] = _said
 """What a setting says, by its value."""
 
 _TEMPLATE = """
 # Specimens
-{{ of_specimens }}
+{{ said.specimens }}
 {% if study.recordings %}
 # Participants and recordings
+{% set people, specimens = study.participants | counted("participant"), study.specimens | counted("specimen") %}
 {% if simulated %}Recordings of {{ people }} pressing {{ specimens }}, with {{ emg }} and the pressing force, were
 simulated.{% else %}{{ people }}{% if about %} ({{ about }}){% endif %} pressed {{ specimens }} while {{ emg }} and
-the pressing force were recorded.{% endif %} {{ of_people }}
+the pressing force were recorded.{% endif %} {{ said.people }}
 # Signal processing
 {% macro filters(entry) %}
 {% set f, fir = entry.filters, entry.filters.envelope == "fir" %}
@@ -195,7 +179,7 @@ specimens together. {{ export_of(schedule.actuator).remark }}
 {% set s, recipe, k = study.scoring, study.scoring.recipe, study.calibration %}
 # Tactile presses
 {{ "An emulated rig" if emulated else "A rig" }} made {{ presses }} presses on {{ pressed | listed }}: {{ designs }}.
-{{ of_rig }}
+{{ said.rig }}
 # Contact area spread rate
 Frames of the loading phase from {{ s.force_n[0] | g }} N were scored, with
 {{ choices.force_rule[recipe.force_rule] }}. {% if s.algorithm == "front" %}The area was the area within the contact
@@ -230,7 +214,7 @@ has an adjusted R² of 0 or more.
 {% endif %}
 {% endif %}
 # Registration
-{{ of_plan }}
+{{ said.plan }}
 {% if versions %}
 # Software
 The analysis ran with {{ versions | listed }}.
@@ -242,69 +226,49 @@ These facts stand in no file of the study: {{ missing | join("; ") }}.
 """
 
 
-@dataclass(frozen=True)
-class Paragraph:
-    """One heading of the methods, and its text with citations as ``[@key]``."""
-
-    heading: str
-    text: str
-
-
 @cache
 def _template() -> Template:
     plain = Environment(undefined=StrictUndefined)
-    plain.filters |= {"g": lambda value: f"{value:g}", "listed": listed}
+    plain.filters |= {"g": "{:g}".format, "listed": listed, "counted": lambda all_of, noun: count(len(all_of), noun)}
     plain.globals |= {"choices": _CHOICES, "export_of": export_of, "DRAWS": DRAWS, "MOST_OUTLIERS": MOST_OUTLIERS}
     return plain.from_string(_TEMPLATE)
 
 
-def methods(results: StudyResults) -> list[Paragraph]:
-    """Of a study without recordings, nothing is said of people, and of one without runs nothing of the rig."""
+def methods(results: StudyResults) -> list[tuple[str, str]]:
+    """Heading and text of each paragraph, with citations as ``[@key]``.
+
+    Of a study without recordings, nothing is said of people, and of one without runs nothing of the rig.
+    """
     study, people, runs = results.study, results.people, results.runs.scores if results.runs else ()
     trials, choice = (people.trials, people.choice) if people else ((), None)
-    simulated = people is not None and people.truth is not None
     exported = people is None or people.profiles is not None
-    emulated = any(run.simulated for run in runs)
-    of_people, unknown = facts.stated(facts.OF_PEOPLE, facts.told_of_people(study, trials))
-    of_specimens, unmeasured = facts.stated(facts.OF_SPECIMENS, facts.told_of_specimens(study))
-    of_plan, unplanned = facts.stated(facts.OF_PLAN, facts.told_of_plan(results.registered))
-    of_rig, untold = facts.stated(facts.OF_RIG, facts.told_of_runs(runs, results.run_order)) if runs else ("", [])
-    personal = [key for key in ("age", "sex", "handedness") if not any(getattr(p, key) for p in study.people)]
-    of_everybody = [f"participants' {listed(personal)}"] if personal else []
-    missing = [*unknown, *_AMPLIFIER, *of_everybody] if study.recordings and not simulated else []
-    missing += untold if not emulated else []
+    said, missing = facts_of(results)
     muscles = list(dict.fromkeys(muscle for t in trials for muscle in t.muscles))
     (low, high), algorithm = study.scoring.force_n, study.scoring.algorithm
     calibration = results.runs.calibration if results.runs else None
     by_algorithm = [each.algorithms for each in calibration.conditions] if calibration else []
     text = _template().render(
         study=study,
-        simulated=simulated,
+        simulated=people is not None and people.truth is not None,
         runs=runs,
         exported=exported,
-        people=count(len(study.participants), "participant"),
-        specimens=count(len(study.specimens), "specimen"),
+        said=said,
+        missing=missing,
         emg=f"surface EMG{' of ' + listed(muscles) if muscles else ''}",
-        about="" if simulated else _about(study.people),
-        of_people=of_people,
-        of_specimens=of_specimens,
-        of_rig=of_rig,
-        of_plan=of_plan,
+        about=_about(study.people),
         by_recording=lambda sentence_of: _by_recording(study, sentence_of),
         whose=_whose(study, choice) if exported and study.recordings else "",
         presses=sum(len(run.verdicts) for run in runs),
         pressed=list(dict.fromkeys(run.specimen for run in runs)),
-        emulated=emulated,
+        emulated=any(run.simulated for run in runs),
         once=all(run.mounting.max(initial=1) == 1 for run in runs),
         designs=_designs(runs),
         rate=_CHOICES["rate"][study.scoring.recipe.rate].format(low=low, high=high),
         mounting=_mounting(study.calibration, [of[algorithm].chosen for of in by_algorithm if algorithm in of]),
         versions=[f"{name} {version}" for name, version in results.provenance.items() if "digest of " not in name],
-        missing=[*missing, *unmeasured, *unplanned] if missing else [],
     )
     parts = [part.partition("\n") for part in re.split(r"^# ", text, flags=re.M)[1:]]
-    told = [Paragraph(heading, _one_line(body)) for heading, _, body in parts]
-    return [each for each in told if each.text]
+    return [(heading, told) for heading, _, body in parts if (told := _one_line(body))]
 
 
 def _one_line(text: str) -> str:
@@ -320,10 +284,9 @@ def _about(people: Sequence[Person]) -> str:
             said.append(", ".join(f"{n} {kind}" for kind, n in sorted(counts.items())))
     years = [float(person.age.rstrip("+")) for person in people if person.age]
     if years:
-        mean, n = sum(years) / len(years), len(years)
-        sd = math.sqrt(sum((age - mean) ** 2 for age in years) / (n - 1)) if n > 1 else 0.0
-        known = f" ({n} of {len(people)})" if n < len(people) else ""
-        said.append(f"aged {min(years):g} to {max(years):g} years, mean {mean:.1f}, SD {sd:.1f}{known}")
+        sd = float(np.std(years, ddof=1)) if len(years) > 1 else 0.0
+        known = f" ({len(years)} of {len(people)})" if len(years) < len(people) else ""
+        said.append(f"aged {min(years):g} to {max(years):g} years, mean {np.mean(years):.1f}, SD {sd:.1f}{known}")
     return "; ".join(said)
 
 

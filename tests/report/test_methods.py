@@ -102,8 +102,8 @@ def written(results):
 
     def text(study=results.study, trials=(), **more):
         told = methods(told_of(results, study, trials, **more))
-        assert all(each.text.endswith(".") for each in told)
-        return "\n".join(f"{each.heading}: {cited(each.text)}" for each in told)
+        assert all(text.endswith(".") for _, text in told)
+        return "\n".join(f"{heading}: {cited(text)}" for heading, text in told)
 
     return text
 

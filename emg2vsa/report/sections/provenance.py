@@ -22,22 +22,22 @@ def filters_as_run(trials: Sequence[Trials]) -> list[str]:
 def methods_text(results: StudyResults) -> str:
     """Plain text: headings, paragraphs, references."""
     told = methods(results)
-    works = works_in(each.text for each in told)
-    parts = [f"{each.heading}\n{cited(each.text)}" for each in told]
+    works = works_in(text for _, text in told)
+    parts = [f"{heading}\n{cited(text)}" for heading, text in told]
     parts += ["References\n" + "\n".join(f"{work.text} {work.doi}".rstrip() for work in works)] if works else []
     return "\n\n".join(parts)
 
 
 def references_bib(results: StudyResults) -> str:
     """The works that the methods cite, as BibTeX."""
-    return bibtex(works_in(each.text for each in methods(results)))
+    return bibtex(works_in(text for _, text in methods(results)))
 
 
 def _methods_words(results: StudyResults, q: Quantities) -> dict[str, object]:
     told = methods(results)
     return {
-        "told": [(each.heading, cited(each.text)) for each in told],
-        "works": works_in(each.text for each in told),
+        "told": [(heading, cited(text)) for heading, text in told],
+        "works": works_in(text for _, text in told),
         "filters": filters_as_run(results.people.trials) if results.people else [],
     }
 
