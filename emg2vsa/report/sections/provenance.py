@@ -43,23 +43,20 @@ def _methods_words(results: StudyResults, q: Quantities) -> dict[str, object]:
 
 
 _METHODS_TEXT = """
-<p>This text follows from the settings that ran, and may be printed as it stands:
-<a href="methods.txt">methods.txt</a>{% if works %}, <a href="references.bib">references.bib</a>{% endif %}.</p>
+<p>The settings that ran gave this text. A paper may print <a href="methods.txt">methods.txt</a> as it stands
+{%- if works %}; <a href="references.bib">references.bib</a> has its references{% endif %}.</p>
+<details><summary data-file="methods.txt">Read the methods here</summary>
 {% for heading, text in told %}
-<details><summary>{{ heading }}</summary>
+<h3>{{ heading }}</h3>
 <p>{{ text }}</p>
-{% if heading == "Signal processing" and filters %}
-<p>Filters as they ran:</p>
-{{ filters | bullets }}
-{% endif %}
-</details>
+{{ filters | bullets if heading == "Signal processing" }}
 {% endfor %}
 {% if works %}
-<details><summary>References</summary>
+<h3>References</h3>
 <ul>{% for work in works %}<li>{{ work.text }}
 {% if work.doi %}<a href="https://doi.org/{{ work.doi }}">doi:{{ work.doi }}</a>{% endif %}</li>{% endfor %}</ul>
-</details>
 {% endif %}
+</details>
 """
 
 METHODS = Section("methods", "Methods", _METHODS_TEXT, words=_methods_words)
@@ -79,8 +76,8 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
 
 
 _TEXT = """
-<p>Every number of this page: <a href="results.json">results.json</a>. Tables and figures: tables/ and figures/ beside
-this page. LaTeX macros: <a href="numbers.tex">numbers.tex</a>.</p>
+<p><a href="results.json">results.json</a> holds every number of this page, and <a href="numbers.tex">numbers.tex</a>
+the same numbers as LaTeX macros. The folders tables/ and figures/ beside this page hold its tables and figures.</p>
 {% if provenance %}
 <details><summary>Versions and digests</summary>
 <dl>{% for name, value in provenance %}<dt>{{ name }}</dt><dd><code>{{ value }}</code></dd>{% endfor %}</dl>
