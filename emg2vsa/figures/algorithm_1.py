@@ -17,7 +17,7 @@ from casr.overlays.frames import hexagons as cells_of
 from casr.pins import PinSettings
 from casr.pins.detect import above_surroundings, fit_view
 from emg2vsa.figures.canvas import panel_grid
-from emg2vsa.figures.palette import BLUE, INK, SKY, YELLOW
+from emg2vsa.figures.palette import BLUE, SKY, YELLOW
 from emg2vsa.run_scores import FirstContact
 
 _BRIGHTEST = 255
@@ -93,4 +93,4 @@ def _divergence(axes: Axes, flow_px: NDArray[np.floating[Any]]) -> None:
     shown = np.clip(np.nan_to_num(field) / most, -1, 1)[..., None]
     ends = np.where(shown > 0, np.array(_rgb(YELLOW)), np.array(_rgb(BLUE)))
     axes.imshow(1 - np.abs(shown) * (1 - ends), interpolation="nearest")
-    axes.text(0.02, 0.02, f"±{most:.2g} %/frame", transform=axes.transAxes, color=INK, fontsize=7)
+    axes.set_title(f"divergence, ±{most:.2g} %", loc="center")

@@ -24,6 +24,7 @@ from casr.spread.rate import MIN_STEP_N
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.forms import kappa_of, x_of
 from emg2vsa.calibration.results import AlgorithmResult, ConditionResult, LawResult
+from emg2vsa.figures import canvas
 from emg2vsa.figures.canvas import PairBar, draw_bars, draw_box, groups, marks, one_scale, panel_grid
 from emg2vsa.figures.palette import GREY, GRID, INK, MUTED, YELLOW, Look
 from emg2vsa.run_scores import ContactPicture
@@ -297,8 +298,11 @@ def draw_estimates(
     known : stiffness of specimens, the ticks of a logarithmic scale; without them a scale of errors in percent.
     """
     names = [each.name for each in panels[0][1]]
-    left = 6 + 1.55 * max(map(len, names))
-    figure, (row,) = panel_grid(1, [1] * len(panels), 4 + 7 * len(names), (left, 3, 16 if known else 12, 6), (4, 0))
+    height, margins = 4 + 7 * len(names), (6 + 1.55 * max(map(len, names)), 3, 16 if known else 12, 6)
+    if len(panels) == 1:
+        figure, row = canvas.new_figure(canvas.ONE_COLUMN_MM, height + 22, margins)
+    else:
+        figure, (row,) = panel_grid(1, [1] * len(panels), height, margins, (4, 0))
     limits = (min(known.values()) / 1.8, 3.5 * max(known.values())) if known else _ERRORS
     for axes, (title, estimates) in zip(row, panels, strict=True):
         axes.axvline(truth, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
@@ -313,8 +317,6 @@ def draw_estimates(
         axes.set(xlim=limits, ylim=(len(names) - 0.4, -0.6), xlabel=label)
         axes.set_yticks(range(len(names)), names if axes is row[0] else [""] * len(names))
         axes.set_title(title, loc="center")
-    if len(row) == 1:
-        row[0].set_title("", loc="left")
     return figure
 
 

@@ -174,7 +174,7 @@ def _setting_tests(results: StudyResults, q: Quantities) -> dict[str, PaperTest]
     new, power = results.study.profile.new_specimen, q.get("power.study")
     alpha = float(q.get(f"profiles.{new}.alpha", np.nan))
     return {
-        "plate_r2": PaperTest("adj. R² ≥ .882", UNDEFINED if worst is None else f"adj. R² ≥ {bounded(worst)}"),
+        "plate_r2": PaperTest("adj. R² ≥ .882", UNDEFINED if worst is None else f"adj. R² ≥ {bounded(worst, 4)}"),
         "curves": PaperTest("700 curves", f"{q.get('fit.curves')} of {q.get('trials.total')} presses"),
         "power": PaperTest("power about .80", "" if power is None else f"{bounded(float(power))} between repetitions"),
         "interpolation_weight": PaperTest("α = .532", f"α = {number(alpha, 4)}"),

@@ -213,7 +213,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
         for each, of in own
     ]
     known = dict(zip(own[0][0].specimens, own[0][0].known_kappa.tolist(), strict=True))
-    figure = draw_estimates([("", rows)], f"κ of {new} (N/mm), beside known specimens", truth, known)
+    figure = draw_estimates([("", rows)], f"κ of {new} (N/mm)", truth, known)
     caption = (
         f"Fig. C2. κ of {new} in every design ({algorithm} algorithm), with 95 % intervals; dashed: known κ; hollow: "
         "not determined."
