@@ -25,20 +25,28 @@ def write_text_atomic(path: Path, text: str | Iterable[str]) -> None:
 def write_new(path: Path, data: bytes) -> None:
     """Write ``data`` whole into a new file that has reached the disk itself; of two who try at once one succeeds.
 
-    FileExistsError : the file is there already.
+    FileExistsError : the file is there already. OSError : names ``path``.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
-        whole = Path(folder) / "whole"
-        write_bytes_atomic(whole, data, on_disk=True)
-        try:
-            os.link(whole, path)
-        except FileExistsError:
-            raise
-        except OSError:  # a file system without hard links
-            with path.open("xb") as file:
-                file.write(data)
-    sync_folder(path.parent)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
+            whole = Path(folder) / "whole"
+            write_bytes_atomic(whole, data, on_disk=True)
+            _link_or_write(whole, path)
+        sync_folder(path.parent)
+    except OSError as error:
+        error.filename, error.filename2 = str(path), None
+        raise
+
+
+def _link_or_write(whole: Path, path: Path) -> None:
+    try:
+        os.link(whole, path)
+    except FileExistsError:
+        raise
+    except OSError:  # a file system without hard links
+        with path.open("xb") as file:
+            file.write(whole.read_bytes())
 
 
 def sync_folder(folder: Path) -> None:

@@ -15,8 +15,11 @@ from emg2vsa.settings import (
     WindowSettings,
 )
 
-REGISTRATION = "registration.json"
-"""Beside a study file: the registration that the study is compared with, where the file names no other."""
+
+def registration_of(study_file: Path) -> Path:
+    """Where the registration of a study is, unless its file names another: studies of one folder have their own."""
+    stem = study_file.stem
+    return study_file.with_name("registration.json" if stem == "study" else f"{stem}.registration.json")
 
 
 @dataclass(frozen=True)

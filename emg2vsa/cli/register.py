@@ -19,7 +19,7 @@ of its own (--out), which names the hash of the earlier one. Exit status 2: the 
 """
 OPTIONS = f"""
 {STUDY}
---out FILE  file of the registration, ending in .json (default: registration.json beside the study file)
+--out FILE  file of the registration, ending in .json (default: registration.json beside study.toml)
 --rig FILE  rig file whose experiment is registered too, for runs that are to be measured
 {JSON}
 """
@@ -34,7 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.pipeline.registered import as_it_is
     from emg2vsa.registration import document, read_registration, write_registration
     from emg2vsa.rig_file import load_rig
-    from emg2vsa.study import REGISTRATION
+    from emg2vsa.study import registration_of
     from emg2vsa.study_file import load_study
 
     study, out = load_study(arguments.study), arguments.out
@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise SettingError(
             "--rig", wanted="the rig file of the study alone", found=f"rig = {own.name} in [runs]", do=do
         )
-    path = out.absolute() if out else study.registration or study.path.with_name(REGISTRATION)
+    path = Path(os.path.abspath(out)) if out else study.registration or registration_of(study.path)
     before = study.registration if study.registration and study.registration.is_file() else None
     amends = read_registration(before, study.name)["sha256"] if before and before != path else ""
     file = own or arguments.rig
@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
         f"SHA-256 {content['sha256']}",
         "Deposit the file or its hash where its date is public.",
     ]
-    if study.registration != path and path != study.path.with_name(REGISTRATION):
+    if study.registration != path and path != registration_of(study.path):
         named = Path(os.path.relpath(path, study.path.parent)).as_posix()
         lines.append(f'Name it in the study file, under [study]: registration = "{named}"')
     answer(arguments.json, told | {"files": files, "claims": sorted(content["claims"])}, lines)

@@ -41,7 +41,7 @@ def answers(content: Plain) -> Plain:
             "5) Which analyses exactly will be done?": analyses,
             "6) How are outliers defined, and which observations are excluded?": excluded,
             "7) How many observations will be collected?": _joined([design, _power(plan)]),
-            "8) Is there anything else?": f"{order} {kept}",
+            "8) Is there anything else?": f"Order of pressing: {order} {kept}",
         },
         "osf": {
             "Study information": f"{content['title']}. Hypotheses: {hypotheses or YOURS}",
@@ -116,4 +116,4 @@ def _power(plan: Plain) -> str:
 def _order(session: Plain | None, rig: Plain | None) -> str:
     said = [f"specimens are {session['order']}, seed {session['seed']}"] if session else []
     said += [f"runs of the rig are {rig['order']}, seed {rig['seed']}"] if rig else []
-    return f"Order: {'; '.join(said)}." if said else f"Order: {YOURS}"
+    return f"{'; '.join(said)}." if said else YOURS

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from emg2vsa.settings import ChannelSettings, PressJudgement, RunSettings, StageSettings
-from emg2vsa.study import REGISTRATION, Person, RecordingEntry, RecordingPart, RunsSource, Specimen, Study
+from emg2vsa.study import Person, RecordingEntry, RecordingPart, RunsSource, Specimen, Study, registration_of
 from emg2vsa.study_file.patterns import REPETITION, Cell, Found, files_by_cell, filled
 from emg2vsa.study_file.tables import (
     FileChannels,
@@ -54,14 +54,14 @@ def study_of(path: str, file: StudyFile, people: tuple[Person, ...], raw: Mappin
         else RunSettings(),
         runs_source=_runs_source(folder, file.runs) if file.runs else None,
         session=file.session,
-        registration=_registration(folder, about.registration),
+        registration=_registration(Path(path), about.registration),
         task=(file.recordings.task if file.recordings else None) or "",
     )
 
 
-def _registration(folder: Path, named: str | None) -> Path | None:
-    default = beside(folder, REGISTRATION)
-    return beside(folder, named) if named else default if default.is_file() else None
+def _registration(path: Path, named: str | None) -> Path | None:
+    default = registration_of(path)
+    return beside(path.parent, named) if named else default if default.is_file() else None
 
 
 def _runs_source(folder: Path, table: RunsTable) -> RunsSource:

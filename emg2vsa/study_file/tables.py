@@ -44,7 +44,7 @@ class StudyTable:
     reports: Text | None = None
     "Folder of the report; omitted: reports/<name>, or ../../reports/<name> where the file lies in studies/<folder>."
     registration: Text | None = None
-    "Registration that the study is compared with (emg2vsa register); omitted: registration.json, where it is there."
+    "Registration that the study is compared with (emg2vsa register); omitted: registration.json beside it, if there."
 
 
 @dataclass(frozen=True, kw_only=True)

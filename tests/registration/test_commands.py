@@ -138,6 +138,15 @@ def test_a_registration_that_is_named_must_be_there(study: RegisteredStudy, caps
     assert (study.folder / "mine.json").is_file()
 
 
+def test_studies_of_one_folder_have_their_own(study: RegisteredStudy) -> None:
+    other = study.folder / "other.toml"
+    other.write_text(study.file.read_text().replace('name = "palpation"', 'name = "other"'))
+    assert load_study(other).registration is None
+    assert main(["register", str(other), "--json"]) == 0
+    assert load_study(other).registration == study.folder / "other.registration.json"
+    assert load_study(study.file).registration == study.registration
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -162,7 +171,9 @@ def test_bad_files_are_refused(study: RegisteredStudy, tmp_path: Path, capsys: S
     assert not (tmp_path / "r.json").exists()
     (tmp_path / "file").write_text("")
     study.registration.unlink()
-    assert main(["register", str(study.file), "--out", str(tmp_path / "file" / "r.json")]) == 2
+    out = tmp_path / "file" / "r.json"
+    assert main(["register", str(study.file), "--out", str(out)]) == 2
+    assert f"emg2vsa: {out}: " in capsys.readouterr().err
 
 
 def test_runs_that_are_to_be_measured(study: RegisteredStudy, tmp_path: Path, capsys: Said) -> None:

@@ -11,17 +11,18 @@ from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Table, records
 
 _TEXT = """
-<p>The plan of this study was registered on {{ of.registered_at[:10] }}: {{ of.collected }}
+<p>The plan of this study was registered on {{ of.registered_at[:10] }}. Data at that time: {{ of.collected }}
 {% if of.amends %}This registration amends an earlier one ({{ of.amends[:12] }}).{% endif %}
-Of {{ states.total() }} verdicts {{ states['registered'] }} are as registered, {{ states['deviates'] }} deviate and
-{{ states['not registered'] }} were not registered.{% if without %} {{ without }} registered claims have no verdict
+Of {{ states.total() }} verdicts {{ states['registered'] }} are as registered, {{ states['deviates'] }} deviate from the
+plan{% if states['not registered'] %}, and {{ states['not registered'] }} were not registered{% endif %}.
+{% if without %} {{ without }} registered claims have no verdict
 here.{% endif %}{% if of.awaited %} {{ of.awaited | length }} planned recordings are not there yet.{% endif %}</p>
 {{ folded("deviations", "Deviations from the registered plan") }}
 {% if code %}
 <p>The program is not the registered one:</p>
 {{ code | bullets }}
 {% endif %}
-<p class="small">{{ of.file }}, SHA-256 {{ of.sha256 }}</p>
+<p class="small" style="overflow-wrap: anywhere">{{ of.file }}, SHA-256 {{ of.sha256 }}</p>
 """
 COLUMNS = (
     Column("what", "What"), Column("registered", "When registered"), Column("now", "Now"), Column("kind", "Kind"),
