@@ -37,6 +37,7 @@ WORLDS = {
     "unequal": "the same, SD from 1 to 4 over specimens times 0.5 to 2 over forces",
     "t3": "the same, each person's curves times one factor, so that they follow Student's t with 3 df",
     "lognormal": "lognormal with equal means, SD of the logarithm from .2 to .8 over specimens",
+    "alike": "lognormal, SD of the logarithm .5 on every specimen",
 }
 EFFECTS = {5: (1.0, 2.0, 3.0, 4.0), 14: (0.5, 0.75, 1.0, 1.5)}
 """Difference of one specimen from the others, over the SD of a person's difference between two specimens."""
@@ -56,8 +57,8 @@ def null_study(world: str, people: int, seed: int) -> Floats:
     if world == "independent":
         return np.asarray(y)
     y = y @ factor(0.9).T
-    if world == "lognormal":
-        sd = np.linspace(0.2, 0.8, SPECIMENS)[:, None]
+    if world in ("lognormal", "alike"):
+        sd = np.linspace(0.2, 0.8, SPECIMENS)[:, None] if world == "lognormal" else 0.5
         return np.asarray(np.exp(sd * y) - np.exp(sd**2 / 2))
     if world != "memory":
         y *= SPREAD

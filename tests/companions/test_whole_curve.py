@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from emg2vsa import artifacts
 from emg2vsa.companions.whole_curve import WholeCurve, cell_curves, compare_curves
 from emg2vsa.fits import Fits
 from emg2vsa.statistics.whole_curve import curve_tests
@@ -106,3 +108,12 @@ def test_no_curve_at_all_says_why() -> None:
         assert found.tests.why
         assert found.ranges().of.size == 0
         assert found.left_out or not found.participants.size
+
+
+def test_what_is_stored_is_read_back(tmp_path: Path) -> None:
+    found = found_in(presses())
+    artifacts.save(tmp_path / "curves", found)
+    again = artifacts.load(tmp_path / "curves")
+    assert again.tests.f_threshold == found.tests.f_threshold
+    assert again.ranges().of.tolist() == found.ranges().of.tolist()
+    np.testing.assert_array_equal(again.by_force().p, found.by_force().p)
