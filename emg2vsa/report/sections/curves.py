@@ -15,6 +15,7 @@ from emg2vsa.report.numbers import Items, fields_of, least, most, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.table import Table, activity_column, columns, table_of
 from emg2vsa.report.wording import listed, number, percent
+from emg2vsa.statistics.whole_curve import FEWEST_FOR_BANDS
 
 
 def _found(results: StudyResults) -> WholeCurve | None:
@@ -65,9 +66,13 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     others = [i for i in range(len(found.pairs)) if i not in neighbours]
     drawn = neighbours + others * (found.specimens.size <= _ALL_PAIRS_UP_TO)
     figure = draw_whole_curve(found, drawn, neighbours, looks(results.specimens), results.scale)
+    banded = np.isfinite(found.tests.half_width).any()
+    bands = (
+        ", with simultaneous bands about the mean of the specimens" if banded else f"; bands take {FEWEST_FOR_BANDS}"
+    )
     caption = (
-        "Whole curves. (a) Mean over people, with simultaneous bands about the mean of the specimens. (b) F between "
-        "specimens; dashed: threshold. (c) Forces at which pairs differ; blue: neighbours."
+        f"Whole curves. (a) Mean over people{bands}. (b) F between specimens; dashed: threshold. (c) Forces at which "
+        "pairs differ; blue: neighbours."
     )
     description = (
         f"Of the forces from {number(found.from_n[0])} to {number(found.to_n[-1])} N, all specimens differ over "
@@ -84,8 +89,7 @@ def _told(found: WholeCurve, pairs: list[int]) -> list[str]:
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     if (found := _found(results)) is None:
-        tested = results.recorded.hypotheses
-        return {"why": tested.curves.tests.why if tested else ""}
+        return {"why": tested.curves.tests.why if (tested := results.recorded.hypotheses) else ""}
     told = _told(found, found.neighbours(results.study.stiffness_n_per_mm))
     return {"differ": listed(told), "left_out": listed(found.left_out)}
 
