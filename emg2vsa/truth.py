@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from emg2vsa.errors import DataError
 from emg2vsa.fits import Fits, usable
+from emg2vsa.shown import shown
 
 Truth = dict[tuple[str, str, int], tuple[float, float]]
 
@@ -52,12 +53,12 @@ class Recovery:
     ``..._mcse`` are Monte-Carlo standard errors: what another seed would change.
     """
 
-    n: int
-    mean_b_error: float
-    mean_b_error_mcse: float
-    sd_b_error: float
-    coverage: float
-    coverage_mcse: float
+    n: int = field(metadata=shown("Trials"))
+    mean_b_error: float = field(metadata=shown("Mean error of b (%)", 100.0))
+    mean_b_error_mcse: float = field(metadata=shown("Monte-Carlo SE (%)", 100.0, 2))
+    sd_b_error: float = field(metadata=shown("SD of the error of b (%)", 100.0))
+    coverage: float = field(metadata=shown("Intervals that hold the true b (%)", 100.0))
+    coverage_mcse: float = field(metadata=shown("Monte-Carlo SE (%)", 100.0, 2))
     confidence: float
 
 

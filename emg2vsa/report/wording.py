@@ -83,14 +83,13 @@ def aligned(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> Iterat
         yield "  ".join(cut).rstrip()
 
 
-_UNITS = {"mm2": "mm²", "px2": "px²"}
 SIMULATED = "Simulated rig."
 """Ends the caption of a figure, or of a table, of emulated runs."""
 
 
 def area_unit(unit: str) -> str:
     """mm² or px²."""
-    return _UNITS.get(unit, unit)
+    return unit.replace("2", "²")
 
 
 def interval(estimate: float, low: float, high: float) -> str:

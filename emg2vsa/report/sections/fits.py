@@ -29,7 +29,8 @@ from emg2vsa.report.table import (
     table_of,
 )
 from emg2vsa.report.wording import activity, count, p_text
-from emg2vsa.truth import recover
+from emg2vsa.shown import words_of
+from emg2vsa.truth import Recovery, recover
 
 _R2 = {
     "adj_r2": "adj. R²", "r2_bins": "R², bins", "adj_r2_bins": "adj. R², bins", "r2_samples": "R², samples",
@@ -171,17 +172,11 @@ def _by_specimen(results: StudyResults, q: Quantities) -> Table:
 
 
 def _recovery(results: StudyResults, q: Quantities) -> Table:
-    names = ("all", *results.specimens)
-    keys = {
-        Column("n", "Trials"): "n", Column("mean_b_error", "Mean error of b (%)", 100.0): "mean_b_error",
-        Column("mean_b_error_mcse", "Monte-Carlo SE (%)", 100.0, 2): "mean_b_error_mcse",
-        Column("sd_b_error", "SD of the error of b (%)", 100.0): "sd_b_error",
-        Column("coverage", "Intervals that hold the true b (%)", 100.0): "coverage",
-        Column("coverage_mcse", "Monte-Carlo SE (%)", 100.0, 2): "coverage_mcse",
-    }  # fmt: skip
+    names: Columns = {Column("specimen", "Specimen"): ("all", *results.specimens)}
+    keys = {Column(key, *words): key for key, words in words_of(Recovery).items()}
     found = from_quantities(q, ["recovery", *(f"recovery.{name}" for name in results.specimens)], keys)
     caption = "Fitted slopes beside the true slopes of the simulation"
-    return table_of("recovery", caption, {Column("specimen", "Specimen"): names} | found)
+    return table_of("recovery", caption, names | found)
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
@@ -235,8 +230,8 @@ def _bars(hypotheses: Hypotheses | None, names: Sequence[str], whose: str) -> li
 _TEXT = """
 {{ figure("fig04_cocontraction") }}
 <p>The median adj. R² of a trial is {{ q['fit.adj_r2_bins.median'] | bounded }} on force bins and
-{{ q['fit.adj_r2_samples.median'] | bounded }} on samples. Its samples are correlated, and carry as much information as
-about {{ q['fit.n_effective.median'] | number(2) }} independent ones.
+{{ q['fit.adj_r2_samples.median'] | bounded }} on samples. The correlated samples of a trial carry as much information
+as about {{ q['fit.n_effective.median'] | number(2) }} independent ones.
 {% if q['fit.b_not_positive'] %}
 The slope of {{ q['fit.b_not_positive'] | count("used trial") }} is not positive.
 {% endif %}</p>

@@ -216,20 +216,12 @@ in the <a href="#claims">summary</a> follow from intervals over people, not from
 <p>The order of specimens {{ order }}. {{ drift }}</p>
 {{ folded("verdict_normality", "Are the clusters Gaussian? Tests compared") }}
 {{ folded("normality", "Normality of every cluster") }}
-{% if q['hypotheses.between_participants.tested'] %}
 {{ folded("verdict_participants", "Are the participants equal? Tests compared") }}
 {{ folded("anova_participants", "ANOVA of every specimen") }}
-{% else %}
-<p>Tests between participants take usable trials of two participants or more.</p>
-{% endif %}
-{% if q['hypotheses.between_specimens.tested'] %}
 {{ folded("verdict_specimens", "Do the specimens differ? Tests compared") }}
 {{ folded("anova_specimens", "ANOVA of every participant") }}
 {{ folded("verdict_pairs", "Which specimens differ? Tests compared") }}
 {{ folded("lsd_pairs", "Every pair of specimens of every participant") }}
-{% else %}
-<p>Tests between specimens take usable trials on two specimens or more.</p>
-{% endif %}
 {% if has("mixed_residuals") %}
 <p>The mixed model assumes normal residuals with one scatter at every level; the tests of these assumptions give
 {{ q["hypotheses.over_people.mixed.residuals.shapiro_p"] | p }} and

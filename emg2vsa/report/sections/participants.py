@@ -132,7 +132,7 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
 
 _TEXT = """
 {% if sessions %}
-<p>The sessions are judged: {{ sessions }}. {{ judged.values() | join(" ") }}</p>
+<p>The sessions are judged as follows: {{ sessions }}. {{ judged.values() | join(" ") }}</p>
 {{ folded("sessions", "Every session, with a page for each participant") }}
 {% endif %}
 {% if q['study.failures'] %}
@@ -143,7 +143,7 @@ _TEXT = """
 {% endfor %}
 {% if q['power.study'] is defined and q['power.study'] == q['power.study'] %}
 <p>The paper planned its sample for a test between repetitions. With the people of this study, that test has a power of
-{{ q['power.study'] | bounded }}, and one between specimens {{ q['power.study_specimens'] | bounded }}.</p>
+{{ q['power.study'] | bounded }}, and a test between specimens has {{ q['power.study_specimens'] | bounded }}.</p>
 {% endif %}
 {{ folded("power_sensitivity", "Power between specimens by correlation and sphericity") }}
 """
