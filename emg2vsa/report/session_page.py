@@ -27,7 +27,7 @@ from emg2vsa.report.session_plots import (
 )
 from emg2vsa.report.table import Column, Table, activity_column, table_of
 from emg2vsa.report.wording import NO_BREAK, number, percent
-from emg2vsa.session_verdict import Advice, Doubts, SessionVerdict, SpecimenVerdict, doubts_between, judge_session
+from emg2vsa.session_verdict import Advice, Doubts, SessionVerdict, doubts_between, judge_session
 from emg2vsa.study import RecordingEntry, Study
 
 VERDICT_TEXT = {
@@ -91,12 +91,13 @@ def _page(
             own = fitted.get((participant, judged.specimen))
             # what people said of a press, and its fit, count in every picture
             recording = recording if own is None else replace(recording, verdict=own.verdict)
-            body = _signals(recording, entries[judged.specimen].window.force_n, f"r{place}")
-            body += _recording(recording, own, scale, f"r{place}")
+            body = _recording(recording, own, entries[judged.specimen].window.force_n, scale, f"r{place}")
             body += html.details("Processing", html.bullets(map(short.text, recording.notes)))
         problems = [Advice(said, remedy_of(said)) for said in (judged.fault, *judged.problems) if said]
         faults = html.bullets(map(str, problems))
-        sections.append(html.section(f"r{place}", _heading(judged), faults, body))
+        wanted = f" of {judged.wanted}" if judged.wanted is not None else ""
+        heading = f"{judged.specimen}: usable presses {judged.usable}{wanted}"
+        sections.append(html.section(f"r{place}", heading, faults, body))
     top = html.statement(verdict.verdict, verdict.verdict.capitalize() + ".", VERDICT_TEXT[verdict.verdict])
     steps = "".join(
         html.paragraph(f"{f.stage} failed for {f.key}: {f.message}") for f in failures if f.stage != "trials"
@@ -107,41 +108,29 @@ def _page(
     return html.page(f"{participant}: {study.title}", header, nav, body, "<p></p>")
 
 
-def _heading(judged: SpecimenVerdict) -> str:
-    wanted = f" of {judged.wanted}" if judged.wanted is not None else ""
-    return f"{judged.specimen}: usable presses {judged.usable}{wanted}"
-
-
-def _signals(trials: Trials, window_n: tuple[float, float], name: str) -> str:
-    """What was recorded and how good it is: force and raw EMG over time, spectra, median frequencies."""
+def _recording(trials: Trials, own: Fits | None, window_n: tuple[float, float], scale: ActivityScale, name: str) -> str:
+    """Force and raw EMG over time; spectra, median frequencies and fits; a table of the presses."""
     body = html.heading("Signal quality") + html.bullets(_quality(trials))
-    traces = [force_trace(trials, window_n, f"{name}f")]
-    if trials.overviews:
-        traces += [emg_trace(trials, m, f"{name}e{m}") for m in range(len(trials.muscles))]
+    muscles = range(len(trials.muscles)) if trials.overviews else ()
+    traces = [force_trace(trials, window_n, f"{name}f"), *(emg_trace(trials, m, f"{name}e{m}") for m in muscles)]
     raw = " Grey is raw EMG; red is the mean of rectified EMG." if trials.overviews else ""
-    body += html.figure(
-        "".join(traces), f"{trials.specimen}: force and EMG over time. Loading phases are shaded and numbered.{raw}"
-    )
-    if trials.overviews:
-        drawn = [spectra(trials, m, f"{name}s{m}") for m in range(len(trials.muscles))]
-        drawn.append(median_frequencies(trials, f"{name}m"))
-        body += html.pictures(f"<figure>{each}</figure>" for each in drawn if each)
-    return body
-
-
-def _recording(trials: Trials, own: Fits | None, scale: ActivityScale, name: str) -> str:
-    body = ""
-    if own is None or not np.isfinite(own.bin_v).any():
-        body += html.paragraph("No press has co-contraction within the force window, so no curve can be drawn.")
-    else:
-        dashed = "solid = ok, dashed = warned (!), dotted = rejected (×), thick = unlike the other presses"
-        body += html.figure(
-            activity_plot(own, scale, f"{name}v"),
-            f"{trials.specimen}: means of the force bins, and the fit v = a + b ln F of each press. Curves: {dashed}.",
+    said = f"{trials.specimen}: force and EMG over time. Loading phases are shaded and numbered.{raw}"
+    body += html.figure("".join(traces), said)
+    drawn = [f"<figure>{each}</figure>" for m in muscles if (each := spectra(trials, m, f"{name}s{m}"))]
+    if trials.overviews and (frequencies := median_frequencies(trials, f"{name}m")):
+        drawn.append(f"<figure>{frequencies}</figure>")
+    if own is not None and np.isfinite(own.bin_v).any():
+        said = (
+            f"{trials.specimen}: means of the force bins, and the fit v = a + b ln F of each press. Curves: {_CURVES}."
         )
-    if own is not None and own.b_v.size:
-        body += _table(trials, own, scale).html()
-    return body
+        drawn.append(html.figure(activity_plot(own, scale, f"{name}v"), said))
+    else:
+        body += html.paragraph("No press has co-contraction within the force window, so no curve can be drawn.")
+    body += html.pictures(drawn)
+    return body + (_table(trials, own, scale).html() if own is not None and own.b_v.size else "")
+
+
+_CURVES = "solid = ok, dashed = warned (!), dotted = rejected (×), thick = unlike the other presses"
 
 
 def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
