@@ -230,7 +230,7 @@ class Axes:
     def _ticks(self) -> str:
         left, top, right, bottom = self.view
         floor, grid = _TOP + self.height, 1.0 if self.grid else 0.0
-        most = int(self.height / 45)
+        most = int(self.height / 90) + 2
         across, up = ticks(left, right, int(self.width / 120)), ticks(min(top, bottom), max(top, bottom), most)
         xs = self._page(np.array([[value, bottom] for value in across]))[:, 0].tolist()
         ys = self._page(np.array([[left, value] for value in up]))[:, 1].tolist()
