@@ -25,15 +25,10 @@ _SYMBOLS = {
     "omega2": ("ω²", r"\omega^2"), "partial eta2": ("η²_p", r"\eta^2_p"), "partial omega2": ("ω²_p", r"\omega^2_p"),
     "generalised eta2": ("η²_G", r"\eta^2_G"), "rank epsilon2": ("ε²_R", r"\varepsilon^2_R"),
     "rank-biserial": ("r_rb", r"r_\mathrm{rb}"), "Kendall's W": ("Kendall's W", r"W_\mathrm{Kendall}"),
-    "Hedges g": ("g", "g"), **{letter: (letter, letter) for letter in ("p", "F", "H", "D", "U", "t", "q", "W", "z")},
+    "Hedges g": ("g", "g"), **{letter: (letter, letter) for letter in "pFHDUtqWz"},
 }  # fmt: skip
 """Statistics and effects as Unicode and as mathematics; a name that is not here is text, and stays as it is."""
-_AT_MOST_ONE = frozenset(
-    {
-        "eta2", "omega2", "partial eta2", "partial omega2", "generalised eta2", "rank epsilon2", "rank-biserial",
-        "Kendall's W", "rank correlation",
-    }
-)  # fmt: skip
+_AT_MOST_ONE = frozenset(_SYMBOLS) - {"chi2", "BF01", "Hedges g", *"pFHDUtqWz"} | {"rank correlation"}
 _COUNTS = frozenset({"D", "W"})
 """Statistics without degrees of freedom whose n stands in their place."""
 

@@ -9,12 +9,15 @@ import pytest
 from scipy import stats
 
 from emg2vsa.discrimination import discriminate
+from emg2vsa.hypotheses import test_hypotheses as run_hypotheses
 from emg2vsa.report.inputs import Runs
 from emg2vsa.report.section import Content, rendered
 from emg2vsa.report.sections.factors import FACTORS
 from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.hypotheses import HYPOTHESES
+from emg2vsa.report.sections.participants import PARTICIPANTS
 from emg2vsa.report.study_report import contents
+from emg2vsa.report.table import FEW_ON_PAGE
 from emg2vsa.truth import recover
 
 
@@ -170,3 +173,42 @@ def test_profiles_and_schedules_show_their_intervals(results) -> None:
             assert (q[f"{key}.percent.low"], q[f"{key}.percent.high"]) == (low[0], high[0])
     row = content.tables["schedules"].rows[3]
     assert row["stiffness_low_percent"] <= row["stiffness_percent"] <= row["stiffness_high_percent"]
+
+
+def test_tables_of_single_pairs_show_their_first_rows_on_the_page(whole, content: Content) -> None:
+    text = rendered(HYPOTHESES, whole, content)
+    pairs = len(content.tables["lsd_pairs"].rows)
+    assert pairs == 18  # three people, six pairs of four specimens: they fit
+    statements = len(content.tables["statements"].rows)
+    assert statements > FEW_ON_PAGE
+    assert f"The first {FEW_ON_PAGE} of {statements} rows" in text
+    assert "The first 20 of 18 rows" not in text
+
+
+def test_figure_4_is_seen_at_once_and_says_what_its_bands_and_stars_are(whole, content: Content) -> None:
+    text = rendered(FITS, whole, content)
+    assert text.index("<figure>") < text.index("<details>") if "<details>" in text else "<figure>" in text
+    caption = content.drawings["fig04_cocontraction"].caption
+    assert len(caption.split()) <= 35
+    assert "bands are one SD between trials" in caption
+    assert "Stars: p of the uncorrected LSD" in caption
+
+
+def test_people_have_the_power_of_both_tests(whole, content: Content) -> None:
+    text = " ".join(rendered(PARTICIPANTS, whole, content).split())
+    of = [f"{content.quantities[f'power.{key}']:.3f}".lstrip("0") for key in ("study", "study_specimens")]
+    assert f"that test has a power of {of[0]}, and a test between specimens has {of[1]}." in text
+    assert "power_sensitivity" in content.tables
+
+
+def test_a_study_of_one_person_claims_no_power(whole, fits_of) -> None:
+    trials = tuple(trial for trial in whole.people.trials if trial.participant == "P02")
+    fits = fits_of(list(trials), whole.study)
+    found = run_hypotheses(fits, whole.study.hypotheses)
+    one = replace(whole, people=replace(whole.people, fits=fits, trials=trials, hypotheses=found), runs=None)
+    content = contents(one)
+    assert "power_sensitivity" not in content.tables
+    assert "that test has a power" not in rendered(PARTICIPANTS, one, content)
+    text = rendered(HYPOTHESES, one, content)
+    assert "nothing to compare between participants" in text
+    assert "Are the participants equal?" not in text

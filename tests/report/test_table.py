@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emg2vsa.report.table import MOST_ON_PAGE, Column, ColumnRows, Table
+from emg2vsa.report.table import FEW_ON_PAGE, MOST_ON_PAGE, Column, ColumnRows, Table, from_quantities, table_of
 
 NAMES = st.text(st.characters(exclude_categories=("C",)), max_size=8)
 
@@ -111,3 +111,19 @@ def test_rows_of_columns_are_made_when_they_are_asked_for() -> None:
         rows[1234]
     with pytest.raises(ValueError, match="unequal length"):
         ColumnRows({"a": [1], "b": [1, 2]})
+
+
+def test_a_table_of_single_persons_shows_its_first_rows_and_its_file_has_them_all() -> None:
+    made = table_of("t", "c", {Column("a", "A"): np.arange(70)}, FEW_ON_PAGE)
+    assert made.html().count("<tr>") == 1 + FEW_ON_PAGE
+    assert f"The first {FEW_ON_PAGE} of 70 rows" in made.html()
+    assert made.html(whole=True).count("<tr>") == 71
+    assert len("".join(made.csv()).splitlines()) == 71
+
+
+def test_columns_of_quantities_are_empty_where_there_is_none() -> None:
+    q = {"fit.S1.n": 3, "fit.S2.n": 4, "fit.S2.b.mean": 1.5}
+    n, mean = Column("used", "Used"), Column("b_mean", "Mean b")
+    found = from_quantities(q, ["fit.S1", "fit.S2"], {n: "n", mean: "b.mean"})
+    assert found == {n: [3, 4], mean: [None, 1.5]}
+    assert "".join(table_of("t", "c", found).csv()).splitlines() == ["used,b_mean", "3,", "4,1.5"]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.report.outcome_text import STYLES, effect_said, p_said, range_said, said
-from emg2vsa.report.wording import bounded, count, interval, listed, number, p_text, percent, signed, typeset
+from emg2vsa.report.wording import aligned, bounded, count, interval, listed, number, p_text, percent, signed, typeset
 from emg2vsa.statistics.outcome import Outcome
 
 NAN = math.nan
@@ -63,6 +63,7 @@ def plain(text: str) -> str:
         (range_said("eta2", np.array([0.12])), "η² = .12"), (range_said("eta2", np.array([0.121, 0.122])), "η² = .12"),
         (range_said("eta2", np.array([NAN])), "η² not defined"),
         (range_said("eta2", np.array([0.12, 0.61]), "latex"), r"$\eta^2$ from $.12$ to $.61$"),
+        (range_said("D", np.array([0.12, 0.61]), "latex"), r"$D$ from $0.120$ to $0.610$"),
         (effect_said(ANOVA), "η² = .32, 95% CI [.08, .46]"), (effect_said(KS), ""),
     ],
 )  # fmt: skip
@@ -112,3 +113,10 @@ def test_plain_is_ascii_and_mathematics_is_balanced(style) -> None:
 def test_an_infinite_end_of_an_interval_is_open(low, high, said):
     assert interval(3.01, low, high) == said
     assert interval(np.nan, low, high) == "–"
+
+
+def test_lines_are_as_wide_as_their_longest_cell() -> None:
+    rows = [("pair", "p"), ("S1 - S10", ".039"), ("S1 - S2", "< .001")]
+    assert list(aligned(rows)) == ["pair           p", "S1 - S10    .039", "S1 - S2   < .001"]
+    assert list(aligned(rows, left=(0, 1))) == ["pair      p", "S1 - S10  .039", "S1 - S2   < .001"]
+    assert list(aligned([])) == []

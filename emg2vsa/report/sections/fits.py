@@ -194,7 +194,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     figure = draw_cocontraction(profiles, slopes, bars, [look[name] for name in names], scale, test if bars else "")
     caption = (
         f"Fig. 4. Co-contraction of {whose or 'all participants'}. (a) Mean fitted trends; bands are one SD between "
-        f"{'trials' if whose else 'participants'}. (b) Slopes b with Hazen's quartiles, one mark a trial."
+        f"{'trials' if whose else 'participants'}. (b) Slopes b of trials with Hazen's quartiles."
     ) + (" Stars: p of the uncorrected LSD below .05, .01, .001, .0001." if bars else "")
     pairs = "; ".join(f"{names[bar.first]} and {names[bar.second]}: {p_text(bar.p)}" for bar in bars)
     told = [
