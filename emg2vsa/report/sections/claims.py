@@ -20,8 +20,9 @@ from emg2vsa.report.numbers import Items
 from emg2vsa.report.people_tests import people_tests
 from emg2vsa.report.rig_tests import rig_tests
 from emg2vsa.report.section import PaperTest, Quantities, Section
-from emg2vsa.report.table import Column, Row, Table
-from emg2vsa.report.wording import UNDEFINED, bounded, count, interval, number
+from emg2vsa.report.sections.robustness import paths_share
+from emg2vsa.report.table import Cell, Column, Table
+from emg2vsa.report.wording import UNDEFINED, bounded, count, interval, number, percent
 
 _KINDS = {"holds": "holds", "refuted": "fails", "not determined": "untested"}
 _UNITS = {"none": "exact", "mounting": "mountings", "person": "people"}
@@ -94,9 +95,9 @@ def claims_tables(results: StudyResults, judged: Sequence[Judged], q: Quantities
         "where it lies above. Error over: what was drawn at random and counts once. The paper's own test decides "
         "nothing here"
     )
-    yield _table("claims", caption, of_data, tests)
+    yield _table("claims", caption, of_data, tests, _more(results, of_data))
     others = [each for each in judged if each.claim.question == arithmetic.QUESTION]
-    yield _table("claims_on_settings", "Claims on settings and arithmetic, which no data can change", others, tests)
+    yield _table("claims_on_settings", "Claims on settings and arithmetic, which no data can change", others, tests, {})
     yield _how_often_right(of_data)
 
 
@@ -104,10 +105,26 @@ def _level(judged: Sequence[Judged]) -> str:
     return f"{100 * max((each.confidence for each in judged), default=np.nan):.4g} %"
 
 
-def _table(name: str, caption: str, judged: Sequence[Judged], tests: dict[str, PaperTest]) -> Table:
-    rows = tuple(_row(each, tests.get(each.claim.key, PaperTest(""))) for each in judged)
+def _more(results: StudyResults, judged: Sequence[Judged]) -> dict[Column, list[str]]:
+    """Columns of a study whose verdicts were judged along other paths, or were registered."""
+    found: dict[Column, list[str]] = {}
+    if shares := paths_share(results):
+        each = (shares.get(one.claim.key, (0, 0)) for one in judged)
+        found[Column("paths", "Paths that keep it")] = [f"{percent(k / of, 2)} of {of}" if of else "" for k, of in each]
+    if results.registered is not None:
+        found[Column("registered", "Registered")] = [results.registered.state(one) for one in judged]
+    return found
+
+
+def _table(
+    name: str, caption: str, judged: Sequence[Judged], tests: dict[str, PaperTest], more: dict[Column, list[str]]
+) -> Table:
+    rows = [_row(each, tests.get(each.claim.key, PaperTest(""))) for each in judged]
+    for place, row in enumerate(rows):
+        row |= {column.key: values[place] for column, values in more.items()}
     return Table(
-        name, caption, COLUMNS, rows, rows, kinds=tuple(_KINDS[each.verdict] for each in judged),
+        name, caption, (*COLUMNS[:2], *more, *COLUMNS[2:]), rows,
+        kinds=tuple(_KINDS[each.verdict] for each in judged),
         links=tuple(f"#{each.claim.section}" for each in judged),
         groups=tuple(_capital(each.claim.question) for each in judged),
     )  # fmt: skip
@@ -142,7 +159,7 @@ def _how_often_right(judged: Sequence[Judged]) -> Table:
     return Table("claims_calibrated", caption, _RIGHT, rows)
 
 
-def _row(each: Judged, test: PaperTest) -> Row:
+def _row(each: Judged, test: PaperTest) -> dict[str, Cell]:
     claim = each.claim
     return {
         "says": _capital(claim.says),
@@ -202,21 +219,13 @@ def verdict_drawings(judged: Sequence[Judged]) -> Iterator[Drawing]:
         yield Drawing("figverdicts", "Verdicts", caption, told, draw_verdicts(of_data), None)
 
 
-_QUESTIONS = {
-    (
-        True,
-        True,
-    ): "Do people stiffen the finger as they press harder, and by another curve for each specimen? Does a rig "
-    "that takes over their stiffness tell specimens apart better than a rigid one?",
-    (True, False): "Do people stiffen the finger as they press harder, and by another curve for each specimen?",
-    (False, True): "Does a rig that takes over people's stiffness tell specimens apart better than a rigid one?",
-}
-"""Whether the study has people, and runs."""
+_OF_PEOPLE = "Do people stiffen the finger as they press harder, and by another curve for each specimen?"
+_OF_RUNS = "Does a rig that takes over people's stiffness tell specimens apart better than a rigid one?"
 
 
 def summary(results: StudyResults, judged: Sequence[Judged]) -> Iterator[str]:
     """The question, how many claims hold, what lacks, and a sentence on the main claims that the study has data on."""
-    yield _QUESTIONS.get((results.people is not None, results.runs is not None), "")
+    yield " ".join([_OF_PEOPLE] * (results.people is not None) + [_OF_RUNS] * (results.runs is not None))
     if results.people is None:
         yield (
             "No recording of people could be used."
@@ -231,17 +240,18 @@ def summary(results: StudyResults, judged: Sequence[Judged]) -> Iterator[str]:
         said = (f"{found[name]} {'is' if found[name] == 1 else 'are'} {name}" for name in ("refuted", "not determined"))
         holds = f"{found['holds']} {'holds' if found['holds'] == 1 else 'hold'}"
         yield f"Of {count(len(judged), 'claim')} on data, {', '.join((holds, *said))}."
+    shares = paths_share(results)
     for each in judged:
         if each.claim.key in _SUMMARY:
-            yield sentence(each)
+            kept, of = shares.get(each.claim.key, (0, 0))
+            yield sentence(each) + (f" Of {of} other paths of analysis, {kept} keep this verdict." if of else "")
 
 
 def sentence(each: Judged) -> str:
     """``Holds: specimens differ. The smallest difference of b, %, is 31.2 [18.0, 44.4].``"""
     claim = each.claim
-    return " ".join(
-        [f"{_capital(each.verdict)}: {claim.says}. The {claim.estimand}, is {_said(each)}.", claim.why]
-    ).strip()
+    said = f"{_capital(each.verdict)}: {claim.says}. The {claim.estimand}, is {_said(each)}."
+    return f"{said} {claim.why}".rstrip()
 
 
 _TEXT = """
