@@ -24,12 +24,13 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
 
 
 def run(given: Given) -> Paths:
+    from emg2vsa.hypotheses import Hypotheses
     from emg2vsa.multiverse import all_paths
 
     fitted = {(str(fits.participant[0]), str(fits.specimen[0])) for fits in given.each("fits") if fits.participant.size}
     trials = [trials for trials in given.each("trials") if (trials.participant, trials.specimen) in fitted]
-    hypotheses, profiles, tested = (given.one(name) for name in ("hypotheses", "profiles", "discrimination"))
-    calibration = given.one("calibration")
+    hypotheses: Hypotheses | None = given.one("hypotheses")
+    profiles, tested, calibration = (given.one(name) for name in ("profiles", "discrimination", "calibration"))
     return all_paths(
         given.settings["study"], trials, hypotheses.places() if hypotheses else {}, given.all("runs"),
         tested.table if tested else None, calibrated=calibration is not None and bool(calibration.conditions),
