@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.arrays import Floats, mean_of
-from emg2vsa.companions.groups import NormalityTests, normality_of
 from emg2vsa.discrimination.mountings import UNKNOWN, CellSum, Mountings, Ratios, ratios
 from emg2vsa.discrimination.run_table import RunTable
 from emg2vsa.statistics.kruskal import KruskalWallis, RankPairs, dunn, kruskal
@@ -21,10 +20,9 @@ from emg2vsa.statistics.kruskal import KruskalWallis, RankPairs, dunn, kruskal
 class AreaBySpecimen:
     """Known specimens compared within each of D designs: the paper's claim is that it is the same.
 
-    normality : of the D S cells, design by design. mean : (D, S) of presses. softest_over_stiffest : (D,).
+    mean : (D, S) of presses. softest_over_stiffest : (D,).
     """
 
-    normality: NormalityTests
     mean: Floats
     kruskal: KruskalWallis
     softest_over_stiffest: Ratios
@@ -59,11 +57,8 @@ def area_by_specimen(table: RunTable, mountings: Mountings, alpha: float) -> Are
     """mountings : of the areas."""
     known = table.known
     values = table.start_area[table.algorithm][:, known]
-    d, k, n = values.shape
-    over = [mountings.sum({(design, known[-1]): 1.0, (design, known[0]): -1.0}) for design in range(d)]
-    return AreaBySpecimen(
-        normality_of(values.reshape(d * k, n)), mean_of(values), kruskal(values), ratios(over, 1 - alpha)
-    )
+    over = [mountings.sum({(design, known[-1]): 1.0, (design, known[0]): -1.0}) for design in range(len(values))]
+    return AreaBySpecimen(mean_of(values), kruskal(values), ratios(over, 1 - alpha))
 
 
 def area_by_angle(table: RunTable, mountings: Mountings, alpha: float) -> AreaByAngle | None:

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, mean_of
-from emg2vsa.companions.groups import NormalityTests, normality_of
 from emg2vsa.discrimination.mountings import Mountings, Ratios, ratios
 from emg2vsa.discrimination.run_table import RunTable
 from emg2vsa.statistics.kruskal import KruskalWallis, RankPairs, dunn, kruskal
@@ -23,13 +22,12 @@ from emg2vsa.statistics.kruskal import KruskalWallis, RankPairs, dunn, kruskal
 class SpreadBySpecimen:
     """Known specimens, stiffest first, compared within each of D designs.
 
-    normality : of the D S cells. mean : (D, S) of presses. pairs : the paper's, on mean ranks, Bonferroni. rises :
+    mean : (D, S) of presses. pairs : the paper's, on mean ranks, Bonferroni. rises :
     (D,) whether every softer specimen has the larger mean. steps : CASR of each specimen over that of the next stiffer,
     the new one included, S - 1 of each design, design by design.
     """
 
     specimens: tuple[str, ...]
-    normality: NormalityTests
     mean: Floats
     kruskal: KruskalWallis
     pairs: RankPairs
@@ -61,15 +59,15 @@ class NewSpecimen:
 def spread_by_specimen(table: RunTable, mountings: Mountings, alpha: float) -> SpreadBySpecimen:
     """mountings : of CASR."""
     values = table.casr[table.algorithm][:, table.known]
-    d, k, n = values.shape
     ranks, mean = kruskal(values), mean_of(values)
     neighbours = list(pairwise(range(len(table.specimens))))
     steps = [
-        mountings.sum({(design, soft): 1.0, (design, stiff): -1.0}) for design in range(d) for stiff, soft in neighbours
+        mountings.sum({(design, soft): 1.0, (design, stiff): -1.0})
+        for design in range(len(values))
+        for stiff, soft in neighbours
     ]
     return SpreadBySpecimen(
         specimens=tuple(table.specimens[i] for i in table.known),
-        normality=normality_of(values.reshape(d * k, n)),
         mean=mean,
         kruskal=ranks,
         pairs=dunn(ranks),

@@ -12,7 +12,6 @@ from emg2vsa.discrimination.run_table import RIGID
 from emg2vsa.figures.canvas import PairBar
 from emg2vsa.figures.casr import POOLED, draw_areas, draw_contacts
 from emg2vsa.report import designs
-from emg2vsa.report.companion_rows import companion_table, normality_rows
 from emg2vsa.report.designs import ends_of, finite, intervals, keys, of_tests, tested
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
@@ -56,12 +55,6 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     found = tested(results)
     yield _by_specimen(found)
     yield _by_angle(found)
-    rows = [
-        row
-        for normality, what in ((found.area.normality, "A_c0"), (found.spread.normality, "CASR"))
-        for row in normality_rows(normality, found.settings.alpha, f"samples of {what}")
-    ]
-    yield companion_table("runs_normality", "Gaussian samples of A_c0 and CASR", rows)
 
 
 def _by_specimen(found: Discrimination) -> Table:
@@ -180,7 +173,6 @@ its force.{% else %}The first frame in contact comes at another force in every p
 loading begins.{% endif %}</p>
 {{ folded("area_by_specimen", "Initial area in every design") }}
 {{ folded("area_by_angle", "Initial area at every angle") }}
-{{ folded("verdict_runs_normality", "Tests of normality compared") }}
 """
 
 AREA = Section("area", "Initial contact area", _TEXT, of_tests, _quantities, _tables, _drawings)
