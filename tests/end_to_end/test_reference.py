@@ -7,6 +7,7 @@ import json
 import math
 import re
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -23,17 +24,22 @@ RENEW = "If the change is meant, renew it with scripts/reference and commit the 
 
 PEOPLE = 300
 """Quantities about people there are at least."""
-OF_BOTH = {"claims", "claims_calibrated", "claims_on_settings", "factors"}
-"""Tables of people and runs together: intervals of claims are corrected over all of them."""
+OF_BOTH = {"claims", "claims_calibrated", "claims_on_settings", "factors", "specimens"}
+"""Tables of people and the rig together: intervals of claims are corrected over all of them."""
+PLATES = ("S1", "S2", "S3", "S4", "S5", "S_new")
+"""Specimens that scripts/demo indents."""
 
 
-def demo(root: Path, *more: str) -> Path:
-    """The report of the demo study, simulated and run afresh."""
+def demo(root: Path, *more: str, plates: Sequence[str] = ()) -> Path:
+    """The report of the demo study, simulated and run afresh. plates : specimens that are indented first."""
     folder = root / "studies" / "palpation"
     folder.mkdir(parents=True)
     for name in ("study.toml", "rig.toml"):
         shutil.copy(ROOT / "studies" / "palpation" / name, folder)
     assert main(["tools", "simulate", str(folder / "study.toml"), "--json"]) == 0
+    if plates:
+        chosen = [word for name in plates for word in ("--plate", name)]
+        assert main(["rig", "run", str(folder / "rig.toml"), "--virtual", *chosen]) == 0
     assert main(["run", str(folder / "study.toml"), "--json", *more]) == 0
     return root / "reports" / "palpation"
 
@@ -47,7 +53,7 @@ def people(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The whole demo, 324 presses of the emulated rig included."""
-    return demo(tmp_path_factory.mktemp("whole"))
+    return demo(tmp_path_factory.mktemp("whole"), plates=PLATES)
 
 
 def same(ours: object, theirs: object) -> bool:
@@ -96,6 +102,11 @@ def test_the_whole_demo(whole: Path) -> None:
     assert sorted(tables(whole)) == sorted(tables(REFERENCE)), RENEW
     check_results(results(whole), results(REFERENCE))
     check_tables(tables(whole), tables(REFERENCE))
+
+
+def test_the_demo_indents_the_specimens_of_the_reference() -> None:
+    pressed = re.findall(r"--plate (\S+)", (ROOT / "scripts" / "demo").read_text())
+    assert tuple(pressed) == PLATES
 
 
 def test_the_truth_of_people_is_found(people: Path) -> None:
