@@ -158,12 +158,14 @@ class PlateTests:
     simulated: bool
 
     def of(self, specimen: str) -> list[int]:
-        """Places of the trials on a specimen."""
-        return [i for i, name in enumerate(self.specimens) if name == specimen]
+        """Places of the trials on a specimen whose force rises with indentation."""
+        return [i for i, name in enumerate(self.specimens) if name == specimen and self.fit.kappa[i] > 0]
 
     def worst_adj_r2(self) -> dict[str, float]:
-        """Specimen to the smallest adjusted R2 of its trials."""
-        return {name: float(self.fit.adj_r2[self.of(name)].min()) for name in dict.fromkeys(self.specimens)}
+        """Specimen to the smallest adjusted R2 of its trials; NaN where the force of one of them does not rise."""
+        r2 = np.where(self.fit.kappa > 0, self.fit.adj_r2, np.nan)
+        names = np.array(self.specimens)
+        return {name: float(r2[names == name].min()) for name in dict.fromkeys(self.specimens)}
 
 
 def _loading(indentation_mm: Floats, force_n: Floats) -> tuple[Floats, Floats]:

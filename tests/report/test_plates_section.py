@@ -58,7 +58,7 @@ def test_numbers_and_tables_are_those_of_the_trials(results: StudyResults) -> No
     ]
     assert [row["specimen"] for row in content.tables["specimens"].rows] == results.specimens
     assert "Figure" not in rendered(PLATES, results, contents(results))
-    assert "adj. R² ≥ .99" in rendered(PLATES, replace(results, plates=found), content)
+    assert "through a plate indentation is .99" in rendered(PLATES, replace(results, plates=found), content)
 
 
 def test_a_curve_that_bends_lowers_r2_and_departs_from_its_line(results: StudyResults) -> None:
@@ -74,3 +74,20 @@ def test_a_study_without_logs_shows_what_its_file_says(results: StudyResults) ->
     assert "plates" not in content.tables
     assert not [key for key in content.quantities if key.startswith("plates.")]
     assert "specimens" in content.tables
+
+
+@pytest.mark.parametrize("bad", [np.zeros(200), -DEPTH_MM, np.full(200, np.nan)], ids=["flat", "falling", "empty"])
+def test_a_trial_whose_force_does_not_rise_is_told_and_not_drawn(results: StudyResults, bad: np.ndarray) -> None:
+    good = 7.6 * np.maximum(DEPTH_MM - 1, 0)
+    measured = [(DEPTH_MM, good), (DEPTH_MM, bad)]
+    found = PlateTests(
+        ("S1", "S5"), ("a/1", "b/1"), fit_plate(measured), tuple(smoothed(*each) for each in measured), False
+    )
+    assert np.isnan(found.worst_adj_r2()["S5"])
+    told = replace(results, plates=found)
+    content = contents(told)
+    curves, _ = content.drawings["figplate_indentation"].figure.axes
+    assert [line.get_label() for line in curves.lines if "N/mm" in line.get_label()] == ["S1: 7.60 N/mm"]
+    assert "In 1 trial the force does not rise" in rendered(PLATES, told, content)
+    nothing = replace(results, plates=replace(found, specimens=(), trials=(), fit=fit_plate([]), curves=()))
+    assert "figplate_indentation" not in contents(nothing).drawings

@@ -170,9 +170,10 @@ def _run_order(given: Given) -> str:
 
 
 def _with_plates(study: Study, worst_adj_r2: Mapping[str, float]) -> Study:
-    """R2 of the logs where the study file gives none."""
+    """R2 of the logs where the study file gives none, and every trial has one."""
+    known = {name: worst for name, worst in worst_adj_r2.items() if worst == worst}
     given = [
-        each if each.plate_adjusted_r2 is not None else replace(each, plate_adjusted_r2=worst_adj_r2.get(each.name))
+        each if each.plate_adjusted_r2 is not None else replace(each, plate_adjusted_r2=known.get(each.name))
         for each in study.specimens
     ]
     return replace(study, specimens=tuple(given))

@@ -50,23 +50,29 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
-    if (plates := results.plates) is None:
+    plates = results.plates
+    kappa = _kappa(plates) if plates else {}
+    if not plates or not kappa:
         return
-    names = sorted(plates.worst_adj_r2(), key=lambda name: -float(np.mean(plates.fit.kappa[plates.of(name)])))
+    names = sorted(kappa, key=lambda name: -kappa[name])
     figure = draw_plates(
         {name: _curves(plates, plates.of(name)) for name in names},
         looks([*results.specimens, *(name for name in names if name not in results.specimens)], None),
     )
     origin = f" {SIMULATED}" if plates.simulated else ""
     told = "; ".join(
-        f"{name}: {number(float(np.mean(plates.fit.kappa[plates.of(name)])))} N/mm, adj. R² {bounded(worst, 4)} or more"
-        for name, worst in plates.worst_adj_r2().items()
+        f"{name}: {number(kappa[name])} N/mm, worst adj. R² {bounded(plates.worst_adj_r2()[name], 4)}" for name in names
     )
     caption = (
         "Fig. P1. Force of a flat plate against depth past contact (pale) with F = κ x of each specimen; right: force "
         f"less that line.{origin}"
     )
     yield Drawing("figplate_indentation", "Plate indentations", caption, f"{told}.{origin}", figure, None)
+
+
+def _kappa(plates: PlateTests) -> dict[str, float]:
+    """Specimen to the mean of its trials."""
+    return {name: float(np.mean(plates.fit.kappa[own])) for name in plates.worst_adj_r2() if (own := plates.of(name))}
 
 
 def _curves(plates: PlateTests, places: list[int]) -> PlateCurves:
@@ -80,8 +86,11 @@ def _curves(plates: PlateTests, places: list[int]) -> PlateCurves:
 
 _TEXT = """
 {{ figure("figplate_indentation") }}
-{% if has("plates") %}
-<p>A straight line describes the plate indentations with adj. R² ≥ {{ worst | bounded(4) }} (paper: .882).</p>
+{% if worst is not none %}
+<p>The worst adj. R² of a straight line through a plate indentation is {{ worst | bounded(4) }} (paper: .882).</p>
+{% endif %}
+{% if lost %}
+<p>In {{ lost | count("trial") }} the force does not rise with indentation. Check its sign.</p>
 {% endif %}
 {{ folded("specimens", "Stiffness of the specimens") }}
 {{ folded("plates", "Every plate indentation") }}
@@ -89,7 +98,10 @@ _TEXT = """
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    return {"worst": min(results.plates.worst_adj_r2().values(), default=np.nan) if results.plates else np.nan}
+    plates = results.plates
+    worst = [each for each in plates.worst_adj_r2().values() if each == each] if plates else []
+    lost = int(np.count_nonzero(~(plates.fit.kappa > 0))) if plates else 0
+    return {"worst": min(worst, default=None), "lost": lost}
 
 
 PLATES = Section(
