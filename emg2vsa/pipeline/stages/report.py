@@ -20,17 +20,8 @@ if TYPE_CHECKING:
     from emg2vsa.study import Study
 
 NOT_SHOWN = (
-    "path",
-    "results",
-    "reports",
-    "data",
-    "task",
-    "runs",
-    "runs_source",
-    "recordings",
-    "session",
-    "registration",
-)
+    "path", "results", "reports", "data", "task", "runs", "runs_source", "recordings", "session", "registration",
+)  # fmt: skip
 """Where things lie changes nothing in a report; which runs there are, it sees in their results.
 
 How a session is run makes recordings, and what they hold counts.
