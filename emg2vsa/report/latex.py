@@ -48,41 +48,31 @@ def latex_number(shown: str) -> str:
     return rf"\ensuremath{{{mantissa}{power}}}" if power or mantissa.startswith("-") else mantissa
 
 
+_LONG = r">{\raggedright\arraybackslash}X"
+
+
 def latex_table(table: Table) -> str:
     """A booktabs table with caption and label; its first line names the packages it takes."""
     cells, numeric = table.cells(), table.numeric()
     lengths = [max((len(row[i]) for row in cells), default=1) for i in range(len(table.columns))]
-    texts = [length > _LONG_TEXT for length in lengths]
-    broken = [
-        # numbers and not words make a table wide
+    kinds = [_LONG if of > _LONG_TEXT else "r" if n else "l" for of, n in zip(lengths, numeric, strict=True)]
+    # numbers and not words make a table wide
+    heads = [
         wrap(column.head, max(length, _HEAD), break_long_words=False)
         for column, length in zip(table.columns, lengths, strict=True)
     ]
-    heads = [_head(head, "r" if number else "l") for head, number in zip(broken, numeric, strict=True)]
-    lengths = [max(length, *map(len, head)) for length, head in zip(lengths, broken, strict=True)]
-    kinds = [_LONG if text else "r" if number else "l" for text, number in zip(texts, numeric, strict=True)]
     lines = [
-        " & ".join(
-            latex_number(cell) if number else latex_text(cell) for cell, number in zip(row, numeric, strict=True)
-        )
-        + r" \\"
+        " & ".join(latex_number(cell) if n else latex_text(cell) for cell, n in zip(row, numeric, strict=True)) + r" \\"
         for row in cells
     ]
-    if any(texts):
+    if _LONG in kinds:
         # rows of several lines are told apart by a little space
         lines[:-1] = [rf"{line} \addlinespace" for line in lines[:-1]]
-    caption, top = rf"\caption{{{latex_text(table.caption)}}}", [r"\toprule", " & ".join(heads) + r" \\", r"\midrule"]
-    label = rf"\label{{tab:{table.name}}}"
-    size = _size(sum(length + 2 for length in lengths))
-    made = (
-        _over_pages(kinds, caption, label, top, lines, size)
-        if len(cells) >= _LONG_TABLE
-        else _on_one_page(kinds, caption, label, top, lines, size, any(texts) or size != "")
-    )
-    return "\n".join([*made, ""])
-
-
-_LONG = r">{\raggedright\arraybackslash}X"
+    size = _size(sum(max(length, *map(len, head)) + 2 for length, head in zip(lengths, heads, strict=True)))
+    head = " & ".join(_head(each, "r" if n else "l") for each, n in zip(heads, numeric, strict=True)) + r" \\"
+    caption, label = rf"\caption{{{latex_text(table.caption)}}}", rf"\label{{tab:{table.name}}}"
+    layout = _over_pages if len(cells) >= _LONG_TABLE else _on_one_page
+    return "\n".join([*layout(kinds, caption, label, [r"\toprule", head, r"\midrule"], lines, size), ""])
 
 
 def _head(lines: list[str], side: str) -> str:
@@ -93,24 +83,20 @@ def _head(lines: list[str], side: str) -> str:
 
 def _size(characters: int) -> str:
     """Type size and distance of columns of a table of so many characters across."""
-    if characters <= _ONE_COLUMN:
-        return ""
     if characters <= _TWO_COLUMNS:
-        return r"\footnotesize"
+        return r"\footnotesize" if characters > _ONE_COLUMN else ""
     return (r"\footnotesize" if characters <= _WIDEST else r"\scriptsize") + r"\setlength{\tabcolsep}{3pt}"
 
 
-def _on_one_page(
-    kinds: list[str], caption: str, label: str, top: list[str], lines: list[str], size: str, wide: bool
-) -> list[str]:
-    table, packages = "table*" if wide else "table", "booktabs"
-    tabular, width = "tabular", ""
-    if _LONG in kinds:
-        tabular, width, packages = "tabularx", r"{\linewidth}", "booktabs, tabularx"
+def _on_one_page(kinds: list[str], caption: str, label: str, top: list[str], lines: list[str], size: str) -> list[str]:
+    long = _LONG in kinds
+    table, tabular, width = "table*" if long or size else "table", "tabular", ""
+    if long:
+        tabular, width = "tabularx", r"{\linewidth}"
     return [
-        f"% takes the packages {packages}", rf"\begin{{{table}}}", r"\centering" + size, caption, label,
-        rf"\begin{{{tabular}}}{width}{{{''.join(kinds)}}}", *top, *lines, r"\bottomrule", rf"\end{{{tabular}}}",
-        rf"\end{{{table}}}",
+        f"% takes the packages booktabs{', tabularx' if long else ''}", rf"\begin{{{table}}}", r"\centering" + size,
+        caption, label, rf"\begin{{{tabular}}}{width}{{{''.join(kinds)}}}", *top, *lines, r"\bottomrule",
+        rf"\end{{{tabular}}}", rf"\end{{{table}}}",
     ]  # fmt: skip
 
 
