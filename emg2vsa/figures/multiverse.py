@@ -22,7 +22,7 @@ _PALEST, _DARKEST = 0.06, 0.5
 
 
 def draw_paths(says: Sequence[str], verdicts: Sequence[Verdict], kinds: Sequence[str], share: Floats) -> Figure:
-    """share : (C, K) of the paths of each of K kinds, of all in the last one; NaN where none bears on the claim."""
+    """share : (C, K) of the paths of each of K kinds, of all in the first one; NaN where none bears on the claim."""
     rows, columns = share.shape
     height_mm = _ROW_MM * rows + 27
     figure, (axes,) = new_figure(TWO_COLUMNS_MM, height_mm, (_LABELS_MM, 14, 2, 25))
@@ -32,7 +32,7 @@ def draw_paths(says: Sequence[str], verdicts: Sequence[Verdict], kinds: Sequence
     axes.xaxis.tick_top()
     axes.set_xticks(range(columns), list(kinds), rotation=50, ha="left", rotation_mode="anchor", fontsize=7)
     axes.tick_params(length=0)
-    axes.get_xticklabels()[-1].set_fontweight("bold")
+    axes.get_xticklabels()[0].set_fontweight("bold")
     for row, (claim, verdict) in enumerate(zip(says, verdicts, strict=True)):
         text = fill(f"{claim[0].upper()}{claim[1:]}", _LETTERS)
         axes.text(-0.7, row, text, ha="right", va="center", fontsize=6.5, linespacing=0.95)
@@ -40,7 +40,7 @@ def draw_paths(says: Sequence[str], verdicts: Sequence[Verdict], kinds: Sequence
             kept = float(share[row, column])
             colour = to_rgba(COLOURS[verdict], _PALEST + (_DARKEST - _PALEST) * kept)
             axes.add_patch(Rectangle((column - 0.48, row - 0.46), 0.96, 0.92, facecolor=colour, edgecolor="none"))
-            weight = "bold" if column == columns - 1 else "normal"
+            weight = "normal" if column else "bold"
             axes.text(column, row, _percent(kept), ha="center", va="center", fontsize=6.5, weight=weight, color=INK)
     return figure
 

@@ -85,15 +85,15 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     if not paths or not paths.name.size:
         return
     kinds = [kind for kind in KINDS if (paths.verdict[:, paths.kind == kind] != "").any()]
-    counts = np.array([[paths.kept(claim, kind) for kind in (*kinds, "")] for claim in paths.claims])
+    counts = np.array([[paths.kept(claim, kind) for kind in ("", *kinds)] for claim in paths.claims])
     share = counts[..., 0] / np.where(counts[..., 1], counts[..., 1], np.nan)
     caption = (
         "Fig. P. Share of paths, in percent, that keep a verdict. A column changes one choice alone; a gap: the choice "
         "does not bear on the claim. Green: holds; red: refuted; grey: not determined."
     )
     each = zip(paths.says, paths.own, share, strict=True)
-    told = " ".join(f"{says}: {own}, kept by {number(100 * of[-1])} % of paths." for says, own, of in each)
-    figure = draw_paths(paths.says, paths.own.tolist(), [*kinds, _ALL], share)
+    told = " ".join(f"{says}: {own}, kept by {number(100 * of[0])} % of paths." for says, own, of in each)
+    figure = draw_paths(paths.says, paths.own.tolist(), [_ALL, *kinds], share)
     yield Drawing("figpaths", "Where verdicts hang on choices", caption, told, figure, None)
 
 
