@@ -225,7 +225,7 @@ def _incomplete(clusters: Clusters, kept: tuple[str, ...], pair_p: Floats) -> tu
         notes.append(f"kept specimens without trials: {_listed(unknown)}")
     undefined = int(np.count_nonzero(~np.isfinite(pair_p)))
     if undefined:
-        notes.append(f"{undefined} of {pair_p.size} pairs of specimens have no p and do not enter the worst p")
+        notes.append(f"{undefined} of {pair_p.size} pairs of specimens have no p and do not enter the largest p")
     return tuple(notes)
 
 

@@ -16,39 +16,32 @@ def people_tests(results: StudyResults, q: Quantities) -> dict[str, PaperTest]:
     if results.people is None:
         return {}
     of_tests = _tests(results.people.hypotheses, q) if results.people.hypotheses else {}
-    r2 = float(q["fit.adj_r2_samples.min"])
+    r2, profiles, rmse = float(q["fit.adj_r2_samples.min"]), results.people.profiles, ""
+    if profiles is not None and profiles.new_error is not None:
+        of = profiles.participant or "all participants"
+        rmse = f"RMSE {activity(profiles.new_error.rmse_v, results.scale)}, {of}"
     return of_tests | {
         "log_fit_r2": PaperTest("adj. R² ≥ .832", f"adj. R² on samples ≥ {bounded(r2)}" if r2 == r2 else ""),
-        "interpolation_rmse": PaperTest(f"RMSE {paper.INTERPOLATION_RMSE_V:g} V", _rmse(results)),
+        "interpolation_rmse": PaperTest(f"RMSE {paper.INTERPOLATION_RMSE_V:g} V", rmse),
     }
 
 
 def _tests(found: Hypotheses, q: Quantities) -> dict[str, PaperTest]:
+    def count(tests: str, name: str, did: str) -> str:
+        """``One-way ANOVA: 1 of 5 differ``."""
+        significant, tested = (q[f"hypotheses.{tests}.{key}"] for key in ("significant", "tested"))
+        return f"{name}: {significant} of {tested} {did}" if tested else ""
+
     pairs, names = found.tests.pairs, found.specimens
     others = ~np.isin(names, found.kept)
     p = pairs.lsd.p[:, others[pairs.first] | others[pairs.second]] if names.size > 1 else np.empty(0)
     same, tested = int(np.count_nonzero(p >= found.alpha)), int(np.count_nonzero(np.isfinite(p)))
-    worst = f"Fisher's LSD: worst {p_text(found.worst_p)}, {found.worst_pair}" if found.worst_pair else ""
+    worst = f"Fisher's LSD: largest {p_text(found.worst_p)}, of {found.worst_pair}" if found.worst_pair else ""
+    distinct = f"Fisher's LSD: {same} of {tested} pairs with p ≥ {found.alpha:g}" if tested else ""
+    normality = count("normality.standardised", "Kolmogorov-Smirnov, standardised", "deviate")
     return {
-        "specimens_differ": PaperTest("worst p = .0391", worst),
-        "others_not_distinct": PaperTest(
-            "no number", f"Fisher's LSD: {same} of {tested} pairs with p ≥ {found.alpha:g}" if tested else ""
-        ),
-        "gaussian_clusters": PaperTest(
-            "0 of 70 deviate", _count(q, "normality.standardised", "Kolmogorov-Smirnov, standardised", "deviate")
-        ),
-        "equal_participants": PaperTest("0 of 5 differ", _count(q, "between_participants", "One-way ANOVA", "differ")),
+        "specimens_differ": PaperTest("largest p = .0391", worst),
+        "others_not_distinct": PaperTest("no number", distinct),
+        "gaussian_clusters": PaperTest("0 of 70 deviate", normality),
+        "equal_participants": PaperTest("0 of 5 differ", count("between_participants", "One-way ANOVA", "differ")),
     }
-
-
-def _count(q: Quantities, tests: str, name: str, did: str) -> str:
-    """``One-way ANOVA: 1 of 5 differ``."""
-    significant, tested = (q[f"hypotheses.{tests}.{key}"] for key in ("significant", "tested"))
-    return f"{name}: {significant} of {tested} {did}" if tested else ""
-
-
-def _rmse(results: StudyResults) -> str:
-    profiles = results.recorded.profiles
-    if profiles is None or profiles.new_error is None:
-        return ""
-    return f"RMSE {activity(profiles.new_error.rmse_v, results.scale)}, {profiles.participant or 'all participants'}"

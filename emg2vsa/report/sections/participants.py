@@ -20,7 +20,7 @@ from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.session_page import session_verdict
 from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, records, table_of
-from emg2vsa.report.wording import bounded, count, listed
+from emg2vsa.report.wording import bounded, listed
 from emg2vsa.session_verdict import doubts_between
 from emg2vsa.statistics.power import power_rm, power_table
 from emg2vsa.study import RecordingEntry
@@ -53,7 +53,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     if results.people is None:
         return
     yield _sessions(results)
-    yield from (_listing(results, verdict, chosen) for verdict, chosen in _judged(results).items())
+    yield _judged(results)
     if (found := results.people.hypotheses) is not None and found.power.people:
         yield _sensitivity(found)
 
@@ -81,27 +81,20 @@ def _sessions(results: StudyResults) -> Table:
     return replace(made, links=tuple(links))
 
 
-def _judged(results: StudyResults) -> dict[str, np.ndarray]:
-    """Trials that are not simply ok, by what was said of them."""
+def _judged(results: StudyResults) -> Table:
+    """Trials that are not simply ok; those with a reason that are ok were accepted by hand."""
     fits = results.recorded.fits
-    return {
-        "rejected": fits.verdict == "rejected",
-        "warned": fits.verdict == "warned",
-        "accepted": (fits.verdict == "ok") & (fits.reason != ""),
-    }
-
-
-def _listing(results: StudyResults, verdict: str, chosen: np.ndarray) -> Table:
-    fits = results.recorded.fits
+    chosen = (fits.verdict != "ok") | (fits.reason != "")
     columns: Columns = {
         Column("participant", "Participant"): fits.participant[chosen],
         Column("specimen", "Specimen"): fits.specimen[chosen],
         Column("press", "Press"): fits.repetition[chosen].astype(str),
+        Column("verdict", "Verdict"): np.where(fits.verdict == "ok", "accepted", fits.verdict)[chosen],
         Column("reason", "Reason"): fits.reason[chosen],
     }
     reasons = [reason for text in fits.reason[chosen].tolist() for reason in text.split("; ") if reason]
-    often = f"; most frequent: {'; '.join(most_frequent(reasons, 5))}" if reasons else ""
-    return table_of(verdict, f"Trials {verdict}, with reasons{often}", columns, FEW_ON_PAGE)
+    often = f"; most frequent reasons: {'; '.join(most_frequent(reasons, 5))}" if reasons else ""
+    return table_of("judged", f"Trials rejected, warned or accepted by hand{often}", columns, FEW_ON_PAGE)
 
 
 def _sensitivity(found: Hypotheses) -> Table:
@@ -117,30 +110,31 @@ def _sensitivity(found: Hypotheses) -> Table:
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     if results.people is None:
-        return {"judged": {}, "sessions": ""}
-    n = {verdict: int(np.count_nonzero(chosen)) for verdict, chosen in _judged(results).items()}
-    enter = "use" if "warned" in results.study.hypotheses.use else "do not use"
-    said = {
-        "rejected": f"No test uses the {count(n['rejected'], 'rejected trial')}.",
-        "warned": f"The tests {enter} the {count(n['warned'], 'warned trial')}.",
-        "accepted": f"The tests use the {count(n['accepted'], 'trial')} that the study file accepts by hand.",
-    }
-    verdicts = Counter(str(row["session"]) for row in _sessions(results).rows)
+        return {"sessions": ""}
+    fits, verdicts = results.people.fits, Counter(str(row["session"]) for row in _sessions(results).rows)
     sessions = listed([f"{number} {verdict}" for verdict, number in verdicts.most_common()])
-    return {"judged": {verdict: text for verdict, text in said.items() if n[verdict]}, "sessions": sessions}
+    return {"sessions": sessions, "accepted": int(np.count_nonzero((fits.verdict == "ok") & (fits.reason != "")))}
 
 
 _TEXT = """
 {% if sessions %}
-<p>The sessions are judged as follows: {{ sessions }}. {{ judged.values() | join(" ") }}</p>
+<p>The sessions are judged as follows: {{ sessions }}.
+{% if q['trials.rejected'] %}
+No test uses the {{ q['trials.rejected'] | count("rejected trial") }}.
+{% endif %}
+{% if q['trials.warned'] %}
+The tests {{ "use" if "warned" in study.hypotheses.use else "do not use" }} the
+{{ q['trials.warned'] | count("warned trial") }}.
+{% endif %}
+{% if accepted %}
+The tests use the {{ accepted | count("trial") }} that the study file accepts by hand.
+{% endif %}</p>
 {{ folded("sessions", "Every session, with a page for each participant") }}
 {% endif %}
 {% if q['study.failures'] %}
 {{ table("failures") }}
 {% endif %}
-{% for name in judged %}
-{{ folded(name, "Trials " ~ name ~ ", with reasons") }}
-{% endfor %}
+{{ folded("judged", "Trials rejected, warned or accepted by hand, with reasons") }}
 {% if q['power.study'] is defined and q['power.study'] == q['power.study'] %}
 <p>The paper planned its sample for a test between repetitions. With the people of this study, that test has a power of
 {{ q['power.study'] | bounded }}, and a test between specimens has {{ q['power.study_specimens'] | bounded }}.</p>
