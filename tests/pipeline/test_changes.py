@@ -214,11 +214,13 @@ def test_a_module_edited_while_a_step_runs_leaves_no_result(study: Path, tmp_pat
     assert look(study)["trials/P01/S1"].status == "stale"
 
 
-def test_a_session_table_makes_no_result_stale(study: Path) -> None:
-    """Nor do texts and devices that change in it: a session makes recordings, and what they hold counts."""
-    text = study.read_text()
+def test_of_a_session_table_the_report_says_order_and_rests_and_no_other_result_hangs_on_it(study: Path) -> None:
+    """A session makes recordings, and what they hold counts. Its texts and devices are said nowhere."""
+    text, said = study.read_text(), []
     assert {step.status for step in look(study).values()} == {"fresh"}
-    for more in ('training_specimens = ["T1"]\n', 'seed = 7\ntexts.start = "Los"\n'):
-        kinds = f"{SIMULATED_SESSION}repetitions = 3\n"
-        study.write_text(f"{text}\n[session]\n{kinds}{more}")
-        assert {step.status for step in look(study).values()} == {"fresh"}
+    for more in ("", 'texts.start = "Los"\nsound = true\n', "seed = 7\n"):
+        study.write_text(f"{text}\n[session]\n{SIMULATED_SESSION}repetitions = 3\n{more}")
+        steps = look(study)
+        assert {name for name, step in steps.items() if step.status != "fresh"} == {"report/study"}
+        said.append(steps["report/study"].reasons)
+    assert said[0] == said[1] != said[2]
