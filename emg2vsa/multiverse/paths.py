@@ -50,6 +50,13 @@ class Paths:
         verdicts = self.verdict[row, self.kind == kind if kind else slice(None)]
         return int(np.count_nonzero(verdicts == self.own[row])), int(np.count_nonzero(verdicts != ""))
 
+    def shares(self) -> tuple[list[str], Floats]:
+        """Kinds with a path that bears on some claim, and the share (C, 1 + K) that keep a verdict: of all paths, and
+        of each kind; NaN where none bears on the claim."""
+        kinds = [kind for kind in KINDS if (self.verdict[:, self.kind == kind] != "").any()]
+        counts = np.array([[self.kept(claim, kind) for kind in ("", *kinds)] for claim in self.claims])
+        return kinds, counts[..., 0] / np.where(counts[..., 1], counts[..., 1], np.nan)
+
     def worst_kind(self, claim: str) -> str:
         """The kind of choice, made alone, that overturns the verdict in the largest share of its paths; "" for none."""
         shares = {kind: self.kept(claim, kind) for kind in KINDS[:-1]}

@@ -15,7 +15,7 @@ from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Row, Table, table_of
 from emg2vsa.report.wording import number
 
-_ALL = "all paths"
+_ALL, _OF_CLAIM = "all paths", ("kept", "applicable", "share", "overturned_by")
 _BY_KIND = (
     Column("claim", "Claim"), Column("verdict", "Verdict"), Column("kind", "Choice that differs"),
     Column("paths", "Paths"), Column("kept", "Keep the verdict"), Column("share", "Share, %", 100),
@@ -36,10 +36,8 @@ def _quantities(results: StudyResults) -> Items:
     if results.paths:
         yield "paths.count", int(results.paths.name.size)
         for claim, (kept, of) in paths_share(results).items():
-            yield f"paths.{claim}.kept", kept
-            yield f"paths.{claim}.applicable", of
-            yield f"paths.{claim}.share", kept / of if of else np.nan
-            yield f"paths.{claim}.overturned_by", results.paths.worst_kind(claim)
+            found = kept, of, kept / of if of else np.nan, results.paths.worst_kind(claim)
+            yield from zip((f"paths.{claim}.{name}" for name in _OF_CLAIM), found, strict=True)
     for index, specimen, move, *_, turned in _moves(results.presets):
         yield f"index.{index}.{specimen}.largest_move_points", move
         yield f"index.{index}.{specimen}.turned", turned
@@ -84,30 +82,28 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     paths = results.paths
     if not paths or not paths.name.size:
         return
-    kinds = [kind for kind in KINDS if (paths.verdict[:, paths.kind == kind] != "").any()]
-    counts = np.array([[paths.kept(claim, kind) for kind in ("", *kinds)] for claim in paths.claims])
-    share = counts[..., 0] / np.where(counts[..., 1], counts[..., 1], np.nan)
+    kinds, share = paths.shares()
     caption = (
         "Fig. P. Share of paths, in percent, that keep a verdict. A column changes one choice alone; a gap: the choice "
         "does not bear on the claim. Green: holds; red: refuted; grey: not determined."
     )
-    each = zip(paths.says, paths.own, share, strict=True)
-    told = " ".join(f"{says}: {own}, kept by {number(100 * of[0])} % of paths." for says, own, of in each)
+    each = zip(paths.says, paths.own, share[:, 0], strict=True)
+    told = " ".join(f"{says}: {own}, kept by {number(100 * kept)} % of paths." for says, own, kept in each)
     figure = draw_paths(paths.says, paths.own.tolist(), [_ALL, *kinds], share)
-    yield Drawing("figpaths", "Where verdicts hang on choices", caption, told, figure, None)
+    yield Drawing("figpaths", ROBUSTNESS.title, caption, told, figure, None)
 
 
 def _words(results: StudyResults, q: Quantities) -> Mapping[str, object]:
     """The claim whose verdict the fewest paths keep, and the index that moves presets most."""
     found: dict[str, object] = {"least": "", "moved": ()}
+    says = dict(zip(results.paths.claims, results.paths.says, strict=True)) if results.paths else {}
     shares = {claim: kept / of for claim, (kept, of) in paths_share(results).items() if of}
-    if results.paths and shares:
-        found["least"] = claim = min(shares, key=shares.__getitem__)
-        found["says"] = results.paths.says[results.paths.claims.index(claim)]
+    if shares:
+        found |= {"least": (least := min(shares, key=shares.__getitem__)), "says": says[least]}
     if moves := [move for move in _moves(results.presets) if move[2] == move[2]]:
-        low, high = results.study.schedule.stiffness_percent
-        turning = dict.fromkeys(move[0] for move in moves if move[-1])
-        found |= {"moved": max(moves, key=lambda move: move[2]), "points": high - low, "turning": list(turning)}
+        turning = list(dict.fromkeys(move[0] for move in moves if move[-1]))
+        points = float(np.ptp(results.study.schedule.stiffness_percent))
+        found |= {"moved": max(moves, key=lambda move: move[2]), "points": points, "turning": turning}
     return found
 
 
