@@ -96,7 +96,8 @@ def facts_of(results: StudyResults) -> tuple[dict[str, str], list[str]]:
 
 
 def stated(facts: Mapping[str, str], told: Told) -> tuple[str, list[str]]:
-    """The sentences of the facts that are told, and the names of the others."""
+    """The sentences of the facts that are told, and the names of the others. What users wrote cites no work."""
+    told = {key: text.replace("[@", "[") for key, text in told.items()}
     sentences, missing = [], []
     for name, sentence in facts.items():
         try:
@@ -132,7 +133,7 @@ def _told_of_session(session: SessionSettings | None) -> Told:
         "rest_s": f"{session.rest_s:g}",
         "pause_s": f"{session.pause_s:g}",
     }
-    return told | ({"ethics": session.ethics} if session.ethics else {})
+    return told | ({"ethics": session.ethics.rstrip(".")} if session.ethics else {})
 
 
 def told_of_specimens(study: Study) -> Told:

@@ -299,3 +299,11 @@ def test_the_scatter_of_mountings_is_said_to_be_found_where_it_was(written, resu
     one = written(study, runs=own, calibration=measured(1))
     assert "that those of all designs show (3 % in 1 of 2 designs), in the others an assumed SD" in one
     assert assumed in one
+
+
+def test_what_users_wrote_is_said_as_it_stands(results):
+    trials = [replace(t, equipment=("ElectrodeType: {wet} [@home] <b>.",)) for t in results.people.trials]
+    told = told_of(results, replace(results.study, session=replace(SESSION, ethics="no. 7.")), trials)
+    text = methods_text(told)
+    assert "state the electrodes: {wet} [home] <b>." in text
+    assert "approval is no. 7." in text
