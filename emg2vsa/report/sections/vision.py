@@ -159,7 +159,7 @@ def _steps(results: StudyResults, run: RunScores, seen: FirstContact) -> Drawing
     press = f"press {seen.repetition} on {run.specimen}, {run.condition}, {run.angle_deg:g}°"
     caption = (
         f"Fig. 2. Algorithm 1, {press}: pins that moved more than {threshold:g} px in the first frame ({first_n:.2f} "
-        f"N; arrows × 4) get hexagons; then {named} flow to {next_n:.2f} N and its divergence."
+        f"N; arrows × 4) get hexagons; {named} flow to {next_n:.2f} N."
     )
     told = f"{count} of {len(seen.rest_px)} pins are selected at {first_n:.2f} N."
     figure = draw_steps(seen, flow_px)
