@@ -50,27 +50,15 @@ def new_figure(
     margins_mm : left, right, bottom, top.
     """
     panel_mm = height_mm - margins_mm[2] - margins_mm[3]
-    figure, (row,) = _panels(width_mm, 1, shares, panel_mm, margins_mm, (gap_mm, 0.0))
+    figure, (row,) = panel_grid(1, shares, panel_mm, margins_mm, (gap_mm, 0.0), width_mm, letters="")
     return figure, row
 
 
 def panel_grid(
-    rows: int, shares: Sequence[float], panel_mm: float, margins_mm: Sequence[float], gaps_mm: tuple[float, float]
-) -> tuple[Figure, list[list[Axes]]]:
-    """The same over both columns of the page, row by row, with letters.
-
-    panel_mm : height of a panel. gaps_mm : between columns, between rows.
-    """
-    figure, axes = _panels(TWO_COLUMNS_MM, rows, shares, panel_mm, margins_mm, gaps_mm)
-    for letter, panel in zip(ascii_lowercase, (panel for row in axes for panel in row), strict=False):
-        panel.set_title(f"({letter})", loc="left")
-    return figure, axes
-
-
-def _panels(
-    width_mm: float, rows: int, shares: Sequence[float], panel_mm: float, margins_mm: Sequence[float],
-    gaps_mm: tuple[float, float],
+    rows: int, shares: Sequence[float], panel_mm: float, margins_mm: Sequence[float], gaps_mm: tuple[float, float],
+    width_mm: float = TWO_COLUMNS_MM, letters: str = ascii_lowercase,
 ) -> tuple[Figure, list[list[Axes]]]:  # fmt: skip
+    """The same row by row, with letters. panel_mm : height of a panel. gaps_mm : between columns, between rows."""
     left, right, bottom, top = margins_mm
     across, down = gaps_mm
     height_mm = bottom + top + rows * panel_mm + (rows - 1) * down
@@ -79,9 +67,10 @@ def _panels(
     lefts = [(left + unit * sum(shares[:column]) + column * across) / width_mm for column in range(len(shares))]
     bottoms = [1 - (top + (row + 1) * panel_mm + row * down) / height_mm for row in range(rows)]
     widths, height = [unit * share / width_mm for share in shares], panel_mm / height_mm
-    return figure, [
-        [figure.add_axes((x, y, width, height)) for x, width in zip(lefts, widths, strict=True)] for y in bottoms
-    ]
+    axes = [[figure.add_axes((x, y, width, height)) for x, width in zip(lefts, widths, strict=True)] for y in bottoms]
+    for letter, panel in zip(letters, figure.axes, strict=False):
+        panel.set_title(f"({letter})", loc="left")
+    return figure, axes
 
 
 def marks(
@@ -159,7 +148,7 @@ def inline_svg(svg: str, prefix: str, title: str, description: str) -> str:
     )
 
 
-_STARS = ((1e-4, "****"), (1e-3, "***"), (1e-2, "**"), (5e-2, "*"))
+_STARS = ((1e-3, "***"), (1e-2, "**"), (5e-2, "*"))
 
 
 @dataclass(frozen=True)
@@ -173,9 +162,7 @@ class PairBar:
 
 def stars(p: float) -> str:
     """Usual marks of a p: **** <= 1e-4, *** < .001, ** < .01, * < .05, else ns; "" where p is not defined."""
-    if np.isnan(p):
-        return ""
-    return next((mark for bound, mark in _STARS if p < bound or (bound == 1e-4 and p == bound)), "ns")
+    return "" if np.isnan(p) else "****" if p <= 1e-4 else next((mark for bound, mark in _STARS if p < bound), "ns")
 
 
 def hazen_box(values: Floats) -> tuple[float, float, float, float, float]:

@@ -100,7 +100,7 @@ def looks(results: StudyResults) -> dict[str, Look]:
 def drawing(results: StudyResults, name: str, title: str, caption: str, told: str, figure: Figure) -> Drawing:
     """A figure of the runs, which says so where they were simulated."""
     origin = f" {SIMULATED}" if results.pressed.simulated else ""
-    return Drawing(name, title, caption + origin, f"{told}{origin}", figure, None)
+    return Drawing(name, title, caption + origin, f"{told}{origin}", figure)
 
 
 def finite(values: Floats) -> Floats:

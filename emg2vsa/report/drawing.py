@@ -12,25 +12,17 @@ from matplotlib.figure import Figure
 from casr import html
 from emg2vsa.figures.canvas import ONE_COLUMN_MM, inline_svg, pdf_bytes, style, svg_text, width_pt
 from emg2vsa.report.latex import latex_text
-from emg2vsa.report.table import Table
-from emg2vsa.report.wording import NO_BREAK
-
-STARS = "* p < .05, ** p < .01, *** p < .001, **** p ≤ .0001, ns p ≥ .05".replace(" ", NO_BREAK).replace(
-    f",{NO_BREAK}", ", "
-)
-"""What the stars over a pair of boxes mean."""
 
 
 @dataclass(frozen=True)
 class Drawing:
-    """One figure; ``description`` is what a reader who does not see it hears, ``table`` the numbers behind it."""
+    """One figure; ``description`` is what a reader who does not see it hears."""
 
     name: str
     title: str
     caption: str
     description: str
     figure: Figure
-    table: Table | None
 
     @cached_property
     def svg(self) -> str:
@@ -44,10 +36,9 @@ class Drawing:
 
 
 def shown(drawing: Drawing) -> str:
-    """The figure as HTML, its numbers folded away."""
+    """The figure as HTML."""
     svg = inline_svg(drawing.svg, drawing.name.split("_")[0], escape(drawing.title), escape(drawing.description))
-    data = html.details("The numbers of this figure", drawing.table.html()) if drawing.table else ""
-    return html.figure(svg, drawing.caption, data)
+    return html.figure(svg, drawing.caption)
 
 
 _PT_PER_MM = 72 / 25.4

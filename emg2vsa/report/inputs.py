@@ -157,19 +157,6 @@ def without_samples(trials: Trials) -> Trials:
     return replace(trials, **left, **texts, overviews=())
 
 
-@dataclass(frozen=True)
-class Origin:
-    """Whether the data were simulated, as far as a report can know.
-
-    Of people it sees a table of the simulated truth, or none; of a run it reads who made it. ``kind`` is the colour of
-    the statement, ``strong`` and ``text`` are its words.
-    """
-
-    kind: str
-    strong: str
-    text: str
-
-
 _NO_EVIDENCE = (
     "The numbers show whether the method recovers what was put in; they are no evidence about people or sensors."
 )
@@ -179,8 +166,11 @@ _PERHAPS = (
 )
 
 
-def origin(results: StudyResults) -> Origin:
-    """What can be said of the data of this study."""
+def origin(results: StudyResults) -> tuple[str, str, str]:
+    """Whether the data were simulated, as far as a report can know: kind, first words and text of ``html.statement``.
+
+    Of people it sees a table of the simulated truth, or none; of a run it reads who made it.
+    """
     truth = results.people is not None and results.people.truth is not None
     made = [run.simulated for run in results.runs.scores] if results.runs else []
     recordings = "The recordings were synthesised from chosen curves plus noise."
@@ -189,8 +179,8 @@ def origin(results: StudyResults) -> Origin:
     if parts:
         whole = (truth or results.people is None) and all(made)
         strong = "These data are simulated." if whole else "Part of these data is simulated."
-        return Origin("usable", strong, " ".join([*parts, _NO_EVIDENCE]))
+        return ("usable", strong, " ".join([*parts, _NO_EVIDENCE]))
     if results.people is not None and results.study.simulation is not None:
-        return Origin("repeat", "These data may be simulated.", _PERHAPS)
+        return ("repeat", "These data may be simulated.", _PERHAPS)
     said = "No sign of a simulation was found, so the data are taken as measured."
-    return Origin("", said, "No estimate can be compared with a simulated truth.")
+    return ("", said, "No estimate can be compared with a simulated truth.")

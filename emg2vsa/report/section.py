@@ -28,10 +28,6 @@ class PaperTest:
     here: str = ""
 
 
-def _always(results: StudyResults) -> bool:
-    return True
-
-
 def of_people(results: StudyResults) -> bool:
     """Whether the study has fits of people's presses."""
     return results.people is not None
@@ -42,14 +38,6 @@ def of_runs(results: StudyResults) -> bool:
     return results.runs is not None
 
 
-def _nothing(*_: object) -> tuple[()]:
-    return ()
-
-
-def _no_words(*_: object) -> dict[str, object]:
-    return {}
-
-
 @dataclass(frozen=True)
 class Section:
     """One section. ``text`` is a Jinja2 template; ``emg2vsa.report.sections`` says what it may ask for."""
@@ -58,11 +46,11 @@ class Section:
     "Its address on the page."
     title: str
     text: str
-    applies: Callable[[StudyResults], bool] = _always
-    quantities: Callable[[StudyResults], Items | Iterable[tuple[str, Quantity]]] = _nothing
-    tables: Callable[[StudyResults, Quantities], Iterable[Table]] = _nothing
-    drawings: Callable[[StudyResults], Iterable[Drawing]] = _nothing
-    words: Callable[[StudyResults, Quantities], Mapping[str, object]] = _no_words
+    applies: Callable[[StudyResults], bool] = lambda results: True
+    quantities: Callable[[StudyResults], Items | Iterable[tuple[str, Quantity]]] = lambda results: ()
+    tables: Callable[[StudyResults, Quantities], Iterable[Table]] = lambda results, q: ()
+    drawings: Callable[[StudyResults], Iterable[Drawing]] = lambda results: ()
+    words: Callable[[StudyResults, Quantities], Mapping[str, object]] = lambda results, q: {}
     "More that the text may ask for, by name."
 
 
@@ -119,10 +107,6 @@ def rendered(section: Section, results: StudyResults, content: Content) -> str:
     return html.section(section.name, section.title, body.replace(" %", f"{wording.NO_BREAK}%"))
 
 
-def _bullets(texts: Sequence[str]) -> Markup:
-    return Markup(html.bullets(map(wording.typeset, texts)))
-
-
 def _typeset(value: object) -> object:
     """What a template prints; markup is finished already."""
     return wording.typeset(value) if isinstance(value, str) and not isinstance(value, Markup) else value
@@ -131,13 +115,7 @@ def _typeset(value: object) -> object:
 _TEMPLATES = Environment(
     autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=_typeset
 )
-_TEMPLATES.filters |= {
-    "number": wording.number,
-    "bounded": wording.bounded,
-    "p": wording.p_text,
-    "percent": wording.percent,
-    "signed": wording.signed,
-    "count": wording.count,
-    "listed": wording.listed,
-    "bullets": _bullets,
-}
+_PLAIN = (wording.number, wording.bounded, wording.percent, wording.signed, wording.count, wording.listed)
+_TEMPLATES.filters |= {plain.__name__: plain for plain in _PLAIN}
+_TEMPLATES.filters["p"] = wording.p_text
+_TEMPLATES.filters["bullets"] = lambda texts: Markup(html.bullets(map(wording.typeset, texts)))

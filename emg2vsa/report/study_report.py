@@ -55,11 +55,13 @@ def _texts(results: StudyResults, content: Content) -> Iterator[tuple[str, str |
     for name, table in content.tables.items():
         yield f"tables/{name}.csv", table.csv()
         if table.own_page:
-            yield (
-                table.own_page,
-                html.page(table.caption, f"<h1>{escape(table.caption)}</h1>", [], table.html(whole=True), ""),
-            )
-    yield from _printed(content)
+            heading = f"<h1>{escape(table.caption)}</h1>"
+            yield table.own_page, html.page(table.caption, heading, [], table.html(whole=True), "")
+        if name not in _TOO_LONG_FOR_PRINT and len(table.rows) <= _MOST_PRINTED:
+            yield f"tables/{name}.tex", latex_table(table)
+    for name, drawing in content.drawings.items():
+        yield f"figures/{name}.svg", drawing.svg
+        yield f"figures/{name}.tex", figure_tex(drawing)
 
 
 def contents(results: StudyResults) -> Content:
@@ -76,7 +78,6 @@ def numbers_and_tables(results: StudyResults) -> Content:
     sections = _sections(results)
     for section in sections:
         _add(content.quantities, dict(section.quantities(results)), section)
-    content.quantities = dict(sorted(content.quantities.items()))
     content.judged = judged = judged_claims(results)
     content.summary = list(summary(results, judged))
     content.quantities = dict(sorted((content.quantities | dict(claim_quantities(judged, results.registered))).items()))
@@ -115,20 +116,9 @@ def write_figure_pdfs(results: StudyResults, folder: Path) -> list[Path]:
     return list(paths)
 
 
-def _printed(content: Content) -> Iterator[tuple[str, str]]:
-    """Figures, and what LaTeX shows of them and of the tables."""
-    for name, table in content.tables.items():
-        if name not in _TOO_LONG_FOR_PRINT and len(table.rows) <= _MOST_PRINTED:
-            yield f"tables/{name}.tex", latex_table(table)
-    for name, drawing in content.drawings.items():
-        yield f"figures/{name}.svg", drawing.svg
-        yield f"figures/{name}.tex", figure_tex(drawing)
-
-
 def _page(results: StudyResults, content: Content) -> str:
     study, sections = results.study, _sections(results)
-    said = origin(results)
-    header = html.statement(said.kind, said.strong, said.text) + (
+    header = html.statement(*origin(results)) + (
         f"<h1>{escape(study.title)}</h1>"
         f'<p class="sub">Study {escape(study.name)}, settings: {escape(study.mode)} mode.</p>'
     )

@@ -50,7 +50,8 @@ class Column:
         return number(value * self.factor if self.factor != 1 else value, self.digits)
 
 
-Columns = dict[Column, Sequence[Cell] | np.ndarray]
+Values = Sequence[Cell] | np.ndarray
+Columns = dict[Column, Values]
 """Values (n,) of each column of a table."""
 
 
@@ -102,15 +103,10 @@ class Table:
             typeset(self.caption), heads, self.cells(most), self.links, number=number, classes=classes,
             kinds=self.kinds, groups=self.groups,
         )  # fmt: skip
-        return table + self._cut(most)
-
-    def _cut(self, most: int | None) -> str:
-        """What is said of rows that the page leaves out."""
-        n = len(self.rows if self.shown_rows is None else self.shown_rows)
+        n, file = len(self._seen), escape(self.own_page or f"tables/{self.name}.csv")
         if most is None or n <= most:
-            return ""
-        whole = escape(self.own_page or f"tables/{self.name}.csv")
-        return f'<p class="small">The first {most} of {n} rows. All rows: <a href="{whole}">{whole}</a>.</p>\n'
+            return table
+        return f'{table}<p class="small">The first {most} of {n} rows. All rows: <a href="{file}">{file}</a>.</p>\n'
 
     @property
     def own_page(self) -> str:
@@ -126,8 +122,12 @@ class Table:
 
     def cells(self, most: int | None = None) -> list[list[str]]:
         """What people see, of so many rows at ``most``."""
-        rows = self.rows if self.shown_rows is None else self.shown_rows
-        return [[column.shown(row[column.key]) for column in self.columns] for row in itertools.islice(rows, most)]
+        rows = itertools.islice(self._seen, most)
+        return [[column.shown(row[column.key]) for column in self.columns] for row in rows]
+
+    @property
+    def _seen(self) -> Sequence[Row]:
+        return self.rows if self.shown_rows is None else self.shown_rows
 
 
 class ColumnRows(Sequence[Row]):
@@ -136,7 +136,7 @@ class ColumnRows(Sequence[Row]):
     A dict for each row of a study of a thousand people would take a hundred megabytes.
     """
 
-    def __init__(self, columns: Mapping[str, Sequence[Cell] | np.ndarray]) -> None:
+    def __init__(self, columns: Mapping[str, Values]) -> None:
         self._columns = dict(columns)
         lengths = {key: len(values) for key, values in columns.items()}
         if len(set(lengths.values())) > 1:
@@ -149,9 +149,7 @@ class ColumnRows(Sequence[Row]):
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return list(self._some(index))
-        if not -self._length <= index < self._length:
-            raise IndexError(index)
-        at = index % self._length
+        at = range(self._length)[index]
         return next(self._some(slice(at, at + 1)))
 
     def __iter__(self) -> Iterator[Row]:
@@ -164,9 +162,7 @@ class ColumnRows(Sequence[Row]):
         return (dict(zip(self._columns, values, strict=True)) for values in zip(*lists, strict=True))
 
 
-def table_of(
-    name: str, caption: str, columns: Mapping[Column, Sequence[Cell] | np.ndarray], most: int = MOST_ON_PAGE
-) -> Table:
+def table_of(name: str, caption: str, columns: Mapping[Column, Values], most: int = MOST_ON_PAGE) -> Table:
     """A table from the values (n,) of each of its columns."""
     rows = ColumnRows({column.key: values for column, values in columns.items()})
     return Table(name, caption, tuple(columns), rows, most=most)

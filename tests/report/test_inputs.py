@@ -59,10 +59,10 @@ def test_the_first_line_says_what_was_simulated(results, people, study, made, st
         results, study=replace(results.study, **study), runs=Runs(tuple(map(Run, made))) if made else None,
         people=None if people is None else replace(results.people, **people),
     )  # fmt: skip
-    said = origin(shown)
-    assert said.strong == strong
-    assert said.kind == ("" if strong.startswith("No") else "repeat" if "may" in strong else "usable")
-    assert not made or ("the runs" if all(made) else "1 of 2 runs") in said.text
+    kind, first_words, text = origin(shown)
+    assert first_words == strong
+    assert kind == ("" if strong.startswith("No") else "repeat" if "may" in strong else "usable")
+    assert not made or ("the runs" if all(made) else "1 of 2 runs") in text
 
 
 def test_the_table_of_participants_looks_through_all_recordings_a_fixed_number_of_times(results):

@@ -87,7 +87,7 @@ def test_symbols_have_their_index_below_the_line():
 @pytest.mark.parametrize(("width_pt", "environment"), [(252, "figure"), (513.07, "figure*")])
 def test_a_figure_stands_in_the_columns_it_was_drawn_for(width_pt, environment):
     figure = Figure(figsize=(width_pt / 72, 0.5))
-    made = figure_tex(Drawing("fig04_x", "T", "Fig. 4. Slopes of S_1, p < .05.", "D", figure, None))
+    made = figure_tex(Drawing("fig04_x", "T", "Fig. 4. Slopes of S_1, p < .05.", "D", figure))
     assert rf"\begin{{{environment}}}" in made
     assert rf"\end{{{environment}}}" in made
     assert r"\includegraphics[width=\linewidth]{\emgfolder/figures/fig04_x.pdf}" in made
@@ -95,7 +95,7 @@ def test_a_figure_stands_in_the_columns_it_was_drawn_for(width_pt, environment):
     assert r"\emgfigure{4}" in made
     assert r"\providecommand{\emgfigure}[1]{\renewcommand{\thefigure}{#1}}" in made
     assert made.index(r"\begin{") < made.index(r"\emgfigure{4}") < made.index(r"\caption")
-    without = figure_tex(Drawing("x", "T", "Slopes.", "D", figure, None))
+    without = figure_tex(Drawing("x", "T", "Slopes.", "D", figure))
     assert r"\emgfigure{" not in without
     assert r"\caption{Slopes.}" in without
     assert r"\label{fig:fig04_x}" in made

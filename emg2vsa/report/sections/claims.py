@@ -216,7 +216,7 @@ def verdict_drawings(judged: Sequence[Judged]) -> Iterator[Drawing]:
             "difference that matters. A claim holds where its line lies wholly in the green."
         )
         told = " ".join(map(sentence, of_data))
-        yield Drawing("figverdicts", "Verdicts", caption, told, draw_verdicts(of_data), None)
+        yield Drawing("figverdicts", "Verdicts", caption, told, draw_verdicts(of_data))
 
 
 _OF_PEOPLE = "Do people stiffen the finger as they press harder, and by another curve for each specimen?"

@@ -78,7 +78,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
         f"Of the forces from {number(found.from_n[0])} to {number(found.to_n[-1])} N, all specimens differ over "
         f"{percent(found.differing()[0], 2)}; {'; '.join(_told(found, drawn))}."
     )
-    yield Drawing("curves", "Whole curves of co-contraction against force", caption, description, figure, None)
+    yield Drawing("curves", "Whole curves of co-contraction against force", caption, description, figure)
 
 
 def _told(found: WholeCurve, pairs: list[int]) -> list[str]:

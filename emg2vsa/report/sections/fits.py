@@ -204,7 +204,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     ]
     description = "; ".join(told) + (f". {test}: {pairs}" if pairs else "") + "."
     title = "Co-contraction against force, and slopes b by specimen"
-    yield Drawing("fig04_cocontraction", title, caption, description, figure, None)
+    yield Drawing("fig04_cocontraction", title, caption, description, figure)
 
 
 def _slopes(results: StudyResults, specimen: str, whose: str) -> Floats:

@@ -180,7 +180,6 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
         f"{found.residual.size} residuals from {least_sd} to {most_sd} SDs of repetitions; {far} lie farther than "
         f"{_FAR} SDs from zero.",
         draw_mixed_residuals(found.fitted, found.residual, found.quantile, results.scale),
-        None,
     )
 
 

@@ -67,7 +67,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
         "Fig. P1. Force of a flat plate against depth past contact (pale) with F = κ x of each specimen; right: force "
         f"less that line.{origin}"
     )
-    yield Drawing("figplate_indentation", "Plate indentations", caption, f"{told}.{origin}", figure, None)
+    yield Drawing("figplate_indentation", "Plate indentations", caption, f"{told}.{origin}", figure)
 
 
 def _kappa(plates: PlateTests) -> dict[str, float]:

@@ -130,7 +130,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     title = f"Interpolated profile of {new.specimen} beside measured profiles"
     lines = "; ".join(f"{p.specimen}: {activity(p.v[0], scale)} to {activity(p.v[-1], scale)}" for p in [*every, new])
     figure = draw_interpolation(every, new, profiles.half_width_v(new), looks(order), scale)
-    yield Drawing("fig11_interpolation", title, f"Fig. 11. {whole}", f"{whole} {lines}.", figure, None)
+    yield Drawing("fig11_interpolation", title, f"Fig. 11. {whole}", f"{whole} {lines}.", figure)
 
 
 _TEXT = """

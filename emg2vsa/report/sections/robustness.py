@@ -90,7 +90,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     each = zip(paths.says, paths.own, share[:, 0], strict=True)
     told = " ".join(f"{says}: {own}, kept by {number(100 * kept)} % of paths." for says, own, kept in each)
     figure = draw_paths(paths.says, paths.own.tolist(), [_ALL, *kinds], share)
-    yield Drawing("figpaths", ROBUSTNESS.title, caption, told, figure, None)
+    yield Drawing("figpaths", ROBUSTNESS.title, caption, told, figure)
 
 
 def _words(results: StudyResults, q: Quantities) -> Mapping[str, object]:

@@ -141,7 +141,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
         for s in schedules
     ]
     title = "Stiffness preset against force"
-    yield Drawing("fig05_schedules", title, caption, "; ".join(levels) + ".", figure, None)
+    yield Drawing("fig05_schedules", title, caption, "; ".join(levels) + ".", figure)
 
 
 _TEXT = """
