@@ -93,6 +93,7 @@ def both(*plants: Plant) -> Plant:
 
 
 JUDGED = '[[{}]]\nparticipant = "P03"\nspecimen = "S2"\nrepetition = 4\nreason = "coughed"\n\n[study]'
+OWN = 'participant = "P13"\nspecimen = "S1"\n{}'
 S4 = '[[specimens]]\nname = "S4"\nstiffness_n_per_mm = 3.12\n\n'
 S5 = '[[specimens]]\nname = "S5"\nstiffness_n_per_mm = 1.11\n'
 WITHOUT_S4 = both(swap(S4, ""), swap(", S4 = 27e-6", ""), swap(", S4 = 12.5e-6", ""))
@@ -148,10 +149,16 @@ PLANTS: list[tuple[str, Plant, str, set[str]]] = [
     ("specimens that are kept", swap('kept_specimens = ["S1", "S3", "S5"]', 'kept_specimens = ["S1", "S5"]'),
      "[hypotheses] kept_specimens", PEOPLE),
     ("stiffness of the new specimen", swap("new_stiffness_n_per_mm = 5.32", "new_stiffness_n_per_mm = 4.0"),
-     "[profile] new_stiffness_n_per_mm", PEOPLE | RIG),
+     "[profile] new_stiffness_n_per_mm", RIG | {"interpolation_weight"}),
     ("mode", swap('mode = "default"', 'mode = "paper"'), "[study] mode", PEOPLE | RIG),
     ("press rejected by hand", swap("[study]", JUDGED.format("exclude")), "P03/S2, press 4", PEOPLE),
     ("press accepted by hand", swap("[study]", JUDGED.format("accept")), "P03/S2, press 4", PEOPLE),
+    ("file of another person", line("[recordings.files]", OWN.format("emg = \"data/sub-P02/emg/sub-P02_emg.bdf\"")),
+     "recording P13/S1, files", PEOPLE),
+    ("own band of a recording", line("[recordings.files]", OWN.format("filters.band_hz = [30.0, 400.0]")),
+     "recording P13/S1, filters", PEOPLE),
+    ("another task", swap('task = "palpation"', 'task = "again"'),
+     "recording P01/S1 and 69 more, files; recording P01/S1, P01/S2, P01/S3, P01/S4, P01/S5 and 55 more", PEOPLE),
     ("recording replaced", lambda study: study.recording("P02").write_text("another"), "recording P02/S1", PEOPLE),
     ("recording removed", lambda study: study.recording("P02").unlink(), "recording P02/S1", PEOPLE),
 ]  # fmt: skip

@@ -48,8 +48,9 @@ def run(arguments: argparse.Namespace) -> int:
             "--rig", wanted="the rig file of the study alone", found=f"rig = {own.name} in [runs]", do=do
         )
     path = Path(os.path.abspath(out)) if out else study.registration or registration_of(study.path)
-    before = study.registration if study.registration and study.registration.is_file() else None
-    amends = read_registration(before, study.name)["sha256"] if before and before != path else ""
+    known = (each for each in (study.registration, registration_of(study.path)) if each and each != path)
+    before = next((each for each in known if each.is_file()), None)
+    amends = read_registration(before, None)["sha256"] if before else ""  # the study may have another name since
     file = own or arguments.rig
     rig = load_rig(file) if file else None
     beside = Path(os.path.relpath(file, study.path.parent)).as_posix() if file else ""

@@ -160,7 +160,10 @@ def status(arguments: argparse.Namespace) -> int:
     study, below = study_of(arguments)
     plan = survey(study, ORDER, lambda text: print(text, file=sys.stderr), below=below)
     steps = plan.steps.values()
-    told = {s.id: {"status": s.status, "reasons": list(s.reasons), "message": s.message} for s in steps}
+    told: dict[str, object] = {
+        s.id: {"status": s.status, "reasons": list(s.reasons), "message": s.message} for s in steps
+    }
+    told |= {"registration": registered.as_json()} if (registered := plan.campaign.registered) else {}
     answer(arguments.json, told, _lines(plan, arguments.explain))
     return 0
 

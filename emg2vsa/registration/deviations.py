@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from fnmatch import fnmatchcase
 from typing import Any, Literal
 
-from emg2vsa.claims import arithmetic, kappa, people, rig
+from emg2vsa.claims import kappa, people, rig
 from emg2vsa.claims.claim import Judged
 from emg2vsa.registration.plan import Plain, claim_plan
 
@@ -21,19 +23,21 @@ _KINDS: dict[str, Kind] = {
 }  # fmt: skip
 """Of what else is registered the kind is "analysis"."""
 
-_PEOPLE, _SETTINGS = people.QUESTION, arithmetic.QUESTION
-_KAPPA = (kappa.QUESTION,)
+_PEOPLE, _KAPPA = people.QUESTION, (kappa.QUESTION,)
 _RIG = (rig.AREAS, rig.RATES, rig.CONDITIONS, *_KAPPA)
 _DATA = (_PEOPLE, *_RIG)
+_OF_PRESSES = (_PEOPLE, "curves")
 TOUCHES: dict[str, tuple[str, ...]] = {
-    "mode": _DATA, "participants": (_PEOPLE, _SETTINGS), "specimens": (*_DATA, _SETTINGS),
-    "order of specimens": (_PEOPLE,), "recordings": (_PEOPLE, _SETTINGS), "judgements": (_PEOPLE,), "rig tables": _RIG,
-    "filters": (_PEOPLE,), "cocontraction": (_PEOPLE,), "fit": (_PEOPLE,), "hypotheses": (_PEOPLE,),
-    "session": (_PEOPLE,), "window": (_PEOPLE, _SETTINGS), "profile": (*_DATA, _SETTINGS),
-    "schedule": (*_RIG, _SETTINGS), "runs": _RIG, "discrimination": _RIG, "calibration": _KAPPA, "claims": (),
+    "mode": (*_DATA, "curves"), "participants": _OF_PRESSES,
+    "specimens": (*_DATA, "curves", "plate_r2", "interpolation_weight"), "order of specimens": (_PEOPLE,),
+    "recordings": _OF_PRESSES, "judgements": (_PEOPLE,), "rig tables": _RIG, "filters": _OF_PRESSES,
+    "cocontraction": _OF_PRESSES, "fit": _OF_PRESSES, "hypotheses": (_PEOPLE,), "session": (_PEOPLE,),
+    "window": _OF_PRESSES, "profile": (*_RIG, "interpolation_rmse", "interpolation_weight"),
+    "schedule": (*_RIG, "schedule_range"), "runs": _RIG, "discrimination": _RIG, "calibration": _KAPPA, "claims": (),
     "calibration.mounting_sd_percent": _RIG,
 }  # fmt: skip
-"""What is registered to the questions whose claims hang on it; which claims a key of [claims] moves, they tell."""
+"""What is registered to the claims that may hang on it, by their questions or keys; which claims a key of [claims]
+moves, they tell."""
 CODE: dict[str, tuple[str, tuple[str, ...]]] = {
     "presses": ("extraction.extract", (_PEOPLE,)), "fits": ("pipeline.stages.fits", (_PEOPLE,)),
     "tests": ("pipeline.stages.hypotheses", (_PEOPLE,)), "profiles": ("pipeline.stages.profiles", (_PEOPLE,)),
@@ -47,7 +51,7 @@ hang on it. The modules lack their first word, lest this one counts as naming th
 
 @dataclass(frozen=True)
 class Deviation:
-    """One difference. what : it is of. registered, now : in words. claims : keys of those that it touches."""
+    """One difference. what : it is of. registered, now : in words. claims : keys of those that may hang on it."""
 
     kind: Kind
     what: str
@@ -62,8 +66,8 @@ class Deviation:
 
     def __str__(self) -> str:
         count = len(self.claims)
-        touched = f"{count} claim{'s' if count != 1 else ''}" if count else "no claim"
-        return f"{self.what}: {self.registered} when registered, {self.now} now; touches {touched}"
+        touched = f"{count} claim{'s' if count > 1 else ''} ({_some(self.claims)})" if count else "no claim"
+        return f"{self.what}: {self.registered} when registered, {self.now} now; may touch {touched}"
 
 
 @dataclass(frozen=True)
@@ -130,35 +134,42 @@ def compared(of: Plain, now: Plain, file: str, *, final: bool = False) -> Regist
     return Registered(file, *whole, tuple(found), () if final else awaited)
 
 
-def _hang_on(of: Plain, questions: Sequence[str]) -> tuple[str, ...]:
-    return tuple(key for key, claim in of["claims"].items() if claim["question"] in questions)
+def _hang_on(of: Plain, questions: Iterable[str]) -> tuple[str, ...]:
+    """Keys of the claims of these questions, or of these keys."""
+    return tuple(key for key, claim in of["claims"].items() if {claim["question"], key} & {*questions})
 
 
 def _of_plan(of: Plain, now: Plain) -> Iterator[Deviation]:
-    """Recordings that changed alike are one deviation."""
-    alike: dict[tuple[str, Path, str, str], list[str]] = defaultdict(list)
+    """Recordings that changed alike, whoever they are of, are one deviation; the first says how."""
+    alike: dict[tuple[Path, str], list[tuple[str, str, str]]] = defaultdict(list)
     for path, was, present in _changed(of["plan"], _on_common_ground(of["plan"], now["plan"])):
-        where, shown, recording = path[1] if path[0] == "tables" else path[0], path, ""
-        if where == "recordings":
-            shown, recording = (where, *path[2:]), path[1]
-        alike[where, shown, _shown(was), _shown(present)].append(recording)
-    for (where, path, was_said, said), keys in alike.items():
+        recording, said = path[1] if path[0] == "recordings" else "", (_shown(was), _shown(present))
+        whoever = re.sub("|".join(map(re.escape, recording.split("/"))), "*", "\n".join(said))
+        alike[("recordings", *path[2:]) if recording else path, whoever].append((recording, *said))
+    for (path, _), ((first, was_said, said_now), *others) in alike.items():
+        where = path[1] if path[0] == "tables" else path[0]
         touched = _hang_on(of, TOUCHES.get(".".join(path[1:]), TOUCHES[where]))
         if where == "claims":
             touched = tuple(key for key, claim in of["claims"].items() if now["claims"].get(key) != claim)
-        yield Deviation(_KINDS.get(where, "analysis"), _what(path, keys), was_said, said, touched)
+        what = _what(path, f"{first} and {len(others)} more" if others else first)
+        yield Deviation(_KINDS.get(where, "analysis"), what, was_said, said_now, touched)
 
 
 def _on_common_ground(old: Plain, new: Plain) -> Plain:
     """``new`` without what one deviation says already: of people and specimens that came or went no recordings, no
-    places in an order; of planned people and specimens every recording that is made as planned."""
-    known = list(old["recordings"].values())
+    places in an order; of planned people and specimens every recording that is made as planned, of files of its own."""
+    known = [_but_files(own) for own in old["recordings"].values()]
+    used = Counter(file for own in new["recordings"].values() for file in {*own["files"]})
     both = {name: [each for each in old[name] if each in new[name]] for name in ("participants", "specimens")}
     recordings = {}
     for key in dict.fromkeys((*old["recordings"], *new["recordings"])):
         was, own = old["recordings"].get(key), new["recordings"].get(key)
         who, _, specimen = key.partition("/")
-        if who not in both["participants"] or specimen not in both["specimens"] or (was is None and own in known):
+        if who not in both["participants"] or specimen not in both["specimens"]:
+            own = was
+        elif was and own and _are_planned(was["files"], own["files"]):
+            own = own | {"files": was["files"]}
+        elif not was and own and _but_files(own) in known and all(used[file] == 1 for file in own["files"]):
             own = was
         if own is not None:
             recordings[key] = own
@@ -167,11 +178,30 @@ def _on_common_ground(old: Plain, new: Plain) -> Plain:
     return new | {"recordings": recordings, "order of specimens": old["order of specimens"] if kept else order}
 
 
-def _what(path: Path, recordings: Sequence[str]) -> str:
+def _but_files(recording: Plain) -> Plain:
+    return {key: value for key, value in recording.items() if key != "files"}
+
+
+def _are_planned(planned: Sequence[str], files: Sequence[str]) -> bool:
+    """Whether these are the planned files, or what was found for them: a ``*`` stands for what a pattern leaves open,
+    BIDS numbers runs from 1, further repetitions differ by numbers."""
+    runs = [re.sub(r"_run-0*(\d+)_emg\.", r"_run-\1_emg.", file) for file in files]
+    if runs == [planned[0].replace("_emg.", f"_run-{n}_emg.") for n in range(1, len(files) + 1)]:
+        return True
+    alike = {re.sub(r"\d+", "#", file) for file in planned}
+    more = all(re.sub(r"\d+", "#", file) in alike or _is_of(file, planned[0]) for file in files[len(planned) :])
+    same = all(_is_of(file, plan) or _is_of(plan, file) for plan, file in zip(planned, files, strict=False))
+    return same and more and (len(files) >= len(planned) or "*" in files[0])
+
+
+def _is_of(file: str, pattern: str) -> bool:
+    return fnmatchcase(file, pattern.replace("[", "[[]"))
+
+
+def _what(path: Path, recordings: str) -> str:
     match path:
         case ("recordings", *keys):
-            more = f" and {len(recordings) - 1} more" if len(recordings) > 1 else ""
-            return ", ".join(filter(None, (f"recording {recordings[0]}{more}", ".".join(keys))))
+            return ", ".join(filter(None, (f"recording {recordings}", ".".join(keys))))
         case ("participants", name):
             return f"participant {name}"
         case ("specimens", name, *keys):
@@ -196,12 +226,14 @@ def _of_sessions(of: Plain, now: Plain) -> Iterator[Deviation]:
 
 def _of_data(of: Plain, now: Plain) -> Iterator[Deviation]:
     """What was there when the study was registered must be there, as it was."""
-    for role, touched in (("recordings", TOUCHES["recordings"]), ("runs", _RIG)):
-        for key, was in of["data"][role].items():
-            present = now["data"][role].get(key, [])
-            if present[: len(was)] != was and (role == "runs" or key in now["plan"]["recordings"]):
-                said = "other files" if present else ABSENT
-                yield Deviation("data", f"{role[:-1]} {key}", "recorded", said, _hang_on(of, touched))
+    for role, touched in (("recording", TOUCHES["recordings"]), ("run", _RIG)):
+        there, changed = now["data"][f"{role}s"], defaultdict(list)
+        for key, was in of["data"][f"{role}s"].items():
+            present = there.get(key, [])
+            if present[: len(was)] != was and (role == "run" or key in now["plan"]["recordings"]):
+                changed["other files" if present else ABSENT].append(key)
+        for said, keys in changed.items():
+            yield Deviation("data", f"{role} {_some(keys)}", "recorded", said, _hang_on(of, touched))
 
 
 def _of_code(of: Plain, now: Plain) -> Iterator[Deviation]:
@@ -232,6 +264,14 @@ def _changed(old: Plain, new: Plain, at: Path = ()) -> Iterator[tuple[Path, Any,
 
 
 def _shown(value: Any) -> str:
-    if value is None or isinstance(value, dict):
-        return ABSENT if value is None else "planned"
-    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+    if value is None:
+        return ABSENT
+    if isinstance(value, dict):
+        return f"{{{_some([f'{key} = {_shown(own)}' for key, own in value.items()], 12)}}}"
+    as_it_is = isinstance(value, str) and re.fullmatch(r"[^\s:;,]+", value)
+    return value if as_it_is else json.dumps(value, ensure_ascii=False)
+
+
+def _some(words: Sequence[str], shown: int = 5) -> str:
+    more = f" and {len(words) - shown} more" if len(words) > shown else ""
+    return ", ".join(words[:shown]) + more

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -63,17 +64,19 @@ def write_registration(path: Path, content: Plain) -> list[Path]:
     return list(files)
 
 
-def read_registration(path: Path, study: str) -> Plain:
-    """The registration of the study of this name. DataError : there is none, or it is not as it was written."""
+def read_registration(path: Path, study: str | None) -> Plain:
+    """The registration of the study of this name, None for any. DataError : there is none, or it, or the text for
+    people beside it, is not as it was written."""
 
     def refused(wanted: str, found: str, do: str = _RESTORE) -> DataError:
         return DataError(path, wanted=wanted, found=found, do=do)
 
     try:
-        content = json.loads(path.read_bytes().decode())
+        content = json.loads(path.read_bytes().decode(), object_pairs_hook=_once)
     except OSError as error:
         do = "Correct registration under [study], or write one: emg2vsa register."
-        raise refused("a registration", error.strerror or "no file", do) from None
+        found = {FileNotFoundError: "no such file", IsADirectoryError: "a folder"}.get(type(error), error.strerror)
+        raise refused("a registration", found or "no file", do) from None
     except (ValueError, RecursionError) as error:
         raise refused("a registration, which is JSON", f"text that is cut off or edited ({error})") from None
     form = content.get("form") if isinstance(content, dict) else None
@@ -94,10 +97,28 @@ def read_registration(path: Path, study: str) -> Plain:
     odd = [name for name, kind in SIGNED.items() if not isinstance(content[name], kind)]
     if odd:
         raise refused("a registration as emg2vsa register writes it", f"other values of {', '.join(odd)}")
-    if content["study"] != study:
-        do = "Put the registration beside the study file that it is of."
+    if study not in (None, content["study"]):
+        do = (
+            "Put the registration beside the study file that it is of. If you renamed the study, write a registration "
+            "with emg2vsa register --out FILE, which amends this one, and name it under [study]: registration = FILE."
+        )
         raise refused(f"the registration of the study {study!r}", f"that of {content['study']!r}", do)
+    text = path.with_suffix(".md")
+    if text.is_file() and content["sha256"].encode() not in text.read_bytes():
+        wanted, do = (
+            f"the text of {path.name}, SHA-256 {content['sha256'][:12]}",
+            "Restore both as they were registered.",
+        )
+        raise DataError(text, wanted=wanted, found="another", do=do)
     return dict(content)
+
+
+def _once(pairs: list[tuple[str, Any]]) -> Plain:
+    """An object of JSON; a key that stands there twice would have two values."""
+    content = dict(pairs)
+    if len(content) < len(pairs):
+        raise ValueError(f"the key {Counter(key for key, _ in pairs).most_common(1)[0][0]!r} twice")
+    return content
 
 
 def _markdown(content: Plain) -> str:

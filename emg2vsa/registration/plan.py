@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, fields
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.session_settings import EmgSettings
 from emg2vsa.settings import StageSettings
 from emg2vsa.study import RecordingEntry, Study
+from emg2vsa.study_file.patterns import REPETITION
 
 Plain = dict[str, Any]
 LEFT_OUT = ("reading", "simulation")
@@ -69,12 +71,22 @@ def session_plan(said: Plain) -> Plain:
 
 
 def _own(study: Study, entry: RecordingEntry) -> Plain:
-    """Channels of a recording, and where it is filtered and cut otherwise than the others."""
-    own: Plain = {"channels": asdict(entry.channels)}
+    """Files and channels of a recording, and where it is filtered and cut otherwise than the others."""
+    own: Plain = {"files": [_spelled(study, file) for file in entry.files], "channels": asdict(entry.channels)}
     for name in ("filters", "window"):
         of_study, of_entry = asdict(getattr(study, name)), asdict(getattr(entry, name))
         own |= {name: more} if (more := {k: v for k, v in of_entry.items() if v != of_study[k]}) else {}
     return own
+
+
+def _spelled(study: Study, file: Path) -> str:
+    """From the study's folder, or where it lies elsewhere from that of the recordings; ``*`` for what is open."""
+    place, root = study.path.parent, study.data
+    if file.is_relative_to(place):
+        said = file.relative_to(place).as_posix()
+    else:
+        said = f"*/{(file.relative_to(root) if file.is_relative_to(root) else Path(file.name)).as_posix()}"
+    return said.replace(REPETITION, "*")
 
 
 def planned_claims(study: Study, experiment: ExperimentSettings | None) -> dict[str, Plain]:

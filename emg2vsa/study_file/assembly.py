@@ -61,7 +61,7 @@ def study_of(path: str, file: StudyFile, people: tuple[Person, ...], raw: Mappin
 
 def _registration(path: Path, named: str | None) -> Path | None:
     default = registration_of(path)
-    return beside(path.parent, named) if named else default if default.is_file() else None
+    return beside(path.parent, named) if named else default if os.path.lexists(default) else None
 
 
 def _runs_source(folder: Path, table: RunsTable) -> RunsSource:

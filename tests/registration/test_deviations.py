@@ -10,19 +10,21 @@ from typing import Any
 
 import pytest
 
-from benchmarks.planted_deviations import PLANTS, Plant, RegisteredStudy, as_planted, harmless
+from benchmarks.planted_deviations import JUDGED, PLANTS, Plant, RegisteredStudy, as_planted, harmless
 from emg2vsa.claims import arithmetic
 from emg2vsa.claims.claim import OF_A_STUDY, judge
+from emg2vsa.cli import main
 from emg2vsa.pipeline import code
 from emg2vsa.pipeline import registered as of_pipeline
 from emg2vsa.pipeline.code import Code
 from emg2vsa.pipeline.fingerprint import Fingerprints
-from emg2vsa.registration.deviations import CODE, TOUCHES
+from emg2vsa.registration.deviations import CODE, TOUCHES, _hang_on
 from emg2vsa.registration.plan import LEFT_OUT, _claims
 from emg2vsa.session.open_session import folder_of, kept_settings
 from emg2vsa.session.plan import PLAN_FILE, Plan, draw_presses, plan_bytes
 from emg2vsa.settings import StageSettings
 from emg2vsa.study_file import load_study
+from tests.small import study_of_files
 
 
 @pytest.mark.parametrize(("plant", "what", "touched"), [each[1:] for each in PLANTS], ids=[each[0] for each in PLANTS])
@@ -154,6 +156,133 @@ def test_every_table_of_settings_says_what_hangs_on_it(study: RegisteredStudy) -
     assert plan["tables"].keys() <= TOUCHES.keys()
     assert {each.name for each in fields(StageSettings)} - set(LEFT_OUT) <= plan["tables"].keys()
     assert plan.keys() - {"tables"} <= TOUCHES.keys()
+
+
+def test_a_deviation_says_values_and_claims(study: RegisteredStudy) -> None:
+    own = '[[recordings.files]]\nparticipant = "P13"\nspecimen = "S1"\nfilters.band_hz = [30.0, 400.0]\n'
+    study.edit("[study]", f"{own}{JUDGED.format('exclude')}")
+    judged, filters = study.found().deviations
+    assert (filters.registered, filters.now) == ("absent", "{band_hz = [30.0, 400.0]}")
+    assert (judged.what, judged.now) == ("P03/S2, press 4", '"rejected by hand: coughed"')
+    names, more = ", ".join(filters.claims[:5]), len(filters.claims) - 5
+    assert str(filters).endswith(f"; may touch {more + 5} claims ({names} and {more} more)")
+
+
+@pytest.mark.parametrize(
+    ("table", "touched"),
+    [
+        ("filters", {"specimens_differ", "curves"}),
+        ("profile", {"interpolation_rmse", "interpolation_weight", "human_like_contrast"}),
+        ("schedule", {"schedule_range", "human_like_contrast"}),
+        ("hypotheses", {"specimens_differ"}),
+    ],
+)
+def test_claims_on_settings_are_touched_by_their_own(study: RegisteredStudy, table: str, touched: set[str]) -> None:
+    of = json.loads(study.registration.read_text())
+    found = {*_hang_on(of, TOUCHES[table])}
+    assert touched <= found
+    others = {"power", "plate_r2", "force_filter", "curves", "interpolation_weight", "schedule_range"} - touched
+    assert not others & found
+    assert of["claims"].keys() >= others | touched
+
+
+# which file a recording is
+
+
+def registered_files(folder: Path, pattern: str, *names: str, more: str = "") -> RegisteredStudy:
+    """P01 and P02 on S1, of whom some files are there."""
+    study = RegisteredStudy(folder)
+    study.file.write_text(study_of_files(pattern, participants=["P01", "P02"]) + more)
+    for name in names:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(name)
+    load_study(study.file).results.mkdir(parents=True, exist_ok=True)
+    assert main(["register", str(study.file), "--json"]) == 0
+    return study
+
+
+def named(study: RegisteredStudy) -> list[tuple[str, str, str]]:
+    return [(each.what, each.registered, each.now) for each in study.found().deviations]
+
+
+def test_another_pattern_is_one_deviation(tmp_path: Path) -> None:
+    study = registered_files(tmp_path, "raw/{participant}_{specimen}.csv")
+    study.edit("_{specimen}.csv", "_{specimen}_retake.csv")
+    assert named(study) == [
+        ("recording P01/S1 and 1 more, files", '["raw/P01_S1.csv"]', '["raw/P01_S1_retake.csv"]')
+    ]  # fmt: skip
+
+
+def test_a_file_of_another_person_is_named(tmp_path: Path) -> None:
+    study = registered_files(tmp_path, "raw/{participant}_{specimen}.csv")
+    study.add("[recordings.files]", 'participant = "P01"\nspecimen = "S1"\nemg = "raw/P02_S1.csv"')
+    assert named(study) == [("recording P01/S1, files", '["raw/P01_S1.csv"]', '["raw/P02_S1.csv"]')]
+
+
+@pytest.mark.parametrize(
+    ("files", "other"), [("raw/P02_1.csv", "raw/P02_1.csv"), ("raw/P02_1.csv", "raw/P01_1.csv")], ids=["own", "shared"]
+)
+def test_a_recording_that_is_listed_later_has_a_file_of_its_own(tmp_path: Path, files: str, other: str) -> None:
+    listed = '[[recordings.files]]\nparticipant = "{}"\nspecimen = "S1"\nemg = "{}"\n'
+    study = registered_files(tmp_path, "{participant}")
+    study.registration.unlink()
+    study.registration.with_suffix(".md").unlink()
+    study.edit('layout = "pattern"\npattern = "{participant}"', 'layout = "files"')
+    study.file.write_text(study.file.read_text() + listed.format("P01", "raw/P01_1.csv"))
+    assert main(["register", str(study.file), "--json"]) == 0
+    study.file.write_text(study.file.read_text() + listed.format("P02", other))
+    assert [what for what, *_ in named(study)] == ([] if other == files else ["recording P02/S1"])
+
+
+@pytest.mark.parametrize(
+    ("pattern", "before", "after", "count"),
+    [
+        ("raw/{participant}_{specimen}_*.csv", [], ["raw/P01_S1_0105.csv"], 0),
+        ("raw/{participant}_{specimen}_*.csv", ["raw/P01_S1_0105.csv"], ["raw/P02_S1_0106.csv"], 0),
+        ("raw/{participant}/{specimen}_{repetition}.csv", [], ["raw/P01/S1_1.csv", "raw/P01/S1_2.csv"], 0),
+        ("raw/{participant}/{specimen}_{repetition}.csv", ["raw/P01/S1_1.csv"], ["raw/P01/S1_2.csv"], 0),
+        ("raw/{participant}/{specimen}_{repetition}.csv", ["raw/P01/S1_2.csv"], ["raw/P01/S1_1.csv"], 2),
+    ],
+)
+def test_files_that_are_found_later_are_the_planned_ones(
+    tmp_path: Path, pattern: str, before: list[str], after: list[str], count: int
+) -> None:
+    """But one that comes before what was registered is not."""
+    study = registered_files(tmp_path, pattern, *before)
+    for name in after:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("new")
+    assert len(named(study)) == count
+    for name in after:
+        (tmp_path / name).unlink()
+    assert named(study) == []
+
+
+def test_a_planned_recording_may_come_in_numbered_runs(study: RegisteredStudy) -> None:
+    single = study.recording("P13")
+    runs = [single.with_name(single.name.replace("_emg.", f"_run-{n}_emg.")) for n in ("01", "02")]
+    runs[0].parent.mkdir(parents=True)
+    for run in runs:
+        run.write_text(run.name)
+    assert study.found().deviations == ()
+    listed = f'participant = "P13"\nspecimen = "S1"\nemg = "{runs[1].relative_to(study.folder).as_posix()}"'
+    study.add("[recordings.files]", listed)
+    assert [each.what for each in study.found().deviations] == ["recording P13/S1, files"]
+
+
+@pytest.mark.parametrize("absolute", [True, False])
+def test_recordings_outside_of_the_folder_may_move(tmp_path: Path, absolute: bool) -> None:
+    (tmp_path / "study").mkdir()
+    place = (tmp_path / "recordings").as_posix() if absolute else "../recordings"
+    study = registered_files(
+        tmp_path / "study", f"{place}/{{participant}}/{{specimen}}.csv", "../recordings/P01/S1.csv"
+    )
+    assert str(tmp_path) not in study.registration.read_text()
+    (tmp_path / "recordings").rename(tmp_path / "archive")
+    study.edit("recordings/{", "archive/{")
+    assert named(study) == []
+    study.edit("{participant}/{specimen}", "{participant}/{specimen}_2")
+    assert len(named(study)) == 2
 
 
 # no deviation

@@ -100,6 +100,22 @@ def test_a_file_that_was_cut_off_is_refused(study: RegisteredStudy) -> None:
     assert "JSON" in refused(study)
 
 
+@pytest.mark.parametrize(
+    ("old", "new"), [('"amends"', '"amends": "mine",\n "amends"'), ('"margin"', '"margin": 1, "margin"')]
+)
+def test_a_key_that_stands_twice_is_refused(study: RegisteredStudy, old: str, new: str) -> None:
+    study.edit(old, new, "registration.json")
+    assert f"(the key {old.strip(chr(34))!r} twice)" in refused(study)
+
+
+def test_the_text_of_another_registration_is_refused(study: RegisteredStudy) -> None:
+    text = study.registration.with_suffix(".md")
+    text.write_text(text.read_text().replace(content_of(study)["sha256"], "0" * 64))
+    assert "registration.md: expected the text of registration.json, SHA-256" in refused(study)
+    text.unlink()
+    assert read_registration(study.registration, "palpation")
+
+
 def test_the_registration_of_another_study_is_refused(study: RegisteredStudy) -> None:
     assert "expected the registration of the study 'other', but found that of 'palpation'" in refused(study, "other")
 

@@ -26,7 +26,7 @@ here.{% endif %}{% if of.awaited %} {{ of.awaited | length }} planned recordings
 """
 COLUMNS = (
     Column("what", "What"), Column("registered", "When registered"), Column("now", "Now"), Column("kind", "Kind"),
-    Column("touched", "Claims that it touches"),
+    Column("touched", "Claims that it may touch"),
 )  # fmt: skip
 
 
@@ -41,7 +41,9 @@ def _quantities(results: StudyResults) -> Items:
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     if results.registered and (rows := records(results.registered.of_plan, COLUMNS)):
-        yield Table("deviations", "Deviations from the registered plan, with the claims that they touch", COLUMNS, rows)
+        yield Table(
+            "deviations", "Deviations from the registered plan, with the claims that they may touch", COLUMNS, rows
+        )
 
 
 def _words(results: StudyResults, q: Quantities) -> Mapping[str, object]:
