@@ -32,7 +32,7 @@ OF_PEOPLE = {
 """Name of a fact to the sentence that states it; the names in braces are values of ``told_of_people``."""
 
 OF_SPECIMENS = {
-    "stiffness of the specimens": "Plate indentation gave the specimens a stiffness κ of {stiffness} N/mm.",
+    "stiffness of the specimens": "The study file gives the specimens a stiffness κ of {stiffness} N/mm.",
     "standard errors of that stiffness": "The standard errors of κ are {errors} N/mm.",
 }
 OF_PLAN = {

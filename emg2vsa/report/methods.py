@@ -16,8 +16,10 @@ from jinja2 import Environment, StrictUndefined, Template
 
 from emg2vsa.calibration.presses import MOST_OUTLIERS
 from emg2vsa.calibration.results import LawResult
+from emg2vsa.claims.claim import OF_A_STUDY, confidence_of
 from emg2vsa.devices.joints import export_of
 from emg2vsa.exemplary import Choice
+from emg2vsa.fits import CERTAIN, WIDE, Fits, usable
 from emg2vsa.report.facts import facts_of
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.wording import count, listed
@@ -85,6 +87,14 @@ minimise, ln kappa: ln κ
     _CHOICES.setdefault(_setting, {})[_value] = _said
 """What a setting says, by its value."""
 
+_CONDITIONS = {
+    "high-stiffness": "a rigid motor pressed",
+    "modular": "stiffness followed the schedule over force",
+    "constant-min": "stiffness stayed at the lowest of the schedule",
+    "constant-mean": "stiffness stayed at the mean of the schedule over force",
+    "constant-max": "stiffness stayed at the highest of the schedule",
+}
+
 _TEMPLATE = """
 # Specimens
 {{ said.specimens }}
@@ -122,7 +132,10 @@ volts.{% else %}{{ choices.normalise[c.normalise] }}.{% endif %}
 A trial is the loading phase of a press, from {{ w.force_n[0] | g }} to {{ high }} N. A trial was rejected if it did
 not reach {{ high }} N, if it lasted less than {{ w.min_duration_s | g }} s or more than {{ w.max_duration_s | g }} s,
 if force fell on more than {{ (100 * w.max_falling_share) | g }} % of its path, or if a channel was clipped (more than
-{{ (100 * w.clip_share) | g }} % of the samples), flat or incomplete. A trial was marked with a warning if, among
+{{ (100 * w.clip_share) | g }} % of the samples), flat, as silent as at rest or incomplete. A trial at the edge of a
+record was rejected if its record began more than {{ w.max_missed_n | g }} N above {{ w.force_n[0] | g }} N.
+{% if w.implausible == "reject" %}Trials were rejected too if a signal cannot be right: its unit, its rectification or
+its zero.{% endif %} A trial was marked with a warning if, among
 other faults, force fell on more than {{ (100 * w.warn_falling_share) | g }} % of its path, EMG was less than
 {{ w.min_snr_db | g }} dB above rest, or force rested more than {{ w.max_gap_force_n | g }} N from zero.
 {% endmacro %}
@@ -136,10 +149,17 @@ bins of {{ f.bin_n | g }} N from {{ w.force_n[0] | g }} to {{ w.force_n[1] | g }
 Intervals of a and b are at {{ (100 * f.confidence) | g }} % (Student's t). {% if bins %}Their standard errors allow
 for the correlation of neighbouring samples.{% else %}Their standard errors take neighbouring samples as independent,
 and are therefore too small.{% endif %}
+{% set wide = "more than " ~ (WIDE | g) ~ " of the mean fitted level" %}
+{% if f.min_adj_r2 > -1 or f.max_b_error or f.max_b_error_ratio %}Let e be the half-width of the interval of b. A
+fitted trial was rejected {% if f.min_adj_r2 > -1 %}if its adjusted R² on force bins was less than
+{{ f.min_adj_r2 | g }} and e was {{ wide }}{{ "; " if f.max_b_error or f.max_b_error_ratio }}{% endif %}
+{% if f.max_b_error_ratio %}if e was more than {{ f.max_b_error_ratio | g }} times the median of its recording and more
+than {{ (100 * CERTAIN) | g }} % of b{{ "; " if f.max_b_error }}{% endif %}
+{% if f.max_b_error %}if e was more than {{ f.max_b_error | g }} times b and {{ wide }}{% endif %}.{% endif %}
 # Statistical analysis
 {% set h, many_people, many_specimens = study.hypotheses, study.participants[1:], study.specimens[1:] %}
-The slopes b of the trials judged {{ h.use.replace("+", " or ") }} were tested at α = {{ h.alpha | g }}. A one-sample
-Kolmogorov-Smirnov test examined each cluster (participant by specimen), both on values standardised by the cluster's
+The slopes b of the trials judged {{ h.use.replace("+", " or ") }}{{ tested }} were tested at α = {{ h.alpha | g }}.
+A one-sample Kolmogorov-Smirnov test examined each cluster (participant by specimen), both on values standardised by the cluster's
 own mean and SD and on raw values against N(0, 1). {% if many_people %}A one-way ANOVA compared participants on each
 specimen.{% endif %} {% if many_specimens %}A one-way ANOVA compared specimens for each participant; Fisher's LSD
 without correction for the number of pairs followed, and its largest p{% if h.kept_specimens %} among
@@ -159,8 +179,7 @@ neighbouring forces beyond the threshold form a cluster, as in statistical param
 pair of participants is equal within {{ h.equivalence_margin_sd | g }} SD of their repetitions.{% endif %} No test was
 chosen by the outcome of another. Intervals of ω² come from the noncentral F distribution [@steiger]. A trend of b
 over the repetitions was tested by Student's t of the participants' slopes. The logarithmic law was compared with a
-power law and a straight line by errors of prediction, leaving out one press or one force bin at a time. Verdicts on
-claims follow from intervals over participants, whose confidence allows for the number of claims.
+power law and a straight line by errors of prediction, leaving out one press or one force bin at a time.
 {% if many_people and many_specimens %}Where the order of specimens differed between participants, a linear drift of b
 over the session was taken out of the comparisons of specimens. Elsewhere the trend within recordings widened the
 intervals of these comparisons.{% endif %}
@@ -179,6 +198,7 @@ specimens together. {{ export_of(schedule.actuator).remark }}
 {% set s, recipe, k = study.scoring, study.scoring.recipe, study.calibration %}
 # Tactile presses
 {{ "An emulated rig" if emulated else "A rig" }} made {{ presses }} presses on {{ pressed | listed }}: {{ designs }}.
+{{ conditions }}
 {{ said.rig }}
 # Contact area spread rate
 Frames of the loading phase from {{ s.force_n[0] | g }} N were scored, with
@@ -213,6 +233,21 @@ determined where presses and mountings promise an interval narrower than the cal
 has an adjusted R² of 0 or more.
 {% endif %}
 {% endif %}
+# Verdicts on claims
+{% set m = study.claims %}
+A claim that one value is larger holds where the interval of the difference lies above 0, and is refuted where it lies
+below the smallest difference that matters. A claim that a size stays within a margin holds where its interval lies
+below the margin, and is refuted where it lies above it. Intervals of {{ level }} % give any false verdict among
+{{ OF_A_STUDY }} claims a chance of {{ m.false_verdict_percent | g }} % at most (Bonferroni).
+{% if study.recordings %}Intervals on people are over participants. What matters is {{ m.slope_percent | g }} % of the
+mean for b between specimens, {{ m.people_f | g }} SD of presses for b between people, {{ m.cluster_shape | g }} for the
+skewness and half of the excess kurtosis of clusters, {{ m.law_percent | g }} % of the error of prediction for the law
+of force, and {{ m.profile_percent | g }} % of the level with {{ m.neighbour_percent | g }} % of the difference of the
+neighbours for the interpolated profile.{% endif %}
+{% if runs %}Intervals on presses of the rig are over mountings. What matters is {{ m.area_percent | g }} % of an area,
+{{ m.casr_percent | g }} % of CASR, {{ m.contrast_percent | g }} % of a ratio of CASR, {{ m.separation | g }} SD of a
+press for a distance of specimens, {{ m.kappa_error_percent | g }} % for an error of κ and
+{{ m.reduction_points | g }} percentage points for a cut of that error.{% endif %}
 # Registration
 {{ said.plan }}
 {% if versions %}
@@ -231,6 +266,7 @@ def _template() -> Template:
     plain = Environment(undefined=StrictUndefined)
     plain.filters |= {"g": "{:g}".format, "listed": listed, "counted": lambda all_of, noun: count(len(all_of), noun)}
     plain.globals |= {"choices": _CHOICES, "export_of": export_of, "DRAWS": DRAWS, "MOST_OUTLIERS": MOST_OUTLIERS}
+    plain.globals |= {"WIDE": WIDE, "CERTAIN": CERTAIN, "OF_A_STUDY": OF_A_STUDY}
     return plain.from_string(_TEMPLATE)
 
 
@@ -263,6 +299,9 @@ def methods(results: StudyResults) -> list[tuple[str, str]]:
         emulated=any(run.simulated for run in runs),
         once=all(run.mounting.max(initial=1) == 1 for run in runs),
         designs=_designs(runs),
+        conditions=_conditions(runs),
+        tested=_tested(people.fits, study) if people else "",
+        level=f"{100 * confidence_of((), study.claims.false_verdict_percent / 100, OF_A_STUDY):.4g}",
         rate=_CHOICES["rate"][study.scoring.recipe.rate].format(low=low, high=high),
         mounting=_mounting(study.calibration, [of[algorithm].chosen for of in by_algorithm if algorithm in of]),
         versions=[f"{name} {version}" for name, version in results.provenance.items() if "digest of " not in name],
@@ -314,6 +353,17 @@ def _whose(study: Study, choice: Choice | None) -> str:
     near = int(np.count_nonzero(choice.to_others == choice.to_others.min()))
     tied = f", the first of {near} equally near" if near > 1 else ""
     return f"{medoid} ({choice.medoid}{tied})"
+
+
+def _tested(fits: Fits, study: Study) -> str:
+    used = usable(fits, study.hypotheses.use)
+    people = count(len(set(fits.participant[used].tolist())), "participant")
+    return f" ({np.count_nonzero(used)} of {used.size}, of {people})" if used.size else ""
+
+
+def _conditions(runs: Sequence[RunScores]) -> str:
+    there = {run.condition: _CONDITIONS[run.condition] for run in runs if run.condition in _CONDITIONS}
+    return " ".join(f"Under {condition}, {said}." for condition, said in there.items())
 
 
 def _designs(runs: Sequence[RunScores]) -> str:

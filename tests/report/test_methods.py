@@ -8,6 +8,7 @@ import pytest
 
 from emg2vsa.calibration.runs_calibration import calibrate_runs
 from emg2vsa.exemplary import Choice
+from emg2vsa.fits import usable
 from emg2vsa.registration.deviations import Deviation, Registered
 from emg2vsa.report.facts import OF_PEOPLE, OF_PLAN, OF_RIG, OF_SPECIMENS, stated, told_of_people
 from emg2vsa.report.inputs import Runs
@@ -19,6 +20,7 @@ from emg2vsa.session_settings import EmgSettings, SessionForceSettings, SessionS
 from emg2vsa.settings import (
     MEDOID,
     CalibrationSettings,
+    ClaimSettings,
     CocontractionSettings,
     FilterSettings,
     FitSettings,
@@ -146,6 +148,10 @@ def test_recordings_at_several_rates_are_counted(results):
     assert told["force_hz"] == "1000 Hz"
 
 
+def with_window(study, window):
+    return replace(study, recordings=tuple(replace(entry, window=window) for entry in study.recordings))
+
+
 def with_filters(study, filters):
     return replace(study, recordings=tuple(replace(entry, filters=filters) for entry in study.recordings))
 
@@ -181,11 +187,45 @@ def test_states_what_a_reporting_standard_asks_for(written, results):
         (lambda s: replace(s, cocontraction=CocontractionSettings(index="rudolph", normalise="mvc")), "Rudolph"),
         (lambda s: replace(s, profile=ProfileSettings()), "all participants"),
         (lambda s: replace(s, window=WindowSettings(force_n=(1.0, 5.0))), "1 to 5 N"),
+        (lambda s: replace(s, fit=FitSettings(min_adj_r2=0.4)), "adjusted R² on force bins was less than 0.4"),
+        (lambda s: replace(s, fit=FitSettings(max_b_error_ratio=7.0)), "7 times the median of its recording"),
+        (
+            lambda s: replace(s, fit=FitSettings(max_b_error=3.0)),
+            "3 times b and more than 0.2 of the mean fitted",
+        ),
+        (
+            lambda s: replace(s, fit=FitSettings(min_adj_r2=-1.0, max_b_error_ratio=0.0)),
+            "rejected if e was more than 4 times b",
+        ),
+        (lambda s: with_window(s, WindowSettings(max_missed_n=0.7)), "began more than 0.7 N above 0.5 N"),
+        (lambda s: replace(s, claims=ClaimSettings(slope_percent=12.0)), "12 % of the mean for b between specimens"),
+        (
+            lambda s: replace(s, claims=ClaimSettings(false_verdict_percent=5.0)),
+            "Intervals of 99.62 % give any false verdict among 26 claims a chance of 5 % at most",
+        ),
     ],
 )
 def test_follows_the_settings(written, results, changed, said):
     assert said not in written(results.study)
     assert said in written(changed(results.study))
+
+
+def test_says_nothing_of_rules_that_reject_nothing(written, results):
+    none = FitSettings(min_adj_r2=-1.0, max_b_error_ratio=0.0, max_b_error=0.0)
+    assert "A fitted trial was rejected if" in written(results.study)
+    assert "A fitted trial was rejected" not in written(replace(results.study, fit=none))
+    assert "a signal cannot be right" in written(results.study)
+    assert "a signal cannot be right" not in written(with_window(results.study, WindowSettings(implausible="warn")))
+
+
+def test_conditions_margins_and_presses_that_were_tested_are_said(written, results, runs):
+    text = written(results.study, runs=runs)
+    for run in runs:
+        assert f"Under {run.condition}, " in text
+    assert "2 % of CASR" in text
+    assert "CASR" not in written(results.study)
+    tested = int(np.count_nonzero(usable(results.people.fits, results.study.hypotheses.use)))
+    assert f"({tested} of {results.people.fits.verdict.size}, of " in text
 
 
 def test_says_what_was_taken_out_of_the_emg_and_nothing_else(written, results):
