@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from emg2vsa.companions.table import BlockTests
 from emg2vsa.figures.palette import ActivityScale as Scale
 from emg2vsa.report.outcome_text import Style, effect_said, p_said, range_said, span_said, statistic_said
 from emg2vsa.report.table import Column, Table, records
-from emg2vsa.report.wording import bounded, number
+from emg2vsa.report.wording import activity, bounded
 from emg2vsa.statistics.anova import Anova
 from emg2vsa.statistics.kruskal import KruskalWallis, smallest_worst_p
 from emg2vsa.statistics.outcome import Outcomes
@@ -39,10 +40,8 @@ def dunn_bounds(count: Ints) -> tuple[float, float] | None:
 
     None where the sizes differ: the bound is that of groups in a row without overlap, which only equal sizes make best.
     """
-    sizes = np.unique(count)
-    if sizes.size != 1 or sizes[0] < 1 or count.size < 2:
-        return None
-    return smallest_worst_p(count.size, int(sizes[0]))
+    alike = count.size > 1 and count[0] > 0 and np.all(count == count[0])
+    return smallest_worst_p(count.size, int(count[0])) if alike else None
 
 
 COLUMNS = (Column("paper", "Paper's test"), Column("companion", "Companion"), Column("effect", "Effect and interval"))
@@ -60,14 +59,15 @@ class CompanionRow:
 Rows = Sequence[CompanionRow]
 
 
+def once(texts: Iterable[str]) -> list[str]:
+    """Each text where it differs from the one above, else ""."""
+    return [text if text != above else "" for above, text in pairwise(["", *texts])]
+
+
 def companion_table(name: str, of: str, rows: Rows, beside: str = "the paper's test beside its companions") -> Table:
     """``verdict_<name>``. People see a test of the paper once, above all its companions."""
-    full = records(rows, COLUMNS)
-    papers = ["", *(row.paper for row in rows)]
-    shown = tuple(
-        {**row, "paper": ""} if row["paper"] == above else row for row, above in zip(full, papers, strict=False)
-    )
-    return Table(f"verdict_{name}", f"{of}: {beside}", COLUMNS, full, shown)
+    shown = [replace(row, paper=paper) for row, paper in zip(rows, once(row.paper for row in rows), strict=True)]
+    return Table(f"verdict_{name}", f"{of}: {beside}", COLUMNS, records(rows, COLUMNS), records(shown, COLUMNS))
 
 
 def rows_of(paper: str, companions: Iterable[tuple[str, str, str]]) -> Rows:
@@ -89,16 +89,10 @@ def anova_said(tests: GroupTests, alpha: float, many: str, style: Style = "apa")
     return f"One-way ANOVA: {decided(tests.anova, alpha, many, style)}"
 
 
-_BAYES = "above 3 supports equal means, below 1/3 different ones"
-
-
 def group_rows(
     tests: GroupTests, alpha: float, many: str, style: Style = "apa", over: BlockTests | None = None, equal: Rows = ()
 ) -> Rows:
-    """One-way analysis of variance beside tests over people, tests that rest on less, ``equal``, and its assumption.
-
-    many : as in ``anova_said``.
-    """
+    """One-way analysis of variance beside tests over people, tests that rest on less, ``equal``, and its assumption."""
     paper, one = anova_said(tests, alpha, many, style), tests.anova.p.size == 1
     share = effect_said(tests.anova_outcome(), style) if one else range_said("omega2", tests.omega2, style)
     ranks = range_said("rank epsilon2", tests.kruskal.epsilon2, style)
@@ -108,10 +102,11 @@ def group_rows(
     welch, kruskal, variances = (
         decided(of, alpha, many, style) for of in (tests.welch, tests.kruskal, tests.brown_forsythe)
     )
+    bayes = range_said("BF01", tests.bayes.bf01, style), "above 3 supports equal means, below 1/3 different ones"
     return [
         *rows_of(paper, _over_people(over, style) if over else ()),
         *rows_of(paper, [("Welch's ANOVA", welch, share), ("Kruskal-Wallis", kruskal, ranks)]),
-        *rows_of(paper, [("Bayes factor (JZS)", range_said("BF01", tests.bayes.bf01, style), _BAYES)]),
+        *rows_of(paper, [("Bayes factor (JZS)", *bayes)]),
         *equal,
         CompanionRow(
             "One-way ANOVA assumes equal variances", f"Brown-Forsythe: {variances}",
@@ -161,20 +156,17 @@ def pair_rows(tests: PairTests, alpha: float, style: Style = "apa", over: BlockT
     ]
 
 
-_AS_STORED = Scale("", 1.0)
-
-
 def equality_rows(
-    paper: str, tests: EqualityTests, style: Style = "apa", over: BlockTests | None = None, scale: Scale = _AS_STORED
+    paper: str, tests: EqualityTests, style: Style = "apa", over: BlockTests | None = None, scale: Scale | None = None
 ) -> Rows:
     """ "No difference found" beside what would show equality. scale : of the data, for people."""
+    scale = scale or Scale("", 1.0)
     level = f"{100 * (1 - 2 * tests.alpha):g}% intervals"
     bound, in_sd = (span_said(found, style) for found in (tests.bound * scale.factor, tests.bound_sd))
     effect = f"{level} of all differences lie within ± {f'{bound} {scale.unit}'.rstrip()} (± {in_sd} SD)"
     within, result = "", "no margin stated"
     if tests.margin:
-        in_data = f"{number(tests.margin * scale.factor)} {scale.unit}".rstrip()
-        within = f" within ± {f'{tests.margin:g} SD' if tests.unit == 'sd' else in_data}"
+        within = f" within ± {f'{tests.margin:g} SD' if tests.unit == 'sd' else activity(tests.margin, scale)}"
         result = f"{int(np.sum(tests.shown))} of {int(np.sum(tests.pairs))} pairs shown equal"
     rows = rows_of(paper, [(f"Equivalence (TOST){within}", result, effect)])
     if over is None:
@@ -182,5 +174,5 @@ def equality_rows(
     # how much people differ, as a share of what is left unexplained
     name, share = "Variance components of the mixed model", over.mixed
     if share is None or not share.interval or np.isnan(share.interval[0]):
-        name, share = f"Intraclass correlation of means, {over.agreement.estimate_name or ''}", over.agreement
+        name, share = f"Intraclass correlation of means, {over.agreement.estimate_name}", over.agreement
     return [*rows, CompanionRow(paper, name, effect_said(share, style))]

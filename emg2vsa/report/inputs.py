@@ -24,7 +24,7 @@ from emg2vsa.report.failures import Failure
 from emg2vsa.run_scores import RunScores
 from emg2vsa.schedules import Schedule
 from emg2vsa.stiffness_effect import StiffnessEffect
-from emg2vsa.study import Study
+from emg2vsa.study import RecordingEntry, Study
 from emg2vsa.truth import Truth
 
 
@@ -122,14 +122,13 @@ class StudyResults:
         """End of the names of activities: their unit, unless they are normalised."""
         return "_v" if self.recorded.fits.activity_unit == "V" else ""
 
-    def by_participant(self) -> dict[str, tuple[list[Trials], list[Failure]]]:
-        """Each participant of the recordings, in their order, with the own trials and failures."""
-        own: dict[str, tuple[list[Trials], list[Failure]]] = {r.participant: ([], []) for r in self.study.recordings}
-        for trials in self.people.trials if self.people else ():
-            own[trials.participant][0].append(trials)
-        for failure in self.failures:
-            if failure.participant in own:
-                own[failure.participant][1].append(failure)
+    def by_participant(self) -> dict[str, tuple[list[RecordingEntry], list[Trials], list[Failure]]]:
+        """Each participant of the recordings, in their order, with the own recordings, trials and failures."""
+        parts: tuple[Any, ...] = (self.study.recordings, self.people.trials if self.people else (), self.failures)
+        own: dict[str, Any] = {recording.participant: ([], [], []) for recording in self.study.recordings}
+        for i, part in ((i, part) for i, each in enumerate(parts) for part in each):
+            if part.participant in own:
+                own[part.participant][i].append(part)
         return own
 
     def why_absent(self, stage: str) -> str:

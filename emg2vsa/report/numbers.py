@@ -27,9 +27,9 @@ def fields_of(name: str, found: object, *keys: str, at: Any = None) -> Items:
         yield f"{name}.{key}", value.item() if isinstance(value, np.generic) else value
 
 
-def plain(value: float | None) -> float:
-    """NaN where there is none."""
-    return np.nan if value is None else value
+def named(name: str, **found: Quantity | None) -> Items:
+    """``name.key`` of each; NaN where there is none."""
+    yield from ((f"{name}.{key}", np.nan if value is None else value) for key, value in found.items())
 
 
 def with_interval(name: str, estimate: float, low: float, high: float) -> Items:

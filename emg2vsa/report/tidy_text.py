@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from emg2vsa.companions.table import BlockTests
 from emg2vsa.companions.tidy import TidyTests
 from emg2vsa.report import companion_rows as beside
 from emg2vsa.report.outcome_text import STYLES, Style, p_said, said
@@ -19,8 +18,6 @@ from emg2vsa.report.wording import NO_BREAK, aligned, count, number
 from emg2vsa.statistics.outcome import Outcome
 
 _WIDTHS = (32, 46, 40)
-_SUMMARY = frozenset({"groups", "groups over blocks"})
-"""Names whose results are always printed."""
 _ONE_BLOCK = (
     "These tests take all rows as independent. There are no tests over blocks: they take two blocks or more, and the "
     "table has one. The result holds for this block only."
@@ -54,7 +51,8 @@ class Hypothesis:
 
 def hypotheses(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
     """Over all rows; then block by block, and between blocks, where there are blocks."""
-    tests, alpha, table, over = found.together, found.alpha, found.by_block, _over_blocks(found)
+    tests, alpha, table = found.together, found.alpha, found.by_block
+    over = table.blocks if table else None
     cells = table.normality if table and np.isfinite(table.normality.lilliefors.p).any() else None
     each, many = ("group of each block", "cells") if cells else ("group", "groups")
     rows = beside.normality_rows(cells or tests.normality, alpha, many, style)
@@ -80,10 +78,6 @@ def hypotheses(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
         yield Hypothesis("Are blocks equal?", rows, f"Each group has tests of its own. {_EQUAL}")
 
 
-def _over_blocks(found: TidyTests) -> BlockTests | None:
-    return found.by_block.blocks if found.by_block else None
-
-
 def outcomes(found: TidyTests) -> Iterator[tuple[str, Outcome]]:
     """Every test with the name of the group, pair or block that it tests."""
     for name, several in _outcomes(found):
@@ -92,7 +86,8 @@ def outcomes(found: TidyTests) -> Iterator[tuple[str, Outcome]]:
 
 
 def _outcomes(found: TidyTests) -> Iterator[tuple[str, Sequence[Outcome]]]:
-    tests, table, over = found.together, found.by_block, _over_blocks(found)
+    tests, table = found.together, found.by_block
+    over = table.blocks if table else None
     if over:
         yield "groups over blocks", over.outcomes()
     yield from ((group, tests.normality.outcomes(i)) for i, group in enumerate(found.groups.tolist()))
@@ -119,20 +114,22 @@ def _pairs(found: TidyTests) -> list[str]:
 
 def text(found: TidyTests, style: Style, *, details: bool) -> str:
     """The whole answer for a terminal; details : every result of every group, pair and block too."""
-    groups = zip(found.groups.tolist(), found.count.tolist(), found.mean.tolist(), found.sd.tolist(), strict=True)
-    rows = [(name, str(n), _mean(mean, sd), number(sd)) for name, n, mean, sd in groups]
+    rows = [(name, str(n), _mean(mean, sd), number(sd)) for name, n, mean, sd in _groups(found)]
     parts = [*aligned([("group", "n", "mean", "SD"), *rows])]
     for hypothesis in hypotheses(found, style):
         parts += [f"\n{hypothesis.question}", *_grid(hypothesis.rows), *wrap(hypothesis.mind, sum(_WIDTHS) + 4)]
     parts += [*_pair_lines(found, style), "\nResults"]
-    above, shown = "", _SUMMARY.union(name for name, _ in found.of_plugins)
-    for name, outcome in outcomes(found):
-        if details or name in shown:
-            notes = f"  [{'; '.join(outcome.notes)}]" if outcome.notes else ""
-            parts += [name] if name != above else []
-            parts.append(f"  {outcome.method}: {said(outcome, style)}{notes}")
-            above = name
+    always = {"groups", "groups over blocks", *(name for name, _ in found.of_plugins)}
+    shown = [(name, outcome) for name, outcome in outcomes(found) if details or name in always]
+    for name, (_, outcome) in zip(beside.once(name for name, _ in shown), shown, strict=True):
+        notes = f"  [{'; '.join(outcome.notes)}]" if outcome.notes else ""
+        parts += [*([name] if name else []), f"  {outcome.method}: {said(outcome, style)}{notes}"]
     return "\n".join(parts).replace(NO_BREAK, " ")
+
+
+def _groups(found: TidyTests) -> Iterator[tuple[str, int, float, float]]:
+    """Name, number of values, mean and SD of each."""
+    return zip(found.groups.tolist(), found.count.tolist(), found.mean.tolist(), found.sd.tolist(), strict=True)
 
 
 def _mean(mean: float, sd: float) -> str:
@@ -143,7 +140,7 @@ def _mean(mean: float, sd: float) -> str:
 
 def _pair_lines(found: TidyTests, style: Style) -> Iterator[str]:
     """Every pair: its difference, the p of each test, and the size of the difference."""
-    tests, over = found.together.pairs, _over_blocks(found)
+    tests, over = found.together.pairs, found.by_block.blocks if found.by_block else None
     if over is None:
         of, method, size = tests.lsd, "LSD", ("g", tests.g)
         families = {"LSD": tests.lsd.p} | {beside.CORRECTED[key]: p for key, p in tests.corrected.items()}
@@ -163,12 +160,10 @@ def _pair_lines(found: TidyTests, style: Style) -> Iterator[str]:
 
 def _grid(rows: beside.Rows) -> Iterator[str]:
     """Three columns of wrapped text. The first column does not repeat the text of the row above."""
-    above = ""
+    papers = beside.once(row.paper for row in rows)
     heads = [column.head for column in beside.COLUMNS], ["-" * width for width in _WIDTHS]
-    for first, *others in (*heads, *((row.paper, row.companion, row.effect) for row in rows)):
-        shown = ["" if first == above else first, *others]
-        above = first
-        for line in zip_longest(*(wrap(c, width) for c, width in zip(shown, _WIDTHS, strict=True)), fillvalue=""):
+    for row in (*heads, *((paper, r.companion, r.effect) for paper, r in zip(papers, rows, strict=True))):
+        for line in zip_longest(*(wrap(cell, width) for cell, width in zip(row, _WIDTHS, strict=True)), fillvalue=""):
             yield "  ".join(f"{part:<{width}}" for part, width in zip(line, _WIDTHS, strict=True)).rstrip()
 
 
@@ -191,14 +186,13 @@ def lines(found: TidyTests, of: Mapping[str, str | None], style: Style, *, detai
 
 def as_json(found: TidyTests, style: Style) -> dict[str, Any]:
     """All of it; the residuals of the mixed model are for a QQ plot and for residuals against fitted values."""
-    over = _over_blocks(found)
-    groups = zip(found.groups.tolist(), found.count.tolist(), found.mean.tolist(), found.sd.tolist(), strict=True)
+    over = found.by_block.blocks if found.by_block else None
     return {
         "alpha": found.alpha,
         "rows": found.n,
         "alike": list(found.alike()),
         "left_out": {"without_number": found.without_number, "without_name": found.without_name},
-        "groups": [dict(zip(("name", "n", "mean", "sd"), group, strict=True)) for group in groups],
+        "groups": [dict(zip(("name", "n", "mean", "sd"), group, strict=True)) for group in _groups(found)],
         "hypotheses": [asdict(each) for each in hypotheses(found, style)],
         "outcomes": [
             {"of": of, **asdict(outcome), "text": {each: said(outcome, each) for each in STYLES}}

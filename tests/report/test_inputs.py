@@ -29,8 +29,8 @@ def test_each_participant_gets_own_trials_and_failures(results):
     )
     own = replace(results, failures=failures).by_participant()
     assert list(own) == ["P01", "P02", "P03"]
-    assert [[t.participant for t in trials] for trials, _ in own.values()] == [[name] * 4 for name in own]
-    assert [list(failed) for _, failed in own.values()] == [[failures[0]], [failures[2]], []]
+    assert [[t.participant for t in trials] for _, trials, _ in own.values()] == [[name] * 4 for name in own]
+    assert [failed for *_, failed in own.values()] == [[failures[0]], [failures[2]], []]
 
 
 @dataclass

@@ -36,7 +36,6 @@ _R2 = {
     "adj_r2": "adj. R²", "r2_bins": "R², bins", "adj_r2_bins": "adj. R², bins", "r2_samples": "R², samples",
     "adj_r2_samples": "adj. R², samples",
 }  # fmt: skip
-_ALL_PAIRS_UP_TO = 4
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -51,18 +50,20 @@ def _quantities(results: StudyResults) -> Items:
     yield "fit.used", int(np.count_nonzero(used))
     yield from fields_of("fit", fits, "points", "weights", "confidence", "activity_unit")
     yield "fit.b_not_positive", int(np.count_nonzero(fits.b_v[used] <= 0))
-    for name in _R2:
-        yield f"fit.{name}.min", least(getattr(fits, name)[used])
+    for name in (*_R2, "n_effective", "lag1"):
+        if name in _R2:
+            yield f"fit.{name}.min", least(getattr(fits, name)[used])
         yield f"fit.{name}.median", _median(getattr(fits, name)[used])
-    yield "fit.n_effective.median", _median(fits.n_effective[used])
-    yield "fit.lag1.median", _median(fits.lag1[used])
-    ends = _means_of_b(results)
+    half = _half_widths(results)
     for specimen in results.specimens:
         of = used & (fits.specimen == specimen)
         yield f"fit.{specimen}.n", int(np.count_nonzero(of))
         yield from moments(f"fit.{specimen}.a{v}", fits.a_v[of])
         yield from moments(f"fit.{specimen}.b{v}", fits.b_v[of])
-        yield from zip((f"fit.{specimen}.b{v}.low", f"fit.{specimen}.b{v}.high"), ends.get(specimen, ()), strict=False)
+        if specimen in half:
+            mean = float(np.mean(fits.b_v[of]))
+            yield f"fit.{specimen}.b{v}.low", mean - half[specimen]
+            yield f"fit.{specimen}.b{v}.high", mean + half[specimen]
     if people.truth is not None and fits.activity_unit == "V":
         for of in (None, *results.specimens):
             recovery = recover(fits, people.truth, results.study.hypotheses.use, of)
@@ -71,16 +72,14 @@ def _quantities(results: StudyResults) -> Items:
         yield from _laws(people.hypotheses.laws)
 
 
-def _means_of_b(results: StudyResults) -> dict[str, tuple[float, float]]:
-    """Specimen to the interval of its mean b: over people, or over the presses of one person."""
+def _half_widths(results: StudyResults) -> dict[str, float]:
+    """Specimen to half of the interval of its mean b: over people, or over the presses of one person."""
     fits, used = results.recorded.fits, results.used
     pressed = [name for name in results.specimens if np.any(used & (fits.specimen == name))]
     if not pressed:
         return {}
     errors = mean_errors(fits, used, pressed, _unit(results), presses_weigh=True)
-    half = errors.half_width(np.eye(len(pressed))[:, :, None] * [0.0, 1.0])
-    means = [float(np.mean(fits.b_v[used & (fits.specimen == name)])) for name in pressed]
-    return {name: (b - h, b + h) for name, b, h in zip(pressed, means, half.tolist(), strict=True)}
+    return dict(zip(pressed, errors.half_width(np.eye(len(pressed))[:, :, None] * [0.0, 1.0]).tolist(), strict=True))
 
 
 def _unit(results: StudyResults) -> Unit:
@@ -175,8 +174,7 @@ def _recovery(results: StudyResults, q: Quantities) -> Table:
     names: Columns = {Column("specimen", "Specimen"): ("all", *results.specimens)}
     keys = {Column(key, *words): key for key, words in words_of(Recovery).items()}
     found = from_quantities(q, ["recovery", *(f"recovery.{name}" for name in results.specimens)], keys)
-    caption = "Fitted slopes beside the true slopes of the simulation"
-    return table_of("recovery", caption, names | found)
+    return table_of("recovery", "Fitted slopes beside the true slopes of the simulation", names | found)
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
@@ -187,15 +185,17 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     whose = exported.participant
     profiles = [p for p in exported.profiles if tested and p.specimen in tested.kept] or exported.profiles
     names = [profile.specimen for profile in profiles]
-    slopes = [_slopes(results, name, whose) for name in names]
-    bars = _bars(tested, names, whose)
+    fits, look = results.recorded.fits, looks(results.specimens)
+    own = results.used & np.isin(fits.participant, whose or fits.participant)
+    slopes = [np.asarray(fits.b_v[own & (fits.specimen == name)]) for name in names]
+    bars = _bars(tested, names, whose) if tested else []
     test = "Fisher's LSD" + ("" if whose else ", largest p of all participants")
-    look = looks(results.specimens)
     figure = draw_cocontraction(profiles, slopes, bars, [look[name] for name in names], scale, test if bars else "")
     caption = (
         f"Fig. 4. Co-contraction of {whose or 'all participants'}. (a) Mean fitted trends; bands are one SD between "
         f"{'trials' if whose else 'participants'}. (b) Slopes b of trials with Hazen's quartiles."
-    ) + (" Stars: p of the uncorrected LSD below .05, .01, .001, .0001." if bars else "")
+        + (" Stars: p of the uncorrected LSD below .05, .01, .001, .0001." if bars else "")
+    )
     pairs = "; ".join(f"{names[bar.first]} and {names[bar.second]}: {p_text(bar.p)}" for bar in bars)
     told = [
         f"{p.specimen}: {activity(p.v[0], scale)} to {activity(p.v[-1], scale)}, median b "
@@ -207,21 +207,13 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     yield Drawing("fig04_cocontraction", title, caption, description, figure)
 
 
-def _slopes(results: StudyResults, specimen: str, whose: str) -> Floats:
-    fits = results.recorded.fits
-    return np.asarray(fits.b_v[results.used & (fits.specimen == specimen) & (not whose or fits.participant == whose)])
-
-
-def _bars(hypotheses: Hypotheses | None, names: Sequence[str], whose: str) -> list[PairBar]:
-    """All pairs of a few specimens, neighbours of many."""
-    if hypotheses is None:
-        return []
-    lsd, places = hypotheses.tests.pairs.lsd, range(len(names))
-    own = np.isin(hypotheses.participants, whose) if whose else np.ones(hypotheses.participants.size, dtype=np.bool_)
-    bars = []
-    for first, second in combinations(places, 2) if len(names) <= _ALL_PAIRS_UP_TO else pairwise(places):
+def _bars(hypotheses: Hypotheses, names: Sequence[str], whose: str) -> list[PairBar]:
+    """All pairs of up to four specimens, neighbours of more."""
+    lsd, places, bars = hypotheses.tests.pairs.lsd, range(len(names)), []
+    own = np.isin(hypotheses.participants[: len(lsd.p)], whose or hypotheses.participants)
+    for first, second in combinations(places, 2) if len(names) <= 4 else pairwise(places):
         ends = np.isin(hypotheses.specimens, [names[first], names[second]])
-        these = lsd.p[own[: len(lsd.p)]][:, ends[lsd.first] & ends[lsd.second]]
+        these = lsd.p[own][:, ends[lsd.first] & ends[lsd.second]]
         if np.isfinite(these).any():
             bars.append(PairBar(first, second, float(np.nanmax(these))))
     return bars

@@ -14,7 +14,7 @@ from emg2vsa.figures.cocontraction import draw_mixed_residuals
 from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, fields_of, least, most, plain, with_interval
+from emg2vsa.report.numbers import Items, fields_of, least, most, named, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.sections.hypothesis_tables import hypothesis_tables
 from emg2vsa.report.wording import UNDEFINED, number, signed
@@ -28,9 +28,11 @@ from emg2vsa.statistics.trend import trend
 def _quantities(results: StudyResults) -> Items:
     if (found := results.recorded.hypotheses) is None:
         return
-    yield "hypotheses.kept", ", ".join(found.kept)
+    yield from named("hypotheses", kept=", ".join(found.kept), order=found.drift.order)
     yield from fields_of("hypotheses", found, "alpha", "worst_p", "worst_pair")
-    yield from _normality_quantities(found)
+    yield "hypotheses.normality.clusters", int(np.count_nonzero(found.count))
+    for kind in ("standardised", "raw", "lilliefors", "shapiro"):
+        yield from _family(f"hypotheses.normality.{kind}", getattr(found.tests.normality, kind).p, found.alpha)
     yield from _design_quantities("between_participants", found.specimens, found.tests.between_blocks, found.alpha)
     yield from _design_quantities("between_specimens", found.participants, found.tests.between_groups, found.alpha)
     yield from _pair_quantities(found)
@@ -41,7 +43,6 @@ def _quantities(results: StudyResults) -> Items:
 
 def _drift_quantities(found: Hypotheses, b_v: Floats) -> Items:
     """Over a session, % of the mean b."""
-    yield "hypotheses.order", found.drift.order
     level = float(np.mean(b_v)) if b_v.size else 0.0
     over = 100 * (found.drift.places - 1) / level if level else np.nan
     for kind, slope in (("by_order", found.drift.by_order), ("within_recordings", found.drift.within)):
@@ -55,26 +56,15 @@ def _stiffness_quantities(results: StudyResults) -> Items:
     log = np.array([np.log(stiffness.get(name, np.nan)) for name in fits.specimen[used].tolist()])
     one_group = np.zeros(log.size, dtype=np.str_)
     found = trend(fits.participant[used], one_group, log, fits.b_v[used])
-    mean = {
-        name: float(np.mean(fits.b_v[used & (fits.specimen == name)])) for name in set(fits.specimen[used].tolist())
-    }
-    yield "hypotheses.b_order", ", ".join(sorted(mean, key=mean.__getitem__, reverse=True))
-    yield "hypotheses.b_over_log_stiffness.t", found.t
-    yield "hypotheses.b_over_log_stiffness.p", found.p
-
-
-def _normality_quantities(found: Hypotheses) -> Items:
-    yield "hypotheses.normality.clusters", int(np.count_nonzero(found.count))
-    for kind in ("standardised", "raw", "lilliefors", "shapiro"):
-        p = getattr(found.tests.normality, kind).p
-        yield from _family(f"hypotheses.normality.{kind}", p, found.alpha)
-        yield f"hypotheses.normality.{kind}.smallest_p", least(p)
+    names = set(fits.specimen[used].tolist())
+    by_mean = sorted(names, key=lambda name: np.mean(fits.b_v[used & (fits.specimen == name)]), reverse=True)
+    yield "hypotheses.b_order", ", ".join(by_mean)
+    yield from fields_of("hypotheses.b_over_log_stiffness", found, "t", "p")
 
 
 def _design_quantities(name: str, designs: Names, tests: GroupTests, alpha: float) -> Items:
     name, anova = f"hypotheses.{name}", tests.anova
     yield from _family(name, anova.p, alpha)
-    yield f"{name}.smallest_p", least(anova.p)
     yield f"{name}.largest_p", most(anova.p)
     for kind in ("welch", "kruskal", "brown_forsythe"):
         yield f"{name}.{kind}.significant", _significant(getattr(tests, kind).p, alpha)
@@ -104,32 +94,28 @@ def _over_people_quantities(found: Hypotheses, unit: str) -> Items:
     equality, blocks, name = found.tests.equality, found.tests.blocks, "hypotheses.over_people"
     slope = found.trend
     yield from with_interval(f"hypotheses.trend.b{unit}_per_repetition", slope.mean, slope.low, slope.high)
-    yield "hypotheses.trend.relative_per_repetition", slope.per_mean
-    yield "hypotheses.trend.p", slope.p
+    yield from named("hypotheses.trend", relative_per_repetition=slope.per_mean, p=slope.p)
     yield "hypotheses.equality.bound_sd", most(equality.bound_sd)
     if equality.margin:
-        yield "hypotheses.equality.margin_sd", equality.margin
-        yield "hypotheses.equality.pairs_shown_equal", int(np.sum(equality.shown))
-        yield "hypotheses.equality.pairs", int(np.sum(equality.pairs))
+        shown, pairs = int(np.sum(equality.shown)), int(np.sum(equality.pairs))
+        yield from named("hypotheses.equality", margin_sd=equality.margin, pairs_shown_equal=shown, pairs=pairs)
     if blocks is None:
         return
     of_means = ("f", "p", "p_gg", "p_hf", "epsilon_gg", "epsilon_hf", "mauchly_p", "eta2_generalised")
     yield from fields_of(f"{name}.repeated", blocks.repeated, *of_means, at=0)
-    yield f"{name}.friedman.chi2", blocks.friedman.statistic[0].item()
-    yield f"{name}.friedman.p", blocks.friedman.p[0].item()
-    if (mixed := blocks.mixed) is not None:
-        for key, value in (("f", mixed.statistic), ("p", mixed.p), ("icc", mixed.effect_size)):
-            yield f"{name}.mixed.{key}", plain(value)
+    friedman, mixed = blocks.friedman.outcome(), blocks.mixed
+    yield from named(f"{name}.friedman", chi2=friedman.statistic, p=friedman.p)
+    if mixed is not None:
+        yield from named(f"{name}.mixed", f=mixed.statistic, p=mixed.p, icc=mixed.effect_size)
     if isinstance(blocks.model, MixedModel):
         yield from fields_of(f"{name}.mixed", blocks.model, "sd_ratio", "ratio_low", "ratio_high")
-    for i, source in enumerate(SOURCES if (of := blocks.variances) else ()):
-        assert of is not None
-        key = f"{name}.mixed.sd_{source.replace(' ', '_')}{unit}"
-        yield from with_interval(key, of.sd[i], of.low[i], of.high[i])
+    if (of := blocks.variances) is not None:
+        for source, *sd in zip(SOURCES, of.sd, of.low, of.high, strict=True):
+            yield from with_interval(f"{name}.mixed.sd_{source.replace(' ', '_')}{unit}", *sd)
     if blocks.residuals is not None:
         normal, level = blocks.residuals.outcomes()
-        for key, value in (("shapiro_p", normal.p), ("level_rho", level.effect_size), ("level_p", level.p)):
-            yield f"{name}.mixed.residuals.{key}", plain(value)
+        found_p = {"shapiro_p": normal.p, "level_rho": level.effect_size, "level_p": level.p}
+        yield from named(f"{name}.mixed.residuals", **found_p)
     for j, ends in enumerate(_ends(found, blocks.paired.t)):
         for test, p in blocks.pair_families.items():
             yield f"{name}.pairs.{ends}.{test.lower().replace(' ', '_').replace('-', '_')}.p_holm", p[0, j].item()
@@ -143,9 +129,8 @@ def _significant(p: Floats, alpha: float) -> int:
 def _family(name: str, p: Floats, alpha: float, chance: float | None = None) -> Items:
     """``chance_of_any``: that of at least one rejection where nothing differs; without one, of independent tests."""
     tested = int(np.count_nonzero(np.isfinite(p)))
-    yield f"{name}.tested", tested
-    yield f"{name}.significant", _significant(p, alpha)
-    yield f"{name}.chance_of_any", 1 - (1 - alpha) ** tested if chance is None else chance
+    chance = 1 - (1 - alpha) ** tested if chance is None else chance
+    yield from named(name, tested=tested, significant=_significant(p, alpha), chance_of_any=chance, smallest_p=least(p))
 
 
 def _chance_of_any_pair(found: Hypotheses) -> float:
@@ -161,39 +146,30 @@ def _chance_of_any_pair(found: Hypotheses) -> float:
     return float(1 - np.prod(1 - some))
 
 
-_FAR = 3
-"""Of 370 normal residuals, one lies farther from zero than so many SDs."""
-
-
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
     tested = results.recorded.hypotheses
-    found = tested.tests.blocks.residuals if tested and tested.tests.blocks else None
-    if found is None:
+    if not (tested and tested.tests.blocks and (found := tested.tests.blocks.residuals)):
         return
     least_sd, most_sd = (number(float(end)) for end in (found.residual.min(), found.residual.max()))
-    far = np.count_nonzero(np.abs(found.residual) > _FAR)
+    far = np.count_nonzero(np.abs(found.residual) > 3)
     yield Drawing(
         "mixed_residuals",
         "Residuals of the mixed model",
         "Residuals of the mixed model, in SDs of repetitions: (a) against normal quantiles, where normal residuals lie "
         "near the dashed line; (b) against fitted b, where an equal scatter fills a band of one width.",
-        f"{found.residual.size} residuals from {least_sd} to {most_sd} SDs of repetitions; {far} lie farther than "
-        f"{_FAR} SDs from zero.",
+        f"{found.residual.size} residuals from {least_sd} to {most_sd} SDs of repetitions; {far} lie farther than 3 "
+        "SDs from zero.",
         draw_mixed_residuals(found.fitted, found.residual, found.quantile, results.scale),
     )
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    found = results.recorded.hypotheses
-    if found is None:
+    if (found := results.recorded.hypotheses) is None:
         return {}
     trend = "t test over participants" if found.trend.over_blocks else "regression within one participant"
-    return {"tested": found, "drift": _drift(q), "order": _ORDERS[found.drift.order], "trend": trend}
-
-
-_ORDERS = {
-    "differs": "differs between people", "same": "is the same for all, or one of few", "unknown": "is not known"
-}  # fmt: skip
+    orders = {"differs": "differs between people", "same": "is the same for all, or one of few"}
+    order = orders.get(found.drift.order, "is not known")
+    return {"tested": found, "drift": _drift(q), "order": order, "trend": trend}
 
 
 def _drift(q: Quantities) -> str:

@@ -20,8 +20,7 @@ from emg2vsa.statistics.outcome import Outcome
 
 
 def hypothesis_tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
-    found = results.recorded.hypotheses
-    if found is None:
+    if (found := results.recorded.hypotheses) is None:
         return
     across, within = found.tests.between_blocks, found.tests.between_groups
     specimens: Columns = {Column("specimen", "Specimen"): found.specimens[: across.anova.f.size]}
@@ -78,7 +77,10 @@ def _pairs(found: Hypotheses, scale: ActivityScale) -> Table:
     tests, lsd = found.tests.pairs, found.tests.pairs.lsd
     d, n_pairs = lsd.p.shape
     names = np.append(found.specimens, [""] * 2)  # fewer than two specimens have no pair
-    numbers: Columns = {
+    values: Columns = {
+        Column("participant", "Participant"): np.repeat(found.participants[:d], n_pairs),
+        Column("first", "First"): np.tile(names[lsd.first], d),
+        Column("second", "Second"): np.tile(names[lsd.second], d),
         activity_column("difference_v", "Difference", scale): lsd.difference,
         activity_column("lo_v", "Low", scale): lsd.low,
         activity_column("hi_v", "High", scale): lsd.high,
@@ -88,17 +90,13 @@ def _pairs(found: Hypotheses, scale: ActivityScale) -> Table:
         **{Column(f"p_{key}", f"p {beside.CORRECTED[key]}"): p for key, p in tests.corrected.items()},
         **columns(tests, "g", "g_low", "g_high"),
     }
-    who: Columns = {
-        Column("participant", "Participant"): np.repeat(found.participants[:d], n_pairs),
-        Column("first", "First"): np.tile(names[lsd.first], d),
-        Column("second", "Second"): np.tile(names[lsd.second], d),
-    }
     caption = (
         "Pairs of specimens: Fisher's LSD on b, not corrected for the number of pairs; the p of tests that are "
         "corrected over the pairs of a participant; Hedges' g (FDR: false discovery rate)"
     )
-    values = who | {column: np.asarray(of).ravel() for column, of in numbers.items()}
-    return table_of("lsd_pairs", caption, values, FEW_ON_PAGE)
+    return table_of(
+        "lsd_pairs", caption, {column: np.ravel(np.asarray(of)) for column, of in values.items()}, FEW_ON_PAGE
+    )
 
 
 _FORMS = (
@@ -159,12 +157,12 @@ def _models(found: Hypotheses, scale: ActivityScale) -> Iterator[Table]:
 
 
 def _statements(found: Hypotheses) -> Table:
-    every, heads = list(outcomes(found)), ("APA", "IEEE", "LaTeX", "Plain")
+    every = list(outcomes(found))
     values: Columns = {
         Column("key", "Of"): [key for key, _ in every],
         Column("method", "Test"): [outcome.method for _, outcome in every],
     }
-    for style, head in zip(STYLES, heads, strict=True):
+    for style, head in zip(STYLES, ("APA", "IEEE", "LaTeX", "Plain"), strict=True):
         values[Column(style, head)] = [said(outcome, style) for _, outcome in every]
     return table_of("statements", "Results as text", values, FEW_ON_PAGE)
 
@@ -172,12 +170,14 @@ def _statements(found: Hypotheses) -> Table:
 def outcomes(found: Hypotheses) -> Iterator[tuple[str, Outcome]]:
     """Every test of the study, with what it tests."""
     tests = found.tests
-    across, within = tests.between_blocks, tests.between_groups
     every = [("over people", tests.blocks.outcomes())] if tests.blocks is not None else []
-    specimens = enumerate(found.specimens[: across.anova.f.size].tolist())
-    every += [(f"participants on {name}", across.outcomes(i)) for i, name in specimens]
-    people = enumerate(found.participants[: within.anova.f.size].tolist())
-    every += [(f"specimens of {name}", within.outcomes(i)) for i, name in people]
+    blocks, groups = tests.between_blocks, tests.between_groups
+    for of, designs, names in (
+        ("participants on", blocks, found.specimens),
+        ("specimens of", groups, found.participants),
+    ):
+        own = names[: designs.anova.f.size].tolist()
+        every += [(f"{of} {name}", designs.outcomes(i)) for i, name in enumerate(own)]
     if found.worst[0] >= 0:
         every.append((f"worst pair, {found.worst_pair}", tests.pairs.outcomes(*found.worst)))
     yield from ((of, outcome) for of, several in every for outcome in several)

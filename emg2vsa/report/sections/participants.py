@@ -1,8 +1,4 @@
-"""Who was recorded, and were they enough?
-
-The verdict on each session, what failed, and which trials were rejected or warned. Sample size: the computation of the
-paper, and the power of the test that its main claim rests on.
-"""
+"""Who was recorded, were they enough, what failed, and which trials are not simply ok."""
 
 from __future__ import annotations
 
@@ -23,14 +19,6 @@ from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, records, t
 from emg2vsa.report.wording import bounded, listed
 from emg2vsa.session_verdict import doubts_between
 from emg2vsa.statistics.power import power_rm, power_table
-from emg2vsa.study import RecordingEntry
-
-_PARTICIPANTS, _REPETITIONS, _ALPHA = 14, 10, 0.05
-"""The sample size of the paper."""
-
-
-def _applies(results: StudyResults) -> bool:
-    return bool(results.study.recordings or results.failures)
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -39,8 +27,8 @@ def _quantities(results: StudyResults) -> Items:
     yield "study.participants", len(results.study.participants)
     yield "study.recordings", len(results.study.recordings)
     yield "study.recordings_read", len(results.people.trials)
-    planned = power_rm(_PARTICIPANTS, _REPETITIONS, EFFECT_F, RHO, EPSILON, _ALPHA)
-    yield f"power.n{_PARTICIPANTS}", float(planned)
+    # the paper's 14 people and ten repetitions
+    yield "power.n14", float(power_rm(14, 10, EFFECT_F, RHO, EPSILON, 0.05))
     if (found := results.people.hypotheses) is not None:
         keys = ("power.study", "power.study_specimens", "power.people_for_specimens")
         yield from zip(keys, (found.power.repetitions, found.power.specimens, found.power.people), strict=True)
@@ -62,12 +50,9 @@ def _sessions(results: StudyResults) -> Table:
     people, own = results.recorded, results.by_participant()
     fits = by_recording(people.fits)
     doubts = doubts_between(people.trials, fits, results.study.judgements)
-    entries: dict[str, list[RecordingEntry]] = {}
-    for entry in results.study.recordings:
-        entries.setdefault(entry.participant, []).append(entry)
     without_page = {failure.key for failure in results.failures if failure.stage == "pages"}
     judged = [
-        session_verdict(name, entries[name], trials, fits, failed, doubts) for name, (trials, failed) in own.items()
+        session_verdict(name, entries, trials, fits, failed, doubts) for name, (entries, trials, failed) in own.items()
     ]
     columns: Columns = {
         Column("participant", "Participant"): list(own),
@@ -103,9 +88,9 @@ def _sensitivity(found: Hypotheses) -> Table:
     heads = "Correlation ρ", "Sphericity ε", "Power here", f"People for a power of {bounded(TARGET, 2)}"
     table = power_table(people, specimens, EFFECT_F, alpha=found.alpha, power=TARGET)
     values = (*np.meshgrid(table.rho, table.epsilon, indexing="ij"), table.power, table.people)
-    columns = map(Column, ("rho", "epsilon", "power", "people"), heads)
+    columns = zip(map(Column, ("rho", "epsilon", "power", "people"), heads), map(np.ravel, values), strict=True)
     caption = f"Power of {people} people to tell {specimens} specimens apart at f = {EFFECT_F:g}"
-    return table_of("power_sensitivity", caption, dict(zip(columns, map(np.ravel, values), strict=True)))
+    return table_of("power_sensitivity", caption, dict(columns))
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
@@ -131,9 +116,7 @@ The tests use the {{ accepted | count("trial") }} that the study file accepts by
 {% endif %}</p>
 {{ folded("sessions", "Every session, with a page for each participant") }}
 {% endif %}
-{% if q['study.failures'] %}
 {{ table("failures") }}
-{% endif %}
 {{ folded("judged", "Trials rejected, warned or accepted by hand, with reasons") }}
 {% if q['power.study'] is defined and q['power.study'] == q['power.study'] %}
 <p>The paper planned its sample for a test between repetitions. With the people of this study, that test has a power of
@@ -142,4 +125,7 @@ The tests use the {{ accepted | count("trial") }} that the study file accepts by
 {{ folded("power_sensitivity", "Power between specimens by correlation and sphericity") }}
 """
 
-PARTICIPANTS = Section("participants", "Participants", _TEXT, _applies, _quantities, _tables, words=_words)
+PARTICIPANTS = Section(
+    "participants", "Participants", _TEXT, lambda results: bool(results.study.recordings or results.failures),
+    _quantities, _tables, words=_words,
+)  # fmt: skip
