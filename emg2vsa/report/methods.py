@@ -159,9 +159,9 @@ than {{ (100 * CERTAIN) | g }} % of b{{ "; " if f.max_b_error }}{% endif %}
 # Statistical analysis
 {% set h, many_people, many_specimens = study.hypotheses, study.participants[1:], study.specimens[1:] %}
 The slopes b of the trials judged {{ h.use.replace("+", " or ") }}{{ tested }} were tested at α = {{ h.alpha | g }}.
-A one-sample Kolmogorov-Smirnov test examined each cluster (participant by specimen), both on values standardised by the cluster's
-own mean and SD and on raw values against N(0, 1). {% if many_people %}A one-way ANOVA compared participants on each
-specimen.{% endif %} {% if many_specimens %}A one-way ANOVA compared specimens for each participant; Fisher's LSD
+A one-sample Kolmogorov-Smirnov test examined each cluster (participant by specimen), both on values standardised by
+the cluster's own mean and SD and on raw values against N(0, 1). {% if many_people %}A one-way ANOVA compared
+participants on each specimen.{% endif %} {% if many_specimens %}A one-way ANOVA compared specimens for each participant; Fisher's LSD
 without correction for the number of pairs followed, and its largest p{% if h.kept_specimens %} among
 {{ h.kept_specimens | listed }}{% endif %} is reported.{% endif %} Companion tests of each cluster were Lilliefors'
 test [@lilliefors] and the Shapiro-Wilk test [@shapiro]. {% if many_people or many_specimens %}Companions of the ANOVA
