@@ -10,6 +10,7 @@ import numpy as np
 from emg2vsa.extraction import Trials
 from emg2vsa.registration.deviations import Registered
 from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.numbers import most
 from emg2vsa.report.wording import count, listed
 from emg2vsa.run_scores import RunScores
 from emg2vsa.session_settings import SessionSettings
@@ -59,16 +60,14 @@ _ORDERS = {
     "interleaved": "in random order, press by press (seed {})",
     "listed": "in the order of the study file",
 }
-_ELECTRODES = ("ElectrodeManufacturer", "ElectrodeManufacturersModelName", "ElectrodeType", "ElectrodeMaterial")
 _JOINED = {
-    "electrodes": _ELECTRODES,
+    "electrodes": tuple(f"Electrode{of}" for of in ("Manufacturer", "ManufacturersModelName", "Type", "Material")),
     "reference": ("EMGReference", "EMGGround"),
     "amplifier": ("Manufacturer", "ManufacturersModelName"),
 }
 
 Told = dict[str, str]
-
-
+"""Value by name; "" where nothing tells it."""
 _STATED_BY_NONE = ("gain, input impedance and common-mode rejection of the amplifier", "resolution of the converter")
 
 
@@ -97,7 +96,7 @@ def facts_of(results: StudyResults) -> tuple[dict[str, str], list[str]]:
 
 def stated(facts: Mapping[str, str], told: Told) -> tuple[str, list[str]]:
     """The sentences of the facts that are told, and the names of the others. What users wrote cites no work."""
-    told = {key: text.replace("[@", "[") for key, text in told.items()}
+    told = {key: text.replace("[@", "[") for key, text in told.items() if text}
     sentences, missing = [], []
     for name, sentence in facts.items():
         try:
@@ -109,40 +108,40 @@ def stated(facts: Mapping[str, str], told: Told) -> tuple[str, list[str]]:
 
 def told_of_people(study: Study, trials: Sequence[Trials]) -> Told:
     """What the study file and the recordings tell; the samples of ``trials`` are not needed."""
-    told: Told = {}
     asked = {entry.window.expected_trials for entry in study.recordings} - {None}
-    if asked and trials:
-        told |= {"asked": _several(asked, " press"), "found": str(sum(t.repetition.size for t in trials))}
-    if rated := [t.rates_hz for t in trials if t.rates_hz]:
-        told |= {"emg_hz": _rates(rates[:-1] for rates in rated), "force_hz": _rates(rates[-1:] for rates in rated)}
+    rated = [t.rates_hz for t in trials if t.rates_hz]
+    told = {
+        "asked": _several(asked, " press") if asked and trials else "",
+        "found": str(sum(t.repetition.size for t in trials)),
+        "emg_hz": _rates(rates[:-1] for rates in rated),
+        "force_hz": _rates(rates[-1:] for rates in rated),
+    }
     stated_by: dict[str, list[str]] = {}
     for key, _, text in (each.partition(": ") for t in trials for each in t.equipment):
         stated_by.setdefault(key, []).append(text.rstrip("."))
     found = {key: "; ".join(dict.fromkeys(texts)) for key, texts in stated_by.items()}
     joined = {name: ", ".join(found[key] for key in keys if key in found) for name, keys in _JOINED.items()}
-    return told | found | {name: text for name, text in joined.items() if text} | _told_of_session(study.session)
+    return told | found | joined | (_told_of_session(study.session) if study.session else {})
 
 
-def _told_of_session(session: SessionSettings | None) -> Told:
-    if session is None:
-        return {}
+def _told_of_session(session: SessionSettings) -> Told:
     practice = f"{_several([session.training_repetitions], ' press')} on each of {listed(session.training_specimens)}"
-    told = {
+    return {
         "order": _ORDERS[session.order].format(session.seed),
         "practice": f"practice of {practice}" if session.training_specimens else "no practice",
         "rest_s": f"{session.rest_s:g}",
         "pause_s": f"{session.pause_s:g}",
+        "ethics": session.ethics.rstrip("."),
     }
-    return told | ({"ethics": session.ethics.rstrip(".")} if session.ethics else {})
 
 
 def told_of_specimens(study: Study) -> Told:
     """Stiffness and standard errors as far as the study file states them."""
     known = [s for s in study.specimens if s.stiffness_n_per_mm is not None]
-    with_error = [s for s in known if s.stiffness_se_n_per_mm]
-    told = {"stiffness": listed([f"{s.stiffness_n_per_mm:g} ({s.name})" for s in known])} if known else {}
-    errors = listed([f"{s.stiffness_se_n_per_mm:g} ({s.name})" for s in with_error])
-    return told | ({"errors": errors} if with_error else {})
+    return {
+        "stiffness": listed([f"{s.stiffness_n_per_mm:g} ({s.name})" for s in known]),
+        "errors": listed([f"{s.stiffness_se_n_per_mm:g} ({s.name})" for s in known if s.stiffness_se_n_per_mm]),
+    }
 
 
 def told_of_plan(registered: Registered | None) -> Told:
@@ -157,21 +156,20 @@ def told_of_plan(registered: Registered | None) -> Told:
 def told_of_runs(runs: Sequence[RunScores], run_order: str) -> Told:
     """What the folders of the runs and their presses tell."""
     setup: dict[str, set[float]] = {}
-    for run in runs:
-        for key, values in run.setup.items():
-            setup.setdefault(key, set()).update(values)
-    told = {key: _several(values) for key, values in setup.items()}
-    mountings = {int(run.mounting.max()) for run in runs}
+    for key, values in (item for run in runs for item in run.setup.items()):
+        setup.setdefault(key, set()).update(values)
     presses = {n for run in runs for n in np.unique(run.mounting, return_counts=True)[1].tolist()}
-    told |= {"mountings": _several(mountings, " mounting"), "presses": _several(presses, " press")}
-    peaks_n = np.concatenate([run.peak_n for run in runs])
-    if np.isfinite(peaks_n).any():
-        told["peak_n"] = f"{np.nanmax(peaks_n):.3g}"
-    if pictures := [run.picture.image.shape for run in runs if run.picture]:
-        told["frame_px"] = listed(list(dict.fromkeys(f"{width} × {height}" for height, width in pictures)))
-    if contacts := [len(run.first_contact.rest_px) for run in runs if run.first_contact]:
-        told["pins"] = str(max(contacts))
-    return told | ({"run_order": run_order} if run_order else {})
+    peak_n = most(np.concatenate([run.peak_n for run in runs]))
+    frames = dict.fromkeys("{1} × {0}".format(*run.picture.image.shape) for run in runs if run.picture)
+    pins = [len(run.first_contact.rest_px) for run in runs if run.first_contact]
+    return {key: _several(values) for key, values in setup.items()} | {
+        "mountings": _several({int(run.mounting.max()) for run in runs}, " mounting"),
+        "presses": _several(presses, " press"),
+        "peak_n": f"{peak_n:.3g}" if np.isfinite(peak_n) else "",
+        "frame_px": listed(list(frames)),
+        "pins": str(max(pins, default="")),
+        "run_order": run_order,
+    }
 
 
 def _several(values: Iterable[float | int | None], noun: str = "") -> str:

@@ -22,19 +22,16 @@ from emg2vsa.exemplary import Choice
 from emg2vsa.fits import CERTAIN, WIDE, Fits, usable
 from emg2vsa.report.facts import facts_of
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.wording import count, listed
+from emg2vsa.report.wording import count, listed, unwrapped
 from emg2vsa.run_scores import RunScores
 from emg2vsa.settings import MEDOID, CalibrationSettings
 from emg2vsa.statistics.whole_curve import DRAWS
 from emg2vsa.study import Person, RecordingEntry, Study
 
-_FEW = 3
-_SEX = {"f": "female", "female": "female", "m": "male", "male": "male", "o": "other", "other": "other"}
+_SEX = {"f": "female", "m": "male", "o": "other"}
 _HAND = {"r": "right", "l": "left", "a": "ambidextrous"}
-_HAND |= {word: word for word in _HAND.values()}
 _CHOICES: dict[str, dict[str, str]] = {}
-for _line in (
-    """
+for _line in unwrapped("""
 phase, zero-phase: The Butterworth filters were run forward and backward and the {envelope} was centred, so that
   nothing is delayed (zero phase)
 phase, compensated: All filters were causal, and the difference of their known delays was removed when EMG and force
@@ -79,10 +76,7 @@ law, linear-log: κ = a + b ln CASR
 minimise, casr: CASR
 minimise, kappa: κ
 minimise, ln kappa: ln κ
-""".replace("\n  ", " ")
-    .strip()
-    .splitlines()
-):
+"""):
     (_setting, _value), _said = _line.partition(": ")[0].split(", "), _line.partition(": ")[2]
     _CHOICES.setdefault(_setting, {})[_value] = _said
 """What a setting says, by its value."""
@@ -318,7 +312,7 @@ def _about(people: Sequence[Person]) -> str:
     """Sex, age and handedness as far as the table of participants tells them: "6 female, 8 male; aged 21 to 34 ..."."""
     said = []
     for words, names in (([each.sex for each in people], _SEX), ([each.handedness for each in people], _HAND)):
-        counts = Counter(names.get(word.lower(), word) or "not stated" for word in words)
+        counts = Counter(names.get(word.lower(), word.lower()) or "not stated" for word in words)
         if set(counts) - {"not stated"}:
             said.append(", ".join(f"{n} {kind}" for kind, n in sorted(counts.items())))
     years = [float(person.age.rstrip("+")) for person in people if person.age]
@@ -337,7 +331,7 @@ def _by_recording(study: Study, sentence_of: Callable[[RecordingEntry], str]) ->
     if len(groups) == 1:
         return next(iter(groups))
     all_of = f" of {len(study.recordings)} recordings"
-    whose = {text: listed(keys) if len(keys) <= _FEW else f"{len(keys)}{all_of}" for text, keys in groups.items()}
+    whose = {text: listed(keys) if len(keys) <= 3 else f"{len(keys)}{all_of}" for text, keys in groups.items()}
     return " ".join(f"In {whose[text]}: {text}" for text in groups)
 
 

@@ -123,7 +123,8 @@ def macro_names(keys: list[str], prefix: str = "emg") -> dict[str, str]:
     names: dict[str, str] = {}
     taken: set[str] = set()
     for key in keys:
-        name = prefix + _spelled(key)
+        words = re.findall(r"[A-Za-z]+|[0-9]", key)
+        name = prefix + "".join(_DIGITS[int(w)] if w.isdigit() else w[0].upper() + w[1:] for w in words)
         while name in taken:
             name += "X"
         taken.add(name)
@@ -139,11 +140,6 @@ def statements_tex(table: Table) -> str:
         for name, row in zip(names.values(), table.rows, strict=True)
     ]
     return "\n".join(["% Written by emg2vsa; include with \\input. Needs amsmath.", *lines, ""])
-
-
-def _spelled(key: str) -> str:
-    words = re.findall(r"[A-Za-z]+|[0-9]", key)
-    return "".join(_DIGITS[int(word)] if word.isdigit() else word[0].upper() + word[1:] for word in words)
 
 
 def _latex(key: str, value: Quantity) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from emg2vsa.report.latex import latex_text
+from emg2vsa.report.wording import unwrapped
 
 _CITED = re.compile(r"\[@(\w+)\]")
 
@@ -39,7 +40,7 @@ class Work(NamedTuple):
 
 _WORKS = [
     Work(*line.split(" | "))
-    for line in """
+    for line in unwrapped("""
 benjamini | Benjamini, Y. and Hochberg, Y. | 1995 | Controlling the false discovery rate: a practical and powerful
   approach to multiple testing | Journal of the Royal Statistical Society B | 57 | 289–300 |
   10.1111/j.2517-6161.1995.tb02031.x
@@ -95,8 +96,8 @@ yates | Yates, F. | 1934 | The analysis of multiple classifications with unequal
   Journal of the American Statistical Association | 29 | 51–66 | 10.1080/01621459.1934.10502686
 zou | Zou, G. Y. and Donner, A. | 2008 | Construction of confidence limits about effect measures: a general approach |
   Statistics in Medicine | 27 | 1693–1702 | 10.1002/sim.3095
-""".replace("\n  ", " ").strip().splitlines()
-]  # fmt: skip
+""")
+]
 """Key, authors, year, title, journal, volume, pages and DOI."""
 _BY_KEY = {work.key: work for work in _WORKS}
 

@@ -18,7 +18,6 @@ from emg2vsa.fits import Fits, by_recording
 from emg2vsa.report.failures import Failure, ShortPaths
 from emg2vsa.report.session_plots import (
     LEGEND,
-    PATTERNS,
     activity_plot,
     emg_trace,
     force_trace,
@@ -51,31 +50,6 @@ def write_session_page(
     ``study`` may be reduced to this participant and the own recordings. ``fits`` are this participant's, None where no
     recording could be fitted: the page then says why.
     """
-    path = folder / "participants" / f"{participant}.html"
-    write_text_atomic(path, _page(study, participant, trials, fits, failures))
-    return [path]
-
-
-def session_verdict(
-    participant: str,
-    entries: Sequence[RecordingEntry],
-    trials: Sequence[Trials],
-    fits: Mapping[tuple[str, str], Fits],
-    failures: Sequence[Failure],
-    doubts: Doubts,
-) -> SessionVerdict:
-    """The verdict on one participant's recordings; entries, trials and failures are this participant's."""
-    keys = [(participant, entry.specimen) for entry in entries]
-    own = {key[1]: fits[key] for key in keys if key in fits}
-    beside = {key[1]: doubts[key] for key in keys if key in doubts}
-    missed = {failure.key.partition("/")[2]: failure.message for failure in failures}
-    wanted = {e.specimen: e.window.expected_trials for e in entries}
-    return judge_session(participant, trials, own, wanted, missed, beside)
-
-
-def _page(
-    study: Study, participant: str, trials: Sequence[Trials], fits: Fits | None, failures: Sequence[Failure]
-) -> str:
     entries = {entry.specimen: entry for entry in study.recordings if entry.participant == participant}
     short = ShortPaths(replace(study, recordings=tuple(entries.values())))
     failures = short.failures(failure for failure in failures if failure.participant == participant)
@@ -104,8 +78,27 @@ def _page(
     )
     header = f'<h1>{escape(participant)}</h1><p class="sub">{escape(study.title)}</p>'
     nav = [("../index.html", "Study report"), *((f"#r{i}", s.specimen) for i, s in enumerate(verdict.specimens))]
-    body = top + html.bullets(map(str, verdict.advice)) + steps + PATTERNS + LEGEND + "".join(sections)
-    return html.page(f"{participant}: {study.title}", header, nav, body, "<p></p>")
+    body = top + html.bullets(map(str, verdict.advice)) + steps + LEGEND + "".join(sections)
+    path = folder / "participants" / f"{participant}.html"
+    write_text_atomic(path, html.page(f"{participant}: {study.title}", header, nav, body, "<p></p>"))
+    return [path]
+
+
+def session_verdict(
+    participant: str,
+    entries: Sequence[RecordingEntry],
+    trials: Sequence[Trials],
+    fits: Mapping[tuple[str, str], Fits],
+    failures: Sequence[Failure],
+    doubts: Doubts,
+) -> SessionVerdict:
+    """The verdict on one participant's recordings; entries, trials and failures are this participant's."""
+    keys = [(participant, entry.specimen) for entry in entries]
+    own = {key[1]: fits[key] for key in keys if key in fits}
+    beside = {key[1]: doubts[key] for key in keys if key in doubts}
+    missed = {failure.key.partition("/")[2]: failure.message for failure in failures}
+    wanted = {e.specimen: e.window.expected_trials for e in entries}
+    return judge_session(participant, trials, own, wanted, missed, beside)
 
 
 def _recording(trials: Trials, own: Fits | None, window_n: tuple[float, float], scale: ActivityScale, name: str) -> str:

@@ -20,18 +20,16 @@ _WIDE, _NARROW = 1900, 780
 _LABEL_S = 0.025
 "Least distance of the numbers of presses, as a share of the record."
 
-PATTERNS = in_colours_of_page(
-    '<svg width="0" height="0" style="position:absolute" aria-hidden="true"><defs>'
-    '<pattern id="ok" width="8" height="8" patternUnits="userSpaceOnUse">'
-    f'<rect width="8" height="8" fill="{VERDICT_COLOURS["ok"]}" fill-opacity=".22"/></pattern>'
-    '<pattern id="warned" width="8" height="8" patternUnits="userSpaceOnUse">'
-    f'<rect width="8" height="8" fill="{VERDICT_COLOURS["warned"]}" fill-opacity=".25"/>'
-    f'<path d="M0 8L8 0" stroke="{VERDICT_COLOURS["warned"]}" stroke-width="2"/></pattern>'
-    '<pattern id="rejected" width="8" height="8" patternUnits="userSpaceOnUse">'
-    f'<path d="M0 0L8 8M0 8L8 0" stroke="{VERDICT_COLOURS["rejected"]}" stroke-width="2"/></pattern></defs></svg>'
-)
+_HATCHES = {"ok": (0.22, ""), "warned": (0.25, "M0 8L8 0"), "rejected": (0, "M0 0L8 8M0 8L8 0")}
 LEGEND = in_colours_of_page(
-    '<p class="small" aria-hidden="true">'
+    '<svg width="0" height="0" style="position:absolute" aria-hidden="true"><defs>'
+    + "".join(
+        f'<pattern id="{verdict}" width="8" height="8" patternUnits="userSpaceOnUse">'
+        f'<rect width="8" height="8" fill="{VERDICT_COLOURS[verdict]}" fill-opacity="{opacity}"/>'
+        f'<path d="{lines}" stroke="{VERDICT_COLOURS[verdict]}" stroke-width="2"/></pattern>'
+        for verdict, (opacity, lines) in _HATCHES.items()
+    )
+    + '</defs></svg><p class="small" aria-hidden="true">'
     + " ".join(
         f'<svg width="34" height="16"><rect x="1" y="1" width="32" height="14" fill="url(#{verdict})" '
         f'stroke="{VERDICT_COLOURS[verdict]}"/></svg> {verdict} {mark}'
@@ -39,6 +37,7 @@ LEGEND = in_colours_of_page(
     )
     + "</p>\n"
 )
+"""The patterns of the verdicts, for all drawings of a page, and what they mean."""
 
 
 def force_trace(trials: Trials, window_n: tuple[float, float], name: str) -> str:

@@ -67,8 +67,7 @@ def _texts(results: StudyResults, content: Content) -> Iterator[tuple[str, str |
 def contents(results: StudyResults) -> Content:
     """What the sections that apply give, by name. ValueError : two of them give the same name."""
     content = numbers_and_tables(results)
-    for drawings in _drawn(results, content.judged):
-        content.drawings |= drawings
+    content.drawings = _drawn(results, content.judged)
     return content
 
 
@@ -97,20 +96,19 @@ def _add(into: dict[str, Any], more: dict[str, Any], section: Section) -> None:
     into |= more
 
 
-def _drawn(results: StudyResults, judged: Sequence[Judged]) -> Iterator[dict[str, Drawing]]:
-    """Those of the verdicts, then those of each section. ValueError : two sections give the same name."""
+def _drawn(results: StudyResults, judged: Sequence[Judged]) -> dict[str, Drawing]:
+    """Those of the verdicts, then those of each section. ValueError : two of them give the same name."""
     with style():
-        yield {drawing.name: drawing for drawing in verdict_drawings(judged)}
-        names: dict[str, Drawing] = {}
+        drawn = {drawing.name: drawing for drawing in verdict_drawings(judged)}
         for section in _sections(results):
-            _add(names, own := {drawing.name: drawing for drawing in section.drawings(results)}, section)
-            yield own
+            _add(drawn, {drawing.name: drawing for drawing in section.drawings(results)}, section)
+    return drawn
 
 
 def write_figure_pdfs(results: StudyResults, folder: Path) -> list[Path]:
     """Write every figure of the report as ``folder/figures/NAME.pdf``, for a paper; the files."""
-    every = [drawing for drawn in _drawn(results, judged_claims(results)) for drawing in drawn.values()]
-    paths = {folder / f"figures/{drawing.name}.pdf": drawing for drawing in every}
+    drawn = _drawn(results, judged_claims(results))
+    paths = {folder / f"figures/{name}.pdf": drawing for name, drawing in drawn.items()}
     for path, drawing in paths.items():
         write_bytes_atomic(path, drawing.pdf())
     return list(paths)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import itertools
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -89,7 +88,7 @@ class Table:
             csv.writer(text, lineterminator="\n").writerows(lines)
             yield text.getvalue()
             some = itertools.islice(rows, _AT_ONCE)
-            lines = [[_exact(row[column.key]) for column in self.columns] for row in some]
+            lines = [["" if (value := row[c.key]) != value else value for c in self.columns] for row in some]
 
     def html(self, number: int = 0, *, whole: bool = False) -> str:
         """Scrolls sideways on a narrow screen. number : of the table on its page. whole : every row."""
@@ -185,12 +184,6 @@ def from_quantities(q: Mapping[str, Cell], names: Sequence[str], keys: Mapping[C
 def records(objects: Iterable[object], columns: Sequence[Column]) -> tuple[Row, ...]:
     """Rows from objects that have an attribute for each key."""
     return tuple({column.key: getattr(each, column.key) for column in columns} for each in objects)
-
-
-def _exact(value: Cell) -> Cell:
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return ""
-    return repr(value) if isinstance(value, float) else value
 
 
 def activity_column(key: str, name: str, scale: ActivityScale) -> Column:

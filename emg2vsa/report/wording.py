@@ -70,6 +70,11 @@ def activity(value: float, scale: ActivityScale) -> str:
     return f"{number(value * scale.factor)} {scale.unit}".rstrip()
 
 
+def unwrapped(text: str) -> list[str]:
+    """Lines of a text; one that begins with two spaces goes on with the line above it."""
+    return text.replace("\n  ", " ").strip().splitlines()
+
+
 def listed(names: Sequence[str]) -> str:
     """``S1, S3 and S5``."""
     return " and ".join(filter(None, [", ".join(names[:-1]), names[-1] if names else ""]))

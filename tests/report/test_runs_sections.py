@@ -63,7 +63,7 @@ def written(whole, content, tmp_path_factory) -> Path:
     """The report and its PDFs, of drawings that were made once."""
     folder = tmp_path_factory.mktemp("runs")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study_report, "_drawn", lambda results, judged: [content.drawings])
+        patch.setattr(study_report, "_drawn", lambda results, judged: content.drawings)
         files = write_study_report(whole, folder) + write_figure_pdfs(whole, folder)
     assert set(files) == {path for path in folder.rglob("*") if path.is_file()}
     return folder

@@ -8,8 +8,9 @@ from emg2vsa.extraction import Trials
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.methods import methods
 from emg2vsa.report.numbers import Items
-from emg2vsa.report.references import bibtex, cited, works_in
+from emg2vsa.report.references import Work, bibtex, cited, works_in
 from emg2vsa.report.section import Quantities, Section
+from emg2vsa.report.wording import unwrapped
 
 _FILTER_NOTES = ("NYQUIST RULE", "EMG band-pass", "EMG high-pass", "EMG envelope", "force low-pass", "delays:")
 
@@ -21,25 +22,25 @@ def filters_as_run(trials: Sequence[Trials]) -> list[str]:
 
 def methods_text(results: StudyResults) -> str:
     """Plain text: headings, paragraphs, references."""
-    told = methods(results)
-    works = works_in(text for _, text in told)
-    parts = [f"{heading}\n{cited(text)}" for heading, text in told]
+    told, works = _told(results)
+    parts = [f"{heading}\n{text}" for heading, text in told]
     parts += ["References\n" + "\n".join(f"{work.text} {work.doi}".rstrip() for work in works)] if works else []
     return "\n\n".join(parts)
 
 
 def references_bib(results: StudyResults) -> str:
     """The works that the methods cite, as BibTeX."""
-    return bibtex(works_in(text for _, text in methods(results)))
+    return bibtex(_told(results)[1])
+
+
+def _told(results: StudyResults) -> tuple[list[tuple[str, str]], list[Work]]:
+    told = methods(results)
+    return [(heading, cited(text)) for heading, text in told], works_in(text for _, text in told)
 
 
 def _methods_words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    told = methods(results)
-    return {
-        "told": [(heading, cited(text)) for heading, text in told],
-        "works": works_in(text for _, text in told),
-        "filters": filters_as_run(results.people.trials) if results.people else [],
-    }
+    told, works = _told(results)
+    return {"told": told, "works": works, "filters": filters_as_run(results.people.trials) if results.people else []}
 
 
 _METHODS_TEXT = """
@@ -89,7 +90,7 @@ PROVENANCE = Section("provenance", "Provenance", _TEXT, quantities=_quantities, 
 
 TERMS = tuple(
     tuple(line.split(": ", 1))
-    for line in """
+    for line in unwrapped("""
 a, b: coefficients of the fit v = a + b ln(F / 1 N): a is the co-contraction at 1 N, b its growth when force grows
   e-fold
 A_c0: initial contact area, in mm²
@@ -141,9 +142,7 @@ TOST: two one-sided tests: they show equality within a stated margin
 trial, press: the loading phase of one press
 verdict: of a press: ok, warned, rejected. Of a session: good, usable, repeat, unreadable. Of a claim: holds, refuted,
   not determined
-""".replace("\n  ", " ")
-    .strip()
-    .splitlines()
+""")
 )
 """Terms of the report that a reader may not know, and their meaning; docs/glossary.md has them in the same words."""
 
