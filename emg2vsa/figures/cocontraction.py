@@ -1,9 +1,4 @@
-"""What the muscles do.
-
-Figure 4: (a) mean fitted trends; (b) the slopes b, with what the tests say of them. Figure 5: co-contraction mapped on
-the actuator, modular steps and constant levels against force. Figure 11: the interpolated profile of the new specimen
-beside the measured ones. And what the mixed model leaves of b: are the residuals normal, and alike at every level?
-"""
+"""What the muscles do: trends and slopes (Fig. 4), schedules (5), an interpolated profile (11), residuals of b."""
 
 from __future__ import annotations
 
@@ -44,9 +39,8 @@ def draw_cocontraction(
 ) -> Figure:
     """profiles, slopes (n,) and looks belong together, one per specimen; ``bar_legend`` names test and correction."""
     figure, ((trends, boxes),) = panel_grid(1, (1, 1), **_TWO_PANELS)
-    _trends(trends, [(profile, profile.specimen, look) for profile, look in zip(profiles, looks, strict=True)], scale)
-    for profile, look in zip(profiles, looks, strict=True):
-        _band(trends, profile, profile.sd_v, look, scale)
+    own = zip(profiles, looks, strict=True)
+    _trends(trends, [(profile, profile.specimen, look, profile.sd_v) for profile, look in own], scale)
     falling = sum(profile.b_v < 0 for profile in profiles)
     trends.legend(loc="upper right" if 2 * falling > len(profiles) else "upper left")
     for place, (b, look) in enumerate(zip(slopes, looks, strict=True)):
@@ -57,19 +51,15 @@ def draw_cocontraction(
     return figure
 
 
-def _trends(axes: Axes, profiles: Sequence[tuple[Profile, str, Look]], scale: ActivityScale) -> None:
-    """Each profile with its name and look."""
-    for profile, name, look in profiles:
+def _trends(axes: Axes, profiles: Sequence[tuple[Profile, str, Look, Floats | float]], scale: ActivityScale) -> None:
+    """Each profile with its name, its look, and half of its band."""
+    for profile, name, look, half_v in profiles:
         every = max(1, profile.force_n.size // 8)
-        v = profile.v * scale.factor
+        v, half = profile.v * scale.factor, half_v * scale.factor
         marks(axes, profile.force_n, v, look, linestyle=look.dash, markevery=every, label=name)
+        axes.fill_between(profile.force_n, v - half, v + half, color=look.colour, **_BAND)
     axes.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None))
     show_zero(axes, [profile.v for profile, *_ in profiles])
-
-
-def _band(axes: Axes, profile: Profile, half_v: Floats, look: Look, scale: ActivityScale) -> None:
-    low, high = (scale.factor * (profile.v + sign * half_v) for sign in (-1, 1))
-    axes.fill_between(profile.force_n, low, high, color=look.colour, **_BAND)
 
 
 def draw_interpolation(
@@ -77,18 +67,14 @@ def draw_interpolation(
 ) -> Figure:
     """``half_v`` (G,) of the band of ``new``."""
     figure, (axes,) = new_figure(ONE_COLUMN_MM, 70, (13, 3, 11, 12))
-    of_measured = [(profile, profile.specimen, looks[profile.specimen]) for profile in measured]
-    _trends(axes, [*of_measured, (new, f"{new.specimen} (interpolated)", NEW)], scale)
-    _band(axes, new, half_v, NEW, scale)
+    of_measured = [(profile, profile.specimen, looks[profile.specimen], np.nan) for profile in measured]
+    _trends(axes, [*of_measured, (new, f"{new.specimen} (interpolated)", NEW, half_v)], scale)
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, columnspacing=1, handletextpad=0.4)
     return figure
 
 
 def draw_schedules(schedules: Sequence[Schedule], looks: Mapping[str, Look]) -> Figure:
-    """Left, the steps of the modular schedules, marked at their middle; right, the constant levels of each specimen.
-
-    Bands are their intervals.
-    """
+    """Left, steps of the modular schedules; right, constant levels of each specimen. Bands are their intervals."""
     figure, (steps, levels) = new_figure(ONE_COLUMN_MM, 74, (14, 2, 11, 10), shares=(3, 1), gap_mm=3)
     specimens = list(dict.fromkeys(schedule.specimen for schedule in schedules))
     for schedule in schedules:
@@ -107,11 +93,8 @@ def draw_schedules(schedules: Sequence[Schedule], looks: Mapping[str, Look]) -> 
     levels.set(xlabel="Constant", xlim=(-0.7, len(specimens) - 0.3), ylim=(0, 100), xticks=[])
     levels.tick_params(axis="y", left=False, labelleft=False)
     levels.spines["left"].set_visible(False)
-    shown, names = steps.get_legend_handles_labels()
-    if shown:
-        figure.legend(
-            shown, names, loc="upper center", bbox_to_anchor=(0.55, 1), ncols=4, columnspacing=1, handletextpad=0.3
-        )
+    placed: Any = {"loc": "upper center", "bbox_to_anchor": (0.55, 1), "ncols": 4}
+    figure.legend(*steps.get_legend_handles_labels(), columnspacing=1, handletextpad=0.3, **placed)
     return figure
 
 
@@ -128,15 +111,11 @@ def _levels(axes: Axes, place: int, constant: Mapping[str, Schedule], look: Look
         marks(axes, place, percent["constant-mean"], look, 5)
 
 
-MOST_DRAWN = 2000
-"""Points that are drawn one by one; more are one picture, as a page with 100 000 shapes opens slowly."""
-
-
 def draw_mixed_residuals(fitted: Floats, residual: Floats, quantile: Floats, scale: ActivityScale) -> Figure:
     """(a) Residuals over the SD of repetitions against normal quantiles; (b) against fitted slopes; (n,) each."""
     figure, ((normal, level),) = panel_grid(1, (1, 1), **_TWO_PANELS)
     points: dict[str, Any] = {"color": BLUE, "linestyle": "none", "marker": "o", "markeredgewidth": 0, "alpha": 0.6}
-    points["rasterized"] = residual.size > MOST_DRAWN
+    points["rasterized"] = residual.size > 2000  # a page with 100 000 shapes opens slowly
     ends = [float(quantile.min()), float(quantile.max())]
     normal.plot(ends, ends, color=INK, linestyle="--", linewidth=0.8)
     normal.plot(quantile, residual, **points)

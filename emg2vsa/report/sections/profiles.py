@@ -12,7 +12,7 @@ from emg2vsa.figures.palette import looks
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, most, with_interval
+from emg2vsa.report.numbers import Items, most, named, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, activity_column, from_quantities, table_of
 from emg2vsa.report.wording import activity, listed, number, percent
@@ -33,8 +33,8 @@ def _quantities(results: StudyResults) -> Items:
             for key in _DISTANCES:
                 yield f"profiles.choice.{name}.{key}_percent", points * float(getattr(choice, key)[i])
     for left in profiles.leave_one_out:
-        yield f"profiles.leave_one_out.{left.specimen}.rmse{v}", left.rmse_v
-        yield f"profiles.leave_one_out.{left.specimen}.relative", left.relative
+        found = {f"rmse{v}": left.rmse_v, "relative": left.relative}
+        yield from named(f"profiles.leave_one_out.{left.specimen}", **found)
     if profiles.new is not None:
         name = f"profiles.{profiles.new.specimen}"
         yield f"{name}.alpha", profiles.weight_alpha
@@ -43,10 +43,10 @@ def _quantities(results: StudyResults) -> Items:
             yield f"{name}.by_{made.rule}.alpha", made.alpha
             if made.error is not None:
                 yield f"{name}.by_{made.rule}.rmse{v}", made.error.rmse_v
-        if profiles.new_error is not None:
-            yield f"{name}.measured_as", profiles.new_error.specimen
-            yield f"{name}.rmse{v}", profiles.new_error.rmse_v
-            yield f"{name}.rmse_relative", profiles.new_error.relative
+        if (error := profiles.new_error) is not None:
+            yield from named(
+                name, measured_as=error.specimen, rmse_relative=error.relative, **{f"rmse{v}": error.rmse_v}
+            )
 
 
 def _coefficients(profiles: Profiles, profile: Profile, v: str) -> Items:
@@ -55,16 +55,16 @@ def _coefficients(profiles: Profiles, profile: Profile, v: str) -> Items:
     yield f"profiles.{profile.specimen}.half_width{v}", most(profiles.half_width_v(profile))
 
 
+_HEADS = {"specimen": "Specimen", "stiffness_n_per_mm": "Stiffness κ (N/mm)", "source": "Source", "n_trials": "Trials"}
+
+
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     profiles, scale, v = results.recorded.profiles, results.scale, results.activity_suffix
     if profiles is None:
         return
     shown = [*profiles.profiles, *([profiles.new] if profiles.new else [])]
     columns: Columns = {
-        Column("specimen", "Specimen"): [p.specimen for p in shown],
-        Column("stiffness_n_per_mm", "Stiffness κ (N/mm)"): [p.stiffness_n_per_mm for p in shown],
-        Column("source", "Source"): [p.source for p in shown],
-        Column("n_trials", "Trials"): [p.n_trials for p in shown],
+        **{Column(key, head): [getattr(p, key) for p in shown] for key, head in _HEADS.items()},
         **from_quantities(q, [f"profiles.{p.specimen}" for p in shown], {
             activity_column("a_v", "a", scale): f"a{v}", activity_column("b_v", "b", scale): f"b{v}",
             activity_column("b_low_v", "b low", scale): f"b{v}.low",

@@ -12,7 +12,7 @@ from emg2vsa.figures.cocontraction import draw_schedules
 from emg2vsa.figures.palette import ActivityScale, looks
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, with_interval
+from emg2vsa.report.numbers import Items, named, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, activity_column, table_of
 from emg2vsa.report.wording import listed, number
@@ -40,33 +40,28 @@ def _by_rule(results: StudyResults) -> dict[str, Schedule]:
 
 
 def _range(schedule: Schedule, name: str) -> Items:
-    for end, place in (("min", schedule.stiffness_percent.argmin()), ("max", schedule.stiffness_percent.argmax())):
-        yield from _percent(schedule, f"{name}.{end}_percent", int(place))
-
-
-def _percent(schedule: Schedule, name: str, place: int) -> Items:
-    low, high = (float(end[place]) for end in schedule.interval)
-    yield from with_interval(name, float(schedule.stiffness_percent[place]), low, high)
+    percent = schedule.stiffness_percent
+    ends = {"min_": percent.argmin(), "max_": percent.argmax()} if schedule.condition == "modular" else {"": 0}
+    for end, place in ends.items():
+        yield from with_interval(f"{name}.{end}percent", percent[place], *schedule.interval[:, place])
 
 
 def _schedule(schedule: Schedule, name: str) -> Items:
+    end = ""
     if schedule.condition == "modular":
-        yield f"{name}.steps", int(schedule.stiffness_percent.size)
-        yield f"{name}.last_step_short", bool(schedule.last_step_short)
-        yield from _range(schedule, name)
-        yield f"{name}.max_nm_per_rad", float(schedule.stiffness_nm_per_rad.max())
-    else:
-        yield from _percent(schedule, f"{name}.percent", 0)
-        yield f"{name}.nm_per_rad", float(schedule.stiffness_nm_per_rad[0])
-    yield f"{name}.half_width_percent", float(np.max(np.diff(schedule.interval, axis=0))) / 2
-    yield f"{name}.duration_s", float(schedule.ramp.duration_s)
+        end = "max_"
+        yield from named(name, steps=schedule.preset.size, last_step_short=bool(schedule.last_step_short))
+    yield from _range(schedule, name)
+    yield f"{name}.{end}nm_per_rad", float(schedule.stiffness_nm_per_rad.max())
+    half = float(np.max(np.diff(schedule.interval, axis=0))) / 2
+    yield from named(name, half_width_percent=half, duration_s=float(schedule.ramp.duration_s))
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     if results.recorded.schedules:
         yield _steps(results.recorded.schedules, results.scale)
     if by_rule := _by_rule(results):
-        yield _beside(by_rule, results)
+        yield _beside(by_rule, q)
 
 
 def _forces(schedule: Schedule) -> Columns:
@@ -74,18 +69,16 @@ def _forces(schedule: Schedule) -> Columns:
     return {Column("from_n", "From (N)"): edges[:-1], Column("to_n", "To (N)"): edges[1:]}
 
 
-def _beside(by_rule: Mapping[str, Schedule], results: StudyResults) -> Table:
-    profiles, first = results.recorded.profiles, next(iter(by_rule.values()))
-    assert profiles is not None
-    unit, columns = first.limits.export.unit, _forces(first)
-    for rule, made in by_rule.items():
-        columns[Column(f"{rule}_percent", f"{_RULES[rule]}: stiffness (%)")] = made.stiffness_percent
-    for rule, made in by_rule.items():
-        columns[Column(f"{rule}_{unit}", f"{_RULES[rule]}: preset ({unit})")] = made.exported
-    weights = listed([f"{number(each.alpha, 4)} by {_RULES[each.rule]}" for each in profiles.by_rule])
-    caption = (
-        f"Schedule of {first.specimen} by both rules of interpolation; weight α of the softer neighbour: {weights}"
+def _beside(by_rule: Mapping[str, Schedule], q: Quantities) -> Table:
+    first = next(iter(by_rule.values()))
+    unit, new, columns = first.limits.export.unit, first.specimen, _forces(first)
+    for key, head, of in ("percent", "stiffness (%)", "stiffness_percent"), (unit, f"preset ({unit})", "exported"):
+        for rule, made in by_rule.items():
+            columns[Column(f"{rule}_{key}", f"{_RULES[rule]}: {head}")] = getattr(made, of)
+    weights = listed(
+        [f"{number(float(q[f'profiles.{new}.by_{rule}.alpha']), 4)} by {_RULES[rule]}" for rule in by_rule]
     )
+    caption = f"Schedule of {new} by both rules of interpolation; weight α of the softer neighbour: {weights}"
     return table_of("schedules_by_rule", caption, columns)
 
 
@@ -124,24 +117,20 @@ def _steps(schedules: Sequence[Schedule], scale: ActivityScale) -> Table:
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
     schedules, profiles = results.recorded.schedules, results.recorded.profiles
-    if not schedules:
+    if not schedules or profiles is None:
         return
-    new = profiles.new.specimen if profiles and profiles.new else None
-    figure = draw_schedules(schedules, looks(results.specimens, new))
-    low, high, scale = (*results.study.schedule.stiffness_percent, results.study.schedule.scale)
-    errors = profiles.errors if profiles and schedules[0].interval_percent is not None else None
-    bands = f" Bands are {100 * errors.confidence:g} % intervals over {profiles.drawn}." if profiles and errors else ""
+    figure = draw_schedules(schedules, looks(results.specimens, profiles.new.specimen if profiles.new else None))
+    (low, high), scale = results.study.schedule.stiffness_percent, results.study.schedule.scale
+    errors = profiles.errors if schedules[0].interval_percent is not None else None
+    bands = f" Bands are {100 * errors.confidence:g} % intervals over {profiles.drawn}." if errors else ""
     caption = (
         f"Fig. 5. Stiffness presets, {low:g} to {high:g} % of the maximum {scale}. Left: modular stiffness against "
         f"force. Right: constant stiffness at minimum, mean and maximum of each profile.{bands}"
     )
-    levels = [
-        f"{s.specimen} {s.condition}: {number(s.stiffness_percent.min())}"
-        + (f" to {number(s.stiffness_percent.max())} %" if s.condition == "modular" else " %")
-        for s in schedules
-    ]
-    title = "Stiffness preset against force"
-    yield Drawing("fig05_schedules", title, caption, "; ".join(levels) + ".", figure)
+    percent = ((s, s.stiffness_percent) for s in schedules)
+    ends = ((s, dict.fromkeys(map(number, (of.min(), of.max())))) for s, of in percent)
+    levels = "; ".join(f"{s.specimen} {s.condition}: {' to '.join(of)} %" for s, of in ends)
+    yield Drawing("fig05_schedules", "Stiffness preset against force", caption, f"{levels}.", figure)
 
 
 _TEXT = """
