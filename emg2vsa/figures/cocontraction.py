@@ -51,13 +51,15 @@ def draw_cocontraction(
     return figure
 
 
-def _trends(axes: Axes, profiles: Sequence[tuple[Profile, str, Look, Floats | float]], scale: ActivityScale) -> None:
+def _trends(axes: Axes, profiles: Sequence[tuple[Profile, str, Look, Floats | None]], scale: ActivityScale) -> None:
     """Each profile with its name, its look, and half of its band."""
     for profile, name, look, half_v in profiles:
         every = max(1, profile.force_n.size // 8)
-        v, half = profile.v * scale.factor, half_v * scale.factor
+        v = profile.v * scale.factor
         marks(axes, profile.force_n, v, look, linestyle=look.dash, markevery=every, label=name)
-        axes.fill_between(profile.force_n, v - half, v + half, color=look.colour, **_BAND)
+        if half_v is not None:
+            half = half_v * scale.factor
+            axes.fill_between(profile.force_n, v - half, v + half, color=look.colour, **_BAND)
     axes.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None))
     show_zero(axes, [profile.v for profile, *_ in profiles])
 
@@ -67,7 +69,7 @@ def draw_interpolation(
 ) -> Figure:
     """``half_v`` (G,) of the band of ``new``."""
     figure, (axes,) = new_figure(ONE_COLUMN_MM, 70, (13, 3, 11, 12))
-    of_measured = [(profile, profile.specimen, looks[profile.specimen], np.nan) for profile in measured]
+    of_measured = [(profile, profile.specimen, looks[profile.specimen], None) for profile in measured]
     _trends(axes, [*of_measured, (new, f"{new.specimen} (interpolated)", NEW, half_v)], scale)
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, columnspacing=1, handletextpad=0.4)
     return figure

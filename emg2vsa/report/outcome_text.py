@@ -35,9 +35,8 @@ _COUNTS = frozenset({"D", "W"})
 
 def said(outcome: Outcome, style: Style = "apa") -> str:
     """``F(4, 45) = 5.23, p = .002, ω² = .25, 95% CI [.08, .46], η² = .32``; what it does not have is left out."""
-    return ", ".join(
-        filter(None, (statistic_said(outcome, style), "" if _undefined(outcome) else effect_said(outcome, style)))
-    )
+    effect = "" if _undefined(outcome) else effect_said(outcome, style)
+    return ", ".join(filter(None, (statistic_said(outcome, style), effect)))
 
 
 def statistic_said(outcome: Outcome, style: Style = "apa") -> str:
@@ -54,9 +53,8 @@ def effect_said(outcome: Outcome, style: Style = "apa") -> str:
     if outcome.estimate_name is not None and outcome.estimate is not None:
         parts.append(_named(outcome.estimate_name, outcome.estimate, style))
         if outcome.interval and outcome.confidence and not math.isnan(outcome.estimate):
-            parts.append(
-                _interval(*outcome.interval, outcome.confidence, style, share=_is_share(outcome.estimate_name))
-            )
+            share = _is_share(outcome.estimate_name)
+            parts.append(_interval(*outcome.interval, outcome.confidence, style, share=share))
     if outcome.effect_name is not None and outcome.effect_size is not None:
         parts.append(_named(outcome.effect_name, outcome.effect_size, style))
     return ", ".join(parts)
@@ -173,8 +171,7 @@ def pair_words(found: PairPower, design: str, n: int, target: float) -> tuple[di
 def repeated_words(
     power: float, needed: int, table: PowerTable, n: int, m: int, target: float, *, sensitivity: bool
 ) -> tuple[dict[str, Any], list[str]]:
-    """Of n people measured m times each. needed : people, 0 where more than a million. sensitivity : lines of the
-    table too."""
+    """Of n people measured m times each. needed : 0 where more than a million. sensitivity : lines of the table too."""
     lines = [
         f"power {power:.4f} with {n} participants measured {m} times each",
         f"participants needed for power {target:g}: {needed or 'more than a million'}",

@@ -18,8 +18,8 @@ def people_tests(results: StudyResults, q: Quantities) -> dict[str, PaperTest]:
     of_tests = _tests(results.people.hypotheses, q) if results.people.hypotheses else {}
     r2, profiles, rmse = float(q["fit.adj_r2_samples.min"]), results.people.profiles, ""
     if profiles is not None and profiles.new_error is not None:
-        of = profiles.participant or "all participants"
-        rmse = f"RMSE {activity(profiles.new_error.rmse_v, results.scale)}, {of}"
+        error = activity(profiles.new_error.rmse_v, results.scale)
+        rmse = f"RMSE {error}, {profiles.participant or 'all participants'}"
     return of_tests | {
         "log_fit_r2": PaperTest("adj. R² ≥ .832", f"adj. R² on samples ≥ {bounded(r2)}" if r2 == r2 else ""),
         "interpolation_rmse": PaperTest(f"RMSE {paper.INTERPOLATION_RMSE_V:g} V", rmse),
@@ -32,10 +32,9 @@ def _tests(found: Hypotheses, q: Quantities) -> dict[str, PaperTest]:
         significant, tested = (q[f"hypotheses.{tests}.{key}"] for key in ("significant", "tested"))
         return f"{name}: {significant} of {tested} {did}" if tested else ""
 
-    pairs, names = found.tests.pairs, found.specimens
-    others = ~np.isin(names, found.kept)
-    p = pairs.lsd.p[:, others[pairs.first] | others[pairs.second]] if names.size > 1 else np.empty(0)
-    same, tested = int(np.count_nonzero(p >= found.alpha)), int(np.count_nonzero(np.isfinite(p)))
+    pairs, others = found.tests.pairs, ~np.isin(found.specimens, found.kept)
+    p = pairs.lsd.p[:, others[pairs.first] | others[pairs.second]] if others.size > 1 else np.empty(0)
+    same, tested = np.count_nonzero(p >= found.alpha), np.count_nonzero(np.isfinite(p))
     worst = f"Fisher's LSD: largest {p_text(found.worst_p)}, of {found.worst_pair}" if found.worst_pair else ""
     distinct = f"Fisher's LSD: {same} of {tested} pairs with p ≥ {found.alpha:g}" if tested else ""
     normality = count("normality.standardised", "Kolmogorov-Smirnov, standardised", "deviate")

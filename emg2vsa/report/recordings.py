@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from casr.html import bullets, details, figure, page, paragraph, pictures, section, table
-from casr.svg import Axes, thinned
+from casr.svg import plot, thinned
 from emg2vsa import __version__
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import RecordingError
@@ -26,14 +26,13 @@ if TYPE_CHECKING:
     from emg2vsa.extraction import Trials
     from emg2vsa.fits import Fits
 
-HEADS = ("channel", "unit", "rate, Hz", "lowest", "highest", "clipped", "noise floor", "mains", "probably")
-_TRACE_POINTS = 1600
+_HEADS = ("channel", "unit", "rate, Hz", "lowest", "highest", "clipped", "noise floor", "mains", "probably")
 _MOST_DRAWN = 24
 _COLOURS = {"EMG": BLUE, "force": YELLOW, "other": INK}
 
 
-def cells(channel: ChannelFacts) -> tuple[str, ...]:
-    """A channel's row of the table, in the order of ``HEADS``."""
+def _row(channel: ChannelFacts) -> tuple[str, ...]:
+    """A channel's row of the table, in the order of ``_HEADS``."""
     rate = f"{channel.fs_hz:.6g}" if channel.fs_hz > 0 else "unknown"
     low, high, noise = ("" if math.isnan(v) else f"{v:.3g}" for v in (channel.low, channel.high, channel.noise))
     mains_share = math.nan if channel.role == "force" else channel.mains_share
@@ -46,18 +45,17 @@ def recording_page(files: Sequence[FileFacts], refused: Sequence[str]) -> str:
     """The whole page. refused : one sentence for each file that could not be read."""
     one = len(files) == 1
     title = files[0].path.name if one else f"{len(files)} recordings"
-    header = f"<h1>{escape(title)}</h1>"
     body = "".join(
         _section(number, "Channels" if one else file.path.name, file) for number, file in enumerate(files, 1)
     )
     if refused:
         body += section("refused", "Files that could not be read", bullets(refused))
     nav = [] if one else [(f"#file{number}", file.path.name) for number, file in enumerate(files, 1)]
-    return page(title, header, nav, body, paragraph(f"Made by emg2vsa {__version__}.", "small"))
+    return page(title, f"<h1>{escape(title)}</h1>", nav, body, paragraph(f"Made by emg2vsa {__version__}.", "small"))
 
 
 def _section(number: int, title: str, file: FileFacts) -> str:
-    rows = [(f"{name}: {guess}", *numbers) for name, *numbers, guess in map(cells, file.channels)]
+    rows = [(f"{name}: {guess}", *numbers) for name, *numbers, guess in map(_row, file.channels)]
     said = f"{file.format}, {len(file.channels)} channels. Values have the unit that the file states."
     drawn = [(c, s) for c, s in zip(file.channels, file.stored, strict=True) if s is not None and s.fs_hz > 0]
     others = [each for each in drawn if each[0].role == "other"]
@@ -65,59 +63,41 @@ def _section(number: int, title: str, file: FileFacts) -> str:
     told, others = told[:_MOST_DRAWN], [] if told is drawn else others[:_MOST_DRAWN]
     shown = [_pictures(f"f{number}c{i}", *each) for i, each in enumerate([*told, *others])]
     more = details(f"{len(others)} other channels", "".join(shown[len(told) :])) if others else ""
-    channels = table(f"Channels of {file.path.name}", HEADS[:-1], rows)
+    channels = table(f"Channels of {file.path.name}", _HEADS[:-1], rows)
     return section(f"file{number}", title, paragraph(said), channels, bullets(file.notes), *shown[: len(told)], more)
 
 
 def _pictures(name: str, facts: ChannelFacts, channel: StoredChannel) -> str:
-    shown = [figure(_trace(facts, channel, f"{name}t"), f"{facts.name} over time: {facts.guess}.")]
+    time_s = channel.start_s + np.arange(channel.samples.size) / channel.fs_hz
+    known, size = np.isfinite(channel.samples), max(abs(facts.low), abs(facts.high))
+    scale, unit = 1.0, facts.unit or "stored value"
+    if unit == "V" and size < 0.1:
+        scale, unit = (1e6, "uV") if size < 0.01 else (1e3, "mV")
+    x, y = thinned(time_s[known], channel.samples[known] * scale, 1600)
+    trace = _drawing(x, y, _COLOURS[facts.role], ("time (s)", unit), f"{name}t", f"{facts.name} over time")
+    shown = [figure(trace, f"{facts.name} over time: {facts.guess}.")]
     if facts.role == "EMG" and channel.samples.size >= 2 * channel.fs_hz:
-        caption = f"Spectrum of {facts.name}. Mains hum shows as peaks at multiples of 50 or 60 Hz."
-        shown.append(figure(_spectrum(facts, channel, f"{name}s"), caption))
+        labels, title = ("frequency (Hz)", "power relative to the largest (dB)"), f"Spectrum of {facts.name}"
+        spectrum = _drawing(*_spectrum(channel), _COLOURS["EMG"], labels, f"{name}s", title)
+        shown.append(figure(spectrum, f"{title}. Mains hum shows as peaks at multiples of 50 or 60 Hz."))
     return pictures(shown)
 
 
-def _trace(facts: ChannelFacts, channel: StoredChannel, name: str) -> str:
-    scale, unit = _readable(facts)
-    time_s = channel.start_s + np.arange(channel.samples.size) / channel.fs_hz
-    known = np.isfinite(channel.samples)
-    x, y = thinned(time_s[known], channel.samples[known] * scale, _TRACE_POINTS)
-    return _drawing(x, y, _COLOURS[facts.role], "time (s)", unit, name, f"{facts.name} over time")
-
-
-def _spectrum(facts: ChannelFacts, channel: StoredChannel, name: str) -> str:
-    """Mean power of pieces of one second, in decibels of the largest."""
+def _spectrum(channel: StoredChannel) -> tuple[Floats, Floats]:
+    """Frequencies, and the mean power of pieces of one second in decibels of the largest."""
     size = round(channel.fs_hz)
     samples = np.nan_to_num(channel.samples - np.nanmean(channel.samples))
     blocks = samples[: samples.size // size * size].reshape(-1, size) * np.hanning(size)
     power: Floats = np.mean(np.abs(np.fft.rfft(blocks, axis=1)) ** 2, axis=0)[1:]
-    decibels = 10 * np.log10(np.maximum(power / power.max(), 1e-8))
     frequency: Floats = np.asarray(np.fft.rfftfreq(size, 1 / channel.fs_hz)[1:], dtype=np.float64)
-    return _drawing(
-        frequency, decibels, _COLOURS["EMG"], "frequency (Hz)", "power relative to the largest (dB)", name,
-        f"Spectrum of {facts.name}",
-    )  # fmt: skip
+    return frequency, 10 * np.log10(np.maximum(power / power.max(), 1e-8))
 
 
-def _readable(facts: ChannelFacts) -> tuple[float, str]:
-    """A factor and unit that give the axis readable numbers."""
-    size = max(abs(facts.low), abs(facts.high))
-    if facts.unit == "V" and size < 0.1:
-        return (1e6, "uV") if size < 0.01 else (1e3, "mV")
-    return 1.0, facts.unit or "stored value"
-
-
-def _drawing(x: Floats, y: Floats, colour: str, x_label: str, y_label: str, name: str, title: str) -> str:
-    low, high = float(y.min()), float(y.max())
-    margin = 0.05 * (high - low) or max(abs(high), 1.0) * 0.05
-    view = (float(x[0]), high + margin, float(x[-1]), low - margin)
-    axes = Axes(view, (x_label, y_label), 840, 280)
+def _drawing(x: Floats, y: Floats, colour: str, labels: tuple[str, str], name: str, title: str) -> str:
+    axes = plot(labels, x, y, width=840, height=280)
     axes.line(np.column_stack([x, y]), colour, width=2)
-    told = f"Values from {low:.3g} to {high:.3g}, with {x_label} from {x[0]:.3g} to {x[-1]:.3g}."
+    told = f"Values from {y.min():.3g} to {y.max():.3g}, with {labels[0]} from {x[0]:.3g} to {x[-1]:.3g}."
     return axes.svg(name, title, told)
-
-
-_LONGEST_REASON, _LONGEST_NAME = 120, 24
 
 
 def as_json(facts: FileFacts) -> dict[str, Any]:
@@ -129,7 +109,7 @@ def as_json(facts: FileFacts) -> dict[str, Any]:
 def file_lines(facts: FileFacts) -> Iterator[str]:
     """A line per channel."""
     yield f"{facts.path}: {facts.format}, {count(len(facts.channels), 'channel')}, {_longest_s(facts):.1f} s"
-    yield from aligned([HEADS, *(cells(channel) for channel in facts.channels)], left=(0, 1, len(HEADS) - 1))
+    yield from aligned([_HEADS, *map(_row, facts.channels)], left=(0, 1, len(_HEADS) - 1))
     yield from (f"note: {note}" for note in facts.notes)
     if facts.emg and facts.force:
         emg = " ".join(f"--emg {shlex.quote(channel.name)}" for channel in facts.emg[:4])
@@ -142,8 +122,7 @@ def folder_lines(paths: Sequence[Path], outcomes: Sequence[FileFacts | Recording
     rows: list[Sequence[str]] = [("file", "format", "channels", "seconds", "force", "EMG")]
     for path, outcome in zip(paths, outcomes, strict=True):
         if isinstance(outcome, RecordingError):
-            reason = f"{outcome.found}. {outcome.do}"
-            rows.append((str(path), "not read", "", "", "", _shortened(reason, _LONGEST_REASON)))
+            rows.append((str(path), "not read", "", "", "", _shortened(f"{outcome.found}. {outcome.do}", 120)))
         else:
             rows.append((str(path), *_cells(outcome)))
     yield from aligned(rows, left=(0, 1, 4, 5))
@@ -153,11 +132,10 @@ def folder_lines(paths: Sequence[Path], outcomes: Sequence[FileFacts | Recording
 
 def _cells(facts: FileFacts) -> tuple[str, ...]:
     longest_s, force, span = _longest_s(facts), facts.force, "none found"
-    emg = [_shortened(channel.name, _LONGEST_NAME) for channel in facts.emg]
+    emg = [_shortened(channel.name, 24) for channel in facts.emg]
     listed = ", ".join(emg[:3]) + (f" and {len(emg) - 3} more" if len(emg) > 3 else "")
     if force is not None:
-        name = _shortened(force.name, _LONGEST_NAME)
-        span = f"{name}: {force.low:.3g} to {force.high:.3g} {force.unit or ''}".rstrip()
+        span = f"{_shortened(force.name, 24)}: {force.low:.3g} to {force.high:.3g} {force.unit or ''}".rstrip()
     seconds = f"{longest_s:.1f}" if longest_s == longest_s else "rate unknown"
     return facts.format, str(len(facts.channels)), seconds, span, listed or "none found"
 
@@ -194,14 +172,12 @@ _SHOWN = {
 
 def fit_lines(trials: Trials, fits: Fits) -> Iterator[str]:
     """A line a press, with the reason beneath where it is not ok."""
-    found = rows(trials, fits)
-    ok = sum(row["verdict"] == "ok" for row in found)
-    yield f"{len(found)} press{'es' if len(found) != 1 else ''} found, {ok} ok; v = a + b ln(F / 1 N), in microvolts"
-    scaled = [{key: value * 1e6 if key.endswith("_v") else value for key, value in row.items()} for row in found]
-    told = [[form.format(**row) for form in _SHOWN.values()] for row in scaled]
-    for line, row in zip(aligned([[*_SHOWN], *told], left=(3,)) if told else (), [{}, *found], strict=False):
-        yield line
-        yield from [f"      {reason}"] if (reason := row.get("reason")) else []
+    scaled = [{key: of * 1e6 if key.endswith("_v") else of for key, of in row.items()} for row in rows(trials, fits)]
+    n, ok = len(scaled), sum(row["verdict"] == "ok" for row in scaled)
+    yield f"{n} press{'es' * (n != 1)} found, {ok} ok; v = a + b ln(F / 1 N), in microvolts"
+    told = aligned([[*_SHOWN], *([form.format(**row) for form in _SHOWN.values()] for row in scaled)], left=(3,))
+    for line, reason in zip(told if n else (), ("", *trials.reasons), strict=False):
+        yield from (line, f"      {reason}") if reason else (line,)
     yield from (f"note: {note}" for note in trials.notes)
 
 
@@ -210,9 +186,9 @@ def channel_lines(
 ) -> Iterator[str]:
     """A line a channel. absent : options that a fit needs too."""
     yield f"{path}: {format}, {count(len(channels), 'channel')}"
-    rates = [f"{channel.fs_hz:.4f} Hz" if channel.fs_hz > 0 else "rate unknown" for channel in channels]
     told = [
-        (c.name, c.unit or "no unit", rate, f"{c.n_samples} samples") for c, rate in zip(channels, rates, strict=True)
+        (c.name, c.unit or "no unit", f"{c.fs_hz:.4f} Hz" if c.fs_hz > 0 else "rate unknown", f"{c.n_samples} samples")
+        for c in channels
     ]
     yield from aligned(told, left=(0, 1))
     yield from (f"note: {note}" for note in notes)

@@ -37,7 +37,7 @@ def test_every_hypothesis_has_its_table(table: Path, capsys: pytest.CaptureFixtu
         "Friedman",
     ):
         assert words in said
-    assert max(map(len, said.split("Pairs, p of")[0].splitlines()[1:])) <= 124
+    assert max(map(len, said.split("Pairs: p of")[0].splitlines()[1:])) <= 124
     assert "\N{NO-BREAK SPACE}" not in said
 
 
