@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,7 @@ from emg2vsa.pipeline.code import Code
 from emg2vsa.pipeline.fingerprint import MISSING, Fingerprints, digest
 from emg2vsa.registration import Registered, compared, plan_of, planned_claims, read_registration
 from emg2vsa.registration.deviations import CODE
-from emg2vsa.registration.plan import session_plan
+from emg2vsa.registration.plan import Plain, session_plan
 from emg2vsa.session.plan import PLAN_FILE, read_plan
 from emg2vsa.session.record import session_folder
 from emg2vsa.study import Study
@@ -33,7 +33,20 @@ def registered(study: Study, *, final: bool = False) -> Registered | None:
         return None
     of = read_registration(study.registration, study.name)
     rig = _rig(study, study.path.parent / of["rig_file"] if of["rig_file"] else None)
-    return compared(of, as_it_is(study, rig), study.registration.name, final=final)
+    now = as_it_is(study, rig)
+    return replace(
+        compared(of, now, study.registration.name, final=final),
+        from_amended=tuple(_from_amended(study.registration, of, now, final)),
+    )
+
+
+def _from_amended(path: Path, of: Plain, now: Plain, final: bool) -> Iterator[str]:
+    """Deviations, but those of code, from the amended registrations that still lie beside the one of ``path``."""
+    for other in sorted(path.parent.glob("*.json")) if of["amends"] else ():
+        with contextlib.suppress(DataError):
+            if (earlier := read_registration(other, None))["sha256"] == of["amends"]:
+                yield from (f"{other.name}, {each}" for each in compared(earlier, now, other.name, final=final).of_plan)
+                yield from _from_amended(other, earlier, now, final)
 
 
 def _rig(study: Study, planned: Path | None) -> RigFile | None:

@@ -76,7 +76,7 @@ class Registered:
 
     registered_at : ISO 8601. collected : which data there were then, in a sentence. amends : hash of the registration
     that this one follows, "" for none. claims : key to what was registered of it. awaited : planned recordings that are
-    not there yet.
+    not there yet. after_data : any data were there. from_amended : deviations from the plans that it amends, in words.
     """
 
     file: str
@@ -87,6 +87,8 @@ class Registered:
     claims: Mapping[str, Plain]
     deviations: tuple[Deviation, ...]
     awaited: tuple[str, ...] = ()
+    after_data: bool = False
+    from_amended: tuple[str, ...] = ()
 
     @property
     def of_plan(self) -> tuple[Deviation, ...]:
@@ -94,21 +96,25 @@ class Registered:
         return tuple(each for each in self.deviations if each.kind != "code")
 
     def state(self, judged: Judged) -> str:
-        """Of a verdict: "registered", "registered, deviates: ..." with what it hangs on, or "not registered"."""
+        """Of a verdict: "registered", which may be "after data", with "deviates: ..." and why; or "not registered"."""
         key, now = judged.claim.key, claim_plan(judged)
         if key not in self.claims:
             return "not registered"
         of = [each.what for each in self.of_plan if key in each.claims]
         of = of or [f"its {name}" for name, was in self.claims[key].items() if now[name] != was]
-        return f"registered, deviates: {'; '.join(of)}" if of else "registered"
+        return f"registered{' after data' * self.after_data}" + (f", deviates: {'; '.join(of)}" if of else "")
 
     def lines(self) -> Iterator[str]:
         """For a screen: what was registered, then each deviation."""
         count = len(self.deviations) or "no"
         waits = f", {len(self.awaited)} planned recordings are not there yet" if self.awaited else ""
         about = f"registered {self.registered_at[:10]}, {self.file}, SHA-256 {self.sha256[:12]}"
+        about += f", which amends {self.amends[:12]}" if self.amends else ""
         yield f"{about}: {count} deviation{'s' if count != 1 else ''}{waits}"
         yield from (f"deviation: {each}" for each in self.deviations)
+        yield from (f"deviation from the plan that was amended: {each}" for each in self.from_amended)
+        if self.after_data:
+            yield f"Data when it was registered: {self.collected}"
 
     def as_json(self) -> dict[str, object]:
         """All but the claims."""
@@ -131,7 +137,7 @@ def compared(of: Plain, now: Plain, file: str, *, final: bool = False) -> Regist
         for path, was, present in _changed(of["claims"][key], now["claims"].get(key, {})):
             found.append(Deviation("claim", f"claim {key}, {'.'.join(path)}", _shown(was), _shown(present), (key,)))
     whole = (of["sha256"], of["registered_at"], of["collected"], of["amends"], of["claims"])
-    return Registered(file, *whole, tuple(found), () if final else awaited)
+    return Registered(file, *whole, tuple(found), () if final else awaited, any(of["data"].values()))
 
 
 def _hang_on(of: Plain, questions: Iterable[str]) -> tuple[str, ...]:

@@ -37,7 +37,8 @@ OF_SPECIMENS = {
     "standard errors of that stiffness": "The standard errors of κ are {errors} N/mm.",
 }
 OF_PLAN = {
-    "registration of the plan": "The study plan was registered on {date} (SHA-256 {sha256}). The study {kept} it."
+    "registration of the plan": "The study plan was registered on {date} (SHA-256 {sha256}). {then} The "
+    "study {kept} it."
 }
 OF_RIG = {
     "ramp": "The probe moved at {ramp_mm_per_s} mm/s along a ramp of {travel_mm} mm.",
@@ -150,7 +151,12 @@ def told_of_plan(registered: Registered | None) -> Told:
         return {}
     n = len(registered.of_plan)
     kept = f"deviates in {count(n, 'point')} from" if n else "follows"
-    return {"date": registered.registered_at[:10], "sha256": registered.sha256, "kept": kept}
+    then = f"At that time {registered.collected[:1].lower()}{registered.collected[1:]}"
+    if registered.amends:
+        m = len(registered.from_amended)
+        then += f" The plan amends an earlier one (SHA-256 {registered.amends})"
+        then += f", from which the study deviates in {count(m, 'point')}." if m else "."
+    return {"then": then, "date": registered.registered_at[:10], "sha256": registered.sha256, "kept": kept}
 
 
 def told_of_runs(runs: Sequence[RunScores], run_order: str) -> Told:

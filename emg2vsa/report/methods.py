@@ -155,7 +155,8 @@ than {{ (100 * CERTAIN) | g }} % of b{{ "; " if f.max_b_error }}{% endif %}
 The slopes b of the trials judged {{ h.use.replace("+", " or ") }}{{ tested }} were tested at α = {{ h.alpha | g }}.
 A one-sample Kolmogorov-Smirnov test examined each cluster (participant by specimen), both on values standardised by
 the cluster's own mean and SD and on raw values against N(0, 1). {% if many_people %}A one-way ANOVA compared
-participants on each specimen.{% endif %} {% if many_specimens %}A one-way ANOVA compared specimens for each participant; Fisher's LSD
+participants on each specimen.{% endif %}
+{% if many_specimens %}A one-way ANOVA compared specimens for each participant; Fisher's LSD
 without correction for the number of pairs followed, and its largest p{% if h.kept_specimens %} among
 {{ h.kept_specimens | listed }}{% endif %} is reported.{% endif %} Companion tests of each cluster were Lilliefors'
 test [@lilliefors] and the Shapiro-Wilk test [@shapiro]. {% if many_people or many_specimens %}Companions of the ANOVA

@@ -49,7 +49,7 @@ def test_a_clean_run_names_nothing_and_every_verdict_is_registered(
     assert (run["ran"], run["registration"]["deviations"]) == (["report/study"], [])
     found = results(finished)
     states = {value for key, value in found.items() if key.startswith("claims.") and key.endswith(".registered")}
-    assert states == {"registered"}
+    assert states == {"registered after data"}
     assert found["registration.sha256"] == json.loads(finished.registration.read_text())["sha256"]
     assert told(capsys, "run", str(finished.file), "--jobs", "1")["ran"] == []
 
@@ -78,8 +78,8 @@ def test_three_deviations_are_named_by_the_run_its_report_and_its_package(
     found, reports = results(finished), load_study(finished.file).reports
     assert found["registration.deviations"] == 3
     deviates = found["claims.specimens_differ.registered"]
-    assert deviates == "registered, deviates: P01/S1, press 2; [claims] slope_percent; [hypotheses] use"
-    assert found["claims.casr_rigid.registered"] == "registered"
+    assert deviates == "registered after data, deviates: P01/S1, press 2; [claims] slope_percent; [hypotheses] use"
+    assert found["claims.casr_rigid.registered"] == "registered after data"
     table = (reports / "tables" / "deviations.csv").read_text().splitlines()
     whats = [row.partition(",")[0].strip('"') for row in table[1:]]
     assert whats == ["P01/S1", "[claims] slope_percent", "[hypotheses] use"]
@@ -128,6 +128,22 @@ def test_a_second_registration_names_the_first(study: RegisteredStudy, capsys: S
     study.edit("[study]\n", '[study]\nregistration = "registration-2.json"\n')
     found = study.found()
     assert (found.deviations, found.amends, found.file) == ((), first, "registration-2.json")
+    (was,) = found.from_amended
+    assert was.startswith("registration.json, [fit] bin_n: 0.3 when registered, 0.6 now; may touch ")
+    said = "\n".join(found.lines())
+    assert f"registration-2.json, SHA-256 {found.sha256[:12]}, which amends {first[:12]}: no deviations" in said
+    assert f"deviation from the plan that was amended: {was}" in said
+    assert "Data when it was registered: 60 of 70 planned recordings were there." in said
+    study.add("claims", "casr_percent = 3.0")
+    assert main(["register", str(study.file), "--out", str(study.folder / "registration-3.json"), "--json"]) == 0
+    study.edit("registration-2.json", "registration-3.json")
+    assert [each.partition(":")[0] for each in study.found().from_amended] == [
+        "registration-2.json, [claims] casr_percent",
+        "registration.json, [claims] casr_percent",
+        "registration.json, [fit] bin_n",
+    ]
+    (study.folder / "registration.json").unlink()
+    assert len(study.found().from_amended) == 1
     assert main(["register", str(study.file)]) == 2
 
 
@@ -278,6 +294,8 @@ def said_in(study: RegisteredStudy, participant: str) -> list[str]:
 
 def test_a_session_as_planned_names_nothing(pressing: RegisteredStudy) -> None:
     assert said_in(pressing, "P01") == []
+    assert not pressing.found().after_data
+    assert not any("Data when" in line for line in pressing.found().lines())
     pressing.record("P01", "S1")
     assert pressing.found().awaited == ("P03/S1",)
     assert pressing.found().deviations == ()

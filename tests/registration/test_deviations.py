@@ -141,14 +141,14 @@ def test_a_verdict_says_how_it_was_registered(study: RegisteredStudy) -> None:
     settings = load_study(study.file)
     judged = {each.claim.key: each for each in judge(_claims(settings, None), 0.1, OF_A_STUDY)}
     found = study.found()
-    assert found.state(judged["specimens_differ"]) == "registered"
+    assert found.state(judged["specimens_differ"]) == "registered after data"
     other = replace(judged["specimens_differ"], claim=replace(judged["specimens_differ"].claim, estimand="another"))
-    assert found.state(other) == "registered, deviates: its estimand"
+    assert found.state(other) == "registered after data, deviates: its estimand"
     new = replace(judged["curves"], claim=replace(judged["curves"].claim, key="mine"))
     assert found.state(new) == "not registered"
     study.add("fit", "bin_n = 0.6")
-    assert study.found().state(judged["specimens_differ"]) == "registered, deviates: [fit] bin_n"
-    assert study.found().state(judged["casr_rigid"]) == "registered"
+    assert study.found().state(judged["specimens_differ"]) == "registered after data, deviates: [fit] bin_n"
+    assert study.found().state(judged["casr_rigid"]) == "registered after data"
 
 
 def test_every_table_of_settings_says_what_hangs_on_it(study: RegisteredStudy) -> None:

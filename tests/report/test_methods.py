@@ -47,7 +47,7 @@ SETUP = {
     "rate_hz": (200.0,), "frame_rate_hz": (20.0, 25.0), "pin_length_mm": (3.0,), "dome_radius_mm": (20.0,),
 }  # fmt: skip
 REGISTERED = Registered(
-    "registration.json", "ab12", "2026-03-04T10:00:00+00:00", "No data.", "", {},
+    "registration.json", "ab12", "2026-03-04T10:00:00+00:00", "No run was there.", "c0de", {},
     (Deviation("plan", "alpha", "0.05", "0.1", ()), Deviation("code", "numpy", "2.3", "2.4", ())),
 )  # fmt: skip
 ASKED_BY_REFEREES = {
@@ -64,7 +64,8 @@ ASKED_BY_REFEREES = {
     "ethics approval": r"ethics approval is no\. 7 of the university\.",
     "stiffness of the specimens": r"stiffness κ of 7\.63 \(S1\), 5\.32 \(S2\), .* N/mm\.",
     "standard errors of that stiffness": r"standard errors of κ are 0\.05 \(S1\) N/mm\.",
-    "registration of the plan": r"registered on 2026-03-04 \(SHA-256 ab12\)\. The study deviates in 1 point from it\.",
+    "registration of the plan": r"registered on 2026-03-04 \(SHA-256 ab12\)\. At that time no run was there\. The plan "
+    r"amends an earlier one \(SHA-256 c0de\)\. The study deviates in 1 point from it\.",
     "ramp": r"probe moved at 5 mm/s along a ramp of 15 mm\.",
     "forces of contact and turning back": r"Contact was a force of 0\.5 N; a press turned back at 7 N\.",
     "pause between presses": r"pause between presses was 2 s\.",

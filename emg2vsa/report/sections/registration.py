@@ -12,12 +12,16 @@ from emg2vsa.report.table import Column, Table, records
 
 _TEXT = """
 <p>The plan of this study was registered on {{ of.registered_at[:10] }}. Data at that time: {{ of.collected }}
-{% if of.amends %}This registration amends an earlier one ({{ of.amends[:12] }}).{% endif %}
-Of {{ states.total() }} verdicts {{ states['registered'] }} are as registered, {{ states['deviates'] }} deviate from the
-plan{% if states['not registered'] %}, and {{ states['not registered'] }} were not registered{% endif %}.
+{% if of.amends %}This registration amends an earlier one ({{ of.amends[:12] }}). {% endif %}
+Of {{ states.total() }} verdicts {{ states['as registered'] }} are as registered, {{ states['deviates'] }} deviate
+from the plan{% if states['not registered'] %}, and {{ states['not registered'] }} were not registered{% endif %}.
 {% if without %} {{ without }} registered claims have no verdict
 here.{% endif %}{% if of.awaited %} {{ of.awaited | length }} planned recordings are not there yet.{% endif %}</p>
 {{ folded("deviations", "Deviations from the registered plan") }}
+{% if of.from_amended %}
+<p>The study deviates from the plan that was amended:</p>
+{{ of.from_amended | bullets }}
+{% endif %}
 {% if code %}
 <p>The program is not the registered one:</p>
 {{ code | bullets }}
@@ -49,7 +53,10 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 def _words(results: StudyResults, q: Quantities) -> Mapping[str, object]:
     of, end = results.registered, ".registered"
     found = {key: str(value) for key, value in q.items() if key.startswith("claims.") and key.endswith(end)}
-    states = Counter("deviates" if "deviates" in state else state for state in found.values())
+    states = Counter(
+        "deviates" if "deviates" in state else state if state == "not registered" else "as registered"
+        for state in found.values()
+    )
     without = [key for key in (of.claims if of else ()) if f"claims.{key}{end}" not in found]
     code = [
         f"{each.what}: {each.registered}, now {each.now}."
