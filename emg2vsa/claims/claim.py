@@ -135,7 +135,8 @@ class Claim:
     clause of a few words. estimand : what the estimate is, with its unit. factor : by which people read it. margin :
     smallest difference that matters, in the unit of ``found``. unit : of the error. algorithm : of vision, "" where
     there is none. section : of the report, that shows more. why : one sentence on what widens the interval or is
-    missing, "" for nothing.
+    missing, "" for nothing. designs : condition and angle of the presses that the claim compares. specimens : the
+    names of these; all of them where none is named.
     """
 
     key: str
@@ -150,6 +151,8 @@ class Claim:
     algorithm: str = ""
     factor: float = 1.0
     why: str = ""
+    designs: tuple[tuple[str, float], ...] = ()
+    specimens: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

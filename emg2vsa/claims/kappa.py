@@ -66,11 +66,11 @@ def kappa_claims(found: Laws, own: str, margins: ClaimSettings, *, hexagons: boo
         laws = [found.law(*design, own) for design in designs]
         yield _claim(
             f"kappa_fit_{key}", f"a law gives κ, {what}", "largest error of a known specimen by it, %", "within",
-            largest(_fitted(laws)), error, own, _lacking(designs, laws),
+            largest(_fitted(laws)), error, own, _lacking(designs, laws), designs,
         )  # fmt: skip
         yield _claim(
             f"kappa_error_{key}", f"the error of κ is small, {what}", "largest error of κ, %", "within",
-            largest(size(_error(law)) for law in laws), error, own, _lacking(designs, laws, determined=True),
+            largest(size(_error(law)) for law in laws), error, own, _lacking(designs, laws, determined=True), designs,
         )  # fmt: skip
     for key, step in STEPS.items():
         before, after = ((condition, algorithm or own) for condition, algorithm in (step.before, step.after))
@@ -83,14 +83,16 @@ def kappa_claims(found: Laws, own: str, margins: ClaimSettings, *, hexagons: boo
             "smallest cut of the size of the error, points", "more", cut if told else UNKNOWN, points,
             " to ".join(dict.fromkeys((before[1], after[1]))),
             _lacking(both, laws, determined=True) if told else "The area rule of this study is not of hexagons.",
+            both,
         )  # fmt: skip
 
 
 def _claim(
-    key: str, says: str, estimand: str, asserts: Asserts, found: Found, margin: float, algorithm: str, why: str
-) -> Claim:
+    key: str, says: str, estimand: str, asserts: Asserts, found: Found, margin: float, algorithm: str, why: str,
+    designs: Sequence[Design],
+) -> Claim:  # fmt: skip
     return Claim(
-        key, QUESTION, says, estimand, asserts, found, margin, "mounting", "kappa", algorithm, factor=100, why=why
+        key, QUESTION, says, estimand, asserts, found, margin, "mounting", "kappa", algorithm, 100, why, tuple(designs)
     )
 
 

@@ -227,9 +227,9 @@ def _steps(cells: _Cells, stiffness: Mapping[str, float], kept: Sequence[str], m
     if others:
         yield _claim(
             "others_not_distinct", f"{', '.join(others)} {'is' if len(others) == 1 else 'are'} not distinct",
-            "smallest difference of b from the next specimen, % of the mean", "within",
-            smallest(map(size, neighbours((*kept, *others), others))), margin, factor=_PERCENT,
-            why=why((*kept, *others)),
+            "largest distance of their b from the nearer neighbour in stiffness, % of the mean", "within",
+            largest(smallest(map(size, neighbours((*kept, *others), [other]))) for other in others), margin,
+            factor=_PERCENT, why=why((*kept, *others)),
         )  # fmt: skip
 
 

@@ -93,7 +93,7 @@ class _Cells:
         return Claim(
             key, question, says, estimand, asserts, moved(known, _share) if percent else known,
             margin / _PERCENT if percent else margin, "mounting", section, self.table.algorithm,
-            _PERCENT if percent else 1.0, why,
+            _PERCENT if percent else 1.0, why, tuple(designs), tuple(self.table.specimens[s] for s in specimens),
         )  # fmt: skip
 
     def _remarks(self, designs: Iterable[Design]) -> str:

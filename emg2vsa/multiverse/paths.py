@@ -29,8 +29,8 @@ class Paths:
 
     claims, says : (C,) keys, and what they say. own : (C,) verdicts of the study's own path. kind, name : (P,) of
     ``KINDS``, and the choices in words. verdict : (C, P), "" where the path does not bear on the claim; a path that
-    lacks the data for a claim says "not determined". estimate, low, high : (C, P) as of ``Judged``, NaN where there is
-    none. presets : by index of co-contraction, None where nothing was scheduled.
+    lacks the data for a claim says "not determined". estimate, low, high : (C, P) in the unit that people read, NaN
+    where there is none. presets : by index of co-contraction, None where nothing was scheduled.
     """
 
     claims: tuple[str, ...]
@@ -50,19 +50,31 @@ class Paths:
         verdicts = self.verdict[row, self.kind == kind if kind else slice(None)]
         return int(np.count_nonzero(verdicts == self.own[row])), int(np.count_nonzero(verdicts != ""))
 
+    def estimated(self, claim: str) -> bool:
+        """Whether some path gives an estimate; else "not determined" is kept for want of any number."""
+        return bool(np.isfinite(self.estimate[self.claims.index(claim)]).any())
+
     def shares(self) -> tuple[list[str], Floats]:
         """Kinds with a path that bears on some claim, and the share (C, 1 + K) that keep a verdict: of all paths, and
-        of each kind; NaN where none bears on the claim."""
+        of each kind; NaN where none bears on the claim, or none gives an estimate."""
         kinds = [kind for kind in KINDS if (self.verdict[:, self.kind == kind] != "").any()]
         counts = np.array([[self.kept(claim, kind) for kind in ("", *kinds)] for claim in self.claims])
+        counts[[not self.estimated(claim) for claim in self.claims]] = 0
         return kinds, counts[..., 0] / np.where(counts[..., 1], counts[..., 1], np.nan)
 
     def worst_kind(self, claim: str) -> str:
-        """The kind of choice, made alone, that overturns the verdict in the largest share of its paths; "" for none."""
+        """The kind of choice, made alone, that changes the verdict in the largest share of its paths; "" for none."""
         shares = {kind: self.kept(claim, kind) for kind in KINDS[:-1]}
         lost = {kind: 1 - kept / of for kind, (kept, of) in shares.items() if of}
         worst = max(lost, key=lost.__getitem__, default="")
         return worst if lost.get(worst) else ""
+
+    def changing(self, claim: str, kind: str) -> list[str]:
+        """Names of the paths of a kind that change the verdict."""
+        row = self.claims.index(claim)
+        verdicts = self.verdict[row]
+        names: list[str] = self.name[(self.kind == kind) & (verdicts != "") & (verdicts != self.own[row])].tolist()
+        return names
 
 
 def all_paths(
@@ -104,7 +116,7 @@ def gathered(own: Iterable[Tried], others: Sequence[Tried], alpha: float, preset
             key = each.claim.key
             if key in base and key not in of.not_on and _bears(base[key], each):
                 verdict[rows[key], column] = each.verdict
-                numbers[:, rows[key], column] = _numbers(each)
+                numbers[:, rows[key], column] = np.array(_numbers(each)) * each.claim.factor
     estimate, low, high = numbers
     return Paths(
         claims=tuple(base),

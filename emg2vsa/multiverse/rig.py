@@ -44,6 +44,8 @@ from emg2vsa.study import Study
 Points = Literal["means", "repetitions"]
 Presses = NDArray[np.bool_]
 """(D, S, R) presses that count, as in ``RunTable``."""
+Cell = tuple[str, float, str]
+"""Condition, angle and specimen."""
 FAR_MADS = 5.0
 """A score lies far from the median of its run."""
 SD_FACTORS = (0.5, 1.5)
@@ -71,12 +73,22 @@ def rig_paths(
                 found = by_way.claims(presses, by, algorithm, of_scores=way is None)
                 yield tried((way, other, rule), found, _OF_THEIR_OWN if other else ())
     left = list(own.left_out())
-    for (choice, presses), by in zip(left, own.laws([presses for _, presses in left]), strict=True):
-        yield tried([choice], own.claims(presses, by))
+    for (choice, presses, cell), by in zip(left, own.laws([presses for _, presses, _ in left]), strict=True):
+        claims = list(own.claims(presses, by))
+        yield tried([choice], claims, [claim.key for claim in claims if not _compares(claim, cell)])
     for choice, changed in own.changes():
-        laws = changed.laws([changed.everything])
-        not_on = () if len(changed.known) > LAW_PARAMETERS else _FITTED
-        yield tried([choice], changed.claims(changed.everything, laws[0]), not_on)
+        these = rules if choice.kind == RATE else [(None, changed.everything)]
+        for (rule, presses), by in zip(these, changed.laws([presses for _, presses in these]), strict=True):
+            claims = list(changed.claims(presses, by))
+            gone = set(own.known) - set(changed.known)
+            not_on = [claim.key for claim in claims if gone and claim.specimens and not gone & set(claim.specimens)]
+            not_on += () if len(changed.known) > LAW_PARAMETERS else _FITTED
+            yield tried([choice, rule], claims, not_on)
+
+
+def _compares(claim: Claim, cell: Cell) -> bool:
+    """Whether the presses of a cell are among those of the claim; drift joins the others to them, but faintly."""
+    return cell[:2] in claim.designs and cell[2] in (claim.specimens or (cell[2],))
 
 
 @dataclass(frozen=True)
@@ -139,19 +151,20 @@ class _Rig:
             table = replace(table, algorithm=name, casr=casr, start_area=area)
         yield from claims_on_rig(study, table, laws)
 
-    def left_out(self) -> Iterator[tuple[Choice, Presses]]:
-        """Without each mounting of a cell with several, and without each press of all runs."""
+    def left_out(self) -> Iterator[tuple[Choice, Presses, Cell]]:
+        """Without each mounting of a cell with several, and without each press; and the cell that it was of."""
         table = self._sorted
         there = table.mounting > 0
         for d, s in np.ndindex(there.shape[:2]):
-            numbers = np.unique(table.mounting[d, s][there[d, s]])
-            for number in numbers if numbers.size > 1 else ():
+            cell = table.conditions[d], float(table.angles_deg[d]), table.specimens[s]
+            where = f"{cell[2]} {cell[0]} {cell[1]:g}°"
+            numbers, (own,) = np.unique(table.mounting[d, s][there[d, s]]), np.nonzero(there[d, s])
+            less = [(MOUNTING, f"mounting {n}", table.mounting[d, s] == n) for n in numbers if numbers.size > 1]
+            less += [(PRESS, f"press {r + 1}", np.arange(there.shape[2]) == r) for r in own if own.size > 1]
+            for kind, what, left in less:
                 presses = there.copy()
-                presses[d, s] &= table.mounting[d, s] != number
-                where = f"{table.specimens[s]} {table.conditions[d]} {table.angles_deg[d]:g}°"
-                yield Choice(MOUNTING, f"without mounting {number} of {where}"), presses
-        for r in range(there.shape[2]) if there.shape[2] > 1 else ():
-            yield Choice(PRESS, f"without press {r + 1} of every run"), there & (np.arange(there.shape[2]) != r)
+                presses[d, s] &= ~left
+                yield Choice(kind, f"without {what} of {where}"), presses, cell
 
     def exclusions(self) -> Iterator[tuple[Choice, Presses]]:
         """By rules: without doubtful presses, scores far off, and the first or the last press of every mounting."""

@@ -95,7 +95,9 @@ def test_the_estimates_are_those_of_the_presses():
     mean = np.mean([133, 113, 47])
     assert found["specimens_differ"].found.estimate == pytest.approx((133 - 113) / mean, rel=1e-4)
     others = claims(world.presses_of(1), margins=replace(MARGINS, slope_percent=20.0))["others_not_distinct"]
-    assert others.found.estimate == pytest.approx((120 - 113) / mean, rel=1e-4)
+    # S2 is nearer to S3, S4 to S5 or S3; of these two distances the larger counts
+    nearest = [min(PAPER[0] - PAPER[1], PAPER[1] - PAPER[2]), min(PAPER[2] - PAPER[3], PAPER[3] - PAPER[4])]
+    assert others.found.estimate == pytest.approx(max(nearest) / mean, rel=1e-4)
     assert others.margin == pytest.approx(0.2)
 
 

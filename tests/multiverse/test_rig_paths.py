@@ -103,7 +103,7 @@ def test_choices_have_their_paths(study, few):
     paths = all_paths(study, (), {}, runs, table_of(study, runs), calibrated=True)
     counts = {kind: int(np.count_nonzero(paths.kind == kind)) for kind in set(paths.kind.tolist())}
     assert counts[MOUNTING] == 3 * len(runs)
-    assert counts[PRESS] == 9
+    assert counts[PRESS] == 9 * len(runs)
     assert counts[ALGORITHM] == 4
     assert counts[RATE] == 1
     assert counts[MOUNTING_SD] == 2
@@ -111,7 +111,36 @@ def test_choices_have_their_paths(study, few):
     assert counts[KAPPA] == 9
     assert paths.kept("kappa_fit_rigid", SPECIMEN) == (0, 0)  # a law through two specimens fits them both
     assert paths.kept("area_same_on_specimens", KAPPA) == (0, 0)
-    assert all(paths.kept(claim)[1] >= 60 for claim in paths.claims if "reduction" not in claim)
+
+
+def test_a_mounting_or_press_bears_on_the_claims_that_compare_its_cell(study, runs):
+    every = mounted(runs)
+    paths = all_paths(study, (), {}, every, table_of(study, every))
+    assert {claim: n for claim in paths.claims if (n := paths.kept(claim)[1]) < 40} == {}
+    for kind, each in ((MOUNTING, 3), (PRESS, 9)):
+        of = {
+            key: paths.name[(row != "") & (paths.kind == kind)]
+            for key, row in zip(paths.claims, paths.verdict, strict=True)
+        }
+        assert (
+            len(of["casr_rigid"]) == each * 2 * 3
+        )  # the angles that the paper reports, and the specimens of known stiffness
+        assert all("high-stiffness" in name and "S_new" not in name for name in of["casr_rigid"])
+        assert len(of["fig10_order"]) == each * 2 * 4
+        assert len(of["human_like_contrast"]) == each * 2 * 2  # two conditions at one angle, its two ends
+
+
+def test_what_no_path_estimates_has_no_share(study, few):
+    runs = mounted(few, sd=0.3)  # so much that kappa is determined nowhere
+    paths = all_paths(study, (), {}, runs, table_of(study, runs), calibrated=True)
+    kinds, share = paths.shares()
+    for claim in ("kappa_error_rigid", "kappa_error_human_like"):
+        row = paths.claims.index(claim)
+        assert not paths.estimated(claim)
+        assert np.isnan(share[row]).all()
+        assert paths.kept(claim)[0] == paths.kept(claim)[1] > 0
+    assert paths.estimated("human_like_contrast")
+    assert np.isfinite(share[paths.claims.index("human_like_contrast"), 1 + kinds.index(MOUNTING)])
 
 
 def test_mounted_once_no_mounting_is_left_out_and_the_assumed_scatter_is_a_choice(study, few):

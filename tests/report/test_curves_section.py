@@ -57,12 +57,12 @@ def test_the_page_shows_the_picture_at_once_and_names_neighbours(results) -> Non
     content = contents(study)
     text = rendered(CURVES, study, content)
     assert text.index("<svg") < text.index("<details")
-    assert "S1–S2 over 67" in text
+    assert "S1–S2 at 67" in text
     assert "9 people at 12 forces" in text
-    assert "S1–S2 over 67" in content.drawings["curves"].description
+    assert "S1–S2 at 67" in content.drawings["curves"].description
     assert len(content.drawings["curves"].caption.split()) <= 35
     assert "simultaneous bands" in content.drawings["curves"].caption
-    assert "bands take 4" in contents(with_curves(results, curves(3))).drawings["curves"].caption
+    assert "bands need 4 people" in contents(with_curves(results, curves(3))).drawings["curves"].caption
 
 
 def test_a_study_whose_curves_cannot_be_compared_says_why(results) -> None:

@@ -9,11 +9,11 @@ import pytest
 
 from emg2vsa.multiverse import IndexPresets, Paths
 from emg2vsa.report.section import Content, rendered
-from emg2vsa.report.sections.robustness import ROBUSTNESS, paths_share
+from emg2vsa.report.sections.robustness import ROBUSTNESS, paths_share, told_of_paths
 
 PERCENT = np.array([[[20.0, 80.0], [20.0, 40.0]], [[20.0, 30.0], [30.0, 60.0]], [[np.nan] * 2] * 2])
 PRESETS = IndexPresets("P01", ("sum", "minimum", "falconer-winter"), ("S1", "S5"), PERCENT, (20.0, 80.0))
-NOTHING = np.full((2, 4), np.nan)
+NUMBERS = np.array([[1.0, 2.0, 3.0, 4.0], [np.nan] * 4])
 PATHS = Paths(
     claims=("one", "two"),
     says=("specimens differ", "people do not"),
@@ -21,7 +21,7 @@ PATHS = Paths(
     kind=np.array(["index", "index", "force bins", "several at once"]),
     name=np.array(["index minimum", "index rudolph", "samples", "index minimum, samples"]),
     verdict=np.array([["holds", "refuted", "holds", "not determined"], ["", "", "not determined", ""]]),
-    estimate=NOTHING, low=NOTHING, high=NOTHING, presets=PRESETS,
+    estimate=NUMBERS, low=NUMBERS - 1, high=NUMBERS + 1, presets=PRESETS,
 )  # fmt: skip
 
 
@@ -45,14 +45,18 @@ def test_shares_and_the_choice_that_overturns_a_verdict_are_said(shown):
     assert (q["paths.count"], q["paths.one.kept"], q["paths.one.applicable"], q["paths.one.share"]) == (4, 2, 4, 0.5)
     assert (q["paths.one.overturned_by"], q["paths.two.overturned_by"]) == ("index", "")
     assert "The fewest paths keep the verdict on “specimens differ”: 50" in text
-    assert "Among single choices, “index” overturns that verdict most often." in text
+    assert "Of single choices, “index” changes that verdict most often: index rudolph." in text
     assert "--paths" not in text
     assert len(content.tables["paths"].rows) == 6  # all paths and three kinds of one claim, two of the other
     assert len(content.tables["paths_all"].rows) == 5
-    assert "".join(content.tables["paths_all"].csv()).splitlines()[1] == "one,index,index minimum,holds,,,"
+    assert "".join(content.tables["paths_all"].csv()).splitlines()[1] == "one,index,index minimum,holds,1.0,0.0,2.0"
     (drawing,) = ROBUSTNESS.drawings(whole)
     assert "specimens differ: holds, kept by 50.0 % of paths." in drawing.description
+    assert "people do not" not in drawing.description  # no path has an estimate
     assert len(drawing.caption.split()) <= 35
+    assert told_of_paths(whole, "one") == "Of 4 other paths of analysis, 2 keep this verdict."
+    assert told_of_paths(whole, "two") == "None of 1 other paths of analysis gives an estimate."
+    assert told_of_paths(whole, "three") == ""
 
 
 def test_without_paths_the_page_says_how_to_ask_and_shows_presets_by_index(shown):

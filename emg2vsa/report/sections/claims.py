@@ -20,7 +20,7 @@ from emg2vsa.report.numbers import Items
 from emg2vsa.report.people_tests import people_tests
 from emg2vsa.report.rig_tests import rig_tests
 from emg2vsa.report.section import PaperTest, Quantities, Section
-from emg2vsa.report.sections.robustness import paths_share
+from emg2vsa.report.sections.robustness import paths_share, told_of_paths
 from emg2vsa.report.table import Cell, Column, Table
 from emg2vsa.report.wording import UNDEFINED, bounded, count, interval, number, percent
 
@@ -240,11 +240,9 @@ def summary(results: StudyResults, judged: Sequence[Judged]) -> Iterator[str]:
         said = (f"{found[name]} {'is' if found[name] == 1 else 'are'} {name}" for name in ("refuted", "not determined"))
         holds = f"{found['holds']} {'holds' if found['holds'] == 1 else 'hold'}"
         yield f"Of {count(len(judged), 'claim')} on data, {', '.join((holds, *said))}."
-    shares = paths_share(results)
     for each in judged:
         if each.claim.key in _SUMMARY:
-            kept, of = shares.get(each.claim.key, (0, 0))
-            yield sentence(each) + (f" Of {of} other paths of analysis, {kept} keep this verdict." if of else "")
+            yield f"{sentence(each)} {told_of_paths(results, each.claim.key)}".rstrip()
 
 
 def sentence(each: Judged) -> str:

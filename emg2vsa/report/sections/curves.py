@@ -45,7 +45,10 @@ def _quantities(results: StudyResults) -> Items:
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     if (found := _found(results)) is None:
         return
-    ranges = "Ranges of force in which specimens differ; p and intervals hold at all forces and pairs together"
+    ranges = (
+        "Ranges of force in which specimens differ. Difference, interval and p are those at the force of the largest F "
+        "or t in the range; they hold at all forces and pairs together"
+    )
     by_force = "By force: F of all specimens, t and difference of each pair, mean of each specimen"
     for name, caption, rows in (
         ("whole_curve", ranges, found.ranges()),
@@ -68,23 +71,26 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     figure = draw_whole_curve(found, drawn, neighbours, looks(results.specimens), results.scale)
     banded = np.isfinite(found.tests.half_width).any()
     bands = (
-        ", with simultaneous bands about the mean of the specimens" if banded else f"; bands take {FEWEST_FOR_BANDS}"
+        ", with simultaneous bands about the mean of the specimens"
+        if banded
+        else f"; bands need {FEWEST_FOR_BANDS} people"
     )
     caption = (
         f"Whole curves. (a) Mean over people{bands}. (b) F between specimens; dashed: threshold. (c) Forces at which "
         "pairs differ; blue: neighbours."
     )
     description = (
-        f"Of the forces from {number(found.from_n[0])} to {number(found.to_n[-1])} N, all specimens differ over "
-        f"{percent(found.differing()[0], 2)}; {'; '.join(_told(found, drawn))}."
+        f"Of the forces from {number(found.from_n[0])} to {number(found.to_n[-1])} N, all specimens differ at "
+        f"{percent(found.differing()[0], 2)}; pairs: {'; '.join(_told(found, drawn))} of them."
     )
     yield Drawing("curves", "Whole curves of co-contraction against force", caption, description, figure)
 
 
 def _told(found: WholeCurve, pairs: list[int]) -> list[str]:
-    """``S1–S2 over 100 %`` of each pair."""
+    """``S1–S2 at 100 %`` of each pair that differs at some forces."""
     share = found.differing()
-    return [f"{'–'.join(found.pairs[pair])} over {percent(share[pair + 1], 2)}" for pair in pairs]
+    named = [("–".join(found.pairs[pair]), share[pair + 1]) for pair in pairs]
+    return [f"{name} at {percent(of, 2)}" for name, of in named if of] or ["none at any"]
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
@@ -100,7 +106,7 @@ _TEXT = """
 {% else %}
 {{ figure("curves") }}
 <p>One test compares {{ q['curves.people'] }} people at {{ q['curves.forces'] }} forces, without a law of force.
-Neighbours in stiffness differ: {{ differ }} of the forces.
+Of neighbours in stiffness differ: {{ differ }} of the forces.
 {% if left_out %}Left out, for lack of data: {{ left_out }}.{% endif %}</p>
 {{ folded("whole_curve", "Ranges of force in which specimens differ") }}
 {{ folded("curves_by_force", "Curves, differences and statistics by force") }}

@@ -13,12 +13,13 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Row, Table, table_of
-from emg2vsa.report.wording import number
+from emg2vsa.report.wording import listed, number
 
-_ALL, _OF_CLAIM = "all paths", ("kept", "applicable", "share", "overturned_by")
+_ALL, _NAMED, _OF_CLAIM = "all paths", 3, ("kept", "applicable", "share", "overturned_by")
 _BY_KIND = (
     Column("claim", "Claim"), Column("verdict", "Verdict"), Column("kind", "Choice that differs"),
     Column("paths", "Paths"), Column("kept", "Keep the verdict"), Column("share", "Share, %", 100),
+    Column("changed_by", "Changed by"),
 )  # fmt: skip
 _PRESETS = (
     Column("index", "Index"), Column("specimen", "Specimen"), Column("largest_move_points", "Largest move, points"),
@@ -30,6 +31,16 @@ _PRESETS = (
 def paths_share(results: StudyResults) -> dict[str, tuple[int, int]]:
     """Claim to the number of paths that keep its verdict, and of all that bear on it; empty where nobody asked."""
     return {claim: results.paths.kept(claim) for claim in results.paths.claims} if results.paths else {}
+
+
+def told_of_paths(results: StudyResults, claim: str) -> str:
+    """One sentence; "" where nobody asked, or no path bears on the claim."""
+    kept, of = paths_share(results).get(claim, (0, 0))
+    if not of or results.paths is None:
+        return ""
+    if not results.paths.estimated(claim):
+        return f"None of {of} other paths of analysis gives an estimate."
+    return f"Of {of} other paths of analysis, {kept} keep this verdict."
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -47,7 +58,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     if paths := results.paths:
         rows = [row for claim in paths.claims for row in _kind_rows(paths, claim)]
         shown = tuple(row for row in rows if row["kind"] == _ALL or row["kept"] != row["paths"])
-        caption = "Paths that keep each verdict; the page leaves out what overturns none"
+        caption = "Paths that keep each verdict; the page leaves out choices that change none"
         yield Table("paths", caption, _BY_KIND, rows, shown)
         claim, path = np.nonzero(paths.verdict != "")
         whole = {"claim": np.array(paths.claims)[claim], "kind": paths.kind[path], "path": paths.name[path]}
@@ -64,7 +75,16 @@ def _kind_rows(paths: Paths, claim: str) -> Iterator[Row]:
     for kind in ("", *KINDS):
         kept, of = paths.kept(claim, kind)
         if of:
-            yield said | {"kind": kind or _ALL, "paths": of, "kept": kept, "share": kept / of}
+            changed_by = _some(paths.changing(claim, kind)) if kind in KINDS[:-1] else ""
+            yield said | {
+                "kind": kind or _ALL, "paths": of, "kept": kept, "share": kept / of, "changed_by": changed_by,
+            }  # fmt: skip
+
+
+def _some(names: list[str]) -> str:
+    """Up to three names."""
+    more = [f"{len(names) - _NAMED} more"] if len(names) > _NAMED else []
+    return listed([*names[:_NAMED], *more])
 
 
 def _moves(presets: IndexPresets | None) -> Iterator[tuple[str, str, float, float, float, bool]]:
@@ -84,11 +104,13 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
         return
     kinds, share = paths.shares()
     caption = (
-        "Fig. P. Share of paths, in percent, that keep a verdict. A column changes one choice alone; a gap: the choice "
-        "does not bear on the claim. Green: holds; red: refuted; grey: not determined."
+        "Fig. P. Percent of paths that keep a verdict; a column changes one choice alone. Gaps: no bearing on the "
+        "claim, or no estimate. Green: holds; red: refuted; grey: not determined."
     )
     each = zip(paths.says, paths.own, share[:, 0], strict=True)
-    told = " ".join(f"{says}: {own}, kept by {number(100 * kept)} % of paths." for says, own, kept in each)
+    told = " ".join(
+        f"{says}: {own}, kept by {number(100 * kept)} % of paths." for says, own, kept in each if kept == kept
+    )
     figure = draw_paths(paths.says, paths.own.tolist(), [_ALL, *kinds], share)
     yield Drawing("figpaths", ROBUSTNESS.title, caption, told, figure)
 
@@ -98,8 +120,11 @@ def _words(results: StudyResults, q: Quantities) -> Mapping[str, object]:
     found: dict[str, object] = {"least": "", "moved": ()}
     says = dict(zip(results.paths.claims, results.paths.says, strict=True)) if results.paths else {}
     shares = {claim: kept / of for claim, (kept, of) in paths_share(results).items() if of}
-    if shares:
-        found |= {"least": (least := min(shares, key=shares.__getitem__)), "says": says[least]}
+    if shares and results.paths:
+        least = min(shares, key=shares.__getitem__)
+        kind = results.paths.worst_kind(least)
+        by = _some(results.paths.changing(least, kind))
+        found |= {"least": least, "says": says[least], "share": shares[least], "kind": kind, "by": by}
     if moves := [move for move in _moves(results.presets) if move[2] == move[2]]:
         turning = list(dict.fromkeys(move[0] for move in moves if move[-1]))
         points = float(np.ptp(results.study.schedule.stiffness_percent))
@@ -109,10 +134,13 @@ def _words(results: StudyResults, q: Quantities) -> Mapping[str, object]:
 
 _TEXT = """
 {{ figure("figpaths") }}
+{% if least and share == 1 %}
+<p>Every path keeps every verdict.</p>
+{% elif least %}
+<p>The fewest paths keep the verdict on “{{ says }}”: {{ share | percent }}.{% if kind %}
+ Of single choices, “{{ kind }}” changes that verdict most often: {{ by }}.{% endif %}</p>
+{% endif %}
 {% if least %}
-{% set by = q["paths." ~ least ~ ".overturned_by"] %}
-<p>The fewest paths keep the verdict on “{{ says }}”: {{ q["paths." ~ least ~ ".share"] | percent }}.
-{% if by %}Among single choices, “{{ by }}” overturns that verdict most often.{% endif %}</p>
 {{ folded("paths", "Paths of analysis that keep each verdict") }}
 {% else %}
 <p><code>emg2vsa run {{ study.path.name }} --paths</code> judges every claim again along other paths of analysis.</p>
