@@ -132,11 +132,11 @@ class Claim:
     """One claim.
 
     key : in results.json, ``claims.<key>``. question : what the claim is about, by which claims are grouped. says : a
-    clause of a few words. estimand : what the estimate is, with its unit. factor : by which people read it. margin :
-    smallest difference that matters, in the unit of ``found``. unit : of the error. algorithm : of vision, "" where
-    there is none. section : of the report, that shows more. why : one sentence on what widens the interval or is
-    missing, "" for nothing. designs : condition and angle of the presses that the claim compares. specimens : the
-    names of these; all of them where none is named.
+    clause of a few words. estimand : what the estimate is, and after its first comma the unit. factor : by which people
+    read it. margin : smallest difference that matters, in the unit of ``found``. unit : of the error. algorithm : of
+    vision, "" where there is none. section : of the report, that shows more. why : one sentence on what widens the
+    interval or is missing, "" for nothing. designs : condition and angle of the presses that the claim compares.
+    specimens : the names of these; all of them where none is named.
     """
 
     key: str

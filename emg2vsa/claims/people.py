@@ -98,17 +98,17 @@ def people_claims(
     yield from _steps(cells, stiffness_n_per_mm, kept, margins.slope_percent / _PERCENT)
     yield _claim(
         "equal_participants", "people do not differ",
-        "SD of b between people, on the mean of the specimens, over that of presses", "within", cells.of_people(),
+        "SD of b between people on the mean of the specimens, SDs of presses", "within", cells.of_people(),
         margins.people_f, why=cells.alone,
     )  # fmt: skip
     yield _claim(
         "gaussian_clusters", "clusters of b are shaped like Gaussian ones, on the mean",
-        "mean skewness of clusters as small as these, or half their mean excess kurtosis",
+        "mean skewness of clusters as small as these or half their mean excess kurtosis",
         "within", cells.shape(), margins.cluster_shape, why=cells.alone,
     )  # fmt: skip
     yield _claim(
         "log_fit_r2", "no other law predicts v better than a + b ln F",
-        "by how much the best other law predicts better, % of the error of prediction", "within",
+        "gain by the best other law, % of the error of prediction", "within",
         UNKNOWN if laws is None else _of_laws(laws), margins.law_percent / _PERCENT, "fits", _PERCENT, cells.alone,
     )  # fmt: skip
     if new:
@@ -245,11 +245,11 @@ def _interpolated(
     force_n: tuple[float, float],
 ) -> Claim:  # fmt: skip
     level, difference = margins.profile_percent, margins.neighbour_percent
-    matters = f"{level:g} % of the level, {difference:g} % of the difference of its neighbours"
+    matters = f"{level:g} % of the level or {difference:g} % of the difference of its neighbours, at {force_n[1]:g} N"
     why = "Nobody pressed a specimen of this stiffness besides those that the interpolation takes."
     return _claim(
         "interpolation_rmse", f"the profile interpolated for {new} agrees with a measured one",
-        f"largest error at an end of the force range, over what matters at its upper end ({matters})", "within",
+        f"largest error of the interpolated profile, of what matters ({matters})", "within",
         UNKNOWN if of is None else _error(cells, of, stiffness, margins, np.array(force_n)), 1.0, "profiles",
         why=why if of is None else cells.alone or ORDERS[cells.drift_of_b.order],
     )  # fmt: skip

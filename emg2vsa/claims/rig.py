@@ -136,7 +136,7 @@ def _area_claims(cells: _Cells, percent: float) -> Iterator[Claim]:
     )  # fmt: skip
     yield cells.claim(
         "area_changes_with_angle", AREAS, "initial area differs between all angles, rigid motor",
-        "smallest difference between two angles, mean of the specimens, %", "more", percent, "area", designs, known,
+        "smallest difference between two angles on the mean of specimens, %", "more", percent, "area", designs, known,
         by_angle,
     )  # fmt: skip
 
@@ -217,6 +217,6 @@ def _levels(cells: _Cells, margin: float) -> Claim:
 
     return cells.claim(
         "constant_levels", CONDITIONS, "the profile tells specimens apart better than one stiffness",
-        f"smallest change of the distance of {names}, in SDs of a press", "more", margin, "actuators", designs, pair,
+        f"smallest change of the distance of {names}, SDs of a press", "more", margin, "actuators", designs, pair,
         change, percent=False,
     )  # fmt: skip

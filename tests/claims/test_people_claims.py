@@ -253,7 +253,7 @@ def test_a_profile_that_agrees_holds_and_says_in_what_it_is_measured():
     table = People(b=(140.0, 122.0, 106.0, 100.0, 47.0), press=3.0, person=0.1).presses_of(5)
     claim = claims(table, new="S_new", interpolated=profile_of(table))["interpolation_rmse"]
     assert judge([claim], 0.05)[0].verdict == "holds"
-    assert "10 % of the level, 50 % of the difference of its neighbours" in claim.estimand
+    assert "10 % of the level or 50 % of the difference of its neighbours, at 7 N" in claim.estimand
 
 
 @pytest.mark.parametrize("order", ["random", "same", "unknown"])

@@ -22,7 +22,7 @@ from emg2vsa.report.rig_tests import rig_tests
 from emg2vsa.report.section import PaperTest, Quantities, Section
 from emg2vsa.report.sections.robustness import paths_share, told_of_paths
 from emg2vsa.report.table import Cell, Column, Table
-from emg2vsa.report.wording import UNDEFINED, bounded, count, interval, number, percent
+from emg2vsa.report.wording import UNDEFINED, bounded, count, ends, number, percent
 
 _KINDS = {"holds": "holds", "refuted": "fails", "not determined": "untested"}
 _UNITS = {"none": "exact", "mounting": "mountings", "person": "people"}
@@ -89,7 +89,7 @@ def claims_tables(results: StudyResults, judged: Sequence[Judged], q: Quantities
     of_data = [each for each in judged if each.claim.question != arithmetic.QUESTION]
     level = _level(of_data)
     caption = (
-        f"What the paper claims, beside this study. Intervals of {level} each, so that among {OF_A_STUDY} claims any "
+        f"What the paper claims, beside this study. Intervals of {level} each, as for {OF_A_STUDY} claims, so that any "
         f"verdict is false with a chance of {results.study.claims.false_verdict_percent:g} % at most, as far as the "
         "intervals hold what they say. A difference is refuted where its interval lies below what matters, a size "
         "where it lies above. Error over: what was drawn at random and counts once. The paper's own test decides "
@@ -174,13 +174,14 @@ def _row(each: Judged, test: PaperTest) -> dict[str, Cell]:
     }
 
 
-def _said(each: Judged) -> str:
+def _said(each: Judged, unit: str = "") -> str:
     estimate, low, high = (value * each.claim.factor for value in (each.claim.found.estimate, each.low, each.high))
     if not np.isfinite(estimate):
         return "not known"
+    shown = f"{number(estimate)} {unit}".rstrip()
     if low == high:
-        return number(estimate)
-    return interval(estimate, low, high) if low == low else f"{number(estimate)}, no interval"
+        return shown
+    return f"{shown} {ends(low, high)}" if low == low else f"{shown}, no interval"
 
 
 def _setting_tests(results: StudyResults, q: Quantities) -> dict[str, PaperTest]:
@@ -242,13 +243,16 @@ def summary(results: StudyResults, judged: Sequence[Judged]) -> Iterator[str]:
         yield f"Of {count(len(judged), 'claim')} on data, {', '.join((holds, *said))}."
     for each in judged:
         if each.claim.key in _SUMMARY:
-            yield f"{sentence(each)} {told_of_paths(results, each.claim.key)}".rstrip()
+            moved = results.registered is not None and "deviates" in results.registered.state(each)
+            told = sentence(each), told_of_paths(results, each.claim.key)
+            yield " ".join(filter(None, (*told, "This verdict deviates from the registered plan." * moved)))
 
 
 def sentence(each: Judged) -> str:
-    """``Holds: specimens differ. The smallest difference of b, %, is 31.2 [18.0, 44.4].``"""
+    """``Holds: specimens differ. The smallest difference of b is 31.2 % of the mean [18.0, 44.4].``"""
     claim = each.claim
-    said = f"{_capital(each.verdict)}: {claim.says}. The {claim.estimand}, is {_said(each)}."
+    what, _, unit = claim.estimand.partition(", ")
+    said = f"{_capital(each.verdict)}: {claim.says}. The {what} is {_said(each, unit)}."
     return f"{said} {claim.why}".rstrip()
 
 
