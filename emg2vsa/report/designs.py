@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,8 +15,9 @@ from emg2vsa.figures.palette import Look
 from emg2vsa.figures.palette import looks as looks_of
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, with_interval
-from emg2vsa.report.table import Column, Table, table_of
+from emg2vsa.report.numbers import Items, moments, with_interval
+from emg2vsa.report.section import Quantities
+from emg2vsa.report.table import Cell, Column, Columns, Table, table_of
 from emg2vsa.report.wording import SIMULATED, interval, number
 
 DESIGN = Column("design", "Condition, angle")
@@ -51,11 +52,20 @@ def design_name(table: RunTable, design: int) -> str:
     return f"{table.conditions[design]}, {table.angles_deg[design]:g}°"
 
 
-def by_design(name: str, caption: str, table: RunTable, columns: Mapping[Column, Any]) -> Table:
-    """A table with one row for each design; what has ends is said with its interval."""
-    names = [design_name(table, i) for i in range(len(table.conditions))]
-    told = {column: said(values) if hasattr(values, "low") else values for column, values in columns.items()}
-    return table_of(name, caption, {DESIGN: names, **told})
+def by_design(name: str, caption: str, found: Discrimination, q: Quantities, columns: Mapping[Column, Any]) -> Table:
+    """A table with one row for each design. columns : values, or the key of a quantity of every design."""
+    rows: Columns = {DESIGN: [design_name(found.table, i) for i in range(len(found.table.conditions))]}
+    for column, values in columns.items():
+        rows[column] = cells(q, keys(found), values) if isinstance(values, str) else values
+    return table_of(name, caption, rows)
+
+
+def cells(q: Quantities, names: Sequence[str], key: str) -> list[Cell]:
+    """Quantities ``name.key``, None where there is none; those that have ends as ``3.01 [1.70, 4.23]``."""
+    if any(f"{name}.{key}.low" in q for name in names):
+        ends = ([float(q.get(f"{name}.{key}{end}", np.nan)) for end in ("", ".low", ".high")] for name in names)
+        return [interval(*each) for each in ends]
+    return [q.get(f"{name}.{key}") for name in names]
 
 
 def of_designs(found: Discrimination, values: Mapping[str, Any]) -> Items:
@@ -63,9 +73,16 @@ def of_designs(found: Discrimination, values: Mapping[str, Any]) -> Items:
     for i, name in enumerate(keys(found)):
         for key, each in values.items():
             if hasattr(each, "low"):
-                yield from intervals(f"{name}.{key}", each, i)
+                yield from with_interval(f"{name}.{key}", *ends_of(each, i))
             else:
                 yield f"{name}.{key}", each[i].item()
+
+
+def of_presses(found: Discrimination, key: str, scores: Mapping[str, Floats]) -> Items:
+    """Mean and SD of the presses of every specimen in every design. scores : algorithm to (D, S, R)."""
+    for name, design in zip(keys(found), scores[found.table.algorithm], strict=True):
+        for specimen, values in zip(found.table.specimens, design, strict=True):
+            yield from moments(f"{name}.{specimen}.{key}", values)
 
 
 def keys(found: Discrimination) -> list[str]:
@@ -77,16 +94,6 @@ def ends_of(found: Any, i: int) -> tuple[float, float, float]:
     """Estimate, low and high of one design: of ``Gaps``, or of ``Ratios``."""
     estimate = found.gap if hasattr(found, "gap") else found.estimate
     return float(estimate[i]), float(found.low[i]), float(found.high[i])
-
-
-def said(found: Any, places: Iterable[int] | None = None) -> list[str]:
-    """``3.01 [1.70, 4.23]`` of each of them, or of those at ``places``."""
-    return [interval(*ends_of(found, i)) for i in (range(len(found.low)) if places is None else places)]
-
-
-def intervals(name: str, found: Any, i: int) -> Items:
-    """Quantities of an estimate and its ends."""
-    yield from with_interval(name, *ends_of(found, i))
 
 
 def looks(results: StudyResults) -> dict[str, Look]:
@@ -110,8 +117,9 @@ def finite(values: Floats) -> Floats:
 
 def medians_said(rows: Iterable[tuple[str, Iterable[tuple[str, Floats]]]]) -> str:
     """``0°: S1 9.81, S3 12.2; 30°: ...``, for those who do not see a figure."""
-    return "; ".join(f"{title}: " + ", ".join(f"{n} {_median(finite(v))}" for n, v in row) for title, row in rows)
+    return "; ".join(f"{title}: " + ", ".join(f"{n} {number(median(v))}" for n, v in row) for title, row in rows)
 
 
-def _median(values: Floats) -> str:
-    return number(float(np.median(values))) if values.size else "none"
+def median(values: Floats) -> float:
+    """Of those that are finite; NaN without any."""
+    return float(np.median(finite(values))) if np.isfinite(values).any() else np.nan

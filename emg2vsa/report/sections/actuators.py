@@ -12,7 +12,7 @@ from emg2vsa.discrimination.discriminate import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID, RunTable
 from emg2vsa.figures.casr import ConditionBoxes, draw_conditions
 from emg2vsa.report import designs
-from emg2vsa.report.designs import design_name, ends_of, finite, intervals, of_tests, tested
+from emg2vsa.report.designs import cells, design_name, ends_of, finite, of_tests, tested
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, with_interval
@@ -28,16 +28,21 @@ def _quantities(results: StudyResults) -> Items:
     compared, table = found.conditions, found.table
     yield "runs.closest_pair", " ".join(compared.pair)
     yield from designs.of_designs(found, {"separation.gap": compared.gaps, "separation.cv": compared.press_sd})
-    for i, other in enumerate(compared.other.tolist()):
-        name = f"runs.human_like_against.{table.conditions[other]}.{table.angles_deg[other]:g}"
-        yield from intervals(f"{name}.gap_difference", compared.gap_differences, i)
-        yield from intervals(f"{name}.level_ratio", compared.level_ratio, i)
-        yield from intervals(f"{name}.cv_ratio", compared.cv_ratio, i)
-        _, low, high = ends_of(compared.gap_differences, i)
+    for i, name in enumerate(_against(found)):
+        gap, low, high = ends_of(compared.gap_differences, i)
+        yield from with_interval(f"{name}.gap_difference", gap, low, high)
+        yield from with_interval(f"{name}.level_ratio", *ends_of(compared.level_ratio, i))
+        yield from with_interval(f"{name}.cv_ratio", *ends_of(compared.cv_ratio, i))
         yield f"{name}.verdict", "larger" if low > 0 else "smaller" if high < 0 else "not determined"
     yield from with_interval("runs.mounting_sd_percent", *(100 * value for value in compared.mounting_sd))
     for contrast in found.contrasts:
         yield from _contrast_quantities(contrast, table)
+
+
+def _against(found: Discrimination) -> list[str]:
+    """How quantities of the human-like condition against every other begin."""
+    pairs = designs.pairs_of(found.table)
+    return ["runs.human_like_against.{}.{:g}".format(*pairs[other]) for other in found.conditions.other]
 
 
 def _contrast_quantities(contrast: Contrast, table: RunTable) -> Items:
@@ -64,8 +69,8 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     level = f"{100 * compared.confidence:g} %"
     against: Columns = {
         Column("other", "Human-like (modular) against"): [design_name(table, i) for i in compared.other.tolist()],
-        Column("gap_difference", "Distance: difference, in SDs"): designs.said(compared.gap_differences),
-        Column("cv_ratio", "SD of a press: ratio"): designs.said(compared.cv_ratio),
+        Column("gap_difference", "Distance: difference, in SDs"): cells(q, _against(found), "gap_difference"),
+        Column("cv_ratio", "SD of a press: ratio"): cells(q, _against(found), "cv_ratio"),
         Column("level_change_percent", "Mean CASR: difference (%)"): [
             _level_change(*ends_of(compared.level_ratio, i)) for i in range(compared.other.size)
         ],

@@ -12,13 +12,13 @@ from emg2vsa.discrimination.run_table import RIGID
 from emg2vsa.figures.canvas import PairBar
 from emg2vsa.figures.casr import POOLED, draw_areas, draw_contacts
 from emg2vsa.report import designs
-from emg2vsa.report.designs import ends_of, finite, intervals, keys, of_tests, tested
+from emg2vsa.report.designs import cells, ends_of, finite, of_tests, tested
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, moments
+from emg2vsa.report.numbers import Items, with_interval
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Columns, Table, table_of
-from emg2vsa.report.wording import area_unit, interval, number, p_value
+from emg2vsa.report.wording import area_unit, number, p_value
 from emg2vsa.run_scores import PICTURED_N
 
 _OUTLINED = {"front": "outline and area by the {} algorithm"}
@@ -32,14 +32,12 @@ def _quantities(results: StudyResults) -> Items:
     found = tested(results)
     table, area, unit = found.table, found.area, found.table.area_unit
     of_area = {
-        "specimens_p": area.kruskal.p, "specimens_epsilon2": area.kruskal.epsilon2,
-        "softest_over_stiffest": area.softest_over_stiffest,
+        "area.specimens_p": area.kruskal.p, "area.specimens_epsilon2": area.kruskal.epsilon2,
+        "area.softest_over_stiffest": area.softest_over_stiffest,
     }  # fmt: skip
-    yield from designs.of_designs(found, {f"area.{key}": values for key, values in of_area.items()})
-    for i, name in enumerate(keys(found)):
-        for key, areas in (("a_c0", table.a_c0), ("start_area", table.start_area)):
-            for specimen, values in zip(table.specimens, areas[table.algorithm][i], strict=True):
-                yield from moments(f"{name}.{specimen}.{key}_{unit}", values)
+    yield from designs.of_designs(found, of_area)
+    yield from designs.of_presses(found, f"a_c0_{unit}", table.a_c0)
+    yield from designs.of_presses(found, f"start_area_{unit}", table.start_area)
     if of := found.area_by_angle:
         for i, condition in enumerate(of.conditions):
             name = f"runs.{condition}.area.angles"
@@ -48,54 +46,45 @@ def _quantities(results: StudyResults) -> Items:
             yield f"{name}.falls", of.falls(i)
             for a, angle in enumerate(of.angles_deg.tolist()):
                 if np.isfinite(of.over_first[i].estimate[a]):
-                    yield from intervals(f"{name}.over_first.{angle:g}", of.over_first[i], a)
+                    yield from with_interval(f"{name}.over_first.{angle:g}", *ends_of(of.over_first[i], a))
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     found = tested(results)
-    yield _by_specimen(found)
-    yield _by_angle(found)
-
-
-def _by_specimen(found: Discrimination) -> Table:
-    table, area, unit = found.table, found.area, found.table.area_unit
-    names = [table.specimens[i] for i in table.known]
+    table, unit, by = found.table, found.table.area_unit, designs.BY_PRESSES
     columns = {
-        **{
-            Column(f"{name}_{unit}", f"{name} ({area_unit(unit)})"): mean
-            for name, mean in zip(names, area.mean.T, strict=True)
-        },
-        Column("softest_over_stiffest", "Softest / stiffest"): area.softest_over_stiffest,
-        Column("p", "Kruskal-Wallis p"): area.kruskal.p,
+        Column(f"{name}_{unit}", f"{name} ({area_unit(unit)})"): f"{name}.start_area_{unit}.mean"
+        for name in (table.specimens[i] for i in table.known)
+    } | {
+        Column("softest_over_stiffest", "Softest / stiffest"): "area.softest_over_stiffest",
+        Column("p", "Kruskal-Wallis p"): "area.specimens_p",
         Column("p_paper", "Paper's p"): [
-            paper.AREA_SPECIMENS_P.get(angle) if condition == RIGID else None
-            for condition, angle in designs.pairs_of(table)
+            paper.AREA_SPECIMENS_P.get(angle) if condition == RIGID else None for condition, angle in designs.pairs_of(table)
         ],
-        Column("epsilon2", "ε²_R"): area.kruskal.epsilon2,
-    }
+        Column("epsilon2", "ε²_R"): "area.specimens_epsilon2",
+    }  # fmt: skip
     caption = f"Mean initial area by specimen ({table.algorithm} algorithm); ratio with its interval over mountings"
-    return designs.by_design("area_by_specimen", f"{caption}. {designs.BY_PRESSES}", table, columns)
-
-
-def _by_angle(found: Discrimination) -> Table:
-    of, unit = found.area_by_angle, found.table.area_unit
-    columns: Columns = {Column("condition", "Condition"): ()}
-    if of:
-        angles, rows = of.angles_deg.tolist(), range(len(of.conditions))
-        columns = {Column("condition", "Condition"): of.conditions}
-        for angle, mean in zip(angles, of.mean.T, strict=True):
-            columns[Column(f"area_{angle:g}_deg_{unit}", f"{angle:g}° ({area_unit(unit)})")] = mean
-        for a, angle in enumerate(angles[1:], start=1):
-            ratios = [interval(*ends_of(of.over_first[i], a)) for i in rows]
-            columns[Column(f"over_first_{angle:g}_deg", f"{angle:g}° / {angles[0]:g}°")] = ratios
-        worst = [p_value(of.worst_p(i)) for i in rows]
-        columns |= {
-            Column("p", "Kruskal-Wallis p"): of.kruskal.p,
-            Column("worst_p", "Worst pair (Dunn, Bonferroni)", name="p_worst"): worst,
-            Column("falls", "Falls with angle"): [of.falls(i) for i in rows],
-        }
+    yield designs.by_design("area_by_specimen", f"{caption}. {by}", found, q, columns)
+    if (of := found.area_by_angle) is None:
+        return
+    angles, names = [f"{angle:g}" for angle in of.angles_deg], [f"runs.{each}.area.angles" for each in of.conditions]
+    means = {
+        Column(f"area_{angle}_deg_{unit}", f"{angle}° ({area_unit(unit)})"): mean
+        for angle, mean in zip(angles, of.mean.T, strict=True)
+    }
+    ratios = {
+        Column(f"over_first_{angle}_deg", f"{angle}° / {angles[0]}°"): cells(q, names, f"over_first.{angle}")
+        for angle in angles[1:]
+    }
+    worst = [p_value(of.worst_p(i)) for i in range(len(names))]
+    rows: Columns = {
+        Column("condition", "Condition"): of.conditions, **means, **ratios,
+        Column("p", "Kruskal-Wallis p"): of.kruskal.p,
+        Column("worst_p", "Worst pair (Dunn, Bonferroni)", name="p_worst"): worst,
+        Column("falls", "Falls with angle"): cells(q, names, "falls"),
+    }  # fmt: skip
     caption = "Mean initial area by angle, all known specimens; ratios with their intervals over mountings"
-    return table_of("area_by_angle", f"{caption}. {designs.BY_PRESSES}", columns)
+    yield table_of("area_by_angle", f"{caption}. {by}", rows)
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:

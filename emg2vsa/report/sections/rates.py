@@ -19,7 +19,7 @@ from emg2vsa.report.companion_rows import dunn_bounds
 from emg2vsa.report.designs import design_name, finite, keys, of_tests, tested
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, moments
+from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Table
 from emg2vsa.report.wording import UNDEFINED, area_unit, exact_p, listed, p_value, scored_by
@@ -42,63 +42,62 @@ def _quantities(results: StudyResults) -> Items:
     if new is not None:
         of_casr |= {f"new.{side}_mean_rank_p": new.p_mean_rank[:, i] for i, side in enumerate(_SIDES)}
         of_casr |= {"new.between": new.between, "new.discriminated": new.discriminated}
-    yield from designs.of_designs(found, of_casr | _steps(found, "casr.{}_over_{}"))
+    yield from designs.of_designs(found, of_casr | _steps(found))
     for i, name in enumerate(keys(found)):
         if not table.unscored(i, spread.specimens):
             yield f"{name}.casr.rises", bool(spread.rises[i])
-        for specimen, values in zip(table.specimens, table.casr[table.algorithm][i], strict=True):
-            yield from moments(f"{name}.{specimen}.casr_{table.area_unit}_per_n", values)
+    yield from designs.of_presses(found, f"casr_{table.area_unit}_per_n", table.casr)
     if new is not None:
         yield "runs.new.specimen", new.name
         yield "runs.new.discriminated", int(np.count_nonzero(new.discriminated))
         yield "runs.new.designs", int(new.discriminated.size)
 
 
-def _steps(found: Discrimination, key: str) -> dict[str, Ratios]:
-    """(D,) from every specimen to the next softer one, by names that ``key`` takes."""
+def _steps(found: Discrimination) -> dict[str, Ratios]:
+    """(D,) from every specimen to the next softer one, by their keys."""
     pairs, steps = list(pairwise(found.table.specimens)), found.spread.steps
-    parts = [(each.reshape(-1, len(pairs))) for each in (steps.estimate, steps.low, steps.high)]
-    return {key.format(*reversed(pair)): Ratios(*(part[:, k] for part in parts)) for k, pair in enumerate(pairs)}
+    parts = [each.reshape(-1, len(pairs)).T for each in (steps.estimate, steps.low, steps.high)]
+    return {f"casr.{soft}_over_{stiff}": Ratios(*ends) for (stiff, soft), *ends in zip(pairs, *parts, strict=True)}
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     """CASR by specimen, from each to the next softer one, and of the new one beside its neighbours."""
     found = tested(results)
-    table, spread, unit = found.table, found.spread, found.table.area_unit
+    table, unit = found.table, found.table.area_unit
     of_design, count = designs.pairs_of(table), np.isfinite(table.casr[table.algorithm][0]).sum(axis=1)
-    by_specimen = {
-        **{
-            Column(f"{name}_{unit}_per_n", f"{name} ({area_unit(unit)}/N)"): mean
-            for name, mean in zip(spread.specimens, spread.mean.T, strict=True)
-        },
-        Column("rises", "Softer is larger"): _scored(found, spread.specimens, spread.rises),
-        Column("p", "Kruskal-Wallis p"): spread.kruskal.p,
+    columns: dict[Column, Any] = {
+        Column(f"{name}_{unit}_per_n", f"{name} ({area_unit(unit)}/N)"): f"{name}.casr_{unit}_per_n.mean"
+        for name in found.spread.specimens
+    } | {
+        Column("rises", "Softer is larger"): "casr.rises",
+        Column("p", "Kruskal-Wallis p"): "casr.specimens_p",
         Column("worst_paper", "Paper's worst p (Dunn, Bonferroni)"): [
             exact_p(paper.CASR_WORST_P.get(design, np.nan)) for design in of_design
         ],
-        Column("worst_dunn", "Worst p here (Dunn, Bonferroni)"): list(map(p_value, spread.worst_p.tolist())),
-    }
+        Column("worst_dunn", "Worst p here (Dunn, Bonferroni)"): list(map(p_value, found.spread.worst_p.tolist())),
+    }  # fmt: skip
     caption = f"Mean CASR by specimen, and the paper's tests. {_bound(count[table.known])}{designs.BY_PRESSES}"
-    yield designs.by_design("casr_by_specimen", caption, table, by_specimen)
-    caption = (
-        f"CASR over that of the next stiffer specimen, {100 * (1 - found.settings.alpha):g} % interval over mountings"
-    )
-    steps = zip(_steps(found, "{}_over_{}"), _steps(found, "{} / {}").items(), strict=True)
-    yield designs.by_design("casr_steps", caption, table, {Column(key, head): each for key, (head, each) in steps})
+    yield designs.by_design("casr_by_specimen", caption, found, q, columns)
+    level = f"{100 * (1 - found.settings.alpha):g} % interval over mountings"
+    columns = {
+        Column(f"{soft}_over_{stiff}", f"{soft} / {stiff}"): f"casr.{soft}_over_{stiff}"
+        for stiff, soft in pairwise(table.specimens)
+    }
+    yield designs.by_design("casr_steps", f"CASR over that of the next stiffer specimen, {level}", found, q, columns)
     if (new := found.new) is None:
         return
     three = [name for name in (*new.neighbours, new.name) if name]
-    beside = {
+    columns = {
         Column("paper", "Paper (Dunn, Bonferroni)"): list(map(_paper_new, of_design)),
         **{
-            Column(f"p_rank_{side}", f"p against {new.neighbours[i] or 'none'} (Dunn, Bonferroni)"): p
-            for i, (side, p) in enumerate(zip(_SIDES, new.p_mean_rank.T, strict=True))
+            Column(f"p_rank_{side}", f"p against {name or 'none'} (Dunn, Bonferroni)"): f"new.{side}_mean_rank_p"
+            for side, name in zip(_SIDES, new.neighbours, strict=True)
         },
         Column("between", "Lies between"): _scored(found, three, new.between),
         Column("discriminated", "Both intervals say so"): _scored(found, three, new.discriminated),
     }
     caption = f"{new.name} beside its neighbours in stiffness. {_bound(count)}{designs.BY_PRESSES}"
-    yield designs.by_design("new_specimen", caption, table, beside)
+    yield designs.by_design("new_specimen", caption, found, q, columns)
 
 
 def _scored(found: Discrimination, specimens: Sequence[str], values: np.ndarray) -> list[bool | None]:

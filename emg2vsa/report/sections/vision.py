@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from importlib import import_module
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -16,14 +17,13 @@ from emg2vsa.curves.line import fit_line
 from emg2vsa.discrimination.run_table import RIGID
 from emg2vsa.figures.algorithm_1 import draw_steps
 from emg2vsa.report import designs
-from emg2vsa.report.designs import design_name, of_tests, tested
+from emg2vsa.report.designs import cells, design_name, keys, of_tests, tested
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Quantities, Section
-from emg2vsa.report.table import Column, Columns, Table, columns, records, table_of
-from emg2vsa.run_scores import FirstContact, RunScores
-from emg2vsa.shown import shown, words_of
+from emg2vsa.report.table import Column, Columns, Table, columns, table_of
+from emg2vsa.run_scores import FirstContact
 from emg2vsa.statistics.kruskal import midranks
 
 _ANGLE_DEG = 45.0
@@ -31,88 +31,72 @@ _ANGLE_DEG = 45.0
 _NUMBERS = ("area_ratio", "area_error", "area_error_sd", "area_cv", "casr_cv")
 
 
-@dataclass(frozen=True)
-class _Pins:
-    """Pins that Algorithm 1 selects in the first frame of the presses on a specimen at an angle, of all conditions."""
-
-    angle_deg: float = field(metadata=shown("Angle (°)", digits=2))
-    specimen: str = field(metadata=shown("Specimen"))
-    presses: int = field(metadata=shown("Presses"))
-    first_low_n: float = field(metadata=shown("First frame: least (N)"))
-    first_high_n: float = field(metadata=shown("Largest (N)"))
-    least: int = field(metadata=shown("n: least"))
-    median: float = field(metadata=shown("Median"))
-    most: int = field(metadata=shown("Largest"))
-    none: int = field(metadata=shown("Presses with n = 0"))
-    rank_correlation: float = field(metadata=shown("Rank correlation of n with force", digits=2))
-    pins_per_n: float
-    "NaN where all first frames have one force."
-
-
-def _pins(results: StudyResults) -> list[_Pins]:
-    """Of every specimen at every angle with a press that tells the force and the pins of its first frame."""
-    table, found = tested(results).table, []
-    for angle in sorted({*table.angles_deg.tolist()}):
-        for name in table.specimens:
-            runs = [run for run in results.pressed.scores if (run.specimen, run.angle_deg) == (name, angle)]
-            force_n = np.concatenate([np.empty(0), *(run.first_n for run in runs)])
-            pins = np.concatenate([np.empty(0, dtype=np.int64), *(run.pins_selected for run in runs)])
-            known = np.isfinite(force_n) & (pins >= 0)
-            if known.any():
-                found.append(_counted(angle, name, force_n[known], pins[known]))
-    return found
-
-
-def _counted(angle_deg: float, specimen: str, force_n: Floats, pins: Ints) -> _Pins:
-    several = np.ptp(force_n) > 0
-    ranks = midranks(force_n), midranks(pins)
-    return _Pins(
-        angle_deg, specimen, pins.size, float(force_n.min()), float(force_n.max()), int(pins.min()),
-        float(np.median(pins)), int(pins.max()), int(np.count_nonzero(pins == 0)),
-        float(np.corrcoef(*ranks)[0, 1]) if pins.size > 2 and several and np.ptp(pins) > 0 else np.nan,
-        # 0, without a rest of rounding, where all counts are the same
-        float(fit_line(force_n[None], pins[None].astype(np.float64)).slope[0]) if several else np.nan,
-    )  # fmt: skip
+def _pins(results: StudyResults) -> Iterator[tuple[float, str, Floats, Ints]]:
+    """Angle, specimen, and (n,) forces and pins that Algorithm 1 selects in first frames of presses that tell both."""
+    table = tested(results).table
+    for angle, name in product(sorted({*table.angles_deg.tolist()}), table.specimens):
+        runs = [run for run in results.pressed.scores if (run.specimen, run.angle_deg) == (name, angle)]
+        force_n = np.concatenate([np.empty(0), *(run.first_n for run in runs)])
+        pins = np.concatenate([np.empty(0, dtype=np.int64), *(run.pins_selected for run in runs)])
+        known = np.isfinite(force_n) & (pins >= 0)
+        if known.any():
+            yield angle, name, force_n[known], pins[known]
 
 
 def _quantities(results: StudyResults) -> Items:
-    every = _pins(results)
-    for each in every:
-        name = f"runs.algorithm_1.{each.angle_deg:g}.{each.specimen}.pins"
-        yield from zip(
-            (f"{name}.min", f"{name}.median", f"{name}.max"), (each.least, each.median, each.most), strict=True
-        )
-        yield f"{name}.rank_correlation_with_force", each.rank_correlation
-    if every:
-        yield "runs.algorithm_1.pins.min", min(each.least for each in every)
-        yield "runs.algorithm_1.pins.max", max(each.most for each in every)
-        yield "runs.algorithm_1.pins.none", sum(each.none for each in every)
-        steps = [np.diff(curve.force_n) for run in results.pressed.scores for curve in run.curves]
-        yield "runs.algorithm_1.step_n.median", _median(np.concatenate([np.empty(0), *steps]))
-        yield "runs.algorithm_1.pins_per_n.median", _median(designs.finite(np.array([e.pins_per_n for e in every])))
+    counts, per_n = [], [np.nan]
+    for angle, specimen, force_n, pins in _pins(results):
+        name, several = f"runs.algorithm_1.{angle:g}.{specimen}.pins", np.ptp(force_n) > 0
+        yield f"{name}.min", int(pins.min())
+        yield f"{name}.median", float(np.median(pins))
+        yield f"{name}.max", int(pins.max())
+        ranked = pins.size > 2 and several and np.ptp(pins) > 0
+        rank_correlation = np.corrcoef(midranks(force_n), midranks(pins))[0, 1] if ranked else np.nan
+        yield f"{name}.rank_correlation_with_force", float(rank_correlation)
+        counts.append(pins)
+        if several:
+            # 0, without a rest of rounding, where all counts are the same
+            per_n.append(float(fit_line(force_n[None], pins[None].astype(np.float64)).slope[0]))
+    if counts:
+        pins, steps = np.concatenate(counts), [np.diff(c.force_n) for run in results.pressed.scores for c in run.curves]
+        yield "runs.algorithm_1.pins.min", int(pins.min())
+        yield "runs.algorithm_1.pins.max", int(pins.max())
+        yield "runs.algorithm_1.pins.none", int(np.count_nonzero(pins == 0))
+        yield "runs.algorithm_1.step_n.median", designs.median(np.concatenate([np.empty(0), *steps]))
+        yield "runs.algorithm_1.pins_per_n.median", designs.median(np.array(per_n))
     found = tested(results)
     for a, algorithm in enumerate(found.algorithms.names):
-        of_algorithm = {key: getattr(found.algorithms, key)[a] for key in _NUMBERS} | {"gap": found.algorithms.gaps[a]}
-        yield from designs.of_designs(found, {f"{algorithm}.{key}": each for key, each in of_algorithm.items()})
-
-
-def _median(values: Floats) -> float:
-    return float(np.median(values)) if values.size else np.nan
+        of_algorithm = {key: getattr(found.algorithms, key)[a] for key in (*_NUMBERS, "gaps")}
+        yield from designs.of_designs(found, {f"{algorithm}.{k.removesuffix('s')}": v for k, v in of_algorithm.items()})
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
-    every, rule = _pins(results), results.study.scoring.recipe_of("paper").force_rule
-    heads = tuple(Column(key, *words) for key, words in words_of(_Pins).items())
+    every, rule = [*_pins(results)], results.study.scoring.recipe_of("paper").force_rule
+    names = [f"runs.algorithm_1.{angle:g}.{specimen}.pins" for angle, specimen, *_ in every]
+    counted: Columns = {
+        Column("angle_deg", "Angle (°)", digits=2): [angle for angle, *_ in every],
+        Column("specimen", "Specimen"): [specimen for _, specimen, *_ in every],
+        Column("presses", "Presses"): [pins.size for *_, pins in every],
+        Column("first_low_n", "First frame: least (N)"): [float(force_n.min()) for *_, force_n, _ in every],
+        Column("first_high_n", "Largest (N)"): [float(force_n.max()) for *_, force_n, _ in every],
+        Column("least", "n: least"): cells(q, names, "min"),
+        Column("median", "Median"): cells(q, names, "median"),
+        Column("most", "Largest"): cells(q, names, "max"),
+        Column("none", "Presses with n = 0"): [int(np.count_nonzero(pins == 0)) for *_, pins in every],
+        Column("rank_correlation", "Rank correlation of n with force", digits=2): cells(
+            q, names, "rank_correlation_with_force"
+        ),
+    }
     caption = (
         "Pins n that Algorithm 1 selects in the first frame in contact, by the "
         f"{'mean force per frame' if rule == 'mean' else 'force at exposure of the frame'}; n = 0 in "
-        f"{sum(each.none for each in every)} of {sum(each.presses for each in every)} presses, where no pin moved"
+        f"{q.get('runs.algorithm_1.pins.none', 0)} of {sum(pins.size for *_, pins in every)} presses, where no pin moved"
     )
-    yield Table("algorithm_1", caption, heads, records(every, heads))
-    yield _compared(results)
+    yield table_of("algorithm_1", caption, counted)
+    yield _compared(results, q)
 
 
-def _compared(results: StudyResults) -> Table:
+def _compared(results: StudyResults, q: Quantities) -> Table:
     found = tested(results)
     compared, table = found.algorithms, found.table
     shown = _NUMBERS if np.isfinite(compared.area_error).any() else (_NUMBERS[0], *_NUMBERS[3:])
@@ -122,7 +106,7 @@ def _compared(results: StudyResults) -> Table:
         designs.DESIGN: names * count,
         **columns(compared, *shown, at=(np.repeat(range(count), len(names)), np.tile(range(len(names)), count))),
         Column("gap", f"{compared.pair[0]} to {compared.pair[1]}, in SDs of a press"): [
-            each for gaps in compared.gaps for each in designs.said(gaps)
+            each for name in compared.names for each in cells(q, keys(found), f"{name}.gap")
         ],
     }
     caption = (
@@ -137,33 +121,25 @@ def _compared(results: StudyResults) -> Table:
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
-    run = _pictured(results)
-    if run is not None and run.first_contact is not None:
-        yield _steps(results, run, run.first_contact)
-
-
-def _pictured(results: StudyResults) -> RunScores | None:
-    """The run of Fig. 2: rigid and at the paper's angle if there is one, of the stiffest specimen."""
-    order = tested(results).table.specimens
-    return min(
+    """Figure 2, of a run that is rigid and at the paper's angle if there is one, of the stiffest specimen."""
+    order, scoring = tested(results).table.specimens, results.study.scoring
+    run = min(
         (run for run in results.pressed.scores if run.first_contact is not None and run.specimen in order),
         key=lambda run: (run.condition != RIGID, abs(run.angle_deg - _ANGLE_DEG), order.index(run.specimen)),
         default=None,
     )
-
-
-def _steps(results: StudyResults, run: RunScores, seen: FirstContact) -> Drawing:
-    flow_px, named = _flow(seen, results.study.scoring.recipe.engine)
-    count, threshold = seen.selected.size, results.study.scoring.threshold_px
+    if run is None or (seen := run.first_contact) is None:
+        return
+    flow_px, named = _flow(seen, scoring.recipe.engine)
     first_n, next_n = seen.force_n.tolist()
-    press = f"press {seen.repetition} on {run.specimen}, {run.condition}, {run.angle_deg:g}°"
     caption = (
-        f"Fig. 2. Algorithm 1, {press}: pins that moved more than {threshold:g} px in the first frame ({first_n:.2f} "
-        f"N; arrows × 4) get hexagons; {named} flow to {next_n:.2f} N."
+        f"Fig. 2. Algorithm 1, press {seen.repetition} on {run.specimen}, {run.condition}, {run.angle_deg:g}°: pins that "
+        f"moved more than {scoring.threshold_px:g} px in the first frame ({first_n:.2f} N; arrows × 4) get hexagons; "
+        f"{named} flow to {next_n:.2f} N."
     )
-    told = f"{count} of {len(seen.rest_px)} pins are selected at {first_n:.2f} N."
+    told = f"{seen.selected.size} of {len(seen.rest_px)} pins are selected at {first_n:.2f} N."
     figure = draw_steps(seen, flow_px)
-    return designs.drawing(results, "fig02_algorithm_1", "Steps of Algorithm 1", caption, told, figure)
+    yield designs.drawing(results, "fig02_algorithm_1", "Steps of Algorithm 1", caption, told, figure)
 
 
 def _flow(seen: FirstContact, engine: str) -> tuple[NDArray[np.floating[Any]], str]:
