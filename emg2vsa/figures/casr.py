@@ -16,7 +16,6 @@ from typing import cast
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
 from casr.spread.curves import fit_power_law
@@ -120,7 +119,11 @@ def draw_rates(rows: Sequence[tuple[str, Sequence[RateSeries]]], unit: str) -> F
     figure, panels = panel_grid(len(rows), (1.15, 1), 38, (13, 2, 11, 13), (17, 12))
     for (raw, boxes), (title, specimens) in zip(panels, rows, strict=True):
         for series in specimens:
-            _raw(raw, series)
+            force_n, rate = series.quotients
+            # a step prime to the frames of a press shows all presses and all forces alike
+            every = max(1, force_n.size // _MARKS) | 1
+            marks(raw, force_n[::every], rate[::every], series.look, 2.5, 0, alpha=0.55)
+            raw.plot(*series.fit, color=series.look.colour, linestyle=series.look.dash)
         raw.set(ylabel=f"dA/dF ({unit}/N)", xlim=(0, None))
         raw.set_title(title, loc="center")
         _keep_most(raw, [series.quotients[1] for series in specimens])
@@ -144,16 +147,6 @@ def _keep_most(axes: Axes, rates: Sequence[Floats]) -> None:
     axes.set_ylim(low, high)
     if outside := int(np.count_nonzero((together < low) | (together > high))):
         axes.set_title(f"{outside} beyond", loc="right", fontsize=7)
-
-
-def _raw(axes: Axes, series: RateSeries) -> None:
-    force_n, rate = series.quotients
-    if not force_n.size:
-        return
-    # a step prime to the frames of a press shows all presses and all forces alike
-    every = max(1, force_n.size // _MARKS) | 1
-    marks(axes, force_n[::every], rate[::every], series.look, 2.5, 0, alpha=0.55)
-    axes.plot(*series.fit, color=series.look.colour, linestyle=series.look.dash)
 
 
 _ASIDE = 0.21
@@ -203,11 +196,9 @@ def draw_conditions(
     for row, name in ((levels, f"CASR ({unit}/N)"), (differences, "Human-like less rigid (%)")):
         one_scale(row)
         row[0].set_ylabel(name)
-    handles = [
-        Line2D([], [], marker="o", linestyle="none", markerfacecolor=face, markeredgecolor=INK, label=label)
-        for face, label in (("white", _RIGID), (INK, _HUMAN_LIKE))
-    ]
-    figure.legend(handles=handles, loc="upper center", ncols=2)
+    for face, label in (("white", _RIGID), (INK, _HUMAN_LIKE)):
+        marks(levels[0], [], [], _RING, edge=1, markerfacecolor=face, label=label)
+    figure.legend(loc="upper center", ncols=2)
     return figure
 
 
@@ -286,10 +277,6 @@ class Estimate:
     printed: float = np.nan
 
 
-_ERRORS = (-100.0, 100.0)
-_NOT_DETERMINED = "not determined"
-
-
 def draw_estimates(
     panels: Sequence[tuple[str, Sequence[Estimate]]], label: str, truth: float, known: Mapping[str, float] | None = None
 ) -> Figure:
@@ -303,7 +290,7 @@ def draw_estimates(
         figure, row = canvas.new_figure(canvas.ONE_COLUMN_MM, height + 22, margins)
     else:
         figure, (row,) = panel_grid(1, [1] * len(panels), height, margins, (4, 0))
-    limits = (min(known.values()) / 1.8, 3.5 * max(known.values())) if known else _ERRORS
+    limits = (min(known.values()) / 1.8, 3.5 * max(known.values())) if known else (-100.0, 100.0)
     for axes, (title, estimates) in zip(row, panels, strict=True):
         axes.axvline(truth, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
         for place, each in enumerate(estimates):
@@ -335,4 +322,4 @@ def _estimate(axes: Axes, place: int, each: Estimate, limits: tuple[float, float
         value = min(max(each.value, limits[0]), limits[1])
         marks(axes, value, place, each.look, 5, 0.8, markerfacecolor=face, markeredgecolor=colour, clip_on=False)
     if not each.determined and (np.isfinite(each.value) or each.low == each.low):
-        axes.text(0.99 * limits[1], place - 0.12, _NOT_DETERMINED, ha="right", va="bottom", color=MUTED, fontsize=6)
+        axes.text(0.99 * limits[1], place - 0.12, "not determined", ha="right", va="bottom", color=MUTED, fontsize=6)

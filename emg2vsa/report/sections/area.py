@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from emg2vsa.arrays import mean_of
 from emg2vsa.claims import paper
-from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import RIGID
 from emg2vsa.figures.canvas import PairBar
 from emg2vsa.figures.casr import POOLED, draw_areas, draw_contacts
@@ -20,9 +20,6 @@ from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import area_unit, number, p_value
 from emg2vsa.run_scores import PICTURED_N
-
-_OUTLINED = {"front": "outline and area by the {} algorithm"}
-_GROWN = "region whose growth is measured, and A_c0 times that growth ({} algorithm)"
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -52,6 +49,7 @@ def _quantities(results: StudyResults) -> Items:
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     found = tested(results)
     table, unit, by = found.table, found.table.area_unit, designs.BY_PRESSES
+    of_design = designs.pairs_of(table)
     columns = {
         Column(f"{name}_{unit}", f"{name} ({area_unit(unit)})"): f"{name}.start_area_{unit}.mean"
         for name in (table.specimens[i] for i in table.known)
@@ -59,7 +57,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         Column("softest_over_stiffest", "Softest / stiffest"): "area.softest_over_stiffest",
         Column("p", "Kruskal-Wallis p"): "area.specimens_p",
         Column("p_paper", "Paper's p"): [
-            paper.AREA_SPECIMENS_P.get(angle) if condition == RIGID else None for condition, angle in designs.pairs_of(table)
+            paper.AREA_SPECIMENS_P.get(angle) if condition == RIGID else None for condition, angle in of_design
         ],
         Column("epsilon2", "ε²_R"): "area.specimens_epsilon2",
     }  # fmt: skip
@@ -88,53 +86,47 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
-    found = tested(results)
-    table = found.table
+    table = tested(results).table
     condition = RIGID if table.of_condition(RIGID) else table.conditions[0]
-    own = table.of_condition(condition)
-    yield _differences(results, found, condition, own)
-    pictures = {
-        (run.specimen, run.angle_deg): run.picture for run in results.pressed.scores if run.condition == condition
-    }
-    angles, known = table.angles_deg[own].tolist(), [table.specimens[i] for i in table.known]
-    seen = {
-        name: [(f"{angle:g}°", picture) for angle in angles if (picture := pictures.get((name, angle)))]
-        for name in known
-    }
-    specimen = max(seen, key=lambda name: len(seen[name]))
-    if not (panels := seen[specimen]):
+    yield _differences(results, condition)
+    runs = [run for run in results.pressed.scores if run.condition == condition and run.picture]
+    specimen = max((table.specimens[i] for i in table.known), key=[run.specimen for run in runs].count)
+    own = sorted((run for run in runs if run.specimen == specimen), key=lambda run: run.angle_deg)
+    if not (panels := [(f"{run.angle_deg:g}°", run.picture) for run in own if run.picture]):
         return
-    unit = area_unit(table.area_unit)
+    unit, algorithm = area_unit(table.area_unit), table.algorithm
     told = "; ".join(f"{title}: {number(p.area_mm2)} {unit} at {p.force_n:.2f} N" for title, p in panels)
-    caption = (
-        f"Fig. 9. Contact on {specimen}, {condition}, near {PICTURED_N:g} N, with the "
-        f"{_OUTLINED.get(table.algorithm, _GROWN).format(table.algorithm)}."
-    )
+    outlined = f"region whose growth is measured, and A_c0 times that growth ({algorithm} algorithm)"
+    outlined = "outline and area by the front algorithm" if algorithm == "front" else outlined
+    caption = f"Fig. 9. Contact on {specimen}, {condition}, near {PICTURED_N:g} N, with the {outlined}."
     title = "Contact at each angle at one force"
     yield designs.drawing(results, "fig09_first_contact", title, caption, f"{told}.", draw_contacts(panels, unit))
 
 
-def _differences(results: StudyResults, found: Discrimination, condition: str, own: list[int]) -> Drawing:
+def _differences(results: StudyResults, condition: str) -> Drawing:
     """Figure 8: every press beside the mean of all specimens at its angle, and beside its specimen's at the first."""
-    table, known, look = found.table, found.table.known, designs.looks(results)
-    names, values = [table.specimens[i] for i in known], table.start_area[table.algorithm][:, known]
-    means = np.array([[np.mean(finite(each)) if finite(each).size else np.nan for each in row] for row in values])
-    angles, unit, levels = [f"{table.angles_deg[i]:g}°" for i in own], area_unit(table.area_unit), means[own]
-    panels = [
-        (f"{angle}\nmean {number(float(np.nanmean(level)))} {unit}", [
-            (name, 100 * (finite(presses) / np.nanmean(level) - 1), look[name])
-            for name, presses in zip(names, values[i], strict=True)
-        ])
-        for i, angle, level in zip(own, angles, levels, strict=True)
-    ]  # fmt: skip
+    found, look = tested(results), designs.looks(results)
+    table, of = found.table, found.area_by_angle
+    own, unit, names = (
+        table.of_condition(condition),
+        area_unit(table.area_unit),
+        [table.specimens[i] for i in table.known],
+    )
+    values, angles_deg = table.start_area[table.algorithm][own][:, table.known], table.angles_deg[own].tolist()
+    means, angles = mean_of(values), [f"{angle:g}°" for angle in angles_deg]
+    panels = []
+    for angle, level, presses in zip(angles, np.nanmean(means, axis=1).tolist(), values, strict=True):
+        each = zip(names, presses, strict=True)
+        boxes = [(name, 100 * (finite(areas) / level - 1), look[name]) for name, areas in each]
+        panels.append((f"{angle}\nmean {number(level)} {unit}", boxes))
     beside, bars = "", []
-    if len(own) > 1:
-        shares = [finite((100 * (values[i] / levels[0][:, None] - 1)).ravel()) for i in own]
+    if of and condition in of.conditions:
+        shares = [finite((100 * (areas / means[0][:, None] - 1)).ravel()) for areas in values]
         panels.append((f"beside {angles[0]}", [(*each, POOLED) for each in zip(angles, shares, strict=True)]))
-        beside, bars = (
-            f"; right, from its specimen at {angles[0]} (Dunn's test, Bonferroni)",
-            _bars(found, condition, own),
-        )
+        beside = f"; right, from its specimen at {angles[0]} (Dunn's test, Bonferroni)"
+        pairs = zip(of.pairs.first, of.pairs.second, of.pairs.p[of.conditions.index(condition)].tolist(), strict=True)
+        ends = [(of.angles_deg[one], of.angles_deg[other], p) for one, other, p in pairs]
+        bars = [PairBar(angles_deg.index(a), angles_deg.index(b), p) for a, b, p in ends if {a, b} <= {*angles_deg}]
     caption = (
         f"Fig. 8. Initial area where loading begins, {condition} ({table.algorithm} algorithm): difference of each "
         f"press from the mean at its angle{beside}."
@@ -142,16 +134,6 @@ def _differences(results: StudyResults, found: Discrimination, condition: str, o
     told = designs.medians_said((title.replace("\n", ", "), [each[:2] for each in boxes]) for title, boxes in panels)
     title, figure = "Initial contact area by specimen and by angle", draw_areas(panels, bars)
     return designs.drawing(results, "fig08_initial_area", title, caption, f"Medians in percent. {told}.", figure)
-
-
-def _bars(found: Discrimination, condition: str, own: list[int]) -> list[PairBar]:
-    of = found.area_by_angle
-    if of is None or condition not in of.conditions:
-        return []
-    places = {angle: place for place, angle in enumerate(found.table.angles_deg[own].tolist())}
-    ends = zip(of.angles_deg[of.pairs.first].tolist(), of.angles_deg[of.pairs.second].tolist(), strict=True)
-    p = of.pairs.p[of.conditions.index(condition)].tolist()
-    return [PairBar(places[a], places[b], each) for (a, b), each in zip(ends, p, strict=True) if {a, b} <= set(places)]
 
 
 _TEXT = """

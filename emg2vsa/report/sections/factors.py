@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, with_interval
 from emg2vsa.report.section import Quantities, Section
-from emg2vsa.report.table import Column, Columns, Table, columns, table_of
+from emg2vsa.report.table import Column, Columns, Table, from_quantities, table_of
+from emg2vsa.shown import words_of
 from emg2vsa.statistics.factorial import Factorial
 
 _SCORES = {"start_area": "area", "casr": "CASR"}
@@ -17,12 +16,8 @@ _SCORES = {"start_area": "area", "casr": "CASR"}
 
 def _factors(results: StudyResults) -> dict[str, Factorial]:
     found = results.runs.discrimination if results.runs else None
-    models = {"start_area": found.factors.area, "casr": found.factors.casr} if found else {}
-    return {name: model for name, model in models.items() if model is not None}
-
-
-def _applies(results: StudyResults) -> bool:
-    return bool(_factors(results))
+    models = {score: getattr(found.factors, name.lower()) for score, name in _SCORES.items()} if found else {}
+    return {score: model for score, model in models.items() if model is not None}
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -34,21 +29,20 @@ def _quantities(results: StudyResults) -> Items:
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
-    every: list[Columns] = [
-        {
-            Column("score", "Score"): [_SCORES[score]] * len(model.effects),
-            Column("effect", "Effect"): model.effects,
-            **columns(model, "f", "df"),
-            Column("error_df", "Error df"): [model.error_df] * len(model.effects),
-            **columns(model, "p", "eta2", "omega2"),
-            Column("omega2_low", "ω² low"): model.low,
-            Column("omega2_high", "ω² high"): model.high,
-        }
-        for score, model in _factors(results).items()
-    ]
+    every = [(score, model, effect) for score, model in _factors(results).items() for effect in model.effects]
+    names = [f"runs.factors.{score}.{effect.replace(' × ', '-')}" for score, _, effect in every]
+    head = words_of(Factorial)
+    rows: Columns = {
+        Column("score", "Score"): [_SCORES[score] for score, *_ in every],
+        Column("effect", "Effect"): [effect for *_, effect in every],
+        **from_quantities(q, names, {Column(key, *head[key]): key for key in ("f", "df")}),
+        Column("error_df", "Error df"): [model.error_df for _, model, _ in every],
+        **from_quantities(q, names, {Column(key, *head[key]): key for key in ("p", "eta2", "omega2")}),
+        Column("omega2_low", "ω² low"): [q[f"{name}.omega2.low"] for name in names],
+        Column("omega2_high", "ω² high"): [q[f"{name}.omega2.high"] for name in names],
+    }
     caption = "Condition, angle and specimen in one model of ln(score), type II (means of mountings on the rig)"
-    joined = {column: np.concatenate([each[column] for each in every]) for column in every[0]}
-    yield table_of("factors", caption, joined)
+    yield table_of("factors", caption, rows)
 
 
 _TEXT = """
@@ -56,4 +50,6 @@ _TEXT = """
 {{ folded("factors", "Effects of condition, angle and specimen") }}
 """
 
-FACTORS = Section("factors", "Condition, angle and specimen", _TEXT, _applies, _quantities, _tables)
+FACTORS = Section(
+    "factors", "Condition, angle and specimen", _TEXT, lambda results: bool(_factors(results)), _quantities, _tables
+)

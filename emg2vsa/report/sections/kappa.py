@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from emg2vsa.arrays import mean_of
 from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults, ConditionResult, LawResult
 from emg2vsa.claims import paper
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
@@ -22,6 +21,8 @@ from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import interval, number
 
 _STIFFEST, *_, _SOFTEST = paper.KAPPA_N_PER_MM
+_COLUMN = {RIGID: "new_vision", HUMAN_LIKE: "human_like"}
+"""Of Table I that is by hexagons, in which each condition stands."""
 ADVANCING_FRONT_ERROR = 0.096
 """Median error of κ from one press in the world whose contact is a front alone (benchmarks/results/press_worlds)."""
 LAW_ERRORS = (-0.086, 0.108)
@@ -87,9 +88,9 @@ def _algorithm(name: str, of: AlgorithmResult) -> Items:
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     yield from table_one.tables(results, _found(results))
-    yield _every(results)
+    yield _every(results, q)
     yield _laws(results)
-    yield _implied(results)
+    yield _implied(results, q)
 
 
 def span(law: LawResult) -> str:
@@ -109,7 +110,7 @@ def holds(of: AlgorithmResult, truth: float) -> bool | None:
     return bool(low <= truth <= high)
 
 
-def _every(results: StudyResults) -> Table:
+def _every(results: StudyResults, q: Quantities) -> Table:
     found, (algorithm, own) = _found(results), _own(results)
     printed = [
         paper.WORST_ADJ_R2.get(each.condition) if (each.condition, each.angle_deg) in paper.DESIGNS else None
@@ -117,7 +118,10 @@ def _every(results: StudyResults) -> Table:
     ]
     columns: Columns = {
         designs.DESIGN: [_design(each) for each, _ in own],
-        Column("paper_error", "Paper's error, hexagon (%)", 100.0): [_paper_error(each) for each, _ in own],
+        Column("paper_error", "Paper's error, hexagon (%)", 100.0): [
+            q.get(f"paper.kappa_error.{_COLUMN.get(each.condition, each.condition)}.{each.angle_deg:g}")
+            for each, _ in own
+        ],
         Column("exponential_error", "Error here, paper's law (%)", 100.0): [of.paper.error for _, of in own],
         Column("paper_adj_r2", "Paper's worst adj. R²", digits=4): printed,
         Column("adj_r2", "adj. R² here, paper's law", digits=4): [of.paper.adj_r2 for _, of in own],
@@ -163,14 +167,7 @@ def _equation(law: LawResult) -> str | None:
     return law.equation if np.isfinite(law.parameters).all() else None
 
 
-def _paper_error(each: ConditionResult) -> float | None:
-    condition, angle_deg = each.condition, each.angle_deg
-    if condition in paper.ERROR_CONSTANT and (condition, angle_deg) in paper.DESIGNS:
-        return paper.ERROR_CONSTANT[condition]
-    return {RIGID: paper.ERROR_NEW_VISION, HUMAN_LIKE: paper.ERROR_HUMAN_LIKE}.get(condition, {}).get(angle_deg)
-
-
-def _implied(results: StudyResults) -> Table:
+def _implied(results: StudyResults, q: Quantities) -> Table:
     columns: Columns = {
         Column("angle_deg", "Angle (°)", digits=2): list(paper.CURVES),
         Column("curve", "κ (N/mm) as printed"): [f"{p:g} exp({rate:g} CASR)" for p, rate in paper.CURVES.values()],
@@ -180,7 +177,7 @@ def _implied(results: StudyResults) -> Table:
         },
         Column("ratio", f"{_SOFTEST} : {_STIFFEST} implied"): list(map(paper.implied_ratio, paper.CURVES)),
         Column("bound", "Largest possible", digits=2): [paper.largest_ratio()] * len(paper.CURVES),
-        Column("here", f"{_SOFTEST} : {_STIFFEST} here"): [_ratio_here(results, angle) for angle in paper.CURVES],
+        Column("here", f"{_SOFTEST} : {_STIFFEST} here"): [_ratio_here(results, q, angle) for angle in paper.CURVES],
     }
     caption = (
         "CASR of each specimen at which the paper's curves give its stiffness. No unit explains that it falls with the "
@@ -189,14 +186,13 @@ def _implied(results: StudyResults) -> Table:
     return table_of("casr_implied", caption, columns)
 
 
-def _ratio_here(results: StudyResults, angle_deg: float) -> float:
+def _ratio_here(results: StudyResults, q: Quantities, angle_deg: float) -> float:
     """Mean CASR of the softest over that of the stiffest of the paper's specimens; NaN where one was not pressed."""
-    table, ends = tested(results).table, {name: paper.KAPPA_N_PER_MM[name] for name in (_STIFFEST, _SOFTEST)}
-    design = table.design(HUMAN_LIKE, angle_deg)
-    pressed = ends.items() <= results.study.stiffness_n_per_mm.items() and ends.keys() <= {*table.specimens}
-    if design < 0 or not pressed:
+    unit, ends = tested(results).table.area_unit, (_SOFTEST, _STIFFEST)
+    if any(results.study.stiffness_n_per_mm.get(name) != paper.KAPPA_N_PER_MM[name] for name in ends):
         return np.nan
-    softest, stiffest = mean_of(table.casr[table.algorithm][design])[[table.specimens.index(e) for e in reversed(ends)]]
+    of = [f"runs.{HUMAN_LIKE}.{angle_deg:g}.{name}.casr_{unit}_per_n.mean" for name in ends]
+    softest, stiffest = (np.float64(q.get(key, np.nan)) for key in of)
     return float(softest / stiffest)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Ints
 from emg2vsa.claims import paper
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.mountings import Ratios
@@ -23,7 +23,6 @@ from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Table
 from emg2vsa.report.wording import UNDEFINED, area_unit, exact_p, listed, p_value, scored_by
-from emg2vsa.run_scores import PressCurve
 
 _LAW = {"ode": "a power law", "paper": "equation (1)"}
 _SIDES = ("stiffer", "softer")
@@ -159,21 +158,15 @@ def _series(results: StudyResults, design: int) -> Sequence[RateSeries]:
     table, look, recipe = tested(results).table, designs.looks(results), results.study.scoring.recipe
     of = designs.pairs_of(table)[design]
     runs = {run.specimen: run for run in results.pressed.scores if (run.condition, run.angle_deg) == of}
-    return [
-        RateSeries(
-            name, look[name], [_points(curve, recipe.rate == "paper") for curve in runs[name].curves], finite(scores),
-            recipe.law == "paper",
-        )
-        for name, scores in zip(table.specimens, table.casr[table.algorithm][design], strict=True)
-        if name in runs
-    ]  # fmt: skip
-
-
-def _points(curve: PressCurve, as_printed: bool) -> tuple[Floats, Floats]:
-    """Forces and areas of a press; the first force is 0 in equation (2) as printed."""
-    force_n = curve.force_n.copy()
-    force_n[:1] = 0.0 if as_printed else force_n[:1]
-    return force_n, curve.area_mm2
+    found = []
+    for name, scores in zip(table.specimens, table.casr[table.algorithm][design], strict=True):
+        if name in runs:
+            presses = [(curve.force_n, curve.area_mm2) for curve in runs[name].curves]
+            if recipe.rate == "paper":
+                # its first force is 0
+                presses = [(np.append(np.zeros_like(force_n[:1]), force_n[1:]), area) for force_n, area in presses]
+            found.append(RateSeries(name, look[name], presses, finite(scores), recipe.law == "paper"))
+    return found
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:

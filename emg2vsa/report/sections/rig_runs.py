@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
 
 import numpy as np
 
@@ -47,16 +48,16 @@ _ORDERS: dict[Order, str] = {
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
-    order = {name: i for i, name in enumerate(CONDITIONS)}
-    by_design: dict[tuple[str, float], list[RunScores]] = {}
-    for run in results.pressed.scores:
-        by_design.setdefault((run.condition, run.angle_deg), []).append(run)
-    designs = sorted(by_design, key=lambda design: (order.get(design[0], len(order)), *design))
-    runs = [by_design[design] for design in designs]
+    rank = {name: i for i, name in enumerate(CONDITIONS)}
+
+    def place(run: RunScores) -> tuple[int, str, float]:
+        return rank.get(run.condition, len(rank)), run.condition, run.angle_deg
+
+    runs = [[*of] for _, of in groupby(sorted(results.pressed.scores, key=place), key=place)]
     rejected = [_rejected(of) for of in runs]
     columns: Columns = {
-        Column("condition", "Condition"): [condition for condition, _ in designs],
-        Column("angle_deg", "Angle (°)", digits=2): [angle for _, angle in designs],
+        Column("condition", "Condition"): [of[0].condition for of in runs],
+        Column("angle_deg", "Angle (°)", digits=2): [of[0].angle_deg for of in runs],
         Column("specimens", "Specimens"): [listed([run.specimen for run in of]) for of in runs],
         Column("presses", "Presses"): [sum(run.repetitions.size for run in of) for of in runs],
         Column("rejected", "Rejected"): [sum(map(len, kinds)) for kinds in rejected],
@@ -66,26 +67,18 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     yield table_of("runs", "Presses of every condition and angle", columns)
 
 
-Told = list[tuple[str, str]]
-"""What is said of a run, and its name."""
-
-
-def _kinds(told: Iterable[tuple[str, str]]) -> list[Told]:
-    """Texts that differ by their numbers alone together."""
-    kinds: dict[str, Told] = {}
+def _kinds(told: Iterable[tuple[str, str]]) -> list[list[tuple[str, str]]]:
+    """What is said of a run, and its name: texts that differ by their numbers alone together."""
+    kinds: dict[str, list[tuple[str, str]]] = {}
     for text, run in told:
         kinds.setdefault(_NUMBER.sub("#", text), []).append((text, run))
     return [*kinds.values()]
 
 
-def _rejected(runs: Sequence[RunScores]) -> list[Told]:
+def _rejected(runs: Sequence[RunScores]) -> list[list[tuple[str, str]]]:
     """Reasons of rejected presses, the most frequent kind first."""
-    told = [
-        (_PLACE.sub("", reason).split(". ")[0].removesuffix("."), run.name)
-        for run in runs
-        for reason, verdict in zip(run.reasons, run.verdicts, strict=True)
-        if verdict == "rejected"
-    ]
+    presses = ((run.name, *press) for run in runs for press in zip(run.reasons, run.verdicts, strict=True))
+    told = [(_PLACE.sub("", why).split(". ")[0].removesuffix("."), n) for n, why, v in presses if v == "rejected"]
     return sorted(_kinds(told), key=len, reverse=True)
 
 
@@ -96,27 +89,20 @@ def _largest_n(runs: Sequence[RunScores]) -> float:
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     runs, found = results.pressed.scores, results.pressed.discrimination
-    n = sum(run.simulated for run in runs)
+    n, calibration = sum(run.simulated for run in runs), results.pressed.calibration
+    absent = calibration.notes if calibration and not calibration.conditions else ()
     change = [q.get(f"runs.drift_percent{end}", np.nan) for end in ("", ".low", ".high")]
     drift = "{} % [{}, {}]".format(*(signed(float(each)) for each in change))
     return {
         "emulated": "" if n == 0 else "These runs" if n == len(runs) else f"{n} of {len(runs)} runs",
         "notes": [_note(told) for told in _kinds((note, run.name) for run in runs for note in run.notes)],
-        "absent": _absent(results),
+        "absent": absent if found else [results.why_absent("discrimination")],
         "order": _ORDERS[found.drift.order].format(drift) if found else "",
         "remark": export_of(results.study.schedule.actuator).remark,
     }
 
 
-def _absent(results: StudyResults) -> Sequence[str]:
-    """Why sections that tests and calibration fill are not there."""
-    runs = results.pressed
-    if runs.discrimination is None:
-        return [results.why_absent("discrimination")]
-    return runs.calibration.notes if runs.calibration and not runs.calibration.conditions else ()
-
-
-def _note(told: Told) -> str:
+def _note(told: Sequence[tuple[str, str]]) -> str:
     """The first of a kind of notes, and the runs that it concerns."""
     names = list(dict.fromkeys(name for _, name in told))
     like = f"{len(told)} such notes with other numbers, " if len({text for text, _ in told}) > 1 else ""

@@ -90,7 +90,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     caption = (
         "Pins n that Algorithm 1 selects in the first frame in contact, by the "
         f"{'mean force per frame' if rule == 'mean' else 'force at exposure of the frame'}; n = 0 in "
-        f"{q.get('runs.algorithm_1.pins.none', 0)} of {sum(pins.size for *_, pins in every)} presses, where no pin moved"
+        f"{q.get('runs.algorithm_1.pins.none', 0)} of {sum(pins.size for *_, pins in every)} presses: no pin moved"
     )
     yield table_of("algorithm_1", caption, counted)
     yield _compared(results, q)
@@ -133,9 +133,9 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     flow_px, named = _flow(seen, scoring.recipe.engine)
     first_n, next_n = seen.force_n.tolist()
     caption = (
-        f"Fig. 2. Algorithm 1, press {seen.repetition} on {run.specimen}, {run.condition}, {run.angle_deg:g}°: pins that "
-        f"moved more than {scoring.threshold_px:g} px in the first frame ({first_n:.2f} N; arrows × 4) get hexagons; "
-        f"{named} flow to {next_n:.2f} N."
+        f"Fig. 2. Algorithm 1, press {seen.repetition} on {run.specimen}, {run.condition}, {run.angle_deg:g}°: pins "
+        f"that moved more than {scoring.threshold_px:g} px in the first frame ({first_n:.2f} N; arrows × 4) get "
+        f"hexagons; {named} flow to {next_n:.2f} N."
     )
     told = f"{seen.selected.size} of {len(seen.rest_px)} pins are selected at {first_n:.2f} N."
     figure = draw_steps(seen, flow_px)
