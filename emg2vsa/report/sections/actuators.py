@@ -77,18 +77,12 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     }
     caption = f"The human-like condition against every other at the same angle, {level} intervals over mountings"
     yield table_of("conditions_compared", caption, against)
-    yield _contrast_table(found)
-
-
-def _contrast_table(found: Discrimination) -> Table:
-    """Contrasts under every condition against every other that it is compared with."""
     every = [(contrast, i) for contrast in found.contrasts for i in range(contrast.pair.size)]
-    conditions = found.table.conditions
     rows: Columns = {
         Column("of", "CASR"): [_MEASURES[c.measure] for c, _ in every],
         Column("pair", "Pair"): [" : ".join(c.pairs[c.pair[i]]) for c, i in every],
         Column("compared", "Condition, against"): [
-            f"{design_name(found.table, c.one[i])}, against {conditions[c.other[i]]}" for c, i in every
+            f"{design_name(table, c.one[i])}, against {table.conditions[c.other[i]]}" for c, i in every
         ],
         Column("change", "Contrast: change"): [change_percent(c.changes, i) for c, i in every],
         Column("p", "p"): [float(c.changes.p[i]) for c, i in every],
@@ -100,10 +94,10 @@ def _contrast_table(found: Discrimination) -> Table:
     over = f"{fewest} mountings of each cell" if fewest > 1 else "cells mounted once, their scatter assumed"
     caption = (
         f"Contrast, the ratio of CASR of two specimens, by condition; {over}, "
-        f"{100 * (1 - found.settings.alpha):g}% intervals; p corrected by the order of tests (human-like against rigid "
+        f"{level} intervals; p corrected by the order of tests (human-like against rigid "
         "first) and by Holm within its last step"
     )
-    return table_of("contrasts", caption, rows)
+    yield table_of("contrasts", caption, rows)
 
 
 def _level_change(*ratio: float) -> str:
@@ -116,26 +110,20 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     found, look = tested(results), designs.looks(results)
     table, compared = found.table, found.conditions
     values, unit, far = table.casr[table.algorithm], area_unit(table.area_unit), {(d, s) for d, s, _ in compared.far}
-    panels = [
-        (
-            f"{table.angles_deg[rigid]:g}°",
-            [
-                ConditionBoxes(name, look[name], finite(values[rigid, s]), finite(values[human, s]), (human, s) in far)
-                for s, name in enumerate(table.specimens)
-            ],
-        )
-        for rigid in table.of_condition(RIGID)
-        if (human := table.design(HUMAN_LIKE, float(table.angles_deg[rigid]))) >= 0
-    ]
+    panels = []
+    for rigid in table.of_condition(RIGID):
+        if (human := table.design(HUMAN_LIKE, angle := float(table.angles_deg[rigid]))) >= 0:
+            every = zip(range(len(table.specimens)), table.specimens, values[rigid], values[human], strict=True)
+            boxes = [ConditionBoxes(n, look[n], finite(r), finite(h), (human, s) in far) for s, n, r, h in every]
+            panels.append((f"{angle:g}°", boxes))
     if not panels:
         return
     fewest, most = compared.mountings
     sd = compared.mounting_sd[0] if most > 1 else compared.assumed_sd
     reach = 100 * np.expm1(2 * sd / np.sqrt(max(fewest, 1)))
-    several = f"{most} mountings" if fewest == most else f"{fewest} to {most} mountings"
-    boxes = "one mounting" if most == 1 else several
+    mounted = "one mounting" if most == 1 else f"{most if fewest == most else f'{fewest} to {most}'} mountings"
     caption = (
-        f"Fig. 14. CASR ({table.algorithm} algorithm); each box holds the presses of {boxes}. Below: human-like "
+        f"Fig. 14. CASR ({table.algorithm} algorithm); each box holds the presses of {mounted}. Below: human-like "
         "presses less the rigid mean; grey: two SDs of a mean over mountings; rings lie beyond."
     )
     told = designs.medians_said(

@@ -86,13 +86,6 @@ def _algorithm(name: str, of: AlgorithmResult) -> Items:
         yield from fields_of(f"{name}.fused", of.fused, "error", "weight")
 
 
-def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
-    yield from table_one.tables(results, _found(results))
-    yield _every(results, q)
-    yield _laws(results)
-    yield _implied(results, q)
-
-
 def span(law: LawResult) -> str:
     """``5.31 [5.20, 5.42]``, or that the presses determine no κ, and why."""
     if np.isnan(law.kappa):
@@ -110,20 +103,19 @@ def holds(of: AlgorithmResult, truth: float) -> bool | None:
     return bool(low <= truth <= high)
 
 
-def _every(results: StudyResults, q: Quantities) -> Table:
+def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     found, (algorithm, own) = _found(results), _own(results)
-    printed = [
-        paper.WORST_ADJ_R2.get(each.condition) if (each.condition, each.angle_deg) in paper.DESIGNS else None
-        for each, _ in own
+    yield from table_one.tables(results, found)
+    of_paper = [
+        f"paper.kappa_error.{_COLUMN.get(each.condition, each.condition)}.{each.angle_deg:g}" for each, _ in own
     ]
-    columns: Columns = {
-        designs.DESIGN: [_design(each) for each, _ in own],
-        Column("paper_error", "Paper's error, hexagon (%)", 100.0): [
-            q.get(f"paper.kappa_error.{_COLUMN.get(each.condition, each.condition)}.{each.angle_deg:g}")
-            for each, _ in own
-        ],
+    design: Columns = {designs.DESIGN: [_design(each) for each, _ in own]}
+    columns: Columns = design | {
+        Column("paper_error", "Paper's error, hexagon (%)", 100.0): list(map(q.get, of_paper)),
         Column("exponential_error", "Error here, paper's law (%)", 100.0): [of.paper.error for _, of in own],
-        Column("paper_adj_r2", "Paper's worst adj. R²", digits=4): printed,
+        Column("paper_adj_r2", "Paper's worst adj. R²", digits=4): [
+            paper.WORST_ADJ_R2.get(c.condition) if (c.condition, c.angle_deg) in paper.DESIGNS else None for c, _ in own
+        ],
         Column("adj_r2", "adj. R² here, paper's law", digits=4): [of.paper.adj_r2 for _, of in own],
         Column("kappa_n_per_mm", "κ (N/mm)"): [of.chosen.kappa for _, of in own],
         Column("low", "Low"): [of.chosen.low for _, of in own],
@@ -132,7 +124,10 @@ def _every(results: StudyResults, q: Quantities) -> Table:
         Column("error", "Error (%)", 100.0): [of.chosen.error for _, of in own],
         Column("holds", "Interval holds κ"): [holds(of, found.known_kappa_new) for _, of in own],
         Column("per_percent", "1 % of CASR is (% of κ)"): [of.chosen.amplification for _, of in own],
-        Column("mountings", "SD between mountings (%)"): [_mountings(of.chosen) for _, of in own],
+        Column("mountings", "SD between mountings (%)"): [
+            f"{number(100 * of.chosen.mounting_sd)}, {'estimated' if of.chosen.mounting_freedom else 'assumed'}"
+            for _, of in own
+        ],
         Column("fused_error", "With indentation: error (%)", 100.0): [
             of.fused.error if of.fused else None for _, of in own
         ],
@@ -141,49 +136,38 @@ def _every(results: StudyResults, q: Quantities) -> Table:
         f"κ of {found.new_specimen} by the {algorithm} algorithm; the interval holds what every law says that the "
         "known specimens do not reject"
     )
-    return table_of("kappa_new", caption, columns)
-
-
-def _mountings(law: LawResult) -> str:
-    return f"{number(100 * law.mounting_sd)}, {'estimated' if law.mounting_freedom else 'assumed'}"
-
-
-def _laws(results: StudyResults) -> Table:
-    _, own = _own(results)
-    curves = {angle: f"kappa = {p:g} exp({q:g} CASR)" for angle, (p, q) in paper.CURVES.items()}
-    columns: Columns = {
-        designs.DESIGN: [_design(each) for each, _ in own],
+    yield table_of("kappa_new", caption, columns)
+    curves = {angle: f"{p:g} exp({rate:g} CASR)" for angle, (p, rate) in paper.CURVES.items()}
+    columns = design | {
         Column("chosen", "Law here"): [_equation(of.chosen) for _, of in own],
         Column("paper_law", "Paper's law here"): [_equation(of.paper) for _, of in own],
         Column("left_out", "Best on left-out specimens"): [of.best_law or None for _, of in own],
         Column("paper", "Paper's curve (unit of CASR not printed)"): [
-            curves.get(each.angle_deg) if each.condition == HUMAN_LIKE else None for each, _ in own
+            f"kappa = {curves[c.angle_deg]}" if c.condition == HUMAN_LIKE and c.angle_deg in curves else None
+            for c, _ in own
         ],
     }
-    return table_of("calibration_laws", "The laws from CASR to stiffness", columns)
-
-
-def _equation(law: LawResult) -> str | None:
-    return law.equation if np.isfinite(law.parameters).all() else None
-
-
-def _implied(results: StudyResults, q: Quantities) -> Table:
-    columns: Columns = {
-        Column("angle_deg", "Angle (°)", digits=2): list(paper.CURVES),
-        Column("curve", "κ (N/mm) as printed"): [f"{p:g} exp({rate:g} CASR)" for p, rate in paper.CURVES.values()],
+    yield table_of("calibration_laws", "The laws from CASR to stiffness", columns)
+    columns = {
+        Column("angle_deg", "Angle (°)", digits=2): [*curves],
+        Column("curve", "κ (N/mm) as printed"): [*curves.values()],
         **{
-            Column(f"casr_{name}", f"{name}, {kappa:g} N/mm"): [paper.implied_casr(a, kappa) for a in paper.CURVES]
+            Column(f"casr_{name}", f"{name}, {kappa:g} N/mm"): [paper.implied_casr(angle, kappa) for angle in curves]
             for name, kappa in paper.KAPPA_N_PER_MM.items()
         },
-        Column("ratio", f"{_SOFTEST} : {_STIFFEST} implied"): list(map(paper.implied_ratio, paper.CURVES)),
-        Column("bound", "Largest possible", digits=2): [paper.largest_ratio()] * len(paper.CURVES),
-        Column("here", f"{_SOFTEST} : {_STIFFEST} here"): [_ratio_here(results, q, angle) for angle in paper.CURVES],
+        Column("ratio", f"{_SOFTEST} : {_STIFFEST} implied"): list(map(paper.implied_ratio, curves)),
+        Column("bound", "Largest possible", digits=2): [paper.largest_ratio()] * len(curves),
+        Column("here", f"{_SOFTEST} : {_STIFFEST} here"): [_ratio_here(results, q, angle) for angle in curves],
     }
     caption = (
         "CASR of each specimen at which the paper's curves give its stiffness. No unit explains that it falls with the "
         "angle. Hertz's contact bounds the ratio, and a sensor that yields makes it smaller"
     )
-    return table_of("casr_implied", caption, columns)
+    yield table_of("casr_implied", caption, columns)
+
+
+def _equation(law: LawResult) -> str | None:
+    return law.equation if np.isfinite(law.parameters).all() else None
 
 
 def _ratio_here(results: StudyResults, q: Quantities, angle_deg: float) -> float:

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from emg2vsa.curves.plate import PlateTests
 from emg2vsa.figures.palette import looks
-from emg2vsa.figures.plates import PlateCurves, draw_plates
+from emg2vsa.figures.plates import draw_plates
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, moments
@@ -50,38 +49,21 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
-    plates = results.plates
-    kappa = _kappa(plates) if plates else {}
-    if not plates or not kappa:
+    if not (plates := results.plates):
         return
-    names = sorted(kappa, key=lambda name: -kappa[name])
-    figure = draw_plates(
-        {name: _curves(plates, plates.of(name)) for name in names},
-        looks([*results.specimens, *(name for name in names if name not in results.specimens)], None),
-    )
+    worst, kappa = plates.worst_adj_r2(), plates.fit.kappa
+    mean = {name: float(np.mean(kappa[own])) for name in worst if (own := plates.of(name))}
+    if not (names := sorted(mean, key=lambda name: -mean[name])):
+        return
+    look = looks([*results.specimens, *(name for name in names if name not in results.specimens)], None)
+    figure = draw_plates(plates, names, look)
     origin = f" {SIMULATED}" if plates.simulated else ""
-    told = "; ".join(
-        f"{name}: {number(kappa[name])} N/mm, worst adj. R² {bounded(plates.worst_adj_r2()[name], 4)}" for name in names
-    )
+    told = "; ".join(f"{n}: {number(mean[n])} N/mm, worst adj. R² {bounded(worst[n], 4)}" for n in names)
     caption = (
         "Fig. P1. Force of a flat plate against depth past contact (pale) with F = κ x of each specimen; right: force "
         f"less that line.{origin}"
     )
     yield Drawing("figplate_indentation", "Plate indentations", caption, f"{told}.{origin}", figure)
-
-
-def _kappa(plates: PlateTests) -> dict[str, float]:
-    """Specimen to the mean of its trials."""
-    return {name: float(np.mean(plates.fit.kappa[own])) for name in plates.worst_adj_r2() if (own := plates.of(name))}
-
-
-def _curves(plates: PlateTests, places: list[int]) -> PlateCurves:
-    """Depths from contact on, and forces less those of rest."""
-    fit, trials = plates.fit, []
-    for i in places:
-        x, y = plates.curves[i]
-        trials.append((x - fit.contact[i], y - (y[: fit.n_rest[i]].mean() if fit.n_rest[i] else 0.0)))
-    return PlateCurves(trials, fit.kappa[places])
 
 
 _TEXT = """

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults, LawResult
+from emg2vsa.calibration.results import CalibrationResults, LawResult
 from emg2vsa.claims import paper
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
 from emg2vsa.figures.casr import Estimate, draw_estimates
@@ -71,11 +71,6 @@ def _angles(found: CalibrationResults) -> list[float]:
     return sorted(ours | set(paper.ANGLES_DEG))
 
 
-def _at(found: CalibrationResults, angle_deg: float, condition: str, algorithm: str) -> AlgorithmResult | None:
-    each = found.find(angle_deg, condition)
-    return each.algorithms.get(algorithm) if each else None
-
-
 def _printed(angle_deg: float, condition: str, algorithm: str) -> float:
     """The paper's error as a share, NaN where it has none."""
     return PRINTED.get((algorithm, condition), ("", {}))[1].get(angle_deg, np.nan)
@@ -96,7 +91,8 @@ def _table_one(results: StudyResults, found: CalibrationResults, rows: _Rows, la
     }
     told: dict[str, list[Cell]] = {"algorithm": [_name(results, name).replace(" ", NO_BREAK) for _, name in rows]}
     for condition, key, head, _ in _ACTUATORS:
-        each = [_at(found, angle, condition, name) for angle, name in rows]
+        at = [(found.find(angle, condition), name) for angle, name in rows]
+        each = [of.algorithms.get(name) if of else None for of, name in at]
         printed = Column(f"{key}_paper", f"{head}: paper (%)", 100.0, 2)
         columns[printed] = [_printed(angle, condition, name) for angle, name in rows]
         for end, law in laws:
@@ -149,8 +145,8 @@ def picture(results: StudyResults, found: CalibrationResults) -> Drawing:
         rows = []
         for name in _compared(results):
             for condition, _, head, look in _ACTUATORS:
-                of, printed = _at(found, angle, condition, name), 100 * _printed(angle, condition, name)
-                errors, known = (_errors(of.chosen, truth), of.chosen.determined) if of else ((np.nan,) * 3, False)
+                law, printed = found.law(condition, angle, name), 100 * _printed(angle, condition, name)
+                errors, known = (_errors(law, truth), law.determined) if law else ((np.nan,) * 3, False)
                 rows.append(Estimate(f"{name}, {head.lower()}", *errors, known, look, printed))
         panels.append((f"{angle:g}°", rows))
         said = [f"{row.name} {signed(row.value)}{'' if row.determined else ' (not determined)'}" for row in rows]

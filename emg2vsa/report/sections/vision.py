@@ -90,7 +90,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     caption = (
         "Pins n that Algorithm 1 selects in the first frame in contact, by the "
         f"{'mean force per frame' if rule == 'mean' else 'force at exposure of the frame'}; n = 0 in "
-        f"{q.get('runs.algorithm_1.pins.none', 0)} of {sum(pins.size for *_, pins in every)} presses: no pin moved"
+        f"{q.get('runs.algorithm_1.pins.none', 0)} of {sum(p.size for *_, p in every)} presses, where no pin moved"
     )
     yield table_of("algorithm_1", caption, counted)
     yield _compared(results, q)
