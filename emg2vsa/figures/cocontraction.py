@@ -10,17 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from emg2vsa.arrays import Floats
-from emg2vsa.figures.canvas import (
-    ONE_COLUMN_MM,
-    PairBar,
-    draw_bars,
-    draw_box,
-    groups,
-    marks,
-    new_figure,
-    panel_grid,
-    show_zero,
-)
+from emg2vsa.figures import canvas
 from emg2vsa.figures.palette import BLUE, INK, NEW, ActivityScale, Look
 from emg2vsa.profiles import Profile
 from emg2vsa.schedules import Schedule
@@ -32,22 +22,22 @@ _BAND: Any = {"alpha": 0.18, "linewidth": 0}
 def draw_cocontraction(
     profiles: Sequence[Profile],
     slopes: Sequence[Floats],
-    bars: Sequence[PairBar],
+    bars: Sequence[canvas.PairBar],
     looks: Sequence[Look],
     scale: ActivityScale,
     bar_legend: str,
 ) -> Figure:
     """profiles, slopes (n,) and looks belong together, one per specimen; ``bar_legend`` names test and correction."""
-    figure, ((trends, boxes),) = panel_grid(1, (1, 1), **_TWO_PANELS)
+    figure, ((trends, boxes),) = canvas.panel_grid(1, (1, 1), **_TWO_PANELS)
     own = zip(profiles, looks, strict=True)
     _trends(trends, [(profile, profile.specimen, look, profile.sd_v) for profile, look in own], scale)
     falling = sum(profile.b_v < 0 for profile in profiles)
     trends.legend(loc="upper right" if 2 * falling > len(profiles) else "upper left")
     for place, (b, look) in enumerate(zip(slopes, looks, strict=True)):
-        draw_box(boxes, place, b * scale.factor, look)
-    groups(boxes, [profile.specimen for profile in profiles])
+        canvas.draw_box(boxes, place, b * scale.factor, look)
+    canvas.groups(boxes, [profile.specimen for profile in profiles])
     boxes.set_ylabel(scale.label("Slope b"))
-    draw_bars(boxes, bars, bar_legend)
+    canvas.draw_bars(boxes, bars, bar_legend)
     return figure
 
 
@@ -56,19 +46,19 @@ def _trends(axes: Axes, profiles: Sequence[tuple[Profile, str, Look, Floats | No
     for profile, name, look, half_v in profiles:
         every = max(1, profile.force_n.size // 8)
         v = profile.v * scale.factor
-        marks(axes, profile.force_n, v, look, linestyle=look.dash, markevery=every, label=name)
+        canvas.marks(axes, profile.force_n, v, look, linestyle=look.dash, markevery=every, label=name)
         if half_v is not None:
             half = half_v * scale.factor
             axes.fill_between(profile.force_n, v - half, v + half, color=look.colour, **_BAND)
     axes.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None))
-    show_zero(axes, [profile.v for profile, *_ in profiles])
+    canvas.show_zero(axes, [profile.v for profile, *_ in profiles])
 
 
 def draw_interpolation(
     measured: Sequence[Profile], new: Profile, half_v: Floats, looks: Mapping[str, Look], scale: ActivityScale
 ) -> Figure:
     """``half_v`` (G,) of the band of ``new``."""
-    figure, (axes,) = new_figure(ONE_COLUMN_MM, 70, (13, 3, 11, 12))
+    figure, (axes,) = canvas.new_figure(canvas.ONE_COLUMN_MM, 70, (13, 3, 11, 12))
     of_measured = [(profile, profile.specimen, looks[profile.specimen], None) for profile in measured]
     _trends(axes, [*of_measured, (new, f"{new.specimen} (interpolated)", NEW, half_v)], scale)
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, columnspacing=1, handletextpad=0.4)
@@ -77,7 +67,7 @@ def draw_interpolation(
 
 def draw_schedules(schedules: Sequence[Schedule], looks: Mapping[str, Look]) -> Figure:
     """Left, steps of the modular schedules; right, constant levels of each specimen. Bands are their intervals."""
-    figure, (steps, levels) = new_figure(ONE_COLUMN_MM, 74, (14, 2, 11, 10), shares=(3, 1), gap_mm=3)
+    figure, (steps, levels) = canvas.new_figure(canvas.ONE_COLUMN_MM, 74, (14, 2, 11, 10), shares=(3, 1), gap_mm=3)
     specimens = list(dict.fromkeys(schedule.specimen for schedule in schedules))
     for schedule in schedules:
         if schedule.condition == "modular":
@@ -87,10 +77,10 @@ def draw_schedules(schedules: Sequence[Schedule], looks: Mapping[str, Look]) -> 
                 steps.fill_between(edges, low, high, step="post", color=look.colour, **_BAND)
             steps.stairs(schedule.stiffness_percent, edges, baseline=None, color=look.colour, linewidth=1.0)
             middle = (edges[1:] + edges[:-1]) / 2
-            marks(steps, middle, schedule.stiffness_percent, look, label=schedule.specimen)
+            canvas.marks(steps, middle, schedule.stiffness_percent, look, label=schedule.specimen)
     for place, specimen in enumerate(specimens):
-        constant = [s for s in schedules if s.specimen == specimen and s.condition != "modular"]
-        _levels(levels, place, {s.condition: s for s in constant}, looks[specimen])
+        constant = {s.condition: s for s in schedules if s.specimen == specimen and s.condition != "modular"}
+        _levels(levels, place, constant, looks[specimen])
     steps.set(xlabel="Force (N)", ylabel="Stiffness preset (% of maximum)", xlim=(0, None), ylim=(0, 100))
     levels.set(xlabel="Constant", xlim=(-0.7, len(specimens) - 0.3), ylim=(0, 100), xticks=[])
     levels.tick_params(axis="y", left=False, labelleft=False)
@@ -110,12 +100,12 @@ def _levels(axes: Axes, place: int, constant: Mapping[str, Schedule], look: Look
     if len(ends) > 1:
         axes.vlines(place, min(ends), max(ends), colors=look.colour, linestyles=(0, (1, 1.5)), linewidth=1.0)
     if "constant-mean" in percent:
-        marks(axes, place, percent["constant-mean"], look, 5)
+        canvas.marks(axes, place, percent["constant-mean"], look, 5)
 
 
 def draw_mixed_residuals(fitted: Floats, residual: Floats, quantile: Floats, scale: ActivityScale) -> Figure:
     """(a) Residuals over the SD of repetitions against normal quantiles; (b) against fitted slopes; (n,) each."""
-    figure, ((normal, level),) = panel_grid(1, (1, 1), **_TWO_PANELS)
+    figure, ((normal, level),) = canvas.panel_grid(1, (1, 1), **_TWO_PANELS)
     points: dict[str, Any] = {"color": BLUE, "linestyle": "none", "marker": "o", "markeredgewidth": 0, "alpha": 0.6}
     points["rasterized"] = residual.size > 2000  # a page with 100 000 shapes opens slowly
     ends = [float(quantile.min()), float(quantile.max())]

@@ -14,20 +14,12 @@ from emg2vsa.figures.cocontraction import draw_cocontraction
 from emg2vsa.figures.palette import looks
 from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.profiles import Unit, mean_errors
+from emg2vsa.report import table
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, fields_of, least, moments, with_interval
+from emg2vsa.report.numbers import Items, fields_of, least, moments, named, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
-from emg2vsa.report.table import (
-    FEW_ON_PAGE,
-    Column,
-    Columns,
-    Table,
-    activity_column,
-    columns,
-    from_quantities,
-    table_of,
-)
+from emg2vsa.report.table import Column, Columns, Table, activity_column, columns, from_quantities, table_of
 from emg2vsa.report.wording import activity, count, p_text
 from emg2vsa.shown import words_of
 from emg2vsa.truth import Recovery, recover
@@ -41,15 +33,12 @@ _R2 = {
 def _quantities(results: StudyResults) -> Items:
     people, used, v = results.recorded, results.used, results.activity_suffix
     fits = people.fits
-    yield "trials.total", int(fits.verdict.size)
-    for verdict, n in people.verdict_counts().items():
-        yield f"trials.{verdict}", n
+    yield from named("trials", total=fits.verdict.size, **people.verdict_counts())
     if people.trials:
         yield "trials.largest_delay_mismatch_s", max(abs(t.delay.mismatch_s) for t in people.trials)
-    yield "fit.curves", int(np.count_nonzero(np.isfinite(fits.b_v)))
-    yield "fit.used", int(np.count_nonzero(used))
+    counts = {"curves": np.isfinite(fits.b_v), "used": used, "b_not_positive": fits.b_v[used] <= 0}
+    yield from named("fit", **{key: int(np.count_nonzero(of)) for key, of in counts.items()})
     yield from fields_of("fit", fits, "points", "weights", "confidence", "activity_unit")
-    yield "fit.b_not_positive", int(np.count_nonzero(fits.b_v[used] <= 0))
     for name in (*_R2, "n_effective", "lag1"):
         if name in _R2:
             yield f"fit.{name}.min", least(getattr(fits, name)[used])
@@ -139,7 +128,7 @@ def _every(results: StudyResults) -> Table:
         activity_column(key, head, scale) if key.endswith("_v") else Column(key, head): getattr(fits, key)
         for key, head in heads.items()
     }
-    return table_of("fits", "All trials, rejected ones included: fit v = a + b ln F", values, FEW_ON_PAGE)
+    return table_of("fits", "All trials, rejected ones included: fit v = a + b ln F", values, table.FEW_ON_PAGE)
 
 
 def _by_specimen(results: StudyResults, q: Quantities) -> Table:
@@ -148,7 +137,7 @@ def _by_specimen(results: StudyResults, q: Quantities) -> Table:
     found: Columns = {
         Column("specimen", "Specimen"): results.specimens,
         Column("stiffness_n_per_mm", "Stiffness κ (N/mm)"): [specimen.stiffness_n_per_mm for specimen in specimens],
-        Column("trials", "Trials"): [int(np.count_nonzero(of)) for of in every],
+        Column("trials", "Trials"): np.count_nonzero(every, axis=1),
         **from_quantities(q, [f"fit.{specimen}" for specimen in results.specimens], {
             Column("used", "Used"): "n",
             activity_column("a_mean_v", "Mean a", scale): f"a{v}.mean",

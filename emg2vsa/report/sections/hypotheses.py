@@ -38,11 +38,7 @@ def _quantities(results: StudyResults) -> Items:
     yield from _pair_quantities(found)
     yield from _over_people_quantities(found, results.activity_suffix)
     yield from _stiffness_quantities(results)
-    yield from _drift_quantities(found, results.recorded.fits.b_v[results.used])
-
-
-def _drift_quantities(found: Hypotheses, b_v: Floats) -> Items:
-    """Over a session, % of the mean b."""
+    b_v = results.recorded.fits.b_v[results.used]
     level = float(np.mean(b_v)) if b_v.size else 0.0
     over = 100 * (found.drift.places - 1) / level if level else np.nan
     for kind, slope in (("by_order", found.drift.by_order), ("within_recordings", found.drift.within)):
@@ -114,8 +110,8 @@ def _over_people_quantities(found: Hypotheses, unit: str) -> Items:
             yield from with_interval(f"{name}.mixed.sd_{source.replace(' ', '_')}{unit}", *sd)
     if blocks.residuals is not None:
         normal, level = blocks.residuals.outcomes()
-        found_p = {"shapiro_p": normal.p, "level_rho": level.effect_size, "level_p": level.p}
-        yield from named(f"{name}.mixed.residuals", **found_p)
+        of_level = {"level_rho": level.effect_size, "level_p": level.p}
+        yield from named(f"{name}.mixed.residuals", shapiro_p=normal.p, **of_level)
     for j, ends in enumerate(_ends(found, blocks.paired.t)):
         for test, p in blocks.pair_families.items():
             yield f"{name}.pairs.{ends}.{test.lower().replace(' ', '_').replace('-', '_')}.p_holm", p[0, j].item()

@@ -12,7 +12,7 @@ from emg2vsa.extraction.reasons import most_frequent
 from emg2vsa.fits import by_recording
 from emg2vsa.hypotheses import EFFECT_F, EPSILON, RHO, TARGET, Hypotheses
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items
+from emg2vsa.report.numbers import Items, named
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.session_page import session_verdict
 from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, records, table_of
@@ -25,13 +25,12 @@ def _quantities(results: StudyResults) -> Items:
     if results.people is None:
         return
     yield "study.participants", len(results.study.participants)
-    yield "study.recordings", len(results.study.recordings)
-    yield "study.recordings_read", len(results.people.trials)
+    yield from named("study", recordings=len(results.study.recordings), recordings_read=len(results.people.trials))
     # the paper's 14 people and ten repetitions
     yield "power.n14", float(power_rm(14, 10, EFFECT_F, RHO, EPSILON, 0.05))
     if (found := results.people.hypotheses) is not None:
-        keys = ("power.study", "power.study_specimens", "power.people_for_specimens")
-        yield from zip(keys, (found.power.repetitions, found.power.specimens, found.power.people), strict=True)
+        study_power, specimens, people = found.power.repetitions, found.power.specimens, found.power.people
+        yield from named("power", study=study_power, study_specimens=specimens, people_for_specimens=people)
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
@@ -70,13 +69,10 @@ def _judged(results: StudyResults) -> Table:
     """Trials that are not simply ok; those with a reason that are ok were accepted by hand."""
     fits = results.recorded.fits
     chosen = (fits.verdict != "ok") | (fits.reason != "")
-    columns: Columns = {
-        Column("participant", "Participant"): fits.participant[chosen],
-        Column("specimen", "Specimen"): fits.specimen[chosen],
-        Column("press", "Press"): fits.repetition[chosen].astype(str),
-        Column("verdict", "Verdict"): np.where(fits.verdict == "ok", "accepted", fits.verdict)[chosen],
-        Column("reason", "Reason"): fits.reason[chosen],
-    }
+    verdicts = np.where(fits.verdict == "ok", "accepted", fits.verdict)
+    values = (fits.participant, fits.specimen, fits.repetition.astype(str), verdicts, fits.reason)
+    heads = ("Participant", "Specimen", "Press", "Verdict", "Reason")
+    columns: Columns = {Column(h.lower(), h): of[chosen] for h, of in zip(heads, values, strict=True)}
     reasons = [reason for text in fits.reason[chosen].tolist() for reason in text.split("; ") if reason]
     often = f"; most frequent reasons: {'; '.join(most_frequent(reasons, 5))}" if reasons else ""
     return table_of("judged", f"Trials rejected, warned or accepted by hand{often}", columns, FEW_ON_PAGE)

@@ -47,9 +47,8 @@ def _range(schedule: Schedule, name: str) -> Items:
 
 
 def _schedule(schedule: Schedule, name: str) -> Items:
-    end = ""
-    if schedule.condition == "modular":
-        end = "max_"
+    end = "max_" if schedule.condition == "modular" else ""
+    if end:
         yield from named(name, steps=schedule.preset.size, last_step_short=bool(schedule.last_step_short))
     yield from _range(schedule, name)
     yield f"{name}.{end}nm_per_rad", float(schedule.stiffness_nm_per_rad.max())
@@ -127,8 +126,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
         f"Fig. 5. Stiffness presets, {low:g} to {high:g} % of the maximum {scale}. Left: modular stiffness against "
         f"force. Right: constant stiffness at minimum, mean and maximum of each profile.{bands}"
     )
-    percent = ((s, s.stiffness_percent) for s in schedules)
-    ends = ((s, dict.fromkeys(map(number, (of.min(), of.max())))) for s, of in percent)
+    ends = ((s, dict.fromkeys(number(end(s.stiffness_percent)) for end in (np.min, np.max))) for s in schedules)
     levels = "; ".join(f"{s.specimen} {s.condition}: {' to '.join(of)} %" for s, of in ends)
     yield Drawing("fig05_schedules", "Stiffness preset against force", caption, f"{levels}.", figure)
 
