@@ -108,6 +108,9 @@ def _stages(arguments: argparse.Namespace, study: Study) -> tuple[str, ...]:
     if arguments.human_only and not study.recordings:
         do = "Leave --human-only out, or add [participants], [recordings] and [channels]."
         raise SettingError(study.path, wanted="recordings of people", found="a study of runs only", do=do)
+    if arguments.casr_only and study.runs_source is None:
+        do = "Leave --casr-only out, or add [runs]."
+        raise SettingError(study.path, wanted="runs of a rig", found="a study of people only", do=do)
     if arguments.human_only or arguments.casr_only:
         return stages_of("people" if arguments.human_only else "rig", study)
     return stages_for(arguments.only)
