@@ -1,10 +1,8 @@
 """The rig's presses.
 
-The initial area A_c0, Figure 8: by specimen at each angle, and by angle, as differences. Figure 9: the contact at each
-angle at one force, with the outline of its area. The contact area spread rate, Figures 10, 12 and 13: dA/dF from frame
-to frame against force with its fit, and box plots of the rates of the presses, row by row. Figure 14: rates by specimen
-at each angle, pressed rigidly and as people do. Calibration: stiffness over CASR through the known specimens, and the
-new one read off the curve; its estimates, and Table I, with their intervals.
+Figure 8: initial areas, by specimen and by angle, as differences. Figure 9: the contact at each angle at one force.
+Figures 10, 12 and 13: dA/dF against force with its fit, and the rates of the presses. Figure 14: rates under rigid and
+human-like actuation. Calibration: stiffness over CASR; its estimates, and Table I, with their intervals.
 """
 
 from __future__ import annotations
@@ -20,7 +18,7 @@ from matplotlib.patches import Polygon
 
 from casr.spread.curves import fit_power_law
 from casr.spread.rate import MIN_STEP_N
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, mean_of
 from emg2vsa.calibration.forms import kappa_of, x_of
 from emg2vsa.calibration.results import AlgorithmResult, ConditionResult, LawResult
 from emg2vsa.figures import canvas
@@ -173,9 +171,7 @@ class ConditionBoxes:
         return 100 * (self.human_like / rigid.mean() - 1) if rigid.size else np.empty(0)
 
 
-def draw_conditions(
-    panels: Sequence[tuple[str, Sequence[ConditionBoxes]]], unit: str, reach: float = 0.0
-) -> Figure:  # fmt: skip
+def draw_conditions(panels: Sequence[tuple[str, Sequence[ConditionBoxes]]], unit: str, reach: float) -> Figure:
     """panels : title and specimens, stiffest first; ``unit`` of the area. reach : percent that mountings explain.
 
     Above the levels, left and hollow rigid, right and filled human-like; below how far the human-like presses lie from
@@ -210,8 +206,8 @@ def draw_calibrations(
     panels: Sequence[tuple[str, ConditionResult, AlgorithmResult]], looks: Mapping[str, Look], new: str, known: float
 ) -> Figure:
     """panels : title, and what the chosen vision algorithm gives; known : stiffness of ``new``, NaN if not."""
-    rows = -(-len(panels) // _ACROSS)
-    figure, grid = panel_grid(rows, [1] * min(_ACROSS, len(panels)), 38, (13, 2, 12, 13), (12, 16))
+    shares = [1] * min(_ACROSS, len(panels))
+    figure, grid = panel_grid(-(-len(panels) // _ACROSS), shares, 38, (13, 2, 12, 13), (12, 16))
     axes = [each for row in grid for each in row]
     for each, (title, condition, found) in zip(axes, panels, strict=False):
         _calibration(each, condition, found, looks, new, known)
@@ -221,8 +217,8 @@ def draw_calibrations(
         unused.remove()
     for row in grid:
         row[0].set_ylabel("κ (N/mm)")
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="upper center", ncols=max(1, len(labels)), columnspacing=1, handletextpad=0.4)
+    legend = axes[0].get_legend_handles_labels()
+    figure.legend(*legend, loc="upper center", ncols=len(looks) + 3, columnspacing=1, handletextpad=0.4)
     return figure
 
 
@@ -253,12 +249,12 @@ def _calibration(
         marks(axes, own, np.full(own.size, kappa), looks[name], 2.5, 0, alpha=0.5)
         if own.size:
             marks(axes, float(np.mean(own)), kappa, looks[name], 5, label=name)
-    mean, look = float(np.mean(scores[-1])) if scores[-1].size else np.nan, looks[new]
-    axes.vlines(mean, found.chosen.low, min(found.chosen.high, top), colors=look.colour, linewidth=1.4)
-    if found.chosen.high > top:
+    mean, look, chosen = float(mean_of(scores[-1])), looks[new], found.chosen
+    axes.vlines(mean, chosen.low, min(chosen.high, top), colors=look.colour, linewidth=1.4)
+    if chosen.high > top:
         # the interval goes on beyond the panel
         axes.plot(mean, top, marker="^", markersize=5, color=look.colour, clip_on=False)
-    marks(axes, mean, found.chosen.kappa, look, 6, label=new)
+    marks(axes, mean, chosen.kappa, look, 6, label=new)
     if np.isfinite(known):
         axes.axhline(known, color=look.colour, linestyle=(0, (1, 1)), linewidth=0.8, label="known κ")
     axes.set_ylim(0, top)

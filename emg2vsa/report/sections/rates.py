@@ -25,6 +25,7 @@ from emg2vsa.report.table import Column, Table
 from emg2vsa.report.wording import UNDEFINED, area_unit, exact_p, listed, p_value, scored_by
 
 _LAW = {"ode": "a power law", "paper": "equation (1)"}
+_NOT_APART = {("constant-min", 0.0): f"not told apart, p = {exact_p(paper.NEW_MIN_STIFFNESS_P)}"}
 _SIDES = ("stiffer", "softer")
 
 
@@ -87,7 +88,9 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         return
     three = [name for name in (*new.neighbours, new.name) if name]
     columns = {
-        Column("paper", "Paper (Dunn, Bonferroni)"): list(map(_paper_new, of_design)),
+        Column("paper", "Paper (Dunn, Bonferroni)"): [
+            _NOT_APART.get(each, "told apart") if each in paper.DESIGNS else UNDEFINED for each in of_design
+        ],
         **{
             Column(f"p_rank_{side}", f"p against {name or 'none'} (Dunn, Bonferroni)"): f"new.{side}_mean_rank_p"
             for side, name in zip(_SIDES, new.neighbours, strict=True)
@@ -102,13 +105,6 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 def _scored(found: Discrimination, specimens: Sequence[str], values: np.ndarray) -> list[bool | None]:
     """None in designs in which one of the specimens has no score."""
     return [None if found.table.unscored(i, specimens) else bool(each) for i, each in enumerate(values)]
-
-
-def _paper_new(design: tuple[str, float]) -> str:
-    if design not in paper.DESIGNS:
-        return UNDEFINED
-    least = design[0] == "constant-min"
-    return f"not told apart, p = {exact_p(paper.NEW_MIN_STIFFNESS_P)}" if least else "told apart"
 
 
 def _bound(count: Ints) -> str:
