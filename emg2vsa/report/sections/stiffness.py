@@ -7,13 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from emg2vsa.arrays import Floats
+from emg2vsa.discrimination.run_table import HUMAN_LIKE
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.stiffness_effect import LOSSY_SENSOR, LOSSY_SPECIMENS, PRESS_CV, StiffnessEffect, replicates_needed
 
-_HUMAN_LIKE = "modular"
 _MATERIALS = ("elastic", "assumed", "lossy_sensor")
 _ASSUMED = 1
 _WANTED = 0.2
@@ -36,14 +36,14 @@ def _ways(results: StudyResults) -> Columns:
     effect = _effect(results)
     stiff, second, soft = effect.specimens[0], effect.specimens[1], effect.specimens[-1]
     of_creep, mounting_sd = _gains(effect)[_ASSUMED], results.study.calibration.mounting_sd_percent / 100
-    gains = dict(zip(_MATERIALS, 100 * np.expm1(_gains(effect)), strict=True))
+    _, assumed, lossy = 100 * np.expm1(_gains(effect))
     sums, swapped = effect.frame_sum, effect.frame_sum_swapped
     pair, neighbours, creep = f"{soft} : {stiff}", f"{second} : {stiff}", "contrast_gain.{}_percent"
     found = (
-        (creep.format("assumed"), f"Creep: change of {pair} (%)", "gain_percent", gains["assumed"]),
+        (creep.format("assumed"), f"Creep: change of {pair} (%)", "gain_percent", assumed),
         ("presses_needed", "to be seen: presses per cell", "presses", replicates_needed(of_creep, PRESS_CV)),
         ("mountings_needed", "or mountings", "mountings", replicates_needed(of_creep, mounting_sd)),
-        (creep.format("lossy_sensor"), "Lossy sensor: change (%)", "gain_lossy_percent", gains["lossy_sensor"]),
+        (creep.format("lossy_sensor"), "Lossy sensor: change (%)", "gain_lossy_percent", lossy),
         ("frame_sum.contrast", f"Eq. (2): {pair}", "frame_sum", np.exp(effect.contrast(sums))),
         ("frame_sum.neighbour", neighbours, "neighbour", np.exp(effect.contrast(sums, 1))),
         ("frame_sum.neighbour_swapped", "swapped", "neighbour_swapped", np.exp(effect.contrast(swapped, 1))),
@@ -62,14 +62,13 @@ def _quantities(results: StudyResults) -> Items:
     yield "stiffness.pair", " ".join(effect.pair)
     for c, condition in enumerate(effect.conditions):
         name = f"stiffness.{condition}"
-        for k, specimen in enumerate(effect.specimens):
-            each = ("duration_s", "frame_sum", "frame_sum_swapped")
-            yield from fields_of(f"{name}.{specimen}", effect, *each, at=(k, c))
+        for k, own in enumerate(effect.specimens):
+            yield from fields_of(f"{name}.{own}", effect, "duration_s", "frame_sum", "frame_sum_swapped", at=(k, c))
         yield from ((f"{name}.{k}", float(values[c])) for k, values in ways.items() if c or not k.endswith("needed"))
     yield "stiffness.timing.best", effect.conditions[int(effect.timing_d.argmax())]
     swaps = False
-    if _HUMAN_LIKE in effect.conditions:
-        c = effect.conditions.index(_HUMAN_LIKE)
+    if HUMAN_LIKE in effect.conditions:
+        c = effect.conditions.index(HUMAN_LIKE)
         swaps = bool(ways["frame_sum.neighbour"][c] > 1 > ways["frame_sum.neighbour_swapped"][c])
         yield "stiffness.modular.creep_exponent_needed", effect.creep_exponent(_WANTED, c)
     # of the two stiffest specimens, when human-like schedules are swapped
@@ -80,9 +79,11 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     """By condition what stiffness can do, in theory and in the runs."""
     effect = _effect(results)
     stiff, soft = effect.specimens[0], effect.specimens[-1]
-    names = [_named(condition) for condition in effect.conditions]
     by_condition: Columns = {
-        Column("condition", "Condition"): names,
+        Column("condition", "Condition"): [
+            f"constant, {name.removeprefix('all-')} % for all" if name.startswith("all-") else name
+            for name in effect.conditions
+        ],
         Column("duration_stiff_s", f"{stiff} lasts (s)"): effect.duration_s[0],
         Column("duration_soft_s", f"{soft} lasts (s)"): effect.duration_s[-1],
         **_ways(results),
@@ -95,10 +96,6 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         "with the schedule of the softest, and so on"
     )
     yield table_of("stiffness_effect", caption, by_condition)
-
-
-def _named(condition: str) -> str:
-    return f"constant, {condition.removeprefix('all-')} % for all" if condition.startswith("all-") else condition
 
 
 _TEXT = """

@@ -31,34 +31,15 @@ PRINTED = {
 }
 """Vision algorithm and condition to the key and the errors of a column of the paper's Table I."""
 ALGORITHM_NAMES = {
-    "circle": "circle (previous)",
-    "paper": "{area_rule} (paper)",
-    "hexagon": "filled hexagon (ours)",
-    "edge": "edge (ours)",
-    "front": "front (ours)",
-}
+    "circle": "circle (previous)", "paper": "{area_rule} (paper)", "hexagon": "filled hexagon (ours)",
+    "edge": "edge (ours)", "front": "front (ours)",
+}  # fmt: skip
 
 
 def _name(results: StudyResults, algorithm: str) -> str:
     """That of "paper" by its area rule, which a key of the study can set: hexagon (paper) unless it does."""
     rule = results.study.scoring.recipe_of(algorithm).area_rule
     return ALGORITHM_NAMES[algorithm].format(area_rule="hexagon" if rule == "paper" else rule)
-
-
-_Law = tuple[str, str]
-_PAPERS, _OURS = ("_same", "paper's law"), ("", "law of this study")
-"""End of a key and name: the exponential law of the paper, and that of the study where it is another."""
-_Rows = Sequence[tuple[float, str]]
-"""Angle and vision algorithm of every row."""
-
-
-def tables(results: StudyResults, found: CalibrationResults) -> Iterator[Table]:
-    """Table I, and how each of its algorithms scores a press."""
-    compared, settings = _compared(results), results.study.calibration
-    same = all(getattr(settings, key) == value for key, value in PAPER["calibration"].items())
-    rows = [(angle, name) for angle in _angles(found) for name in compared]
-    yield _table_one(results, found, rows, (_PAPERS,) if same else (_PAPERS, _OURS))
-    yield _recipes(results, compared)
 
 
 def _compared(results: StudyResults) -> tuple[str, ...]:
@@ -71,12 +52,12 @@ def _angles(found: CalibrationResults) -> list[float]:
     return sorted(ours | set(paper.ANGLES_DEG))
 
 
-def _printed(angle_deg: float, condition: str, algorithm: str) -> float:
+def _printed(condition: str, angle_deg: float, algorithm: str) -> float:
     """The paper's error as a share, NaN where it has none."""
     return PRINTED.get((algorithm, condition), ("", {}))[1].get(angle_deg, np.nan)
 
 
-def _over_array(results: StudyResults, angle_deg: float, condition: str, algorithm: str) -> tuple[float, int, int]:
+def _over_array(results: StudyResults, condition: str, angle_deg: float, algorithm: str) -> tuple[float, int, int]:
     """Largest area over that of the pin array, of the presses that have no CASR for it; how many, of how many."""
     runs = [run for run in results.pressed.scores if (run.angle_deg, run.condition) == (angle_deg, condition)]
     every = np.concatenate([np.empty(0), *(run.over_array[algorithm] for run in runs if algorithm in run.over_array)])
@@ -84,23 +65,32 @@ def _over_array(results: StudyResults, angle_deg: float, condition: str, algorit
     return (float(over.max()) if over.size else np.nan), over.size, every.size
 
 
-def _table_one(results: StudyResults, found: CalibrationResults, rows: _Rows, laws: Sequence[_Law]) -> Table:
+def tables(results: StudyResults, found: CalibrationResults) -> Iterator[Table]:
+    """Table I, and how each of its algorithms scores a press."""
+    compared, settings, angles = _compared(results), results.study.calibration, _angles(found)
+    rows = [(angle, name) for angle in angles for name in compared]
+    # the exponential law of the paper, and that of the study where it is another
+    laws = [("_same", "paper's law"), ("", "law of this study")]
+    if all(getattr(settings, key) == value for key, value in PAPER["calibration"].items()):
+        laws.pop()
+    names = [_name(results, name) for _, name in rows]
     columns: Columns = {
         Column("angle_deg", "Angle (°)", digits=2): [angle for angle, _ in rows],
-        Column("algorithm", "Vision algorithm"): [_name(results, name) for _, name in rows],
+        Column("algorithm", "Vision algorithm"): names,
     }
-    told: dict[str, list[Cell]] = {"algorithm": [_name(results, name).replace(" ", NO_BREAK) for _, name in rows]}
+    told: dict[str, list[Cell]] = {"algorithm": [name.replace(" ", NO_BREAK) for name in names]}
+    beyond = {(c, *row): _over_array(results, c, *row) for row in rows for c, *_ in _ACTUATORS}
     for condition, key, head, _ in _ACTUATORS:
+        printed = Column(f"{key}_paper", f"{head}: paper (%)", 100.0, 2)
+        columns[printed] = [_printed(condition, *row) for row in rows]
         at = [(found.find(angle, condition), name) for angle, name in rows]
         each = [of.algorithms.get(name) if of else None for of, name in at]
-        printed = Column(f"{key}_paper", f"{head}: paper (%)", 100.0, 2)
-        columns[printed] = [_printed(angle, condition, name) for angle, name in rows]
         for end, law in laws:
             by = [(of.paper if end else of.chosen) if of else None for of in each]
             columns[Column(f"{key}{end}", f"{head}: here, {law} (%)", 100.0)] = [o.error if o else np.nan for o in by]
             told[f"{key}{end}"] = [
-                _error_said(of, found.known_kappa_new, _over_array(results, angle, condition, name)[0]) if of else None
-                for of, (angle, name) in zip(by, rows, strict=True)
+                _error_said(of, found.known_kappa_new, beyond[condition, *row][0]) if of else None
+                for of, row in zip(by, rows, strict=True)
             ]
     made = table_of("table_one", "", columns)
     shown = tuple(row | {key: cells[i] for key, cells in told.items()} for i, row in enumerate(map(dict, made.rows)))
@@ -109,20 +99,14 @@ def _table_one(results: StudyResults, found: CalibrationResults, rows: _Rows, la
         "for too stiff, and an interval. Not determined: so few presses and mountings promise an interval wider than "
         "the range of the known stiffnesses, or the law rises or explains nothing. –: not in the paper or not pressed"
     )
-    if beyond := list(_beyond(results, rows)):
-        caption += f". Presses with areas above that of the pin array have no CASR: {'; '.join(beyond)}"
-    return replace(made, caption=caption, shown_rows=shown)
-
-
-def _beyond(results: StudyResults, rows: _Rows) -> Iterator[str]:
-    """Of every algorithm that lost presses in this way, how many."""
-    angles = {angle for angle, _ in rows}
-    for name in dict.fromkeys(name for _, name in rows):
-        each = [_over_array(results, angle, condition, name) for angle in angles for condition, *_ in _ACTUATORS]
-        if lost := sum(n for _, n, _ in each):
-            most = np.nanmax([ratio for ratio, *_ in each])
-            presses = sum(n for *_, n in each)
-            yield f"{_name(results, name)}, {lost} of {presses}, up to {number(most, 2)} × the pin array"
+    start = ". Presses with areas above that of the pin array have no CASR: "
+    for name in compared:
+        ratios, lost, presses = zip(*(of for key, of in beyond.items() if key[-1] == name), strict=True)
+        if sum(lost):
+            caption += f"{start}{_name(results, name)}, {sum(lost)} of {sum(presses)}, up to "
+            caption, start = f"{caption}{number(np.nanmax(ratios), 2)} × the pin array", "; "
+    yield replace(made, caption=caption, shown_rows=shown)
+    yield _recipes(results, compared)
 
 
 def _error_said(law: LawResult, truth: float, over_array: float) -> str:
@@ -145,7 +129,7 @@ def picture(results: StudyResults, found: CalibrationResults) -> Drawing:
         rows = []
         for name in _compared(results):
             for condition, _, head, look in _ACTUATORS:
-                law, printed = found.law(condition, angle, name), 100 * _printed(angle, condition, name)
+                law, printed = found.law(condition, angle, name), 100 * _printed(condition, angle, name)
                 errors, known = (_errors(law, truth), law.determined) if law else ((np.nan,) * 3, False)
                 rows.append(Estimate(f"{name}, {head.lower()}", *errors, known, look, printed))
         panels.append((f"{angle:g}°", rows))
