@@ -17,8 +17,7 @@ from emg2vsa.session_settings import SessionSettings
 from emg2vsa.study import Study
 
 OF_PEOPLE = {
-    "presses of each specimen": "The study file asks each participant for {asked} on each specimen; {found} presses "
-    "were found.",
+    "presses of each specimen": "The study file asks each participant for {asked} on each specimen; {found}.",
     "order of the specimens, practice and rests": "The study file asks for specimens {order}, before them for "
     "{practice}, and for rests of at least {rest_s} s between presses and {pause_s} s between specimens.",
     "sampling rates": "EMG was sampled at {emg_hz} and force at {force_hz}.",
@@ -37,8 +36,7 @@ OF_SPECIMENS = {
     "standard errors of that stiffness": "The standard errors of κ are {errors} N/mm.",
 }
 OF_PLAN = {
-    "registration of the plan": "The study plan was registered on {date} (SHA-256 {sha256}). {then} The "
-    "study {kept} it."
+    "registration of the plan": "The study plan was registered on {date} (SHA-256 {sha256}). {then} The study {kept}."
 }
 OF_RIG = {
     "ramp": "The probe moved at {ramp_mm_per_s} mm/s along a ramp of {travel_mm} mm.",
@@ -111,9 +109,11 @@ def told_of_people(study: Study, trials: Sequence[Trials]) -> Told:
     """What the study file and the recordings tell; the samples of ``trials`` are not needed."""
     asked = {entry.window.expected_trials for entry in study.recordings} - {None}
     rated = [t.rates_hz for t in trials if t.rates_hz]
+    read, planned = len(trials), len(study.recordings)
+    where = f" in the {read} of {planned} recordings that could be read" if read < planned else ""
     told = {
         "asked": _several(asked, " press") if asked and trials else "",
-        "found": str(sum(t.repetition.size for t in trials)),
+        "found": f"{sum(t.repetition.size for t in trials)} presses were found{where}",
         "emg_hz": _rates(rates[:-1] for rates in rated),
         "force_hz": _rates(rates[-1:] for rates in rated),
     }
@@ -136,6 +136,19 @@ def _told_of_session(session: SessionSettings) -> Told:
     }
 
 
+def by_hand(study: Study) -> str:
+    """Which presses a person excluded or accepted, and why."""
+    said = []
+    for excludes, did in ((True, "excluded"), (False, "accepted")):
+        each = [
+            f"{of.participant}/{of.specimen}{f', press {of.repetition}' if of.repetition else ''} ({of.reason})"
+            for of in study.judgements
+            if of.excludes is excludes
+        ]
+        said += [f"By hand, whatever these rules say, were {did}: {'; '.join(each)}."] if each else []
+    return " ".join(said).replace("[@", "[")
+
+
 def told_of_specimens(study: Study) -> Told:
     """Stiffness and standard errors as far as the study file states them."""
     known = [s for s in study.specimens if s.stiffness_n_per_mm is not None]
@@ -149,8 +162,8 @@ def told_of_plan(registered: Registered | None) -> Told:
     """Of the registered plan, None where there is none."""
     if registered is None:
         return {}
-    n = len(registered.of_plan)
-    kept = f"deviates in {count(n, 'point')} from" if n else "follows"
+    points = [f"{each.what} ({each.registered} when registered, {each.now} now)" for each in registered.of_plan]
+    kept = f"deviates in {count(len(points), 'point')} from it: {'; '.join(points)}" if points else "follows it"
     then = f"At that time {registered.collected[:1].lower()}{registered.collected[1:]}"
     if registered.amends:
         m = len(registered.from_amended)

@@ -20,7 +20,7 @@ from emg2vsa.claims.claim import OF_A_STUDY, confidence_of
 from emg2vsa.devices.joints import export_of
 from emg2vsa.exemplary import Choice
 from emg2vsa.fits import CERTAIN, WIDE, Fits, usable
-from emg2vsa.report.facts import facts_of
+from emg2vsa.report.facts import by_hand, facts_of
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.wording import count, listed, unwrapped
 from emg2vsa.run_scores import RunScores
@@ -150,6 +150,7 @@ fitted trial was rejected {% if f.min_adj_r2 > -1 %}if its adjusted R² on force
 {% if f.max_b_error_ratio %}if e was more than {{ f.max_b_error_ratio | g }} times the median of its recording and more
 than {{ (100 * CERTAIN) | g }} % of b{{ "; " if f.max_b_error }}{% endif %}
 {% if f.max_b_error %}if e was more than {{ f.max_b_error | g }} times b and {{ wide }}{% endif %}.{% endif %}
+{{ by_hand }}
 # Statistical analysis
 {% set h, many_people, many_specimens = study.hypotheses, study.participants[1:], study.specimens[1:] %}
 The slopes b of the trials judged {{ h.use.replace("+", " or ") }}{{ tested }} were tested at α = {{ h.alpha | g }}.
@@ -186,7 +187,8 @@ A specimen's profile is the mean of the fits of {{ whose }}. {% if profile.new_s
 co-contraction in force steps of {{ schedule.step_n | g }} N was mapped linearly on
 {{ schedule.stiffness_percent[0] | g }} to {{ schedule.stiffness_percent[1] | g }} % of the maximum stiffness
 {{ "preset" if schedule.scale == "preset" else "at zero load" }} of a {{ schedule.actuator }}, over all exported
-specimens together. {{ export_of(schedule.actuator).remark }}
+specimens together. {{ export_of(schedule.actuator).remark }} The schedules move the probe by
+{{ schedule.gear_mm_per_degree | g }} mm for each degree of the output shaft.
 {% endif %}
 {% endif %}
 {% if runs %}
@@ -201,11 +203,15 @@ Frames of the loading phase from {{ s.force_n[0] | g }} N were scored, with
 front in every frame; the front was found by comparing the motion of the pins with the motion in finite-element
 contacts.{% else %}The initial area was {{ choices.area_rule[recipe.area_rule].format(threshold=s.threshold_px) }}.
 Its growth came from {{ choices.engine[recipe.engine] }}, as {{ choices.region[recipe.region] }}. Later areas followed
-by {{ choices.area_law[recipe.law] }}.{% endif %} CASR was {{ rate }}.
+by {{ choices.area_law[recipe.law] }}.{% endif %} CASR was {{ rate }}. {% if others %}For comparison, the same frames
+were also scored by {{ others | listed }}.{% endif %}
 # Tests of areas and rates
 Specimens, angles and conditions were compared by the logarithms of areas and rates, averaged within each mounting.
 The error of a difference is the scatter between mountings, pooled over the cells of the designs compared
-{%- if once %} (taken as {{ k.mounting_sd_percent | g }} %, as specimens were mounted once){% endif %}. The distance
+{%- if once %} (taken as {{ k.mounting_sd_percent | g }} %, as specimens were mounted once){% else %}, with the pooled
+degrees of freedom, or with those of Welch and Satterthwaite where a cell scatters more than the others (F test at
+1 %), where cells differ in their number of mountings, or where a mounting has less than half the presses of
+another{% endif %}. The distance
 of two specimens is that difference over the SD of presses within mountings. Intervals of differences of distances
 recover the variance at each end of both intervals [@zou]. The paper's tests by presses stand beside them:
 Kruskal-Wallis [@kruskal] and pairs on mean ranks with Bonferroni's correction [@dunn]. {% if not once %}One model of
@@ -234,6 +240,8 @@ A claim that one value is larger holds where the interval of the difference lies
 below the smallest difference that matters. A claim that a size stays within a margin holds where its interval lies
 below the margin, and is refuted where it lies above it. Intervals of {{ level }} % give any false verdict among
 {{ OF_A_STUDY }} claims a chance of {{ m.false_verdict_percent | g }} % at most (Bonferroni).
+{% if paths %}Every claim was judged again along {{ paths }} other paths of analysis, which differ from this one in
+{{ kinds | listed }}.{% endif %}
 {% if study.recordings %}Intervals on people are over participants. What matters is {{ m.slope_percent | g }} % of the
 mean for b between specimens, {{ m.people_f | g }} SD of presses for b between people, {{ m.cluster_shape | g }} for the
 skewness and half of the excess kurtosis of clusters, {{ m.law_percent | g }} % of the error of prediction for the law
@@ -294,6 +302,10 @@ def methods(results: StudyResults) -> list[tuple[str, str]]:
         emulated=any(run.simulated for run in runs),
         once=all(run.mounting.max(initial=1) == 1 for run in runs),
         designs=_designs(runs),
+        by_hand=by_hand(study),
+        others=list(dict.fromkeys(name for of in by_algorithm for name in of if name != algorithm)),
+        paths=results.paths.name.size if results.paths else 0,
+        kinds=results.paths.shares()[0] if results.paths else (),
         conditions=_conditions(runs),
         tested=_tested(people.fits, study) if people else "",
         level=f"{100 * confidence_of((), study.claims.false_verdict_percent / 100, OF_A_STUDY):.4g}",

@@ -9,6 +9,7 @@ import pytest
 from emg2vsa.calibration.runs_calibration import calibrate_runs
 from emg2vsa.exemplary import Choice
 from emg2vsa.fits import usable
+from emg2vsa.multiverse import Paths
 from emg2vsa.registration.deviations import Deviation, Registered
 from emg2vsa.report.facts import OF_PEOPLE, OF_PLAN, OF_RIG, OF_SPECIMENS, stated, told_of_people
 from emg2vsa.report.inputs import Runs
@@ -24,8 +25,10 @@ from emg2vsa.settings import (
     CocontractionSettings,
     FilterSettings,
     FitSettings,
+    PressJudgement,
     ProfileSettings,
     RunSettings,
+    ScheduleSettings,
     WindowSettings,
 )
 
@@ -65,7 +68,8 @@ ASKED_BY_REFEREES = {
     "stiffness of the specimens": r"stiffness κ of 7\.63 \(S1\), 5\.32 \(S2\), .* N/mm\.",
     "standard errors of that stiffness": r"standard errors of κ are 0\.05 \(S1\) N/mm\.",
     "registration of the plan": r"registered on 2026-03-04 \(SHA-256 ab12\)\. At that time no run was there\. The plan "
-    r"amends an earlier one \(SHA-256 c0de\)\. The study deviates in 1 point from it\.",
+    r"amends an earlier one \(SHA-256 c0de\)\. The study deviates in 1 point from it: "
+    r"alpha \(0\.05 when registered, 0\.1 now\)\.",
     "ramp": r"probe moved at 5 mm/s along a ramp of 15 mm\.",
     "forces of contact and turning back": r"Contact was a force of 0\.5 N; a press turned back at 7 N\.",
     "pause between presses": r"pause between presses was 2 s\.",
@@ -199,6 +203,15 @@ def test_states_what_a_reporting_standard_asks_for(written, results):
             "rejected if e was more than 4 times b",
         ),
         (lambda s: with_window(s, WindowSettings(max_missed_n=0.7)), "began more than 0.7 N above 0.5 N"),
+        (
+            lambda s: replace(s, judgements=(PressJudgement("P01", "S1", 2, "noisy [@me]", True),)),
+            "By hand, whatever these rules say, were excluded: P01/S1, press 2 (noisy [me]).",
+        ),
+        (
+            lambda s: replace(s, judgements=(PressJudgement("P01", "S1", None, "seen", False),)),
+            "were accepted: P01/S1 (seen).",
+        ),
+        (lambda s: replace(s, schedule=ScheduleSettings(gear_mm_per_degree=0.3)), "by 0.3 mm for each degree of"),
         (lambda s: replace(s, claims=ClaimSettings(slope_percent=12.0)), "12 % of the mean for b between specimens"),
         (
             lambda s: replace(s, claims=ClaimSettings(false_verdict_percent=5.0)),
@@ -227,6 +240,23 @@ def test_conditions_margins_and_presses_that_were_tested_are_said(written, resul
     assert "CASR" not in written(results.study)
     tested = int(np.count_nonzero(usable(results.people.fits, results.study.hypotheses.use)))
     assert f"({tested} of {results.people.fits.verdict.size}, of " in text
+
+
+def test_paths_and_recordings_that_could_not_be_read_are_said_where_there_are_some(results, runs):
+    paths = Paths(
+        ("a",), ("A",), np.array(["holds"]), np.array(["index", "force bins"]), np.array(["x", "y"]),
+        np.array([["holds", "refuted"]]), *np.ones((3, 1, 2)),
+    )  # fmt: skip
+    trials = results.people.trials
+    window = replace(results.study.recordings[0].window, expected_trials=6)
+    study = with_window(results.study, window)
+    told = replace(told_of(results, study, trials[1:], runs=runs[:1]), paths=paths)
+    text = methods_text(told)
+    assert "again along 2 other paths of analysis, which differ from this one in index and force bins." in text
+    assert f"presses were found in the {len(trials) - 1} of {len(trials)} recordings that could be read." in text
+    text = methods_text(told_of(results, study, trials))
+    assert "other paths" not in text
+    assert "could be read" not in text
 
 
 def test_says_what_was_taken_out_of_the_emg_and_nothing_else(written, results):
