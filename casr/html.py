@@ -147,12 +147,12 @@ def pairs(facts: Iterable[tuple[str, str]]) -> str:
     return "<dl>" + "".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in facts) + "</dl>\n"
 
 
-def figure(svg: str, caption: str, data: str = "") -> str:
-    """A drawing with caption; ``svg`` and ``data`` (its numbers as a table) are HTML."""
+def figure(svg: str, caption: str) -> str:
+    """A drawing, HTML, with its caption."""
     label = escape(caption.removeprefix("Fig. ").split(".")[0])
     return (
         f'<figure><div class="wide" role="region" tabindex="0" aria-label="Figure: {label}">{svg}</div>'
-        f"<figcaption>{escape(caption)}</figcaption>\n{data}</figure>\n"
+        f"<figcaption>{escape(caption)}</figcaption>\n</figure>\n"
     )
 
 

@@ -41,24 +41,19 @@ def shown(drawing: Drawing) -> str:
     return html.figure(svg, drawing.caption)
 
 
-_PT_PER_MM = 72 / 25.4
-
-
 def figure_tex(drawing: Drawing) -> str:
     r"""A figure environment, over both columns where the drawing is wider than one.
 
     The PDF is sought in ``\emgfolder``, the folder that holds ``figures``: the current one unless the paper says else.
     The figure keeps the study's number, unless the paper defines ``\emgfigure`` as a command that ignores it.
     """
-    wide = width_pt(drawing.svg) > ONE_COLUMN_MM * _PT_PER_MM + 1
-    figure = "figure*" if wide else "figure"
+    figure = "figure*" if width_pt(drawing.svg) > ONE_COLUMN_MM * 72 / 25.4 + 1 else "figure"
     numbered, caption = re.fullmatch(r"(?:Fig\. (\w+)\. )?(.*)", drawing.caption, re.S).groups()  # type: ignore[union-attr]
-    caption = latex_text(caption)
     lines = (
         "% takes the package graphicx", r"\providecommand{\emgfolder}{.}",
         r"\providecommand{\emgfigure}[1]{\renewcommand{\thefigure}{#1}}", rf"\begin{{{figure}}}", r"\centering",
         *([rf"\emgfigure{{{numbered}}}"] if numbered else []),
-        rf"\includegraphics[width=\linewidth]{{\emgfolder/figures/{drawing.name}.pdf}}", rf"\caption{{{caption}}}",
-        rf"\label{{fig:{drawing.name}}}", rf"\end{{{figure}}}", "",
+        rf"\includegraphics[width=\linewidth]{{\emgfolder/figures/{drawing.name}.pdf}}",
+        rf"\caption{{{latex_text(caption)}}}", rf"\label{{fig:{drawing.name}}}", rf"\end{{{figure}}}", "",
     )  # fmt: skip
     return "\n".join(lines)

@@ -92,14 +92,9 @@ def results_json(found: Mapping[str, Quantity]) -> str:
 
     An interval without an upper end has "inf" there, as text: JSON knows no infinity.
     """
-    plain = {key: _json_value(value) for key, value in found.items()}
+    known = {key: None if value != value else value for key, value in found.items()}
+    plain = {key: str(value) if value in (math.inf, -math.inf) else value for key, value in known.items()}
     return json.dumps(plain, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def _json_value(value: Quantity) -> Quantity | None:
-    if not isinstance(value, float) or math.isfinite(value):
-        return value
-    return None if math.isnan(value) else str(value)
 
 
 def numbers_tex(found: Mapping[str, Quantity]) -> str:
@@ -154,16 +149,12 @@ def _latex(key: str, value: Quantity) -> str:
     if is_p(key):
         relation, shown = p_parts(value)
         return rf"\emgp{{{relation}}}{{{shown}}}"
-    shown, unit = _scaled(value, unit_of(key))
-    return rf"\emgquantity{{{shown}}}{{{latex_text(unit)}}}" if unit else shown
-
-
-def _scaled(value: float, unit: str) -> tuple[str, str]:
-    """The number in four digits, and its unit; volts as mV or µV where they are few."""
-    if unit == "V" and value:
+    unit = unit_of(key)
+    if unit == "V" and value:  # few volts are said in mV or µV
         factor, unit = next((f, u) for f, u, least in _VOLTS if abs(value) >= least)
         value *= factor
-    return (str(value) if isinstance(value, int) else latex_number(f"{value:.4g}")), unit
+    shown = str(value) if isinstance(value, int) else latex_number(f"{value:.4g}")
+    return rf"\emgquantity{{{shown}}}{{{latex_text(unit)}}}" if unit else shown
 
 
 _VOLTS = ((1.0, "V", 1.0), (1e3, "mV", 1e-3), (1e6, "µV", 0.0))

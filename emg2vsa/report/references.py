@@ -115,14 +115,13 @@ def works_in(texts: Iterable[str]) -> list[Work]:
 
 def bibtex(works: Iterable[Work]) -> str:
     """References as BibTeX."""
-    return "\n".join(map(_entry, works))
-
-
-def _entry(work: Work) -> str:
-    fields = {
-        "author": latex_text(work.authors), "title": f"{{{latex_text(work.title)}}}",
-        "journal": latex_text(work.journal), "year": work.year, "volume": work.volume, "pages": latex_text(work.pages),
-        "doi": work.doi,
-    }  # fmt: skip
-    lines = [f"  {name} = {{{value}}}," for name, value in fields.items() if value]
-    return "\n".join([f"@article{{{work.key},", *lines, "}", ""])
+    made = []
+    for work in works:
+        fields = {
+            "author": latex_text(work.authors), "title": f"{{{latex_text(work.title)}}}",
+            "journal": latex_text(work.journal), "year": work.year, "volume": work.volume,
+            "pages": latex_text(work.pages), "doi": work.doi,
+        }  # fmt: skip
+        lines = [f"  {name} = {{{value}}}," for name, value in fields.items() if value]
+        made += [f"@article{{{work.key},", *lines, "}", ""]
+    return "\n".join(made)

@@ -10,6 +10,7 @@ from emg2vsa.arrays import Floats, median
 from emg2vsa.extraction import Trials
 from emg2vsa.figures.palette import BLUE, INK, MUTED, RED, VERDICT_COLOURS, ActivityScale, activity_scale
 from emg2vsa.fits import Fits
+from emg2vsa.report.numbers import least, most
 from emg2vsa.report.wording import activity, number
 
 MARKS = {"ok": "", "warned": "!", "rejected": "×"}
@@ -43,9 +44,8 @@ LEGEND = in_colours_of_page(
 def force_trace(trials: Trials, window_n: tuple[float, float], name: str) -> str:
     """Force of the whole record, loading phases shaded by verdict and numbered."""
     time_s, force_n = thinned(trials.overview_time_s, trials.overview_force_n, _TRACE_POINTS)
-    known = force_n[np.isfinite(force_n)]
-    highest = float(known.max(initial=0.0))
-    top, bottom = max(highest, window_n[1]) * 1.08, min(0.0, float(known.min(initial=0.0)))
+    highest, lowest = (float(find(force_n, initial=0.0)) for find in (np.fmax.reduce, np.fmin.reduce))
+    top, bottom = max(highest, window_n[1]) * 1.08, lowest
     axes = _record(trials, time_s, (top, bottom), "Force (N)", 300)
     for limit_n in window_n:
         axes.level(limit_n)
@@ -130,8 +130,8 @@ def activity_plot(fits: Fits, scale: ActivityScale, name: str) -> str:
     """Bin means and the fitted curve of every press, in one colour per press, with its number at the end."""
     low_n, high_n = float(fits.bin_edges_n[0]), float(fits.bin_edges_n[-1])
     v = fits.bin_v * scale.factor
-    shown = v[np.isfinite(v)]
-    top, bottom = float(shown.max(initial=0.0)) * 1.05 or 1.0, min(0.0, float(shown.min(initial=0.0)))
+    highest, bottom = (float(find(v, axis=None, initial=0.0)) for find in (np.fmax.reduce, np.fmin.reduce))
+    top = highest * 1.05 or 1.0
     grid = np.geomspace(low_n, high_n, _CURVE_POINTS)
     curves = (fits.a_v[:, None] + fits.b_v[:, None] * np.log(grid)) * scale.factor
     labels = ("Force (N)", scale.label("Co-contraction"))
@@ -147,9 +147,8 @@ def activity_plot(fits: Fits, scale: ActivityScale, name: str) -> str:
         axes.line(line, colours[i], width=7 if odd[i] else 3, dash=_DASHES[verdict], title=title)
         words.append(f"{press} odd" if odd[i] else press)
     axes.ends(curves[:, -1], words, colours)
-    fitted = fits.b_v[np.isfinite(fits.b_v)]
-    spread = " to ".join(activity(float(end), scale) for end in (fitted.min(), fitted.max())) if fitted.size else ""
-    said = f"b from {spread}" if spread else "no fit"
+    ends = [activity(find(fits.b_v), scale) for find in (least, most)]
+    said = f"b from {' to '.join(ends)}" if np.isfinite(fits.b_v).any() else "no fit"
     title = f"Co-contraction against force, {fits.specimen[0] if fits.specimen.size else ''}"
     return axes.svg(name, title, f"Force bins and fitted curves of {fits.b_v.size} presses: {said}.")
 
