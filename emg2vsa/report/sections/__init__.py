@@ -33,13 +33,12 @@ from emg2vsa.report.sections.hypotheses import HYPOTHESES
 from emg2vsa.report.sections.kappa import KAPPA
 from emg2vsa.report.sections.participants import PARTICIPANTS
 from emg2vsa.report.sections.plates import PLATES
-from emg2vsa.report.sections.profiles import PROFILES
+from emg2vsa.report.sections.profiles import PROFILES, SCHEDULES
 from emg2vsa.report.sections.provenance import GLOSSARY, METHODS, PROVENANCE
 from emg2vsa.report.sections.rates import RATES
 from emg2vsa.report.sections.registration import REGISTRATION
 from emg2vsa.report.sections.rig_runs import RUNS
 from emg2vsa.report.sections.robustness import ROBUSTNESS
-from emg2vsa.report.sections.schedules import SCHEDULES
 from emg2vsa.report.sections.stiffness import STIFFNESS
 from emg2vsa.report.sections.vision import VISION
 
