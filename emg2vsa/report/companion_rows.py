@@ -16,8 +16,10 @@ from emg2vsa.report.outcome_text import Style, effect_said, p_said, range_said, 
 from emg2vsa.report.table import Column, Table, records
 from emg2vsa.report.wording import activity, bounded
 from emg2vsa.statistics.anova import Anova
+from emg2vsa.statistics.clusters import Names
 from emg2vsa.statistics.kruskal import KruskalWallis, smallest_worst_p
 from emg2vsa.statistics.outcome import Outcomes
+from emg2vsa.statistics.post_hoc import PairDifferences
 
 
 def decided(tests: Anova | KruskalWallis | Outcomes, alpha: float, many: str, style: Style = "apa") -> str:
@@ -131,6 +133,11 @@ CORRECTED = {
     "mann_whitney": "Mann-Whitney, Holm",
 }  # fmt: skip
 """Tests of ``PairTests.corrected`` in heads of columns."""
+
+
+def pair_names(names: Names, pairs: PairDifferences, between: str = " - ") -> list[str]:
+    """``S1 - S3`` of every pair."""
+    return [f"{names[i]}{between}{names[j]}" for i, j in zip(pairs.first, pairs.second, strict=True)]
 
 
 def pair_rows(tests: PairTests, alpha: float, style: Style = "apa", over: BlockTests | None = None) -> Rows:

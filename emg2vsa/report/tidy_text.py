@@ -92,7 +92,7 @@ def _outcomes(found: TidyTests) -> Iterator[tuple[str, Sequence[Outcome]]]:
         yield "groups over blocks", over.outcomes()
     yield from ((group, tests.normality.outcomes(i)) for i, group in enumerate(found.groups.tolist()))
     yield "groups", tests.between_groups.outcomes()
-    for at, pair in enumerate(_pairs(found)):
+    for at, pair in enumerate(pairs := beside.pair_names(found.groups, tests.pairs.lsd)):
         yield pair, tests.pairs.outcomes(0, at)
         if over:
             yield f"{pair} over blocks", over.pair_outcomes(at)
@@ -102,14 +102,9 @@ def _outcomes(found: TidyTests) -> Iterator[tuple[str, Sequence[Outcome]]]:
         return
     for i, block in enumerate(found.blocks.tolist()):
         yield f"groups in {block}", table.between_groups.outcomes(i)
-        yield from ((f"{pair} in {block}", table.pairs.outcomes(i, at)) for at, pair in enumerate(_pairs(found)))
+        yield from ((f"{pair} in {block}", table.pairs.outcomes(i, at)) for at, pair in enumerate(pairs))
     for i, group in enumerate(found.groups.tolist() if found.blocks.size > 1 else []):
         yield f"blocks in {group}", table.between_blocks.outcomes(i)
-
-
-def _pairs(found: TidyTests) -> list[str]:
-    pairs, names = found.together.pairs, found.groups
-    return [f"{names[i]} - {names[j]}" for i, j in zip(pairs.first, pairs.second, strict=True)]
 
 
 def text(found: TidyTests, style: Style, *, details: bool) -> str:
@@ -149,7 +144,7 @@ def _pair_lines(found: TidyTests, style: Style) -> Iterator[str]:
         families = over.pair_families | {"LSD (rows)": tests.lsd.p}
     yield f"\nPairs: p of each test (differences and their intervals: {method})"
     rows = [("pair", "difference", *families, size[0])]
-    for at, pair in enumerate(_pairs(found)):
+    for at, pair in enumerate(beside.pair_names(found.groups, tests.lsd)):
         difference, low, high = (number(float(each[0, at])) for each in (of.difference, of.low, of.high))
         limits = f"[{low}, {high}]" if math.isfinite(of.low[0, at]) else "[not defined]"
         shown = (p_said(float(p[0, at]), style).strip("$").replace(NO_BREAK, " ") for p in families.values())

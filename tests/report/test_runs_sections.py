@@ -20,8 +20,8 @@ from emg2vsa.report.rig_tests import rig_tests
 from emg2vsa.report.section import Content, rendered
 from emg2vsa.report.sections.actuators import ACTUATORS
 from emg2vsa.report.sections.kappa import holds, span
-from emg2vsa.report.sections.rig_runs import RUNS
 from emg2vsa.report.sections.profiles import SCHEDULES
+from emg2vsa.report.sections.rig_runs import RUNS
 from emg2vsa.report.study_report import contents, numbers_and_tables, write_figure_pdfs, write_study_report
 from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import PAPER, CalibrationSettings, DiscriminationSettings, RunSettings

@@ -85,8 +85,8 @@ def _laws(laws: ForceLaws) -> Items:
             if i:
                 ratio = (laws.ratio, laws.ratio_low, laws.ratio_high)
                 yield from with_interval(f"{name}.{law}.error_ratio", *(end[kind, i] for end in ratio))
-                yield f"{name}.{law}.p", float(laws.p[kind, i])
-                yield f"{name}.{law}.better_cells", int(laws.better[kind, i])
+                better = int(laws.better[kind, i])
+                yield from named(f"{name}.{law}", p=float(laws.p[kind, i]), better_cells=better)
 
 
 def _median(values: Floats) -> float:

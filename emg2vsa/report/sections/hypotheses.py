@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from scipy.special import stdtrit
@@ -12,6 +11,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.companions.groups import GroupTests
 from emg2vsa.figures.cocontraction import draw_mixed_residuals
 from emg2vsa.hypotheses import Hypotheses
+from emg2vsa.report.companion_rows import pair_names
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, least, most, named, with_interval
@@ -77,13 +77,8 @@ def _pair_quantities(found: Hypotheses) -> Items:
         yield f"{name}.{kind}.significant", _significant(p, found.alpha)
         yield f"hypotheses.worst_p.{kind}", float(p[found.worst]) if found.worst[0] >= 0 else np.nan
     for i, participant in enumerate(found.participants[: len(pairs.lsd.p)].tolist()):
-        for j, ends in enumerate(_ends(found, pairs) if found.specimens.size > 1 else ()):
+        for j, ends in enumerate(pair_names(found.specimens, pairs.lsd, "-") if found.specimens.size > 1 else ()):
             yield f"{name}.{participant}.{ends}.p", pairs.lsd.p[i, j].item()
-
-
-def _ends(found: Hypotheses, pairs: Any) -> list[str]:
-    """``S1-S3`` of every pair."""
-    return [f"{found.specimens[i]}-{found.specimens[j]}" for i, j in zip(pairs.first, pairs.second, strict=True)]
 
 
 def _over_people_quantities(found: Hypotheses, unit: str) -> Items:
@@ -112,7 +107,7 @@ def _over_people_quantities(found: Hypotheses, unit: str) -> Items:
         normal, level = blocks.residuals.outcomes()
         of_level = {"level_rho": level.effect_size, "level_p": level.p}
         yield from named(f"{name}.mixed.residuals", shapiro_p=normal.p, **of_level)
-    for j, ends in enumerate(_ends(found, blocks.paired.t)):
+    for j, ends in enumerate(pair_names(found.specimens, blocks.paired.t, "-")):
         for test, p in blocks.pair_families.items():
             yield f"{name}.pairs.{ends}.{test.lower().replace(' ', '_').replace('-', '_')}.p_holm", p[0, j].item()
         yield from fields_of(f"{name}.pairs.{ends}", blocks.paired, "g", "g_low", "g_high", at=(0, j))
