@@ -79,8 +79,15 @@ def draw_schedules(schedules: Sequence[Schedule], looks: Mapping[str, Look]) -> 
             middle = (edges[1:] + edges[:-1]) / 2
             canvas.marks(steps, middle, schedule.stiffness_percent, look, label=schedule.specimen)
     for place, specimen in enumerate(specimens):
+        across, look = (place - 0.3, place + 0.3), looks[specimen]
         constant = {s.condition: s for s in schedules if s.specimen == specimen and s.condition != "modular"}
-        _levels(levels, place, constant, looks[specimen])
+        for interval in (s.interval_percent for s in constant.values() if s.interval_percent is not None):
+            levels.fill_between(across, *interval[:, 0], color=look.colour, **_BAND)
+        if mean := constant.pop("constant-mean", None):
+            canvas.marks(levels, place, mean.stiffness_percent[0], look, 5)
+        if ends := [float(s.stiffness_percent[0]) for s in constant.values()]:
+            levels.hlines(ends, *across, colors=look.colour, linewidth=1.6)
+            levels.vlines(place, min(ends), max(ends), colors=look.colour, linestyles=(0, (1, 1.5)), linewidth=1.0)
     steps.set(xlabel="Force (N)", ylabel="Stiffness preset (% of maximum)", xlim=(0, None), ylim=(0, 100))
     levels.set(xlabel="Constant", xlim=(-0.7, len(specimens) - 0.3), ylim=(0, 100), xticks=[])
     levels.tick_params(axis="y", left=False, labelleft=False)
@@ -88,19 +95,6 @@ def draw_schedules(schedules: Sequence[Schedule], looks: Mapping[str, Look]) -> 
     placed: Any = {"loc": "upper center", "bbox_to_anchor": (0.55, 1), "ncols": 4}
     figure.legend(*steps.get_legend_handles_labels(), columnspacing=1, handletextpad=0.3, **placed)
     return figure
-
-
-def _levels(axes: Axes, place: int, constant: Mapping[str, Schedule], look: Look) -> None:
-    """constant : schedules by condition, of one specimen."""
-    for interval in (s.interval_percent for s in constant.values() if s.interval_percent is not None):
-        axes.fill_between([place - 0.3, place + 0.3], *interval[:, 0], color=look.colour, **_BAND)
-    percent = {condition: float(s.stiffness_percent[0]) for condition, s in constant.items()}
-    ends = [percent[name] for name in ("constant-min", "constant-max") if name in percent]
-    axes.hlines(ends, place - 0.3, place + 0.3, colors=look.colour, linewidth=1.6)
-    if len(ends) > 1:
-        axes.vlines(place, min(ends), max(ends), colors=look.colour, linestyles=(0, (1, 1.5)), linewidth=1.0)
-    if "constant-mean" in percent:
-        canvas.marks(axes, place, percent["constant-mean"], look, 5)
 
 
 def draw_mixed_residuals(fitted: Floats, residual: Floats, quantile: Floats, scale: ActivityScale) -> Figure:

@@ -175,8 +175,7 @@ def lines(found: TidyTests, of: Mapping[str, str | None], style: Style, *, detai
             yield f"note: {count(n, 'row')} {why} left out"
     for names in found.alike():
         yield f"note: {names} differ in capitals or spaces only and are kept apart; write them alike if they are one"
-    yield ""
-    yield text(found, style, details=details)
+    yield f"\n{text(found, style, details=details)}"
 
 
 def as_json(found: TidyTests, style: Style) -> dict[str, Any]:
