@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -28,16 +29,15 @@ _ARROWS_PX = 12
 def draw_steps(seen: FirstContact, flow_px: NDArray[np.floating[Any]]) -> Figure:
     """flow_px : (H, W, 2) from the first frame in contact to the next, NaN where it is not known."""
     figure, rows = panel_grid(2, [1] * 4, 41, (2, 2, 2, 7), (4, 8))
-    axes = [each for row in rows for each in row]
+    (frame, mask, at_rest, in_contact), (selected, hexagons, flow, growth) = rows
     rest, contact, _ = seen.frames
     titles = (
         "frame", "mask", "centroids at rest", "centroids in contact", "selected pins", "one hexagon each", "flow",
         "divergence",
     )  # fmt: skip
-    for each, title in zip(axes, titles, strict=True):
+    for each, title in zip([*rows[0], *rows[1]], titles, strict=True):
         each.set_title(title, loc="center")
         each.set_axis_off()
-    frame, mask, at_rest, in_contact, selected, hexagons, flow, growth = axes
     _grey(frame, contact)
     _grey(mask, _BRIGHTEST * _mask(contact))
     for where, image, pins in ((at_rest, rest, seen.rest_px), (in_contact, contact, seen.contact_px)):
@@ -49,21 +49,15 @@ def draw_steps(seen: FirstContact, flow_px: NDArray[np.floating[Any]]) -> Figure
     selected.quiver(*start.T, *(end - start).T, angles="xy", scale_units="xy", scale=0.25, color=SKY, width=0.008)
     _grey(hexagons, rest)
     tiles = list(cells_of(start, seen.rest_px))
-    hexagons.add_collection(PolyCollection(tiles, facecolors=(*_rgb(YELLOW), 0.25), edgecolors=YELLOW, linewidths=0.8))
-    of_skin = np.where(_skin(seen), flow_px.transpose(2, 0, 1), np.nan).transpose(1, 2, 0)
+    hexagons.add_collection(
+        PolyCollection(tiles, facecolors=(*to_rgb(YELLOW), 0.25), edgecolors=YELLOW, linewidths=0.8)
+    )
+    # flow is not seen outside what the pins enclose
+    hull = Region.from_points(seen.contact_px[np.isfinite(seen.contact_px).all(axis=1)])
+    of_skin = np.where(region_mask(hull.polygon_px, seen.frames.shape[1:])[..., None] > 0, flow_px, np.nan)
     _flow(flow, contact, of_skin)
     _divergence(growth, of_skin)
     return figure
-
-
-def _skin(seen: FirstContact) -> NDArray[np.bool_]:
-    """(H, W) what the pins enclose: flow is not seen where nothing is."""
-    hull = Region.from_points(seen.contact_px[np.isfinite(seen.contact_px).all(axis=1)])
-    return np.asarray(region_mask(hull.polygon_px, seen.frames.shape[1:]) > 0)
-
-
-def _rgb(colour: str) -> tuple[float, ...]:
-    return tuple(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
 
 
 def _grey(axes: Axes, image: NDArray[np.uint8]) -> None:
@@ -91,6 +85,6 @@ def _divergence(axes: Axes, flow_px: NDArray[np.floating[Any]]) -> None:
     field = 100 * divergence(flow_px.astype(np.float32))
     most = float(np.nanpercentile(np.abs(field), 99.5)) or 1.0
     shown = np.clip(np.nan_to_num(field) / most, -1, 1)[..., None]
-    ends = np.where(shown > 0, np.array(_rgb(YELLOW)), np.array(_rgb(BLUE)))
+    ends = np.where(shown > 0, to_rgb(YELLOW), to_rgb(BLUE))
     axes.imshow(1 - np.abs(shown) * (1 - ends), interpolation="nearest")
     axes.set_title(f"divergence, ±{most:.2g} %", loc="center")

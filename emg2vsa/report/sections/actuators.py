@@ -15,7 +15,7 @@ from emg2vsa.report import designs
 from emg2vsa.report.designs import cells, design_name, ends_of, finite, of_tests, tested
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, with_interval
+from emg2vsa.report.numbers import Items, fields_of, with_interval
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Columns, Table, table_of
 from emg2vsa.report.wording import UNDEFINED, area_unit, interval, listed
@@ -57,9 +57,8 @@ def _contrast_quantities(contrast: Contrast, table: RunTable) -> Items:
     for i, (one, other, k) in enumerate(zip(contrast.one, contrast.other, contrast.pair, strict=True)):
         name = f"{begin}.{table.conditions[one]}_against_{table.conditions[other]}.{table.angles_deg[one]:g}.{pairs[k]}"
         yield from with_interval(f"{name}.change", *contrast.changes.at(i))
-        yield f"{name}.df", float(contrast.changes.df[i])
-        yield f"{name}.p", float(contrast.changes.p[i])
-        yield f"{name}.p_adjusted", float(contrast.p_adjusted[i])
+        yield from fields_of(name, contrast.changes, "df", "p", at=i)
+        yield from fields_of(name, contrast, "p_adjusted", at=i)
         yield f"{name}.verdict", contrast.verdicts[i]
 
 

@@ -128,18 +128,16 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
             continue
         rows = [(design_name(table, i), _series(results, i)) for i in own]
         seen = (
-            f"CASR, {what}. Left: dA/dF from frame to frame, and its fit. Right: CASR of the presses "
-            f"({scoring.algorithm} algorithm)."
+            f"CASR, {what}. Left: dA/dF of frames, and its fit. Right: CASR of presses ({scoring.algorithm} algorithm)."
         )
         caption = f"Fig. {number}. {f'As Fig. {first}, {what}.' if first else seen} {_without(rows)}"
         first = first or number
-        told = (
-            f"All panels by {scored_by(scoring)}. The fit is the derivative of {_LAW[scoring.recipe.law]} through the "
-            f"areas. Median CASR in {unit}/N. "
-        )
+        told = f"All panels by {scored_by(scoring)}. The fit is the derivative of {_LAW[scoring.recipe.law]}. "
         medians = designs.medians_said((title, ((each.name, each.casr) for each in row)) for title, row in rows)
         title, figure = f"dA/dF against force and CASR, {what}", draw_rates(rows, unit)
-        yield designs.drawing(results, name, title, caption.rstrip(), f"{told}{medians}.", figure)
+        yield designs.drawing(
+            results, name, title, caption.rstrip(), f"{told}Median CASR in {unit}/N. {medians}.", figure
+        )
 
 
 def _without(rows: Sequence[tuple[str, Sequence[RateSeries]]]) -> str:

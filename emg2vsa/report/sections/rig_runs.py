@@ -106,7 +106,7 @@ def _note(told: Sequence[tuple[str, str]]) -> str:
     """The first of a kind of notes, and the runs that it concerns."""
     names = list(dict.fromkeys(name for _, name in told))
     like = f"{len(told)} such notes with other numbers, " if len({text for text, _ in told}) > 1 else ""
-    where = ", ".join([*names[:_SHOWN_RUNS], *(["…"] if len(names) > _SHOWN_RUNS else [])])
+    where = ", ".join(names[:_SHOWN_RUNS]) + ", …" * (len(names) > _SHOWN_RUNS)
     return f"{told[0][0]} ({like}{count(len(names), 'run')}: {where})"
 
 

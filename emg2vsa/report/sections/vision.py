@@ -93,10 +93,6 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         f"{q.get('runs.algorithm_1.pins.none', 0)} of {sum(p.size for *_, p in every)} presses, where no pin moved"
     )
     yield table_of("algorithm_1", caption, counted)
-    yield _compared(results, q)
-
-
-def _compared(results: StudyResults, q: Quantities) -> Table:
     found = tested(results)
     compared, table = found.algorithms, found.table
     shown = _NUMBERS if np.isfinite(compared.area_error).any() else (_NUMBERS[0], *_NUMBERS[3:])
@@ -115,9 +111,8 @@ def _compared(results: StudyResults, q: Quantities) -> Table:
     )
     whole = table_of("algorithms", caption, rows)
     rigid = tuple(row for row in whole.rows if str(row["design"]).startswith(RIGID))
-    if 0 < len(rigid) < len(whole.rows):
-        whole = replace(whole, caption=f"{caption}. Shown: rigid motor", shown_rows=rigid)
-    return whole
+    some = 0 < len(rigid) < len(whole.rows)
+    yield replace(whole, caption=f"{caption}. Shown: rigid motor", shown_rows=rigid) if some else whole
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
