@@ -167,8 +167,7 @@ class ConditionBoxes:
     @property
     def percent(self) -> Floats:
         """(n,) by which the human-like presses exceed the mean of the rigid ones."""
-        rigid = self.rigid[np.isfinite(self.rigid)]
-        return 100 * (self.human_like / rigid.mean() - 1) if rigid.size else np.empty(0)
+        return np.asarray(100 * (self.human_like / mean_of(self.rigid) - 1))
 
 
 def draw_conditions(panels: Sequence[tuple[str, Sequence[ConditionBoxes]]], unit: str, reach: float) -> Figure:

@@ -15,7 +15,7 @@ from emg2vsa.figures.palette import Look
 from emg2vsa.figures.palette import looks as looks_of
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, moments, with_interval
+from emg2vsa.report.numbers import Items, median, moments, with_interval
 from emg2vsa.report.section import Quantities
 from emg2vsa.report.table import Cell, Column, Columns, Table, table_of
 from emg2vsa.report.wording import SIMULATED, interval, number
@@ -118,8 +118,3 @@ def finite(values: Floats) -> Floats:
 def medians_said(rows: Iterable[tuple[str, Iterable[tuple[str, Floats]]]]) -> str:
     """``0°: S1 9.81, S3 12.2; 30°: ...``, for those who do not see a figure."""
     return "; ".join(f"{title}: " + ", ".join(f"{n} {number(median(v))}" for n, v in row) for title, row in rows)
-
-
-def median(values: Floats) -> float:
-    """Of those that are finite; NaN without any."""
-    return float(np.median(finite(values))) if np.isfinite(values).any() else np.nan

@@ -54,6 +54,11 @@ def most(values: Floats) -> float:
     return -least(-values)
 
 
+def median(values: Floats) -> float:
+    """Of those that are numbers; NaN where none is finite."""
+    return float(np.nanmedian(values)) if np.isfinite(values).any() else np.nan
+
+
 _UNITS = {
     "nm_per_rad": "N·m/rad", "n_per_mm": "N/mm", "mm2_per_n": "mm²/N", "px2_per_n": "px²/N", "deg_per_s": "°/s",
     "mm_per_s": "mm/s", "mm2": "mm²", "px2": "px²", "mm": "mm", "deg": "°", "percent": "%", "hz": "Hz", "ms": "ms",

@@ -7,7 +7,6 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from emg2vsa.arrays import Floats
 from emg2vsa.companions.force_laws import LAWS, LEFT_OUT, ForceLaws
 from emg2vsa.figures.canvas import PairBar
 from emg2vsa.figures.cocontraction import draw_cocontraction
@@ -17,7 +16,7 @@ from emg2vsa.profiles import Unit, mean_errors
 from emg2vsa.report import table
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, fields_of, least, moments, named, with_interval
+from emg2vsa.report.numbers import Items, fields_of, least, median, moments, named, with_interval
 from emg2vsa.report.section import Quantities, Section, of_people
 from emg2vsa.report.table import Column, Columns, Table, activity_column, columns, from_quantities, table_of
 from emg2vsa.report.wording import activity, count, p_text
@@ -42,7 +41,7 @@ def _quantities(results: StudyResults) -> Items:
     for name in (*_R2, "n_effective", "lag1"):
         if name in _R2:
             yield f"fit.{name}.min", least(getattr(fits, name)[used])
-        yield f"fit.{name}.median", _median(getattr(fits, name)[used])
+        yield f"fit.{name}.median", median(getattr(fits, name)[used])
     half = _half_widths(results)
     for specimen in results.specimens:
         of = used & (fits.specimen == specimen)
@@ -81,16 +80,12 @@ def _laws(laws: ForceLaws) -> Items:
         name = f"fit.laws.leave_one_{left_out}_out"
         yield f"{name}.cells", int(laws.compared[kind])
         for i, law in enumerate(LAWS):
-            yield f"{name}.{law}.relative_error", _median(laws.error[kind, i])
+            yield f"{name}.{law}.relative_error", median(laws.error[kind, i])
             if i:
                 ratio = (laws.ratio, laws.ratio_low, laws.ratio_high)
                 yield from with_interval(f"{name}.{law}.error_ratio", *(end[kind, i] for end in ratio))
                 better = int(laws.better[kind, i])
                 yield from named(f"{name}.{law}", p=float(laws.p[kind, i]), better_cells=better)
-
-
-def _median(values: Floats) -> float:
-    return float(np.nanmedian(values)) if np.isfinite(values).any() else np.nan
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
@@ -108,7 +103,7 @@ def _laws_table(laws: ForceLaws) -> Table:
     found: Columns = {
         Column("left_out", "Left out"): [f"one {LEFT_OUT[k]}" for k in kind],
         Column("law", "Law of v(F)"): [LAWS[i] for i in law],
-        Column("relative_error", "Median error of prediction (%)", 100.0): [_median(of) for of in laws.error[some]],
+        Column("relative_error", "Median error of prediction (%)", 100.0): [median(of) for of in laws.error[some]],
         **columns(laws, "ratio", "ratio_low", "ratio_high", "p", at=some),
         Column("better", "Better in"): [int(n) if i else None for n, i in zip(laws.better[some], law, strict=True)],
         Column("compared", "of cells"): laws.compared[kind],
@@ -150,7 +145,7 @@ def _by_specimen(results: StudyResults, q: Quantities) -> Table:
     for key in ("adj_r2_bins", "adj_r2_samples"):
         used = [getattr(fits, key)[results.used & of] for of in every]
         found[Column(f"{key}_min", f"Worst {_R2[key]}")] = list(map(least, used))
-        found[Column(f"{key}_median", f"Median {_R2[key]}")] = list(map(_median, used))
+        found[Column(f"{key}_median", f"Median {_R2[key]}")] = list(map(median, used))
     caption = (
         "Fits v = a + b ln F of the trials used, by specimen. Low and high: interval of the mean b over "
         f"{'people' if _unit(results) == 'person' else 'presses'}, {100 * fits.confidence:g} %. Smoother points give a "

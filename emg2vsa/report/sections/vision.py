@@ -6,10 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from importlib import import_module
 from itertools import product
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from casr.flow.dense_engine import dis_flow
 from emg2vsa.arrays import Floats, Ints
@@ -20,10 +18,9 @@ from emg2vsa.report import designs
 from emg2vsa.report.designs import cells, design_name, keys, of_tests, tested
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items
+from emg2vsa.report.numbers import Items, median
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Columns, Table, columns, table_of
-from emg2vsa.run_scores import FirstContact
 from emg2vsa.statistics.kruskal import midranks
 
 _ANGLE_DEG = 45.0
@@ -62,8 +59,8 @@ def _quantities(results: StudyResults) -> Items:
         yield "runs.algorithm_1.pins.min", int(pins.min())
         yield "runs.algorithm_1.pins.max", int(pins.max())
         yield "runs.algorithm_1.pins.none", int(np.count_nonzero(pins == 0))
-        yield "runs.algorithm_1.step_n.median", designs.median(np.concatenate([np.empty(0), *steps]))
-        yield "runs.algorithm_1.pins_per_n.median", designs.median(np.array(per_n))
+        yield "runs.algorithm_1.step_n.median", median(np.concatenate([np.empty(0), *steps]))
+        yield "runs.algorithm_1.pins_per_n.median", median(np.array(per_n))
     found = tested(results)
     for a, algorithm in enumerate(found.algorithms.names):
         of_algorithm = {key: getattr(found.algorithms, key)[a] for key in (*_NUMBERS, "gaps")}
@@ -125,7 +122,12 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     )
     if run is None or (seen := run.first_contact) is None:
         return
-    flow_px, named = _flow(seen, scoring.recipe.engine)
+    first, later = seen.frames[1:]
+    if scoring.recipe.engine == "horn-schunck":
+        # loaded when used: it compiles its kernels with numba
+        flow_px, named = import_module("casr.flow.horn_schunck").horn_schunck(first, later), "Horn–Schunck"
+    else:
+        flow_px, named = dis_flow(first.astype(np.float32), later.astype(np.float32)), "DIS"
     first_n, next_n = seen.force_n.tolist()
     caption = (
         f"Fig. 2. Algorithm 1, press {seen.repetition} on {run.specimen}, {run.condition}, {run.angle_deg:g}°: pins "
@@ -135,15 +137,6 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     told = f"{seen.selected.size} of {len(seen.rest_px)} pins are selected at {first_n:.2f} N."
     figure = draw_steps(seen, flow_px)
     yield designs.drawing(results, "fig02_algorithm_1", "Steps of Algorithm 1", caption, told, figure)
-
-
-def _flow(seen: FirstContact, engine: str) -> tuple[NDArray[np.floating[Any]], str]:
-    """(H, W, 2) px from the first frame in contact to the next, and what found it: DIS where the pins were scored."""
-    if engine == "horn-schunck":
-        # loaded when used: it compiles its kernels with numba
-        dense = import_module("casr.flow.horn_schunck").horn_schunck
-        return dense(seen.frames[1], seen.frames[2]), "Horn–Schunck"
-    return dis_flow(seen.frames[1].astype(np.float32), seen.frames[2].astype(np.float32)), "DIS"
 
 
 _TEXT = """
