@@ -12,7 +12,7 @@ from emg2vsa.discrimination import discriminate
 from emg2vsa.hypotheses import test_hypotheses as run_hypotheses
 from emg2vsa.report.inputs import Runs
 from emg2vsa.report.section import Content, rendered
-from emg2vsa.report.sections.factors import FACTORS
+from emg2vsa.report.sections.actuators import FACTORS
 from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.hypotheses import HYPOTHESES
 from emg2vsa.report.sections.participants import PARTICIPANTS

@@ -23,11 +23,10 @@ and shown by one section: two files. A new section is one file and one line here
 from __future__ import annotations
 
 from emg2vsa.report.section import Section
-from emg2vsa.report.sections.actuators import ACTUATORS
+from emg2vsa.report.sections.actuators import ACTUATORS, FACTORS
 from emg2vsa.report.sections.area import AREA
 from emg2vsa.report.sections.claims import CLAIMS
 from emg2vsa.report.sections.curves import CURVES
-from emg2vsa.report.sections.factors import FACTORS
 from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.hypotheses import HYPOTHESES
 from emg2vsa.report.sections.kappa import KAPPA

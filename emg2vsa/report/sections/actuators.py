@@ -1,4 +1,4 @@
-"""Rigid, human-like and constant stiffness: which sets the specimens furthest apart?"""
+"""Which stiffness sets the specimens furthest apart? Condition, angle and specimen in one model of the scores."""
 
 from __future__ import annotations
 
@@ -17,8 +17,10 @@ from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, with_interval
 from emg2vsa.report.section import Quantities, Section
-from emg2vsa.report.table import Column, Columns, Table, table_of
+from emg2vsa.report.table import Column, Columns, Table, from_quantities, table_of
 from emg2vsa.report.wording import UNDEFINED, area_unit, interval, listed
+from emg2vsa.shown import words_of
+from emg2vsa.statistics.factorial import Factorial
 
 _MEASURES = {"slope": "slope", "frame_sum": "equation (2)"}
 
@@ -170,3 +172,48 @@ specimens mounted once. {% endif %}
 ACTUATORS = Section(
     "actuators", "Rigid and human-like actuation", _TEXT, of_tests, _quantities, _tables, _drawings, _words
 )
+
+
+def _effects(results: StudyResults) -> list[tuple[str, Factorial, int, str]]:
+    """Score, model, place of every effect, and how its quantities begin."""
+    found = results.runs.discrimination if results.runs else None
+    models = (("area", "start_area", found.factors.area), ("CASR", "casr", found.factors.casr)) if found else ()
+    return [
+        (score, model, i, f"runs.factors.{key}.{effect.replace(' × ', '-')}")
+        for score, key, model in models
+        if model is not None
+        for i, effect in enumerate(model.effects)
+    ]
+
+
+def _effect_quantities(results: StudyResults) -> Items:
+    for _, model, i, name in _effects(results):
+        yield from fields_of(name, model, "f", "df", "p", "eta2", at=i)
+        yield from with_interval(f"{name}.omega2", model.omega2[i], model.low[i], model.high[i])
+
+
+def _effect_tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
+    every, head = _effects(results), words_of(Factorial)
+    names = [name for *_, name in every]
+    rows: Columns = {
+        Column("score", "Score"): [score for score, *_ in every],
+        Column("effect", "Effect"): [model.effects[i] for _, model, i, _ in every],
+        **from_quantities(q, names, {Column(key, *head[key]): key for key in ("f", "df")}),
+        Column("error_df", "Error df"): [model.error_df for _, model, *_ in every],
+        **from_quantities(q, names, {Column(key, *head[key]): key for key in ("p", "eta2", "omega2")}),
+        Column("omega2_low", "ω² low"): [q[f"{name}.omega2.low"] for name in names],
+        Column("omega2_high", "ω² high"): [q[f"{name}.omega2.high"] for name in names],
+    }
+    caption = "Condition, angle and specimen in one model of ln(score), type II (means of mountings on the rig)"
+    yield table_of("factors", caption, rows)
+
+
+_EFFECTS_TEXT = """
+<p>One model of the logarithm of each score tests condition, angle and specimen together, because they multiply it.</p>
+{{ folded("factors", "Effects of condition, angle and specimen") }}
+"""
+
+FACTORS = Section(
+    "factors", "Condition, angle and specimen", _EFFECTS_TEXT, lambda results: bool(_effects(results)),
+    _effect_quantities, _effect_tables,
+)  # fmt: skip
