@@ -33,7 +33,8 @@ def how_many(p: Floats, alpha: float, many: str, style: Style = "apa", does: str
     if not p.size:
         return "not defined"
     significant = int(np.count_nonzero(p < alpha))
-    which, extreme = ("largest", p.max()) if 2 * significant > p.size else ("smallest", p.min())
+    which, extreme = ("the others from", p[p >= alpha]) if 2 * significant > p.size else ("smallest", p)
+    which, extreme = (which, extreme.min()) if significant < p.size else ("largest", p.max())
     return f"{significant} of {p.size} {many} {does} ({which} {p_said(float(extreme), style)})"
 
 

@@ -43,7 +43,7 @@ class Column:
         if isinstance(value, bool):
             return "yes" if value else "no"
         if isinstance(value, str):
-            return typeset(value)
+            return value if self.key == "latex" else typeset(value)
         if self.key == "p" or self.key.startswith("p_"):
             return p_value(value)
         return number(value * self.factor if self.factor != 1 else value, self.digits)

@@ -57,7 +57,7 @@ def percent(share: float, digits: int = 3) -> str:
 
 def signed(value: float, unit: str = "") -> str:
     """A difference with its sign and one decimal: ``+3.1 %``, ``−0.4``."""
-    return UNDEFINED if math.isnan(value) else typeset(f"{value:+.1f} {unit}".rstrip())
+    return UNDEFINED if math.isnan(value) else typeset(f"{round(value, 1) + 0.0:+.1f} {unit}".rstrip())
 
 
 def count(n: int, noun: str) -> str:

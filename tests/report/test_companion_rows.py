@@ -18,7 +18,7 @@ NAN = np.nan
 def test_counts_name_the_p_that_matters() -> None:
     few, many = np.array([0.2, 0.01, 0.6, NAN]), np.array([0.02, 0.01, 0.6])
     assert how_many(few, 0.05, "pairs", "plain") == "1 of 3 pairs significant (smallest p = 0.01)"
-    assert how_many(many, 0.05, "pairs", "plain") == "2 of 3 pairs significant (largest p = 0.6)"
+    assert how_many(many, 0.05, "pairs", "plain") == "2 of 3 pairs significant (the others from p = 0.6)"
     assert how_many(np.array([NAN]), 0.05, "pairs") == "not defined"
 
 

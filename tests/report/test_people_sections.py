@@ -9,6 +9,7 @@ import pytest
 from scipy import stats
 
 from emg2vsa.discrimination import discriminate
+from emg2vsa.hypotheses import EPSILON, RHO
 from emg2vsa.hypotheses import test_hypotheses as run_hypotheses
 from emg2vsa.report.inputs import Runs
 from emg2vsa.report.section import Content, rendered
@@ -197,8 +198,12 @@ def test_figure_4_is_seen_at_once_and_says_what_its_bands_and_stars_are(whole, c
 def test_people_have_the_power_of_both_tests(whole, content: Content) -> None:
     text = " ".join(rendered(PARTICIPANTS, whole, content).split())
     of = [f"{content.quantities[f'power.{key}']:.3f}".lstrip("0") for key in ("study", "study_specimens")]
-    assert f"that test has a power of {of[0]}, and a test between specimens has {of[1]}." in text
+    assert f"that test has a power of {of[0]}, and a test between specimens has {of[1]}, at a" in text
+    assert f"at a correlation ρ of {RHO:g} and a sphericity ε of {EPSILON:g}." in text
     assert "power_sensitivity" in content.tables
+    content.quantities |= {"power.study_specimens": np.nan}
+    text = " ".join(rendered(PARTICIPANTS, whole, content).split())
+    assert f"that test has a power of {of[0]}, at a" in text
 
 
 def test_a_study_of_one_person_claims_no_power(whole, fits_of) -> None:

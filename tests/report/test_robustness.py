@@ -59,6 +59,15 @@ def test_shares_and_the_choice_that_overturns_a_verdict_are_said(shown):
     assert told_of_paths(whole, "three") == ""
 
 
+def test_places_are_whole_numbers_and_presets_that_stay_are_not_said_to_move(shown):
+    alike = np.array([PERCENT[0], PERCENT[0] + 1e-12])
+    _, content, text = shown(presets=IndexPresets("P01", ("sum", "minimum"), ("S1", "S5"), alike, (20.0, 80.0)))
+    rows = content.tables["index_presets"].rows
+    assert [(type(row["place"]), row["place"], row["turned"]) for row in rows] == [(int, 1, False), (int, 2, False)]
+    assert "moves a stiffness preset" not in text
+    assert "index_presets" in text
+
+
 def test_without_paths_the_page_says_how_to_ask_and_shows_presets_by_index(shown):
     whole, content, text = shown(presets=PRESETS)
     assert "<code>emg2vsa run study.toml --paths</code> judges every claim again" in text

@@ -181,6 +181,14 @@ def test_a_study_whose_presses_are_all_rejected_has_a_report(results, tmp_path):
     assert found["hypotheses.order"] == "unknown"
 
 
+def test_of_one_recording_a_session_no_drift_is_said(results, tmp_path, read_page):
+    tested = results.people.hypotheses
+    told = with_people(results, hypotheses=replace(tested, drift=replace(tested.drift, places=1)))
+    write_study_report(told, tmp_path)
+    text = " ".join(read_page(tmp_path / "index.html").text.split())
+    assert "The data do not tell how much b changes over a session." in text
+
+
 def test_order_and_drift_have_a_line_of_their_own(results, tmp_path, read_page):
     """Of people whose order nobody knows, and of others whose order differs."""
     tested = results.people.hypotheses

@@ -53,6 +53,12 @@ def test_people_see_a_p_with_its_bound_and_programs_every_digit():
     assert "".join(made.csv()).splitlines()[1:3] == ["1.2345e-09", "0.0391"]
 
 
+def test_latex_keeps_its_own_minus():
+    """A true minus stops pdflatex."""
+    made = Table("t", "", (Column("apa", "APA"), Column("latex", "LaTeX")), ({"apa": "-.11", "latex": "$= -.11$"},))
+    assert made.cells() == [["−.11", "$= -.11$"]]
+
+
 @pytest.mark.parametrize("row", [{"name": "S1"}, {"name": "S1", "v_v": 1.0, "w": 2.0}, {"v_v": 1.0, "title": "S1"}])
 def test_a_row_has_the_columns_of_its_table_and_no_others(row):
     columns = (Column("name", "Name"), Column("v_v", "v"))

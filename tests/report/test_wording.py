@@ -52,6 +52,7 @@ def plain(text: str) -> str:
         # what is not defined is never shown as a number
         (number(NAN), "–"), (number(None), "–"), (bounded(NAN), "–"), (percent(NAN), "–"), (signed(NAN), "–"),
         (bounded(-0.25, 2), "−.25"), (percent(0.4774), "47.7 %"), (signed(3.14), "+3.1"),
+        (signed(-0.04, "%"), "+0.0 %"),
         (signed(-0.44, "%"), "−0.4 %"), (count(1, "trial"), "1 trial"), (count(2, "trial"), "2 trials"),
         (listed([]), ""), (listed(["S1"]), "S1"), (listed(["S1", "S3", "S5"]), "S1, S3 and S5"),
         # minus and percent are set in one way

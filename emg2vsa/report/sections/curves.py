@@ -47,7 +47,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         return
     ranges = (
         "Ranges of force in which specimens differ. Difference, interval and p are those at the force of the largest F "
-        "or t in the range; they hold at all forces and pairs together"
+        "or t in the range; they hold at all forces and pairs together, of people who are independent"
     )
     by_force = "By force: F of all specimens, t and difference of each pair, mean of each specimen"
     for name, caption, rows in (

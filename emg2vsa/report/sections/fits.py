@@ -24,7 +24,7 @@ from emg2vsa.shown import words_of
 from emg2vsa.truth import Recovery, recover
 
 _R2 = {
-    "adj_r2": "adj. R²", "r2_bins": "R², bins", "adj_r2_bins": "adj. R², bins", "r2_samples": "R², samples",
+    "adj_r2": "adj. R², this fit", "r2_bins": "R², bins", "adj_r2_bins": "adj. R², bins", "r2_samples": "R², samples",
     "adj_r2_samples": "adj. R², samples",
 }  # fmt: skip
 
@@ -215,7 +215,7 @@ The slope of {{ q['fit.b_not_positive'] | count("used trial") }} is not positive
 {{ folded("fits", "Every trial, rejected ones included") }}
 {{ folded("force_laws", "Other laws of force: power and straight line") }}
 {% if 'recovery.n' in q %}
-<p>This study is simulated by the law of the fit. The fitted slopes miss the true ones by
+<p>The simulated curves follow v = a + b ln F, as the fits do. The fitted slopes miss the true ones by
 {{ q['recovery.mean_b_error'] | percent(2) }} on average, and {{ q['recovery.coverage'] | percent(3) }} of the
 {{ q['recovery.confidence'] | percent(2) }} intervals hold the true slope.</p>
 {{ folded("recovery", "Fitted and true slopes by specimen") }}

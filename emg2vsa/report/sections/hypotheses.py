@@ -40,7 +40,7 @@ def _quantities(results: StudyResults) -> Items:
     yield from _stiffness_quantities(results)
     b_v = results.recorded.fits.b_v[results.used]
     level = float(np.mean(b_v)) if b_v.size else 0.0
-    over = 100 * (found.drift.places - 1) / level if level else np.nan
+    over = 100 * (found.drift.places - 1) / level if level and found.drift.places > 1 else np.nan
     for kind, slope in (("by_order", found.drift.by_order), ("within_recordings", found.drift.within)):
         of = slope.times(over)
         yield from with_interval(f"hypotheses.drift.{kind}_percent", of.value, *of.interval(1 - found.alpha))

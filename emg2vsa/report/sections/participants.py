@@ -94,7 +94,12 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
         return {"sessions": ""}
     fits, verdicts = results.people.fits, Counter(str(row["session"]) for row in _sessions(results).rows)
     sessions = listed([f"{number} {verdict}" for verdict, number in verdicts.most_common()])
-    return {"sessions": sessions, "accepted": int(np.count_nonzero((fits.verdict == "ok") & (fits.reason != "")))}
+    return {
+        "sessions": sessions,
+        "accepted": int(np.count_nonzero((fits.verdict == "ok") & (fits.reason != ""))),
+        "rho": RHO,
+        "epsilon": EPSILON,
+    }
 
 
 _TEXT = """
@@ -116,7 +121,10 @@ The tests use the {{ accepted | count("trial") }} that the study file accepts by
 {{ folded("judged", "Trials rejected, warned or accepted by hand, with reasons") }}
 {% if q['power.study'] is defined and q['power.study'] == q['power.study'] %}
 <p>The paper planned its sample for a test between repetitions. With the people of this study, that test has a power of
-{{ q['power.study'] | bounded }}, and a test between specimens has {{ q['power.study_specimens'] | bounded }}.</p>
+{{ q['power.study'] | bounded }}
+{%- if q['power.study_specimens'] == q['power.study_specimens'] %}, and a test between specimens has
+{{ q['power.study_specimens'] | bounded }}{% endif %}, at a correlation ρ of {{ rho }} and a sphericity ε of
+{{ epsilon }}.</p>
 {% endif %}
 {{ folded("power_sensitivity", "Power between specimens by correlation and sphericity") }}
 """

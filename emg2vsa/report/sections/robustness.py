@@ -21,6 +21,8 @@ _BY_KIND = (
     Column("paths", "Paths"), Column("kept", "Keep the verdict"), Column("share", "Share, %", 100),
     Column("changed_by", "Changed by"),
 )  # fmt: skip
+_NO_MOVE = 1e-6
+"""Points; presets move by less where they differ by rounding alone."""
 _PRESETS = (
     Column("index", "Index"), Column("specimen", "Specimen"), Column("largest_move_points", "Largest move, points"),
     Column("place", "Place by mean preset"), Column("own_place", "Place by the study's index"),
@@ -87,7 +89,7 @@ def _some(names: list[str]) -> str:
     return listed([*names[:_NAMED], *more])
 
 
-def _moves(presets: IndexPresets | None) -> Iterator[tuple[str, str, float, float, float, bool]]:
+def _moves(presets: IndexPresets | None) -> Iterator[tuple[str, str, float, int | None, int | None, bool]]:
     """Index, specimen, largest move, place by this index and by the study's, and whether they differ."""
     if presets is None:
         return
@@ -95,7 +97,8 @@ def _moves(presets: IndexPresets | None) -> Iterator[tuple[str, str, float, floa
     for (i, s), place in np.ndenumerate(rank):
         if i:
             turned = bool(place == place and place != rank[0, s])
-            yield presets.indices[i], presets.specimens[s], float(move[i, s]), float(place), float(rank[0, s]), turned
+            here, own = (int(of) if of == of else None for of in (place, rank[0, s]))
+            yield presets.indices[i], presets.specimens[s], float(move[i, s]), here, own, turned
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
@@ -125,7 +128,7 @@ def _words(results: StudyResults, q: Quantities) -> Mapping[str, object]:
         kind = results.paths.worst_kind(least)
         by = _some(results.paths.changing(least, kind))
         found |= {"least": least, "says": says[least], "share": shares[least], "kind": kind, "by": by}
-    if moves := [move for move in _moves(results.presets) if move[2] == move[2]]:
+    if moves := [move for move in _moves(results.presets) if move[2] > _NO_MOVE]:
         turning = list(dict.fromkeys(move[0] for move in moves if move[-1]))
         points = float(np.ptp(results.study.schedule.stiffness_percent))
         found |= {"moved": max(moves, key=lambda move: move[2]), "points": points, "turning": turning}
@@ -149,8 +152,8 @@ _TEXT = """
 <p>Another index of co-contraction moves a stiffness preset by up to {{ moved[2] | number(2) }} points of
 {{ points | number(2) }} ({{ moved[1] }}, {{ moved[0] }}).
 {% if turning %}By {{ turning | listed }} the specimens change their order.{% endif %}</p>
-{{ folded("index_presets", "Stiffness presets by index of co-contraction") }}
 {% endif %}
+{{ folded("index_presets", "Stiffness presets by index of co-contraction") }}
 """
 
 ROBUSTNESS = Section(
