@@ -29,8 +29,8 @@ class ConditionComparison:
     angle. gap_differences : (q,) human-like less other. level_ratio, cv_ratio : (q,) of mean CASR (geometric, over
     specimens and mountings) and of press_sd, human-like over other. mountings : fewest and most of a cell with a score.
     mounting_sd : of ln CASR from mounting to mounting, as the runs imply it, low and high. assumed_sd : the same, as
-    assumed. far : design, specimen and difference of ln CASR of the human-like cells that differ from the rigid ones at
-    the same angle by more than two SDs of a mean of their mountings.
+    assumed. cells : number of human-like cells with a rigid one at the same angle. far : design, specimen and difference
+    of ln CASR of those that differ by more than two SDs of a difference of two means over mountings.
     """
 
     specimens: tuple[str, ...]
@@ -45,6 +45,7 @@ class ConditionComparison:
     mountings: tuple[int, int]
     mounting_sd: tuple[float, float, float]
     assumed_sd: float
+    cells: int
     far: tuple[tuple[int, int, float], ...]
     confidence: float
 
@@ -61,6 +62,12 @@ def compare_conditions(table: RunTable, alpha: float, mounting_sd: float) -> Con
     share, count, implied = 1 / len(used), mountings.count, implied_sd(table, mountings, used, 1 - alpha)
     pressed = count[count > 0]
     sd = implied[0] if pressed.max(initial=0) > 1 else mounting_sd
+    changes = [
+        (a, s, float(mountings.mean[a, s] - mountings.mean[b, s]), sd * np.sqrt(1 / count[a, s] + 1 / count[b, s]))
+        for a, b in pairs
+        if table.conditions[b] == RIGID
+        for s in np.flatnonzero((count[a] > 0) & (count[b] > 0)).tolist()
+    ]
     levels = [mountings.sum({(a, s): share for s in used} | {(b, s): -share for s in used}) for a, b in pairs]
     return ConditionComparison(
         specimens=tuple(table.specimens[i] for i in used),
@@ -75,13 +82,8 @@ def compare_conditions(table: RunTable, alpha: float, mounting_sd: float) -> Con
         mountings=(int(pressed.min()) if pressed.size else 0, int(pressed.max(initial=0))),
         mounting_sd=implied,
         assumed_sd=mounting_sd,
-        far=tuple(
-            (a, s, float(change))
-            for a, b in pairs
-            if table.conditions[b] == RIGID
-            for s, change in enumerate(mountings.mean[a] - mountings.mean[b])
-            if abs(change) > 2 * sd / np.sqrt(max(min(count[a, s], count[b, s]), 1))
-        ),
+        cells=len(changes),
+        far=tuple((a, s, change) for a, s, change, of_two in changes if abs(change) > 2 * of_two),
         confidence=1 - alpha,
     )
 

@@ -162,7 +162,7 @@ class ConditionBoxes:
     rigid: Floats
     human_like: Floats
     far: bool = False
-    "Whether their means differ by more than two SDs of a mean over mountings."
+    "Whether their means differ by more than two SDs of a difference of two means over mountings."
 
     @property
     def percent(self) -> Floats:

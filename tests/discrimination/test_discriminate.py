@@ -78,6 +78,14 @@ def test_cells_that_differ_by_more_than_two_sds_of_mountings_are_named():
     assert change == pytest.approx(-0.2, abs=0.05)
 
 
+def test_chance_names_as_many_cells_as_two_sds_of_a_normal_difference_say():
+    """4.55 % of cells; at two SDs of one mean it would be 16 %."""
+    rng, tries = np.random.default_rng(6), 150
+    found = [compare_conditions(rig_table(rng, mountings=6, mounting_sd=0.05), 0.05, 0.02) for _ in range(tries)]
+    share = sum(len(each.far) for each in found) / sum(each.cells for each in found)
+    assert share == pytest.approx(0.0455, abs=0.02)
+
+
 def test_human_like_is_compared_with_every_condition_at_its_angle(runs, stiffness_n_per_mm):
     found = discriminate(runs, stiffness_n_per_mm, "S_new", FEW)
     names = [(found.table.conditions[i], found.table.angles_deg[i]) for i in found.conditions.other.tolist()]

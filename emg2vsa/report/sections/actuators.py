@@ -22,6 +22,8 @@ from emg2vsa.report.wording import UNDEFINED, area_unit, interval, listed
 from emg2vsa.shown import words_of
 from emg2vsa.statistics.factorial import Factorial
 
+_BEYOND_TWO_SDS = 0.0455
+"""Share of normal values."""
 _MEASURES = {"slope": "slope", "frame_sum": "equation (2)"}
 
 
@@ -121,11 +123,11 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
         return
     fewest, most = compared.mountings
     sd = compared.mounting_sd[0] if most > 1 else compared.assumed_sd
-    reach = 100 * np.expm1(2 * sd / np.sqrt(max(fewest, 1)))
+    reach = 100 * np.expm1(2 * sd * np.sqrt(2 / max(fewest, 1)))
     mounted = "one mounting" if most == 1 else f"{most if fewest == most else f'{fewest} to {most}'} mountings"
     caption = (
         f"Fig. 14. CASR ({table.algorithm} algorithm); each box holds the presses of {mounted}. Below: human-like "
-        "presses less the rigid mean; grey: two SDs of a mean over mountings; rings lie beyond."
+        "presses less the rigid mean; grey: two SDs of a difference of two means; rings lie beyond."
     )
     told = designs.medians_said(
         (title, [(f"{b.name} {which}", v) for b in own for which, v in (("rigid", b.rigid), ("human", b.human_like))])
@@ -138,7 +140,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
 
 
 def _beyond(found: Discrimination) -> str:
-    """The cells of figure 14 that differ by more than two SDs of a mean over mountings."""
+    """The cells of figure 14 that differ by more than two SDs of a difference of two means."""
     table = found.table
     return listed([
         f"{table.specimens[s]} at {table.angles_deg[d]:g}° ({100 * np.expm1(change):+.1f} %)"
@@ -156,6 +158,7 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
         "between": "mountings" if compared.mountings[1] > 1 else "conditions of the same specimen and angle",
         "assumed": 100 * compared.assumed_sd,
         "beyond": _beyond(found),
+        "chance": f"{_BEYOND_TWO_SDS * compared.cells:.1f} of {compared.cells}",
     }
 
 
@@ -163,7 +166,8 @@ _TEXT = """
 {{ figure("fig14_conditions") }}
 <p>{% if sd %}Mountings scatter by {{ sd }} % (SD, from {{ between }}); {{ assumed | number(2) }} % is assumed of
 specimens mounted once. {% endif %}
-{% if beyond %}Beyond two SDs (a difference has 1.4 by chance): {{ beyond }}. {% endif %}
+{% if beyond %}Conditions differ by more than two SDs of a difference of two means for {{ beyond }}; chance alone is
+expected to make {{ chance }} do so. {% endif %}
 {{ schedules | join(" ") }}</p>
 {{ folded("contrasts", "Contrast of specimens under every condition, tested over mountings") }}
 {{ folded("conditions_compared", "Human-like stiffness against every other condition") }}
