@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from casr.counts import count
 from emg2vsa.arrays import Floats, Ints, exponent_of
@@ -20,6 +20,8 @@ from emg2vsa.shown import shown
 _LEAST_POINTS = 3
 """Fewest points of the line behind the hinge."""
 _PRICE = 3.0  # times ln n, of a change whose place was searched for (Zhang and Siegmund 2007); at 2 one in 200 is false
+_BENDS = 0.1
+"""Share of kappa by which the slopes of both halves of a trial differ, from which on a note says that it bends."""
 PAPER_WINDOW = 5
 """Samples of the paper's moving average."""
 
@@ -64,7 +66,9 @@ class HookeFit:
     """d trials; every field (d,), NaN where undefined.
 
     kappa, kappa_se : force over indentation (N/mm). contact : indentation at which the line leaves the force of rest,
-    x0. adj_r2 : of the line, over the points in contact. n_rest, n : points before contact and in contact.
+    x0. adj_r2 : of the line, over the points in contact; a parabola from contact on has .94. n_rest, n : points before
+    contact and in contact. first_half, second_half : slopes (N/mm) of the points in contact; bends : whether they differ
+    by more than a tenth of kappa and three standard errors, for points of which as many as a window count as one.
     The standard errors take points as independent: filtered samples are not, and then they are too small.
     """
 
@@ -74,15 +78,18 @@ class HookeFit:
     adj_r2: Floats = field(metadata=shown("adj. R²", digits=4))
     n_rest: Ints
     n: Ints = field(metadata=shown("Points in contact"))
+    first_half: Floats = field(metadata=shown("First half (N/mm)"))
+    second_half: Floats = field(metadata=shown("Second half (N/mm)"))
+    bends: NDArray[np.bool_]
 
     def notes(self, i: int = 0) -> tuple[str, ...]:
         if np.isnan(self.kappa[i]):
             return (f"undefined: {self.n[i]} points" if self.n[i] < 2 else "undefined: indentation does not change",)
         if not self.kappa[i] > 0:
             return ("force does not rise with indentation: is its sign right?",)
-        if self.n_rest[i] == 0:
-            return ("no point before contact: contact is where the line meets zero force",)
-        return ()
+        rest = ("no point before contact: contact is where the line meets zero force",)
+        halves = f"bends: {self.first_half[i]:.3g} N/mm in its first half, {self.second_half[i]:.3g} in its second"
+        return (*(rest if self.n_rest[i] == 0 else ()), *((halves,) if self.bends[i] else ()))
 
 
 def fit_hooke(indentation: ArrayLike, force: ArrayLike) -> HookeFit:
@@ -102,11 +109,14 @@ def fit_hooke(indentation: ArrayLike, force: ArrayLike) -> HookeFit:
     w = np.where(np.arange(x.shape[1]) < n_rest[:, None], 0.0, w)
     resting = np.arange(x.shape[1]) < n_rest[:, None]
     line = fit_line(x, y, w)
+    late = np.cumsum(w > 0, axis=1) > line.n[:, None] / 2
+    halves = [fit_line(x, y, np.where(late == second, w, 0.0)) for second in (False, True)]
     count("fits", len(y))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         rest = np.where(n_rest > 0, np.sum(y, axis=1, where=resting) / n_rest, 0.0)
         contact = (rest - line.intercept) / line.slope
         unit = (unit_y - unit_x)[:, 0]
+        change, of_change = np.abs(halves[1].slope - halves[0].slope), np.hypot(*(each.slope_se for each in halves))
         return HookeFit(
             kappa=np.ldexp(line.slope, unit),
             kappa_se=np.ldexp(line.slope_se, unit),
@@ -114,6 +124,9 @@ def fit_hooke(indentation: ArrayLike, force: ArrayLike) -> HookeFit:
             adj_r2=line.adj_r2,
             n_rest=n_rest,
             n=line.n,
+            first_half=np.ldexp(halves[0].slope, unit),
+            second_half=np.ldexp(halves[1].slope, unit),
+            bends=(change > _BENDS * np.abs(line.slope)) & (change > 3 * np.sqrt(PAPER_WINDOW) * of_change),
         )
 
 

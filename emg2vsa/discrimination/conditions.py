@@ -29,7 +29,7 @@ class ConditionComparison:
     angle. gap_differences : (q,) human-like less other. level_ratio, cv_ratio : (q,) of mean CASR (geometric, over
     specimens and mountings) and of press_sd, human-like over other. mountings : fewest and most of a cell with a score.
     mounting_sd : of ln CASR from mounting to mounting, as the runs imply it, low and high. assumed_sd : the same, as
-    assumed. cells : number of human-like cells with a rigid one at the same angle. far : design, specimen and difference
+    assumed. cells : number of human-like cells with a rigid one at their angle. far : design, specimen and difference
     of ln CASR of those that differ by more than two SDs of a difference of two means over mountings.
     """
 

@@ -33,7 +33,8 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def bounded(value: float, decimals: int = 3) -> str:
-    """A number that cannot exceed 1 in size (p, R², η²): fixed decimals and no leading zero."""
+    """A number that cannot exceed 1 in size (p, R², η²): fixed decimals and no leading zero; 1 only where it is 1."""
+    value = min(value, 1 - 10**-decimals) if value < 1 else value
     return UNDEFINED if math.isnan(value) else typeset(re.sub(r"^(-?)0\.", r"\1.", f"{value:.{decimals}f}"))
 
 

@@ -139,7 +139,7 @@ def by_specimen(rows: Sequence[Row]) -> dict[str, dict[str, float]]:
         found[name] = {"stiffness_n_per_mm": float(f"{np.mean(values):.4g}")}
         if len(values) > 1:
             found[name]["stiffness_se_n_per_mm"] = float(f"{np.std(values, ddof=1) / np.sqrt(len(values)):.2g}")
-        found[name]["plate_adjusted_r2"] = float(f"{min(row['adjusted_r2'] for row in mine):.4g}")
+        found[name]["plate_adjusted_r2"] = float(np.floor(1e4 * min(row["adjusted_r2"] for row in mine)) / 1e4)
     return found
 
 

@@ -63,6 +63,10 @@ def test_numbers_and_tables_are_those_of_the_trials(results: StudyResults) -> No
 
 def test_a_curve_that_bends_lowers_r2_and_departs_from_its_line(results: StudyResults) -> None:
     bent = indentations(bend=3.0)
+    said = replace(results, plates=bent)
+    assert "differ by more than 10 % for S5 (1 of 1 trial: " in rendered(PLATES, said, contents(said)).replace(
+        "\xa0", " "
+    )
     assert bent.worst_adj_r2()["S5"] < 0.99 < 0.999 < bent.worst_adj_r2()["S1"]
     _, rest = contents(replace(results, plates=bent)).drawings["figplate_indentation"].figure.axes
     assert max(np.abs(line.get_ydata()).max() for line in rest.lines) > 300
@@ -74,6 +78,7 @@ def test_a_study_without_logs_shows_what_its_file_says(results: StudyResults) ->
     assert "plates" not in content.tables
     assert not [key for key in content.quantities if key.startswith("plates.")]
     assert "specimens" in content.tables
+    assert "There is no log of a plate" in rendered(PLATES, results, content)
 
 
 @pytest.mark.parametrize("bad", [np.zeros(200), -DEPTH_MM, np.full(200, np.nan)], ids=["flat", "falling", "empty"])

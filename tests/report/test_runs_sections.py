@@ -485,7 +485,7 @@ def test_figure_14_says_what_its_boxes_are_and_the_text_which_cells_differ(
     found = discriminate(lower, stiffness_n_per_mm, "S_new", FEW, mounting_sd=0.043)
     said = " ".join(rendered(ACTUATORS, replace(results, runs=Runs(tuple(lower), found)), content).split())
     assert "% (SD, from conditions of the same specimen and angle); 4.3" in said
-    assert re.search(r"two means for .*S3 at 0° .*; chance alone is expected to make 0.2 of 4 do so", said)
+    assert re.search(r"two means for .*S3 at 0° .*; chance alone is expected to make 0.1 of 3 do so", said)
     thrice = report_of([mounted(run, 3) for run in runs], contents)
     assert "each box holds the presses of 3 mountings." in thrice.drawings["fig14_conditions"].caption
 

@@ -13,7 +13,7 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, moments
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Columns, Table, columns, table_of
-from emg2vsa.report.wording import SIMULATED, bounded, number
+from emg2vsa.report.wording import SIMULATED, bounded, count, listed, number
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -42,7 +42,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         own: Columns = {
             Column("specimen", "Specimen"): plates.specimens,
             Column("trial", "Trial"): plates.trials,
-            **columns(plates.fit, "kappa", "kappa_se", "contact", "adj_r2", "n"),
+            **columns(plates.fit, "kappa", "kappa_se", "contact", "adj_r2", "n", "first_half", "second_half"),
         }
         caption = "Plate indentations: F = κ (x − x0) up to the deepest point, by least squares; points as independent"
         yield table_of("plates", caption, own)
@@ -69,21 +69,41 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
 _TEXT = """
 {{ figure("figplate_indentation") }}
 {% if worst is not none %}
-<p>The worst adj. R² of a straight line through a plate indentation is {{ worst | bounded(4) }} (paper: .882).</p>
+<p>The worst adj. R² of a straight line through a plate indentation is {{ worst | bounded(4) }} (paper: .882; that of a
+parabola is .94).{% if bent %} Halves of a trial differ by more than 10 % for {{ bent }}.{% endif %}</p>
 {% endif %}
 {% if lost %}
 <p>In {{ lost | count("trial") }} the force does not rise with indentation. Check its sign.</p>
 {% endif %}
+{% if stated %}
+<p>The study file gives κ in N/mm: {{ stated }}. There is no log of a plate (emg2vsa rig run --plate).</p>
+{% else %}
 {{ folded("specimens", "Stiffness of the specimens") }}
+{% endif %}
 {{ folded("plates", "Every plate indentation") }}
 """
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    plates = results.plates
+    study, plates = results.study, results.plates
     worst = [each for each in plates.worst_adj_r2().values() if each == each] if plates else []
     lost = int(np.count_nonzero(~(plates.fit.kappa > 0))) if plates else 0
-    return {"worst": min(worst, default=None), "lost": lost}
+    bare = not plates and not any(each.stiffness_se_n_per_mm or each.plate_adjusted_r2 for each in study.specimens)
+    stated = [f"{number(each.stiffness_n_per_mm)} ({each.name})" for each in study.specimens]
+    return {
+        "worst": min(worst, default=None), "lost": lost, "bent": listed(list(_bent(plates)) if plates else []),
+        "stated": listed(stated) if bare else "",
+    }  # fmt: skip
+
+
+def _bent(plates: PlateTests) -> Iterator[str]:
+    """Specimens with trials that bend, and the mean stiffness of both halves."""
+    fit = plates.fit
+    for name in dict.fromkeys(plates.specimens):
+        own = plates.of(name)
+        if bent := [i for i in own if fit.bends[i]]:
+            halves = f"{number(fit.first_half[bent].mean())}, then {number(fit.second_half[bent].mean())} N/mm"
+            yield f"{name} ({len(bent)} of {count(len(own), 'trial')}: {halves})"
 
 
 PLATES = Section(
