@@ -60,7 +60,7 @@ def _of_people(study: Study, weight_alpha: float, counted: Counted) -> Iterator[
     known = [1 - value for value in r2 if value is not None]
     worst = max(known, default=np.nan)
     yield _claim(
-        "plate_r2", "the adjusted R² of every line through a plate indentation is .882 or more", "1 less the worst adj. R²",
+        "plate_r2", "the adjusted R² of every plate line is .882 or more", "1 less the worst adj. R²",
         exactly(worst, worst if len(known) == len(r2) else max(worst, 1.0)), 1 - _LEAST_PLATE_R2,
         "plates", why="" if len(known) == len(r2) else "R² of some specimens is not known (emg2vsa rig run --plate).",
     )  # fmt: skip

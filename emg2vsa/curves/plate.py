@@ -67,7 +67,7 @@ class HookeFit:
 
     kappa, kappa_se : force over indentation (N/mm). contact : indentation at which the line leaves the force of rest,
     x0. adj_r2 : of the line, over the points in contact; a parabola from contact on has .94. n_rest, n : points before
-    contact and in contact. first_half, second_half : slopes (N/mm) of the points in contact; bends : whether they differ
+    contact and in contact. first_half, second_half : slopes of the points in contact; bends : whether they differ
     by more than a tenth of kappa and three standard errors, for points of which as many as a window count as one.
     The standard errors take points as independent: filtered samples are not, and then they are too small.
     """

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from emg2vsa.curves.plate import PlateTests
 from emg2vsa.figures.palette import looks
 from emg2vsa.figures.plates import draw_plates
 from emg2vsa.report.drawing import Drawing
