@@ -90,10 +90,9 @@ def _interval(low: float, high: float, confidence: float, style: Style, *, share
     """``95% CI [.08, .46]``."""
     ends = ", ".join(_value(end, style, share=share) for end in (low, high))
     limits = f"$[{ends}]$" if style == "latex" else f"[{ends}]"
-    if math.isnan(high - low):  # NaN, or both ends infinite on one side
-        limits = "not defined"
-    elif math.isinf(low) and math.isinf(high):
-        limits = "not defined at this n"
+    if math.isnan(high - low) or (math.isinf(low) and math.isinf(high)):
+        # NaN too where both ends are infinite on one side
+        limits = f"not defined{'' if math.isnan(high - low) else ' at this n'}"
     percent = {"latex": r"\,\%", "apa": "%"}.get(style, " %")
     said = f"{100 * confidence:g}{percent} CI {limits}"
     return said if style in ("latex", "plain") else said.replace(" ", NO_BREAK)
@@ -182,9 +181,7 @@ def repeated_words(
             cells = (f"{p:.4f} ({k or '>1e6'})" for p, k in zip(powers, people, strict=True))
             rows.append([f"{rho:.2f}", *cells])
         lines += ["power (participants needed) over rho (down) and epsilon (across)", *aligned(rows)]
-    over = {
-        "rho": table.rho.tolist(), "epsilon": table.epsilon.tolist(), "power": table.power.tolist(),
-        "participants_needed": table.people.tolist(),
-    }  # fmt: skip
+    over = {key: getattr(table, key).tolist() for key in ("rho", "epsilon", "power")}
+    over["participants_needed"] = table.people.tolist()
     told = {"power": power, "participants_needed": needed or None, "sensitivity": over}
     return told, [*lines, f"The paper's design: {MEANING}"]

@@ -174,7 +174,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     slopes = [np.asarray(fits.b_v[own & (fits.specimen == name)]) for name in names]
     bars = _bars(tested, names, whose) if tested else []
     test = "Fisher's LSD" + ("" if whose else ", largest p of all participants")
-    figure = draw_cocontraction(profiles, slopes, bars, [look[name] for name in names], scale, test if bars else "")
+    figure = draw_cocontraction(profiles, slopes, bars, [look[name] for name in names], scale, test)
     caption = (
         f"Fig. 4. Co-contraction of {whose or 'all participants'}. (a) Mean fitted trends; bands are one SD between "
         f"{'trials' if whose else 'participants'}. (b) Slopes b of trials with Hazen's quartiles."

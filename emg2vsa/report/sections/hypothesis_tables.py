@@ -94,9 +94,8 @@ def _pairs(found: Hypotheses, scale: ActivityScale) -> Table:
         "Pairs of specimens: Fisher's LSD on b, not corrected for the number of pairs; the p of tests that are "
         "corrected over the pairs of a participant; Hedges' g (FDR: false discovery rate)"
     )
-    return table_of(
-        "lsd_pairs", caption, {column: np.ravel(np.asarray(of)) for column, of in values.items()}, FEW_ON_PAGE
-    )
+    flat = {column: np.ravel(np.asarray(of)) for column, of in values.items()}
+    return table_of("lsd_pairs", caption, flat, FEW_ON_PAGE)
 
 
 _FORMS = (
@@ -172,12 +171,9 @@ def outcomes(found: Hypotheses) -> Iterator[tuple[str, Outcome]]:
     tests = found.tests
     every = [("over people", tests.blocks.outcomes())] if tests.blocks is not None else []
     blocks, groups = tests.between_blocks, tests.between_groups
-    for of, designs, names in (
-        ("participants on", blocks, found.specimens),
-        ("specimens of", groups, found.participants),
-    ):
-        own = names[: designs.anova.f.size].tolist()
-        every += [(f"{of} {name}", designs.outcomes(i)) for i, name in enumerate(own)]
+    specimens, people = found.specimens[: blocks.anova.f.size], found.participants[: groups.anova.f.size]
+    every += [(f"participants on {name}", blocks.outcomes(i)) for i, name in enumerate(specimens.tolist())]
+    every += [(f"specimens of {name}", groups.outcomes(i)) for i, name in enumerate(people.tolist())]
     if found.worst[0] >= 0:
         every.append((f"worst pair, {found.worst_pair}", tests.pairs.outcomes(*found.worst)))
     yield from ((of, outcome) for of, several in every for outcome in several)
