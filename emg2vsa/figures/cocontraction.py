@@ -1,4 +1,4 @@
-"""What the muscles do: trends and slopes (Fig. 4), schedules (5), an interpolated profile (11), residuals of b."""
+"""What muscles do. Figure 4: trends and slopes. Figure 5: schedules. Figure 11: an interpolated profile. Residuals."""
 
 from __future__ import annotations
 

@@ -201,7 +201,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     if results.recorded.schedules:
         yield _steps(results.recorded.schedules, results.scale)
     if by_rule := _by_rule(results):
-        yield _beside(by_rule, q)
+        yield _beside(by_rule, results)
 
 
 def _forces(schedule: Schedule) -> Columns:
@@ -209,15 +209,14 @@ def _forces(schedule: Schedule) -> Columns:
     return {Column("from_n", "From (N)"): edges[:-1], Column("to_n", "To (N)"): edges[1:]}
 
 
-def _beside(by_rule: Mapping[str, Schedule], q: Quantities) -> Table:
+def _beside(by_rule: Mapping[str, Schedule], results: StudyResults) -> Table:
     first = next(iter(by_rule.values()))
     unit, new, columns = first.limits.export.unit, first.specimen, _forces(first)
     for key, head, of in ("percent", "stiffness (%)", "stiffness_percent"), (unit, f"preset ({unit})", "exported"):
         for rule, made in by_rule.items():
             columns[Column(f"{rule}_{key}", f"{_RULES[rule]}: {head}")] = getattr(made, of)
-    weights = listed(
-        [f"{number(float(q[f'profiles.{new}.by_{rule}.alpha']), 4)} by {_RULES[rule]}" for rule in by_rule]
-    )
+    profiles = results.recorded.profiles
+    weights = listed([f"{number(of.alpha, 4)} by {_RULES[of.rule]}" for of in (profiles.by_rule if profiles else ())])
     caption = f"Schedule of {new} by both rules of interpolation; weight α of the softer neighbour: {weights}"
     return table_of("schedules_by_rule", caption, columns)
 
