@@ -375,12 +375,10 @@ def _conditions(runs: Sequence[RunScores]) -> str:
 
 def _designs(runs: Sequence[RunScores]) -> str:
     """``modular at 0° and 30°; ...``: conditions of the same angles together."""
-    angles: dict[str, set[float]] = {}
-    for run in runs:
-        angles.setdefault(run.condition, set()).add(run.angle_deg)
     alike: dict[str, list[str]] = {}
-    for condition, own in angles.items():
-        alike.setdefault(listed([f"{angle:g}°" for angle in sorted(own)]), []).append(condition)
+    for condition in dict.fromkeys(run.condition for run in runs):
+        own = sorted({run.angle_deg for run in runs if run.condition == condition})
+        alike.setdefault(listed([f"{angle:g}°" for angle in own]), []).append(condition)
     return "; ".join(f"{listed(conditions)} at {at}" for at, conditions in alike.items())
 
 

@@ -113,9 +113,7 @@ def _recording(trials: Trials, own: Fits | None, window_n: tuple[float, float], 
     if trials.overviews and (frequencies := median_frequencies(trials, f"{name}m")):
         drawn.append(f"<figure>{frequencies}</figure>")
     if own is not None and np.isfinite(own.bin_v).any():
-        said = (
-            f"{trials.specimen}: means of the force bins, and the fit v = a + b ln F of each press. Curves: {_CURVES}."
-        )
+        said = f"{trials.specimen}: means of the force bins, and the fit v = a + b ln F of each press. {_CURVES}."
         drawn.append(html.figure(activity_plot(own, scale, f"{name}v"), said))
     else:
         body += html.paragraph("No press has co-contraction within the force window, so no curve can be drawn.")
@@ -123,7 +121,7 @@ def _recording(trials: Trials, own: Fits | None, window_n: tuple[float, float], 
     return body + (_table(trials, own, scale).html() if own is not None and own.b_v.size else "")
 
 
-_CURVES = "solid = ok, dashed = warned (!), dotted = rejected (×), thick = unlike the other presses"
+_CURVES = "Curves: solid = ok, dashed = warned (!), dotted = rejected (×), thick = unlike the other presses"
 
 
 def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
@@ -142,14 +140,12 @@ def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
 
 
 def _quality(trials: Trials) -> list[str]:
+    measured = (trials.rest_envelope_v, trials.mains_ratio, trials.clip_share)
     said = [
         f"{muscle}: {number(rest * 1e6)} µV at rest, {percent(mains, 2)} of the power from mains, "
         f"{percent(clip, 2)} of the samples clipped"
-        for muscle, rest, mains, clip in zip(
-            trials.muscles, trials.rest_envelope_v.tolist(), trials.mains_ratio.tolist(), trials.clip_share.tolist(),
-            strict=True,
-        )
-    ]  # fmt: skip
+        for muscle, rest, mains, clip in zip(trials.muscles, *(each.tolist() for each in measured), strict=True)
+    ]
     said.append(f"Force: {number(trials.rest_force_n)} N at rest, subtracted")
     if np.isfinite(trials.lag_s) and trials.repetition.size:
         known = np.isfinite(trials.lag_se_s)

@@ -97,10 +97,9 @@ class Table:
             "verdict" if column.key == "verdict" else "n" if numeric else ""
             for column, numeric in zip(self.columns, self.numeric(), strict=True)
         ]
-        heads = [column.head for column in self.columns]
         table = html.table(
-            typeset(self.caption), heads, self.cells(most), self.links, number=number, classes=classes,
-            kinds=self.kinds, groups=self.groups,
+            typeset(self.caption), [column.head for column in self.columns], self.cells(most), self.links,
+            number=number, classes=classes, kinds=self.kinds, groups=self.groups,
         )  # fmt: skip
         n, file = len(self._seen), escape(self.own_page or f"tables/{self.name}.csv")
         if most is None or n <= most:
