@@ -199,7 +199,7 @@ def test_people_have_the_power_of_both_tests(whole, content: Content) -> None:
     text = " ".join(rendered(PARTICIPANTS, whole, content).split())
     of = [f"{content.quantities[f'power.{key}']:.3f}".lstrip("0") for key in ("study", "study_specimens")]
     assert f"that test has a power of {of[0]}, and a test between specimens has {of[1]}, at a" in text
-    assert f"at a correlation ρ of {RHO:g} and a sphericity ε of {EPSILON:g}." in text
+    assert f"at a correlation ρ of {RHO:g} and a sphericity ε of {EPSILON:g}.</p>" in text
     assert "power_sensitivity" in content.tables
     content.quantities |= {"power.study_specimens": np.nan}
     text = " ".join(rendered(PARTICIPANTS, whole, content).split())

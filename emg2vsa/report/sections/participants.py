@@ -97,8 +97,8 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     return {
         "sessions": sessions,
         "accepted": int(np.count_nonzero((fits.verdict == "ok") & (fits.reason != ""))),
-        "rho": RHO,
-        "epsilon": EPSILON,
+        "rho": f"{RHO:g}",
+        "epsilon": f"{EPSILON:g}",
     }
 
 
