@@ -40,9 +40,9 @@ def _claims(results: StudyResults) -> Iterator[Claim]:
     weight = np.nan
     if people is not None:
         tested = people.hypotheses
-        yield from claims_of_study(
-            study, people.fits, tested.places() if tested else {}, tested.laws if tested else None
-        )
+        if tested or any(failure.stage == "hypotheses" for failure in results.failures):  # no report of the rig alone
+            places, laws = (tested.places(), tested.laws) if tested else ({}, None)
+            yield from claims_of_study(study, people.fits, places, laws)
         weight = people.profiles.weight_alpha if people.profiles and people.profiles.new else np.nan
     if runs is not None:
         yield from claims_on_rig(study, runs.discrimination.table if runs.discrimination else None, runs.calibration)
