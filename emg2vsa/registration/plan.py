@@ -111,7 +111,8 @@ def _claims(study: Study, experiment: ExperimentSettings | None) -> Iterable[Cla
     new, people, runs = study.profile.new_specimen or "", bool(study.participants), study.runs_source is not None
     if people:
         kept = study.hypotheses.kept_specimens or _palpated(study)
-        yield from people_claims(_presses(study), study.stiffness_n_per_mm, kept, study.claims, new=new)
+        table, force_n = _presses(study), study.window.force_n
+        yield from people_claims(table, study.stiffness_n_per_mm, kept, study.claims, new=new, force_n=force_n)
     if runs:
         yield from rig_claims(_runs(study, experiment), study.calibration.mounting_sd_percent / 100, study.claims)
         hexagons = study.scoring.recipe_of("paper").area_rule in ("paper", "hexagon")
