@@ -146,7 +146,7 @@ def test_a_failed_stage_says_why_in_its_place(broken, tmp_path, read_page):
     ("changed", "said"),
     [
         ({"participant": ""}, ("Co-contraction of all participants", "largest p of all participants")),
-        ({"new": None, "new_measured": None, "new_error": None, "by_rule": ()}, ("names no new specimen",)),
+        ({"new": None, "new_measured": None, "new_error": None}, ("names no new specimen",)),
         ({"new_measured": None, "new_error": None}, ("nobody palpated a specimen of this stiffness",)),
     ],
 )
