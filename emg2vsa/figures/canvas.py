@@ -42,6 +42,10 @@ STYLE: dict[str, Any] = {
 }  # fmt: skip
 
 
+_ONE_COLUMN, _BESIDE_CURVES, _SHORT = 5, 6, 8
+"""Most names of a legend, and most letters of a name of which three stand side by side."""
+
+
 def new_figure(
     width_mm: float, height_mm: float, margins_mm: Sequence[float], shares: Sequence[float] = (1,), gap_mm: float = 0.0
 ) -> tuple[Figure, list[Axes]]:
@@ -81,9 +85,26 @@ def marks(
     axes.plot(x, y, **style | {"markeredgecolor": INK if edge else "auto", "markeredgewidth": edge} | more)
 
 
+def short(name: str, most: int = 14) -> str:
+    """A name as long as a figure has room for: an ellipsis stands for what is before its last letters."""
+    return name if len(name) <= most else f"{name[: most - 1 - most // 3]}…{name[-(most // 3) :]}"
+
+
+def legend_inside(axes: Axes, loc: str) -> None:
+    """In a corner; of more names than fit beside curves, in three columns above them."""
+    names = axes.get_legend_handles_labels()[1]
+    n, across = len(names), 3 if max(map(len, names), default=0) <= _SHORT else 2
+    if n <= _BESIDE_CURVES and across == 3:
+        axes.legend(loc=loc, ncols=2 if n > _ONE_COLUMN else 1, columnspacing=1, handletextpad=0.4)
+        return
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + (high - low) * (0.03 + 0.06 * -(-n // across)))
+    axes.legend(loc="upper center", ncols=across, columnspacing=1, handletextpad=0.4, fontsize=6)
+
+
 def groups(axes: Axes, names: Sequence[str]) -> None:
     """Names at 0, 1, ... below the boxes of groups."""
-    axes.set_xticks(range(len(names)), list(names))
+    axes.set_xticks(range(len(names)), [short(name, max(6, 40 // len(names))) for name in names])
     axes.set_xlim(-0.6, len(names) - 0.4)
     axes.grid(axis="x", visible=False)
 

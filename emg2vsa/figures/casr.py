@@ -22,7 +22,7 @@ from emg2vsa.arrays import Floats, mean_of
 from emg2vsa.calibration.forms import kappa_of, x_of
 from emg2vsa.calibration.results import AlgorithmResult, ConditionResult, LawResult
 from emg2vsa.figures import canvas
-from emg2vsa.figures.canvas import PairBar, draw_bars, draw_box, groups, marks, one_scale, panel_grid
+from emg2vsa.figures.canvas import PairBar, draw_bars, draw_box, groups, marks, one_scale, panel_grid, short
 from emg2vsa.figures.palette import GREY, GRID, INK, MUTED, YELLOW, Look
 from emg2vsa.run_scores import ContactPicture
 from emg2vsa.settings import Law
@@ -130,8 +130,8 @@ def draw_rates(rows: Sequence[tuple[str, Sequence[RateSeries]]], unit: str) -> F
     panels[-1][0].set_xlabel("Force (N)")
     named = {series.name: series.look for _, specimens in rows for series in specimens}
     for name, look in named.items():
-        marks(panels[0][0], [], [], look, linestyle=look.dash, label=name)
-    figure.legend(loc="upper center", ncols=len(named) or 1)
+        marks(panels[0][0], [], [], look, linestyle=look.dash, label=short(name))
+    figure.legend(loc="upper center", ncols=min(len(named), 8) or 1)
     return figure
 
 
@@ -144,7 +144,7 @@ def _keep_most(axes: Axes, rates: Sequence[Floats]) -> None:
     low, high = min(low - room, 0.0) if low < 0 else 0.0, high + room
     axes.set_ylim(low, high)
     if outside := int(np.count_nonzero((together < low) | (together > high))):
-        axes.set_title(f"{outside} beyond", loc="right", fontsize=7)
+        axes.set_title(f"{outside} off the scale", loc="right", fontsize=7)
 
 
 _ASIDE = 0.21
@@ -317,4 +317,4 @@ def _estimate(axes: Axes, place: int, each: Estimate, limits: tuple[float, float
         value = min(max(each.value, limits[0]), limits[1])
         marks(axes, value, place, each.look, 5, 0.8, markerfacecolor=face, markeredgecolor=colour, clip_on=False)
     if not each.determined and (np.isfinite(each.value) or each.low == each.low):
-        axes.text(0.99 * limits[1], place - 0.12, "not determined", ha="right", va="bottom", color=MUTED, fontsize=6)
+        axes.text(0.99 * limits[1], place - 0.2, "not determined", ha="right", va="bottom", color=MUTED, fontsize=6)

@@ -17,6 +17,8 @@ from emg2vsa.schedules import Schedule
 
 _TWO_PANELS: Any = {"panel_mm": 53, "margins_mm": (13, 2, 11, 6), "gaps_mm": (16, 0)}
 _BAND: Any = {"alpha": 0.18, "linewidth": 0}
+_SHORT = 8
+"""Letters of names of which three stand in one column of a paper."""
 
 
 def draw_cocontraction(
@@ -32,7 +34,7 @@ def draw_cocontraction(
     own = zip(profiles, looks, strict=True)
     _trends(trends, [(profile, profile.specimen, look, profile.sd_v) for profile, look in own], scale)
     falling = sum(profile.b_v < 0 for profile in profiles)
-    trends.legend(loc="upper right" if 2 * falling > len(profiles) else "upper left")
+    canvas.legend_inside(trends, "upper right" if 2 * falling > len(profiles) else "upper left")
     for place, (b, look) in enumerate(zip(slopes, looks, strict=True)):
         canvas.draw_box(boxes, place, b * scale.factor, look)
     canvas.groups(boxes, [profile.specimen for profile in profiles])
@@ -46,7 +48,7 @@ def _trends(axes: Axes, profiles: Sequence[tuple[Profile, str, Look, Floats | No
     for profile, name, look, half_v in profiles:
         every = max(1, profile.force_n.size // 8)
         v = profile.v * scale.factor
-        canvas.marks(axes, profile.force_n, v, look, linestyle=look.dash, markevery=every, label=name)
+        canvas.marks(axes, profile.force_n, v, look, linestyle=look.dash, markevery=every, label=canvas.short(name, 22))
         if half_v is not None:
             half = half_v * scale.factor
             axes.fill_between(profile.force_n, v - half, v + half, color=look.colour, **_BAND)
@@ -58,17 +60,20 @@ def draw_interpolation(
     measured: Sequence[Profile], new: Profile, half_v: Floats, looks: Mapping[str, Look], scale: ActivityScale
 ) -> Figure:
     """``half_v`` (G,) of the band of ``new``."""
-    figure, (axes,) = canvas.new_figure(canvas.ONE_COLUMN_MM, 70, (13, 3, 11, 12))
+    across = 3 if max(len(profile.specimen) for profile in measured) <= _SHORT else 1
+    top = 4 + 4 * -(-(len(measured) + 1) // across)
+    figure, (axes,) = canvas.new_figure(canvas.ONE_COLUMN_MM, 58 + top, (13, 3, 11, top))
     of_measured = [(profile, profile.specimen, looks[profile.specimen], None) for profile in measured]
     _trends(axes, [*of_measured, (new, f"{new.specimen} (interpolated)", NEW, half_v)], scale)
-    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, columnspacing=1, handletextpad=0.4)
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=across, columnspacing=1, handletextpad=0.4)
     return figure
 
 
 def draw_schedules(schedules: Sequence[Schedule], looks: Mapping[str, Look]) -> Figure:
     """Left, steps of the modular schedules; right, constant levels of each specimen. Bands are their intervals."""
-    figure, (steps, levels) = canvas.new_figure(canvas.ONE_COLUMN_MM, 74, (14, 2, 11, 10), shares=(3, 1), gap_mm=3)
     specimens = list(dict.fromkeys(schedule.specimen for schedule in schedules))
+    top = 2 + 4 * -(-len(specimens) // 4)
+    figure, (steps, levels) = canvas.new_figure(canvas.ONE_COLUMN_MM, 64 + top, (14, 2, 11, top), (3, 1), 3)
     for schedule in schedules:
         if schedule.condition == "modular":
             edges, look = schedule.step_force_n, looks[schedule.specimen]
@@ -77,7 +82,7 @@ def draw_schedules(schedules: Sequence[Schedule], looks: Mapping[str, Look]) -> 
                 steps.fill_between(edges, low, high, step="post", color=look.colour, **_BAND)
             steps.stairs(schedule.stiffness_percent, edges, baseline=None, color=look.colour, linewidth=1.0)
             middle = (edges[1:] + edges[:-1]) / 2
-            canvas.marks(steps, middle, schedule.stiffness_percent, look, label=schedule.specimen)
+            canvas.marks(steps, middle, schedule.stiffness_percent, look, label=canvas.short(schedule.specimen, 9))
     for place, specimen in enumerate(specimens):
         across, look = (place - 0.3, place + 0.3), looks[specimen]
         constant = {s.condition: s for s in schedules if s.specimen == specimen and s.condition != "modular"}

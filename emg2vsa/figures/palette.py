@@ -39,9 +39,12 @@ NEW = Look(RED, "X", (0, (1, 1)))
 
 def looks(specimens: Sequence[str], new: str | None = None) -> dict[str, Look]:
     """Specimen to look, by its place in the study: the five of the paper get the paper's colours (S1 blue, S3 green,
-    S5 yellow, S_new red). From the seventh specimen on the looks repeat.
+    S5 yellow, S_new red). From the seventh specimen on colours repeat, and from the thirteenth
+    on markers and dashes too.
     """
-    found = {name: _MEASURED[i % len(_MEASURED)] for i, name in enumerate(specimens)}
+    more = tuple(Look(look.colour, "<>ph*d"[i], _MEASURED[i - 2].dash) for i, look in enumerate(_MEASURED))
+    every = _MEASURED + more
+    found = {name: every[i % len(every)] for i, name in enumerate(specimens)}
     return found | ({new: NEW} if new is not None else {})
 
 

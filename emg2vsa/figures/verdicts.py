@@ -23,6 +23,8 @@ _LOW, _HIGH = -12.0, 40.0
 _TICKS = (-10, -2, -1, 0, 1, 2, 10, 30)
 _WIDTH_MM, _ROW_MM = 100.0, 6.4
 """A telephone shows the whole width."""
+_LETTERS = 68
+"""Of a claim; longer ones end in an ellipsis."""
 _WORDS, _LINE = -0.2, 0.25
 """Of a row: where its words and its interval lie."""
 
@@ -53,7 +55,9 @@ def _say(axes: Axes, across: float, place: float, text: str, **more: Any) -> Non
 
 def _draw(axes: Axes, place: float, each: Judged) -> None:
     claim, colour = each.claim, COLOURS[each.verdict]
-    _say(axes, 0, place + _WORDS, claim.says)  # above its line, so that it may be longer than the axes are wide
+    _say(
+        axes, 0, place + _WORDS, claim.says if len(claim.says) <= _LETTERS else f"{claim.says[: _LETTERS - 1]}…"
+    )  # above its line, so that it may be longer than the axes are wide
     at = place + _LINE
     _say(axes, 1.04, at, each.verdict, color=_WORDS_IN[each.verdict], weight="bold")
     left, right = (0.0, _HIGH) if claim.asserts == "more" else (_LOW, 1.0)

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from emg2vsa.companions.whole_curve import WholeCurve
-from emg2vsa.figures.canvas import marks, panel_grid, show_zero
+from emg2vsa.figures.canvas import legend_inside, marks, panel_grid, short, show_zero
 from emg2vsa.figures.palette import BLUE, GREY, INK, ActivityScale, Look
 
 
@@ -22,10 +22,10 @@ def draw_whole_curve(
         v, half = mean * scale.factor, np.where(np.isfinite(half), half * scale.factor, np.nan)
         curves.fill_between(force_n, v - half, v + half, color=looks[name].colour, alpha=0.25, linewidth=0)
         every = max(1, force_n.size // 8)
-        marks(curves, force_n, v, looks[name], linestyle=looks[name].dash, markevery=every, label=name)
+        marks(curves, force_n, v, looks[name], linestyle=looks[name].dash, markevery=every, label=short(name))
     curves.set_ylabel(scale.label("Co-contraction"))
     show_zero(curves, tests.mean)
-    curves.legend(loc="upper left", ncols=2, columnspacing=1, handletextpad=0.4)
+    legend_inside(curves, "upper left")
     statistic.plot(force_n, np.where(np.isinf(tests.f), np.nan, tests.f), color=INK, marker=".")
     if np.isfinite(tests.f_threshold.value):
         statistic.axhline(tests.f_threshold.value, color=INK, linestyle="--", linewidth=0.8)
@@ -37,7 +37,9 @@ def draw_whole_curve(
         own = ranges.pair == pair
         colour = BLUE if pair in neighbours else GREY
         differing.hlines(np.full(own.sum(), -row), ranges.from_n[own], ranges.to_n[own], colors=colour, linewidth=4)
-    differing.set_yticks(-np.arange(len(pairs)), ["–".join(found.pairs[pair]) for pair in pairs])
+    differing.set_yticks(
+        -np.arange(len(pairs)), ["–".join(short(name, 6) for name in found.pairs[pair]) for pair in pairs]
+    )
     differing.set_ylim(-len(pairs) + 0.4, 0.6)
     differing.grid(axis="y", visible=False)
     for axes in (curves, statistic, differing):

@@ -141,7 +141,7 @@ def test_quotients_beyond_the_scale_are_counted():
     area = np.where(np.arange(20) == 10, 500.0, 20 + 8 * FORCE_N)
     wild = RateSeries("S1", LOOKS["S1"], [(FORCE_N, area)] + [(FORCE_N, 20 + 8 * FORCE_N)] * 19, VALUES)
     raw = draw(draw_rates, [("0°", [wild])], "mm²").axes[0]
-    assert raw.get_title(loc="right") == "2 beyond"  # up to the wild frame, and down again
+    assert raw.get_title(loc="right") == "2 off the scale"  # up to the wild frame, and down again
     assert raw.get_ylim()[1] < 100
 
 

@@ -11,6 +11,7 @@ from skimage.color import deltaE_ciede2000, rgb2lab
 
 from casr import palette
 from emg2vsa.figures.canvas import inline_svg, new_figure, style, svg_text
+from emg2vsa.figures.palette import looks
 
 NAMES = ("ink", "blue", "purple", "green", "sky", "yellow", "red", "grey")
 DAY, NIGHT = ({name: both[k] for name, *both in palette.ON_PAGES} for k in (0, 1))
@@ -68,3 +69,9 @@ def test_a_figure_is_a_light_card_in_its_file_and_in_the_colours_of_the_page_in_
     assert "fill: var(--page)" in shown
     assert "#1a1a1a" not in shown
     assert "var(--ink)" in shown
+
+
+def test_twelve_specimens_are_told_apart_by_colour_marker_and_dash():
+    found = looks([f"S{i}" for i in range(1, 13)])
+    assert len(set(found.values())) == len({(look.colour, look.marker) for look in found.values()}) == 12
+    assert len({(look.colour, look.dash) for look in found.values()}) == 12

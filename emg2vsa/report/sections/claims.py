@@ -213,8 +213,9 @@ def verdict_drawings(judged: Sequence[Judged]) -> Iterator[Drawing]:
     of_data = [each for each in judged if each.claim.question != arithmetic.QUESTION]
     if any(np.isfinite(each.claim.found.estimate) for each in of_data):
         caption = (
-            f"Fig. V. Claims on data, by question. Lines are {_level(of_data)} intervals, in units of the smallest "
-            "difference that matters. A claim holds where its line lies wholly in the green."
+            f"Fig. V. Claims on data with {_level(of_data)} intervals in units of the smallest difference "
+            "that matters. A claim holds where its line lies wholly in the green; no line: no estimate. "
+            "Figures bear the numbers of the paper."
         )
         told = " ".join(map(sentence, of_data))
         yield Drawing("figverdicts", "Verdicts", caption, told, draw_verdicts(of_data))

@@ -76,7 +76,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
         else f"; bands need {FEWEST_FOR_BANDS} people"
     )
     caption = (
-        f"Whole curves. (a) Mean over people{bands}. (b) F between specimens; dashed: threshold. (c) Forces at which "
+        f"Fig. W. (a) Mean over people{bands}. (b) F between specimens; dashed: threshold. (c) Forces at which "
         "pairs differ; blue: neighbours."
     )
     description = (

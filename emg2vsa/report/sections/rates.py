@@ -116,8 +116,7 @@ def _bound(count: Ints) -> str:
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
     table = tested(results).table
     unit, scoring = area_unit(table.area_unit), results.study.scoring
-    # lowest, highest and mean level, as the paper has them
-    constant = [i for level in ("min", "max", "mean") for i in table.of_condition(f"constant-{level}")]
+    constant = [i for level in ("min", "mean", "max") for i in table.of_condition(f"constant-{level}")]
     first = 0
     for name, number, what, own in (
         ("fig10_rigid", 10, "rigid motor (high stiffness)", table.of_condition(RIGID)),

@@ -71,7 +71,7 @@ def _kinds(told: Iterable[tuple[str, str]]) -> list[list[tuple[str, str]]]:
     """What is said of a run, and its name: texts that differ by their numbers alone together."""
     kinds: dict[str, list[tuple[str, str]]] = {}
     for text, run in told:
-        kinds.setdefault(_NUMBER.sub("#", text), []).append((text, run))
+        kinds.setdefault(_NUMBER.sub("#", text.replace(run, "")), []).append((text, run))
     return [*kinds.values()]
 
 

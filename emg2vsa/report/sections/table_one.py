@@ -137,8 +137,8 @@ def picture(results: StudyResults, found: CalibrationResults) -> Drawing:
         told.append(f"{angle:g}°: {', '.join(said)}")
     figure = draw_estimates(panels, "Error on κ (%)", 0.0)
     caption = (
-        f"Table I as a plot: error on κ of {found.new_specimen} with 95 % intervals, by vision algorithm and actuator. "
-        "Brackets: the paper's, printed without sign; hollow: not determined."
+        f"Table I as a plot: error on κ of {found.new_specimen} by the study's law, with 95 % intervals. "
+        "Brackets: the paper's, printed without sign; hollow: not determined; no mark: no estimate, or not pressed."
     )
     title = "Table I: error on the stiffness of the new specimen"
     said_all = f"Known: {number(truth)} N/mm. {'; '.join(told)}."

@@ -142,9 +142,9 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
 _TEXT = """
 {{ figure("fig02_algorithm_1") }}
 {% if "runs.algorithm_1.step_n.median" in q %}
-<p>The count of pins tells when the first frame was taken: the force rises by
-{{ q["runs.algorithm_1.step_n.median"] | number(2) }} N a frame, and 0.1 N adds
-{{ (q["runs.algorithm_1.pins_per_n.median"] / 10) | number(2) }} pins.
+<p>How many pins Algorithm 1 counts depends on the moment of the first frame in contact: from one frame to the next the
+force rises by {{ q["runs.algorithm_1.step_n.median"] | number(2) }} N, and 0.1 N more makes the count
+{{ (q["runs.algorithm_1.pins_per_n.median"] / 10) | number(2) }} pins larger.
 {% if q["runs.algorithm_1.pins.none"] %}In {{ q["runs.algorithm_1.pins.none"] }} presses no pin moved.{% endif %}</p>
 {% endif %}
 {{ folded("algorithm_1", "Pins counted, by specimen") }}
