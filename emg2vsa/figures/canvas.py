@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from string import ascii_lowercase
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -90,7 +90,7 @@ def short(name: str, most: int = 14) -> str:
     return name if len(name) <= most else f"{name[: most - 1 - most // 3]}…{name[-(most // 3) :]}"
 
 
-def legend_inside(axes: Axes, loc: str) -> None:
+def legend_inside(axes: Axes, loc: Literal["upper left", "upper right"]) -> None:
     """In a corner; of more names than fit beside curves, in three columns above them."""
     names = axes.get_legend_handles_labels()[1]
     n, across = len(names), 3 if max(map(len, names), default=0) <= _SHORT else 2
