@@ -23,7 +23,7 @@ _LOW, _HIGH = -12.0, 40.0
 _TICKS = (-10, -2, -1, 0, 1, 2, 10, 30)
 _WIDTH_MM, _ROW_MM = 100.0, 6.4
 """A telephone shows the whole width."""
-_LETTERS = 68
+_LETTERS = 76
 """Of a claim; longer ones end in an ellipsis."""
 _WORDS, _LINE = -0.2, 0.25
 """Of a row: where its words and its interval lie."""
