@@ -42,7 +42,7 @@ STYLE: dict[str, Any] = {
 }  # fmt: skip
 
 
-_ONE_COLUMN, _BESIDE_CURVES, _SHORT = 5, 6, 8
+_BESIDE_CURVES, _SHORT = 4, 8
 """Most names of a legend, and most letters of a name of which three stand side by side."""
 
 
@@ -95,7 +95,7 @@ def legend_inside(axes: Axes, loc: Literal["upper left", "upper right"]) -> None
     names = axes.get_legend_handles_labels()[1]
     n, across = len(names), 3 if max(map(len, names), default=0) <= _SHORT else 2
     if n <= _BESIDE_CURVES and across == 3:
-        axes.legend(loc=loc, ncols=2 if n > _ONE_COLUMN else 1, columnspacing=1, handletextpad=0.4)
+        axes.legend(loc=loc)
         return
     low, high = axes.get_ylim()
     axes.set_ylim(low, high + (high - low) * (0.03 + 0.06 * -(-n // across)))
