@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+import json
+import re
 from collections.abc import Iterator
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -16,6 +18,9 @@ from emg2vsa.pipeline.fingerprint import MISSING, Fingerprints, digest
 from emg2vsa.registration import Registered, compared, plan_of, planned_claims, read_registration
 from emg2vsa.registration.deviations import CODE
 from emg2vsa.registration.plan import Plain, session_plan
+from emg2vsa.rig.experiment import Run
+from emg2vsa.rig.record.new_folder import PLAN_FILE as PLAN_OF_RUN
+from emg2vsa.run_folders.find import find_runs
 from emg2vsa.session.plan import PLAN_FILE, read_plan
 from emg2vsa.session.record import session_folder
 from emg2vsa.study import Study
@@ -61,11 +66,13 @@ def _rig(study: Study, planned: Path | None) -> RigFile | None:
 def as_it_is(study: Study, rig: RigFile | None) -> dict[str, Any]:
     """``plan``, ``claims``, ``code``, ``data`` and ``sessions`` of a study."""
     prints = Fingerprints(study.results / "fingerprints.json")
+    there = _runs(study, prints)
+    runs = {run.name: run for run in rig.experiment.all_runs()} if rig else {name: there[name][0] for name in there}
     now = {
-        "plan": plan_of(study, _tables(rig) if rig else {}),
+        "plan": plan_of(study, _tables(rig) if rig else {}, runs),
         "claims": planned_claims(study, rig.experiment if rig else None),
         "code": _code(Code(prints)),
-        "data": {"recordings": _recordings(study, prints), "runs": _runs(study, prints)},
+        "data": {"recordings": _recordings(study, prints), "runs": {name: one[1] for name, one in there.items()}},
         "sessions": dict(_sessions(study)),
     }
     if study.results.is_dir():
@@ -101,6 +108,7 @@ def _tables(rig: RigFile) -> dict[str, Any]:
         "experiment": asdict(rig.experiment),
         "camera": {key: getattr(camera, key) for key in ("height", "width", "rate_hz", "delay_s")} if camera else {},
         "emulated": asdict(emulated) if emulated else {},
+        "plate": asdict(rig.plate),
     }
 
 
@@ -120,11 +128,29 @@ def _recordings(study: Study, prints: Fingerprints) -> dict[str, list[str]]:
     return {key: digests for key, digests in found.items() if MISSING not in digests}
 
 
-def _runs(study: Study, prints: Fingerprints) -> dict[str, list[str]]:
-    """Measured runs by folder; those of an emulated rig follow from the plan."""
-    source = study.runs_source
-    if source is None or source.rig is not None or not source.root.is_dir():
-        return {}
-    folders = (path for path in sorted(source.root.iterdir()) if path.is_dir())
-    files = {path.name: [each for each in sorted(path.rglob("*")) if each.is_file()] for path in folders}
-    return {name: [digest(*map(prints.file, of))] for name, of in files.items() if of}
+def _runs(study: Study, prints: Fingerprints) -> dict[str, tuple[Run, list[str]]]:
+    """Measured runs by name, with the digests of their folders; those of an emulated rig follow from the plan.
+
+    A copy, and a further folder of a run that the rig would have named otherwise, are runs of their own.
+    """
+    source, folders = study.runs_source, []
+    with contextlib.suppress(DataError):  # of a run that makes no sense the pipeline tells
+        for entry in find_runs(source.root, study.pressed_n_per_mm) if source and source.rig is None else ():
+            for place, folder in enumerate(entry.folders, 1):
+                run = Run(entry.specimen, entry.angle_deg, entry.condition, _mounting(folder, place))  # type: ignore[arg-type]
+                of_rig = re.fullmatch(rf"{re.escape(run.name)}(-\d+)?", folder.name) is not None
+                folders.append((not of_rig, run, folder))
+    found: dict[str, tuple[Run, list[str]]] = {}
+    for other, run, folder in sorted(folders):
+        own = digest(*(prints.file(path) for path in sorted(folder.rglob("*")) if path.is_file()))
+        again = (other and run.name in found) or any(own in digests for _, digests in found.values())
+        found.setdefault(f"{run.name} in {folder.name}" if again else run.name, (run, []))[1].append(own)
+    return found
+
+
+def _mounting(folder: Path, place: int) -> int:
+    """Of a run, as its plan tells; else its place among the folders of its specimen, angle and condition."""
+    with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
+        if isinstance(told := json.loads((folder / PLAN_OF_RUN).read_text("utf-8"))["plan"]["mounting"], int):
+            return told
+    return place

@@ -12,14 +12,14 @@ from typing import Any, Literal
 
 from emg2vsa.claims import kappa, people, rig
 from emg2vsa.claims.claim import Judged
-from emg2vsa.registration.plan import Plain, claim_plan
+from emg2vsa.registration.plan import EMULATED, Plain, claim_plan
 
 Kind = Literal["protocol", "rig", "analysis", "judgement", "data", "code", "claim"]
 Path = tuple[str, ...]
 ABSENT = "absent"
 _KINDS: dict[str, Kind] = {
     **dict.fromkeys(("participants", "specimens", "order of specimens", "recordings", "session", "window"), "protocol"),
-    "judgements": "judgement", "rig tables": "rig",
+    "judgements": "judgement", "rig tables": "rig", "plate": "rig",
 }  # fmt: skip
 """Of what else is registered the kind is "analysis"."""
 
@@ -34,7 +34,7 @@ TOUCHES: dict[str, tuple[str, ...]] = {
     "cocontraction": _OF_PRESSES, "fit": _OF_PRESSES, "hypotheses": (_PEOPLE,), "session": (_PEOPLE,),
     "window": _OF_PRESSES, "profile": (*_RIG, "interpolation_rmse", "interpolation_weight"),
     "schedule": (*_RIG, "schedule_range"), "runs": _RIG, "discrimination": _RIG, "calibration": _KAPPA, "claims": (),
-    "calibration.mounting_sd_percent": _RIG,
+    "calibration.mounting_sd_percent": _RIG, "plate": (*_RIG, "plate_r2"),
 }  # fmt: skip
 """What is registered to the claims that may hang on it, by their questions or keys; which claims a key of [claims]
 moves, they tell."""
@@ -75,8 +75,9 @@ class Registered:
     """A registration, and how the study differs from it now.
 
     registered_at : ISO 8601. collected : which data there were then, in a sentence. amends : hash of the registration
-    that this one follows, "" for none. claims : key to what was registered of it. awaited : planned recordings that are
-    not there yet. after_data : any data were there. from_amended : deviations from the plans that it amends, in words.
+    that this one follows, "" for none. claims : key to what was registered of it. awaited, awaited_runs : planned
+    recordings and measured runs that are not there yet. after_data : any data were there. from_amended : deviations
+    from the plans that it amends, in words.
     """
 
     file: str
@@ -87,6 +88,7 @@ class Registered:
     claims: Mapping[str, Plain]
     deviations: tuple[Deviation, ...]
     awaited: tuple[str, ...] = ()
+    awaited_runs: tuple[str, ...] = ()
     after_data: bool = False
     from_amended: tuple[str, ...] = ()
 
@@ -94,6 +96,13 @@ class Registered:
     def of_plan(self) -> tuple[Deviation, ...]:
         """All but those of code and libraries, which differ from computer to computer."""
         return tuple(each for each in self.deviations if each.kind != "code")
+
+    @property
+    def waits(self) -> str:
+        """What is planned and not there yet, in words; "" for nothing."""
+        awaited = (("recordings", self.awaited), ("runs of the rig", self.awaited_runs))
+        said = " and ".join(f"{len(keys)} planned {what}" for what, keys in awaited if keys)
+        return f"{said} are not there yet" if said else ""
 
     def state(self, judged: Judged) -> str:
         """Of a verdict: "registered", which may be "after data", with "deviates: ..." and why; or "not registered"."""
@@ -107,10 +116,9 @@ class Registered:
     def lines(self) -> Iterator[str]:
         """For a screen: what was registered, then each deviation."""
         count = len(self.deviations) or "no"
-        waits = f", {len(self.awaited)} planned recordings are not there yet" if self.awaited else ""
         about = f"registered {self.registered_at[:10]}, {self.file}, SHA-256 {self.sha256[:12]}"
         about += f", which amends {self.amends[:12]}" if self.amends else ""
-        yield f"{about}: {count} deviation{'s' if count != 1 else ''}{waits}"
+        yield f"{about}: {count} deviation{'s' if count != 1 else ''}{', ' * bool(self.waits)}{self.waits}"
         yield from (f"deviation: {each}" for each in self.deviations)
         yield from (f"deviation from the plan that was amended: {each}" for each in self.from_amended)
         if self.after_data:
@@ -124,20 +132,25 @@ class Registered:
 def compared(of: Plain, now: Plain, file: str, *, final: bool = False) -> Registered:
     """The registration ``of`` beside the same parts of the study ``now``.
 
-    final : the data are complete, so that a planned recording that is not there is a deviation.
+    final : the data are complete, so that a planned recording or measured run that is not there is a deviation.
     """
-    found = [*_of_plan(of, now), *_of_sessions(of, now), *_of_data(of, now), *_of_code(of, now)]
+    found = [*_of_plan(of, now), *_of_sessions(of, now), *_of_data(of, now), *_of_runs(of, now), *_of_code(of, now)]
     there = of["data"]["recordings"].keys() | now["data"]["recordings"].keys()
     awaited = tuple(key for key in of["plan"]["recordings"] if key in now["plan"]["recordings"] and key not in there)
+    measured = now["plan"]["tables"].get("runs", {}).get("source", EMULATED) != EMULATED
+    runs_there = of["data"]["runs"].keys() | now["data"]["runs"].keys()
+    runs = tuple(name for name in of["plan"].get("runs", ()) if measured and name not in runs_there)
     if final:
         hang = _hang_on(of, TOUCHES["recordings"])
         found += [Deviation("data", f"recording {key}", "planned", ABSENT, hang) for key in awaited]
+        found += [Deviation("data", f"run {_some(runs)}", "planned", ABSENT, _hang_on(of, _RIG))] * bool(runs)
     explained = {key for each in found for key in each.claims}
     for key in sorted(of["claims"].keys() - explained):
         for path, was, present in _changed(of["claims"][key], now["claims"].get(key, {})):
             found.append(Deviation("claim", f"claim {key}, {'.'.join(path)}", _shown(was), _shown(present), (key,)))
     whole = (of["sha256"], of["registered_at"], of["collected"], of["amends"], of["claims"])
-    return Registered(file, *whole, tuple(found), () if final else awaited, any(of["data"].values()))
+    awaited, runs = ((), ()) if final else (awaited, runs)
+    return Registered(file, *whole, tuple(found), awaited, runs, any(of["data"].values()))
 
 
 def _hang_on(of: Plain, questions: Iterable[str]) -> tuple[str, ...]:
@@ -153,7 +166,7 @@ def _of_plan(of: Plain, now: Plain) -> Iterator[Deviation]:
         whoever = re.sub("|".join(map(re.escape, recording.split("/"))), "*", "\n".join(said))
         alike[("recordings", *path[2:]) if recording else path, whoever].append((recording, *said))
     for (path, _), ((first, was_said, said_now), *others) in alike.items():
-        where = path[1] if path[0] == "tables" else path[0]
+        where = path[1] if path[0] == "tables" or path[:2] == ("rig tables", "plate") else path[0]
         touched = _hang_on(of, TOUCHES.get(".".join(path[1:]), TOUCHES[where]))
         if where == "claims":
             touched = tuple(key for key, claim in of["claims"].items() if now["claims"].get(key) != claim)
@@ -181,7 +194,9 @@ def _on_common_ground(old: Plain, new: Plain) -> Plain:
             recordings[key] = own
     order = [name for name in new["order of specimens"] if name in both["specimens"]]
     kept = order == [name for name in old["order of specimens"] if name in both["specimens"]]
-    return new | {"recordings": recordings, "order of specimens": old["order of specimens"] if kept else order}
+    said = {"recordings": recordings, "order of specimens": old["order of specimens"] if kept else order}
+    of_rig = new["rig tables"] if old["rig tables"] and new["rig tables"] else old["rig tables"]
+    return new | said | {"rig tables": of_rig, "runs": old.get("runs")}  # a rig file that came or went is one deviation
 
 
 def _but_files(recording: Plain) -> Plain:
@@ -240,6 +255,16 @@ def _of_data(of: Plain, now: Plain) -> Iterator[Deviation]:
                 changed["other files" if present else ABSENT].append(key)
         for said, keys in changed.items():
             yield Deviation("data", f"{role} {_some(keys)}", "recorded", said, _hang_on(of, touched))
+
+
+def _of_runs(of: Plain, now: Plain) -> Iterator[Deviation]:
+    """The rig file that is gone, and runs that are not planned, where the plan says which are."""
+    touched, planned = _hang_on(of, _RIG), of["plan"].get("runs")
+    if of["plan"]["rig tables"] and not now["plan"]["rig tables"]:
+        yield Deviation("rig", "rig file", _shown(of["rig_file"]), ABSENT, touched)
+    known = {*(planned or now["data"]["runs"]), *of["data"]["runs"]}
+    if more := [name for name in now["data"]["runs"] if name not in known]:
+        yield Deviation("data", f"run {_some(more)}", "not planned", "there", touched)
 
 
 def _of_code(of: Plain, now: Plain) -> Iterator[Deviation]:

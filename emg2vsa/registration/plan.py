@@ -19,7 +19,7 @@ from emg2vsa.claims.kappa import kappa_claims
 from emg2vsa.claims.people import PressTable, people_claims
 from emg2vsa.claims.rig import rig_claims
 from emg2vsa.discrimination.run_table import RunTable
-from emg2vsa.rig.experiment import ExperimentSettings
+from emg2vsa.rig.experiment import ExperimentSettings, Run
 from emg2vsa.session_settings import EmgSettings
 from emg2vsa.settings import StageSettings
 from emg2vsa.study import RecordingEntry, Study
@@ -30,15 +30,16 @@ LEFT_OUT = ("reading", "simulation")
 """Tables that change no result of given recordings: what a decoder may cost, and how synthetic recordings are made."""
 _OF_THE_PLACE = ("emg", "force", "bar_n", "bar_filter_hz", "palette", "sound", "ethics", "checklist", "about", "texts")
 """Keys of [session] that say where and in which language it is run. Of the devices, kind and delay are registered."""
+EMULATED = "emulated rig"
 _PRESSES = 2
 """Of each cell of a table that stands for data: as many as claims ask for before they look at numbers."""
 
 
-def plan_of(study: Study, rig: Plain) -> Plain:
-    """The plan of ``study``. rig : tables of the rig file of its runs, empty where there is none."""
+def plan_of(study: Study, rig: Plain, runs: Mapping[str, Run]) -> Plain:
+    """The plan of ``study``. rig : tables of the rig file of its runs, empty where there is none. runs : by name."""
     names = [each.name for each in fields(StageSettings) if each.name not in LEFT_OUT]
     tables = {name: asdict(getattr(study, name)) for name in names}
-    tables |= {"runs": asdict(study.scoring)} if study.runs_source else {}
+    tables |= {"runs": asdict(study.scoring) | {"source": _source(study)}} if study.runs_source else {}
     tables |= {"session": session_plan(asdict(study.session))} if study.session else {}
     return plain(
         {
@@ -48,6 +49,7 @@ def plan_of(study: Study, rig: Plain) -> Plain:
             "order of specimens": [one.name for one in study.specimens],
             "tables": tables,
             "rig tables": rig,
+            "runs": {name: run._asdict() for name, run in runs.items()},
             "recordings": {entry.key: _own(study, entry) for entry in study.recordings},
             "judgements": {
                 f"{own.participant}/{own.specimen}" + (f", press {own.repetition}" if own.repetition else ""):
@@ -55,6 +57,12 @@ def plan_of(study: Study, rig: Plain) -> Plain:
             },
         }
     )  # fmt: skip
+
+
+def _source(study: Study) -> str:
+    """Where runs come from. The folder of those that an emulated rig makes is no part of a plan."""
+    source = study.runs_source
+    return EMULATED if source is None or source.rig else f"measured runs in {_spelled(study, source.root)}"
 
 
 def plain(value: Plain) -> Plain:

@@ -46,8 +46,9 @@ def test_a_clean_run_names_nothing_and_every_verdict_is_registered(
     finished: RegisteredStudy, capsys: Said, blank_drawings: None
 ) -> None:
     run = told(capsys, "run", str(finished.file), "--jobs", "1")
-    assert (run["ran"], run["registration"]["deviations"]) == (["report/study"], [])
-    found = results(finished)
+    said, found = run["registration"], results(finished)
+    assert (run["ran"], said["deviations"], said["awaited_runs"]) == (["report/study"], [], [])
+    assert (found["registration.deviations"], found["registration.awaited_runs"]) == (0, 0)
     states = {value for key, value in found.items() if key.startswith("claims.") and key.endswith(".registered")}
     assert states == {"registered after data"}
     assert found["registration.sha256"] == json.loads(finished.registration.read_text())["sha256"]
@@ -220,32 +221,141 @@ def test_bad_files_are_refused(study: RegisteredStudy, tmp_path: Path, capsys: S
     assert f"emg2vsa: {out}: " in capsys.readouterr().err
 
 
-def test_runs_that_are_to_be_measured(study: RegisteredStudy, tmp_path: Path, capsys: Said) -> None:
-    """Their rig file is registered by an option; measured runs are data."""
-    text = study_of_runs("measured", "lab", ("S1", "S3", "S5", "S_new"))
-    file = tmp_path / "study.toml"
-    file.write_text(text)
-    load_study(file).results.mkdir(parents=True)  # where digests of code are remembered
+def record_run(root: Path, name: str, *, folder: str = "", mounting: int | None = 1, force: str = "") -> Path:
+    """A measured run, with the plan that the rig writes beside its presses."""
+    specimen, angle, condition = name.rsplit("_", 2)
+    plan = {"specimen": specimen, "angle_deg": float(angle), "condition": condition}
+    path = root / (folder or name)
+    path.mkdir(parents=True)
+    (path / "plan.json").write_text(json.dumps({"plan": plan | ({"mounting": mounting} if mounting else {})}))
+    (path / "force.csv").write_text(force or path.name)
+    return path
+
+
+@pytest.fixture
+def to_measure(registered_once: RegisteredStudy, tmp_path: Path) -> RegisteredStudy:
+    """A study of runs that are to be measured, of which one is there, registered with the rig file of the demo."""
+    study = RegisteredStudy(tmp_path)
+    study.file.write_text(study_of_runs("measured", "lab", ("S1", "S3", "S5", "S_new")))
+    load_study(study.file).results.mkdir(parents=True)  # where digests of code are remembered
     for name in ("rig.toml", "rig-2.toml"):
-        shutil.copy(study.folder / "rig.toml", tmp_path / name)
-    run = tmp_path / "lab" / "S1_0_modular"
-    run.mkdir(parents=True)
-    (run / "force.csv").write_text("1")
-    assert main(["register", str(file), "--rig", str(tmp_path / "rig-2.toml"), "--json"]) == 0
-    of = RegisteredStudy(tmp_path)
-    content = json.loads(of.registration.read_text())
+        shutil.copy(registered_once.folder / "rig.toml", tmp_path / name)
+    record_run(tmp_path / "lab", "S1_0_modular")
+    assert main(["register", str(study.file), "--rig", str(tmp_path / "rig-2.toml"), "--json"]) == 0
+    return study
+
+
+def test_runs_that_are_to_be_measured(to_measure: RegisteredStudy) -> None:
+    """Their rig file is registered by an option; measured runs are data."""
+    content = json.loads(to_measure.registration.read_text())
     assert (content["rig_file"], content["collected"]) == ("rig-2.toml", "1 measured runs of the rig were there.")
-    assert not of.found().deviations
-    (tmp_path / "lab" / "S3_0_modular").mkdir()
-    (tmp_path / "lab" / "S3_0_modular" / "force.csv").write_text("2")
-    assert not of.found().deviations
-    of.edit("[experiment]\n", "[experiment]\nseed = 9\n", "rig-2.toml")
-    (run / "force.csv").write_text("3")
-    assert [each.what for each in of.found().deviations] == ["rig file, [experiment] seed", "run S1_0_modular"]
+    assert content["plan"]["runs"]["S3_45_modular_mounting-3"] == {
+        "specimen": "S3", "angle_deg": 45, "condition": "modular", "mounting": 3,
+    }  # fmt: skip
+    assert not to_measure.found().deviations
+    record_run(to_measure.folder / "lab", "S3_0_modular")
+    (to_measure.folder / "lab" / "notes").mkdir()
+    (to_measure.folder / "lab" / "notes" / "weather.txt").write_text("windy")
+    assert not to_measure.found().deviations
+    to_measure.edit("[experiment]\n", "[experiment]\nseed = 9\n", "rig-2.toml")
+    (to_measure.folder / "lab" / "S1_0_modular" / "force.csv").write_text("3")
+    assert [each.what for each in to_measure.found().deviations] == ["rig file, [experiment] seed", "run S1_0_modular"]
     for change in (lambda file: file.write_text("[rig"), Path.unlink):
-        change(tmp_path / "rig-2.toml")
-        assert [each.what for each in of.found().deviations][-1] == "run S1_0_modular"
-        assert {each.now for each in of.found().deviations if each.kind == "rig"} == {"absent"}
+        change(to_measure.folder / "rig-2.toml")
+        assert [(each.what, each.registered, each.now) for each in to_measure.found().deviations] == [
+            ("run S1_0_modular", "recorded", "other files"), ("rig file", "rig-2.toml", "absent"),
+        ]  # fmt: skip
+
+
+def test_planned_runs_are_awaited_and_missing_at_the_end(to_measure: RegisteredStudy, capsys: Said) -> None:
+    found = to_measure.found()
+    assert len(found.awaited_runs) == 4 * 9 * 3 - 1
+    assert "S1_0_modular" not in found.awaited_runs
+    assert next(found.lines()).endswith(": no deviations, 107 planned runs of the rig are not there yet")
+    assert len(told(capsys, "status", str(to_measure.file))["registration"]["awaited_runs"]) == 107
+    final = to_measure.found(final=True)
+    (missing,) = final.deviations
+    assert missing.what == f"run {', '.join(found.awaited_runs[:5])} and 102 more"
+    assert (missing.registered, missing.now, final.awaited_runs) == ("planned", "absent", ())
+    assert "casr_rigid" in missing.claims
+    for run in json.loads(to_measure.registration.read_text())["plan"]["runs"].values():
+        if run != {"specimen": "S1", "angle_deg": 0, "condition": "modular", "mounting": 1}:
+            name, mounting = f"{run['specimen']}_{run['angle_deg']:g}_{run['condition']}", run["mounting"]
+            more = f"_mounting-{mounting}" if mounting > 1 else ""
+            record_run(to_measure.folder / "lab", name, folder=name + more, mounting=mounting)
+    assert not to_measure.found(final=True).deviations
+    shutil.rmtree(to_measure.folder / "lab" / "S1_0_modular")  # named once
+    assert [(each.what, each.now) for each in to_measure.found(final=True).deviations] == [
+        ("run S1_0_modular", "absent")
+    ]  # fmt: skip
+
+
+def test_runs_that_are_not_planned_are_named_together(to_measure: RegisteredStudy) -> None:
+    lab = to_measure.folder / "lab"
+    record_run(lab, "S1_0_modular", folder="S1_0_modular-2", force="the rest of its presses")
+    record_run(lab, "S1_30_modular", folder="any-name", mounting=2)
+    assert not to_measure.found().deviations
+    shutil.copytree(lab / "S1_0_modular", lab / "S1_0_modular-3")
+    shutil.copytree(lab / "S1_0_modular", lab / "S1_0_amodular")
+    record_run(lab, "S1_0_modular", folder="S1_0_other", force="pressed again")
+    record_run(lab, "S1_0_modular", folder="S1_0_modular_mounting-4", mounting=4)
+    (one,) = to_measure.found().deviations
+    assert (one.registered, one.now) == ("not planned", "there")
+    again = [f"S1_0_modular in {folder}" for folder in ("S1_0_amodular", "S1_0_modular-3", "S1_0_other")]
+    assert sorted(one.what.removeprefix("run ").split(", ")) == [*again, "S1_0_modular_mounting-4"]
+    for angle in (10, 20, 50):
+        record_run(lab, f"S1_{angle}_modular")
+    (one,) = to_measure.found().deviations
+    assert one.what.endswith(" and 2 more")
+
+
+def test_hand_picked_runs_in_place_of_the_planned_ones(study: RegisteredStudy) -> None:
+    """The attack: three runs in another folder, and no rig file in the study."""
+    few = study.folder / "few"
+    for name in ("S1_0_modular", "S1_30_modular", "S3_0_modular"):
+        record_run(few, name)
+    study.edit('rig = "rig.toml"', 'root = "few"')
+    (source,) = study.found().deviations
+    assert (source.what, source.registered, source.now) == (
+        "[runs] source", '"emulated rig"', '"measured runs in few"'
+    )  # fmt: skip
+    assert {"casr_rigid", "kappa_error_rigid"} <= {*source.claims}
+    assert len(study.found().awaited_runs) == 4 * 9 * 3 - 3
+    assert "planned recordings and 105 planned runs of the rig are not there yet" in next(study.found().lines())
+    (study.folder / "rig.toml").unlink()
+    assert {each.what for each in study.found().deviations} == {"[runs] source", "rig file"}
+
+
+@pytest.mark.parametrize("table", [True, False], ids=["runs.tsv", "plans"])
+def test_without_a_rig_file_the_runs_that_are_there_are_the_plan(tmp_path: Path, table: bool) -> None:
+    study = RegisteredStudy(tmp_path)
+    study.file.write_text(study_of_runs("measured", "lab"))
+    rows = ["folder\tspecimen\tangle_deg\tcondition"]
+    for folder in ("a", "b"):
+        record_run(tmp_path / "lab", "S1_0_modular", folder=folder, mounting=None)
+        rows.append(f"{folder}\tS1\t0\tmodular")
+    if table:
+        (tmp_path / "lab" / "runs.tsv").write_text("\n".join(rows))
+    assert main(["register", str(study.file), "--json"]) == 0
+    plan = json.loads(study.registration.read_text())["plan"]
+    assert list(plan["runs"]) == ["S1_0_modular", "S1_0_modular_mounting-2"]
+    assert plan["tables"]["runs"]["source"] == "measured runs in lab"
+    assert (study.found(final=True).deviations, study.found().awaited_runs) == ((), ())
+    record_run(tmp_path / "lab", "S3_0_modular")
+    if table:
+        (tmp_path / "lab" / "runs.tsv").write_text("\n".join([*rows, "S3_0_modular\tS3\t0\tmodular"]))
+    assert [each.what for each in study.found().deviations] == ["run S3_0_modular"]
+    (tmp_path / "lab").rename(tmp_path / "lab-2")
+    study.edit('root = "lab"', 'root = "lab-2"')
+    assert [each.what for each in study.found().deviations] == ["[runs] source", "run S3_0_modular"]
+
+
+def test_before_any_run_and_without_a_rig_file_no_run_is_planned(tmp_path: Path) -> None:
+    study = RegisteredStudy(tmp_path)
+    study.file.write_text(study_of_runs("measured", "lab"))
+    assert main(["register", str(study.file), "--json"]) == 0
+    record_run(tmp_path / "lab", "S1_0_modular")
+    assert not study.found(final=True).deviations
 
 
 def test_people_are_registered_before_any_recording_is_listed(tmp_path: Path) -> None:

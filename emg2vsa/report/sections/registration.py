@@ -16,7 +16,7 @@ _TEXT = """
 Of {{ states.total() }} verdicts {{ states['as registered'] }} are as registered, {{ states['deviates'] }} deviate
 from the plan{% if states['not registered'] %}, and {{ states['not registered'] }} were not registered{% endif %}.
 {% if without %} {{ without }} registered claims have no verdict
-here.{% endif %}{% if of.awaited %} {{ of.awaited | length }} planned recordings are not there yet.{% endif %}</p>
+here.{% endif %}{% if of.waits %} {{ of.waits }}.{% endif %}</p>
 {{ folded("deviations", "Deviations from the registered plan") }}
 {% if of.from_amended %}
 <p>The study deviates from the plan that was amended:</p>
@@ -41,6 +41,7 @@ def _quantities(results: StudyResults) -> Items:
         yield "registration.registered_at", of.registered_at
         yield "registration.deviations", len(of.of_plan)
         yield "registration.awaited_recordings", len(of.awaited)
+        yield "registration.awaited_runs", len(of.awaited_runs)
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
