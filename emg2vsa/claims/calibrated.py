@@ -14,7 +14,7 @@ ANY = Right(0.034, 0.05056, "cell-6x")
 "Of any false verdict in a report."
 CLAIMS = {
     "specimens_differ": Right(0.006, 0.01543, "crossed-14", "holds", 1),
-    "others_not_distinct": Right(0, 0.005974, "alike", "holds", 0.974),
+    "others_not_distinct": Right(0, 0.005974, "alike", "refuted", 1),
     "equal_participants": Right(0.004, 0.01254, "drift-constant", "holds", 0.618),
     "gaussian_clusters": Right(0, 0.005974, "alike", "holds", 0.94),
     "log_fit_r2": Right(0, 0.005974, "alike", "holds", 1),
