@@ -54,7 +54,7 @@ def test_shares_and_the_choice_that_overturns_a_verdict_are_said(shown):
     assert "specimens differ: holds, kept by 50.0 % of paths." in drawing.description
     assert "people do not" not in drawing.description  # no path has an estimate
     assert len(drawing.caption.split()) <= 35
-    assert told_of_paths(whole, "one") == "Of 4 other paths of analysis, 2 keep this verdict."
+    assert told_of_paths(whole, "one") == "2 of 4 other paths of analysis keep this verdict."
     assert told_of_paths(whole, "two") == "None of 1 other paths of analysis gives an estimate."
     assert told_of_paths(whole, "three") == ""
 

@@ -42,7 +42,7 @@ def told_of_paths(results: StudyResults, claim: str) -> str:
         return ""
     if not results.paths.estimated(claim):
         return f"None of {of} other paths of analysis gives an estimate."
-    return f"Of {of} other paths of analysis, {kept} keep this verdict."
+    return f"{kept} of {of} other paths of analysis keep this verdict."
 
 
 def _quantities(results: StudyResults) -> Items:
