@@ -76,13 +76,14 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.pipeline import run_words
     from emg2vsa.pipeline.profile import Profile
     from emg2vsa.pipeline.run_study import run_study
-    from emg2vsa.registration import read_registration
 
     start = time.monotonic()
     profile = Profile() if arguments.profile else None
     study, below = study_of(arguments)
     stages, shown = _stages(arguments, study), progress(arguments.explain, arguments.json)
     if study.registration:
+        from emg2vsa.registration import read_registration
+
         read_registration(study.registration, study.name)  # before anything runs
     with run_words.ended_by_scheduler():
         plan = run_study(

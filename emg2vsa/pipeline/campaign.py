@@ -65,7 +65,8 @@ class Campaign:
     @cached_property
     def registered(self) -> Registered | None:
         """The registration of the study with every deviation from it; None without one."""
-        # most studies do not load what claims need
+        if self.study.registration is None:  # most studies: what claims need is not loaded
+            return None
         found: Registered | None = importlib.import_module("emg2vsa.pipeline.registered").registered(self.study)
         return found
 

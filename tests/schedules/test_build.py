@@ -296,7 +296,7 @@ def test_the_figure_is_one_column_wide_and_marks_every_level() -> None:
     drawn = list(schedules().values())
     with style():
         figure = draw_schedules(drawn, looks(["S1", "S3", "S5"]))
-    assert figure.get_size_inches() * 25.4 == pytest.approx((ONE_COLUMN_MM, 74))
+    assert figure.get_size_inches() * 25.4 == pytest.approx((ONE_COLUMN_MM, 70))
     steps, levels = figure.axes
     assert steps.get_position().width == pytest.approx(3 * levels.get_position().width)
     constants = sorted(s.stiffness_percent[0] for s in drawn if s.condition != "modular")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,17 +35,18 @@ PEOPLE, RIG = "people", "rig"
 """Folders of the reports of one part, in that of the whole report."""
 
 
-def settings(campaign: Campaign, item: str) -> dict[str, Any]:
+def settings(campaign: Campaign, item: str, *, rig: bool = True) -> dict[str, Any]:
+    """rig : whether the report is on the rig too; a run of the people's part alone does not look its runs up."""
     study = campaign.study
     shown = {each.name: getattr(study, each.name) for each in fields(study) if each.name not in NOT_SHOWN}
     asked = study.session and tuple(getattr(study.session, name) for name in ASKED)
     more = {"file": study.path.name, "recordings": _recordings(campaign), "session": asked}
-    source = study.runs_source
+    source = study.runs_source if rig else None
     logs = plate_logs(source.root) if source else []
     return {
         "study": Keyed(study, shown | more),
         "registered": campaign.registered,
-        "run_order": campaign.rig and (campaign.rig.experiment.order, campaign.rig.experiment.seed),
+        "run_order": (campaign.rig.experiment.order, campaign.rig.experiment.seed) if campaign.rig and rig else None,
         "plates": Keyed(logs, [log.name for log in logs]),
     }
 
@@ -58,9 +60,9 @@ def _recordings(campaign: Campaign) -> list[tuple[Any, list[str]]]:
     return list(found.values())
 
 
-def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
+def files(campaign: Campaign, item: str, *, rig: bool = True) -> dict[str, Sequence[Path]]:
     """The table of the simulated presses, where the study was simulated; logs of plates; the order of measured runs."""
-    data, source = campaign.study.data, campaign.study.runs_source
+    data, source = campaign.study.data, campaign.study.runs_source if rig else None
     places = (data / "derivatives" / "truth" / "truth.tsv", data / "truth.tsv") if campaign.study.recordings else ()
     drawn = [source.root / "order.json"] if source and campaign.rig is None else []
     logs = plate_logs(source.root) if source else []
@@ -210,6 +212,8 @@ PART_STAGES = {
     "people_report": replace(
         STAGE,
         run=lambda given: run(given, "../participants"),
+        settings=partial(settings, rig=False),
+        files=partial(files, rig=False),
         folder=lambda campaign, item: campaign.study.reports / PEOPLE,
         needs=("trials", "fits", "pages", "hypotheses", "exemplary", "profiles", "schedules"),
     ),
