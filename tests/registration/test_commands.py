@@ -82,8 +82,8 @@ def test_three_deviations_are_named_by_the_run_its_report_and_its_package(
     assert deviates == "registered after data, deviates: P01/S1, press 2; [claims] slope_percent; [hypotheses] use"
     assert found["claims.casr_rigid.registered"] == "registered after data"
     table = (reports / "tables" / "deviations.csv").read_text().splitlines()
-    whats = [row.partition(",")[0].strip('"') for row in table[1:]]
-    assert whats == ["P01/S1", "[claims] slope_percent", "[hypotheses] use"]
+    named = [row.partition(",")[0].strip('"') for row in table[1:]]
+    assert named == ["P01/S1", "[claims] slope_percent", "[hypotheses] use"]
     page = (reports / "index.html").read_text()
     assert "The plan of this study was registered on" in page
     assert "Deviations from the registered plan" in page
