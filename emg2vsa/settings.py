@@ -14,6 +14,9 @@ from typing import Annotated, Any, Literal, NamedTuple
 Condition = Literal["high-stiffness", "modular", "constant-min", "constant-mean", "constant-max"]
 RIGID: Condition = "high-stiffness"
 """How the rig presses (paper, section V): a rigid motor, or the actuator with a whole profile or one level of it."""
+Index = Literal["sum", "minimum", "rudolph", "falconer-winter"]
+Weights = Literal["inverse-variance", "none"]
+Interpolation = Literal["bracket", "paper", "log-stiffness", "coefficients"]
 
 
 class Limit(NamedTuple):
@@ -144,7 +147,7 @@ class FilterSettings:
 class CocontractionSettings:
     """How the envelopes of the muscles become one activity."""
 
-    index: Literal["sum", "rudolph", "falconer-winter", "minimum"] = "sum"
+    index: Index = "sum"
     "sum (paper); Rudolph 2000; Falconer and Winter 1985; minimum ('wasted contraction')."
     normalise: Literal["none", "session-max", "mvc"] = "none"
     "none: volts, comparable within one session only; session-max: fraction of the session's largest; mvc: of mvc_v."
@@ -197,7 +200,7 @@ class FitSettings:
     "bins: means over force bins, honest standard errors; samples: the paper's fit on the curve itself."
     bin_n: Positive = 0.3
     "Width of the force bins, newtons."
-    weights: Literal["inverse-variance", "none"] = "inverse-variance"
+    weights: Weights = "inverse-variance"
     "inverse-variance: samples over v^2 of the fit itself (noise grows with the level); none: ordinary least squares."
     robust: bool = False
     "Huber weights on top, for bursts and artefacts."
@@ -252,7 +255,7 @@ class ProfileSettings:
     "Name of the specimen to interpolate."
     new_stiffness_n_per_mm: Positive | None = None
     "Its stiffness, N/mm."
-    interpolation: Literal["bracket", "paper", "log-stiffness", "coefficients"] = "bracket"
+    interpolation: Interpolation = "bracket"
     "bracket: linear in stiffness; paper: weight kappa/10; log-stiffness; coefficients: cubic through a and b of all."
     extrapolate: bool = False
     "Allow a new specimen outside the stiffness bracket."

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import get_args
 
 import numpy as np
 
@@ -15,11 +15,9 @@ from emg2vsa.extraction import Trials
 from emg2vsa.fits import concatenate, fit_trials, in_session
 from emg2vsa.profiles import build_profiles
 from emg2vsa.schedules.build import build_schedules
-from emg2vsa.settings import CocontractionSettings
+from emg2vsa.settings import CocontractionSettings, Index
 from emg2vsa.signals.cocontraction import cocontraction_index
 from emg2vsa.study import Study
-
-Index = Literal["sum", "minimum", "rudolph", "falconer-winter"]
 
 
 def by_index(study: Study, trials: Sequence[Trials]) -> Iterator[tuple[Index, list[Trials]]]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,7 +37,7 @@ from emg2vsa.multiverse.path import (
     Tried,
     tried,
 )  # fmt: skip
-from emg2vsa.settings import FitSettings
+from emg2vsa.settings import FitSettings, Interpolation, Weights
 from emg2vsa.study import Study
 
 Rows = NDArray[np.bool_]
@@ -45,8 +45,6 @@ Places = Mapping[tuple[str, str], float]
 LEAST_R2, FAR_MADS, FEWEST = 0.5, 3.0, 5
 """A press fits badly, a slope b lies far from the median of its recording, and so many presses tell it."""
 _SD_PER_MAD = 1.4826
-_Rule = Literal["bracket", "paper", "log-stiffness", "coefficients"]
-_Weights = Literal["inverse-variance", "none"]
 _LAWS, _INTERPOLATED = "log_fit_r2", "interpolation_rmse"
 """Claims that one choice is about."""
 
@@ -169,7 +167,7 @@ def _one_at_a_time(own: _Fitted, place: Places) -> Iterator[Tried]:
     for kind, of, word in ((PERSON, fits.participant, "without"), (REPETITION, fits.repetition, "without repetition")):
         for each in np.unique(of[rows]) if np.unique(of[rows]).size > 1 else ():
             yield tried([Choice(kind, f"{word} {each}")], own.claims(rows & (of != each), place))
-    for rule in get_args(_Rule) if study.profile.new_specimen else ():
+    for rule in get_args(Interpolation) if study.profile.new_specimen else ():
         if rule != study.profile.interpolation:
             found = own.claims(rows, place, profile=replace(study.profile, interpolation=rule))
             only = [claim for claim in found if claim.key == _INTERPOLATED]
@@ -177,7 +175,7 @@ def _one_at_a_time(own: _Fitted, place: Places) -> Iterator[Tried]:
 
 
 def _weights(study: Study, recordings: Sequence[Trials], place: Places) -> Iterator[Tried]:
-    other: _Weights = "none" if study.fit.weights == "inverse-variance" else "inverse-variance"
+    other: Weights = "none" if study.fit.weights == "inverse-variance" else "inverse-variance"
     settings = {f"weights: {other}": replace(study.fit, weights=other)}
     settings[f"{'no ' if study.fit.robust else ''}Huber weights"] = replace(study.fit, robust=not study.fit.robust)
     for says, fit in settings.items():

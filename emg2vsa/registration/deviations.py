@@ -36,8 +36,8 @@ TOUCHES: dict[str, tuple[str, ...]] = {
     "schedule": (*_RIG, "schedule_range"), "runs": _RIG, "discrimination": _RIG, "calibration": _KAPPA, "claims": (),
     "calibration.mounting_sd_percent": _RIG, "plate": (*_RIG, "plate_r2"),
 }  # fmt: skip
-"""What is registered to the claims that may hang on it, by their questions or keys; which claims a key of [claims]
-moves, they tell."""
+"""Each part of a plan, and the claims that may hang on it, by question or by key. [claims] has none here: the claims
+themselves tell which of them a margin moves."""
 CODE: dict[str, tuple[str, tuple[str, ...]]] = {
     "presses": ("extraction.extract", (_PEOPLE,)), "fits": ("pipeline.stages.fits", (_PEOPLE,)),
     "tests": ("pipeline.stages.hypotheses", (_PEOPLE,)), "profiles": ("pipeline.stages.profiles", (_PEOPLE,)),

@@ -33,7 +33,8 @@ def paths(svg, colour):
 def test_ticks_are_round_few_and_inside(low, span, most):
     found = ticks(low, low + span, most)
     assert len(found) <= most + 1
-    assert all(low - 1e-6 * span <= tick <= low + span * (1 + 1e-6) for tick in found)
+    rounding = 1e-9 * span + 4 * np.spacing(abs(low) + span)
+    assert all(low - rounding <= tick <= low + span + rounding for tick in found)
     if len(found) > 1:
         assert np.allclose(np.diff(found), found[1] - found[0])
 

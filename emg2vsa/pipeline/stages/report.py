@@ -158,7 +158,7 @@ def _run_order(given: Given) -> str:
             order, seed = kept["order"], kept["seed"]
         except (ValueError, KeyError, TypeError) as error:
             do = "Put back the file that the rig wrote, or remove it."
-            raise DataError(path, wanted="the order of the runs", found=f"no such file: {error}", do=do) from error
+            raise DataError(path, wanted="the order of the runs", found=f"a damaged file ({error!r})", do=do) from error
     return f"{order}, seed {seed}" if order == "random" else order
 
 

@@ -37,10 +37,11 @@ def paths_share(results: StudyResults) -> dict[str, tuple[int, int]]:
 
 def told_of_paths(results: StudyResults, claim: str) -> str:
     """One sentence; "" where nobody asked, or no path bears on the claim."""
-    kept, of = paths_share(results).get(claim, (0, 0))
-    if not of or results.paths is None:
+    paths = results.paths
+    kept, of = paths.kept(claim) if paths and claim in paths.claims else (0, 0)
+    if paths is None or not of:
         return ""
-    if not results.paths.estimated(claim):
+    if not paths.estimated(claim):
         return f"None of {of} other paths of analysis gives an estimate."
     return f"{kept} of {of} other paths of analysis keep this verdict."
 
