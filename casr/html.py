@@ -68,7 +68,8 @@ margin:0;padding:1.2rem 0;font-size:.9rem}
 .skip{position:absolute;left:-99rem}.skip:focus{left:1rem;top:.5rem;background:var(--page)}
 @page{size:A4;margin:14mm 12mm}
 @media print{nav,.skip{display:none}body{font-size:10pt}.wide{overflow:visible;background:none}
-figure,tr,.say{break-inside:avoid}figure svg{min-width:0!important}.pictures{grid-template-columns:1fr 1fr;gap:.5rem}
+figure,tr,.say{break-inside:avoid}figure svg{min-width:0!important;max-height:225mm}
+.pictures{grid-template-columns:1fr 1fr;gap:.5rem}
 thead{display:table-header-group}
 caption,h2,h3,summary,thead,tbody tr:first-child,tr:nth-last-child(2){break-after:avoid}p{orphans:3;widows:3}
 .wide table{min-width:0;font-size:7pt}th,td{padding-right:.3rem}td.n{white-space:nowrap}

@@ -112,12 +112,19 @@ class RunEntry:
 class RunsSource:
     """Where the runs of a study come from. ``rig``: the rig file whose emulated rig makes them; None: measured runs.
 
-    root : folder of the runs. camera : camera file of measured runs that have none of their own.
+    root : folder of the runs. camera : camera file of measured runs that have none of their own. plates : folder of
+    plate indentations, which stays where it is when emulated runs are made elsewhere.
     """
 
     root: Path
     rig: Path | None
     camera: Path | None
+    plates: Path
+
+
+def plates_beside(runs: Path) -> Path:
+    """The folder of plate indentations that belongs to the folder ``runs``."""
+    return runs.with_name(f"{runs.name}-plate")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,6 +15,7 @@ from emg2vsa.errors import DeviceError
 from emg2vsa.held_lock import taken
 from emg2vsa.rig.executor.stop_requests import request_stop
 from emg2vsa.rig.record.new_folder import how_ended
+from emg2vsa.study import plates_beside
 
 SILENT_S = 1.0
 """A process that is asked to stop and does nothing for so long is ended."""
@@ -113,7 +114,7 @@ def end_user(rig_file: Path, say: Callable[[str], None]) -> None:
 def stop_unnamed_run(runs: Path, say: Callable[[str], None]) -> None:
     """Ask the run to stop whose lock was deleted or spoilt: the newest in ``runs``, or of its plates, that has not
     ended and whose log has just grown. Nobody knows its process: one that is silent is left."""
-    logs = [log for root in (runs, runs.with_name(f"{runs.name}-plate")) for log in root.glob("*/log.csv")]
+    logs = [log for root in (runs, plates_beside(runs)) for log in root.glob("*/log.csv")]
     going = [log for log in logs if how_ended(log.parent) in _GOING and time.time() - log.stat().st_mtime < _CLOSING_S]
     if going:
         folder = max(going, key=lambda log: log.stat().st_mtime).parent

@@ -18,6 +18,7 @@ from emg2vsa.rig.experiment import plate_plan
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Order, Run, RunOrder, ordered, run_order
+from emg2vsa.study import plates_beside
 from emg2vsa.study_file.problems import nearest
 
 DONE_BEFORE = "done before"
@@ -99,7 +100,7 @@ def plates(
             raise SettingError(f"{file.path}, --plate", wanted=", ".join(known), found=name, do=do)
         check_plan(plan, file.rig)
     bare = replace(file, devices=replace(file.devices, camera=None))
-    own = replace(pressing, file=bare, root=pressing.root.with_name(f"{pressing.root.name}-plate"))
+    own = replace(pressing, file=bare, root=plates_beside(pressing.root))
     pressed: list[Pressed] = []
     for name, plan in plans.items():
         own.check_same(name, plan)

@@ -215,7 +215,7 @@ def _unusable(where: object, wanted: str, found: str) -> DataError:
     return DataError(where, wanted=wanted, found=found, do=do)
 
 
-def plate_logs(runs: Path) -> list[Path]:
-    """Plate indentations beside the folder ``runs``: what ``rig run --plate`` wrote there, and tables (.csv)."""
-    found = sorted(runs.with_name(f"{runs.name}-plate").glob("[!.]*"))
+def plate_logs(folder: Path) -> list[Path]:
+    """Plate indentations in ``folder``: what ``rig run --plate`` wrote there, and tables (.csv)."""
+    found = sorted(folder.glob("[!.]*"))
     return [path for path in found if (path / PLAN_FILE).is_file() or (path.suffix == ".csv" and path.is_file())]

@@ -10,7 +10,16 @@ from pathlib import Path
 from typing import Any
 
 from emg2vsa.settings import ChannelSettings, PressJudgement, RunSettings, StageSettings
-from emg2vsa.study import Person, RecordingEntry, RecordingPart, RunsSource, Specimen, Study, registration_of
+from emg2vsa.study import (
+    Person,
+    RecordingEntry,
+    RecordingPart,
+    RunsSource,
+    Specimen,
+    Study,
+    plates_beside,
+    registration_of,
+)
 from emg2vsa.study_file.patterns import REPETITION, Cell, Found, files_by_cell, filled
 from emg2vsa.study_file.tables import (
     FileChannels,
@@ -65,8 +74,10 @@ def _registration(path: Path, named: str | None) -> Path | None:
 
 
 def _runs_source(folder: Path, table: RunsTable) -> RunsSource:
+    root = beside(folder, table.root or ("runs-virtual" if table.rig else "runs"))
     return RunsSource(
-        root=beside(folder, table.root or ("runs-virtual" if table.rig else "runs")),
+        root=root,
+        plates=plates_beside(root),
         rig=beside(folder, table.rig) if table.rig else None,
         camera=beside(folder, table.camera) if table.camera else None,
     )

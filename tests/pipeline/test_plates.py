@@ -8,6 +8,10 @@ from pathlib import Path
 import pytest
 
 from emg2vsa.cli import main
+from emg2vsa.pipeline.campaign import Campaign
+from emg2vsa.pipeline.places import placed_in
+from emg2vsa.pipeline.stages.report import files
+from emg2vsa.study_file import load_study
 
 
 def report(study: Path) -> tuple[dict[str, object], str]:
@@ -45,6 +49,14 @@ def test_logs_beside_the_runs_are_shown_and_the_claim_on_lines_is_tested(study: 
     assert f"{changed.name}" in page
     assert "indentation_mm" in page
     assert "Fig. P1." not in page
+
+
+def test_the_plates_stay_where_they_are_when_the_runs_are_made_elsewhere(study: Path, tmp_path: Path) -> None:
+    """As by ``verify`` and by ``run --work``."""
+    path = log(study.with_name("runs-virtual-plate"), "S1", 2.5)
+    placed = placed_in(load_study(study), tmp_path / "work")
+    assert placed.runs_source.root.parent == tmp_path / "work"
+    assert files(Campaign(placed), "study")["plates"] == [path]
 
 
 def _stated(study: Path) -> list[tuple[str, float]]:

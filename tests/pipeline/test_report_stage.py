@@ -24,7 +24,9 @@ def test_the_order_of_an_emulated_rig_is_that_of_its_file(tmp_path):
 
 
 def test_the_order_of_measured_runs_is_the_one_that_the_rig_kept(tmp_path):
-    study = SimpleNamespace(data=tmp_path, recordings=(), runs_source=RunsSource(tmp_path, None, None))
+    study = SimpleNamespace(
+        data=tmp_path, recordings=(), runs_source=RunsSource(tmp_path, None, None, tmp_path / "plates")
+    )
     campaign = SimpleNamespace(study=study, rig=None)
     assert files(campaign, "study")["order"] == []
     path = tmp_path / "order.json"
@@ -37,5 +39,7 @@ def test_the_order_of_measured_runs_is_the_one_that_the_rig_kept(tmp_path):
 def test_a_damaged_order_is_one_error(tmp_path, text):
     path = tmp_path / "order.json"
     path.write_text(text)
-    with pytest.raises(DataError, match=r"order.json: expected the order .* found no such file.*Put back"):
+    with pytest.raises(
+        DataError, match=r"order.json: expected the order .* found a file that tells no order and seed.*Put back"
+    ):
         _run_order(given(path))

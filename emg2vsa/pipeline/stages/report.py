@@ -42,7 +42,7 @@ def settings(campaign: Campaign, item: str, *, rig: bool = True) -> dict[str, An
     asked = study.session and tuple(getattr(study.session, name) for name in ASKED)
     more = {"file": study.path.name, "recordings": _recordings(campaign), "session": asked}
     source = study.runs_source if rig else None
-    logs = plate_logs(source.root) if source else []
+    logs = plate_logs(source.plates) if source else []
     return {
         "study": Keyed(study, shown | more),
         "registered": campaign.registered,
@@ -65,7 +65,7 @@ def files(campaign: Campaign, item: str, *, rig: bool = True) -> dict[str, Seque
     data, source = campaign.study.data, campaign.study.runs_source if rig else None
     places = (data / "derivatives" / "truth" / "truth.tsv", data / "truth.tsv") if campaign.study.recordings else ()
     drawn = [source.root / "order.json"] if source and campaign.rig is None else []
-    logs = plate_logs(source.root) if source else []
+    logs = plate_logs(source.plates) if source else []
     return {
         "truth": [path for path in places if path.is_file()][:1],
         "order": [path for path in drawn if path.is_file()],
@@ -158,7 +158,9 @@ def _run_order(given: Given) -> str:
             order, seed = kept["order"], kept["seed"]
         except (ValueError, KeyError, TypeError) as error:
             do = "Put back the file that the rig wrote, or remove it."
-            raise DataError(path, wanted="the order of the runs", found=f"a damaged file ({error!r})", do=do) from error
+            raise DataError(
+                path, wanted="the order of the runs", found="a file that tells no order and seed", do=do
+            ) from error
     return f"{order}, seed {seed}" if order == "random" else order
 
 
