@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -22,7 +23,7 @@ from emg2vsa.report.wording import UNDEFINED, area_unit, interval, listed
 from emg2vsa.shown import words_of
 from emg2vsa.statistics.factorial import Factorial
 
-_BEYOND_TWO_SDS = 0.0455
+_BEYOND_TWO_SDS = math.erfc(math.sqrt(2))
 """Share of normal values."""
 _MEASURES = {"slope": "slope", "frame_sum": "equation (2)"}
 
