@@ -92,10 +92,9 @@ def analyse(laboratory: Laboratory, filters: FilterSettings, seed: int) -> Outco
         cocontraction=CocontractionSettings(), window=WINDOW, force_channel=ForceChannelSettings(name="Fz"),
     )  # fmt: skip
     fits = fit_trials(trials, FitSettings(), WINDOW)
-    noise = np.zeros(fits.b_v.size) if trials.floor_subtracted else trials.floor_bias
     return Outcome(
         fits.b_v / laboratory.b_v, ((fits.b_lo_v <= laboratory.b_v) & (fits.b_hi_v >= laboratory.b_v)).astype(float),
-        (fits.verdict != "rejected").astype(float), (fits.verdict == "ok").astype(float), noise + trials.lag_bias,
+        (fits.verdict != "rejected").astype(float), (fits.verdict == "ok").astype(float), fits.b_bias,
         np.array([1e3 * trials.lag_s]),
     )  # fmt: skip
 

@@ -362,7 +362,7 @@ def judged(record: Record) -> Outcome:
         return Outcome(None, np.nan, str(error))
     fits = fit_trials(trials, FitSettings(), WINDOW)
     session = judge_session("P", [trials], {"S": fits}, {"S": PRESSES}, {})
-    used = usable(fits, "ok+warned")
+    used = usable(fits, "ok+doubtful")
     return Outcome(session.specimens[0], float(np.mean(fits.b_v[used])) if used.any() else np.nan)
 
 

@@ -338,7 +338,7 @@ def b_rows(study_file: Path, presses: list[dict[str, Any]]) -> Iterator[str]:
     for entry in study.recordings:
         (path,) = board.done("fits", (entry.key,))
         fits = artifacts.load(path)
-        b_v = fits.b_v[usable(fits, "ok+warned")]
+        b_v = fits.b_v[usable(fits, "ok+doubtful")]
         true_v = np.mean([p["b_v"] for p in presses if p["specimen"] == entry.specimen and not p["planned"]])
         error_v, standard_v = b_v.mean() - true_v, b_v.std(ddof=1) / np.sqrt(b_v.size)
         yield (

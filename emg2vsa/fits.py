@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints, median
 from emg2vsa.curves.force_bins import fit_edges
-from emg2vsa.curves.logarithmic import said_of_forces
+from emg2vsa.curves.logarithmic import LogFit, said_of_forces
 from emg2vsa.curves.press_fits import PressFits, fit_presses
 from emg2vsa.errors import DataError
 from emg2vsa.extraction import Trials
 from emg2vsa.settings import CocontractionSettings, FitSettings, PressJudgement, WindowSettings
+from emg2vsa.signals.bias import BiasBudget
 from emg2vsa.signals.cocontraction import cocontraction_index
 
 MIN_POINTS = 3
@@ -56,7 +57,7 @@ class Fits:
     a_se_v: Floats
     b_se_v: Floats
     b_lo_v: Floats
-    "Student-t interval of b at ``confidence``."
+    "Interval of b at ``confidence``: Student's t, wider by the errors of corrections and by the bias that is left."
     b_hi_v: Floats
     n_points: Ints
     "Bins or samples the reported fit rests on."
@@ -71,6 +72,14 @@ class Fits:
     "Independent observations that the samples are worth, from the autocorrelation of their residuals over the level."
     lag1: Floats
     "Autocorrelation of the sample residuals at a lag of one sample."
+    b_bias: Floats
+    "Share by which causes that were found, and not corrected, are expected to change b; signed."
+    b_bias_se: Floats
+    "Standard error of that, and of what was corrected, as a share of b; the interval holds both."
+    b_corrected: Floats
+    "Share by which the causes that were corrected had changed b; signed."
+    cause: NDArray[np.str_]
+    "The largest of these causes, of `emg2vsa.signals.bias.CAUSES`; empty without any."
     v_min_v: Floats
     "Fitted activity at the lower force of the window."
     v_max_v: Floats
@@ -128,10 +137,17 @@ def fit_trials(
         for i, reason in no_fit.items():
             verdicts[i] = "rejected"
             reasons[i] = f"{reason}; {reasons[i]}" if reasons[i] else reason
+    low_v, high_v = _with_bias(reported, trials.bias)
+    if fit.max_bias:
+        for i, reason in _doubts(reported, high_v - low_v, trials.bias, fit.max_bias).items():
+            if verdicts[i] == "ok":
+                verdicts[i] = "doubtful"
+                reasons[i] = f"{reason}; {reasons[i]}" if reasons[i] else reason
     _apply(judgements, trials, fitted, verdicts, reasons)
     shown = {
         "a_v": reported.a, "b_v": reported.b, "a_se_v": reported.a_se, "b_se_v": reported.b_se,
-        "b_lo_v": reported.b_lo, "b_hi_v": reported.b_hi, "adj_r2": reported.adj_r2,
+        "b_lo_v": low_v, "b_hi_v": high_v, "b_bias": trials.bias.total, "b_bias_se": trials.bias.total_se,
+        "b_corrected": np.sum(trials.bias.corrected, axis=0), "adj_r2": reported.adj_r2,
         "v_min_v": at_ends[:, 0], "v_max_v": at_ends[:, 1],
     }  # fmt: skip
     return Fits(
@@ -148,6 +164,7 @@ def fit_trials(
         adj_r2_samples=curves.on_samples.adj_r2,
         n_effective=curves.n_effective,
         lag1=curves.lag1,
+        cause=np.array(trials.bias.largest, dtype=np.str_),
         bin_edges_n=edges,
         bin_force_n=bins.force_n,
         bin_v=bins.v,
@@ -157,6 +174,28 @@ def fit_trials(
         confidence=fit.confidence,
         **{name: np.where(fitted, values, np.nan) for name, values in shown.items()},
     )
+
+
+def _with_bias(reported: LogFit, bias: BiasBudget) -> tuple[Floats, Floats]:
+    """The interval (k,), (k,) of b that also holds the errors of corrections, and the value without the bias left."""
+    half = (reported.b_hi - reported.b_lo) / 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        reach = half * np.hypot(1, bias.total_se * np.abs(reported.b) / reported.b_se)
+    reach = np.where(np.isfinite(reach), reach, half)
+    without = reported.b / (1 + bias.total)
+    return np.fmin(reported.b, without) - reach, np.fmax(reported.b, without) + reach
+
+
+def _doubts(reported: LogFit, width: Floats, bias: BiasBudget, most: float) -> dict[int, str]:
+    """Press to why its b is doubtful: the bias that is expected, and its error, exceed ``most`` or the half width."""
+    off = np.abs(reported.b) * np.abs(1 - 1 / (1 + bias.total))
+    half = (width - off) / 2
+    size = np.hypot(bias.total, bias.total_se)
+    largest, told = bias.largest, {}
+    for i in np.flatnonzero((size > most) | (np.hypot(off, bias.total_se * np.abs(reported.b)) > half)).tolist():
+        way = f"too {'low' if bias.total[i] < 0 else 'high'}" if abs(bias.total[i]) > bias.total_se[i] else "off"
+        told[i] = f"b is expected to be {100 * size[i]:.0f} % {way}: {largest[i]}"
+    return told
 
 
 def _no_fit(curves: PressFits, among: NDArray[np.bool_], fit: FitSettings, window: WindowSettings) -> dict[int, str]:
@@ -221,7 +260,7 @@ def _reasons(given: Sequence[str], fitted: NDArray[np.bool_], n: Ints, points: s
 
 
 def usable(fits: Fits, use: str) -> NDArray[np.bool_]:
-    """Trials (n,) that enter a test or a profile: fitted, and "ok", or with ``use="ok+warned"`` also "warned"."""
+    """Trials (n,) that enter a test or a profile: fitted, and "ok", or with ``use="ok+doubtful"`` also "doubtful"."""
     return np.isin(fits.verdict, use.split("+")) & np.isfinite(fits.b_v)
 
 

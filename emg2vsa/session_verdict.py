@@ -53,7 +53,7 @@ class SpecimenVerdict:
     found: int
     wanted: int | None
     ok: int
-    warned: int
+    doubtful: int
     rejected: int
     fault: str
     problems: tuple[str, ...]
@@ -61,15 +61,11 @@ class SpecimenVerdict:
     "Nothing is doubtful about the recording as a whole."
 
     @property
-    def usable(self) -> int:
-        return self.ok + self.warned
-
-    @property
     def verdict(self) -> str:
         """One of ``VERDICTS``."""
         if self.fault:
             return "unreadable"
-        if self.usable < MIN_USABLE_SHARE * max(self.wanted or self.found, 1):
+        if self.ok < MIN_USABLE_SHARE * max(self.wanted or self.found, 1):
             return "repeat"
         return "good" if self.clean and self.ok == (self.wanted or self.found) == self.found else "usable"
 
@@ -80,7 +76,7 @@ class SpecimenVerdict:
             return (Advice(f"{self.specimen}: cannot be used: {self.fault}", remedy_of(self.fault)),)
         told = [Advice(f"{self.specimen}: {problem}", remedy_of(problem)) for problem in self.problems]
         if self.verdict == "repeat":
-            presses = f" ({self.usable} usable presses of {self.wanted or self.found})" if self.found else ""
+            presses = f" ({self.ok} usable presses of {self.wanted or self.found})" if self.found else ""
             return (Advice(f"{self.specimen}: record again{presses}", ""), *told)
         return tuple(told)
 
@@ -129,18 +125,18 @@ def _judge_recording(trials: Trials, fits: Fits | None, wanted: int | None, doub
     judged, reasons = (trials.verdict, trials.reasons) if fits is None else (fits.verdict, fits.reason.tolist())
     # presses that were repeated while the participant was there are told, and missing to nobody
     counted = np.array([not put_aside(reason) for reason in reasons], dtype=np.bool_)
-    ok, warned, rejected = (int(np.sum(judged[counted] == v)) for v in ("ok", "warned", "rejected"))
+    ok, doubtful, rejected = (int(np.sum(judged[counted] == v)) for v in ("ok", "doubtful", "rejected"))
     found = int(np.sum(counted))
     problems = grouped(zip(trials.repetition.tolist(), judged.tolist(), reasons, strict=True))
     # presses of a recording with a fault are used only where a person accepts all of it; the fault is then a remark
-    fault = "" if ok + warned else trials.fault
+    fault = "" if ok + doubtful else trials.fault
     problems = [] if fault else [*trials.remarks, *doubts, *problems]
     if wanted is not None and found != wanted:
         problems.insert(0, f"{found} presses found, {wanted} wanted")
     if not found:
         problems += [note for note in trials.notes if note.startswith("presses: none")]
     clean = not trials.remarks and not doubts and not trials.fault
-    return SpecimenVerdict(trials.specimen, found, wanted, ok, warned, rejected, fault, tuple(problems), clean)
+    return SpecimenVerdict(trials.specimen, found, wanted, ok, doubtful, rejected, fault, tuple(problems), clean)
 
 
 Doubts = dict[tuple[str, str], list[str]]
@@ -155,7 +151,7 @@ def doubts_between(
     fits : (participant, specimen) to the fits of the recording; one without is looked at for little.
     """
     found: Doubts = {}
-    slopes = {key: (one, usable(one, "ok+warned")) for key, one in fits.items()}
+    slopes = {key: (one, usable(one, "ok+doubtful")) for key, one in fits.items()}
     tellers = (_copies(trials, fits), _apart(trials), _loudness(slopes), _swapped(slopes), _unknown(trials, judgements))
     for tell in tellers:
         for key, said in tell:

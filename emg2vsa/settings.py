@@ -173,11 +173,11 @@ class WindowSettings:
     max_falling_share: Fraction = 0.1
     "Largest share of the force path that may fall (beyond noise) before the trial is rejected."
     warn_falling_share: Fraction = 0.03
-    "The same, for a warning."
+    "The same, above which it is told."
     max_gap_force_n: Positive = 0.25
-    "The rest level must lie this close to zero after taring; else the trial is warned."
+    "The rest level must lie this close to zero after taring; else it is told."
     min_snr_db: float = 6.0
-    "EMG of the loading phase over EMG of the rest; below it the trial is warned."
+    "EMG of the loading phase over EMG of the rest; below it the trial says so."
     clip_share: Fraction = 0.001
     "Share of samples at the extreme value above which a channel counts as clipped and the trial is rejected."
     max_missed_n: Positive = 0.3
@@ -210,6 +210,8 @@ class FitSettings:
     "... and one whose interval of b reaches further than so many times b, and than that, to either side; 0: none is."
     max_b_error_ratio: NonNegative = 10.0
     "... and one whose interval is so many times wider than the median of its recording; 0: none is."
+    max_bias: NonNegative = 0.1
+    "A press whose b is expected to be off by a larger share, or by more than its half width, is doubtful; 0: none is."
     confidence: Annotated[float, Gt(0), Le(0.9999)] = 0.95
     "Level of the intervals."
 
@@ -233,8 +235,8 @@ class HypothesisSettings:
     "Significance level."
     kept_specimens: tuple[str, ...] = ()
     "Specimens among which the worst p is taken (paper: S1, S3, S5); empty: all."
-    use: Literal["ok", "ok+warned"] = "ok+warned"
-    "Verdicts of the trials that enter."
+    use: Literal["ok", "ok+doubtful"] = "ok"
+    "Verdicts of the trials that enter; doubtful: b is known to be off by more than its interval, or by `max_bias`."
     equivalence_margin_sd: Positive | None = None
     "Participants whose mean slopes differ by less count as equal, in SDs of repetitions; omitted: equality untested."
 
@@ -514,6 +516,7 @@ PAPER: dict[str, dict[str, Any]] = {
         "min_adj_r2": -1.0,
         "max_b_error": 0.0,
         "max_b_error_ratio": 0.0,
+        "max_bias": 0.0,
     },
     "profile": {"interpolation": "paper"},
     "runs": {"algorithm": "paper"},

@@ -15,6 +15,7 @@ from emg2vsa.extraction import DelayBudget, Trials
 from emg2vsa.fits import Fits, concatenate, fit_trials, usable
 from emg2vsa.session_verdict import judge_session
 from emg2vsa.settings import FitSettings, PressJudgement, WindowSettings
+from emg2vsa.signals.bias import BiasBudget
 
 A_V, B_V = 30e-6, 15e-6
 WINDOW = WindowSettings()
@@ -31,7 +32,8 @@ def trials_of(force: list[np.ndarray], activity: list[np.ndarray], **changes: ob
         snr_db=zeros, verdict=np.full(n, "ok", dtype="<U8"), reasons=("",) * n, fs_hz=100.0, offsets=offsets,
         force_n=np.concatenate([*force, np.empty(0)]), activity=joined, envelopes_v=joined[None], activity_unit="V",
         rest_force_n=0.0, rest_envelope_v=np.zeros(1), mains_ratio=np.zeros(1), clip_share=np.zeros(1),
-        overview_time_s=np.empty(0), overview_force_n=np.empty(0), delay=DelayBudget((), 0.0, 0.0, 0.0), notes=(),
+        overview_time_s=np.empty(0), overview_force_n=np.empty(0), delay=DelayBudget((), 0.0, 0.0, 0.0),
+        bias=BiasBudget.of((), n), notes=(),
     )  # fmt: skip
     return dataclasses.replace(trials, **changes)
 
@@ -137,10 +139,10 @@ def test_what_cannot_be_fitted_stays_with_a_reason() -> None:
         [ramp, short, flat, np.empty(0), ramp],
         [law, law[:2], law[:50], np.empty(0), np.full(100, np.nan)],
         reasons=("", "peak 0.9 N", "", "", ""),
-        verdict=np.array(["warned", "rejected", "ok", "ok", "ok"], dtype="<U8"),
+        verdict=np.array(["doubtful", "rejected", "ok", "ok", "ok"], dtype="<U8"),
     )
     fits = fit_trials(trials, FitSettings(), WINDOW)
-    assert fits.verdict.tolist() == ["warned", "rejected", "rejected", "rejected", "rejected"]
+    assert fits.verdict.tolist() == ["doubtful", "rejected", "rejected", "rejected", "rejected"]
     assert fits.reason.tolist()[:4] == [
         "",
         "peak 0.9 N; no fit: 2 force bins",
@@ -163,10 +165,10 @@ def test_a_fit_on_forces_that_hardly_differ_says_how_many_digits_are_left() -> N
 
 
 def test_rejected_trials_are_fitted_too() -> None:
-    trials = dataclasses.replace(noisy(3), verdict=np.array(["ok", "rejected", "warned"], dtype="<U8"))
+    trials = dataclasses.replace(noisy(3), verdict=np.array(["ok", "rejected", "doubtful"], dtype="<U8"))
     fits = fit_trials(trials, FitSettings(), WINDOW)
     assert np.isfinite(fits.b_v).all()
-    assert fits.verdict.tolist() == ["ok", "rejected", "warned"]
+    assert fits.verdict.tolist() == ["ok", "rejected", "doubtful"]
     assert usable(fits, "ok").tolist() == [True, False, False]
     assert usable(fits, "ok+warned").tolist() == [True, False, True]
 

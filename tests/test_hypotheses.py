@@ -221,7 +221,7 @@ def test_order_of_the_table_and_unit_do_not_matter() -> None:
 def test_only_admitted_trials_enter() -> None:
     fits, _ = study(3, 2, 4)
     verdict = fits.verdict.copy()
-    verdict[:3], verdict[3] = "warned", "rejected"
+    verdict[:3], verdict[3] = "doubtful", "rejected"
     fits = dataclasses.replace(fits, verdict=verdict)
     counts = {
         use: hypotheses.test_hypotheses(fits, HypothesisSettings(use=use)).count.sum() for use in ("ok", "ok+warned")

@@ -90,7 +90,7 @@ def test_a_single_trial_has_no_spread() -> None:
 
 def test_trials_that_are_not_used_do_not_count() -> None:
     rows = [("P1", "S1", 1, 1), ("P1", "S1", 3, 3), ("P1", "S1", 50, 50), ("P1", "S1", math.nan, math.nan)]
-    fits = fits_of(rows, ["ok", "warned", "rejected", "ok"])
+    fits = fits_of(rows, ["ok", "doubtful", "rejected", "ok"])
     assert (build(fits).profiles[0].a_v, build(fits).profiles[0].n_trials) == (2, 2)
     assert (build(fits, use="ok").profiles[0].a_v, build(fits, use="ok").profiles[0].n_trials) == (1, 1)
 

@@ -14,10 +14,10 @@ SLOW = "lasted 21 s, longer than 20 s"
 LEANT = "force rests at 0.30 N before contact"
 
 
-def recording(specimen="S1", ok=0, warned=0, rejected=0, notes=(), fault=""):
+def recording(specimen="S1", ok=0, doubtful=0, rejected=0, notes=(), fault=""):
     """What the verdict reads of trials."""
-    verdict = np.array(["ok"] * ok + ["warned"] * warned + ["rejected"] * rejected, dtype="<U8")
-    reasons = ("",) * ok + (LEANT,) * warned + (SLOW,) * rejected
+    verdict = np.array(["ok"] * ok + ["doubtful"] * doubtful + ["rejected"] * rejected, dtype="<U8")
+    reasons = ("",) * ok + (LEANT,) * doubtful + (SLOW,) * rejected
     repetition = np.arange(1, verdict.size + 1)
     return SimpleNamespace(
         specimen=specimen, repetition=repetition, verdict=verdict, reasons=reasons, notes=notes, fault=fault, remarks=()
@@ -36,10 +36,11 @@ def judge(*trials, wanted=10, failures=None):
     [
         ({"ok": 10}, 10, "good"),
         ({"ok": 10}, None, "good"),
-        ({"ok": 9, "warned": 1}, 10, "usable"),
+        ({"ok": 9, "doubtful": 1}, 10, "usable"),
         ({"ok": 9}, 10, "usable"),
         ({"ok": 11}, 10, "usable"),
-        ({"ok": 7, "warned": 1, "rejected": 2}, 10, "usable"),
+        ({"ok": 8, "doubtful": 1, "rejected": 1}, 10, "usable"),
+        ({"ok": 7, "doubtful": 3}, 10, "repeat"),
         ({"ok": 7, "rejected": 3}, 10, "repeat"),
         ({"ok": 7}, 10, "repeat"),
         ({"rejected": 1}, None, "repeat"),
@@ -54,10 +55,10 @@ def test_each_verdict(counts, wanted, verdict):
 
 
 def test_usable_lists_what_was_found_equal_reasons_once():
-    judged = judge(recording(ok=8, warned=3), wanted=10)
+    judged = judge(recording(ok=8, doubtful=3), wanted=10)
     assert judged.advice == (
         ("S1: 11 presses found, 10 wanted", "count with the participant; record the missing ones"),
-        (f"S1: presses 9-11 warned: {LEANT}", "ask to lift the finger between presses"),
+        (f"S1: presses 9-11 doubtful: {LEANT}", "ask to lift the finger between presses"),
     )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints
+from emg2vsa.signals.bias import BiasBudget
 from emg2vsa.signals.delays import DelayBudget
 from emg2vsa.signals.overview import EmgOverview
 
@@ -41,7 +42,7 @@ class Trials:
     snr_db: Floats
     "Mean envelope over that of the rest, of the muscle with the lowest; NaN without a rest."
     verdict: NDArray[np.str_]
-    "ok, warned or rejected."
+    "ok or rejected; ``emg2vsa.fits`` calls presses doubtful, for it knows their intervals."
     reasons: tuple[str, ...]
     fs_hz: float
     "Rate of the ragged arrays."
@@ -68,18 +69,14 @@ class Trials:
     overview_force_n: Floats
     "(k,) tared, filtered force."
     delay: DelayBudget
+    bias: BiasBudget
+    "What moves a and b of each press away from the muscle's, cause by cause."
     notes: tuple[str, ...]
     "What was run and must be said: Nyquist rule, true -3 dB frequencies, delays, conversions, tare, presses."
     lag_s: float = math.nan
     "Force follows EMG so late (``estimate_lag``), filters and stated delays aside; NaN where it is not known."
     lag_se_s: float = math.nan
     "Its standard error."
-    lag_bias: Floats = field(default_factory=lambda: np.empty(0))
-    "Share by which the lag that was left in is expected to change b; 0 where it is not certain, or was taken out."
-    floor_bias: Floats = field(default_factory=lambda: np.empty(0))
-    "Share by which the rest level flattens b while it stays in the envelope; NaN where it cannot be said."
-    floor_subtracted: bool = False
-    "Whether that level was subtracted in power, so that ``floor_bias`` is what b was corrected by."
     tare: str = "rest"
     "rest: on the lulls; none: as the study says; impossible: the record never rests, and every press says so."
     zero_shift_n: Floats = field(default_factory=lambda: np.empty(0))

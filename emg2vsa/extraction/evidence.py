@@ -9,6 +9,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.extraction.emg_record import EmgRecord, Native
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import WindowSettings
+from emg2vsa.signals.bias import BiasBudget
 from emg2vsa.signals.envelope import Smoother
 from emg2vsa.signals.force import ForceRecord
 from emg2vsa.signals.lag import Lag
@@ -44,31 +45,30 @@ def record_qualities(record: EmgRecord, instants: Instants, envelope: Smoother) 
 
 
 def said_of_bias(
-    force: ForceRecord,
-    floor: Floats,
-    told_above: float | None,
-    humming: Floats,
-    lag: Lag,
-    lagging: Floats,
-    window: WindowSettings,
+    force: ForceRecord, bias: BiasBudget, told_above: float, lag: Lag, window: WindowSettings
 ) -> list[tuple[tuple[bool, str], ...]]:
     """What makes b of each press other than the muscle's, and by how much; whether it rejects the press.
 
-    told_above : the share by which the rest level, if it was subtracted, must have raised b to be told; else None.
+    told_above : the share by which the rest level, if it was subtracted, must have raised b to be told.
     """
     said: list[tuple[tuple[bool, str], ...]] = []
     implausible = window.implausible == "reject"
-    for i in range(floor.size):
+    rows = {cause: (bias.b[row], bias.corrected[row]) for row, cause in enumerate(bias.causes)}
+    none = np.zeros((2, bias.b.shape[1]))
+    (noise, subtracted), (humming, _), (lagging, _) = (
+        rows.get(cause, none) for cause in ("rest level", "hum at the touch", "lag")
+    )
+    for i in range(bias.b.shape[1]):
         own: list[tuple[bool, str]] = []
         if force.tare == "impossible":
             own.append((implausible, 'force is not tared: the record never rests (tare = "none" where it is zeroed)'))
         if force.zero_shift_n[i] > TOLD_SHIFT_N:
             rejects = implausible and bool(force.zero_shift_n[i] > window.max_gap_force_n)
             own.append((rejects, f"the zero of force moves by {force.zero_shift_n[i]:.2f} N around this press"))
-        if told_above is not None and abs(floor[i]) > told_above:
-            own.append((False, f"the rest level that was subtracted raises b by {-100 * floor[i]:.0f} %"))
-        if told_above is None and abs(floor[i]) > TOLD_BIAS:
-            own.append((False, f"noise at rest lowers b by about {-100 * floor[i]:.0f} %"))
+        if abs(subtracted[i]) > told_above:
+            own.append((False, f"the rest level that was subtracted raises b by {-100 * subtracted[i]:.0f} %"))
+        if abs(noise[i]) > TOLD_BIAS:
+            own.append((False, f"noise at rest lowers b by about {-100 * noise[i]:.0f} %"))
         if humming[i] < -TOLD_BIAS:
             own.append(
                 (False, f"hum changes when the specimen is touched, which lowers b by about {-100 * humming[i]:.0f} %")

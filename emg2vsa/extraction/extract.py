@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints, bridge_gaps, median, samples_1d
+from emg2vsa.arrays import Floats, bridge_gaps, median, samples_1d
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.emg_record import Chain, EmgRecord, emg_record, filter_chain, where_of
 from emg2vsa.extraction.evidence import gather_evidence, record_qualities, said_of_bias, said_of_overload
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
+from emg2vsa.signals.bias import BiasBudget, Shift, left_in, line_change, taken_out
 from emg2vsa.signals.cocontraction import cocontraction_index
 from emg2vsa.signals.delays import delay_budget
 from emg2vsa.signals.filters import IirFilter
-from emg2vsa.signals.floor import floor_bias, press_levels, slope_ratios, subtract_floor
+from emg2vsa.signals.floor import floor_change, press_levels, subtract_floor
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
 from emg2vsa.signals.hum import remove_hum, touch_hum
-from emg2vsa.signals.lag import Lag, estimate_lag
+from emg2vsa.signals.lag import DIFFERS_S, Lag, estimate_lag
 from emg2vsa.signals.overview import emg_overview
 from emg2vsa.signals.pairing import (
     Clock,
@@ -85,21 +86,21 @@ def extract_trials(
 
     resting = rest_instants(conditioned.rest, emg_clock, force_clock, chain.step)
     measured_v, resting_v = chain.envelopes(record, instants, resting)
-    rest_v, floor_v = _rest_levels(resting_v, resting)
+    rest_v, floor_v, floor_error = _rest_levels(resting_v, resting)
     levels_v = press_levels(measured_v, force_n, instants.offsets)
     subtract = filters.rest_level == "subtract"
     envelopes_v = subtract_floor(measured_v, levels_v, floor_v) if subtract else measured_v
-    floor = floor_bias(levels_v, floor_v, force_n, instants.offsets)
+    floor_a, floor_b = floor_change(levels_v, floor_v, force_n, instants.offsets)
     # a mean rectified value is sqrt(2 / pi) of the rms
     touching_v *= np.sqrt(2 / np.pi)
     told_above = TONE_CORRECTION if _rests_differ(resting_v, resting, record.fs_hz / chain.step) else LARGE_CORRECTION
-    humming = floor_bias(levels_v, touching_v, force_n, instants.offsets)
+    humming = left_in("hum at the touch", *floor_change(levels_v, touching_v, force_n, instants.offsets))
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
-    lagging = np.zeros(start_s.size)
-    if left.lag_s:
-        ahead = replace(force_clock, start_s=force_clock.start_s - left.lag_s)
-        late_n = force_at(conditioned.force_n, instants, emg_clock, ahead)
-        lagging = _lag_bias(force_n, late_n, levels_v.sum(axis=0), instants.offsets)
+    shifts_of_b: list[Shift] = [
+        taken_out("rest level", floor_b, np.abs(floor_b) * floor_error) if subtract
+        else left_in("rest level", floor_a, floor_b),
+        humming,
+    ]  # fmt: skip
     activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
     snr_db = ratio_db(window_means(measured_v, instants.offsets), rest_v[:, None])
     quality = record_qualities(raw, instants, chain.envelope)
@@ -114,7 +115,9 @@ def extract_trials(
     rejects = window.implausible == "reject"
     fault = doubt or (implausible if rejects else "")
     remarks = seen.remarks if rejects else (*filter(None, (implausible,)), *seen.remarks)
-    biased = said_of_bias(conditioned, floor, told_above if subtract else None, humming, lag, lagging, window)
+    shifts_of_b += _of_lag(lag, left, stop_s, conditioned, instants, emg_clock, force_clock, force_n, levels_v)
+    bias = BiasBudget.of(shifts_of_b, start_s.size)
+    biased = said_of_bias(conditioned, bias, told_above, lag, window)
     loaded = said_of_overload(force, presses)
     other = [
         (*over, *own, *((False, sign) for sign in signs))
@@ -154,9 +157,7 @@ def extract_trials(
         notes=(*notes, *conversions, *chain.notes, str(delay), *conditioned.notes, *noted, *said),
         lag_s=lag.lag_s,
         lag_se_s=lag.se_s,
-        lag_bias=lagging,
-        floor_bias=floor,
-        floor_subtracted=subtract,
+        bias=bias,
         tare=conditioned.tare,
         zero_shift_n=conditioned.zero_shift_n,
         fault=fault,
@@ -175,16 +176,19 @@ def _conditioned(
     return condition_force(raw_n, force.fs_hz, low, force_channel, window), missing
 
 
-def _rest_levels(envelopes_v: Floats, resting: Instants) -> tuple[Floats, Floats]:
+def _rest_levels(envelopes_v: Floats, resting: Instants) -> tuple[Floats, Floats, float]:
     """Median and lowest over the pieces of rest of the mean envelope (m,), (m,); NaN without any.
 
-    Noise is the same in every rest and muscle tone is not, so the lowest is the better estimate of noise.
+    Noise is the same in every rest and muscle tone is not, so the lowest is the better estimate of noise. Last: the
+    relative error of b's correction for it, which grows as the power of what is subtracted.
     """
     if resting.counts.size == 0:
         unknown = np.full(len(envelopes_v), np.nan)
-        return unknown, unknown
+        return unknown, unknown, 0.0
     means = window_means(envelopes_v, resting.offsets)
-    return np.array([median(row) for row in means]), means.min(axis=1)
+    typical, lowest = np.array([median(row) for row in means]), means.min(axis=1)
+    apart = np.divide(typical, lowest, out=np.ones_like(typical), where=lowest > 0) - 1
+    return typical, lowest, min(2 * float(apart.max()), 1.0)
 
 
 def _rests_differ(envelopes_v: Floats, resting: Instants, fs_hz: float) -> bool:
@@ -285,7 +289,34 @@ def _looked_at(
     )
 
 
-def _lag_bias(force_n: Floats, late_n: Floats, level: Floats, offsets: Ints) -> Floats:
-    """Share by which b (p,) changes where activity is paired with ``force_n`` (N,) and belongs to ``late_n`` (N,)."""
-    x, y = np.log(np.maximum(force_n, 1e-9)), np.log(np.maximum(late_n, 1e-9))
-    return slope_ratios(x, y, y, y, level, offsets) - 1
+def _of_lag(
+    lag: Lag,
+    left: Lag,
+    stop_s: Floats,
+    conditioned: ForceRecord,
+    instants: Instants,
+    emg_clock: Clock,
+    force_clock: Clock,
+    force_n: Floats,
+    levels_v: Floats,
+) -> Iterator[Shift]:
+    """What the lag that is left does to the presses, one that grows, and one that each press has of its own."""
+    level = levels_v.sum(axis=0)
+
+    def change(lag_s: float) -> tuple[Floats, Floats]:
+        """Of a and b where activity is paired with a force that is so late."""
+        ahead = replace(force_clock, start_s=force_clock.start_s - lag_s)
+        late_n = force_at(conditioned.force_n, instants, emg_clock, ahead)
+        x, y = np.log(np.maximum(force_n, 1e-9)), np.log(np.maximum(late_n, 1e-9))
+        return line_change(x, y, y, y, level, instants.offsets)
+
+    if left.lag_s:
+        a, b = change(left.lag_s)
+        yield left_in("lag", a, b, np.abs(b) * np.nan_to_num(left.se_s / abs(left.lag_s)))
+    if lag.drift:
+        away_s = lag.drift * (stop_s - stop_s.mean())
+        a, b = change(float(np.abs(away_s).max()))
+        yield left_in("clock", a * away_s / np.abs(away_s).max(), b * away_s / np.abs(away_s).max())
+    elif lag.between_s > DIFFERS_S:
+        _, b = change(lag.between_s)
+        yield left_in("lag", np.zeros(b.size), np.zeros(b.size), np.abs(b))

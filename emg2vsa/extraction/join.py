@@ -12,6 +12,7 @@ import numpy as np
 
 from emg2vsa.errors import SignalError
 from emg2vsa.extraction import Trials
+from emg2vsa.signals.bias import BiasBudget
 from emg2vsa.signals.delays import ESTIMATED
 from emg2vsa.signals.lag import PRESS_SD_S, UNKNOWN, Lag
 
@@ -102,7 +103,7 @@ def _lag(parts: Sequence[Trials]) -> Lag:
 
 def _lag_remarks(lag: Lag, parts: Sequence[Trials]) -> tuple[str, ...]:
     """What the recordings tell of the lag together, and no press of them tells alone."""
-    told = any(np.any(part.lag_bias) or any(name == ESTIMATED for name, _ in part.delay.parts) for part in parts)
+    told = any("lag" in part.bias.causes or any(name == ESTIMATED for name, _ in part.delay.parts) for part in parts)
     own = [f"force follows EMG by {1e3 * lag.lag_s:.0f} ms, which {lag.pieces} recordings together show"]
     return (*(own if lag.certain and lag.pieces > 1 and not told else ()), *((lag.differs,) if lag.differs else ()))
 
@@ -138,8 +139,6 @@ _JOINED: dict[str, Callable[[Sequence[Any]], Any]] = {
             "force_n",
             "activity",
             "overview_force_n",
-            "lag_bias",
-            "floor_bias",
             "zero_shift_n",
         ),
         np.concatenate,
@@ -155,7 +154,7 @@ _JOINED: dict[str, Callable[[Sequence[Any]], Any]] = {
     "notes": lambda values: tuple(dict.fromkeys(note for value in values for note in value)),
     "fault": lambda values: values[0] if all(values) else "",
     "remarks": lambda values: tuple(dict.fromkeys(remark for value in values for remark in value)),
-    "floor_subtracted": all,
+    "bias": BiasBudget.joined,
     "tare": lambda values: next((value for value in values if value != "impossible"), "impossible"),
 }
 """Field of ``Trials`` to what becomes of its values; times, overviews and lags are joined above."""

@@ -65,7 +65,7 @@ REMEDIES = (
     Remedy(r"lasted .*, longer than .*", "lasted 20.1 s, longer than 20 s", "too slow (`max_duration_s`)",
            "ask for a steady press", True),
     Remedy(r"force falls on .* of its path", "force falls on 3.6 % of its path",
-           "the finger went back on the way (warned above `warn_falling_share`; rejected above `max_falling_share`)",
+           "the finger went back on the way (told above `warn_falling_share`; rejected above `max_falling_share`)",
            "ask for one smooth press", None),
     Remedy(r"transducer overloaded in .* samples", "transducer overloaded in 210 samples",
            "a gauge of the force transducer was at the end of its range during the press: force is wrong",
@@ -97,7 +97,7 @@ REMEDIES = (
     Remedy(r".* is flat", "FDS is flat", "the channel holds one value: sensor off, cable out, or the wrong channel",
            "check the sensor, then record again", True),
     Remedy(r".* holds one value for .* ms", "FDS holds one value for 39 ms",
-           "lost samples (warned above 10 ms; rejected above a tenth of the press)",
+           "lost samples (told above 10 ms; rejected above a tenth of the press)",
            "check the wireless link; record again if it is rejected", None),
     Remedy(r"EMG does not cover the whole loading phase", "EMG does not cover the whole loading phase",
            "EMG began later or ended earlier than the press, filter margins included",
@@ -108,7 +108,7 @@ REMEDIES = (
            'record 3 s without touching, and lift the finger between presses; or set tare = "none"', True),
     Remedy(r"the zero of force moves by .* N around this press",
            "the zero of force moves by 0.27 N around this press",
-           "the sensor's zero wandered or jumped, or the finger leant on the specimen (warned above 0.1 N; rejected "
+           "the sensor's zero wandered or jumped, or the finger leant on the specimen (told above 0.1 N; rejected "
            "above `max_gap_force_n`)",
            "lift the finger between presses; let the sensor warm up, check its mount and cable", None),
     Remedy(r"recording not used: .*", "recording not used: anna_3.csv: expected a recording, but found an empty file.",
@@ -190,6 +190,10 @@ REMEDIES = (
            'align the files by a trigger, or set align = "lag"', False),
     Remedy(r"\[\[(exclude|accept)\]\] names press .*", "[[exclude]] names press 12, of 10 found",
            "there is no such press", "correct the number in the study file", False),
+    Remedy(r"b is expected to be .* % (too low|too high|off): .*", "b is expected to be 14 % too low: lag",
+           "what was found, and could not be corrected, moves b by more than `max_bias`, or than the half width of its "
+           "interval; the cause is the largest of the press's budget",
+           "look at the budget on the participant's page, mend its cause, or [[accept]] the press and say why", True),
     Remedy(r"its fit explains too little .*", "its fit explains too little (adjusted R2 -0.05)",
            "the press does not follow v = a + b ln F (`min_adj_r2`), and b is uncertain by more than a fifth "
            "of the activity: movement, spikes, or no contraction",
@@ -228,7 +232,7 @@ def remedy_of(line: str) -> str:
 
     Of several that of the one that stands first in ``REMEDIES``: causes stand before what follows from them.
     """
-    words = re.sub(r"^press(es)? [\d, -]+ (ok|warned|rejected): ", "", line).split("; ")
+    words = re.sub(r"^press(es)? [\d, -]+ (ok|doubtful|rejected): ", "", line).split("; ")
     spans = combinations(range(len(words) + 1), 2)
     reasons = ["; ".join(words[begin:end]) for begin, end in spans]
     found = (remedy.do for pattern, remedy in _FOUND if remedy.do and any(map(pattern.fullmatch, reasons)))

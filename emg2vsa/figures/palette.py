@@ -13,7 +13,7 @@ from casr.palette import BLUE, GREEN, GREY, GRID, INK, MUTED, PURPLE, RED, SKY, 
 __all__ = ["BLUE", "GREEN", "GREY", "GRID", "INK", "MUTED", "NEW", "PURPLE", "RED", "SKY", "VERDICT_COLOURS", "YELLOW"]
 __all__ += ["Look", "looks"]
 
-VERDICT_COLOURS = {"ok": GREEN, "warned": YELLOW, "rejected": RED}
+VERDICT_COLOURS = {"ok": GREEN, "doubtful": YELLOW, "rejected": RED}
 
 
 @dataclass(frozen=True)

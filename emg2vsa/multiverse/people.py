@@ -136,8 +136,9 @@ def _exclusions(study: Study, fits: Fits) -> Iterator[tuple[Choice | None, Rows]
     own, fitted = usable(fits, study.hypotheses.use), np.isfinite(fits.b_v)
     rules = {
         "": own,
-        "presses without a remark": usable(fits, "ok"),
-        "all usable presses": usable(fits, "ok+warned"),
+        "presses whose bias is small": usable(fits, "ok"),
+        "doubtful presses too": usable(fits, "ok+doubtful"),
+        "presses without a remark": usable(fits, "ok") & (fits.reason == ""),
         "all presses with a fit": fitted,
         f"without presses of adj. R² below {LEAST_R2:g}": own & (fits.adj_r2_bins >= LEAST_R2),
         "without outlying b": own & ~_outlying(fits, own),

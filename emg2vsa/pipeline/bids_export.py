@@ -44,7 +44,7 @@ _EVENT_COLUMNS = event_columns(
         "repetition": Column("Number of the press within the recording."),
         "verdict": Column(
             "Verdict on the press, as it counts in the study: of emg2vsa, or of a person.",
-            levels={"ok": "Used.", "warned": "Used, with a remark.", "rejected": "Not used."},
+            levels={"ok": "Used.", "doubtful": "Not used: its slope is expected to be off.", "rejected": "Not used."},
         ),
         "peak_force": Column("Largest tared, filtered force of the press.", "N"),
         "reason": Column("Reasons of the verdict."),

@@ -98,7 +98,7 @@ def told(verdicts: Iterable[SessionVerdict], stream: TextIO) -> Iterator[str]:
     counts: Counter[str] = Counter()
     for verdict in verdicts:
         counts[verdict.verdict] += 1
-        presses = ", ".join(f"{s.specimen} {s.usable}/{s.wanted or s.found}" for s in verdict.specimens)
+        presses = ", ".join(f"{s.specimen} {s.ok}/{s.wanted or s.found}" for s in verdict.specimens)
         word = coloured(f"{verdict.verdict.upper():<10}", LOOKS[verdict.verdict], stream)
         yield f"{verdict.participant:<6} {word}  {presses}"
         for advice in verdict.advice:

@@ -271,7 +271,7 @@ def trials(
     """The presses of a recording, one row each: when, how hard, how good, and why not.
 
     Columns: participant, specimen, repetition, start_s, stop_s, duration_s, peak_force_n, falling_share, snr_db,
-    verdict (ok, warned, rejected), reason. SignalError : the recording cannot be conditioned.
+    verdict (ok, rejected), reason. SignalError : the recording cannot be conditioned.
     """
     return trials_frame(_extracted(recording, settings, participant, specimen))
 

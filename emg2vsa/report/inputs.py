@@ -45,7 +45,7 @@ class People:
 
     def verdict_counts(self) -> dict[str, int]:
         """Trials by verdict."""
-        return {name: int(np.count_nonzero(self.fits.verdict == name)) for name in ("ok", "warned", "rejected")}
+        return {name: int(np.count_nonzero(self.fits.verdict == name)) for name in ("ok", "doubtful", "rejected")}
 
 
 @dataclass(frozen=True)

@@ -149,7 +149,8 @@ def _shortened(text: str, most: int) -> str:
 
 
 _FITTED = (
-    "repetition", "verdict", "start_s", "a_v", "b_v", "a_se_v", "b_se_v", "b_lo_v", "b_hi_v", "n_points", "adj_r2",
+    "repetition", "verdict", "start_s", "a_v", "b_v", "a_se_v", "b_se_v", "b_lo_v", "b_hi_v", "b_bias", "b_bias_se",
+    "b_corrected", "cause", "n_points", "adj_r2",
     "r2_bins", "adj_r2_bins", "r2_samples", "adj_r2_samples", "n_effective", "lag1",
 )  # fmt: skip
 
@@ -157,7 +158,7 @@ _FITTED = (
 def rows(trials: Trials, fits: Fits) -> list[dict[str, Any]]:
     """One a press."""
     found = [{name: getattr(fits, name)[i].item() for name in _FITTED} for i in range(fits.repetition.size)]
-    for row, reason, stop_s in zip(found, trials.reasons, trials.stop_s, strict=True):
+    for row, reason, stop_s in zip(found, fits.reason.tolist(), trials.stop_s, strict=True):
         row |= {"reason": reason, "stop_s": float(stop_s), "unit": trials.activity_unit}
     return found
 
@@ -165,6 +166,7 @@ def rows(trials: Trials, fits: Fits) -> list[dict[str, Any]]:
 _SHOWN = {
     "press": "{repetition}", "from s": "{start_s:.3f}", "to s": "{stop_s:.3f}", "verdict": "{verdict}",
     "a": "{a_v:.4g}", "b": "{b_v:.4g}", "b 95 % interval": "{b_lo_v:.3g} to {b_hi_v:.3g}",
+    "bias": "{b_bias:+.1%}",
     "adj R2 bins": "{adj_r2_bins:.3f}", "samples": "{adj_r2_samples:.3f}", "n eff": "{n_effective:.0f}",
 }  # fmt: skip
 """Columns of the presses, from their rows in microvolts."""
@@ -176,7 +178,7 @@ def fit_lines(trials: Trials, fits: Fits) -> Iterator[str]:
     n, ok = len(scaled), sum(row["verdict"] == "ok" for row in scaled)
     yield f"{n} press{'es' * (n != 1)} found, {ok} ok; v = a + b ln(F / 1 N), in microvolts"
     told = aligned([[*_SHOWN], *([form.format(**row) for form in _SHOWN.values()] for row in scaled)], left=(3,))
-    for line, reason in zip(told if n else (), ("", *trials.reasons), strict=False):
+    for line, reason in zip(told if n else (), ("", *fits.reason.tolist()), strict=False):
         yield from (line, f"      {reason}") if reason else (line,)
     yield from (f"note: {note}" for note in trials.notes)
 

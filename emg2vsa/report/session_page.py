@@ -70,7 +70,7 @@ def write_session_page(
         problems = [Advice(said, remedy_of(said)) for said in (judged.fault, *judged.problems) if said]
         faults = html.bullets(map(str, problems))
         wanted = f" of {judged.wanted}" if judged.wanted is not None else ""
-        heading = f"{judged.specimen}: usable presses {judged.usable}{wanted}"
+        heading = f"{judged.specimen}: usable presses {judged.ok}{wanted}"
         sections.append(html.section(f"r{place}", heading, faults, body))
     top = html.statement(verdict.verdict, verdict.verdict.capitalize() + ".", VERDICT_TEXT[verdict.verdict])
     steps = "".join(
@@ -121,7 +121,7 @@ def _recording(trials: Trials, own: Fits | None, window_n: tuple[float, float], 
     return body + (_table(trials, own, scale).html() if own is not None and own.b_v.size else "")
 
 
-_CURVES = "Curves: solid = ok, dashed = warned (!), dotted = rejected (×), thick = unlike the other presses"
+_CURVES = "Curves: solid = ok, dashed = doubtful (!), dotted = rejected (×), thick = unlike the other presses"
 
 
 def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
@@ -130,7 +130,8 @@ def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
         Column("peak_force_n", "Peak (N)"), Column("falling_share", "Falling force (%)", 100.0, 2),
         Column("snr_db", "SNR (dB)"), activity_column("a_v", "a", scale), activity_column("b_v", "b", scale),
         activity_column("b_lo_v", "b low", scale), activity_column("b_hi_v", "b high", scale),
-        Column("adj_r2_bins", "adj. R², bins"),
+        Column("b_bias", "Bias of b left (%)", 100.0, 2), Column("b_corrected", "corrected (%)", 100.0, 2),
+        Column("cause", "largest cause"), Column("adj_r2_bins", "adj. R², bins"),
         Column("adj_r2_samples", "adj. R², samples"), Column("verdict", "Verdict"), Column("reason", "Reason"),
     )  # fmt: skip
     values = {c: np.asarray(getattr(fits if hasattr(fits, c.key) else trials, c.key)) for c in columns}

@@ -13,15 +13,15 @@ from emg2vsa.fits import Fits
 from emg2vsa.report.numbers import least, most
 from emg2vsa.report.wording import activity, number
 
-MARKS = {"ok": "", "warned": "!", "rejected": "×"}
-_DASHES = {"ok": "", "warned": "16 8", "rejected": "4 10"}
+MARKS = {"ok": "", "doubtful": "!", "rejected": "×"}
+_DASHES = {"ok": "", "doubtful": "16 8", "rejected": "4 10"}
 _LINES = ("", "14 8", "4 8", "16 6 4 6")
 _TRACE_POINTS, _CURVE_POINTS = 900, 12
 _WIDE, _NARROW = 1900, 780
 _LABEL_S = 0.025
 "Least distance of the numbers of presses, as a share of the record."
 
-_HATCHES = {"ok": (0.22, ""), "warned": (0.25, "M0 8L8 0"), "rejected": (0, "M0 0L8 8M0 8L8 0")}
+_HATCHES = {"ok": (0.22, ""), "doubtful": (0.25, "M0 8L8 0"), "rejected": (0, "M0 0L8 8M0 8L8 0")}
 LEGEND = in_colours_of_page(
     '<svg width="0" height="0" style="position:absolute" aria-hidden="true"><defs>'
     + "".join(

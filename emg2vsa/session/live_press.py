@@ -13,9 +13,10 @@ import numpy as np
 
 from emg2vsa.arrays import bridge_gaps
 from emg2vsa.errors import Emg2vsaError
+from emg2vsa.extraction import Trials
 from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.extraction.remedies import remedies_of
-from emg2vsa.fits import fit_trials
+from emg2vsa.fits import Fits, fit_trials
 from emg2vsa.recordings import Channel
 from emg2vsa.session.journal import Judged, PressEnded, Verdict
 from emg2vsa.session.press_cycle import Attempt
@@ -91,7 +92,7 @@ def judge_stay(
     presses = tuple(
         FoundPress(*row)
         for row in zip(
-            trials.start_s.tolist(), trials.stop_s.tolist(), trials.verdict.tolist(), trials.reasons,
+            trials.start_s.tolist(), trials.stop_s.tolist(), trials.verdict.tolist(), _told(trials, fits),
             trials.peak_force_n.tolist(), fits.a_v.tolist(), fits.b_v.tolist(), usable.tolist(),
             (_loose(emg, *span) for span in zip(trials.start_s.tolist(), trials.stop_s.tolist(), strict=True)),
             strict=True,
@@ -99,6 +100,12 @@ def judge_stay(
     )  # fmt: skip
     remarks = [pair for remark in trials.remarks for pair in remedies_of(remark)]
     return StayJudged(presses, tuple(remarks))
+
+
+def _told(trials: Trials, fits: Fits) -> list[str]:
+    """Reasons of each press; of a doubtful one also why it is."""
+    doubtful = fits.verdict == "doubtful"
+    return [fits.reason[i] if doubtful[i] else reason for i, reason in enumerate(trials.reasons)]
 
 
 def _loose(emg: Mapping[str, Channel], start_s: float, stop_s: float) -> tuple[str, ...]:
@@ -138,9 +145,7 @@ def judge_attempt(
     rejecting = [problem for rejects, problem in live if rejects]
     warning = [problem for rejects, problem in live if not rejects]
     by_check = "ok" if found is None else found.verdict
-    verdict: Verdict = (
-        "rejected" if rejecting or by_check == "rejected" else "warned" if warning or by_check == "warned" else "ok"
-    )
+    verdict: Verdict = "rejected" if rejecting or by_check == "rejected" else "warned" if warning or checked else "ok"
     peak_n = attempt.peak_n if found is None else found.peak_n
     values = {"peak_n": round(peak_n, 4), "load_s": None if load_s is None else round(load_s, 4)}
     if found is not None and found.fitted:

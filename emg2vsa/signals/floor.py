@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from emg2vsa.arrays import Floats, Ints
+from emg2vsa.signals.bias import line_change, means
 
 MOST_FLOOR = 0.75
 "Largest share of the power of a level that is subtracted: what is left is never below half of what was read."
@@ -29,31 +30,23 @@ def press_levels(envelopes_v: Floats, force_n: Floats, offsets: Ints) -> Floats:
     if force_n.size == 0:
         return envelopes_v
     x = np.log(np.maximum(force_n, 1e-9))
-    u = x - np.repeat(_means(x, offsets), counts)
-    reach = _means(u * u, offsets)
+    u = x - np.repeat(means(x, offsets), counts)
+    reach = means(u * u, offsets)
     plain = (counts < 10) | (reach < 1e-7)
     u /= np.repeat(np.sqrt(np.where(plain, 1.0, reach)), counts)
     powers = np.stack([np.ones_like(u), u, u * u, u**3, u**4])
-    mean = np.repeat(_means(envelopes_v, offsets), counts, axis=1)
+    mean = np.repeat(means(envelopes_v, offsets), counts, axis=1)
     level, known = mean, mean > 0
     for _ in range(2):
         ratio = np.divide(mean, np.maximum(level, 0.1 * mean), out=np.ones_like(mean), where=known)
         weights = ratio * ratio
-        moments = np.moveaxis(_means(powers[:, None] * weights, offsets), 0, -1)
+        moments = np.moveaxis(means(powers[:, None] * weights, offsets), 0, -1)
         normal = moments[..., _HANKEL] + 1e-9 * moments[..., :1, None] * np.eye(3)
         normal[:, plain] = np.eye(3)
-        right = np.moveaxis(_means(powers[:3, None] * (weights * envelopes_v), offsets), 0, -1)
+        right = np.moveaxis(means(powers[:3, None] * (weights * envelopes_v), offsets), 0, -1)
         parabola = np.linalg.solve(normal, np.where(plain[:, None], 0.0, right)[..., None])[..., 0]
         level = np.einsum("mnb,bn->mn", np.repeat(parabola, counts, axis=1), powers[:3])
     return np.asarray(np.where(np.repeat(plain, counts), mean, np.maximum(level, 0.05 * mean)))
-
-
-def _means(values: Floats, offsets: Ints) -> Floats:
-    """Means (..., p) of the rows (..., N) between successive offsets; NaN where empty."""
-    with np.errstate(invalid="ignore"):
-        sums = np.add.reduceat(np.concatenate((values, np.zeros((*values.shape[:-1], 1))), axis=-1), offsets, axis=-1)
-        counts = np.diff(offsets)
-        return np.asarray(np.where(counts > 0, sums[..., :-1], 0.0) / counts)
 
 
 def subtract_floor(envelopes_v: Floats, levels_v: Floats, floor_v: Floats) -> Floats:
@@ -62,36 +55,11 @@ def subtract_floor(envelopes_v: Floats, levels_v: Floats, floor_v: Floats) -> Fl
     return np.asarray(np.maximum(levels_v * left + (envelopes_v - levels_v) / left, 0.0))
 
 
-def floor_bias(levels_v: Floats, floor_v: Floats, force_n: Floats, offsets: Ints) -> Floats:
-    """By what share (p,) of itself the slope of the sum of muscles changes where the floor (m,) stays in.
-
-    Negative: noise flattens the curve. NaN where it cannot be said.
-    """
+def floor_change(levels_v: Floats, floor_v: Floats, force_n: Floats, offsets: Ints) -> tuple[Floats, Floats]:
+    """``line_change`` (p,), (p,) of the sum of muscles where the floor (m,) stays in: noise flattens the curve."""
     without = np.sum(levels_v * np.sqrt(1 - _share(levels_v, floor_v)), axis=0)
     x = np.log(np.maximum(force_n, 1e-9))
-    return slope_ratios(x, np.sum(levels_v, axis=0), x, without, without, offsets) - 1
-
-
-def slope_ratios(x: Floats, y: Floats, true_x: Floats, true_y: Floats, level: Floats, offsets: Ints) -> Floats:
-    """Slope of y on x over that of ``true_y`` on ``true_x``, press by press (p,); all (N,), weighted by 1/level^2.
-
-    NaN for presses of fewer than ten samples, or without a slope.
-    """
-    counts = np.diff(offsets)
-    if x.size == 0:
-        return np.full(counts.size, np.nan)
-    top = np.repeat(_means(level, offsets), counts)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        weights = np.where(top > 0, (top / np.maximum(level, 0.1 * top)) ** 2, 1.0)
-        ratio = _slopes(x, y, weights, offsets) / _slopes(true_x, true_y, weights, offsets)
-    return np.where((counts >= 10) & np.isfinite(ratio), ratio, np.nan)
-
-
-def _slopes(x: Floats, y: Floats, weights: Floats, offsets: Ints) -> Floats:
-    counts = np.diff(offsets)
-    centre = _means(weights * x, offsets) / _means(weights, offsets)
-    lever = weights * (x - np.repeat(centre, counts))
-    return np.asarray(_means(lever * y, offsets) / _means(lever * x, offsets))
+    return line_change(x, np.sum(levels_v, axis=0), x, without, without, offsets)
 
 
 def _share(levels_v: Floats, floor_v: Floats) -> Floats:

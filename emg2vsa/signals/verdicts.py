@@ -1,4 +1,4 @@
-"""Verdicts on trials: ok, warned or rejected, and why. Nothing is dropped; a rejected trial stays in the tables."""
+"""Verdicts on trials by their signals: ok or rejected, and what else is told. A rejected trial stays in the tables."""
 
 from __future__ import annotations
 
@@ -48,9 +48,8 @@ def judge(trial: Evidence, window: WindowSettings) -> tuple[str, str]:
         return "rejected", trial.fault
     said = [*_on_force(trial, window), *_on_signals(trial, window), *trial.said]
     rejecting = [reason for rejects, reason in said if rejects]
-    warning = [reason for rejects, reason in said if not rejects]
-    verdict = "rejected" if rejecting else "warned" if warning else "ok"
-    return verdict, "; ".join(rejecting + warning)
+    told = [reason for rejects, reason in said if not rejects]
+    return "rejected" if rejecting else "ok", "; ".join(rejecting + told)
 
 
 def _on_force(trial: Evidence, window: WindowSettings) -> Iterator[tuple[bool, str]]:

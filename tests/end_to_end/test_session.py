@@ -67,7 +67,7 @@ def test_a_session_like_the_papers_gives_back_a_and_b(tmp_path, capsys):
     assert main(["check", str(study), "P03", "--json", "--jobs", "1"]) == 0
     (verdict,) = json.loads(capsys.readouterr().out).values()
     for specimen in verdict["specimens"]:
-        assert specimen["ok"] + specimen["warned"] == 10, specimen
+        assert specimen["ok"] + specimen["doubtful"] == 10, specimen
     _compare(study, truth)
 
 
@@ -82,7 +82,7 @@ def _compare(study_file, truth):
     for entry in study.recordings:
         (path,) = board.done("fits", (entry.key,))
         fits = artifacts.load(path)
-        used = usable(fits, "ok+warned")
+        used = usable(fits, "ok+doubtful")
         put_in = [p["b_v"] for p in truth["presses"] if p["specimen"] == entry.specimen and not p["mistake"]]
         error = fits.b_v[used].mean() / np.mean(put_in) - 1
         standard = fits.b_v[used].std(ddof=1) / np.sqrt(used.sum()) / np.mean(put_in)

@@ -11,6 +11,7 @@ from emg2vsa.extraction import Trials
 from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
+from emg2vsa.signals.bias import BiasBudget
 from emg2vsa.signals.delays import DelayBudget
 
 FS_HZ = 1000.0
@@ -101,9 +102,10 @@ def by_hand() -> Trials:
     return Trials(
         participant="P01", specimen="S1", muscles=("EDC", "FDS"), repetition=np.arange(1, 4), start_s=nothing,
         stop_s=nothing, duration_s=nothing, peak_force_n=nothing, falling_share=nothing, snr_db=nothing,
-        verdict=np.array(["ok", "rejected", "warned"]), reasons=("", "EDC is flat", "FDS is 3.0 dB over rest"),
+        verdict=np.array(["ok", "rejected", "doubtful"]), reasons=("", "EDC is flat", "FDS is 3.0 dB over rest"),
         fs_hz=100.0, offsets=np.array([0, 2, 4, 6]), force_n=np.array([0.5, 7.0] * 3),
         activity=envelopes_v.sum(axis=0), envelopes_v=envelopes_v, activity_unit="V", rest_force_n=0.0,
         rest_envelope_v=np.zeros(2), mains_ratio=np.zeros(2), clip_share=np.zeros(2), overview_time_s=np.empty(0),
-        overview_force_n=np.empty(0), delay=DelayBudget((), 0.0, 0.0, 0.0), notes=("a note",),
+        overview_force_n=np.empty(0), delay=DelayBudget((), 0.0, 0.0, 0.0), bias=BiasBudget.of((), 3),
+        notes=("a note",),
     )  # fmt: skip

@@ -13,6 +13,7 @@ import pytest
 from emg2vsa.errors import SignalError
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.join import _JOINED, join_trials
+from emg2vsa.signals.bias import BiasBudget, left_in
 from emg2vsa.signals.pairing import band_limited_at
 
 RISE = [(0, 0), (2.6, 7.6), (2.9, 7.6), (3.6, 0)]
@@ -80,7 +81,8 @@ def test_recordings_of_one_press_tell_together_what_none_tells_alone(force_of, r
     assert joined.lag_s == pytest.approx(0.06)
     assert 0 < joined.lag_se_s < 0.002
     assert joined.remarks == ("force follows EMG by 60 ms, which 4 recordings together show",)
-    told = [replace(one, lag_bias=np.array([-0.1])) for one in alone]
+    shift = left_in("lag", np.zeros(1), np.array([-0.1]))
+    told = [replace(one, bias=BiasBudget.of([shift], 1)) for one in alone]
     assert join_trials(told, ["a", "b", "c", "d"]).remarks == ()
     apart = [replace(part, lag_s=lag_s, lag_se_s=0.002, remarks=(), fault="") for lag_s in (-0.1, 0.0, 0.1)]
     assert "differs by 100 ms" in join_trials(apart, ["a", "b", "c"]).remarks[0]

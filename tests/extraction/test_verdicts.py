@@ -75,14 +75,14 @@ def quieter(samples):
     [
         (clipped, "rejected", "EDC clips in"),
         (flat, "rejected", "EDC is flat"),
-        (hum, "warned", "mains is"),
-        (held, "warned", "EDC holds one value for 50 ms"),
+        (hum, "ok", "mains is"),
+        (held, "ok", "EDC holds one value for 50 ms"),
         (held_long, "rejected", "EDC holds one value for 600 ms"),
-        (upsampled, "warned", "EDC repeats 50 % of its samples"),
+        (upsampled, "ok", "EDC repeats 50 % of its samples"),
         (with_gaps, "rejected", "EDC misses 3 samples"),
-        (noisy, "warned", "dB over rest"),
+        (noisy, "ok", "dB over rest"),
         (off, "rejected", "EDC is as silent as at rest ("),
-        (quieter, "warned", "EDC is -"),
+        (quieter, "ok", "EDC is -"),
     ],
 )
 def test_verdicts_on_emg(change, verdict, reason, one_press):
@@ -160,8 +160,8 @@ FALLS_A_LITTLE = [(0, 0), (1, 4), (1.4, 3.65), (3, 7.6), (4, 0)]
         ([(0, 0), (0.4, 7.8), (0.9, 7.8), (2, 0)], "rejected", "shorter than 0.5 s"),
         (SLOW_RISE, "rejected", "longer than 20 s"),
         (FALLS, "rejected", "force falls on"),
-        (FALLS_A_LITTLE, "warned", "force falls on"),
-        ([(0, 0), (0.02, 0.4), (2.1, 0.4), (4.6, 7.6), (5.6, 0)], "warned", "force rests at 0.4"),
+        (FALLS_A_LITTLE, "ok", "force falls on"),
+        ([(0, 0), (0.02, 0.4), (2.1, 0.4), (4.6, 7.6), (5.6, 0)], "ok", "force rests at 0.4"),
     ],
 )
 def test_verdicts_on_force(press, verdict, reason, force_of, recorded, extract):
@@ -202,7 +202,7 @@ def test_a_record_that_begins_in_its_only_ramp(recorded, extract):
     assert "record begins at 1.5" in trials.reasons[0]
     assert "force is not tared: the record never rests" in trials.reasons[0]
     zeroed, wide = ForceChannelSettings(name="Fz", tare="none"), WindowSettings(max_missed_n=1.1)
-    assert extract(emg, force, window=wide, force_channel=zeroed).verdict.tolist() == ["warned"]
+    assert extract(emg, force, window=wide, force_channel=zeroed).verdict.tolist() == ["ok"]
     assert trials.start_s.tolist() == [0.0]
     assert trials.rest_force_n == 0
     assert np.isnan(trials.snr_db).all()
@@ -239,28 +239,28 @@ def test_equal_reasons_are_one_line_with_the_range_of_their_numbers():
         (2, "rejected", "lasted 0.28 s, shorter than 0.5 s; EDC is -2.8 dB over rest"),
         (3, "ok", ""),
         (4, "rejected", "lasted 2e-05 s, shorter than 0.5 s; EDC is 0.1 dB over rest"),
-        (5, "warned", "mains is 38 % of the power of EDC"),
+        (5, "doubtful", "mains is 38 % of the power of EDC"),
     ]
     assert grouped(said) == [
         "presses 1-2, 4 rejected: lasted 2e-05 to 0.33 s, shorter than 0.5 s; EDC is -2.8 to 0.1 dB over rest",
-        "press 5 warned: mains is 38 % of the power of EDC",
+        "press 5 doubtful: mains is 38 % of the power of EDC",
     ]
 
 
 def test_names_with_numbers_and_verdicts_stay_apart():
-    said = [(1, "rejected", "EMG 1 is flat"), (2, "rejected", "EMG 2 is flat"), (3, "warned", "EMG 2 is flat")]
+    said = [(1, "rejected", "EMG 1 is flat"), (2, "rejected", "EMG 2 is flat"), (3, "doubtful", "EMG 2 is flat")]
     assert len(grouped(said)) == 3
     assert grouped([(1, "rejected", "EMG 2 misses 3 samples"), (2, "rejected", "EMG 2 misses 40 samples")]) == [
         "presses 1-2 rejected: EMG 2 misses 3 to 40 samples"
     ]
 
 
-@given(st.lists(st.tuples(st.sampled_from(["warned", "rejected"]), st.integers(-99, 99)), max_size=12))
+@given(st.lists(st.tuples(st.sampled_from(["doubtful", "rejected"]), st.integers(-99, 99)), max_size=12))
 def test_every_press_is_named_once(said):
     lines = grouped([(i, verdict, f"EDC is {n} dB over rest") for i, (verdict, n) in enumerate(said, 1)])
     named = []
     for line in lines:
-        for part in line.split(maxsplit=1)[1].split(" warned")[0].split(" rejected")[0].split(", "):
+        for part in line.split(maxsplit=1)[1].split(" doubtful")[0].split(" rejected")[0].split(", "):
             first, _, last = part.partition("-")
             named += range(int(first), int(last or first) + 1)
     assert sorted(named) == list(range(1, len(said) + 1))

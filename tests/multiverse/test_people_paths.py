@@ -100,7 +100,7 @@ def test_choices_are_crossed_and_those_that_change_nothing_are_not_counted():
     assert kinds.count(INDEX) == 3
     assert kinds.count(SEVERAL) > 60
     assert {len(each.choices) for each in found} == {0, 1, 2, 3, 4}
-    # one press of one recording is warned, and one rejected; none fits badly
+    # one press of one recording is doubtful, and one rejected; none fits badly
     assert [each.name for each in found if each.kind == EXCLUSIONS] == [
         "presses without a remark", "all presses with a fit", "without outlying b",
     ]  # fmt: skip

@@ -59,7 +59,7 @@ def test_three_deviations_are_named_by_the_run_its_report_and_its_package(
     finished: RegisteredStudy, capsys: Said, monkeypatch: pytest.MonkeyPatch, blank_drawings: None
 ) -> None:
     finished.add("claims", "slope_percent = 30.0")
-    finished.add("hypotheses", 'use = "ok"')
+    finished.add("hypotheses", 'use = "ok+doubtful"')
     late = '[[exclude]]\nparticipant = "P01"\nspecimen = "S1"\nrepetition = 2\nreason = "late"\n'
     finished.edit("[study]", late + "[study]")
     assert main(["run", str(finished.file), "--jobs", "1"]) == 0
@@ -68,7 +68,7 @@ def test_three_deviations_are_named_by_the_run_its_report_and_its_package(
     assert said.count("deviation: ") == 3
     for line in (
         "deviation: [claims] slope_percent: 10.0 when registered, 30.0 now; may touch ",
-        "deviation: [hypotheses] use: ok+warned when registered, ok now; may touch ",
+        "deviation: [hypotheses] use: ok when registered, ok+doubtful now; may touch ",
         'deviation: P01/S1, press 2: absent when registered, "rejected by hand: late" now; may touch ',
     ):
         assert line in said

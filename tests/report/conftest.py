@@ -30,6 +30,7 @@ from emg2vsa.settings import (
     ScheduleSettings,
     WindowSettings,
 )
+from emg2vsa.signals.bias import BiasBudget
 from emg2vsa.signals.delays import DelayBudget
 from emg2vsa.study import RecordingEntry, Specimen, Study
 
@@ -69,7 +70,7 @@ def make_trials(participant: str, specimen: str, seed: int) -> Trials:
     start = 3.0 + 6.0 * np.arange(PRESSES)
     verdict, reasons = np.full(PRESSES, "ok", dtype="<U8"), [""] * PRESSES
     if (participant, specimen) == ("P01", "S3"):
-        verdict[1:3] = "warned", "rejected"
+        verdict[1:3] = "doubtful", "rejected"
         reasons[1:3] = "force falls on 4 % of its path", "EDC clipped <3 %>"
     time = np.arange(0.0, start[-1] + 5.0, 0.1)
     phase = (time[:, None] - start) / 2.0
@@ -82,7 +83,7 @@ def make_trials(participant: str, specimen: str, seed: int) -> Trials:
         envelopes_v=np.stack([0.4 * activity, 0.6 * activity]), activity_unit="V", rest_force_n=0.12,
         rest_envelope_v=np.array([1e-6, 1.5e-6]), mains_ratio=np.array([0.01, 0.02]), clip_share=np.zeros(2),
         overview_time_s=time, overview_force_n=overview, delay=DelayBudget((("EMG band-pass", 0.0),), 0.0, 0.0, 0.0),
-        notes=("EMG band-pass: true -3 dB at 12.4 Hz and 438 Hz", "tare: 0.12 N"),
+        bias=BiasBudget.of((), PRESSES), notes=("EMG band-pass: true -3 dB at 12.4 Hz and 438 Hz", "tare: 0.12 N"),
     )  # fmt: skip
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from emg2vsa.signals.floor import floor_bias, press_levels, slope_ratios, subtract_floor
+from emg2vsa.signals.bias import line_change
+from emg2vsa.signals.floor import floor_change, press_levels, subtract_floor
 from emg2vsa.signals.hum import remove_hum, touch_hum
 from emg2vsa.signals.lag import UNKNOWN, estimate_lag
 from emg2vsa.signals.pairing import Clock
@@ -105,7 +106,7 @@ def test_the_floor_is_subtracted_without_bias(floor: float) -> None:
     lowest = force_n < 0.8
     assert left[0, lowest].mean() == pytest.approx(truth[lowest].mean(), rel=0.012)
     assert left.mean() == pytest.approx(truth.mean(), rel=0.005)
-    predicted = floor_bias(levels, np.array([floor]), force_n, offsets)
+    _, predicted = floor_change(levels, np.array([floor]), force_n, offsets)
     x = np.log(force_n[:250])
     seen = np.sqrt(truth[:250] ** 2 + floor**2)
     exact = np.polyfit(x, seen, 1, w=1 / truth[:250])[0] / 9 - 1
@@ -125,7 +126,7 @@ def test_presses_without_samples_or_change_have_their_mean_as_level() -> None:
     levels = press_levels(np.array([[1.0, 3.0, *[5.0] * 12]]), np.ones(14), np.array([0, 0, 2, 14]))
     np.testing.assert_allclose(levels, [[2.0, 2.0, *[5.0] * 12]])
     assert press_levels(np.empty((2, 0)), np.empty(0), np.zeros(1, np.int64)).shape == (2, 0)
-    assert np.isnan(floor_bias(np.ones((1, 2)), np.ones(1), np.ones(2), np.array([0, 2]))).all()
+    assert np.isnan(floor_change(np.ones((1, 2)), np.ones(1), np.ones(2), np.array([0, 2]))).all()
 
 
 def session(lag_s: float, presses: int = 8) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -219,5 +220,5 @@ def test_slopes_are_compared_on_their_own_axes() -> None:
     """Three times the slope on an axis of twice the length: a ratio of 1.5, in each press."""
     true_x = np.concatenate((np.linspace(0, 1, 20), np.linspace(0, 3, 30)))
     true_y, offsets = 2 + 0.5 * true_x, np.array([0, 20, 50])
-    ratio = slope_ratios(2 * true_x, 1 + 3 * true_y, true_x, true_y, np.ones(50), offsets)
+    ratio = 1 + line_change(2 * true_x, 1 + 3 * true_y, true_x, true_y, np.ones(50), offsets)[1]
     np.testing.assert_allclose(ratio, 1.5, rtol=1e-12)

@@ -58,7 +58,7 @@ def _sessions(results: StudyResults) -> Table:
         Column("session", "Session"): [session.verdict for session in judged],
         Column("recordings", "Recordings"): [len(session.specimens) for session in judged],
     }
-    for key, head in {"found": "Trials", "ok": "Ok", "warned": "Warned", "rejected": "Rejected"}.items():
+    for key, head in {"found": "Trials", "ok": "Ok", "doubtful": "Doubtful", "rejected": "Rejected"}.items():
         columns[Column(key, head)] = [sum(getattr(each, key) for each in session.specimens) for session in judged]
     links = (f"{results.pages}/{name}.html" if results.pages and name not in without_page else "" for name in own)
     made = table_of("sessions", "Sessions: good, usable, to repeat, or unreadable", columns)
@@ -75,7 +75,7 @@ def _judged(results: StudyResults) -> Table:
     columns: Columns = {Column(h.lower(), h): of[chosen] for h, of in zip(heads, values, strict=True)}
     reasons = [reason for text in fits.reason[chosen].tolist() for reason in text.split("; ") if reason]
     often = f"; most frequent reasons: {'; '.join(most_frequent(reasons, 5))}" if reasons else ""
-    return table_of("judged", f"Trials rejected, warned or accepted by hand{often}", columns, FEW_ON_PAGE)
+    return table_of("judged", f"Trials rejected, doubtful or accepted by hand{often}", columns, FEW_ON_PAGE)
 
 
 def _sensitivity(found: Hypotheses) -> Table:
@@ -108,9 +108,9 @@ _TEXT = """
 {% if q['trials.rejected'] %}
 No test uses the {{ q['trials.rejected'] | count("rejected trial") }}.
 {% endif %}
-{% if q['trials.warned'] %}
-The tests {{ "use" if "warned" in study.hypotheses.use else "do not use" }} the
-{{ q['trials.warned'] | count("warned trial") }}.
+{% if q['trials.doubtful'] %}
+The tests {{ "use" if "doubtful" in study.hypotheses.use else "do not use" }} the
+{{ q['trials.doubtful'] | count("doubtful trial") }}.
 {% endif %}
 {% if accepted %}
 The tests use the {{ accepted | count("trial") }} that the study file accepts by hand.
@@ -118,7 +118,7 @@ The tests use the {{ accepted | count("trial") }} that the study file accepts by
 {{ folded("sessions", "Every session, with a page for each participant") }}
 {% endif %}
 {{ table("failures") }}
-{{ folded("judged", "Trials rejected, warned or accepted by hand, with reasons") }}
+{{ folded("judged", "Trials rejected, doubtful or accepted by hand, with reasons") }}
 {% if q['power.study'] is defined and q['power.study'] == q['power.study'] %}
 <p>The paper planned its sample for a test between repetitions. With the people of this study, that test has a power of
 {{ q['power.study'] | bounded }}

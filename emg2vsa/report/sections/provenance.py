@@ -140,7 +140,7 @@ slope b: growth of co-contraction when force grows e-fold
 specimen: a soft block to press
 TOST: two one-sided tests: they show equality within a stated margin
 trial, press: the loading phase of one press
-verdict: of a press: ok, warned, rejected. Of a session: good, usable, repeat, unreadable. Of a claim: holds, refuted,
+verdict: of a press: ok, doubtful, rejected. Of a session: good, usable, repeat, unreadable. Of a claim: holds, refuted,
   not determined
 """)
 )

@@ -1,0 +1,139 @@
+"""The budget of a press: what moves its a and b away from the muscle's, cause by cause, and how well that is known.
+
+A cause is corrected where it can be; what it may have left, and the error of its correction, stand here. The verdict of
+a press compares the sum with the half width of its own interval (``emg2vsa.fits``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, get_args
+
+import numpy as np
+
+from emg2vsa.arrays import Floats, Ints
+
+Cause = Literal[
+    "rest level", "mains", "hum at the touch", "contact artefact", "spikes and bursts", "lag", "clock", "lost samples",
+    "clipping", "crosstalk", "filters in the file", "level drift",
+]  # fmt: skip
+CAUSES: tuple[Cause, ...] = get_args(Cause)
+LEAST = -0.9
+"A cause that leaves less than a tenth of b is not divided out."
+
+
+class Shift(NamedTuple):
+    """What one cause does to the p presses of a recording; all (p,), signed.
+
+    b : change of b that is left in the press, as a share of the muscle's b. a : that of a, as a share of the mean
+    level. b_se : standard error of the former. corrected : change that was taken out, as a share of b.
+    """
+
+    cause: Cause
+    a: Floats
+    b: Floats
+    b_se: Floats
+    corrected: Floats
+
+
+def left_in(cause: Cause, a: Floats, b: Floats, b_se: Floats | float = 0.0) -> Shift:
+    """A cause that stays in the press."""
+    return Shift(cause, a, b, b_se + np.zeros(b.size), np.zeros(b.size))
+
+
+def taken_out(cause: Cause, b: Floats, b_se: Floats | float) -> Shift:
+    """A cause that was corrected; b : the change that it made."""
+    return Shift(cause, np.zeros(b.size), np.zeros(b.size), b_se + np.zeros(b.size), b)
+
+
+@dataclass(frozen=True)
+class BiasBudget:
+    """Fields of ``Shift`` by cause and press, (c, p) each; a cause of which nothing was seen has no row."""
+
+    causes: tuple[Cause, ...]
+    a: Floats
+    b: Floats
+    b_se: Floats
+    corrected: Floats
+
+    @staticmethod
+    def of(shifts: Sequence[Shift], n_presses: int) -> BiasBudget:
+        """The sum of the shifts of each cause; what is not known (NaN) counts as none."""
+        seen = [one for one in shifts if any(np.any(np.nan_to_num(each)) for each in one[1:])]
+        causes = tuple(cause for cause in CAUSES if any(one.cause == cause for one in seen))
+        rows = np.zeros((4, len(causes), n_presses))
+        for one in seen:
+            rows[:, causes.index(one.cause)] += np.nan_to_num(np.array(one[1:]), posinf=0.0, neginf=0.0)
+        return BiasBudget(causes, *rows)
+
+    @staticmethod
+    def joined(parts: Sequence[BiasBudget]) -> BiasBudget:
+        """The presses of several recordings."""
+        causes = tuple(cause for cause in CAUSES if any(cause in part.causes for part in parts))
+        rows = []
+        for part in parts:
+            own = np.zeros((4, len(causes), part.b.shape[1]))
+            at = [causes.index(cause) for cause in part.causes]
+            own[:, at] = np.array([part.a, part.b, part.b_se, part.corrected])
+            rows.append(own)
+        return BiasBudget(causes, *np.concatenate(rows, axis=2))
+
+    @property
+    def total(self) -> Floats:
+        """(p,) share by which all causes together change b."""
+        return np.asarray(np.maximum(np.prod(1 + self.b, axis=0) - 1, LEAST))
+
+    @property
+    def total_se(self) -> Floats:
+        """(p,) standard error of ``total``."""
+        return np.asarray(np.sqrt(np.sum(self.b_se**2, axis=0)))
+
+    @property
+    def largest(self) -> tuple[str, ...]:
+        """(p,) the cause that is largest by size and error together; "" where there is none."""
+        size = np.hypot(self.b, self.b_se)
+        if not self.causes:
+            return ("",) * self.b.shape[1]
+        return tuple(
+            self.causes[row] if size[row, press] > 0 else "" for press, row in enumerate(np.argmax(size, axis=0))
+        )
+
+
+def line_change(
+    x: Floats, y: Floats, true_x: Floats, true_y: Floats, level: Floats, offsets: Ints
+) -> tuple[Floats, Floats]:
+    """Changes of a over the mean level, and of b over itself, (p,) each: the line of y on x against that of ``true_y``
+    on ``true_x``, press by press; all (N,), weighted by 1 / level^2.
+
+    NaN for presses of fewer than ten samples, or without a slope.
+    """
+    counts = np.diff(offsets)
+    if x.size == 0:
+        unknown = np.full(counts.size, np.nan)
+        return unknown, unknown
+    top = np.repeat(means(level, offsets), counts)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        weights = np.where(top > 0, (top / np.maximum(level, 0.1 * top)) ** 2, 1.0)
+        (a, b), (true_a, true_b) = _line(x, y, weights, offsets), _line(true_x, true_y, weights, offsets)
+        shares = (a - true_a) / means(true_y, offsets), b / true_b - 1
+    known = (counts >= 10) & np.isfinite(shares[1])
+    return np.where(known, shares[0], np.nan), np.where(known, shares[1], np.nan)
+
+
+def _line(x: Floats, y: Floats, weights: Floats, offsets: Ints) -> tuple[Floats, Floats]:
+    """Weighted intercepts and slopes (p,)."""
+    counts = np.diff(offsets)
+    total = means(weights, offsets)
+    centre = means(weights * x, offsets) / total
+    lever = weights * (x - np.repeat(centre, counts))
+    b = means(lever * y, offsets) / means(lever * x, offsets)
+    return means(weights * y, offsets) / total - b * centre, b
+
+
+def means(values: Floats, offsets: Ints) -> Floats:
+    """Means (..., p) of the rows (..., N) between successive offsets; NaN where empty."""
+    with np.errstate(invalid="ignore"):
+        sums = np.add.reduceat(np.concatenate((values, np.zeros((*values.shape[:-1], 1))), axis=-1), offsets, axis=-1)
+        counts = np.diff(offsets)
+        return np.asarray(np.where(counts > 0, sums[..., :-1], 0.0) / counts)
