@@ -110,7 +110,7 @@ PLANTS: list[tuple[str, Plant, str, set[str]]] = [
     ("margin of the slope", line("claims", "slope_percent = 30.0"), "[claims] slope_percent", {"specimens_differ"}),
     ("false verdicts", line("claims", "false_verdict_percent = 25"), "[claims] false_verdict_percent", PEOPLE | RIG),
     ("alpha", line("hypotheses", "alpha = 0.1"), "[hypotheses] alpha", PEOPLE),
-    ("verdicts that count", line("hypotheses", 'use = "ok"'), "[hypotheses] use", PEOPLE),
+    ("verdicts that count", line("hypotheses", 'use = "ok+doubtful"'), "[hypotheses] use", PEOPLE),
     ("force window", swap("force_n = [0.5, 7.0]", "force_n = [1.0, 6.0]"), "[window] force_n", PEOPLE),
     ("shortest press", line("window", "min_duration_s = 0.2"), "[window] min_duration_s", PEOPLE),
     ("presses asked", both(swap("expected_trials = 10", "expected_trials = 8"), line("session", "repetitions = 8")),

@@ -96,7 +96,7 @@ class Fits:
     confidence: float
 
     def __repr__(self) -> str:
-        usable = self.verdict != "rejected"
+        usable = self.verdict == "ok"
         told = (
             f", median b {np.nanmedian(self.b_v[usable]):.4g} {self.activity_unit}"
             if np.isfinite(self.b_v[usable]).any()

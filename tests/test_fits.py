@@ -170,7 +170,7 @@ def test_rejected_trials_are_fitted_too() -> None:
     assert np.isfinite(fits.b_v).all()
     assert fits.verdict.tolist() == ["ok", "rejected", "doubtful"]
     assert usable(fits, "ok").tolist() == [True, False, False]
-    assert usable(fits, "ok+warned").tolist() == [True, False, True]
+    assert usable(fits, "ok+doubtful").tolist() == [True, False, True]
 
 
 @pytest.mark.parametrize("points", ["bins", "samples"])

@@ -224,9 +224,9 @@ def test_only_admitted_trials_enter() -> None:
     verdict[:3], verdict[3] = "doubtful", "rejected"
     fits = dataclasses.replace(fits, verdict=verdict)
     counts = {
-        use: hypotheses.test_hypotheses(fits, HypothesisSettings(use=use)).count.sum() for use in ("ok", "ok+warned")
+        use: hypotheses.test_hypotheses(fits, HypothesisSettings(use=use)).count.sum() for use in ("ok", "ok+doubtful")
     }
-    assert counts == {"ok": 20, "ok+warned": 23}
+    assert counts == {"ok": 20, "ok+doubtful": 23}
 
 
 def test_incomplete_design_is_told() -> None:

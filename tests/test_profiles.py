@@ -31,19 +31,20 @@ def fits_of(rows: Sequence[Row], verdict: str | Sequence[str] = "ok") -> Fits:
         verdict=np.broadcast_to(np.array(verdict, dtype="<U8"), n), reason=np.full(n, ""), start_s=blank,
         a_v=np.array(a, dtype=float), b_v=np.array(b, dtype=float), a_se_v=blank, b_se_v=blank, b_lo_v=blank,
         b_hi_v=blank, n_points=np.full(n, 22), adj_r2=blank, r2_bins=blank, adj_r2_bins=blank, r2_samples=blank,
-        adj_r2_samples=blank, n_effective=blank, lag1=blank, v_min_v=blank, v_max_v=blank,
+        adj_r2_samples=blank, n_effective=blank, lag1=blank, b_bias=blank, b_bias_se=blank,
+        b_corrected=blank, cause=np.full(n, ""), v_min_v=blank, v_max_v=blank,
         bin_edges_n=np.array([0.5, 7.0]), bin_force_n=np.full((n, 1), np.nan), bin_v=np.full((n, 1), np.nan),
         activity_unit="V", points="bins", weights="none", confidence=0.95,
     )  # fmt: skip
 
 
-def build(fits: Fits, use: str = "ok+warned", stiffness: dict[str, float] | None = None, **profile: Any) -> Profiles:
+def build(fits: Fits, use: str = "ok+doubtful", stiffness: dict[str, float] | None = None, **profile: Any) -> Profiles:
     how = stiffness or STIFFNESS, ProfileSettings(**profile), WindowSettings(), use
     return build_profiles(fits, *how, compare_participants(fits, *how))
 
 
 def compared(fits: Fits, **profile: Any) -> Choice | None:
-    return compare_participants(fits, STIFFNESS, ProfileSettings(**profile), WindowSettings(), "ok+warned")
+    return compare_participants(fits, STIFFNESS, ProfileSettings(**profile), WindowSettings(), "ok+doubtful")
 
 
 def one_person(noise: float = 0.0) -> Fits:

@@ -25,12 +25,12 @@ FORCE_N = np.array([0.5, 7.0])
 @pytest.mark.parametrize("rule", ["bracket", "paper", "log-stiffness", "coefficients"])
 def test_each_person_has_the_profile_of_the_study_of_that_person_alone(rule: str) -> None:
     settings = replace(NEW, interpolation=rule)
-    found = by_person(fits_of(ROWS), STIFFNESS, settings, "ok+warned")
+    found = by_person(fits_of(ROWS), STIFFNESS, settings, "ok+doubtful")
     assert found is not None
     assert (found.participants, found.measured_as, found.bracket) == (("P1", "P2", "P3"), "S2", ("S1", "S3"))
     for i, who in enumerate(found.participants):
         alone = build_profiles(
-            fits_of(ROWS), STIFFNESS, replace(settings, participant=who), WindowSettings(), "ok+warned"
+            fits_of(ROWS), STIFFNESS, replace(settings, participant=who), WindowSettings(), "ok+doubtful"
         )
         assert alone.new is not None
         assert alone.new_measured is not None
@@ -44,7 +44,7 @@ def test_each_person_has_the_profile_of_the_study_of_that_person_alone(rule: str
 
 def test_only_people_who_pressed_every_specimen_that_is_needed_count() -> None:
     without = [row for row in ROWS if row[:2] not in {("P2", "S2"), ("P3", "S5")}]
-    found = by_person(fits_of(without), STIFFNESS, NEW, "ok+warned")
+    found = by_person(fits_of(without), STIFFNESS, NEW, "ok+doubtful")
     assert found is not None
     assert found.participants == ("P1",)
 
@@ -61,4 +61,4 @@ def test_only_people_who_pressed_every_specimen_that_is_needed_count() -> None:
     ids=["no new specimen", "equal is used", "equal not pressed", "no equal", "extrapolation"],
 )
 def test_none_where_there_is_nothing_to_compare(settings: ProfileSettings, rows: list[Row]) -> None:
-    assert by_person(fits_of(rows), STIFFNESS, settings, "ok+warned") is None
+    assert by_person(fits_of(rows), STIFFNESS, settings, "ok+doubtful") is None

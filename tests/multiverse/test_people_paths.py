@@ -102,7 +102,7 @@ def test_choices_are_crossed_and_those_that_change_nothing_are_not_counted():
     assert {len(each.choices) for each in found} == {0, 1, 2, 3, 4}
     # one press of one recording is doubtful, and one rejected; none fits badly
     assert [each.name for each in found if each.kind == EXCLUSIONS] == [
-        "presses without a remark", "all presses with a fit", "without outlying b",
+        "doubtful presses too", "all presses with a fit", "without outlying b",
     ]  # fmt: skip
     laws = [each for each in found if LAW in [choice.kind for choice in each.choices]]
     assert all("log_fit_r2" in each.not_on for each in laws)

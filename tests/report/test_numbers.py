@@ -49,8 +49,8 @@ def test_numbers_are_those_of_the_stages(found, results):
 
 def test_rejected_trials_are_counted_but_do_not_enter(found, results):
     assert found["trials.total"] == 3 * 4 * 6
-    assert (found["trials.ok"], found["trials.warned"], found["trials.rejected"]) == (70, 1, 1)
-    assert found["fit.used"] == 71
+    assert (found["trials.ok"], found["trials.doubtful"], found["trials.rejected"]) == (70, 1, 1)
+    assert found["fit.used"] == 70
     fits = results.people.fits
     worst, verdict = np.argmin(fits.adj_r2_bins), fits.verdict.copy()
     verdict[worst] = "rejected"
@@ -62,10 +62,10 @@ def test_rejected_trials_are_counted_but_do_not_enter(found, results):
 def test_failed_stages_leave_their_numbers_out_and_nothing_usable_is_no_exception(broken, results):
     found = numbers_and_tables(broken).quantities
     assert not [key for key in found if key.startswith(("hypotheses.", "profiles.", "schedules.", "recovery."))]
-    assert (found["study.failures"], found["fit.used"]) == (3, 71)
+    assert (found["study.failures"], found["fit.used"]) == (3, 70)
     assert "power.study" not in found
     fits = replace(results.people.fits, verdict=np.full(results.people.fits.verdict.shape, "rejected"))
-    assert not usable(fits, "ok+warned").any()
+    assert not usable(fits, "ok+doubtful").any()
     found = numbers_and_tables(replace(results, people=replace(results.people, fits=fits))).quantities
     assert found["fit.used"] == found["recovery.n"] == 0
     assert math.isnan(found["fit.adj_r2_bins.min"])

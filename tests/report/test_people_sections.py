@@ -108,7 +108,7 @@ def keys_of(fits):
 
 
 def test_bias_and_coverage_are_found(results, biased):
-    found = recover(biased, results.people.truth, "ok+warned")
+    found = recover(biased, results.people.truth, "ok+doubtful")
     used = biased.verdict != "rejected"
     covered = np.mean(np.arange(used.size)[used] % 4 != 0)
     assert found.n == 71
@@ -119,14 +119,14 @@ def test_bias_and_coverage_are_found(results, biased):
 
 
 def test_monte_carlo_error_is_the_standard_error_of_the_mean(results):
-    found = recover(results.people.fits, results.people.truth, "ok+warned")
+    found = recover(results.people.fits, results.people.truth, "ok+doubtful")
     assert found.mean_b_error_mcse == pytest.approx(found.sd_b_error / np.sqrt(found.n))
     assert abs(found.mean_b_error) < 4 * found.mean_b_error_mcse
 
 
 def test_only_known_and_usable_trials_enter(results):
     known = {key: value for key, value in results.people.truth.items() if key[1] == "S3"}
-    assert recover(results.people.fits, known, "ok+warned").n == 17
+    assert recover(results.people.fits, known, "ok+doubtful").n == 17
     assert recover(results.people.fits, known, "ok").n == 16
     assert recover(results.people.fits, known, "ok", "S1").n == 0
     assert np.isnan(recover(results.people.fits, known, "ok", "S1").mean_b_error)

@@ -10,6 +10,7 @@ import pytest
 
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.session_page import write_session_page
+from emg2vsa.signals.bias import BiasBudget
 
 LIGHT_PAGE_BYTES = 100_000
 
@@ -36,17 +37,17 @@ def test_one_verdict_and_every_press_in_the_same_bytes_again(write, read_page):
     assert write("P02").read_bytes() == first
 
 
-def test_warned_and_rejected_presses_are_told_apart_without_colour(write, read_page):
+def test_doubtful_and_rejected_presses_are_told_apart_without_colour(write, read_page):
     path = write("P01")
     page = read_page(path)
     text = path.read_text()
-    assert "Usable." in page.text
+    assert "Repeat." in page.text
     assert "EDC clipped <3 %>" in page.text
     assert "force falls on 4 % of its path" in page.text
     assert 'fill="url(#rejected)"' in text
     assert ">3×</text>" in text
     assert ">2!</text>" in text
-    assert "6 presses: 4 ok, 1 warned, 1 rejected" in page.text
+    assert "6 presses: 4 ok, 1 doubtful, 1 rejected" in page.text
 
 
 @pytest.mark.parametrize("failed", [("S5",), ("S1", "S2", "S3", "S5")])
@@ -64,7 +65,7 @@ def test_a_recording_without_presses_is_not_an_exception(write, results, read_pa
     empty = replace(
         full, repetition=none.astype(int), start_s=none, stop_s=none, duration_s=none, peak_force_n=none,
         falling_share=none, snr_db=none, verdict=none.astype("<U8"), reasons=(), offsets=np.zeros(1, dtype=int),
-        force_n=none, activity=none, envelopes_v=np.empty((2, 0)),
+        force_n=none, activity=none, envelopes_v=np.empty((2, 0)), bias=BiasBudget.of((), 0),
     )  # fmt: skip
     trials = [empty, *(t for t in results.people.trials if t.participant == "P02" and t.specimen != "S1")]
     page = read_page(write("P02", trials))
