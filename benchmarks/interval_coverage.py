@@ -102,8 +102,8 @@ def fits_of(values: Floats) -> Fits:
         specimen=np.char.add("S", (what + 1).astype(str)), repetition=which + 1, verdict=np.full(size, "ok"),
         reason=np.full(size, ""), start_s=blank, a_v=values[..., 0].ravel(), b_v=values[..., 1].ravel(), a_se_v=blank,
         b_se_v=blank, b_lo_v=blank, b_hi_v=blank, n_points=np.full(size, 22), adj_r2=blank, r2_bins=blank,
-        adj_r2_bins=blank, r2_samples=blank, adj_r2_samples=blank, n_effective=blank, lag1=blank, b_bias=blank, b_bias_se=blank,
-        b_corrected=blank, cause=np.full(size, ""), v_min_v=blank,
+        adj_r2_bins=blank, r2_samples=blank, adj_r2_samples=blank, n_effective=blank, lag1=blank, b_bias=blank,
+        b_bias_se=blank, b_corrected=blank, cause=np.full(size, ""), v_min_v=blank,
         v_max_v=blank, bin_edges_n=np.array([0.5, 7.0]), bin_force_n=np.empty((size, 0)), bin_v=np.empty((size, 0)),
         activity_unit="V", points="bins", weights="none", confidence=0.95,
     )  # fmt: skip

@@ -151,6 +151,8 @@ class CocontractionSettings:
     "sum (paper); Rudolph 2000; Falconer and Winter 1985; minimum ('wasted contraction')."
     normalise: Literal["none", "session-max", "mvc"] = "none"
     "none: volts, comparable within one session only; session-max: fraction of the session's largest; mvc: of mvc_v."
+    crosstalk: dict[str, dict[str, Fraction]] = field(default_factory=dict)
+    "Muscle to the others that its electrode sees, each by a share of its own amplitude; subtracted in power."
     mvc_v: dict[str, Positive] = field(default_factory=dict)
     "Envelope level of the maximum voluntary contraction per muscle, volts; used by normalise = 'mvc'."
 

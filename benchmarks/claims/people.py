@@ -79,7 +79,8 @@ def _fits(force: Floats, v: Floats, edges: Floats, people: int, presses: int) ->
         start_s=nothing, a_v=fit.a, b_v=fit.b, a_se_v=fit.a_se, b_se_v=fit.b_se, b_lo_v=fit.b_lo, b_hi_v=fit.b_hi,
         n_points=np.full(n, force.shape[1]), adj_r2=fit.adj_r2, r2_bins=fit.r2, adj_r2_bins=fit.adj_r2,
         r2_samples=nothing, adj_r2_samples=nothing, n_effective=one, lag1=one, b_bias=nothing,
-        b_bias_se=nothing, b_corrected=nothing, cause=np.full(nothing.shape, ""), v_min_v=ends[:, 0], v_max_v=ends[:, 1],
+        b_bias_se=nothing, b_corrected=nothing, cause=np.full(nothing.shape, ""), v_min_v=ends[:, 0],
+        v_max_v=ends[:, 1],
         bin_edges_n=edges, bin_force_n=force, bin_v=v, activity_unit="V", points="bins", weights="none",
         confidence=0.95,
     )  # fmt: skip

@@ -17,12 +17,14 @@ from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
 from emg2vsa.signals.bias import BiasBudget, Shift, left_in, line_change, taken_out
 from emg2vsa.signals.cocontraction import cocontraction_index
+from emg2vsa.signals.crosstalk import KNOWN_TO, without_crosstalk
 from emg2vsa.signals.delays import delay_budget
 from emg2vsa.signals.filters import IirFilter
 from emg2vsa.signals.floor import floor_change, press_levels, subtract_floor
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
 from emg2vsa.signals.hum import remove_hum, touch_hum
 from emg2vsa.signals.lag import DIFFERS_S, Lag, estimate_lag
+from emg2vsa.signals.level_drift import level_drift, level_trends
 from emg2vsa.signals.overview import emg_overview
 from emg2vsa.signals.pairing import (
     Clock,
@@ -90,6 +92,13 @@ def extract_trials(
     levels_v = press_levels(measured_v, force_n, instants.offsets)
     subtract = filters.rest_level == "subtract"
     envelopes_v = subtract_floor(measured_v, levels_v, floor_v) if subtract else measured_v
+    crossing: list[Shift] = []
+    if cocontraction.crosstalk:
+        own_v = press_levels(envelopes_v, force_n, instants.offsets)
+        envelopes_v, alone_v = without_crosstalk(envelopes_v, own_v, record.muscles, cocontraction.crosstalk)
+        x = np.log(np.maximum(force_n, 1e-9))
+        _, change = line_change(x, own_v.sum(axis=0), x, alone_v.sum(axis=0), alone_v.sum(axis=0), instants.offsets)
+        crossing = [taken_out("crosstalk", change, 2 * KNOWN_TO * np.abs(change))]
     floor_a, floor_b = floor_change(levels_v, floor_v, force_n, instants.offsets)
     # a mean rectified value is sqrt(2 / pi) of the rms
     touching_v *= np.sqrt(2 / np.pi)
@@ -99,7 +108,7 @@ def extract_trials(
     shifts_of_b: list[Shift] = [
         taken_out("rest level", floor_b, np.abs(floor_b) * floor_error) if subtract
         else left_in("rest level", floor_a, floor_b),
-        humming,
+        humming, *crossing, level_drift(envelopes_v, instants.offsets, *level_trends(envelopes_v, instants.offsets)),
     ]  # fmt: skip
     activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
     snr_db = ratio_db(window_means(measured_v, instants.offsets), rest_v[:, None])

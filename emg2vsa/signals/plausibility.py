@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from emg2vsa.arrays import Floats, median, quantiles
+from emg2vsa.signals.level_drift import level_trends
 from emg2vsa.signals.press_signals import Signals, by_press, correlation, pieces_of, volts
 from emg2vsa.signals.quality import MAINS_HZ
 from emg2vsa.signals.spikes import Profile, beats_of, bursts_of, contacts_of, repeated_of, spikes_of
@@ -46,8 +47,6 @@ PILED_UP, ONE_SIDED = 0.02, 0.4
 "Rectified EMG: share of samples next to the lowest value, and lower over upper spread about the median."
 TAIL = 1.32
 "Upper tail over upper shoulder of EMG during the harder half of a press; a saturated amplifier has none."
-FADE, FADE_T, FADE_PRESSES = 0.3, 4.0, 5
-"Change of a muscle's ln level over the recording, in units of its standard error, and from how many presses."
 LARGE_LAG_S = 0.3
 "Force and EMG that are further apart cannot be compared press by press."
 FOLLOWS = 0.25
@@ -284,21 +283,9 @@ def _saturated(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator
 
 
 def _fading(signals: Signals) -> Iterator[str]:
-    """A trend of the muscle's level over the presses that the other muscles do not share."""
-    levels = np.log(np.maximum([[piece.mean() for piece in by_press(row, signals.offsets) if piece.size]
-                                for row in signals.envelopes_v], 1e-12))  # fmt: skip
-    n = levels.shape[1]
-    if n < FADE_PRESSES:
-        return
-    place = np.linspace(-0.5, 0.5, n)
-    sooner, later = np.triu_indices(n, 1)
-    for muscle, row in zip(signals.muscles, levels, strict=True):
-        # by medians, for one press with a burst must not hide the trend of the others (Theil 1950, Sen 1968)
-        slope = median((row[later] - row[sooner]) / (place[later] - place[sooner]))
-        left = row - slope * place
-        spread = 1.4826 * median(np.abs(left - median(left)))
-        error = spread / np.sqrt(float(place @ place))
-        if abs(slope) > FADE and abs(slope) > FADE_T * error:
+    """Muscles whose level has a trend over the presses."""
+    for muscle, slope in zip(signals.muscles, level_trends(signals.envelopes_v, signals.offsets)[0], strict=True):
+        if slope:
             yield f"{muscle} {'fades' if slope < 0 else 'grows'} to {100 * np.exp(slope):.0f} % over the presses"
 
 
