@@ -15,7 +15,7 @@ from emg2vsa.extraction import DelayBudget, Trials
 from emg2vsa.fits import Fits, concatenate, fit_trials, usable
 from emg2vsa.session_verdict import judge_session
 from emg2vsa.settings import FitSettings, PressJudgement, WindowSettings
-from emg2vsa.signals.bias import BiasBudget
+from emg2vsa.signals.bias import BiasBudget, Shift
 
 A_V, B_V = 30e-6, 15e-6
 WINDOW = WindowSettings()
@@ -309,3 +309,34 @@ def test_nobody_can_accept_a_press_without_a_fit() -> None:
     assert fits.verdict.tolist() == ["rejected"]
     assert "accepted by hand" in fits.reason[0]
     assert "no fit" in fits.reason[0]
+
+
+def budgeted(share: float, se: float = 0.0, corrected: float = 0.0) -> Trials:
+    trials = noisy(8)
+    shift = Shift("lag", np.zeros(8), np.full(8, share), np.full(8, se), np.full(8, corrected))
+    return dataclasses.replace(trials, bias=BiasBudget.of([shift], 8))
+
+
+def test_a_bias_that_is_left_makes_a_press_doubtful_above_a_tenth() -> None:
+    for share, verdict in ((-0.05, "ok"), (-0.2, "doubtful"), (0.2, "doubtful")):
+        fits = fit_trials(budgeted(share), FitSettings(), WINDOW)
+        assert fits.verdict.tolist() == [verdict] * 8
+        assert set(fits.cause) == {"lag"}
+    assert fits.reason[0] == "b is expected to be 20 % too high: lag"
+    assert (fit_trials(budgeted(-0.2), FitSettings(max_bias=0.0), WINDOW).verdict == "ok").all()
+
+
+def test_the_interval_reaches_to_where_b_would_be_without_the_bias() -> None:
+    plain, off = (fit_trials(budgeted(share), FitSettings(), WINDOW) for share in (0.0, -0.05))
+    np.testing.assert_allclose(off.b_lo_v, plain.b_lo_v)
+    np.testing.assert_allclose(off.b_hi_v - plain.b_hi_v, plain.b_v / 0.95 - plain.b_v)
+    unsure = fit_trials(budgeted(0.0, se=0.04, corrected=-0.1), FitSettings(), WINDOW)
+    half = (plain.b_hi_v - plain.b_lo_v) / 2
+    reach = half * np.hypot(1, 0.04 * plain.b_v / plain.b_se_v)
+    np.testing.assert_allclose((unsure.b_hi_v - unsure.b_lo_v) / 2, reach)
+
+
+def test_a_person_accepts_a_doubtful_press_by_name() -> None:
+    accepted = PressJudgement("P01", "S3", 2, "the lag is the muscle's", excludes=False)
+    fits = fit_trials(budgeted(-0.3), FitSettings(), WINDOW, [accepted])
+    assert fits.verdict.tolist() == ["doubtful", "ok", *["doubtful"] * 6]

@@ -19,6 +19,7 @@ from emg2vsa.report.failures import Failure, ShortPaths
 from emg2vsa.report.session_plots import (
     LEGEND,
     activity_plot,
+    budget_plot,
     emg_trace,
     force_trace,
     median_frequencies,
@@ -118,6 +119,13 @@ def _recording(trials: Trials, own: Fits | None, window_n: tuple[float, float], 
     else:
         body += html.paragraph("No press has co-contraction within the force window, so no curve can be drawn.")
     body += html.pictures(drawn)
+    if own is not None and own.b_v.size:
+        said = (
+            f"{trials.specimen}: budget of bias. Each dot is what one cause, corrected where it can be, is expected to "
+            "leave in b of a press, with its standard error; the cross is their sum; grey is the half width of the "
+            "interval of b. A press whose sum passes the grey, or 10 % (dashed), is doubtful and enters no test."
+        )
+        body += html.figure(budget_plot(trials, own, f"{name}b"), said)
     return body + (_table(trials, own, scale).html() if own is not None and own.b_v.size else "")
 
 
@@ -130,8 +138,8 @@ def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
         Column("peak_force_n", "Peak (N)"), Column("falling_share", "Falling force (%)", 100.0, 2),
         Column("snr_db", "SNR (dB)"), activity_column("a_v", "a", scale), activity_column("b_v", "b", scale),
         activity_column("b_lo_v", "b low", scale), activity_column("b_hi_v", "b high", scale),
-        Column("b_bias", "Bias of b left (%)", 100.0, 2), Column("b_corrected", "corrected (%)", 100.0, 2),
-        Column("cause", "largest cause"), Column("adj_r2_bins", "adj. R², bins"),
+        Column("b_bias", "Bias of b left (%)", 100.0, 2),
+        Column("cause", "Largest cause"), Column("adj_r2_bins", "adj. R², bins"),
         Column("adj_r2_samples", "adj. R², samples"), Column("verdict", "Verdict"), Column("reason", "Reason"),
     )  # fmt: skip
     values = {c: np.asarray(getattr(fits if hasattr(fits, c.key) else trials, c.key)) for c in columns}

@@ -8,7 +8,18 @@ from numpy.typing import NDArray
 from casr.svg import Axes, in_colours_of_page, thinned
 from emg2vsa.arrays import Floats, median
 from emg2vsa.extraction import Trials
-from emg2vsa.figures.palette import BLUE, INK, MUTED, RED, VERDICT_COLOURS, ActivityScale, activity_scale
+from emg2vsa.figures.palette import (
+    BLUE,
+    GREEN,
+    INK,
+    MUTED,
+    PURPLE,
+    RED,
+    VERDICT_COLOURS,
+    YELLOW,
+    ActivityScale,
+    activity_scale,
+)
 from emg2vsa.fits import Fits
 from emg2vsa.report.numbers import least, most
 from emg2vsa.report.wording import activity, number
@@ -16,6 +27,8 @@ from emg2vsa.report.wording import activity, number
 MARKS = {"ok": "", "doubtful": "!", "rejected": "×"}
 _DASHES = {"ok": "", "doubtful": "16 8", "rejected": "4 10"}
 _LINES = ("", "14 8", "4 8", "16 6 4 6")
+_SEEN_PERCENT, _MOST_PERCENT = 0.5, 60.0
+"Causes that move b by less are not drawn; and the highest end of the axis."
 _TRACE_POINTS, _CURVE_POINTS = 900, 12
 _WIDE, _NARROW = 1900, 780
 _LABEL_S = 0.025
@@ -151,6 +164,37 @@ def activity_plot(fits: Fits, scale: ActivityScale, name: str) -> str:
     said = f"b from {' to '.join(ends)}" if np.isfinite(fits.b_v).any() else "no fit"
     title = f"Co-contraction against force, {fits.specimen[0] if fits.specimen.size else ''}"
     return axes.svg(name, title, f"Force bins and fitted curves of {fits.b_v.size} presses: {said}.")
+
+
+def budget_plot(trials: Trials, fits: Fits, name: str) -> str:
+    """What is left of each cause in b of every press, beside the half width of its interval."""
+    off = np.abs(1 - 1 / (1 + fits.b_bias))
+    half = ((fits.b_hi_v - fits.b_lo_v) / np.abs(fits.b_v) - off) / 2
+    left, error = 100 * trials.bias.b, 100 * trials.bias.b_se
+    shown = np.flatnonzero(np.any(np.hypot(left, error) > _SEEN_PERCENT, axis=1))
+    top = float(np.clip(np.nanmax([12.0, *(100 * half), *np.abs(left).ravel()]), 0, _MOST_PERCENT)) * 1.1
+    n = half.size
+    labels = ("Press", "Share of b (%)")
+    axes = Axes((0.4, top, n + 0.6, -top), labels, _WIDE, 330)
+    for press, reach in enumerate(np.clip(100 * half, 0, top).tolist(), 1):
+        if np.isfinite(reach):
+            corners = [(press + x, y) for x, y in ((-0.38, -reach), (-0.38, reach), (0.38, reach), (0.38, -reach))]
+            axes.areas(np.array([corners]), MUTED, opacity=0.22, label="half width of b" if press == 1 else "")
+    for limit in (-10.0, 0.0, 10.0):
+        axes.level(limit, dash="" if limit == 0 else "8 10")
+    at = np.arange(1.0, n + 1)
+    for place, row in enumerate(shown.tolist()):
+        x = at + 0.6 * ((place + 0.5) / shown.size - 0.5)
+        colour = (BLUE, RED, PURPLE, GREEN, YELLOW, INK)[place % 6]
+        y = np.clip(left[row], -top, top)
+        for one, middle, se in zip(x.tolist(), y.tolist(), error[row].tolist(), strict=True):
+            axes.line(np.array([(one, np.clip(middle + k * se, -top, top)) for k in (-1, 1)]), colour)
+        axes.dots(np.column_stack([x, y]), colour, size=12, label=trials.bias.causes[row])
+    axes.crosses(np.column_stack([at, np.clip(100 * fits.b_bias, -top, top)]), INK, label="all causes")
+    worst = int(np.argmax(np.abs(fits.b_bias))) if n and np.isfinite(fits.b_bias).all() else -1
+    largest = f"{100 * fits.b_bias[worst]:+.1f} % of b in press {fits.repetition[worst]}" if worst >= 0 else "not known"
+    causes = ", ".join(trials.bias.causes[row] for row in shown) or "no cause above a half percent"
+    return axes.svg(name, f"Budget of bias, {trials.specimen}", f"Largest sum: {largest}. Causes: {causes}.")
 
 
 def odd_presses(fits: Fits) -> NDArray[np.bool_]:

@@ -92,12 +92,12 @@ class BiasBudget:
     @property
     def largest(self) -> tuple[str, ...]:
         """(p,) the cause that is largest by size and error together; "" where there is none."""
-        size = np.hypot(self.b, self.b_se)
         if not self.causes:
             return ("",) * self.b.shape[1]
-        return tuple(
-            self.causes[row] if size[row, press] > 0 else "" for press, row in enumerate(np.argmax(size, axis=0))
-        )
+        size = np.hypot(self.b, self.b_se)
+        rows = zip(np.argmax(size, axis=0).tolist(), size.max(axis=0).tolist(), strict=True)
+        names: tuple[str, ...] = tuple(self.causes[row] if top > 0 else "" for row, top in rows)
+        return names
 
 
 def line_change(

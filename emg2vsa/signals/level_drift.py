@@ -36,6 +36,8 @@ def level_drift(envelopes_v: Floats, offsets: Ints, slopes: Floats, errors: Floa
     """What the trends do to a and b of each press, against the first: a muscle that is read at half counts half."""
     levels = means(envelopes_v, offsets)
     p = levels.shape[1]
+    if not slopes.any():
+        return left_in("level drift", np.zeros(p), np.zeros(p))
     place = np.linspace(0.0, 1.0, p)
     at_start = levels / np.exp(slopes[:, None] * place)
     share = np.nanmean(at_start, axis=1, keepdims=True)

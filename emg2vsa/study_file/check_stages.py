@@ -89,6 +89,10 @@ def _muscles(
         if every and muscle not in every:
             do = nearest(muscle, every, f"The muscles are {', '.join(every)}.")
             yield Problem(("cocontraction", "mvc_v", muscle), "a muscle of [channels.emg]", repr(muscle), do)
+    for muscle in (name for into, of in cocontraction.crosstalk.items() for name in (into, *of)):
+        if every and muscle not in every:
+            do = nearest(muscle, every, f"The muscles are {', '.join(every)}.")
+            yield Problem(("cocontraction", "crosstalk", muscle), "a muscle of [channels.emg]", repr(muscle), do)
     unrecorded = [name for name in ids if name not in {table.participant for table in mvc}]
     for muscle in every if unrecorded or not ids else ():
         if cocontraction.normalise == "mvc" and muscle not in mvc_v:
