@@ -95,9 +95,9 @@ class BiasBudget:
         if not self.causes:
             return ("",) * self.b.shape[1]
         size = np.hypot(self.b, self.b_se)
-        rows = zip(np.argmax(size, axis=0).tolist(), size.max(axis=0).tolist(), strict=True)
-        names: tuple[str, ...] = tuple(self.causes[row] if top > 0 else "" for row, top in rows)
-        return names
+        rows: list[int] = np.argmax(size, axis=0).tolist()
+        tops: list[float] = size.max(axis=0).tolist()
+        return tuple(self.causes[row] if top > 0 else "" for row, top in zip(rows, tops, strict=True))
 
 
 def line_change(
