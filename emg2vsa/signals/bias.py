@@ -93,7 +93,7 @@ class BiasBudget:
     def largest(self) -> tuple[str, ...]:
         """(p,) the cause that is largest by size and error together; "" where there is none."""
         if not self.causes:
-            return ("",) * self.b.shape[1]
+            return ("",) * int(self.b.shape[1])
         size = np.hypot(self.b, self.b_se)
         rows: list[int] = np.argmax(size, axis=0).tolist()
         tops: list[float] = size.max(axis=0).tolist()
