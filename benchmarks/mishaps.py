@@ -37,6 +37,8 @@ from emg2vsa.worlds.people.recording import RecordingStream
 Floats = NDArray[np.float64]
 RESULTS = Path(__file__).parent / "results" / "mishaps.json"
 PRESSES = 8
+CONTACT_S = 0.17
+"A press reaches the lower force so long after its first touch; an artefact there is in its first bins."
 SETTINGS = SimulationSettings(
     repetitions=PRESSES, muscle_share={"EDC": 0.6, "FDS": 0.4}, emg_noise_v=1e-6, mains_v=0.0, force_offset_n=0.0
 )
@@ -156,7 +158,7 @@ def _pulses(record: Record, at_s: Floats, length_s: float, level_v: float) -> Fl
 def _contact(level_v: float) -> Mishap:
     def spoil(record: Record) -> None:
         for muscle, x in record.emg_v.items():
-            record.emg_v[muscle] = x + _pulses(record, record.onset_s, 0.06, level_v)
+            record.emg_v[muscle] = x + _pulses(record, record.onset_s + CONTACT_S, 0.06, level_v)
 
     return spoil
 
@@ -281,8 +283,8 @@ MISHAPS: dict[str, tuple[Mishap, str]] = {
     "one-sided clipping": (_clipped(0.25, one_side=True), "clips"),
     "clipping, 0.2 uV noise on the rails": (_clipped(0.5, noise_v=2e-7), "saturated"),
     "soft saturation": (_all(_soft), "saturated"),
-    "artefact at contact, 500 uV": (_contact(500e-6), "at contact"),
-    "artefact at contact, 150 uV": (_contact(150e-6), "at contact"),
+    "artefact at contact, 500 uV": (_contact(500e-6), ""),
+    "artefact at contact, 150 uV": (_contact(150e-6), ""),
     "0.1 % spikes of 5 mV": (_spikes, "spikes"),
     "a 100 ms burst in one press": (_burst, "burst"),
     "ECG of 150 uV": (_ecg(150e-6, 72), "heart"),

@@ -345,4 +345,5 @@ def _largest_v(trials: Trials, muscle: str) -> float:
     counted = np.repeat(trials.verdict != "rejected", np.diff(trials.offsets))
     if muscle not in trials.muscles:
         return 0.0
-    return float(trials.envelopes_v[trials.muscles.index(muscle), counted].max(initial=0.0))
+    level_v = trials.envelopes_v[trials.muscles.index(muscle), counted]
+    return float(np.fmax.reduce(level_v, initial=0.0))

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.extraction.emg_record import EmgRecord, Native
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import WindowSettings
@@ -22,6 +24,10 @@ TOLD_BIAS = 0.01
 "A press whose b is expected to be off by a larger share says so."
 MOST_TOLD = 0.2
 "The size of a larger bias is not told: it rests on the fit that it spoils."
+MOST_LEFT_OUT = 0.5
+"A press of which a larger share is left out is rejected."
+REACH_S = 0.1
+"A span of movement reaches into a press from so far."
 TOLD_SHIFT_N = 0.1
 "A press around which the zero of force moves further says so: 0.1 N is 5 % of b."
 
@@ -80,6 +86,31 @@ def said_of_bias(
         if lag.differs:
             own.append((False, lag.differs))
         said.append(tuple(own))
+    return said
+
+
+def said_of_movement(
+    muscles: tuple[str, ...], moved: Sequence[Ints], gone: NDArray[np.bool_], instants: Instants, fs_hz: float,
+    bias: BiasBudget,
+) -> list[tuple[tuple[bool, str], ...]]:  # fmt: skip
+    """Per press which electrodes moved, for how long its envelope is left out, and what that would have changed."""
+    offsets = instants.offsets
+    changed = bias.corrected[bias.causes.index("contact artefact")] if "contact artefact" in bias.causes else None
+    said: list[tuple[tuple[bool, str], ...]] = []
+    for i, (first, last) in enumerate(zip(instants.first.tolist(), instants.last.tolist(), strict=True)):
+        own = gone[offsets[i] : offsets[i + 1]]
+        if not own.any():
+            said.append(())
+            continue
+        reach = round(REACH_S * fs_hz)
+        who = [
+            muscle for muscle, spans in zip(muscles, moved, strict=True)
+            if np.any((spans[:, 0] < last + reach) & (spans[:, 1] > first - reach))
+        ]  # fmt: skip
+        verb = "moves" if len(who) == 1 else "move"
+        share = "" if changed is None else f"; with it b would change by {100 * changed[i]:+.0f} %"
+        left = f"{own.sum() * instants.step / fs_hz:.2g} s, which is left out"
+        said.append(((bool(own.mean() > MOST_LEFT_OUT), f"{' and '.join(who)} {verb} for {left}{share}"),))
     return said
 
 

@@ -9,10 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-from emg2vsa.arrays import Floats, bridge_gaps, median, samples_1d
+from emg2vsa.arrays import Floats, Ints, bridge_gaps, median, samples_1d
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.emg_record import Chain, EmgRecord, emg_record, filter_chain, where_of
-from emg2vsa.extraction.evidence import gather_evidence, record_qualities, said_of_bias, said_of_overload
+from emg2vsa.extraction.evidence import (
+    gather_evidence,
+    record_qualities,
+    said_of_bias,
+    said_of_movement,
+    said_of_overload,
+)
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
 from emg2vsa.signals.bias import BiasBudget, Shift, left_in, line_change, taken_out
@@ -25,6 +31,7 @@ from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
 from emg2vsa.signals.hum import remove_hum, touch_hum
 from emg2vsa.signals.lag import DIFFERS_S, Lag, estimate_lag
 from emg2vsa.signals.level_drift import level_drift, level_trends
+from emg2vsa.signals.movement import bridged, change_by_leaving_out, left_out, movement
 from emg2vsa.signals.overview import emg_overview
 from emg2vsa.signals.pairing import (
     Clock,
@@ -76,7 +83,7 @@ def extract_trials(
     chain = filter_chain(filters, record, force.fs_hz)
     conditioned, force_missing = _conditioned(force, chain.low, force_channel, window)
     raw = record
-    record, lag, touching_v, noted = _cleaned(raw, force, conditioned, chain, filters, force_channel, window)
+    record, lag, touching_v, moved, noted = _cleaned(raw, force, conditioned, chain, filters, force_channel, window)
     moved_s = lag.lag_s if filters.align == "lag" and lag.certain else 0.0
     delay, shifts = delay_budget(filters.phase, chain.band, chain.envelope, chain.low, force_channel.delay_s, moved_s)
     emg_clock = Clock(record.start_s - shifts.emg_s, record.fs_hz, record.samples[0].size)
@@ -88,6 +95,8 @@ def extract_trials(
 
     resting = rest_instants(conditioned.rest, emg_clock, force_clock, chain.step)
     measured_v, resting_v = chain.envelopes(record, instants, resting)
+    gone = left_out(moved, instants.samples(), chain.envelope.before, chain.envelope.after)
+    disturbed_v, measured_v = measured_v, bridged(measured_v, gone, instants.offsets)
     rest_v, floor_v, floor_error = _rest_levels(resting_v, resting)
     levels_v = press_levels(measured_v, force_n, instants.offsets)
     subtract = filters.rest_level == "subtract"
@@ -110,6 +119,10 @@ def extract_trials(
         else left_in("rest level", floor_a, floor_b),
         humming, *crossing, level_drift(envelopes_v, instants.offsets, *level_trends(envelopes_v, instants.offsets)),
     ]  # fmt: skip
+    if gone.any():
+        whole_v, level_v = disturbed_v.sum(axis=0), levels_v.sum(axis=0)
+        shifts_of_b.append(change_by_leaving_out(force_n, whole_v, level_v, gone, instants.offsets))
+        envelopes_v = np.where(gone, np.nan, envelopes_v)
     activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
     snr_db = ratio_db(window_means(measured_v, instants.offsets), rest_v[:, None])
     quality = record_qualities(raw, instants, chain.envelope)
@@ -128,9 +141,10 @@ def extract_trials(
     bias = BiasBudget.of(shifts_of_b, start_s.size)
     biased = said_of_bias(conditioned, bias, told_above, lag, window)
     loaded = said_of_overload(force, presses)
+    shaken = said_of_movement(record.muscles, moved, gone, instants, record.fs_hz, bias)
     other = [
-        (*over, *own, *((False, sign) for sign in signs))
-        for over, own, signs in zip(loaded, biased, seen.of_press, strict=True)
+        (*over, *shook, *own, *((False, sign) for sign in signs))
+        for over, shook, own, signs in zip(loaded, shaken, biased, seen.of_press, strict=True)
     ]
     evidence = gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, other)
     verdicts = [judge(trial, window) for trial in evidence]
@@ -222,8 +236,9 @@ def _cleaned(
     filters: FilterSettings,
     force_channel: ForceChannelSettings,
     window: WindowSettings,
-) -> tuple[EmgRecord, Lag, Floats, tuple[str, ...]]:
-    """The EMG without its hum, the lag of force behind it, the rms (m,) of hum only in presses, and what is said."""
+) -> tuple[EmgRecord, Lag, Floats, list[Ints], tuple[str, ...]]:
+    """The EMG without its hum, the lag of force behind it, the rms (m,) of hum only in presses, the spans in which
+    electrodes move, and what is said."""
     late_s = 0.0 if chain.low is None else chain.low.delay_s
     force_clock = Clock(force.start_s - force_channel.delay_s - late_s, force.fs_hz, conditioned.force_n.size)
     emg_clock = Clock(record.start_s, record.fs_hz, record.samples[0].size)
@@ -258,7 +273,8 @@ def _cleaned(
             np.maximum(touching_v**2 - touch_hum(samples, record.fs_hz, start, stop, hum_hz) ** 2, 0.0)
         )
     stop_s = conditioned.presses.stop_s + force_clock.start_s
-    lag = estimate_lag(samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], stop_s)
+    moved = movement(record.samples, record.fs_hz, np.stack(edges, axis=-1), np.stack((start, stop), axis=-1))
+    lag = estimate_lag(samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], stop_s, moved)
     found = f"lag: force follows EMG by {1e3 * lag.lag_s:.0f} ms, "
     if lag.pieces > 1:
         said.append(f"{found}standard error {1e3 * lag.se_s:.0f} ms")
@@ -266,7 +282,7 @@ def _cleaned(
         said.append(f"{found}by one press" if lag.pieces else "lag: not known")
     if filters.align == "lag" and not lag.certain:
         said.append("lag: not certain, force is not moved")
-    return replace(record, samples=samples), lag, touching_v, tuple(said)
+    return replace(record, samples=samples), lag, touching_v, moved, tuple(said)
 
 
 def _looked_at(

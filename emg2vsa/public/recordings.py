@@ -343,7 +343,7 @@ def trials_frame(found: Trials) -> pd.DataFrame:
 
 
 def samples_frame(found: Trials) -> pd.DataFrame:
-    """`Trials` as `samples` gives them."""
+    """`Trials` as `samples` gives them; samples that are left out, for the electrode moved, have no row."""
     counts = np.diff(found.offsets)
     unit = "_v" if found.activity_unit == "V" else ""
     columns: dict[str, Any] = {
@@ -354,7 +354,7 @@ def samples_frame(found: Trials) -> pd.DataFrame:
         f"activity{unit}": found.activity,
     }
     columns |= {f"{name}_v": found.envelopes_v[i] for i, name in enumerate(found.muscles)}
-    frame = pd.DataFrame(columns)
+    frame = pd.DataFrame(columns)[np.isfinite(found.activity)].reset_index(drop=True)
     frame.attrs = {"fs_hz": found.fs_hz, "activity_unit": found.activity_unit, "emg2vsa": __version__}
     return frame
 

@@ -45,7 +45,8 @@ def _index(levels: Floats, index: str) -> Floats:
         return np.asarray(lower)
     total = lower + higher
     numerator, denominator = (lower * total, higher) if index == "rudolph" else (2 * lower, total)
-    return np.asarray(np.divide(numerator, denominator, out=np.zeros_like(lower), where=denominator > 0))
+    nothing = np.where(np.isnan(denominator), np.nan, 0.0)  # samples that are left out stay so
+    return np.asarray(np.divide(numerator, denominator, out=nothing, where=denominator > 0))
 
 
 def _reference_v(

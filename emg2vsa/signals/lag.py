@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special
+from scipy import signal, special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.signals.pairing import Clock
@@ -15,6 +16,8 @@ STEP_S = 0.01
 "EMG is rectified and averaged over steps of this length."
 DRIFT_STEPS = 10
 "... after the running mean of so many steps is subtracted: slow wander of the electrode leaves 0.2 % of itself."
+ABOVE_MOVEMENT_HZ = 80.0
+"Where an electrode moves, activity is taken from above this frequency."
 SMOOTH_STEPS = 5
 MOST_S = 2.0
 "A larger lag is not looked for: presses repeat every few seconds."
@@ -82,7 +85,13 @@ UNKNOWN = Lag(float("nan"), float("nan"))
 
 
 def estimate_lag(
-    channels: tuple[Floats, ...], emg: Clock, force_n: Floats, force: Clock, lower_n: float, stop_s: Floats
+    channels: tuple[Floats, ...],
+    emg: Clock,
+    force_n: Floats,
+    force: Clock,
+    lower_n: float,
+    stop_s: Floats,
+    moved: Sequence[Ints] = (),
 ) -> Lag:
     """The lag at which the activity is most nearly a function of force, whatever function that is.
 
@@ -90,10 +99,11 @@ def estimate_lag(
     press is one piece of the jackknife. The lag of the best correlation of ln activity with ln F is refined by the
     scatter of ln activity within levels of ln F. Muscles are quieter on release than at the same force before it, which
     looks like a lag; where it matters that rise and release are told apart, they are. One press has no standard error,
-    two have half their difference. UNKNOWN without a press, and where force explains too little of the activity.
+    two have half their difference. moved : spans (k, 2) of samples of each channel in which it moves (``movement``).
+    UNKNOWN without a press, and where force explains too little of the activity.
     """
     step = max(1, round(STEP_S * emg.fs_hz))
-    activity = _activity(channels, step)
+    activity = _activity(channels, step, emg.fs_hz, moved)
     time_s = emg.time_s(np.arange(activity.size, dtype=np.float64) * step + (step - 1) / 2)
     inside = (time_s >= force.time_s(np.zeros(1))[0]) & (time_s <= force.time_s(np.array([force.n_samples - 1]))[0])
     activity, time_s = activity[inside], time_s[inside]
@@ -175,18 +185,32 @@ def _drift(lag_s: Floats, time_s: Floats) -> float:
     return slope if abs(slope) > TREND * error and abs(slope) * np.ptp(time_s) > TREND_S else 0.0
 
 
-def _activity(channels: tuple[Floats, ...], step: int) -> Floats:
+def _activity(channels: tuple[Floats, ...], step: int, fs_hz: float, moved: Sequence[Ints]) -> Floats:
     """Sum of the rectified channels in steps (k,), smoothed over ``SMOOTH_STEPS``."""
     half = step * DRIFT_STEPS // 2
     n = channels[0].size // step * step
     total = np.zeros(n // step)
-    for samples in channels:
+    for number, samples in enumerate(channels):
         sums = np.concatenate(([0.0], np.cumsum(samples - samples.mean())))
         at = np.arange(n)
         low, high = np.maximum(at - half, 0), np.minimum(at + half + 1, samples.size)
         rough = np.abs(samples[:n] - samples.mean() - (sums[high] - sums[low]) / (high - low))
-        total += rough.reshape(-1, step).mean(axis=1)
+        steps = rough.reshape(-1, step).mean(axis=1)
+        if moved and len(moved[number]):
+            steps = _without_movement(steps, samples[:n], moved[number], step, fs_hz)
+        total += steps
     return np.asarray(np.convolve(total, np.full(SMOOTH_STEPS, 1 / SMOOTH_STEPS), mode="same"))
+
+
+def _without_movement(steps: Floats, samples: Floats, spans: Ints, step: int, fs_hz: float) -> Floats:
+    """Steps (k,); those that the spans touch are taken from what is faster than movement, at the usual ratio."""
+    sections = signal.butter(4, min(ABOVE_MOVEMENT_HZ, 0.25 * fs_hz), "highpass", fs=fs_hz, output="sos")
+    quick = np.abs(signal.sosfiltfilt(sections, samples)).reshape(-1, step).mean(axis=1)
+    gone = np.zeros(steps.size, dtype=np.bool_)
+    for first, last in spans.tolist():
+        gone[max(first // step - DRIFT_STEPS // 2, 0) : -(-last // step) + DRIFT_STEPS // 2] = True
+    usual = float(steps[~gone].sum() / max(float(quick[~gone].sum()), 1e-300))
+    return np.where(gone, usual * quick, steps)
 
 
 def _best_correlation(y: Floats, u: Floats, most: int) -> int:

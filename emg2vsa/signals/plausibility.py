@@ -19,7 +19,7 @@ from emg2vsa.arrays import Floats, median, quantiles
 from emg2vsa.signals.level_drift import level_trends
 from emg2vsa.signals.press_signals import Signals, by_press, correlation, pieces_of, volts
 from emg2vsa.signals.quality import MAINS_HZ
-from emg2vsa.signals.spikes import Profile, beats_of, bursts_of, contacts_of, repeated_of, spikes_of
+from emg2vsa.signals.spikes import Profile, beats_of, bursts_of, repeated_of, spikes_of
 
 LEVEL_V = (1e-6, 5e-3)
 "Envelope of surface EMG during a press."
@@ -90,11 +90,10 @@ def plausibility(signals: Signals) -> Plausibility:
         return Plausibility("; ".join(faults), (), ((),) * n_presses)
     beats, spikes = dict(beats_of(signals)), [dict(spikes_of(signals, press)) for press in range(n_presses)]
     profiles = [Profile.of(signals, muscle) for muscle in range(len(signals.muscles))]
-    contacts = dict(contacts_of(signals, profiles)) if abs(signals.lag_s) < LARGE_LAG_S else {}
-    explained = {muscle for told in (beats, contacts, *spikes) for muscle in told}
+    explained = {muscle for told in (beats, *spikes) for muscle in told}
     remarks = (
         *wandering, *_rate(signals), *_crosstalk(pairs), *_ratios(signals), *_saturated(signals, pieces),
-        *_fading(signals), *contacts.values(), *beats.values(), *repeated_of(signals, stored),
+        *_fading(signals), *beats.values(), *repeated_of(signals, stored),
         *(said for muscle, said in _deaf(signals) if muscle not in explained and abs(signals.lag_s) < LARGE_LAG_S),
     )  # fmt: skip
     of_press = []

@@ -1,4 +1,4 @@
-"""What is no EMG within EMG: spikes, bursts, jumps at contact, heart beats, packets that were sent again.
+"""What is no EMG within EMG: spikes, bursts, heart beats, packets that were sent again.
 
 Each says which muscle shows it and how much. Limits were set on simulated mishaps and on clean signals of many kinds
 (benchmarks/mishaps.py, benchmarks/verdict_thresholds.py).
@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.arrays import Floats, median
-from emg2vsa.signals.press_signals import Signals, by_press, volts
+from emg2vsa.signals.press_signals import Signals, by_press
 
-BURST_S, BURST, CONTACT = 0.1, 3.0, 0.5
-"Length of a burst, its level over that of the other presses, and excess at contact over the level at half the force."
+BURST_S, BURST = 0.1, 3.0
+"Length of a burst, and its level over that of the other presses."
 SPIKE_SD, SPIKE_HEIGHT = 15.0, 3.0
 "A sample this far from its two neighbours' mean, in robust SDs of the press and over its loud parts, is no EMG."
 BEAT_S, BEAT_LEVEL, BEATS, BEAT_RATE_HZ, BEAT_SPREAD = 0.03, 4.0, 5, (0.7, 3.3), 0.25
@@ -50,21 +50,6 @@ class Profile:
         each = np.array(rows)
         typical = np.array([median(c[np.isfinite(c)]) if np.isfinite(c).any() else np.nan for c in each.T])
         return Profile((edges[1:] + edges[:-1]) / 2, each, typical)
-
-
-def contacts_of(signals: Signals, profiles: Sequence[Profile]) -> Iterator[tuple[str, str]]:
-    """More EMG where the press begins than its curve from twice that force on allows."""
-    for muscle, profile in zip(signals.muscles, profiles, strict=True):
-        known = np.isfinite(profile.typical_v)
-        above = known & (profile.ln_force > profile.ln_force[0] + np.log(2.2))
-        begin = known & (profile.ln_force < profile.ln_force[0] + 0.5)
-        if np.count_nonzero(above) < 4 or not begin.any():
-            continue
-        slope, level = np.polyfit(profile.ln_force[above], profile.typical_v[above], 1)
-        middle = median(profile.typical_v[above])
-        excess = profile.typical_v[begin] - np.maximum(level + slope * profile.ln_force[begin], 0)
-        if middle > 0 and float(excess.max()) > CONTACT * middle:
-            yield muscle, f"{muscle} is {volts(float(excess.max()))} above its curve at contact; does its cable move?"
 
 
 def bursts_of(signals: Signals, profiles: Sequence[Profile], press: int) -> Iterator[tuple[str, str]]:
