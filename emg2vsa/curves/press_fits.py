@@ -16,6 +16,8 @@ from emg2vsa.settings import FitSettings
 
 PARAMETERS = 2
 "Of a line."
+FEWEST_DOF = 2
+"A press is never left with a single degree of freedom: an interval of 12.7 standard errors says nothing."
 MOST_SHARE, ROUNDS = 0.7, 6
 "Of the noise, that a line is held to have taken; and how often that is found anew from its own result."
 
@@ -42,8 +44,8 @@ def fit_presses(force_n: Floats, v: Floats, offsets: Ints, edges_n: Floats, fit:
     """Fit k presses cut from the samples force_n, v (N,), evenly sampled in time, by ``offsets`` (k + 1,).
 
     Errors on bins allow for the correlation of the samples, and their interval for the degrees of freedom that slow
-    noise leaves: no more than the effective number of samples has. Errors on samples (the paper's fit) do not, and are
-    several times too small: ``n_effective`` says why.
+    noise leaves: no more than the effective number of samples has (``shared_number``). Errors on samples (the paper's
+    fit) do not, and are several times too small: ``n_effective`` says why.
     """
     bins = bin_means(force_n, v, offsets, edges_n)
     force, samples = pad_rows(force_n, offsets), pad_rows(v, offsets)
@@ -52,14 +54,14 @@ def fit_presses(force_n: Floats, v: Floats, offsets: Ints, edges_n: Floats, fit:
     noise = 1 / np.sqrt(level_weights(level))
     n = np.count_nonzero(np.isfinite(samples), axis=1).astype(np.float64)
     correlation = autocorrelation((samples - level) / noise)
-    independent = effective_number(without_line(correlation, n), n)
+    independent = shared_number(effective_number(without_line(correlation, n), n), n)
     if fit.points == "samples":
         reported, _ = _fit(force, samples, np.ones(samples.shape), fit)
     else:
         reported, weights = _fit(bins.force_n, bins.v, bins.samples.astype(np.float64), fit)
         a_factor, b_factor, dof = _factors(bins, weights, noise, memory(correlation))
         # where the effective number is not known (NaN), it sets no limit
-        dof = np.fmin(dof, np.maximum(independent - PARAMETERS, 1))
+        dof = np.fmin(dof, np.maximum(independent - PARAMETERS, FEWEST_DOF))
         reported = widen(reported, a_factor, b_factor, dof, fit.confidence)
     return PressFits(
         reported=reported,
@@ -111,6 +113,16 @@ def autocorrelation(residuals: Floats) -> Floats:
     covariance = np.fft.irfft(spectrum.real**2 + spectrum.imag**2, size, axis=1)[:, :p]
     undefined = (n < 3) | ~np.any(centred != 0, axis=1)
     return np.asarray(covariance / np.where(undefined, np.nan, covariance[:, 0])[:, None])
+
+
+def shared_number(independent: Floats, n: Floats) -> Floats:
+    """Effective numbers (k,) of presses of n (k,) values that all share: the geometric mean of what a value is worth.
+
+    That of one press alone is too noisy: now and then it leaves a single degree of freedom, and t of 12.7.
+    """
+    known = np.isfinite(independent)
+    worth = float(np.exp(np.mean(np.log(n[known] / independent[known])))) if known.any() else np.nan
+    return np.where(known, np.clip(n / worth, 1, np.maximum(n, 1)), np.nan)
 
 
 def without_line(correlation: Floats, n: Floats) -> Floats:

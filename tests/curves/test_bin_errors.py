@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import signal
 
 from emg2vsa.curves.force_bins import bin_covariance, bin_means, error_factors
 from emg2vsa.curves.logarithmic import fit_log, widen
-from emg2vsa.curves.press_fits import fit_presses
+from emg2vsa.curves.press_fits import fit_presses, shared_number
 from emg2vsa.settings import FitSettings
 
 EDGES = np.array([1.0, 2.0, 3.0, 4.0])
@@ -103,5 +104,21 @@ def test_many_presses_with_narrow_bins_are_fitted_as_each_alone() -> None:
     together = fit_presses(np.concatenate(forces), np.concatenate(levels), offsets, edges, fit).reported
     for i, (force, v) in enumerate(zip(forces, levels, strict=True)):
         alone = fit_presses(force, v, np.array([0, force.size]), edges, fit).reported
-        for name in ("b", "a_se", "b_se", "b_lo", "b_hi"):
+        for name in ("b", "a_se", "b_se"):  # the intervals share their degrees of freedom
             assert getattr(together, name)[i] == pytest.approx(getattr(alone, name)[0], rel=1e-9), name
+
+
+def test_degrees_of_freedom_are_those_of_the_recording() -> None:
+    """One value of all presses is worth the same; none is left with one degree of freedom."""
+    independent = np.array([40.0, 10.0, np.nan, 20.0])
+    n = np.array([200.0, 200.0, 200.0, 400.0])
+    np.testing.assert_allclose(shared_number(independent, n), [200, 200, np.nan, 400] / np.cbrt(5 * 20 * 20))
+    assert np.isnan(shared_number(np.full(2, np.nan), n[:2])).all()
+    rng = np.random.default_rng(3)
+    force = np.tile(np.linspace(0.5, 7, 200), 20)
+    white = rng.standard_normal((20, 400))
+    slow = signal.lfilter([0.14], [1, -0.99], white, axis=1)[:, 200:]
+    v = (20 + 10 * np.log(force)) * (1 + 0.3 * slow.ravel())
+    fitted = fit_presses(force, v, 200 * np.arange(21), np.linspace(0.5, 7, 22), FitSettings())
+    reach = (fitted.reported.b_hi - fitted.reported.b_lo) / (2 * fitted.reported.b_se)
+    assert np.all(reach < 4.31)

@@ -27,7 +27,7 @@ def _with_rate(made):
     return samples, FS_HZ, presses, rests
 
 
-@pytest.mark.parametrize(("size_v", "length_s"), [(50e-6, 0.06), (150e-6, 0.2), (500e-6, 0.06)])
+@pytest.mark.parametrize(("size_v", "length_s"), [(50e-6, 0.06), (150e-6, 0.1), (500e-6, 0.06)])
 def test_a_pulse_is_found_where_it_is(size_v, length_s):
     samples, presses, rests = presses_of(Laboratory(), 5)
     at = presses[:, 0] + 400
