@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,7 @@ from emg2vsa.signals.delays import delay_budget
 from emg2vsa.signals.filters import IirFilter
 from emg2vsa.signals.floor import floor_change, press_levels, subtract_floor
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
-from emg2vsa.signals.hum import remove_hum, touch_hum
+from emg2vsa.signals.hum import remove_hum, remove_touch_hum, touch_hum
 from emg2vsa.signals.lag import DIFFERS_S, Lag, estimate_lag
 from emg2vsa.signals.level_drift import level_drift, level_trends
 from emg2vsa.signals.movement import bridged, change_by_leaving_out, left_out, movement
@@ -56,6 +57,8 @@ TONE_BLOCK_S = 0.1
 "Rests are compared by the means of blocks of this length."
 TONE_CHANCE = 1e-4
 "Noise alone makes the rests of a muscle differ with this probability."
+HUM_LEFT = 0.05
+"Of the change that hum in presses makes, so much may be left: a tenth of its amplitude, which adds in power."
 TOUCHED = 0.1
 "The finger is on the specimen above this share of the window's lower force."
 
@@ -83,7 +86,8 @@ def extract_trials(
     chain = filter_chain(filters, record, force.fs_hz)
     conditioned, force_missing = _conditioned(force, chain.low, force_channel, window)
     raw = record
-    record, lag, touching_v, moved, noted = _cleaned(raw, force, conditioned, chain, filters, force_channel, window)
+    clean = _cleaned(raw, force, conditioned, chain, filters, force_channel, window)
+    record, lag = clean.record, clean.lag
     moved_s = lag.lag_s if filters.align == "lag" and lag.certain else 0.0
     delay, shifts = delay_budget(filters.phase, chain.band, chain.envelope, chain.low, force_channel.delay_s, moved_s)
     emg_clock = Clock(record.start_s - shifts.emg_s, record.fs_hz, record.samples[0].size)
@@ -95,7 +99,7 @@ def extract_trials(
 
     resting = rest_instants(conditioned.rest, emg_clock, force_clock, chain.step)
     measured_v, resting_v = chain.envelopes(record, instants, resting)
-    gone = left_out(moved, instants.samples(), chain.envelope.before, chain.envelope.after)
+    gone = left_out(clean.moved, instants.samples(), chain.envelope.before, chain.envelope.after)
     disturbed_v, measured_v = measured_v, bridged(measured_v, gone, instants.offsets)
     rest_v, floor_v, floor_error = _rest_levels(resting_v, resting)
     levels_v = press_levels(measured_v, force_n, instants.offsets)
@@ -109,15 +113,16 @@ def extract_trials(
         _, change = line_change(x, own_v.sum(axis=0), x, alone_v.sum(axis=0), alone_v.sum(axis=0), instants.offsets)
         crossing = [taken_out("crosstalk", change, 2 * KNOWN_TO * np.abs(change))]
     floor_a, floor_b = floor_change(levels_v, floor_v, force_n, instants.offsets)
-    # a mean rectified value is sqrt(2 / pi) of the rms
-    touching_v *= np.sqrt(2 / np.pi)
     told_above = TONE_CORRECTION if _rests_differ(resting_v, resting, record.fs_hz / chain.step) else LARGE_CORRECTION
-    humming = left_in("hum at the touch", *floor_change(levels_v, touching_v, force_n, instants.offsets))
+    # a mean rectified value is sqrt(2 / pi) of the rms
+    stays_v, went_v = np.sqrt(2 / np.pi) * clean.touching_v, np.sqrt(2 / np.pi) * clean.taken_v
+    _, hummed = floor_change(np.hypot(levels_v, went_v[:, None]), went_v, force_n, instants.offsets)
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
     shifts_of_b: list[Shift] = [
         taken_out("rest level", floor_b, np.abs(floor_b) * floor_error) if subtract
         else left_in("rest level", floor_a, floor_b),
-        humming, *crossing, level_drift(envelopes_v, instants.offsets, *level_trends(envelopes_v, instants.offsets)),
+        left_in("hum at the touch", *floor_change(levels_v, stays_v, force_n, instants.offsets)),
+        taken_out("hum at the touch", hummed, HUM_LEFT * np.abs(hummed)), *crossing, level_drift(envelopes_v, instants.offsets, *level_trends(envelopes_v, instants.offsets)),
     ]  # fmt: skip
     if gone.any():
         whole_v, level_v = disturbed_v.sum(axis=0), levels_v.sum(axis=0)
@@ -141,7 +146,7 @@ def extract_trials(
     bias = BiasBudget.of(shifts_of_b, start_s.size)
     biased = said_of_bias(conditioned, bias, told_above, lag, window)
     loaded = said_of_overload(force, presses)
-    shaken = said_of_movement(record.muscles, moved, gone, instants, record.fs_hz, bias)
+    shaken = said_of_movement(record.muscles, clean.moved, gone, instants, record.fs_hz, bias)
     other = [
         (*over, *shook, *own, *((False, sign) for sign in signs))
         for over, shook, own, signs in zip(loaded, shaken, biased, seen.of_press, strict=True)
@@ -177,7 +182,7 @@ def extract_trials(
         overview_time_s=force_clock.time_s(np.arange(0, force_missing.size, every)),
         overview_force_n=conditioned.force_n[::every].copy(),
         delay=delay,
-        notes=(*notes, *conversions, *chain.notes, str(delay), *conditioned.notes, *noted, *said),
+        notes=(*notes, *conversions, *chain.notes, str(delay), *conditioned.notes, *clean.said, *said),
         lag_s=lag.lag_s,
         lag_se_s=lag.se_s,
         bias=bias,
@@ -228,6 +233,18 @@ def _rests_differ(envelopes_v: Floats, resting: Instants, fs_hz: float) -> bool:
     return bool(np.any(between > special.fdtri(n - 1, n * (count - 1), 1 - TONE_CHANCE) * within))
 
 
+class Cleaned(NamedTuple):
+    """The EMG without its hum; the lag of force behind it; rms (m,) of the hum that presses still hold beside that of
+    the rests, and of what was taken from them; spans in which each electrode moves; and what is said."""
+
+    record: EmgRecord
+    lag: Lag
+    touching_v: Floats
+    taken_v: Floats
+    moved: list[Ints]
+    said: tuple[str, ...]
+
+
 def _cleaned(
     record: EmgRecord,
     force: Channel,
@@ -236,9 +253,8 @@ def _cleaned(
     filters: FilterSettings,
     force_channel: ForceChannelSettings,
     window: WindowSettings,
-) -> tuple[EmgRecord, Lag, Floats, list[Ints], tuple[str, ...]]:
-    """The EMG without its hum, the lag of force behind it, the rms (m,) of hum only in presses, the spans in which
-    electrodes move, and what is said."""
+) -> Cleaned:
+    """The EMG of a recording without its hum, and what was found on the way."""
     late_s = 0.0 if chain.low is None else chain.low.delay_s
     force_clock = Clock(force.start_s - force_channel.delay_s - late_s, force.fs_hz, conditioned.force_n.size)
     emg_clock = Clock(record.start_s, record.fs_hz, record.samples[0].size)
@@ -266,6 +282,12 @@ def _cleaned(
             orders = ", ".join(map(str, hum.absent.tolist()))
             said.append(f"mains: harmonics {orders} change when the specimen is touched, subtracted at rest only")
     hum_hz = hum.hz if hum else None
+    taken_v = np.zeros(len(samples))
+    if filters.mains == "remove":
+        samples, taken_v = remove_touch_hum(samples, record.fs_hz, edges[0], edges[1], hum_hz)
+        if taken_v.any():
+            shown = ", ".join(f"{muscle} {1e6 * v:.3g} uV" for muscle, v in zip(record.muscles, taken_v, strict=True))
+            said.append(f"mains: hum while the specimen is touched, fitted in each press and subtracted: {shown} rms")
     touching_v = touch_hum(samples, record.fs_hz, edges[0], edges[1], hum_hz)
     if touching_v.any():
         # hum of the rests that stays is part of the rest level
@@ -282,7 +304,7 @@ def _cleaned(
         said.append(f"{found}by one press" if lag.pieces else "lag: not known")
     if filters.align == "lag" and not lag.certain:
         said.append("lag: not certain, force is not moved")
-    return replace(record, samples=samples), lag, touching_v, moved, tuple(said)
+    return Cleaned(replace(record, samples=samples), lag, touching_v, taken_v, moved, tuple(said))
 
 
 def _looked_at(

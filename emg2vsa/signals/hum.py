@@ -82,6 +82,10 @@ PRESENT = 0.5
 "Hum of the rests leaves the presses where they hold more than this share of it: only so does their power fall."
 TOUCH_S = 2.0
 "Hum within presses is measured in pieces of at most this length, ..."
+TOUCH_BLOCK_S, TOUCH_ROUNDS = 0.02, 3
+"Hum of a press is fitted on means over a period of the mains, and so often, as what it leaves is known better."
+TOUCH_REACH_S = 3.0
+"So far before and after the loading phase it is looked for."
 TOUCH_ASIDE_HZ = np.array([-8.0, -7.0, -6.0, -5.0, -4.0, 4.0, 5.0, 6.0, 7.0, 8.0])
 "... against the power so far beside it, ..."
 TOUCH_CLEAR = 4.0
@@ -159,6 +163,95 @@ def remove_hum(
     return tuple(cleaned), Hum(hz, orders, rms, orders[~present.all(axis=0)])
 
 
+def remove_touch_hum(
+    channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Ints, hz: float | None
+) -> tuple[tuple[Floats, ...], Floats]:
+    """The channels (n,) without the hum that their presses [start, stop) (p,) hold, and its rms (m,); 0 where none is
+    clear.
+
+    Of each press one phasor a harmonic is fitted, weighted by the inverse of the power that is left, so that the loud
+    end of the press does not spoil its quiet begin; it is subtracted as far around the press as the record holds it.
+    The share of the EMG's own power that goes with it is that of a band of 1 / duration, some tenths of a percent.
+    hz : of the mains, None: whichever of both holds more.
+    """
+    pieces = _touch_pieces(start, stop, fs_hz)
+    size = np.array([[np.vdot(own[a:b], own[a:b]) / (b - a) for a, b in pieces] for own in channels])
+    found = [
+        (mains_hz, _clear_powers(channels, pieces, size, _harmonics(mains_hz, fs_hz), fs_hz))
+        for mains_hz in ((hz,) if hz else MAINS_HZ)
+    ]
+    mains_hz, powers = max(found, key=lambda each: float(each[1].sum()))
+    if not powers.any():
+        return channels, np.zeros(len(channels))
+    cleaned = []
+    for samples, own in zip(channels, powers, strict=True):
+        orders = np.flatnonzero(own) + 1
+        if orders.size:
+            samples = _without_touch(samples, mains_hz, orders, fs_hz, start, stop)
+        cleaned.append(samples)
+    return tuple(cleaned), np.asarray(np.sqrt(powers.sum(axis=1)))
+
+
+def _without_touch(samples: Floats, mains_hz: float, orders: Ints, fs_hz: float, start: Ints, stop: Ints) -> Floats:
+    left = samples.copy()
+    size = max(1, round(TOUCH_BLOCK_S * fs_hz))
+    offsets_hz = np.linspace(-OFFSET_HZ, OFFSET_HZ, 81)
+    strongest = orders[0]
+    for first, last in zip(start.tolist(), stop.tolist(), strict=True):
+        n = (last - first) // size * size
+        if n < round(PIECE_S * fs_hz):
+            continue
+        piece, at = samples[first : first + n], np.arange(n) / fs_hz
+        middle_s = at.reshape(-1, size).mean(axis=1)
+        turned = {
+            order: (piece * np.exp(-2j * np.pi * order * mains_hz * at)).reshape(-1, size).mean(axis=1)
+            for order in orders.tolist()
+        }
+        rest = piece - piece.mean()
+        for _ in range(TOUCH_ROUNDS):
+            weights = 1 / np.maximum(np.square(rest).reshape(-1, size).mean(axis=1), 1e-300)
+            weights /= weights.sum()
+            turns = np.exp(-2j * np.pi * np.outer(offsets_hz * strongest, middle_s))
+            offset_hz = offsets_hz[int(np.argmax(np.abs(turns @ (weights * turned[strongest]))))]
+            phasors = {
+                order: 2 * complex(weights @ (own * np.exp(-2j * np.pi * order * offset_hz * middle_s)))
+                for order, own in turned.items()
+            }
+            rest = piece - _waves(phasors, mains_hz + offset_hz, at)
+        reach = round(TOUCH_REACH_S * fs_hz) // size * size
+        low = first - min(reach, first // size * size)
+        high = low + (min(samples.size, last + reach) - low) // size * size
+        around = slice(low, high)
+        hum = _waves(phasors, mains_hz + offset_hz, (np.arange(low, high) - first) / fs_hz)
+        begin, end = _held(samples[around], hum, size, first - low, last - low)
+        left[low + begin : low + end] -= hum[begin:end]
+    return left
+
+
+def _held(samples: Floats, hum: Floats, size: int, first: int, last: int) -> tuple[int, int]:
+    """How far around [first, last) samples (n,) hold the hum (n,), to a block of ``size``: where it is most likely."""
+    with_it, without, both, own = (
+        x.reshape(-1, size).sum(axis=1) for x in ((samples - hum) ** 2, samples**2, samples * hum, hum**2)
+    )
+    likely = (both - own / 2) / np.maximum(np.minimum(with_it, without), 1e-300)
+    before, after = likely[: first // size][::-1], likely[-(-last // size) :]
+    most = [int(np.argmax(np.concatenate(([0.0], np.cumsum(each))))) for each in (before, after)]
+    return (first // size - most[0]) * size, (-(-last // size) + most[1]) * size
+
+
+def _waves(phasors: dict[int, complex], hz: float, at_s: Floats) -> Floats:
+    found = np.zeros(at_s.size)
+    for order, own in phasors.items():
+        found += (own * np.exp(2j * np.pi * order * hz * at_s)).real
+    return found
+
+
+def _harmonics(mains_hz: float, fs_hz: float) -> Floats:
+    """Those (h,) that are measured: with room beside them below half the rate."""
+    hz = np.arange(1.0, HARMONICS + 1) * mains_hz
+    return np.asarray(hz[hz + TOUCH_ASIDE_HZ[-1] < fs_hz / 2], dtype=np.float64)
+
+
 def touch_hum(channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Ints, hz: float | None) -> Floats:
     """Rms (m,) of the hum within the presses [start, stop) (p,), in the unit of the channels; 0 where none is clear.
 
@@ -167,7 +260,7 @@ def touch_hum(channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Int
     pieces = _touch_pieces(start, stop, fs_hz)
     size = np.array([[np.vdot(own[a:b], own[a:b]) / (b - a) for a, b in pieces] for own in channels])
     powers = [
-        _clear_powers(channels, pieces, size, np.asarray(mains_hz * np.arange(1.0, HARMONICS + 1)), fs_hz)
+        _clear_powers(channels, pieces, size, _harmonics(mains_hz, fs_hz), fs_hz).sum(axis=1)
         for mains_hz in ((hz,) if hz else MAINS_HZ)
     ]
     return np.asarray(np.sqrt(max(powers, key=np.sum)))
@@ -176,8 +269,8 @@ def touch_hum(channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Int
 def _clear_powers(
     channels: tuple[Floats, ...], pieces: list[tuple[int, int]], size: Floats, hz: Floats, fs_hz: float
 ) -> Floats:
-    """Mean square (m,) of those sines (h,) that are clear of their surroundings; size : (m, q) that of the pieces."""
-    hz = hz[hz + TOUCH_ASIDE_HZ[-1] < fs_hz / 2]
+    """Mean square (m, h) of the sines (h,), 0 of those that are not clear of their surroundings; size : (m, q) that of
+    the pieces."""
     around = np.add.outer(hz, np.append(0.0, TOUCH_ASIDE_HZ))
     phasors = sine_phasors(channels, pieces, around.ravel(), fs_hz)
     power = (phasors.real**2 + phasors.imag**2).reshape(*phasors.shape[:2], *around.shape)
@@ -188,7 +281,7 @@ def _clear_powers(
     excess = np.einsum("mq,mqh->mh", weights, power[..., 0] - aside)
     error = np.sqrt((1 + 1 / TOUCH_ASIDE_HZ.size) * np.sum((weights[..., None] * aside) ** 2, axis=1))
     clear = known[:, None] & (excess > TOUCH_CLEAR * error)
-    return np.asarray(np.sum(np.where(clear, excess / 2, 0.0), axis=1))
+    return np.where(clear, excess / 2, 0.0)
 
 
 def _present(

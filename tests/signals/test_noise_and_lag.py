@@ -7,7 +7,7 @@ import pytest
 
 from emg2vsa.signals.bias import line_change
 from emg2vsa.signals.floor import floor_change, press_levels, subtract_floor
-from emg2vsa.signals.hum import remove_hum, touch_hum
+from emg2vsa.signals.hum import remove_hum, remove_touch_hum, touch_hum
 from emg2vsa.signals.lag import UNKNOWN, estimate_lag
 from emg2vsa.signals.pairing import Clock
 
@@ -87,6 +87,29 @@ def test_hum_within_presses_is_measured_and_none_is_found_in_noise(hz: float | N
     assert found[0] == pytest.approx(5 / 2**0.5, rel=0.1)
     assert found[1] == 0
     assert touch_hum((noise,), FS_HZ, START[:0], STOP[:0], hz)[0] == 0
+
+
+@pytest.mark.parametrize(("hz", "wander_hz", "size"), [(50.03, 0.0, 5.0), (60.0, 0.05, 20.0), (49.9, 0.02, 40.0)])
+def test_hum_of_presses_alone_is_subtracted_where_it_is(hz: float, wander_hz: float, size: float) -> None:
+    noise = np.random.default_rng(5).standard_normal(N) * np.where(TOUCHED, 10.0, 1.0)
+    touching = TOUCHED | (np.arange(N) % 6000 > 5990)
+    waves = (hum(hz, size, wander_hz) + 0.5 * hum(2 * hz, size, 2 * wander_hz)) * touching
+    (cleaned, alone), rms = remove_touch_hum((noise + waves, noise), FS_HZ, *PRESSES, None)
+    assert rms[0] == pytest.approx(size * np.sqrt(1.25 / 2), rel=0.1)
+    assert rms[1] == 0
+    assert alone is noise
+    left = cleaned - noise
+    inside = TOUCHED & (np.arange(N) < PRESSES[1][-1])
+    assert np.sqrt(np.mean(left[inside] ** 2)) < 0.12 * np.sqrt(np.mean(waves[inside] ** 2)) + 0.3
+    assert np.sqrt(np.mean(left[~TOUCHED] ** 2)) < 0.1 * size + 0.3
+
+
+def test_without_hum_the_presses_stay_as_they_are() -> None:
+    for seed in range(20):
+        noise = np.random.default_rng(seed).standard_normal(N) * np.where(TOUCHED, 10.0, 1.0)
+        (same,), rms = remove_touch_hum((noise,), FS_HZ, *PRESSES, None)
+        assert same is noise
+        assert rms[0] == 0
 
 
 def envelopes(floor: float, presses: int = 200, n: int = 250) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
