@@ -20,8 +20,6 @@ from emg2vsa.settings import PressJudgement
 
 LAG_APART_S = 0.03
 """Recordings of a session whose lags differ by more from their median were not started alike."""
-LOUDER = 50.0
-"""Participants do not differ so much in their activity."""
 MIN_OTHERS, CLEARLY = 3, 4.0
 """So many others must agree on the order of two specimens, and so many standard errors make a difference clear."""
 MIN_USABLE_SHARE = 0.8
@@ -152,7 +150,7 @@ def doubts_between(
     """
     found: Doubts = {}
     slopes = {key: (one, usable(one, "ok+doubtful")) for key, one in fits.items()}
-    tellers = (_copies(trials, fits), _apart(trials), _loudness(slopes), _swapped(slopes), _unknown(trials, judgements))
+    tellers = (_apart(trials), _swapped(slopes), _unknown(trials, judgements))
     for tell in tellers:
         for key, said in tell:
             found.setdefault(key, []).append(said)
@@ -160,19 +158,6 @@ def doubts_between(
 
 
 Told = Iterator[tuple[tuple[str, str], str]]
-
-
-def _copies(trials: Sequence[Trials], fits: Mapping[tuple[str, str], Fits]) -> Told:
-    """Equal times and slopes of all presses, to the last digit: one recording under two names."""
-    first: dict[tuple[bytes, bytes], tuple[str, str]] = {}
-    for one in trials:
-        key = (one.participant, one.specimen)
-        if one.start_s.size == 0 or key not in fits:
-            continue
-        other = first.setdefault((one.start_s.tobytes(), fits[key].b_v.tobytes()), key)
-        if other != key:
-            yield key, f"the same recording as {'/'.join(other)}"
-            yield other, f"the same recording as {'/'.join(key)}"
 
 
 def _apart(trials: Sequence[Trials]) -> Told:
@@ -190,22 +175,6 @@ def _apart(trials: Sequence[Trials]) -> Told:
 
 Slopes = Mapping[tuple[str, str], tuple[Fits, NDArray[np.bool_]]]
 """(participant, specimen) to the fits of the recording, and which of them are used."""
-
-
-def _loudness(slopes: Slopes) -> Told:
-    levels: dict[str, list[float]] = {}
-    for (participant, _), (fits, used) in slopes.items():
-        levels.setdefault(participant, []).extend(fits.v_max_v[used].tolist())
-    typical = {name: median(np.array(values)) for name, values in levels.items() if values}
-    if len(typical) < MIN_OTHERS:
-        return
-    middle = median(np.array(list(typical.values())))
-    for participant, specimen in slopes:
-        ratio = typical.get(participant, middle) / middle if middle > 0 else 1.0
-        if ratio > 0 and not 1 / LOUDER < ratio < LOUDER:
-            how = f"{ratio:.3g} times as loud" if ratio > 1 else f"{1 / ratio:.3g} times as quiet"
-            said = f"EMG is {how} as in the median of the other participants; is its gain right?"
-            yield (participant, specimen), said
 
 
 def _swapped(slopes: Slopes) -> Told:

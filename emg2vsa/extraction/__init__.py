@@ -15,6 +15,7 @@ from emg2vsa.arrays import Floats, Ints
 from emg2vsa.signals.bias import BiasBudget
 from emg2vsa.signals.delays import DelayBudget
 from emg2vsa.signals.overview import EmgOverview
+from emg2vsa.signals.traits import Traits
 
 __all__ = ["DelayBudget", "Trials"]
 
@@ -71,6 +72,8 @@ class Trials:
     delay: DelayBudget
     bias: BiasBudget
     "What moves a and b of each press away from the muscle's, cause by cause."
+    traits: Traits
+    "What the recording is like, to compare it with others of its study."
     notes: tuple[str, ...]
     "What was run and must be said: Nyquist rule, true -3 dB frequencies, delays, conversions, tare, presses."
     lag_s: float = math.nan

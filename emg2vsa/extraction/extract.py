@@ -46,6 +46,7 @@ from emg2vsa.signals.plausibility import force_unit_doubt, plausibility
 from emg2vsa.signals.press_signals import Signals
 from emg2vsa.signals.quality import ratio_db, window_means
 from emg2vsa.signals.rest import Rest
+from emg2vsa.signals.traits import traits_of
 from emg2vsa.signals.verdicts import judge
 
 OVERVIEW_HZ = 10.0
@@ -154,6 +155,12 @@ def extract_trials(
     evidence = gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, other)
     verdicts = [judge(trial, window) for trial in evidence]
     said += (fault,) if fault else ()
+    overview = emg_overview(raw.samples, raw.fs_hz, emg_clock.start_s, signals.presses, signals.rests)
+    traits = traits_of(
+        record.muscles, raw.samples, raw.fs_hz, signals.rests, overview, rest_v,
+        window_means(measured_v, instants.offsets), stop_s - start_s, presses.peak_n, lag.lag_s, force_n, measured_v,
+        instants.offsets,
+    )  # fmt: skip
     every = max(1, round(force.fs_hz / OVERVIEW_HZ))
     conversions = (f"{role}: {channel.conversion}" for role, channel in (*emg.items(), ("force", force)))
     return Trials(
@@ -186,12 +193,13 @@ def extract_trials(
         lag_s=lag.lag_s,
         lag_se_s=lag.se_s,
         bias=bias,
+        traits=traits,
         tare=conditioned.tare,
         zero_shift_n=conditioned.zero_shift_n,
         fault=fault,
         remarks=() if fault else remarks,
         rates_hz=(*(channel.fs_hz for channel in emg.values()), force.fs_hz),
-        overviews=(emg_overview(raw.samples, raw.fs_hz, emg_clock.start_s, signals.presses, signals.rests),),
+        overviews=(overview,),
     )
 
 

@@ -15,6 +15,7 @@ from emg2vsa.extraction import Trials
 from emg2vsa.signals.bias import BiasBudget
 from emg2vsa.signals.delays import ESTIMATED
 from emg2vsa.signals.lag import PRESS_SD_S, UNKNOWN, Lag
+from emg2vsa.signals.traits import Traits
 
 RATES_ALIKE = 1e-5
 
@@ -155,6 +156,7 @@ _JOINED: dict[str, Callable[[Sequence[Any]], Any]] = {
     "fault": lambda values: values[0] if all(values) else "",
     "remarks": lambda values: tuple(dict.fromkeys(remark for value in values for remark in value)),
     "bias": BiasBudget.joined,
+    "traits": Traits.joined,
     "tare": lambda values: next((value for value in values if value != "impossible"), "impossible"),
 }
 """Field of ``Trials`` to what becomes of its values; times, overviews and lags are joined above."""

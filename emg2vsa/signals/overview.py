@@ -45,7 +45,7 @@ def emg_overview(samples: Sequence[Floats], fs_hz: float, start_s: float, presse
     length = max(8, round(SEGMENT_S * fs_hz))
     frequency_hz = np.fft.rfftfreq(length, 1 / fs_hz).astype(np.float64)
     kept = frequency_hz <= HIGHEST_HZ
-    of_press, of_rest = (_spectra(samples, bounds, length, fs_hz) for bounds in (presses, rests))
+    of_press, of_rest = (spectra(samples, bounds, length, fs_hz) for bounds in (presses, rests))
     return EmgOverview(
         start_s=start_s,
         step_s=size / fs_hz,
@@ -53,13 +53,13 @@ def emg_overview(samples: Sequence[Floats], fs_hz: float, start_s: float, presse
         high_v=np.array([row.max(axis=1) for row in rows]),
         mean_v=np.array([np.abs(row - row.mean(axis=1, keepdims=True)).mean(axis=1) for row in rows]),
         frequency_hz=frequency_hz[kept],
-        resting=_mean_known(of_rest)[:, kept],
-        pressing=_mean_known(of_press)[:, kept],
+        resting=mean_known(of_rest)[:, kept],
+        pressing=mean_known(of_press)[:, kept],
         median_hz=_median_hz(of_press, frequency_hz),
     )
 
 
-def _spectra(samples: Sequence[Floats], bounds: Ints, length: int, fs_hz: float) -> Floats:
+def spectra(samples: Sequence[Floats], bounds: Ints, length: int, fs_hz: float) -> Floats:
     """Power spectral densities (m, q, F) of the pieces [i, j) (q, 2); NaN of those shorter than a segment."""
     window = np.hanning(length + 1)[:-1]
     spectra = np.full((len(samples), len(bounds), length // 2 + 1), np.nan)
@@ -74,7 +74,7 @@ def _spectra(samples: Sequence[Floats], bounds: Ints, length: int, fs_hz: float)
     return spectra
 
 
-def _mean_known(spectra: Floats) -> Floats:
+def mean_known(spectra: Floats) -> Floats:
     """Mean (m, F) over the pieces (m, q, F) that have a spectrum."""
     known = np.isfinite(spectra)
     n = known.sum(axis=1)

@@ -1,0 +1,76 @@
+"""Recordings that are unlike all others of their study: a changed gain, filters in the file, a wrong clock, copies.
+
+The product stands apart from its making (``emg2vsa.screening.screen``), so that what applies it loads no arithmetic.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from emg2vsa.extraction import Trials
+from emg2vsa.fits import Fits
+
+Verdict = Literal["ok", "doubtful", "unreadable"]
+
+
+@dataclass(frozen=True)
+class Screened:
+    """What was found about one recording.
+
+    cause : short name. text : the sentence for people. b_share : expected factor on b minus 1, NaN where unknown.
+    verdict : ok where somebody accepted the recording by name.
+    """
+
+    participant: str
+    specimen: str
+    cause: str
+    text: str
+    b_share: float
+    verdict: Verdict
+
+    @property
+    def said(self) -> str:
+        """The text, with what b is expected to be off by."""
+        if not math.isfinite(self.b_share):
+            return self.text
+        off = f"{1 + self.b_share:.3g} times" if self.b_share > 1 else f"{100 * self.b_share:+.0f} %"
+        return f"{self.text} (b {off})"
+
+
+@dataclass(frozen=True)
+class Screening:
+    """One entry for each recording of a study about which something was found, in the study's order."""
+
+    found: tuple[Screened, ...] = ()
+
+    def of(self, participant: str, specimen: str) -> Screened | None:
+        """What was found about a recording and was not accepted; None for nothing."""
+        cell = participant, specimen
+        return next((e for e in self.found if (e.participant, e.specimen) == cell and e.verdict != "ok"), None)
+
+
+def screened(fits: Fits, screening: Screening | None) -> Fits:
+    """Fits, of one recording or many, as the study sees them: ok presses of a doubtful recording are doubtful, all
+    presses of an unreadable one rejected, each with the reason."""
+    verdict, reason = fits.verdict.copy(), fits.reason.astype(object)
+    for each in screening.found if screening else ():
+        own = (fits.participant == each.participant) & (fits.specimen == each.specimen)
+        if each.verdict == "ok" or not own.any():
+            continue
+        touched = own & (verdict == "ok") if each.verdict == "doubtful" else own
+        verdict[touched] = "doubtful" if each.verdict == "doubtful" else "rejected"
+        for i in np.flatnonzero(touched).tolist():
+            reason[i] = f"{each.said}; {reason[i]}" if reason[i] else each.said
+    return replace(fits, verdict=verdict, reason=reason.astype(fits.reason.dtype if fits.reason.dtype == object else str))
+
+
+def screened_trials(trials: Trials, screening: Screening | None) -> Trials:
+    """Trials of which an unreadable recording has its fault."""
+    found = screening.of(trials.participant, trials.specimen) if screening else None
+    if found is None or found.verdict != "unreadable" or trials.fault:
+        return trials
+    return replace(trials, fault=found.said)

@@ -1,0 +1,293 @@
+"""Recordings against the others of their study.
+
+Logarithms of a trait are residuals from the medians of the person and of the specimen; what a whole session has in
+common is compared between people. A residual counts by its size and by the study's own spread (median absolute
+residual), which must not be taken for smaller than people vary at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.arrays import Floats
+from emg2vsa.screening import Screened, Screening, Verdict
+from emg2vsa.settings import PressJudgement
+from emg2vsa.signals.traits import Traits
+
+Key = tuple[str, str]
+
+FEWEST = 3
+"So many recordings, or people, must be there to say what is normal."
+FAR = 5.0
+"Spreads from what is normal."
+GAIN = np.log(1.5) - 0.08
+"Least jump of a level within a person's recordings that is told."
+TO_NOISE = 0.3
+"A gain changes noise at rest as it changes presses, within this logarithm."
+PEOPLE_GAIN = np.log(3.0)
+"Least difference of a whole session's levels from those of other people."
+BAND = 0.2
+"Least logarithm by which an edge of a band moves where a filter moved it."
+CLOCK = 0.05
+"A line at the mains is known so well, as a share."
+UNITS = {"lbf": 4.448, "ozf": 3.597, "kgf": 9.807, "gf": 101.97}
+"The force in these units is smaller than in newtons by the factor; ounces: 3.597 to the newton."
+UNIT_WITHIN = 0.1
+SPREAD = {"level": 0.08, "noise": 0.05, "band": 0.03, "duration": 0.1, "peak": 0.02}
+"Least spreads of the logarithms."
+SAME = 0.97
+"Correlation of the fluctuations of two presses that are one; independent presses of 32 points reach 0.8."
+FORCES_SAME = 0.9
+
+
+@dataclass(frozen=True)
+class _Apart:
+    """(n,) logarithm of what a trait of each recording is, over what it should be; z : in spreads."""
+
+    size: Floats
+    z: Floats
+
+    def beyond(self, least: float) -> NDArray[np.bool_]:
+        return (np.abs(self.size) > least) & (np.abs(self.z) > FAR)
+
+
+def screen(traits: Mapping[Key, Traits], judgements: Sequence[PressJudgement] = ()) -> Screening:
+    """What is unlike the rest of a study.
+
+    traits : (participant, specimen) to those of the recording. judgements : of people; a recording that is accepted as
+    a whole stays, with what was found.
+    """
+    accepted = {(j.participant, j.specimen) for j in judgements if j.repetition is None and not j.excludes}
+    found: dict[Key, Screened] = {}
+    for key, cause, text, share, verdict in (*_copies(traits), *_unlike(traits)):
+        if key not in found:
+            found[key] = Screened(*key, cause, text, share, "ok" if key in accepted else verdict)
+    return Screening(tuple(found[key] for key in traits if key in found))
+
+
+_Told = Iterator[tuple[Key, str, str, float, Verdict]]
+
+
+def _copies(traits: Mapping[Key, Traits]) -> _Told:
+    """Presses whose fluctuations are those of another recording's presses: nobody knows whose they are."""
+    keys = [key for key, own in traits.items() if np.isfinite(own.fingerprints).all(axis=(1, 2)).any()]
+    if not keys:
+        return
+    known = [own[np.isfinite(own).all(axis=(1, 2))] for own in (traits[key].fingerprints for key in keys)]
+    rows = np.concatenate(known)
+    of = np.repeat(np.arange(len(keys)), [len(own) for own in known])
+    counts = np.bincount(of, minlength=len(keys))
+    pairs: dict[tuple[int, int], set[int]] = {}
+    for first in range(0, len(rows), 512):
+        part = rows[first : first + 512]
+        both = (part[:, 1] @ rows[:, 1].T > SAME) & (part[:, 0] @ rows[:, 0].T > FORCES_SAME)
+        for i, j in np.argwhere(both).tolist():
+            if of[first + i] != of[j]:
+                pairs.setdefault((int(of[first + i]), int(of[j])), set()).add(first + i)
+    for (one, other), presses in pairs.items():
+        if len(presses) >= max(2, 0.5 * min(counts[one], counts[other])) and len(pairs[other, one]) >= 2:
+            text = f"the same recording as {'/'.join(keys[other])}"
+            yield keys[one], "copy", text, np.nan, "unreadable"
+
+
+def _unlike(traits: Mapping[Key, Traits]) -> _Told:
+    if len(traits) < FEWEST:
+        return
+    keys, own = list(traits), list(traits.values())
+    muscles = own[0].muscles
+    if any(each.muscles != muscles for each in own):
+        return  # levels of other muscles are other levels
+    study = _Study(keys, own)
+    for i, key in enumerate(keys):
+        yield from ((key, *said) for said in study.said(i))
+
+
+class _Study:
+    """All recordings by their traits, and how far each is from what is normal."""
+
+    def __init__(self, keys: Sequence[Key], own: Sequence[Traits]) -> None:
+        self.own, self.muscles = own, own[0].muscles
+        self._people = np.unique([who for who, _ in keys], return_inverse=True)[1]
+        self._specimens = np.unique([what for _, what in keys], return_inverse=True)[1]
+        m = range(len(self.muscles))
+        self.level = [self._apart("level", [each.press_v[k] for each in own]) for k in m]
+        self.noise = [self._apart("noise", [each.rest_v[k] for each in own]) for k in m]
+        self.press_band = [[self._apart("band", [t.press_band_hz[k, e] for t in own]) for e in range(3)] for k in m]
+        self.rest_band = [[self._apart("band", [t.rest_band_hz[k, e] for t in own]) for e in range(3)] for k in m]
+        self.duration = self._apart("duration", [each.duration_s for each in own])
+        self.peak = self._apart("peak", [each.peak_n for each in own])
+        lines = np.array([each.line_hz for each in own])
+        self.mains_hz = float(np.nanmedian(lines)) if np.isfinite(lines).sum() >= FEWEST else np.nan
+        self.spectrum, self.hz = self._typical_spectrum()
+
+    def _typical_spectrum(self) -> tuple[Floats, Floats]:
+        """Median over the recordings whose frequencies are those of most."""
+        sizes = [each.spectrum.size for each in self.own]
+        most = max(set(sizes), key=sizes.count)
+        alike = [each for each in self.own if each.spectrum.size == most and np.isfinite(each.spectrum).all()]
+        if not alike:
+            return np.empty(0), np.empty(0)
+        return np.median([each.spectrum for each in alike], axis=0), alike[0].frequency_hz
+
+    def _apart(self, kind: str, values: Sequence[float]) -> tuple[_Apart, _Apart]:
+        """Within the person's recordings, and of the recording against other people's."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log = np.log(np.array(values, dtype=np.float64))
+        log[~np.isfinite(log)] = np.nan
+        person = _medians(log, self._people)
+        specimen = _medians(log - person, self._specimens)
+        person = _medians(log - specimen, self._people)
+        within = log - specimen - person
+        counts = np.bincount(self._people, np.isfinite(log))[self._people]
+        within[counts < FEWEST] = np.nan
+        apart = log - specimen
+        own = [apart[self._people == one] for one in np.unique(self._people)]
+        of_people = np.array([np.nanmedian(each) if np.isfinite(each).any() else np.nan for each in own])
+        known = of_people[np.isfinite(of_people)]
+        between = apart - np.median(known) if known.size >= FEWEST + 2 else np.full(log.size, np.nan)
+        least = SPREAD[kind]
+        spread = max(least, _spread(between))
+        return _Apart(within, within / max(least, _spread(within))), _Apart(between, between / spread)
+
+    def said(self, i: int) -> Iterator[tuple[str, str, float, Verdict]]:
+        """What is wrong with recording i, the most certain first."""
+        if (factor := self._clock(i)) is not None:
+            line = self.own[i].line_hz
+            seen = f"mains at {line:.1f} Hz" if np.isfinite(line) and self._line_off(i) else "all frequencies and durations"
+            text = f"its time runs {factor:.3g} times as long as in the other recordings ({seen}); is its rate right?"
+            yield "time scale", text, np.nan, "doubtful"
+        elif (unit := self._unit(i)) is not None:
+            peak = self.own[i].peak_n
+            text = f"its presses peak at {peak:.3g} N, unlike all others; is its unit {unit}?"
+            yield "unit of force", text, np.nan, "doubtful"
+        elif (filtered := self._filtered(i)) is not None:
+            yield "filters in the file", *filtered, "doubtful"
+        elif (gain := self._gain(i)) is not None:
+            yield "gain", *gain, "doubtful"
+
+    def _line_off(self, i: int) -> bool:
+        line = self.own[i].line_hz
+        if not np.isfinite(line) or not np.isfinite(self.mains_hz):
+            return False
+        ratio = line / self.mains_hz
+        nearest = round(ratio)
+        return abs(ratio / nearest - 1) > CLOCK if nearest else abs(ratio - 1) > CLOCK
+
+    def _scaled(self, i: int) -> float:
+        """Median logarithm by which the bands of all muscles moved; NaN where they did not move together."""
+        moved = [self._size(one, i) for bands in self.press_band for one in bands]
+        known = [each for each in moved if np.isfinite(each)]
+        if not known or np.ptp(known) > max(0.12, 0.25 * abs(np.median(known))):
+            return np.nan
+        return float(np.median(known))
+
+    def _size(self, pair: tuple[_Apart, _Apart], i: int) -> float:
+        """Within the person where that is known, unless the whole session is off."""
+        within, between = pair
+        return float(between.size[i] if np.isfinite(between.size[i]) else within.size[i])
+
+    def _clock(self, i: int) -> float | None:
+        """How many times longer its time runs."""
+        if self._line_off(i):
+            return float(self.mains_hz / self.own[i].line_hz)
+        moved = self._scaled(i)
+        longer = self._size(self.duration, i)
+        middles = [bands[1] for bands in self.press_band]
+        clear = all(_either(each, i, BAND) for each in middles)
+        if clear and abs(moved) > BAND and np.isfinite(longer) and abs(longer + moved) < 0.35 and longer * moved < 0:
+            return float(np.exp(-moved))
+        return None
+
+    def _unit(self, i: int) -> str | None:
+        if not _either(self.peak, i, 0.3):
+            return None
+        off = self._size(self.peak, i)
+        for unit, factor in UNITS.items():
+            if abs(abs(off) - np.log(factor)) < UNIT_WITHIN:
+                return unit if off > 0 or unit != "ozf" else "ozf"
+        return None
+
+    def _filtered(self, i: int) -> tuple[str, float] | None:
+        """What the band of the file is, where its edges moved in a muscle."""
+        for k, muscle in enumerate(self.muscles):
+            press, rest = self.press_band[k], self.rest_band[k]
+            low, high = ([each[e] for each in (press, rest)] for e in (0, 2))
+            down = [_either(each, i, BAND) and self._size(each, i) < 0 for each in high]
+            up = [_either(each, i, BAND) and self._size(each, i) > 0 for each in low]
+            sunk = _either(press[1], i, BAND) and self._size(press[1], i) < 0
+            top_hz = float(np.nanmin([self.own[i].press_band_hz[k, 2], self.own[i].rest_band_hz[k, 2]]))
+            bottom_hz = float(np.nanmax([self.own[i].press_band_hz[k, 0], self.own[i].rest_band_hz[k, 0]]))
+            if any(down):
+                if sunk and self._size(press[1], i) < -0.7:
+                    text = f"{muscle} lies below {self.own[i].press_band_hz[k, 2]:.0f} Hz, unlike all others; is it an envelope?"
+                    return text, self._share_of_level(i)
+                text = f"{muscle} ends at {top_hz:.0f} Hz, unlike all others; was it low-passed or resampled?"
+                return text, self._share_of_band(0.0, top_hz)
+            if any(up):
+                text = f"{muscle} begins at {bottom_hz:.0f} Hz, unlike all others; was it high-passed?"
+                return text, self._share_of_band(bottom_hz, np.inf)
+            if _either(press[1], i, BAND):
+                hz = self.own[i].press_band_hz[k, 1]
+                text = f"{muscle} has its median frequency at {hz:.0f} Hz, unlike all others; was it filtered or rectified?"
+                return text, self._share_of_level(i)
+        return None
+
+    def _share_of_band(self, low_hz: float, high_hz: float) -> float:
+        """What is left of the amplitude of the study's typical spectrum, minus 1."""
+        if not self.hz.size:
+            return np.nan
+        inside = (self.hz >= low_hz) & (self.hz <= high_hz)
+        return float(np.sqrt(self.spectrum[inside].sum() / self.spectrum.sum()) - 1)
+
+    def _share_of_level(self, i: int) -> float:
+        """The level of all muscles over what it should be, minus 1."""
+        off = np.array([self._size(each, i) for each in self.level])
+        level_v = self.own[i].press_v
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return float(level_v.sum() / np.sum(level_v * np.exp(-off)) - 1)
+
+    def _gain(self, i: int) -> tuple[str, float] | None:
+        """A jump of the level of presses: within a person, or a whole session whose noise at rest jumped alike."""
+        off = np.zeros(len(self.muscles))
+        for k, ((within, between), (rest_within, rest_between)) in enumerate(zip(self.level, self.noise, strict=True)):
+            if within.beyond(GAIN)[i]:
+                off[k] = within.size[i]
+            elif between.beyond(PEOPLE_GAIN)[i]:
+                off[k] = between.size[i]
+            elif rest_within.beyond(GAIN)[i] and abs(within.size[i] - rest_within.size[i]) < TO_NOISE:
+                off[k] = within.size[i]
+            elif rest_between.beyond(GAIN)[i] and abs(between.size[i] - rest_between.size[i]) < TO_NOISE:
+                off[k] = between.size[i]
+        if not off.any():
+            return None
+        level_v = self.own[i].press_v
+        share = float(level_v.sum() / np.sum(level_v * np.exp(-off)) - 1)
+        named = [(m, np.exp(each)) for m, each in zip(self.muscles, off.tolist(), strict=True) if each]
+        who = ", ".join(f"{muscle} {factor:.2g}" for muscle, factor in named)
+        text = f"its EMG is unlike the other recordings by a factor ({who}); is its gain right?"
+        return text, share
+
+
+def _either(pair: tuple[_Apart, _Apart], i: int, least: float) -> bool:
+    """Whether a recording is off within its person, or beside other people."""
+    return any(bool(each.beyond(least)[i]) for each in pair)
+
+
+def _medians(values: Floats, groups: NDArray[np.intp]) -> Floats:
+    """(n,) median of the group of each, of what is known."""
+    found = np.full(values.size, np.nan)
+    for group in np.unique(groups):
+        own = values[groups == group]
+        if np.isfinite(own).any():
+            found[groups == group] = np.nanmedian(own)
+    return found
+
+
+def _spread(residuals: Floats) -> float:
+    """Standard deviation by the median size of those that are no median themselves."""
+    sizes = np.sort(np.abs(residuals[np.abs(residuals) > 1e-12]))
+    return 1.4826 * float(sizes[(sizes.size - 1) // 2]) if sizes.size else 0.0

@@ -1,0 +1,149 @@
+"""What one recording is like, in few numbers: by these it is compared with the other recordings of its study."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from emg2vsa.arrays import Floats, Ints, median
+from emg2vsa.signals.overview import EMG_FROM_HZ, EmgOverview, mean_known, spectra
+
+POINTS = 32
+"A press is compared with others by so many points of its force and envelope."
+SHARES = (0.05, 0.5, 0.95)
+"The edges of a band leave out these shares of its power; the middle one is the median frequency."
+LINE_SEGMENT_S = 1.0
+LINE_HZ = (20.0, 130.0)
+LINE_OVER = 30.0
+"A narrow line stands out so many times over the median of the spectrum 8 Hz to either side."
+
+
+@dataclass(frozen=True)
+class Traits:
+    """One recording of m muscles with p presses; NaN where something is not known.
+
+    rest_v, press_v : (m,) mean envelope at rest, and median over the presses of their mean envelope, volts.
+    press_band_hz, rest_band_hz : (m, 3) frequencies below which 5, 50 and 95 % of the power lie, pressing (rest
+    subtracted) and at rest (narrow lines left out), of 10 to 500 Hz. spectrum : (F,) power spectral density while
+    pressing, sum of the muscles over its own sum, on ``frequency_hz`` (F,). line_hz : strongest narrow line at rest,
+    20 to 130 Hz. duration_s, peak_n : medians of the presses. lag_s : of force behind EMG. fingerprints : (p, 2, 32)
+    force and summed envelope of each press without its cubic trend, of unit norm.
+    """
+
+    muscles: tuple[str, ...]
+    rest_v: Floats
+    press_v: Floats
+    press_band_hz: Floats
+    rest_band_hz: Floats
+    frequency_hz: Floats
+    spectrum: Floats
+    line_hz: float
+    duration_s: float
+    peak_n: float
+    lag_s: float
+    fingerprints: Floats
+
+    @staticmethod
+    def joined(parts: Sequence[Traits]) -> Traits:
+        """Several recordings as one: all fingerprints, of the rest the medians, the spectrum of the first."""
+        first = parts[0]
+
+        def middle(name: str) -> Floats:
+            values = np.array([getattr(part, name) for part in parts])
+            return np.array([_median_known(row) for row in values.reshape(len(parts), -1).T]).reshape(values.shape[1:])
+
+        return Traits(
+            first.muscles, *(middle(name) for name in ("rest_v", "press_v", "press_band_hz", "rest_band_hz")),
+            first.frequency_hz, first.spectrum,
+            *(float(middle(name)) for name in ("line_hz", "duration_s", "peak_n", "lag_s")),
+            np.concatenate([part.fingerprints for part in parts]),
+        )  # fmt: skip
+
+
+def traits_of(
+    muscles: tuple[str, ...],
+    samples: Sequence[Floats],
+    fs_hz: float,
+    rests: Ints,
+    overview: EmgOverview,
+    rest_v: Floats,
+    levels_v: Floats,
+    duration_s: Floats,
+    peak_n: Floats,
+    lag_s: float,
+    force_n: Floats,
+    envelopes_v: Floats,
+    offsets: Ints,
+) -> Traits:
+    """Of raw ``samples`` (n,) by muscle, rests (r, 2) in them, the mean envelopes ``levels_v`` (m, p) of the presses,
+    and force (N,) and envelopes (m, N), press i at ``[offsets[i]:offsets[i + 1]]``."""
+    resting, pressing = overview.resting, overview.pressing
+    own = np.maximum(pressing - np.nan_to_num(resting), 0.0)
+    # the median of neighbours, where a line stands out of them
+    smooth = median_filter(np.nan_to_num(resting), size=(1, 7))
+    total = own.sum(axis=0)
+    return Traits(
+        muscles=muscles,
+        rest_v=rest_v,
+        press_v=np.array([_median_known(row) for row in levels_v]),
+        press_band_hz=_band_hz(own, overview.frequency_hz),
+        rest_band_hz=_band_hz(smooth, overview.frequency_hz),
+        frequency_hz=overview.frequency_hz,
+        spectrum=total / total.sum() if total.sum() > 0 else np.full(total.size, np.nan),
+        line_hz=_line_hz(samples, fs_hz, rests),
+        duration_s=_median_known(duration_s),
+        peak_n=_median_known(peak_n),
+        lag_s=lag_s,
+        fingerprints=_fingerprints(np.stack((force_n, envelopes_v.sum(axis=0))), offsets),
+    )
+
+
+def _median_known(values: Floats) -> float:
+    known = values[np.isfinite(values)]
+    return median(known) if known.size else np.nan
+
+
+def _band_hz(power: Floats, frequency_hz: Floats) -> Floats:
+    """Frequencies (m, 3) below which the ``SHARES`` of the power (m, F) from 10 Hz on lie."""
+    found = np.full((len(power), len(SHARES)), np.nan)
+    sums = np.cumsum(np.where(frequency_hz >= EMG_FROM_HZ, np.nan_to_num(power), 0.0), axis=1)
+    for row, run in zip(found, sums, strict=True):
+        if run[-1] > 0:
+            row[:] = np.interp(np.array(SHARES) * run[-1], run, frequency_hz)
+    return found
+
+
+def _line_hz(samples: Sequence[Floats], fs_hz: float, rests: Ints) -> float:
+    """The strongest line that is one second's resolution narrow; between bins by the centre of its power."""
+    length = round(LINE_SEGMENT_S * fs_hz)
+    power = np.nansum(mean_known(spectra(samples, rests, length, fs_hz)), axis=0)
+    hz = np.fft.rfftfreq(length, 1 / fs_hz)
+    inner = np.flatnonzero((hz >= LINE_HZ[0]) & (hz <= LINE_HZ[1]))
+    if inner.size < 20 or not power.any():
+        return np.nan
+    around = median_filter(power, size=17)
+    over = power[inner] / np.maximum(around[inner], 1e-300)
+    top = int(inner[np.argmax(over)])
+    if over.max() < LINE_OVER:
+        return np.nan
+    near = slice(top - 1, top + 2)
+    return float(power[near] @ hz[near] / power[near].sum())
+
+
+def _fingerprints(rows: Floats, offsets: Ints) -> Floats:
+    """(p, k, 32) of rows (k, N); NaN of presses of fewer samples."""
+    found = np.full((offsets.size - 1, len(rows), POINTS), np.nan)
+    basis, _ = np.linalg.qr(np.vander(np.linspace(-1, 1, POINTS), 4))
+    for own, i, j in zip(found, offsets[:-1].tolist(), offsets[1:].tolist(), strict=True):
+        if j - i < POINTS:
+            continue
+        edges = np.linspace(i, j, POINTS + 1)
+        sums = np.cumsum(np.pad(rows[:, i:j], ((0, 0), (1, 0))), axis=1)
+        means = np.diff([np.interp(edges - i, np.arange(j - i + 1), run) for run in sums], axis=1)
+        left = means - (means @ basis) @ basis.T
+        norm = np.linalg.norm(left, axis=1, keepdims=True)
+        own[:] = np.divide(left, norm, out=np.full_like(left, np.nan), where=norm > 0)
+    return found
