@@ -1,7 +1,7 @@
 """One study of 10 clean people, and as many others as there are mishaps, each with one; and studies that are clean.
 
 Three specimens of five presses each, in memory: smooth ramps, carrier 40 to 80 Hz, noise 1.5 uV, a hum of 0.5 uV.
-``b`` is the mean slope of a person's spoilt recordings, presses rejected for their signal left out, over the truth.
+``b`` is the mean slope of a spoilt recording, rejected presses left out, over that of the same recording unspoilt.
 
     python -m benchmarks.study_mishaps            # writes benchmarks/results/study_mishaps.json
 """
@@ -283,9 +283,17 @@ def mishaps() -> tuple[Fitted, dict[str, tuple[str, tuple[str, ...]]]]:
     return study, who
 
 
-def true_b_v(n: int, specimen: str) -> float:
-    """Slope that was put in."""
-    return float(np.exp(0.25 * np.random.default_rng([0, n, 1]).standard_normal())) * CURVES_V[specimen][1]
+def slope_v(fits: Fits) -> float:
+    """Mean slope of the presses that are not rejected; NaN without any."""
+    b_v = fits.b_v[(fits.verdict != "rejected") & np.isfinite(fits.b_v)]
+    return float(b_v.mean()) if b_v.size else np.nan
+
+
+def clean_b_v(n: int, specimen: str) -> float:
+    """Slope of the same recording as it was before its mishap."""
+    clean: Fitted = {}
+    fitted(made(n, specimen), "", specimen, clean)
+    return slope_v(clean["", specimen][1])
 
 
 def page(studies: int, people: int) -> str:
@@ -297,9 +305,8 @@ def page(studies: int, people: int) -> str:
         ratios = []
         for specimen in spoilt:
             if (person, specimen) in study:
-                fits = study[person, specimen][1]
-                b_v = fits.b_v[(fits.verdict != "rejected") & np.isfinite(fits.b_v)]
-                ratios += [b_v.mean() / true_b_v(int(person[1:]), specimen)] if b_v.size else []
+                ratio = slope_v(study[person, specimen][1]) / clean_b_v(int(person[1:]), specimen)
+                ratios += [ratio] if np.isfinite(ratio) else []
         off = any(abs(r - 1) > OFF for r in ratios)
         bad += verdict == "good" and off
         found = [screening.of(person, specimen) for specimen in CURVES_V]

@@ -14,7 +14,8 @@ import numpy as np
 from emg2vsa.extraction import Trials
 from emg2vsa.fits import Fits
 
-Verdict = Literal["ok", "doubtful", "unreadable"]
+Verdict = Literal["ok", "told", "doubtful", "unreadable"]
+"told: b is as good as right, and the recording is used. ok: somebody accepted the recording by name."
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,6 @@ class Screened:
     """What was found about one recording.
 
     cause : short name. text : the sentence for people. b_share : expected factor on b minus 1, NaN where unknown.
-    verdict : ok where somebody accepted the recording by name.
     """
 
     participant: str
@@ -59,7 +59,7 @@ def screened(fits: Fits, screening: Screening | None) -> Fits:
     verdict, reason = fits.verdict.copy(), fits.reason.astype(object)
     for each in screening.found if screening else ():
         own = (fits.participant == each.participant) & (fits.specimen == each.specimen)
-        if each.verdict == "ok" or not own.any():
+        if each.verdict in ("ok", "told") or not own.any():
             continue
         touched = own & (verdict == "ok") if each.verdict == "doubtful" else own
         verdict[touched] = "doubtful" if each.verdict == "doubtful" else "rejected"
@@ -69,8 +69,10 @@ def screened(fits: Fits, screening: Screening | None) -> Fits:
 
 
 def screened_trials(trials: Trials, screening: Screening | None) -> Trials:
-    """Trials of which an unreadable recording has its fault."""
+    """Trials of which an unreadable recording has its fault, and one about which something is told the remark."""
     found = screening.of(trials.participant, trials.specimen) if screening else None
-    if found is None or found.verdict != "unreadable" or trials.fault:
+    if found is None or found.verdict == "doubtful" or trials.fault:
         return trials
+    if found.verdict == "told":
+        return replace(trials, remarks=(*trials.remarks, found.said))
     return replace(trials, fault=found.said)

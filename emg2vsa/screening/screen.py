@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from emg2vsa.arrays import Floats
 from emg2vsa.screening import Screened, Screening, Verdict
 from emg2vsa.settings import PressJudgement
-from emg2vsa.signals.traits import Traits
+from emg2vsa.signals.traits import SHARES, Traits
 
 Key = tuple[str, str]
 
@@ -26,8 +26,8 @@ FAR = 5.0
 "Spreads from what is normal."
 GAIN = np.log(1.5) - 0.08
 "Least jump of a level within a person's recordings that is told."
-TO_NOISE = 0.3
-"A gain changes noise at rest as it changes presses, within this logarithm."
+TO_NOISE, TO_PEOPLES_NOISE = 0.3, 0.8
+"A gain changes noise at rest as it changes presses, within this logarithm; beside other people, who differ, this one."
 PEOPLE_GAIN = np.log(3.0)
 "Least difference of a whole session's levels from those of other people."
 BAND = 0.2
@@ -42,6 +42,12 @@ SPREAD = {"level": 0.08, "noise": 0.05, "band": 0.03, "duration": 0.1, "peak": 0
 SAME = 0.97
 "Correlation of the fluctuations of two presses that are one; independent presses of 32 points reach 0.8."
 FORCES_SAME = 0.9
+LATE_S = 0.15
+"Force that is further from the study's lag leaves rest in the presses and presses in the rest: no trait holds."
+HARMLESS = 0.08
+"Filters that change b by a smaller share are told, and the recording is used."
+HOLE = 0.15
+"Least power in the middle of the spectrum, as a share of what the study has there; sampling leaves 0.4 and more."
 
 
 @dataclass(frozen=True)
@@ -120,6 +126,7 @@ class _Study:
         self.rest_band = [[self._apart("band", [t.rest_band_hz[k, e] for t in own]) for e in range(3)] for k in m]
         self.duration = self._apart("duration", [each.duration_s for each in own])
         self.peak = self._apart("peak", [each.peak_n for each in own])
+        self.lag_s = np.array([each.lag_s for each in own])
         lines = np.array([each.line_hz for each in own])
         self.mains_hz = float(np.nanmedian(lines)) if np.isfinite(lines).sum() >= FEWEST else np.nan
         self.spectrum, self.hz = self._typical_spectrum()
@@ -160,14 +167,29 @@ class _Study:
             seen = f"mains at {line:.1f} Hz" if np.isfinite(line) and self._line_off(i) else "all frequencies and durations"
             text = f"its time runs {factor:.3g} times as long as in the other recordings ({seen}); is its rate right?"
             yield "time scale", text, np.nan, "doubtful"
+        elif abs(self.lag_s[i] - np.nanmedian(self.lag_s)) > LATE_S:
+            return
         elif (unit := self._unit(i)) is not None:
             peak = self.own[i].peak_n
             text = f"its presses peak at {peak:.3g} N, unlike all others; is its unit {unit}?"
             yield "unit of force", text, np.nan, "doubtful"
         elif (filtered := self._filtered(i)) is not None:
-            yield "filters in the file", *filtered, "doubtful"
+            yield "filters in the file", *filtered
         elif (gain := self._gain(i)) is not None:
-            yield "gain", *gain, "doubtful"
+            off, share = gain
+            if self._exchanged(i, off):
+                text = f"{' and '.join(self.muscles)} are as loud as each other elsewhere; were they exchanged?"
+                yield "muscles exchanged", text, share, "told"
+                return
+            named = [(m, np.exp(each)) for m, each in zip(self.muscles, off.tolist(), strict=True) if each]
+            who = ", ".join(f"{muscle} {factor:.2g}" for muscle, factor in named)
+            text = f"its EMG is unlike the other recordings by a factor ({who}); is its gain right?"
+            yield "gain", text, share, "doubtful"
+
+    def _exchanged(self, i: int, off: Floats) -> bool:
+        """Whether each of two muscles is as loud as the other should be."""
+        level = np.log(self.own[i].press_v)
+        return off.size == 2 and bool(np.all(off)) and bool(np.all(np.abs((level - off)[::-1] - level) < TO_NOISE))
 
     def _line_off(self, i: int) -> bool:
         line = self.own[i].line_hz
@@ -208,33 +230,56 @@ class _Study:
         off = self._size(self.peak, i)
         for unit, factor in UNITS.items():
             if abs(abs(off) - np.log(factor)) < UNIT_WITHIN:
-                return unit if off > 0 or unit != "ozf" else "ozf"
+                return unit
         return None
 
-    def _filtered(self, i: int) -> tuple[str, float] | None:
+    def _filtered(self, i: int) -> tuple[str, float, Verdict] | None:
         """What the band of the file is, where its edges moved in a muscle."""
+        own = self.own[i]
         for k, muscle in enumerate(self.muscles):
             press, rest = self.press_band[k], self.rest_band[k]
-            low, high = ([each[e] for each in (press, rest)] for e in (0, 2))
-            down = [_either(each, i, BAND) and self._size(each, i) < 0 for each in high]
-            up = [_either(each, i, BAND) and self._size(each, i) > 0 for each in low]
-            sunk = _either(press[1], i, BAND) and self._size(press[1], i) < 0
-            top_hz = float(np.nanmin([self.own[i].press_band_hz[k, 2], self.own[i].rest_band_hz[k, 2]]))
-            bottom_hz = float(np.nanmax([self.own[i].press_band_hz[k, 0], self.own[i].rest_band_hz[k, 0]]))
+            down, up = ([sign * self._moved(each[e], i) > 0 for each in (press, rest)] for sign, e in ((-1, 2), (1, 0)))
+            middle = self._moved(press[1], i)
+            bottom_hz, _, top_hz = own.press_band_hz[k]
+            (low_hz, _, high_hz) = own.rest_band_hz[k]
+            beyond_hz = (high_hz - low_hz) * SHARES[0] / (SHARES[-1] - SHARES[0])  # of noise that is flat in its band
+            if any(down) and middle < -0.7:
+                text = f"{muscle} lies below {top_hz:.0f} Hz, unlike all others; is it an envelope?"
+                return text, self._share_of_level(i), "doubtful"
             if any(down):
-                if sunk and self._size(press[1], i) < -0.7:
-                    text = f"{muscle} lies below {self.own[i].press_band_hz[k, 2]:.0f} Hz, unlike all others; is it an envelope?"
-                    return text, self._share_of_level(i)
-                text = f"{muscle} ends at {top_hz:.0f} Hz, unlike all others; was it low-passed or resampled?"
-                return text, self._share_of_band(0.0, top_hz)
+                hz = high_hz + beyond_hz if down[1] else top_hz
+                text = f"{muscle} ends at {hz:.0f} Hz, unlike all others; was it low-passed or resampled?"
+                share = self._share_of_band(0.0, hz)
+                near = hz < 2 * np.exp(np.log(top_hz) - self._size(press[2], i))
+                return text, share, "doubtful" if near or not abs(share) < HARMLESS else "told"
             if any(up):
-                text = f"{muscle} begins at {bottom_hz:.0f} Hz, unlike all others; was it high-passed?"
-                return text, self._share_of_band(bottom_hz, np.inf)
-            if _either(press[1], i, BAND):
-                hz = self.own[i].press_band_hz[k, 1]
+                hz = low_hz - beyond_hz if up[1] else bottom_hz
+                text = f"{muscle} begins at {hz:.0f} Hz, unlike all others; was it high-passed?"
+                share = self._share_of_band(hz, np.inf)
+                return text, share, "told" if abs(share) < HARMLESS else "doubtful"
+            if middle:
+                hz = own.press_band_hz[k, 1]
                 text = f"{muscle} has its median frequency at {hz:.0f} Hz, unlike all others; was it filtered or rectified?"
-                return text, self._share_of_level(i)
-        return None
+                return text, self._share_of_level(i), "doubtful"
+        return self._hole(i)
+
+    def _hole(self, i: int) -> tuple[str, float, Verdict] | None:
+        """Frequencies amid the study's spectrum that the recording lacks."""
+        own = self.own[i].spectrum
+        if own.size != self.spectrum.size or not np.isfinite(own).all():
+            return None
+        amid = self.spectrum > 0.3 * self.spectrum.max(initial=0.0)
+        hole = amid & (own < HOLE * self.spectrum)
+        if not hole.any():
+            return None
+        hz = self.hz[hole]
+        share = float(np.sqrt(1 - self.spectrum[hole].sum() / self.spectrum.sum()) - 1)
+        text = f"its EMG has nothing at {hz.min():.0f} to {hz.max():.0f} Hz, unlike all others; was a notch filter run?"
+        return text, share, "doubtful"
+
+    def _moved(self, pair: tuple[_Apart, _Apart], i: int) -> float:
+        """The size where it is off, else 0."""
+        return self._size(pair, i) if _either(pair, i, BAND) else 0.0
 
     def _share_of_band(self, low_hz: float, high_hz: float) -> float:
         """What is left of the amplitude of the study's typical spectrum, minus 1."""
@@ -250,26 +295,23 @@ class _Study:
         with np.errstate(invalid="ignore", divide="ignore"):
             return float(level_v.sum() / np.sum(level_v * np.exp(-off)) - 1)
 
-    def _gain(self, i: int) -> tuple[str, float] | None:
-        """A jump of the level of presses: within a person, or a whole session whose noise at rest jumped alike."""
+    def _gain(self, i: int) -> tuple[Floats, float] | None:
+        """Logarithms (m,) by which levels jumped, 0 where they did not, and the share of b: within a person, or in a
+        whole session whose noise at rest jumped alike."""
         off = np.zeros(len(self.muscles))
         for k, ((within, between), (rest_within, rest_between)) in enumerate(zip(self.level, self.noise, strict=True)):
             if within.beyond(GAIN)[i]:
                 off[k] = within.size[i]
-            elif between.beyond(PEOPLE_GAIN)[i]:
-                off[k] = between.size[i]
             elif rest_within.beyond(GAIN)[i] and abs(within.size[i] - rest_within.size[i]) < TO_NOISE:
                 off[k] = within.size[i]
-            elif rest_between.beyond(GAIN)[i] and abs(between.size[i] - rest_between.size[i]) < TO_NOISE:
+            elif rest_between.beyond(GAIN)[i] and abs(between.size[i] - rest_between.size[i]) < TO_PEOPLES_NOISE:
+                off[k] = rest_between.size[i]
+            elif between.beyond(PEOPLE_GAIN)[i]:
                 off[k] = between.size[i]
         if not off.any():
             return None
         level_v = self.own[i].press_v
-        share = float(level_v.sum() / np.sum(level_v * np.exp(-off)) - 1)
-        named = [(m, np.exp(each)) for m, each in zip(self.muscles, off.tolist(), strict=True) if each]
-        who = ", ".join(f"{muscle} {factor:.2g}" for muscle, factor in named)
-        text = f"its EMG is unlike the other recordings by a factor ({who}); is its gain right?"
-        return text, share
+        return off, float(level_v.sum() / np.sum(level_v * np.exp(-off)) - 1)
 
 
 def _either(pair: tuple[_Apart, _Apart], i: int, least: float) -> bool:

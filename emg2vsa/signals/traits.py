@@ -17,7 +17,7 @@ SHARES = (0.05, 0.5, 0.95)
 "The edges of a band leave out these shares of its power; the middle one is the median frequency."
 LINE_SEGMENT_S = 1.0
 LINE_HZ = (20.0, 130.0)
-LINE_OVER = 30.0
+LINE_OVER = 12.0
 "A narrow line stands out so many times over the median of the spectrum 8 Hz to either side."
 
 
@@ -25,7 +25,8 @@ LINE_OVER = 30.0
 class Traits:
     """One recording of m muscles with p presses; NaN where something is not known.
 
-    rest_v, press_v : (m,) mean envelope at rest, and median over the presses of their mean envelope, volts.
+    rest_v, press_v : (m,) mean envelope at rest, and median over the presses of their mean envelope less the rest's
+    power, volts.
     press_band_hz, rest_band_hz : (m, 3) frequencies below which 5, 50 and 95 % of the power lie, pressing (rest
     subtracted) and at rest (narrow lines left out), of 10 to 500 Hz. spectrum : (F,) power spectral density while
     pressing, sum of the muscles over its own sum, on ``frequency_hz`` (F,). line_hz : strongest narrow line at rest,
@@ -81,14 +82,15 @@ def traits_of(
     """Of raw ``samples`` (n,) by muscle, rests (r, 2) in them, the mean envelopes ``levels_v`` (m, p) of the presses,
     and force (N,) and envelopes (m, N), press i at ``[offsets[i]:offsets[i + 1]]``."""
     resting, pressing = overview.resting, overview.pressing
-    own = np.maximum(pressing - np.nan_to_num(resting), 0.0)
-    # the median of neighbours, where a line stands out of them
-    smooth = median_filter(np.nan_to_num(resting), size=(1, 7))
+    resting = np.nan_to_num(resting)
+    smooth = median_filter(resting, size=(1, 11))
+    own = np.array([_across(*each, overview.frequency_hz) for each in zip(pressing, resting, smooth, strict=True)])
+    level_v = np.sqrt(np.maximum(levels_v**2 - np.nan_to_num(rest_v)[:, None] ** 2, 0.0))
     total = own.sum(axis=0)
     return Traits(
         muscles=muscles,
         rest_v=rest_v,
-        press_v=np.array([_median_known(row) for row in levels_v]),
+        press_v=np.array([_median_known(row) for row in level_v]),
         press_band_hz=_band_hz(own, overview.frequency_hz),
         rest_band_hz=_band_hz(smooth, overview.frequency_hz),
         frequency_hz=overview.frequency_hz,
@@ -104,6 +106,14 @@ def traits_of(
 def _median_known(values: Floats) -> float:
     known = values[np.isfinite(values)]
     return median(known) if known.size else np.nan
+
+
+def _across(pressing: Floats, resting: Floats, smooth: Floats, frequency_hz: Floats) -> Floats:
+    """Power (F,) that pressing adds; where a line at rest hides it, as its neighbours have it."""
+    added, line = np.maximum(pressing - resting, 0.0), resting > 4 * smooth
+    if line.all() or not line.any():
+        return added
+    return np.where(line, np.interp(frequency_hz, frequency_hz[~line], added[~line]), added)
 
 
 def _band_hz(power: Floats, frequency_hz: Floats) -> Floats:
