@@ -14,6 +14,7 @@ import io
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,8 +96,8 @@ def gain(factor: float, *muscles: str) -> Change:
     return emg(lambda x: factor * x, *muscles)
 
 
-def filtered(hz: float | tuple[float, float], kind: str) -> Change:
-    return emg(lambda x: signal.sosfiltfilt(signal.butter(4, hz, kind, fs=1000, output="sos"), x))
+def filtered(hz: float | tuple[float, float], kind: Literal["low", "high", "bandstop"]) -> Change:
+    return emg(lambda x: signal.sosfiltfilt(signal.butter(4, np.array(hz), kind, fs=1000, output="sos"), x))
 
 
 def rate(factor: float) -> Change:
@@ -176,6 +177,10 @@ def exchanged(raw: Raw) -> Raw:
     return replace(raw, emg_v={"EDC": raw.emg_v["FDS"], "FDS": raw.emg_v["EDC"]})
 
 
+def late(by_s: float) -> Change:
+    return lambda raw: replace(raw, force_start_s=by_s)
+
+
 def clipped(level_v: float) -> Change:
     return emg(lambda x: np.clip(x, -level_v, level_v))
 
@@ -211,7 +216,7 @@ MISHAPS: dict[str, tuple[Change, tuple[str, ...]]] = {
     **{f"hum {1e6 * v:g} uV at the touch, one": (hum(v, True), ONE) for v in (10e-6, 40e-6)},
     **{f"packets lost {100 * s:g} %, one": (lost(s), ONE) for s in (0.01, 0.02)},
     **{f"EDC fades to {f:g}, one": (fading(f, "EDC"), ONE) for f in (0.7, 0.2)},
-    **{f"force {1e3 * s:g} ms late, one": ((lambda s: lambda raw: replace(raw, force_start_s=s))(s), ONE)
+    **{f"force {1e3 * s:g} ms late, one": (late(s), ONE)
        for s in (0.06, 0.4, -0.4)},
     **{f"clipped at {1e6 * v:g} uV, one": (clipped(v), ONE) for v in (20e-6, 60e-6)},
     "muscles exchanged, one": (exchanged, ONE),
@@ -322,7 +327,12 @@ def page(studies: int, people: int) -> str:
         f"GOOD though b is off by more than {100 * OFF:.0f} %: {bad} of {len(who)}. "
         f"Clean sessions of the same study that are GOOD: {clean} of {CLEAN_PEOPLE}.\n", file=out,
     )  # fmt: skip
-    print("| mishap | verdict | b × | cause by the study | said first |\n|---|---|---:|---|---|", *rows, sep="\n", file=out)
+    print(
+        "| mishap | verdict | b × | cause by the study | said first |\n|---|---|---:|---|---|",
+        *rows,
+        sep="\n",
+        file=out,
+    )
     print(
         f"\nClean studies of {people} people: sessions about which the comparison says something.\n\n"
         f"| studies | sessions | alarms | share |\n|---:|---:|---:|---:|\n"

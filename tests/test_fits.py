@@ -16,6 +16,7 @@ from emg2vsa.fits import Fits, concatenate, fit_trials, usable
 from emg2vsa.session_verdict import judge_session
 from emg2vsa.settings import FitSettings, PressJudgement, WindowSettings
 from emg2vsa.signals.bias import BiasBudget, Shift
+from tests.made_traits import unknown
 
 A_V, B_V = 30e-6, 15e-6
 WINDOW = WindowSettings()
@@ -33,7 +34,7 @@ def trials_of(force: list[np.ndarray], activity: list[np.ndarray], **changes: ob
         force_n=np.concatenate([*force, np.empty(0)]), activity=joined, envelopes_v=joined[None], activity_unit="V",
         rest_force_n=0.0, rest_envelope_v=np.zeros(1), mains_ratio=np.zeros(1), clip_share=np.zeros(1),
         overview_time_s=np.empty(0), overview_force_n=np.empty(0), delay=DelayBudget((), 0.0, 0.0, 0.0),
-        bias=BiasBudget.of((), n), notes=(),
+        bias=BiasBudget.of((), n), traits=unknown(("EDC",), n), notes=(),
     )  # fmt: skip
     return dataclasses.replace(trials, **changes)
 

@@ -120,13 +120,13 @@ def doubts(recordings, judgements=()):
     return doubts_between([t for t, _ in recordings], fits, judgements)
 
 
-def study(swapped="", loud=""):
+def study(swapped=""):
     made = []
     for person in ("P1", "P2", "P3", "P4", "P5"):
         slopes = {"S1": 20e-6, "S5": 8e-6}
         if person == swapped:
             slopes = {"S1": 8e-6, "S5": 20e-6}
-        made += [doubtful(person, name, b_v * (200 if person == loud else 1)) for name, b_v in slopes.items()]
+        made += [doubtful(person, name, b_v) for name, b_v in slopes.items()]
     return made
 
 
@@ -142,21 +142,6 @@ def test_swapped_specimens_are_named():
 
 def test_two_that_disagree_prove_nothing():
     assert doubts([each for each in study(swapped="P3") if each[0].participant in ("P1", "P2", "P3")]) == {}
-
-
-def test_a_participant_two_hundred_times_as_loud():
-    found = doubts(study(loud="P2"))
-    assert set(found) == {("P2", "S1"), ("P2", "S5")}
-    assert "times as loud as in the median of the other participants" in found["P2", "S1"][0]
-
-
-def test_one_recording_under_two_names():
-    made = study()
-    trials, fits = made[0]
-    twin = SimpleNamespace(**{**vars(trials), "participant": "P9"})
-    found = doubts([*made, (twin, fits)])
-    assert found["P9", "S1"] == ["the same recording as P1/S1"]
-    assert found["P1", "S1"] == ["the same recording as P9/S1"]
 
 
 def test_a_recording_whose_clock_is_apart_from_the_session():

@@ -67,7 +67,7 @@ def finish(study: Study, participant: str, *, progress: Progress = SILENT) -> Fi
     whole = load_study(study.path)  # whose recordings are there now
     own = of_participants(whole, [participant])
     verdicts = judge(own, whole, 1, progress, None)
-    run_study(own, stages=("trials", "fits", "pages"), jobs=1, progress=progress)
+    run_study(own, stages=("trials", "fits", "screening", "pages"), jobs=1, progress=progress)
     return FinishedSession(
         study.data / f"sub-{participant}",
         written.files,

@@ -22,6 +22,8 @@ from emg2vsa.pipeline.places import writable_or_temporary
 from emg2vsa.pipeline.plan import StepPlan, survey
 from emg2vsa.pipeline.run_study import Progress, run_study
 from emg2vsa.process_pool import available_cores
+from emg2vsa.screening import Screening, screened, screened_trials
+from emg2vsa.screening.screen import screen, traits_by_recording
 from emg2vsa.session_verdict import Doubts, SessionVerdict, doubts_between, judge_session
 from emg2vsa.study import RecordingEntry, Study
 
@@ -45,31 +47,35 @@ def of_participants(study: Study, participants: Sequence[str]) -> Study:
 def judge(study: Study, whole: Study, jobs: int, shown: Progress, below: Path | None) -> list[SessionVerdict]:
     """The verdicts on the study's recordings, beside what is known of the ``whole`` study's others."""
     plan = run_study(study, stages=STAGES, jobs=jobs, progress=shown, below=below)
-    doubts = _doubts(study, whole, plan, below)
+    doubts, screening = _beside(study, whole, plan, below)
     failures = {item: message for item, _, message in plan.failures()}
-    return [_verdict(plan, participant, failures, doubts) for participant in plan.campaign.cells]
+    return [_verdict(plan, participant, failures, doubts, screening) for participant in plan.campaign.cells]
 
 
-def _doubts(study: Study, whole: Study, plan: StepPlan, below: Path | None) -> Doubts:
-    """What is doubtful beside all recordings of the whole study whose results are there."""
+def _beside(study: Study, whole: Study, plan: StepPlan, below: Path | None) -> tuple[Doubts, Screening]:
+    """What is doubtful beside all recordings of the whole study whose results are there, and which are unlike them."""
     if len(whole.recordings) > len(study.recordings):
         plan = survey(replace(study, recordings=whole.recordings), STAGES, lambda text: None, below=below)
     known = [key for key in plan.campaign.recordings if plan.done("trials", (key,)) and plan.done("fits", (key,))]
     fits = [artifacts.load(path) for path in plan.done("fits", known)]
-    return doubts_between(
-        [artifacts.load(path) for path in plan.done("trials", known)],
-        by_recording(concatenate(fits)) if fits else {},
-        whole.judgements,
-    )
+    trials = [artifacts.load(path) for path in plan.done("trials", known)]
+    doubts = doubts_between(trials, by_recording(concatenate(fits)) if fits else {}, whole.judgements)
+    return doubts, screen(traits_by_recording(trials), whole.judgements)
 
 
-def _verdict(plan: StepPlan, participant: str, failures: dict[str, str], doubts: Doubts) -> SessionVerdict:
+def _verdict(
+    plan: StepPlan, participant: str, failures: dict[str, str], doubts: Doubts, screening: Screening
+) -> SessionVerdict:
     cells = plan.campaign.cells[participant]
     entries = [plan.campaign.recordings[cell] for cell in cells]
     return judge_session(
         participant,
-        [artifacts.load(path) for path in plan.done("trials", cells)],
-        {e.specimen: artifacts.load(path) for e in entries for path in plan.done("fits", (e.key,))},
+        [screened_trials(artifacts.load(path), screening) for path in plan.done("trials", cells)],
+        {
+            e.specimen: screened(artifacts.load(path), screening)
+            for e in entries
+            for path in plan.done("fits", (e.key,))
+        },
         {entry.specimen: entry.window.expected_trials for entry in entries},
         {entry.specimen: failures[entry.key] for entry in entries if entry.key in failures},
         {specimen: said for (who, specimen), said in doubts.items() if who == participant},

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 ORDER = (
     "trials",
     "fits",
+    "screening",
     "pages",
     "hypotheses",
     "exemplary",
@@ -107,7 +108,7 @@ def inputs(campaign: Campaign, name: str, item: str) -> Sequence[Input]:
     for need in own.needs:
         if stage(need).per == own.per and own.per != "study":
             taken.append((need, item))
-        elif own.per == "participant":
+        elif own.per == "participant" and stage(need).per != "study":
             taken += [(need, cell) for cell in campaign.cells[item]]
         else:
             taken += [(need, other) for other in items(campaign, need)]

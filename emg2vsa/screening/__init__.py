@@ -47,6 +47,12 @@ class Screening:
 
     found: tuple[Screened, ...] = ()
 
+    def counts(self, participant: str, specimen: str, use: str) -> bool:
+        """Whether presses of a recording can enter a test. use : `[hypotheses] use`."""
+        found = self.of(participant, specimen)
+        verdict = "ok" if found is None or found.verdict == "told" else found.verdict
+        return verdict in use.split("+")
+
     def of(self, participant: str, specimen: str) -> Screened | None:
         """What was found about a recording and was not accepted; None for nothing."""
         cell = participant, specimen
@@ -65,7 +71,9 @@ def screened(fits: Fits, screening: Screening | None) -> Fits:
         verdict[touched] = "doubtful" if each.verdict == "doubtful" else "rejected"
         for i in np.flatnonzero(touched).tolist():
             reason[i] = f"{each.said}; {reason[i]}" if reason[i] else each.said
-    return replace(fits, verdict=verdict, reason=reason.astype(fits.reason.dtype if fits.reason.dtype == object else str))
+    return replace(
+        fits, verdict=verdict, reason=reason.astype(fits.reason.dtype if fits.reason.dtype == object else str)
+    )
 
 
 def screened_trials(trials: Trials, screening: Screening | None) -> Trials:

@@ -7,13 +7,15 @@ residual), which must not be taken for smaller than people vary at all.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats
+from emg2vsa.extraction import Trials
 from emg2vsa.screening import Screened, Screening, Verdict
 from emg2vsa.settings import PressJudgement
 from emg2vsa.signals.traits import SHARES, Traits
@@ -59,6 +61,17 @@ class _Apart:
 
     def beyond(self, least: float) -> NDArray[np.bool_]:
         return (np.abs(self.size) > least) & (np.abs(self.z) > FAR)
+
+
+def traits_by_recording(trials: Iterable[Trials]) -> dict[Key, Traits]:
+    """(participant, specimen) to the traits of each; copied, so that the rest of the trials need not stay in memory."""
+    return {(each.participant, each.specimen): _copied(each.traits) for each in trials}
+
+
+def _copied(traits: Traits) -> Traits:
+    values = {field.name: getattr(traits, field.name) for field in fields(traits)}
+    arrays: dict[str, Any] = {name: each.copy() for name, each in values.items() if isinstance(each, np.ndarray)}
+    return replace(traits, **arrays)
 
 
 def screen(traits: Mapping[Key, Traits], judgements: Sequence[PressJudgement] = ()) -> Screening:
@@ -162,9 +175,15 @@ class _Study:
 
     def said(self, i: int) -> Iterator[tuple[str, str, float, Verdict]]:
         """What is wrong with recording i, the most certain first."""
+        if not np.isfinite(self.own[i].press_v).all():
+            return  # without presses even the rest may hold something else
         if (factor := self._clock(i)) is not None:
             line = self.own[i].line_hz
-            seen = f"mains at {line:.1f} Hz" if np.isfinite(line) and self._line_off(i) else "all frequencies and durations"
+            seen = (
+                f"mains at {line:.1f} Hz"
+                if np.isfinite(line) and self._line_off(i)
+                else "all frequencies and durations"
+            )
             text = f"its time runs {factor:.3g} times as long as in the other recordings ({seen}); is its rate right?"
             yield "time scale", text, np.nan, "doubtful"
         elif abs(self.lag_s[i] - np.nanmedian(self.lag_s)) > LATE_S:
@@ -259,7 +278,8 @@ class _Study:
                 return text, share, "told" if abs(share) < HARMLESS else "doubtful"
             if middle:
                 hz = own.press_band_hz[k, 1]
-                text = f"{muscle} has its median frequency at {hz:.0f} Hz, unlike all others; was it filtered or rectified?"
+                said = f"{muscle} has its median frequency at {hz:.0f} Hz, unlike all others"
+                text = f"{said}; was it filtered or rectified?"
                 return text, self._share_of_level(i), "doubtful"
         return self._hole(i)
 
@@ -300,9 +320,8 @@ class _Study:
         whole session whose noise at rest jumped alike."""
         off = np.zeros(len(self.muscles))
         for k, ((within, between), (rest_within, rest_between)) in enumerate(zip(self.level, self.noise, strict=True)):
-            if within.beyond(GAIN)[i]:
-                off[k] = within.size[i]
-            elif rest_within.beyond(GAIN)[i] and abs(within.size[i] - rest_within.size[i]) < TO_NOISE:
+            with_noise = rest_within.beyond(GAIN)[i] and abs(within.size[i] - rest_within.size[i]) < TO_NOISE
+            if within.beyond(GAIN)[i] or with_noise:
                 off[k] = within.size[i]
             elif rest_between.beyond(GAIN)[i] and abs(between.size[i] - rest_between.size[i]) < TO_PEOPLES_NOISE:
                 off[k] = rest_between.size[i]

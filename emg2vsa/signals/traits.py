@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -56,12 +57,10 @@ class Traits:
             values = np.array([getattr(part, name) for part in parts])
             return np.array([_median_known(row) for row in values.reshape(len(parts), -1).T]).reshape(values.shape[1:])
 
-        return Traits(
-            first.muscles, *(middle(name) for name in ("rest_v", "press_v", "press_band_hz", "rest_band_hz")),
-            first.frequency_hz, first.spectrum,
-            *(float(middle(name)) for name in ("line_hz", "duration_s", "peak_n", "lag_s")),
-            np.concatenate([part.fingerprints for part in parts]),
-        )  # fmt: skip
+        arrays = {name: middle(name) for name in ("rest_v", "press_v", "press_band_hz", "rest_band_hz")}
+        numbers = {name: float(middle(name)) for name in ("line_hz", "duration_s", "peak_n", "lag_s")}
+        changed: dict[str, Any] = {**arrays, **numbers}
+        return replace(first, **changed, fingerprints=np.concatenate([part.fingerprints for part in parts]))
 
 
 def traits_of(

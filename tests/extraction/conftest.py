@@ -13,6 +13,7 @@ from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
 from emg2vsa.signals.bias import BiasBudget
 from emg2vsa.signals.delays import DelayBudget
+from tests.made_traits import unknown
 
 FS_HZ = 1000.0
 RISE = [(0, 0), (2.6, 7.6), (2.9, 7.6), (3.6, 0)]
@@ -107,5 +108,6 @@ def by_hand() -> Trials:
         activity=envelopes_v.sum(axis=0), envelopes_v=envelopes_v, activity_unit="V", rest_force_n=0.0,
         rest_envelope_v=np.zeros(2), mains_ratio=np.zeros(2), clip_share=np.zeros(2), overview_time_s=np.empty(0),
         overview_force_n=np.empty(0), delay=DelayBudget((), 0.0, 0.0, 0.0), bias=BiasBudget.of((), 3),
+        traits=unknown(("EDC", "FDS"), 3),
         notes=("a note",),
     )  # fmt: skip

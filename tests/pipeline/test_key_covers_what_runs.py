@@ -27,6 +27,7 @@ PRODUCT = Path(emg2vsa.__file__).parent.parent
 STEPS = {
     "trials": "P01/S1",
     "fits": "P01/S1",
+    "screening": "study",
     "pages": "P01",
     "hypotheses": "study",
     "exemplary": "study",

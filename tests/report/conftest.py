@@ -33,6 +33,7 @@ from emg2vsa.settings import (
 from emg2vsa.signals.bias import BiasBudget
 from emg2vsa.signals.delays import DelayBudget
 from emg2vsa.study import RecordingEntry, Specimen, Study
+from tests.made_traits import unknown
 
 PRESSES, SAMPLES, FS_HZ = 6, 200, 100.0
 TRUE = {"S1": (42e-6, 20e-6), "S2": (36e-6, 17e-6), "S3": (28e-6, 13e-6), "S5": (16e-6, 7e-6)}
@@ -83,7 +84,8 @@ def make_trials(participant: str, specimen: str, seed: int) -> Trials:
         envelopes_v=np.stack([0.4 * activity, 0.6 * activity]), activity_unit="V", rest_force_n=0.12,
         rest_envelope_v=np.array([1e-6, 1.5e-6]), mains_ratio=np.array([0.01, 0.02]), clip_share=np.zeros(2),
         overview_time_s=time, overview_force_n=overview, delay=DelayBudget((("EMG band-pass", 0.0),), 0.0, 0.0, 0.0),
-        bias=BiasBudget.of((), PRESSES), notes=("EMG band-pass: true -3 dB at 12.4 Hz and 438 Hz", "tare: 0.12 N"),
+        bias=BiasBudget.of((), PRESSES), traits=unknown(("EDC", "FDS"), PRESSES),
+        notes=("EMG band-pass: true -3 dB at 12.4 Hz and 438 Hz", "tare: 0.12 N"),
     )  # fmt: skip
 
 

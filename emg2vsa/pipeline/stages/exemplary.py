@@ -25,15 +25,17 @@ def run(given: Given) -> Choice | None:
     """None where fewer than two participants pressed every exported specimen."""
     from emg2vsa.exemplary import compare_participants
     from emg2vsa.fits import concatenate
+    from emg2vsa.screening import screened
 
-    used = given.settings
+    used, screening = given.settings, given.one("screening")
+    fits = (screened(each, screening) for each in given.each("fits"))
     return compare_participants(
-        concatenate(given.each("fits"), bins=False), used["specimens"], used["profile"], used["window.force_n"],
+        concatenate(fits, bins=False), used["specimens"], used["profile"], used["window.force_n"],
         used["hypotheses.use"],
     )  # fmt: skip
 
 
 STAGE = Stage(
-    per="study", of="people", needs=("fits",), run=run, settings=settings,
+    per="study", of="people", needs=("fits", "screening"), run=run, settings=settings,
     gives="The comparison of the participants' schedules is",
 )  # fmt: skip

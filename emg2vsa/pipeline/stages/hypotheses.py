@@ -39,13 +39,15 @@ def run(given: Given) -> Hypotheses:
     from emg2vsa.companions.whole_curve import CellCurve, cell_curves, compare_curves
     from emg2vsa.fits import concatenate
     from emg2vsa.hypotheses import test_hypotheses
+    from emg2vsa.screening import screened
 
-    of = given.settings["hypotheses"]
+    of, screening = given.settings["hypotheses"], given.one("screening")
     errors: list[CellErrors] = []
     means: list[CellCurve] = []
 
     def recordings() -> Iterator[Fits]:
-        for fits in given.each("fits"):
+        for each in given.each("fits"):
+            fits = screened(each, screening)
             errors.extend(cell_errors(fits, of.use))
             means.extend(cell_curves(fits, of.use))
             yield fits
@@ -60,7 +62,7 @@ def run(given: Given) -> Hypotheses:
 STAGE = Stage(
     per="study",
     of="people",
-    needs=("fits", "trials"),
+    needs=("fits", "trials", "screening"),
     run=run,
     settings=settings,
     files=files,

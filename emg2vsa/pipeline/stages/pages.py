@@ -29,16 +29,20 @@ def run(given: Given) -> list[Path]:
     from emg2vsa.fits import concatenate
     from emg2vsa.report.failures import Failure
     from emg2vsa.report.session_page import write_session_page
+    from emg2vsa.screening import screened, screened_trials
 
     assert given.folder is not None
-    fits, failures = given.all("fits"), tuple(Failure(*failure) for failure in given.failures)
+    screening = given.one("screening")
+    fits = [screened(each, screening) for each in given.each("fits")]
+    trials = [screened_trials(each, screening) for each in given.each("trials")]
+    failures = tuple(Failure(*failure) for failure in given.failures)
     return write_session_page(
-        given.settings["study"], given.item, given.all("trials"), concatenate(fits) if fits else None, failures,
+        given.settings["study"], given.item, trials, concatenate(fits) if fits else None, failures,
         given.folder,
     )  # fmt: skip
 
 
 STAGE = Stage(
-    per="participant", of="people", needs=("trials", "fits"), run=run, settings=settings, folder=folder,
+    per="participant", of="people", needs=("trials", "fits", "screening"), run=run, settings=settings, folder=folder,
     tells_failures=True, alone=64,
 )  # fmt: skip

@@ -26,9 +26,12 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
 def run(given: Given) -> Paths:
     from emg2vsa.hypotheses import Hypotheses
     from emg2vsa.multiverse import all_paths
+    from emg2vsa.screening import Screening
 
     fitted = {(str(fits.participant[0]), str(fits.specimen[0])) for fits in given.each("fits") if fits.participant.size}
-    trials = [trials for trials in given.each("trials") if (trials.participant, trials.specimen) in fitted]
+    screening, use = given.one("screening") or Screening(), given.settings["study"].hypotheses.use
+    cells = {cell for cell in fitted if screening.counts(*cell, use)}
+    trials = [trials for trials in given.each("trials") if (trials.participant, trials.specimen) in cells]
     hypotheses: Hypotheses | None = given.one("hypotheses")
     profiles, tested, calibration = (given.one(name) for name in ("profiles", "discrimination", "calibration"))
     return all_paths(
@@ -40,6 +43,6 @@ def run(given: Given) -> Paths:
 
 STAGE = Stage(
     per="study", of="report", run=run, settings=settings, on_request=True,
-    needs=("trials", "fits", "hypotheses", "profiles", "runs", "discrimination", "calibration"),
+    needs=("trials", "fits", "screening", "hypotheses", "profiles", "runs", "discrimination", "calibration"),
     gives="The paths of analysis are",
 )  # fmt: skip

@@ -24,14 +24,21 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
 def run(given: Given) -> Profiles:
     from emg2vsa.fits import concatenate
     from emg2vsa.profiles import build_profiles
+    from emg2vsa.screening import screened
 
-    used = given.settings
+    used, screening = given.settings, given.one("screening")
+    fits = (screened(each, screening) for each in given.each("fits"))
     return build_profiles(
-        concatenate(given.each("fits"), bins=False), used["specimens"], used["profile"], used["window.force_n"],
+        concatenate(fits, bins=False), used["specimens"], used["profile"], used["window.force_n"],
         used["hypotheses.use"], given.one("exemplary"),
     )  # fmt: skip
 
 
 STAGE = Stage(
-    per="study", of="people", needs=("fits", "exemplary"), run=run, settings=settings, gives="The mean profiles are"
+    per="study",
+    of="people",
+    needs=("fits", "screening", "exemplary"),
+    run=run,
+    settings=settings,
+    gives="The mean profiles are",
 )

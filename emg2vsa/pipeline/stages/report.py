@@ -105,15 +105,17 @@ def results_of(given: Given, pages: str = "") -> StudyResults:
     from emg2vsa.report.failures import Failure
     from emg2vsa.report.inputs import People, Runs, StudyResults, without_samples
     from emg2vsa.rig_file.specimen_stiffness import plate_tests
+    from emg2vsa.screening import screened, screened_trials
     from emg2vsa.truth import read_truth
 
     scores, truth = tuple(given.each("runs")), given.files.get("truth", ())
     people, runs = None, None
     if given.inputs.get("fits"):
-        all_fits = concatenate(given.each("fits"), bins=False)
+        screening = given.one("screening")
+        all_fits = concatenate((screened(each, screening) for each in given.each("fits")), bins=False)
         people = People(
             fits=all_fits,
-            trials=tuple(map(without_samples, given.each("trials"))),
+            trials=tuple(without_samples(screened_trials(each, screening)) for each in given.each("trials")),
             hypotheses=given.one("hypotheses"),
             choice=given.one("exemplary"),
             profiles=given.one("profiles"),
@@ -177,12 +179,19 @@ def _with_plates(study: Study, worst_adj_r2: Mapping[str, float]) -> Study:
 def _presets(given: Given) -> IndexPresets | None:
     """From the profile of one person; that of all people takes too long for every report, and is one of the paths."""
     from emg2vsa.multiverse import index_presets
+    from emg2vsa.screening import Screening
 
     paths, profiles = given.one("paths"), given.one("profiles")
     if paths is not None or profiles is None or not profiles.participant:
         return paths.presets if paths is not None else None
-    own = [trials for trials in given.each("trials") if trials.participant == profiles.participant]
-    return index_presets(given.settings["study"], own, profiles.participant)
+    study, screening = given.settings["study"], given.one("screening") or Screening()
+    own = [
+        trials
+        for trials in given.each("trials")
+        if trials.participant == profiles.participant
+        and screening.counts(trials.participant, trials.specimen, study.hypotheses.use)
+    ]
+    return index_presets(study, own, profiles.participant)
 
 
 def _provenance(given: Given) -> dict[str, str]:
@@ -206,8 +215,8 @@ def _provenance(given: Given) -> dict[str, str]:
 STAGE = Stage(
     per="study", of="report", run=run, settings=settings, files=files, folder=folder, tells_failures=True,
     needs=(
-        "trials", "fits", "pages", "hypotheses", "exemplary", "profiles", "schedules", "stiffness", "emulation", "runs",
-        "discrimination", "calibration", "paths",
+        "trials", "fits", "screening", "pages", "hypotheses", "exemplary", "profiles", "schedules", "stiffness",
+        "emulation", "runs", "discrimination", "calibration", "paths",
     ),
 )  # fmt: skip
 PART_STAGES = {
@@ -217,7 +226,7 @@ PART_STAGES = {
         settings=partial(settings, rig=False),
         files=partial(files, rig=False),
         folder=lambda campaign, item: campaign.study.reports / PEOPLE,
-        needs=("trials", "fits", "pages", "hypotheses", "exemplary", "profiles", "schedules"),
+        needs=("trials", "fits", "screening", "pages", "hypotheses", "exemplary", "profiles", "schedules"),
     ),
     "rig_report": replace(
         STAGE,
