@@ -119,11 +119,14 @@ def extract_trials(
     stays_v, went_v = np.sqrt(2 / np.pi) * clean.touching_v, np.sqrt(2 / np.pi) * clean.taken_v
     _, hummed = floor_change(np.hypot(levels_v, went_v[:, None]), went_v, force_n, instants.offsets)
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
+    trends = level_trends(envelopes_v, instants.offsets)
     shifts_of_b: list[Shift] = [
         taken_out("rest level", floor_b, np.abs(floor_b) * floor_error) if subtract
         else left_in("rest level", floor_a, floor_b),
         left_in("hum at the touch", *floor_change(levels_v, stays_v, force_n, instants.offsets)),
-        taken_out("hum at the touch", hummed, HUM_LEFT * np.abs(hummed)), *crossing, level_drift(envelopes_v, instants.offsets, *level_trends(envelopes_v, instants.offsets)),
+        taken_out("hum at the touch", hummed, HUM_LEFT * np.abs(hummed)),
+        *crossing,
+        level_drift(envelopes_v, instants.offsets, *trends),
     ]  # fmt: skip
     if gone.any():
         whole_v, level_v = disturbed_v.sum(axis=0), levels_v.sum(axis=0)

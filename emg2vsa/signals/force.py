@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.arrays import Floats, Ints, median
+from emg2vsa.errors import SignalError
 from emg2vsa.settings import ForceChannelSettings, WindowSettings
 from emg2vsa.signals.filters import IirFilter
 from emg2vsa.signals.quality import SILENT_DB, ratio_db, window_means
@@ -21,6 +22,8 @@ GAP_S = 2.0
 "The level before contact is looked for this long before it."
 NOISE_REVERSAL = 4.0
 "A reversal of force within so many standard deviations of its noise at rest is noise ..."
+JUMP_WINDOWS, JUMP_TIMES = 50.0, 10.0
+"A finger's force changes within a sample by less than so many upper forces of the window, or so many usual changes."
 SMALLEST_REVERSAL = 0.005
 "... and so is one within this share of the force window."
 
@@ -47,7 +50,9 @@ class ForceRecord:
 def condition_force(
     samples: Floats, fs_hz: float, low: IirFilter | None, channel: ForceChannelSettings, window: WindowSettings
 ) -> ForceRecord:
-    """Filter the whole record (n,) of raw force, tare it on its rests, and find the presses."""
+    """Filter the whole record (n,) of raw force, tare it on its rests, and find the presses. SignalError where force
+    jumps as no transducer's does."""
+    refuse_jumps(samples, channel.name, window.force_n[1])
     filtered = samples if low is None else filter_record(samples, low)
     rest = find_rest(filtered, fs_hz, window)
     force_n, tare_n, notes = _tared(filtered, fs_hz, rest, channel)
@@ -60,6 +65,20 @@ def condition_force(
     tare = channel.tare if channel.tare == "none" or rest.level_n.size else "impossible"
     shift_n = _zero_shifts(rest, fs_hz, presses) if tare == "rest" else np.full(presses.start_s.size, np.nan)
     return ForceRecord(force_n, fs_hz, rest, presses, tare_n, gap_n, reversal_n, doubt, notes, tare, shift_n)
+
+
+def refuse_jumps(samples: Floats, name: str, upper_n: float) -> None:
+    """SignalError where raw force (n,) changes within one sample by more than a transducer holds: glued readings."""
+    steps = np.abs(np.diff(samples))
+    largest = float(steps.max(initial=0.0))
+    if largest <= JUMP_WINDOWS * upper_n or largest <= JUMP_TIMES * float(np.quantile(steps, 0.99)):
+        return
+    n = int(np.count_nonzero(steps > JUMP_WINDOWS * upper_n))
+    raise SignalError(
+        f"channel {name!r}", wanted=f"a force that changes by less than {JUMP_WINDOWS * upper_n:g} N within a sample",
+        found=f"{n} jump{'s' * (n != 1)} of up to {largest:.2g} N, as where two readings are glued together",
+        do="Export the recording again, or correct the lines in which a number is missing or too long.",
+    )  # fmt: skip
 
 
 def _tared(

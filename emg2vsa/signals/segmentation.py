@@ -11,6 +11,8 @@ from emg2vsa.arrays import Floats, runs_of
 
 SAME_CONTACT_S = 0.25
 "A press that fails this close to one that succeeds is part of it: force dipped, or bounced on release."
+SHORTEST_S = 0.02
+"No finger loads a specimen within a shorter time: such a peak is counted as a touch."
 ATTEMPT_SHARE = 0.2
 "A press that rises less than this share of the way from lower to upper force is a touch: counted, not a trial."
 
@@ -57,7 +59,7 @@ def find_presses(force_n: Floats, fs_hz: float, window_n: tuple[float, float]) -
         press = _press(force_n, fs_hz, start, stop, window_n)
         if press is None:
             skipped += 1
-        elif press.peak_n < lower_n + ATTEMPT_SHARE * (upper_n - lower_n):
+        elif press.stop_s - press.start_s < SHORTEST_S or press.peak_n < lower_n + ATTEMPT_SHARE * (upper_n - lower_n):
             touches += 1
         else:
             found.append(press)

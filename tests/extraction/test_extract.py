@@ -343,3 +343,15 @@ def test_volts_stay_volts_where_nothing_is_normalised(by_hand):
     same = in_session(by_hand, [by_hand], CocontractionSettings())
     assert np.array_equal(same.activity, by_hand.activity)
     assert same.activity_unit == "V"
+
+
+@pytest.mark.parametrize("at", [[5000], [100, 4000, 4001]])
+def test_glued_readings_of_a_transducer_are_refused_before_presses_are_looked_for(force_of, recorded, extract, at):
+    emg, force = recorded(force_of(RISE, RISE))
+    samples = force.samples.copy()
+    samples[at] = 3.1e8
+    with pytest.raises(SignalError, match="two readings are glued") as told:
+        extract(emg, replace(force, samples=samples))
+    assert "3.1e+08 N" in str(told.value)
+    # millinewtons that are labelled newtons change as smoothly as ever
+    extract(emg, replace(force, samples=force.samples * 1e3))

@@ -153,3 +153,10 @@ def test_no_press_of_a_reversed_force_asks_for_the_other_sign(sign):
     assert mirrored.sign_doubt.endswith(f"is its sign {-sign}?")
     upright = condition_force(force_of(RISE), FS_HZ, None, channel, WindowSettings())
     assert upright.sign_doubt == ""
+
+
+def test_a_peak_of_a_few_milliseconds_is_no_press():
+    spike = [(0, 0), (0.005, 7.6), (0.01, 0)]
+    found = find_presses(force_of(RISE, spike, RISE), FS_HZ, WINDOW_N)
+    assert found.start_s.size == 2
+    assert found.touches == 1
