@@ -24,7 +24,7 @@ FloatArray = NDArray[np.float64]
 Ramp = Literal["linear", "exponential", "saturating", "plateaus", "stairs", "sawtooth", "tremor"]
 Carrier = Literal["60/120", "40/80", "90/180", "20/45", "laplacian", "units-60", "units-15", "units-6"]
 
-PEAK_N, LOG_ENDS_N = 7.5, 0.3
+PEAK_N, LOG_ENDS_N, CONTACT_N = 7.5, 0.3, 0.5
 HOLD_S, RELEASE_S, REST_S, FIRST_REST_S = 0.3, 0.7, (1.5, 2.5), 3.0
 UNIT_HZ, UNIT_SPREAD = (8.0, 20.0), 0.15
 "Firing rates of motor units, and the relative spread of their intervals."
@@ -57,6 +57,22 @@ class Laboratory:
     "Its frequency goes up and down by so much within half a minute."
     hum_harmonics: tuple[float, ...] = (1.0,)
     "Relative amplitude of each harmonic."
+    touch_hum_v: float = 0.0
+    "Mains hum of each channel while the specimen is touched, rms; frequency and harmonics as of the other."
+    artefact_v: float = 0.0
+    "Typical size of a jump of each electrode about the lower force of every press: a Hann window times a cosine."
+    artefact_s: float = 0.06
+    "Its length."
+    fade: float = 1.0
+    "Share of its level that the first muscle keeps at the end: an electrode that dries."
+    lost_share: float = 0.0
+    "Share of the packets of 13.5 ms that the EMG's radio lost: what follows comes so much earlier."
+    crosstalk: float = 0.0
+    "Share of the second muscle's amplitude that the first electrode sees too."
+    level_sd: float = 0.0
+    "Relative SD of a slow wander of the muscles' level (first-order autoregressive, lognormal)."
+    level_s: float = 1.0
+    "Its time constant."
     delay_s: float = 0.0
     "Force follows EMG so late (electromechanical delay, or a clock that is late)."
     force_noise_n: float = 0.01
@@ -93,11 +109,47 @@ def simulate_session(laboratory: Laboratory, seed: int) -> LaboratorySession:
     ahead_n = np.concatenate((true_n[lead:], np.full(lead, true_n[-1]))) if lead >= 0 else _late(true_n, -lead)
     level_v = activity_v(ahead_n, laboratory)
     emg_v = np.stack([_channel(rng, share * level_v, laboratory) for share in laboratory.shares])
+    emg_v = _disturbed(emg_v, true_n, starts, laboratory, seed)
     time_s = np.arange(0, (true_n.size - 1) / fs_hz, 1 / laboratory.force_fs_hz)
     zero_n = _zero(time_s, laboratory, float(rng.uniform(-0.3, 0.3)), float(rng.uniform(0, 2 * math.pi)))
     read_n = np.interp(time_s * fs_hz, np.arange(true_n.size), true_n) + zero_n
     read_n += laboratory.force_noise_n * rng.standard_normal(read_n.size)
     return LaboratorySession(emg_v, read_n, starts / fs_hz, zero_n)
+
+
+def _disturbed(
+    emg_v: FloatArray, force_n: FloatArray, starts: NDArray[np.int64], laboratory: Laboratory, seed: int
+) -> FloatArray:
+    """The EMG (m, n) with what spoils it; by chance of its own, so that the carriers are those of the clean session."""
+    rng = np.random.default_rng([seed, 34])
+    fs_hz, n = laboratory.fs_hz, emg_v.shape[1]
+    if laboratory.level_sd:
+        memory = math.exp(-1 / (laboratory.level_s * fs_hz))
+        white = rng.standard_normal(n + round(5 * laboratory.level_s * fs_hz))
+        slow = signal.lfilter([math.sqrt(1 - memory**2)], [1, -memory], white)[-n:]
+        emg_v = emg_v * np.exp(laboratory.level_sd * slow - laboratory.level_sd**2 / 2)
+    emg_v[0] *= np.linspace(1, laboratory.fade, n)
+    emg_v[0] += laboratory.crosstalk * emg_v[1]
+    if laboratory.touch_hum_v:
+        time_s = np.arange(n) / fs_hz
+        angle = 2 * math.pi * np.cumsum(laboratory.hum_hz + laboratory.hum_wander_hz * np.sin(time_s / 5)) / fs_hz
+        heights = np.array(laboratory.hum_harmonics) / np.linalg.norm(laboratory.hum_harmonics)
+        for row in emg_v:
+            for order, height in enumerate(heights, start=1):
+                wave = np.sin(order * angle + rng.uniform(0, 2 * math.pi))
+                row += math.sqrt(2) * laboratory.touch_hum_v * height * wave * (force_n > 0)
+    if laboratory.artefact_v:
+        size = round(laboratory.artefact_s * fs_hz)
+        for start in starts.tolist():
+            lower = start + int(np.argmax(force_n[start:] >= CONTACT_N))
+            begin = lower + round(rng.uniform(-0.05, 0.05) * fs_hz) - size // 2
+            wave = np.hanning(size) * np.cos(2 * math.pi * rng.uniform(0, 20) * np.arange(size) / fs_hz)
+            emg_v[:, begin : begin + size] += laboratory.artefact_v * rng.lognormal(0, 0.4) * wave
+    if laboratory.lost_share:
+        packet = round(0.0135 * fs_hz)
+        kept = np.repeat(rng.random(n // packet + 1) >= laboratory.lost_share, packet)[:n]
+        emg_v = emg_v[:, kept]
+    return emg_v
 
 
 def activity_v(force_n: FloatArray, laboratory: Laboratory) -> FloatArray:
