@@ -1,7 +1,8 @@
 """Bias of b, its spread and the coverage of its 95 % interval, condition by condition, on simulated sessions.
 
 ``python -m benchmarks.emg_bias_coverage [SESSIONS]``, kept by ``benchmarks.bench.record``: two processes, some
-minutes. Before: the rest level and the hum stay in the envelope. After: the defaults; ``lag``: with align = "lag".
+minutes. Before: the rest level and the hum stay in the envelope. After: the defaults; ``lag``: with align = "lag";
+``told``: with the share of crosstalk in the study file.
 The disturbed conditions use the seeds of the clean one, so that the noise of the carrier is the same in all: what a
 disturbance adds is known far better than the bias itself, and stands in a column of its own.
 """
@@ -23,7 +24,14 @@ from emg2vsa.curves.press_fits import fit_presses
 from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.fits import fit_trials, usable
 from emg2vsa.recordings import Channel
-from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ForceChannelSettings, WindowSettings
+from emg2vsa.settings import (
+    CocontractionSettings,
+    FilterSettings,
+    FitSettings,
+    ForceChannelSettings,
+    HypothesisSettings,
+    WindowSettings,
+)
 
 CLEAN = Laboratory()
 BEFORE = FilterSettings(mains="keep", rest_level="keep")
@@ -108,7 +116,8 @@ def analyse(laboratory: Laboratory, chain: str, seed: int) -> Outcome:
     emg = {f"M{i}": _channel(row, "V", laboratory.fs_hz) for i, row in enumerate(session.emg_v)}
     trials = extract_trials(
         emg, _channel(session.force_n, "N", laboratory.force_fs_hz), participant="P", specimen="S",
-        filters=CHAINS[chain], cocontraction=TOLD if chain == "told" else CocontractionSettings(), window=WINDOW, force_channel=ForceChannelSettings(name="Fz"),
+        filters=CHAINS[chain], cocontraction=TOLD if chain == "told" else CocontractionSettings(), window=WINDOW,
+        force_channel=ForceChannelSettings(name="Fz"),
     )  # fmt: skip
     fits = fit_trials(trials, FitSettings(), WINDOW)
     return Outcome(
