@@ -18,7 +18,8 @@ from emg2vsa.arrays import Floats
 from emg2vsa.extraction import Trials
 from emg2vsa.screening import Screened, Screening, Verdict
 from emg2vsa.settings import PressJudgement
-from emg2vsa.signals.traits import SHARES, Traits
+from emg2vsa.signals.overview import EMG_FROM_HZ
+from emg2vsa.signals.traits import Traits
 
 Key = tuple[str, str]
 
@@ -28,10 +29,13 @@ FAR = 5.0
 "Spreads from what is normal."
 GAIN = np.log(1.5) - 0.08
 "Least jump of a level within a person's recordings that is told."
-TO_NOISE, TO_PEOPLES_NOISE = 0.3, 0.8
-"A gain changes noise at rest as it changes presses, within this logarithm; beside other people, who differ, this one."
-PEOPLE_GAIN = np.log(3.0)
-"Least difference of a whole session's levels from those of other people."
+TO_NOISE, TO_PEOPLES_NOISE = 0.3, 0.4
+"""A gain changes the amplifier's noise as it changes presses, within this logarithm; beside other people, whose levels
+differ, presses must go by this share of it the same way."""
+GONE, GONE_BESIDE = 0.1, 1 / 40
+"Power density of noise, over the study's, and over the largest such ratio, that only a filter leaves."
+PEOPLE_GAIN = np.log(8.0)
+"Least difference of a whole session's levels from those of other people, where noise at rest is no witness."
 BAND = 0.2
 "Least logarithm by which an edge of a band moves where a filter moved it."
 CLOCK = 0.05
@@ -134,24 +138,40 @@ class _Study:
         self._specimens = np.unique([what for _, what in keys], return_inverse=True)[1]
         m = range(len(self.muscles))
         self.level = [self._apart("level", [each.press_v[k] for each in own]) for k in m]
-        self.noise = [self._apart("noise", [each.rest_v[k] for each in own]) for k in m]
+        self.noise = [self._apart("noise", [each.noise_v[k] for each in own]) for k in m]
         self.press_band = [[self._apart("band", [t.press_band_hz[k, e] for t in own]) for e in range(3)] for k in m]
-        self.rest_band = [[self._apart("band", [t.rest_band_hz[k, e] for t in own]) for e in range(3)] for k in m]
         self.duration = self._apart("duration", [each.duration_s for each in own])
         self.peak = self._apart("peak", [each.peak_n for each in own])
         self.lag_s = np.array([each.lag_s for each in own])
         lines = np.array([each.line_hz for each in own])
         self.mains_hz = float(np.nanmedian(lines)) if np.isfinite(lines).sum() >= FEWEST else np.nan
-        self.spectrum, self.hz = self._typical_spectrum()
+        self.hz, self.spectrum, self.rest_density = self._typical()
 
-    def _typical_spectrum(self) -> tuple[Floats, Floats]:
-        """Median over the recordings whose frequencies are those of most."""
+    def _typical(self) -> tuple[Floats, Floats, Floats]:
+        """Frequencies (F,), spectrum (F,) and density at rest (m, F): medians of recordings with most's frequencies."""
         sizes = [each.spectrum.size for each in self.own]
         most = max(set(sizes), key=sizes.count)
         alike = [each for each in self.own if each.spectrum.size == most and np.isfinite(each.spectrum).all()]
         if not alike:
-            return np.empty(0), np.empty(0)
-        return np.median([each.spectrum for each in alike], axis=0), alike[0].frequency_hz
+            return np.empty(0), np.empty(0), np.empty((len(self.muscles), 0))
+        densities = np.median([each.rest_density for each in alike], axis=0)
+        return alike[0].frequency_hz, np.median([each.spectrum for each in alike], axis=0), densities
+
+    def _silent(self, i: int, k: int) -> tuple[float, float]:
+        """Band in Hz outside which the noise at rest of muscle k is gone: little beside the study's, and beside what
+        is left of it in other frequencies, which muscle tone raises and a gain changes alike. 0 and infinity: none."""
+        own, typical = self.own[i].rest_density[k], self.rest_density[k]
+        if own.size != typical.size or not typical.all():
+            return 0.0, np.inf
+        ratio = np.where(self.hz >= EMG_FROM_HZ, own / typical, np.nan)
+        here = np.flatnonzero(~(ratio < min(GONE, np.nanmax(ratio) * GONE_BESIDE)) & np.isfinite(ratio))
+        inside = np.flatnonzero(np.isfinite(ratio))
+        if not here.size:
+            return 0.0, np.inf
+        # the cut of a filter that ran forwards and backwards is where a quarter of the power is left
+        kept = np.flatnonzero(ratio > np.median(ratio[here]) / 4)
+        low = self.hz[kept[0]] if here[0] > inside[0] + 1 else 0.0
+        return float(low), float(self.hz[kept[-1]]) if here[-1] < inside[-1] - 5 else np.inf
 
     def _apart(self, kind: str, values: Sequence[float]) -> tuple[_Apart, _Apart]:
         """Within the person's recordings, and of the recording against other people's."""
@@ -256,32 +276,40 @@ class _Study:
         """What the band of the file is, where its edges moved in a muscle."""
         own = self.own[i]
         for k, muscle in enumerate(self.muscles):
-            press, rest = self.press_band[k], self.rest_band[k]
-            down, up = ([sign * self._moved(each[e], i) > 0 for each in (press, rest)] for sign, e in ((-1, 2), (1, 0)))
-            middle = self._moved(press[1], i)
+            press = self.press_band[k]
+            bottom, middle, top = (self._moved(each, i) for each in press)
             bottom_hz, _, top_hz = own.press_band_hz[k]
-            (low_hz, _, high_hz) = own.rest_band_hz[k]
-            beyond_hz = (high_hz - low_hz) * SHARES[0] / (SHARES[-1] - SHARES[0])  # of noise that is flat in its band
-            if any(down) and middle < -0.7:
+            low_hz, high_hz = self._silent(i, k)
+            if top < 0 and middle < -0.7:
                 text = f"{muscle} lies below {top_hz:.0f} Hz, unlike all others; is it an envelope?"
                 return text, self._share_of_level(i), "doubtful"
-            if any(down):
-                hz = high_hz + beyond_hz if down[1] else top_hz
-                text = f"{muscle} ends at {hz:.0f} Hz, unlike all others; was it low-passed or resampled?"
-                share = self._share_of_band(0.0, hz)
-                near = hz < 2 * np.exp(np.log(top_hz) - self._size(press[2], i))
-                return text, share, "doubtful" if near or not abs(share) < HARMLESS else "told"
-            if any(up):
-                hz = low_hz - beyond_hz if up[1] else bottom_hz
-                text = f"{muscle} begins at {hz:.0f} Hz, unlike all others; was it high-passed?"
-                share = self._share_of_band(hz, np.inf)
-                return text, share, "told" if abs(share) < HARMLESS else "doubtful"
+            ends, begins = top < 0 or high_hz < np.inf, bottom > 0 or (low_hz > 0 and self._lacks(i, low_hz))
+            if ends or begins:
+                seen = high_hz < np.inf if ends else low_hz > 0
+                hz = (high_hz if seen else top_hz) if ends else (low_hz if seen else bottom_hz)
+                filtered = (
+                    "ends at {:.0f} Hz{}; was it low-passed or resampled?"
+                    if ends
+                    else ("begins at {:.0f} Hz{}; was it high-passed?")
+                )
+                text = f"{muscle} {filtered.format(hz, ', unlike all others')}"
+                share = self._share_of_band(i, k) if seen else np.nan
+                if abs(share) < HARMLESS and not (top or middle or bottom):
+                    return text, share, "told"
+                # where presses lie elsewhere though little was taken from their band, more was done than a filter
+                return text, share if abs(share) >= HARMLESS else self._share_of_level(i), "doubtful"
             if middle:
                 hz = own.press_band_hz[k, 1]
                 said = f"{muscle} has its median frequency at {hz:.0f} Hz, unlike all others"
                 text = f"{said}; was it filtered or rectified?"
                 return text, self._share_of_level(i), "doubtful"
         return self._hole(i)
+
+    def _lacks(self, i: int, below_hz: float) -> bool:
+        """Whether presses lack what the study's have below a frequency: a relaxed hand lacks it at rest only."""
+        own = self.own[i].spectrum
+        low = (self.hz >= EMG_FROM_HZ) & (self.hz < below_hz)
+        return own.size == low.size and bool(own[low].sum() < HOLE * self.spectrum[low].sum())
 
     def _hole(self, i: int) -> tuple[str, float, Verdict] | None:
         """Frequencies amid the study's spectrum that the recording lacks."""
@@ -301,12 +329,14 @@ class _Study:
         """The size where it is off, else 0."""
         return self._size(pair, i) if _either(pair, i, BAND) else 0.0
 
-    def _share_of_band(self, low_hz: float, high_hz: float) -> float:
-        """What is left of the amplitude of the study's typical spectrum, minus 1."""
-        if not self.hz.size:
-            return np.nan
-        inside = (self.hz >= low_hz) & (self.hz <= high_hz)
-        return float(np.sqrt(self.spectrum[inside].sum() / self.spectrum.sum()) - 1)
+    def _share_of_band(self, i: int, k: int) -> float:
+        """What a filter leaves of the amplitude of the study's typical spectrum, minus 1: noise of muscle k at rest over
+        that of the study is the square of its gain, which is 1 where most is left."""
+        own, typical = self.own[i].rest_density[k], self.rest_density[k]
+        known = self.hz >= EMG_FROM_HZ
+        ratio = own[known] / typical[known]
+        left = np.minimum(ratio / np.quantile(ratio[ratio > ratio.max() / 4], 0.75), 1.0)
+        return float(np.sqrt(left @ self.spectrum[known] / self.spectrum[known].sum()) - 1)
 
     def _share_of_level(self, i: int) -> float:
         """The level of all muscles over what it should be, minus 1."""
@@ -323,7 +353,7 @@ class _Study:
             with_noise = rest_within.beyond(GAIN)[i] and abs(within.size[i] - rest_within.size[i]) < TO_NOISE
             if within.beyond(GAIN)[i] or with_noise:
                 off[k] = within.size[i]
-            elif rest_between.beyond(GAIN)[i] and abs(between.size[i] - rest_between.size[i]) < TO_PEOPLES_NOISE:
+            elif rest_between.beyond(GAIN)[i] and between.size[i] / rest_between.size[i] > TO_PEOPLES_NOISE:
                 off[k] = rest_between.size[i]
             elif between.beyond(PEOPLE_GAIN)[i]:
                 off[k] = between.size[i]

@@ -14,6 +14,8 @@ from emg2vsa.signals.overview import EMG_FROM_HZ, EmgOverview, mean_known, spect
 
 POINTS = 32
 "A press is compared with others by so many points of its force and envelope."
+NOISE_FROM = 0.7
+"Share of the frequencies below which muscles are."
 SHARES = (0.05, 0.5, 0.95)
 "The edges of a band leave out these shares of its power; the middle one is the median frequency."
 LINE_SEGMENT_S = 1.0
@@ -28,18 +30,20 @@ class Traits:
 
     rest_v, press_v : (m,) mean envelope at rest, and median over the presses of their mean envelope less the rest's
     power, volts.
-    press_band_hz, rest_band_hz : (m, 3) frequencies below which 5, 50 and 95 % of the power lie, pressing (rest
-    subtracted) and at rest (narrow lines left out), of 10 to 500 Hz. spectrum : (F,) power spectral density while
-    pressing, sum of the muscles over its own sum, on ``frequency_hz`` (F,). line_hz : strongest narrow line at rest,
-    20 to 130 Hz. duration_s, peak_n : medians of the presses. lag_s : of force behind EMG. fingerprints : (p, 2, 32)
-    force and summed envelope of each press without its cubic trend, of unit norm.
+    press_band_hz : (m, 3) frequencies below which 5, 50 and 95 % of the power of pressing, less that at rest, lie, of
+    10 to 500 Hz. rest_density : (m, F) power spectral density at rest without its narrow lines, V^2/Hz. noise_v : (m,)
+    square root of its median over the frequencies above ``NOISE_FROM`` of them, where there is no muscle. spectrum :
+    (F,) power spectral density while pressing, sum of the muscles over its own sum, on ``frequency_hz`` (F,). line_hz :
+    strongest narrow line at rest, 20 to 130 Hz. duration_s, peak_n : medians of the presses. lag_s : of force behind
+    EMG. fingerprints : (p, 2, 32) force and summed envelope of each press without its cubic trend, of unit norm.
     """
 
     muscles: tuple[str, ...]
     rest_v: Floats
     press_v: Floats
     press_band_hz: Floats
-    rest_band_hz: Floats
+    rest_density: Floats
+    noise_v: Floats
     frequency_hz: Floats
     spectrum: Floats
     line_hz: float
@@ -57,7 +61,7 @@ class Traits:
             values = np.array([getattr(part, name) for part in parts])
             return np.array([_median_known(row) for row in values.reshape(len(parts), -1).T]).reshape(values.shape[1:])
 
-        arrays = {name: middle(name) for name in ("rest_v", "press_v", "press_band_hz", "rest_band_hz")}
+        arrays = {name: middle(name) for name in ("rest_v", "press_v", "press_band_hz", "rest_density", "noise_v")}
         numbers = {name: float(middle(name)) for name in ("line_hz", "duration_s", "peak_n", "lag_s")}
         changed: dict[str, Any] = {**arrays, **numbers}
         return replace(first, **changed, fingerprints=np.concatenate([part.fingerprints for part in parts]))
@@ -91,7 +95,8 @@ def traits_of(
         rest_v=rest_v,
         press_v=np.array([_median_known(row) for row in level_v]),
         press_band_hz=_band_hz(own, overview.frequency_hz),
-        rest_band_hz=_band_hz(smooth, overview.frequency_hz),
+        rest_density=smooth,
+        noise_v=np.sqrt(np.median(smooth[:, round(NOISE_FROM * smooth.shape[1]) :], axis=1)),
         frequency_hz=overview.frequency_hz,
         spectrum=total / total.sum() if total.sum() > 0 else np.full(total.size, np.nan),
         line_hz=_line_hz(samples, fs_hz, rests),

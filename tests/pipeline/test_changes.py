@@ -54,6 +54,7 @@ def test_one_changed_sample_runs_no_emulation(study: Path, capsys: pytest.Captur
     assert ran == [
         "trials/P01/S1",
         "fits/P01/S1",
+        "screening/study",
         "pages/P01",
         "hypotheses/study",
         "exemplary/study",
