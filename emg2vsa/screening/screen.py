@@ -330,8 +330,10 @@ class _Study:
         return self._size(pair, i) if _either(pair, i, BAND) else 0.0
 
     def _share_of_band(self, i: int, k: int) -> float:
-        """What a filter leaves of the amplitude of the study's typical spectrum, minus 1: noise of muscle k at rest over
-        that of the study is the square of its gain, which is 1 where most is left."""
+        """What a filter leaves of the amplitude of the study's typical spectrum, minus 1.
+
+        Noise of muscle k at rest over that of the study is the square of its gain, which is 1 where most is left.
+        """
         own, typical = self.own[i].rest_density[k], self.rest_density[k]
         known = self.hz >= EMG_FROM_HZ
         ratio = own[known] / typical[known]
