@@ -372,7 +372,7 @@ def page(studies: int, people: int) -> str:
     told: set[str] = set()
     for world, make in CLEAN_WORLDS.items():
         alarms = 0
-        for number in range(101, 101 + studies):
+        for number in range(201, 201 + studies):
             traits = {
                 (f"P{n:02d}", specimen): trials_of(make(n, specimen, number), f"P{n:02d}", specimen).traits
                 for n in range(people)

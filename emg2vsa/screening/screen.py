@@ -318,8 +318,8 @@ class _Study:
             return None
         amid = self.spectrum > 0.3 * self.spectrum.max(initial=0.0)
         hole = amid & (own < HOLE * self.spectrum)
-        if not hole.any():
-            return None
+        if not np.any(hole[1:] & hole[:-1]):
+            return None  # one bin alone is chance
         hz = self.hz[hole]
         share = float(np.sqrt(1 - self.spectrum[hole].sum() / self.spectrum.sum()) - 1)
         text = f"its EMG has nothing at {hz.min():.0f} to {hz.max():.0f} Hz, unlike all others; was a notch filter run?"
