@@ -146,7 +146,7 @@ def extract_trials(
     rejects = window.implausible == "reject"
     fault = doubt or (implausible if rejects else "")
     remarks = seen.remarks if rejects else (*filter(None, (implausible,)), *seen.remarks)
-    shifts_of_b += _of_lag(lag, left, stop_s, conditioned, instants, emg_clock, force_clock, force_n, levels_v)
+    shifts_of_b += _of_lag(lag, moved_s, stop_s, conditioned, instants, emg_clock, force_clock, force_n, levels_v)
     bias = BiasBudget.of(shifts_of_b, start_s.size)
     biased = said_of_bias(conditioned, bias, told_above, lag, window)
     loaded = said_of_overload(force, presses)
@@ -349,7 +349,7 @@ def _looked_at(
 
 def _of_lag(
     lag: Lag,
-    left: Lag,
+    moved_s: float,
     stop_s: Floats,
     conditioned: ForceRecord,
     instants: Instants,
@@ -358,8 +358,10 @@ def _of_lag(
     force_n: Floats,
     levels_v: Floats,
 ) -> Iterator[Shift]:
-    """What the lag that is left does to the presses, one that grows, and one that each press has of its own."""
+    """What the lag does to the presses where ``moved_s`` of it was taken out: one lag of all, one that grows, and one that
+    each press has of its own."""
     level = levels_v.sum(axis=0)
+    left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
 
     def change(lag_s: float) -> tuple[Floats, Floats]:
         """Of a and b where activity is paired with a force that is so late."""
@@ -368,13 +370,15 @@ def _of_lag(
         x, y = np.log(np.maximum(force_n, 1e-9)), np.log(np.maximum(late_n, 1e-9))
         return line_change(x, y, y, y, level, instants.offsets)
 
+    if lag.drift:
+        own_s = lag.lag_s - moved_s + lag.drift * (stop_s - stop_s.mean())
+        largest_s = float(np.abs(own_s).max())
+        a, b = change(largest_s)
+        yield left_in("clock", a * own_s / largest_s, b * own_s / largest_s)
+        return
     if left.lag_s:
         a, b = change(left.lag_s)
         yield left_in("lag", a, b, np.abs(b) * np.nan_to_num(left.se_s / abs(left.lag_s)))
-    if lag.drift:
-        away_s = lag.drift * (stop_s - stop_s.mean())
-        a, b = change(float(np.abs(away_s).max()))
-        yield left_in("clock", a * away_s / np.abs(away_s).max(), b * away_s / np.abs(away_s).max())
-    elif lag.between_s > DIFFERS_S:
+    if lag.between_s > DIFFERS_S:
         _, b = change(lag.between_s)
         yield left_in("lag", np.zeros(b.size), np.zeros(b.size), np.abs(b))

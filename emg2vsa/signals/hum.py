@@ -195,37 +195,47 @@ def remove_touch_hum(
 def _without_touch(samples: Floats, mains_hz: float, orders: Ints, fs_hz: float, start: Ints, stop: Ints) -> Floats:
     left = samples.copy()
     size = max(1, round(TOUCH_BLOCK_S * fs_hz))
-    offsets_hz = np.linspace(-OFFSET_HZ, OFFSET_HZ, 81)
-    strongest = orders[0]
+    reach = round(TOUCH_REACH_S * fs_hz) // size * size
     for first, last in zip(start.tolist(), stop.tolist(), strict=True):
-        n = (last - first) // size * size
-        if n < round(PIECE_S * fs_hz):
+        last -= (last - first) % size
+        if last - first < round(PIECE_S * fs_hz):
             continue
-        piece, at = samples[first : first + n], np.arange(n) / fs_hz
-        middle_s = at.reshape(-1, size).mean(axis=1)
-        turned = {
-            order: (piece * np.exp(-2j * np.pi * order * mains_hz * at)).reshape(-1, size).mean(axis=1)
-            for order in orders.tolist()
-        }
-        rest = piece - piece.mean()
-        for _ in range(TOUCH_ROUNDS):
-            weights = 1 / np.maximum(np.square(rest).reshape(-1, size).mean(axis=1), 1e-300)
-            weights /= weights.sum()
-            turns = np.exp(-2j * np.pi * np.outer(offsets_hz * strongest, middle_s))
-            offset_hz = offsets_hz[int(np.argmax(np.abs(turns @ (weights * turned[strongest]))))]
-            phasors = {
-                order: 2 * complex(weights @ (own * np.exp(-2j * np.pi * order * offset_hz * middle_s)))
-                for order, own in turned.items()
-            }
-            rest = piece - _waves(phasors, mains_hz + offset_hz, at)
-        reach = round(TOUCH_REACH_S * fs_hz) // size * size
         low = first - min(reach, first // size * size)
         high = low + (min(samples.size, last + reach) - low) // size * size
-        around = slice(low, high)
-        hum = _waves(phasors, mains_hz + offset_hz, (np.arange(low, high) - first) / fs_hz)
-        begin, end = _held(samples[around], hum, size, first - low, last - low)
+        around = samples[low:high]
+        begin, end = first - low, last - low
+        # first by the loading phase alone, then by all of the contact, which holds the phase over the release too
+        for _ in range(2):
+            hum = _fitted(around, begin, end, mains_hz, orders, fs_hz, size)
+            begin, end = _held(around, hum, size, first - low, last - low)
         left[low + begin : low + end] -= hum[begin:end]
     return left
+
+
+def _fitted(around: Floats, begin: int, end: int, mains_hz: float, orders: Ints, fs_hz: float, size: int) -> Floats:
+    """The hum (n,) of samples (n,), fitted in [begin, end), a multiple of ``size``: one frequency, one phasor a
+    harmonic."""
+    offsets_hz = np.linspace(-OFFSET_HZ, OFFSET_HZ, 81)
+    strongest = orders[0]
+    piece, at = around[begin:end], np.arange(end - begin) / fs_hz
+    middle_s = at.reshape(-1, size).mean(axis=1)
+    turns = np.exp(-2j * np.pi * np.outer(offsets_hz * strongest, middle_s))
+    turned = {
+        order: (piece * np.exp(-2j * np.pi * order * mains_hz * at)).reshape(-1, size).mean(axis=1)
+        for order in orders.tolist()
+    }
+    rest, hz, phasors = piece - piece.mean(), mains_hz, dict.fromkeys(orders.tolist(), 0j)
+    for _ in range(TOUCH_ROUNDS):
+        weights = 1 / np.maximum(np.square(rest).reshape(-1, size).mean(axis=1), 1e-300)
+        weights /= weights.sum()
+        offset_hz = offsets_hz[int(np.argmax(np.abs(turns @ (weights * turned[strongest]))))]
+        phasors = {
+            order: 2 * complex(weights @ (own * np.exp(-2j * np.pi * order * offset_hz * middle_s)))
+            for order, own in turned.items()
+        }
+        hz = mains_hz + offset_hz
+        rest = piece - _waves(phasors, hz, at)
+    return _waves(phasors, hz, (np.arange(around.size) - begin) / fs_hz)
 
 
 def _held(samples: Floats, hum: Floats, size: int, first: int, last: int) -> tuple[int, int]:
