@@ -360,7 +360,8 @@ def page(studies: int, people: int) -> str:
     about = (__doc__ or "").partition("\n")[2].strip().partition("    python")[0].strip()
     lines = [
         "# Mishaps of one recording or session in a study", "", about, "",
-        f"GOOD though b is off by more than {100 * OFF:.0f} %, of {len(first.rows)} mishaps: {'; '.join(first.silent)}. "
+        f"GOOD though b is off by more than {100 * OFF:.0f} %, of {len(first.rows)} mishaps: {len(first.silent)} "
+        f"({'; '.join(first.silent)}). "
         f"With other people, on whom no limit was set: {' and '.join(str(len(each.silent)) for each in others)} "
         f"({'; '.join(sorted({name for each in others for name in each.silent}))}). "
         f"Clean sessions of the studies that are GOOD, of {CLEAN_PEOPLE} each: "
