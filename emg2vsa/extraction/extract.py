@@ -358,8 +358,8 @@ def _of_lag(
     force_n: Floats,
     levels_v: Floats,
 ) -> Iterator[Shift]:
-    """What the lag does to the presses where ``moved_s`` of it was taken out: one lag of all, one that grows, and one that
-    each press has of its own."""
+    """What the lag does to the presses where ``moved_s`` of it was taken out: one lag of all, one that grows, and one
+    that each press has of its own."""
     level = levels_v.sum(axis=0)
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
 
