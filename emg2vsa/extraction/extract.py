@@ -299,7 +299,9 @@ def _cleaned(
         if taken_v.any():
             shown = ", ".join(f"{muscle} {1e6 * v:.3g} uV" for muscle, v in zip(record.muscles, taken_v, strict=True))
             said.append(f"mains: hum while the specimen is touched, fitted in each press and subtracted: {shown} rms")
-    touching_v = touch_hum(samples, record.fs_hz, edges[0], edges[1], hum_hz)
+    # where nothing was taken, the same test of the same samples has just found none
+    asked = filters.mains != "remove" or taken_v.any()
+    touching_v = touch_hum(samples, record.fs_hz, edges[0], edges[1], hum_hz) if asked else taken_v
     if touching_v.any():
         # hum of the rests that stays is part of the rest level
         touching_v = np.sqrt(

@@ -18,6 +18,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.signals.products import times
@@ -88,8 +89,8 @@ TOUCH_REACH_S = 3.0
 "So far before and after the loading phase it is looked for."
 TOUCH_ASIDE_HZ = np.array([-8.0, -7.0, -6.0, -5.0, -4.0, 4.0, 5.0, 6.0, 7.0, 8.0])
 "... against the power so far beside it, ..."
-TOUCH_CLEAR = 4.0
-"... and counts where it is so many standard errors above it."
+TOUCH_CHANCE = 0.002
+"... and counts where noise alone would show as much with this probability, in any channel at any frequency asked."
 
 
 @dataclass(frozen=True)
@@ -287,11 +288,34 @@ def _clear_powers(
     known = np.all(size > 0, axis=1) & bool(pieces)
     weights = np.where(known[:, None], size, 1.0) ** -2.0
     weights /= weights.sum(axis=1, keepdims=True)
-    aside = power[..., 1:].mean(axis=-1)
-    excess = np.einsum("mq,mqh->mh", weights, power[..., 0] - aside)
-    error = np.sqrt((1 + 1 / TOUCH_ASIDE_HZ.size) * np.sum((weights[..., None] * aside) ** 2, axis=1))
-    clear = known[:, None] & (excess > TOUCH_CLEAR * error)
+    aside = np.einsum("mq,mqh->mh", weights, power[..., 1:].mean(axis=-1))
+    excess = np.einsum("mq,mqh->mh", weights, power[..., 0]) - aside
+    most = _most_by_chance(pieces, weights, power[..., 1:].mean(axis=-1), fs_hz)
+    clear = known[:, None] & (excess > (most - 1) * aside)
     return np.where(clear, excess / 2, 0.0)
+
+
+def _most_by_chance(pieces: list[tuple[int, int]], weights: Floats, aside: Floats, fs_hz: float) -> Floats:
+    """How many times (m, h) the power beside a sine noise alone shows at it, but with probability ``TOUCH_CHANCE``.
+
+    The power of a piece has two degrees of freedom; that of pieces (q,), by their weights (m, q) and powers (m, q, h),
+    the more the more of them there are, and fewer where they overlap. Their ratio has Snedecor's distribution.
+    """
+    if not pieces:
+        return np.ones((aside.shape[0], aside.shape[2]))
+    begin, end = np.array(pieces, dtype=np.float64).T
+    size = end - begin
+    apart = np.minimum(np.abs(np.subtract.outer(begin, begin)) / np.minimum.outer(size, size), 1.0)
+    # autocorrelation of Hann's window
+    shared = (1 - apart) * (2 + np.cos(2 * np.pi * apart)) / 3 + np.sin(2 * np.pi * apart) / (2 * np.pi)
+    parts = weights[..., None] * aside
+    spread = np.einsum("mqh,qr,mrh->mh", parts, shared**2, parts)
+    total = parts.sum(axis=1)
+    freedom = 2 * np.divide(total**2, spread, out=np.ones_like(total), where=spread > 0)
+    # both sides span 4 Hz each; under Hann's window powers are independent some 1.5 / duration apart
+    beside = min(TOUCH_ASIDE_HZ.size, 2 * (1 + 4 * float(np.mean(size)) / fs_hz / 1.5))
+    asked = len(MAINS_HZ) * aside.shape[0] * aside.shape[2]
+    return np.asarray(special.fdtri(freedom, beside * freedom, 1 - TOUCH_CHANCE / asked))
 
 
 def _present(
