@@ -17,7 +17,14 @@ from tests.small import change_a_sample
 
 pytestmark = pytest.mark.usefixtures("blank_drawings")
 CELLS = [f"{p}/{s}" for p in ("P01", "P02") for s in ("S1", "S3", "S5")]
-AGGREGATES = ["hypotheses/study", "exemplary/study", "profiles/study", "schedules/study", "report/study"]
+AGGREGATES = [
+    "screening/study",
+    "hypotheses/study",
+    "exemplary/study",
+    "profiles/study",
+    "schedules/study",
+    "report/study",
+]
 
 
 def run(study: Path, capsys: pytest.CaptureFixture[str], *more: str) -> dict[str, object]:
@@ -149,7 +156,7 @@ def test_a_bad_and_a_missing_recording_stop_nobody(study: Path, capsys: pytest.C
 
 def test_only_what_is_asked_for(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
     stages = {str(step).partition("/")[0] for step in run(study, capsys, "--only", "schedules")["ran"]}
-    assert stages == {"trials", "fits", "exemplary", "profiles", "schedules"}
+    assert stages == {"trials", "fits", "screening", "exemplary", "profiles", "schedules"}
 
 
 @pytest.mark.slow

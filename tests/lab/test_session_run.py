@@ -56,7 +56,7 @@ def test_a_session_is_run_to_its_verdict_and_says_nothing(study, tmp_path, capsy
     assert [press["mistake"] for press in json.loads(truth.read_text())["presses"]] == ["dips", "", ""]
     judged = done.judged
     assert (judged.verdict, judged.left_out) == ("good", ())
-    assert judged.verdicts[0].specimens[0].usable == 2
+    assert judged.verdicts[0].specimens[0].ok == 2
     assert all(path.is_file() for path in (*judged.recordings, judged.page))
     assert len(judged.recordings) == 1
     said = capsys.readouterr()
@@ -84,7 +84,7 @@ def test_a_session_that_was_stopped_goes_on_with_its_order(study):
     told = events(done.folder)
     assert sum(isinstance(event, Begun) for event in told) == 2
     assert [(e.press, e.attempt) for e in told if isinstance(e, PressBegun)] == [(1, 1), (2, 1)]
-    assert done.judged.verdicts[0].specimens[0].usable == 2
+    assert done.judged.verdicts[0].specimens[0].ok == 2
 
 
 def test_what_there_is_of_a_session_is_finished(study):
@@ -93,7 +93,7 @@ def test_what_there_is_of_a_session_is_finished(study):
     session.run(study, "P03", virtual=SEED, seen=after_a_press)
     found = session.finish(study, "P03")
     assert found.verdicts[0].participant == "P03"
-    assert found.verdicts[0].specimens[0].usable == 1
+    assert found.verdicts[0].specimens[0].ok == 1
     assert found.folder == study.data / "sub-P03"
     assert session.finish(study, "P03") == found
 

@@ -14,6 +14,7 @@ from benchmarks.small_study import WITH_A_RIG, small_rig, small_study
 from casr.counts import counting
 from emg2vsa.cli import main
 from emg2vsa.readers.front_door import read
+from tests.small import change_a_sample
 
 
 @pytest.fixture(scope="module")
@@ -58,9 +59,9 @@ def test_fits_alone_read_no_frame_and_ask_for_no_other_stage(made: Path, tmp_pat
 
 
 def test_one_changed_session_runs_its_own_steps_and_those_of_the_study(study: Path, capsys) -> None:
-    shutil.copy(recording(study, "P02", "S1"), recording(study, "P01", "S1"))
+    change_a_sample(recording(study, "P01", "S1"))
     found = profile(study, capsys, "schedules")
-    once = dict.fromkeys(("trials", "fits", "exemplary", "profiles", "schedules"), 1)
+    once = dict.fromkeys(("trials", "fits", "screening", "exemplary", "profiles", "schedules"), 1)
     assert computed(found).items() <= once.items()
     assert {"trials", "fits"} <= computed(found).keys()
     assert found["trials"]["counts"]["files read"] == 1
