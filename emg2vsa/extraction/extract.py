@@ -58,8 +58,8 @@ TONE_BLOCK_S = 0.1
 "Rests are compared by the means of blocks of this length."
 TONE_CHANCE = 1e-4
 "Noise alone makes the rests of a muscle differ with this probability."
-HUM_LEFT = 0.05
-"Of the change that hum in presses makes, so much may be left: a tenth of its amplitude, which adds in power."
+HUM_LEFT = 0.15
+"Standard error of the correction for hum in presses, as a share of it: one whose amplitude grows by half over the press."
 TOUCHED = 0.1
 "The finger is on the specimen above this share of the window's lower force."
 

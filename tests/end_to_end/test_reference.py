@@ -111,7 +111,7 @@ def test_the_demo_indents_the_specimens_of_the_reference() -> None:
 
 def test_the_truth_of_people_is_found(people: Path) -> None:
     found = results(people)
-    assert found["recovery.n"] == 699  # the interval of one slope is 11 times as wide as the others of its recording
+    assert found["recovery.n"] == 700
     assert abs(float(str(found["recovery.mean_b_error"]))) <= 0.01
     assert float(str(found["recovery.mean_b_error_mcse"])) < 0.004
 
