@@ -59,7 +59,7 @@ TONE_BLOCK_S = 0.1
 TONE_CHANCE = 1e-4
 "Noise alone makes the rests of a muscle differ with this probability."
 HUM_LEFT = 0.15
-"Standard error of the correction for hum in presses, as a share of it: one whose amplitude grows by half over the press."
+"Standard error of the correction for hum in presses, as a share of it: the hum may grow by half over the press."
 TOUCHED = 0.1
 "The finger is on the specimen above this share of the window's lower force."
 
