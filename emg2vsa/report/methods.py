@@ -129,9 +129,8 @@ if force fell on more than {{ (100 * w.max_falling_share) | g }} % of its path, 
 {{ (100 * w.clip_share) | g }} % of the samples), flat, as silent as at rest or incomplete. A trial at the edge of a
 record was rejected if its record began more than {{ w.max_missed_n | g }} N above {{ w.force_n[0] | g }} N.
 {% if w.implausible == "reject" %}Trials were rejected too if a signal cannot be right: its unit, its rectification or
-its zero.{% endif %} A trial was marked with a warning if, among
-other faults, force fell on more than {{ (100 * w.warn_falling_share) | g }} % of its path, EMG was less than
-{{ w.min_snr_db | g }} dB above rest, or force rested more than {{ w.max_gap_force_n | g }} N from zero.
+its zero.{% endif %} Moments in which an electrode moved were left out (power below 25 Hz, more than 14 times its usual
+share).
 {% endmacro %}
 {% set f, w, bins = study.fit, study.window, study.fit.points == "bins" %}
 {{ by_recording(segmentation) }} Each trial was fitted as v = a + b ln F (F in newtons) by
@@ -140,7 +139,12 @@ other faults, force fell on more than {{ (100 * w.warn_falling_share) | g }} % o
 {%- else %}{{ "unweighted" if f.robust else "ordinary" }} least squares{% endif %}
 {%- if f.robust %}, with Huber's weights against outliers [@huber],{% endif %} on {% if bins %}the means over force
 bins of {{ f.bin_n | g }} N from {{ w.force_n[0] | g }} to {{ w.force_n[1] | g }} N{% else %}the samples{% endif %}.
-Intervals of a and b are at {{ (100 * f.confidence) | g }} % (Student's t). {% if bins %}Their standard errors allow
+Each trial has a budget of bias: by how much rest level, hum, movement, crosstalk, lag, clocks and drift of the level
+change b, with standard errors.{% if f.max_bias %} A trial was doubtful
+{{- "" if "doubtful" in study.hypotheses.use else " and entered no test" }} if the bias that is left and its error
+exceed {{ (100 * f.max_bias) | g }} % of b or the half-width of its interval.{% endif %} Recordings that are unlike the
+others of the study, in gain, band, clock or unit, were doubtful too; copies were left out.
+Intervals of a and b are at {{ (100 * f.confidence) | g }} % (Student's t); that of b holds the bias that is left. {% if bins %}Their standard errors allow
 for the correlation of neighbouring samples.{% else %}Their standard errors take neighbouring samples as independent,
 and are therefore too small.{% endif %}
 {% set wide = "more than " ~ (WIDE | g) ~ " of the mean fitted level" %}
