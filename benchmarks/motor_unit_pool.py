@@ -73,7 +73,7 @@ class Pool:
 
     @cached_property
     def peaks_hz(self) -> Floats:
-        return self.first_peak_hz - self.peak_fall_hz * self.thresholds / self.thresholds[-1]
+        return np.asarray(self.first_peak_hz - self.peak_fall_hz * self.thresholds / self.thresholds[-1])
 
     @property
     def most(self) -> float:

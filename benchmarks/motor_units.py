@@ -1,9 +1,10 @@
 """What the chain says of b, lag, law and interval of people whose EMG and force both come from motor units.
 
-``python -m benchmarks.motor_units [PEOPLE] [RECORDINGS]``, kept by ``benchmarks.bench.record``: some minutes. No law of activity against force is put into these people (``benchmarks.motor_unit_pool``); the truth of b is
-the line that the fit's own weights give for the mean rectified EMG of many presses without noise, at the mean force of
-the same instants. ``twitches``: force is the sum of the flexor's twitches, so that it follows the EMG; ``commanded``:
-force is what the excitation asks for, so that its lag is 0 and the motor units make the EMG alone.
+``python -m benchmarks.motor_units [PEOPLE] [RECORDINGS]``, kept by ``benchmarks.bench.record``: some minutes. No law
+of activity against force is put into these people (``benchmarks.motor_unit_pool``); the truth of b is the line that the
+fit's own weights give for the mean rectified EMG of many presses without noise, at the mean force of the same instants.
+``twitches``: force is the sum of the flexor's twitches, so that it follows the EMG; ``commanded``: force is what the
+excitation asks for, so that its lag is 0 and the motor units make the EMG alone.
 """
 
 from __future__ import annotations
