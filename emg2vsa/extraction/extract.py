@@ -30,7 +30,7 @@ from emg2vsa.signals.filters import IirFilter
 from emg2vsa.signals.floor import floor_change, press_levels, subtract_floor
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
 from emg2vsa.signals.hum import remove_hum, remove_touch_hum, touch_hum
-from emg2vsa.signals.lag import DIFFERS_S, Lag, estimate_lag
+from emg2vsa.signals.lag import DIFFERS_S, Lag, curve_of, estimate_lag
 from emg2vsa.signals.level_drift import level_drift, level_trends
 from emg2vsa.signals.movement import bridged, change_by_leaving_out, left_out, movement
 from emg2vsa.signals.overview import emg_overview
@@ -370,7 +370,8 @@ def _of_lag(
         ahead = replace(force_clock, start_s=force_clock.start_s - lag_s)
         late_n = force_at(conditioned.force_n, instants, emg_clock, ahead)
         x, y = np.log(np.maximum(force_n, 1e-9)), np.log(np.maximum(late_n, 1e-9))
-        return line_change(x, y, y, y, level, instants.offsets)
+        read, true = curve_of(y, level, instants.offsets, (y, x))
+        return line_change(x, read, x, true, level, instants.offsets)
 
     if lag.drift:
         own_s = lag.lag_s - moved_s + lag.drift * (stop_s - stop_s.mean())
@@ -380,7 +381,7 @@ def _of_lag(
         return
     if left.lag_s:
         a, b = change(left.lag_s)
-        yield left_in("lag", a, b, np.abs(b) * np.nan_to_num(left.se_s / abs(left.lag_s)))
+        yield left_in("lag", a, b, np.abs(b) * np.hypot(np.nan_to_num(left.se_s), left.feigned_s) / abs(left.lag_s))
     if lag.between_s > DIFFERS_S:
         _, b = change(lag.between_s)
         yield left_in("lag", np.zeros(b.size), np.zeros(b.size), np.abs(b))

@@ -9,12 +9,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy import special
 
 from emg2vsa.errors import SignalError
 from emg2vsa.extraction import Trials
 from emg2vsa.signals.bias import BiasBudget
 from emg2vsa.signals.delays import ESTIMATED
-from emg2vsa.signals.lag import PRESS_SD_S, UNKNOWN, Lag
+from emg2vsa.signals.lag import DIFFERS_CHANCE, PRESS_SD_S, UNKNOWN, Lag
 from emg2vsa.signals.traits import Traits
 
 RATES_ALIKE = 1e-5
@@ -98,8 +99,11 @@ def _lag(parts: Sequence[Trials]) -> Lag:
     own_s = weights.sum() ** -0.5 if sure else PRESS_SD_S / weights.sum() ** 0.5
     weights /= weights.sum()
     mean_s = float(weights @ lag_s)
-    between_s = float(weights @ (lag_s - mean_s) ** 2 / (len(known) - 1)) ** 0.5
-    return Lag(mean_s, max(float(own_s), between_s), len(known))
+    n, apart_s = len(known), lag_s - mean_s
+    between_s = float(weights @ apart_s**2 / (n - 1)) ** 0.5
+    by_chance = sure and float(np.sum((apart_s / se_s) ** 2)) < special.chdtri(n - 1, DIFFERS_CHANCE)
+    differs_s = 0.0 if n < 3 or by_chance else between_s * n**0.5
+    return Lag(mean_s, max(float(own_s), between_s), n, between_s=differs_s)
 
 
 def _lag_remarks(lag: Lag, parts: Sequence[Trials]) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import signal, special
 
 from emg2vsa.arrays import Floats, Ints
+from emg2vsa.signals.bias import means
 from emg2vsa.signals.pairing import Clock
 
 STEP_S = 0.01
@@ -31,6 +32,8 @@ LOWEST = 0.25
 "Force below this share of the window's lower force counts as no force."
 TURN = 0.3
 "Force turns where ln F goes back by so much."
+LEAST_N = 0.05
+"Forces below say nothing of the curve of a recording."
 APART_S = 0.015
 "Rise and release follow one curve where the lag is the same, within this, whether they are told apart or not."
 LEAST_EXPLAINED = 0.3
@@ -40,7 +43,11 @@ PRESS_SD_S = 0.003
 ALONE_S = 0.1
 "A lag that one press alone tells counts above this."
 DIFFERS_S = 0.03
-"Presses whose lags scatter by more do not share one."
+"Presses whose lags scatter by more, beyond their noise, do not share one, ..."
+DIFFERS_CHANCE = 1e-3
+"... where noise makes them scatter so with this probability."
+HALF_STEPS = 3
+"The noise of a press's lag is told by two halves of it, which alternate every so many steps."
 TREND = 5.0
 "Clocks drift where the slope of lag against time is so many standard errors, ..."
 TREND_S = 0.02
@@ -51,13 +58,15 @@ TREND_S = 0.02
 class Lag:
     """lag_s : force follows EMG so late; negative where force leads. se_s : its standard error, from so many pieces of
     the record. feigned_s : what the way of pressing, and activity that differs on release, can add. drift : seconds
-    by which the lag grows each second, 0 where it is not clear that it does. NaN: not known."""
+    by which the lag grows each second, between_s : standard deviation of the lags of the presses beyond their noise;
+    0 where it is not clear. NaN: not known."""
 
     lag_s: float
     se_s: float
     pieces: int = 0
     feigned_s: float = FEIGNED_S
     drift: float = 0.0
+    between_s: float = 0.0
 
     @property
     def certain(self) -> bool:
@@ -65,11 +74,6 @@ class Lag:
         if self.pieces == 1:
             return abs(self.lag_s) > ALONE_S
         return bool(abs(self.lag_s) > self.feigned_s + special.stdtrit(max(self.pieces - 1, 2), 0.9985) * self.se_s)
-
-    @property
-    def between_s(self) -> float:
-        """Standard deviation of the lags of the presses; NaN where there are fewer than three."""
-        return self.se_s * self.pieces**0.5 if self.pieces > 2 else float("nan")
 
     @property
     def differs(self) -> str:
@@ -119,7 +123,7 @@ def estimate_lag(
     level = ((u - u.min()) * (LEVELS / max(float(np.ptp(u)), 1e-12))).astype(np.int64)
     cuts = np.searchsorted(time_s, (stop_s[1:] + stop_s[:-1]) / 2)
     second_s = step / emg.fs_hz
-    together, without, explained = _refined(y, level, coarse, cuts)
+    together, without, halves, explained = _refined(y, level, coarse, cuts)
     apart = _refined(y, np.where(_rising(u), level, level + LEVELS + 1), coarse, cuts)
     if not explained > LEAST_EXPLAINED:
         return UNKNOWN
@@ -127,7 +131,8 @@ def estimate_lag(
     if difference_s <= APART_S:
         lag, feigned_s = together, FEIGNED_S + difference_s
     else:
-        lag, without, feigned_s = apart[0], apart[1], FEIGNED_S + difference_s / 2
+        lag, without, halves, _ = apart
+        feigned_s = FEIGNED_S + difference_s / 2
     n = without.size
     lag_s, of_press_s = lag * second_s, (n * lag - (n - 1) * without) * second_s
     if n < 2:
@@ -135,12 +140,44 @@ def estimate_lag(
     se_s = float(np.std(of_press_s, ddof=1)) / n**0.5
     if n == 2:
         se_s = max(se_s, PRESS_SD_S / n**0.5)
-    return Lag(lag_s, se_s, n, feigned_s, _drift(of_press_s, stop_s) if n == stop_s.size else 0.0)
+    drift = _drift(of_press_s, stop_s) if n == stop_s.size else 0.0
+    return Lag(lag_s, se_s, n, feigned_s, drift, _beyond_noise(of_press_s, halves))
 
 
-def _refined(y: Floats, level: Ints, coarse: int, cuts: Ints) -> tuple[float, Floats, float]:
-    """The lag in steps at which y scatters least within the levels, those without each of the pieces between the cuts
-    (p,), and the share of the variance of y that the levels explain."""
+def curve_of(x: Floats, level: Floats, offsets: Ints, at: Sequence[Floats]) -> list[Floats]:
+    """The curve of the level (N,) against ln F, x (N,), that all presses of a recording share, at other ln F (k,) each.
+
+    A line in ln F and in F: what a lag does to b depends on which of the two it is. A curve that does not rise over all
+    of x tells nothing; it is taken as ln F then.
+    """
+    top = np.repeat(means(level, offsets), np.diff(offsets))
+    known = (level > 0) & (x > np.log(LEAST_N))
+    weights = np.divide(top, level, out=np.zeros_like(level), where=known)
+    columns = np.stack([np.ones_like(x), x, np.exp(x)])
+    share = np.divide(level, top, out=np.zeros_like(level), where=known)
+    (_, of_log, of_force), *_ = np.linalg.lstsq((columns * weights).T, share * weights, rcond=None)
+    ends_n = np.exp([x[known].min(), x[known].max()]) if known.any() else np.ones(2)
+    if not np.all(of_log + of_force * ends_n > 0):
+        of_log, of_force = 1.0, 0.0
+    return [of_log * own + of_force * np.exp(own) for own in at]
+
+
+def _beyond_noise(of_press_s: Floats, pulls: Floats) -> float:
+    """Standard deviation of the lags (p,) of presses beyond their noise, which the ``pulls`` (p, 2) of the halves of
+    each on the common lag tell; 0 where it is not clear, or of fewer than three."""
+    n = of_press_s.size
+    if n < 3:
+        return 0.0
+    all_of, noise = float(np.var(pulls.sum(axis=1), ddof=1)), float(np.mean(np.diff(pulls) ** 2))
+    if not all_of > special.fdtri(n - 1, n, 1 - DIFFERS_CHANCE) * noise:
+        return 0.0
+    return float(np.std(of_press_s, ddof=1) * (1 - noise / all_of) ** 0.5)
+
+
+def _refined(y: Floats, level: Ints, coarse: int, cuts: Ints) -> tuple[float, Floats, Floats, float]:
+    """The lag in steps at which y scatters least within the levels; those without each of the pieces between the cuts
+    (p,); the slopes of the scatter there that the halves of each have (p, 2); and the share of the variance of y that
+    the levels explain."""
     for _ in range(4):
         scatter, begin = _scatter(y, level, coarse)
         least = int(np.argmin(scatter.sum(axis=1))) - FINE_STEPS
@@ -149,11 +186,15 @@ def _refined(y: Floats, level: Ints, coarse: int, cuts: Ints) -> tuple[float, Fl
         coarse += least
     inner = cuts - begin
     inner = inner[(inner > 0) & (inner < scatter.shape[1])]
-    pieces = np.add.reduceat(scatter, np.unique(np.append(0, inner)), axis=1)
+    begins = np.unique(np.append(0, inner))
+    odd = np.arange(scatter.shape[1]) // HALF_STEPS % 2 > 0
+    pieces, second = (np.add.reduceat(own, begins, axis=1) for own in (scatter, np.where(odd, scatter, 0.0)))
     total = pieces.sum(axis=1, keepdims=True)
-    lags = coarse + _vertices(np.hstack((total, total - pieces)))
+    lags = _vertices(np.hstack((total, total - pieces)))
+    linear, square = _parabolas(np.stack((pieces - second, second), axis=-1))
     varying = float(np.var(y[begin : begin + scatter.shape[1]])) * scatter.shape[1]
-    return float(lags[0]), lags[1:], 1 - float(total.min()) / varying if varying else 0.0
+    explained = 1 - float(total.min()) / varying if varying else 0.0
+    return coarse + float(lags[0]), coarse + lags[1:], linear + 2 * square * lags[0], explained
 
 
 def _rising(u: Floats) -> NDArray[np.bool_]:
@@ -236,11 +277,15 @@ def _scatter(y: Floats, level: Ints, coarse: int) -> tuple[Floats, int]:
     return np.array(rows), begin
 
 
+def _parabolas(scatter: Floats) -> tuple[Floats, Floats]:
+    """Linear and square coefficients (...) of the parabolas through the columns (lags, ...), from the middle on."""
+    steps = np.arange(-FINE_STEPS, FINE_STEPS + 1.0)
+    bow = steps**2 - np.mean(steps**2)
+    return np.tensordot(steps, scatter, 1) / np.sum(steps**2), np.tensordot(bow, scatter, 1) / np.sum(bow**2)
+
+
 def _vertices(scatter: Floats) -> Floats:
     """Where the parabolas through the columns (lags, p) are least, in steps from the middle; 0 where they are not."""
-    steps = np.arange(-FINE_STEPS, FINE_STEPS + 1)[:, None]
-    bow = steps**2 - np.mean(steps**2)
-    square = np.sum(bow * scatter, axis=0) / np.sum(bow * bow)
-    linear = np.sum(steps * scatter, axis=0) / np.sum(steps * steps)
+    linear, square = _parabolas(scatter)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.where(square > 0, np.clip(-linear / (2 * square), -FINE_STEPS, FINE_STEPS), 0.0))
