@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal, special
 
-from emg2vsa.arrays import Floats, Ints
-from emg2vsa.signals.bias import means
+from emg2vsa.arrays import Floats, Ints, median
 from emg2vsa.signals.pairing import Clock
 
 STEP_S = 0.01
@@ -33,7 +33,11 @@ LOWEST = 0.25
 TURN = 0.3
 "Force turns where ln F goes back by so much."
 LEAST_N = 0.05
-"Forces below say nothing of the curve of a recording."
+"Forces below say nothing of the curve of a recording, ..."
+CURVE_SIZE = 10
+"... nor do presses with no more samples; ..."
+CURVE_CLEAR = 3.0
+"... and it is other than the logarithm where the presses together show it by so many standard errors."
 APART_S = 0.015
 "Rise and release follow one curve where the lag is the same, within this, whether they are told apart or not."
 LEAST_EXPLAINED = 0.3
@@ -44,10 +48,14 @@ ALONE_S = 0.1
 "A lag that one press alone tells counts above this."
 DIFFERS_S = 0.03
 "Presses whose lags scatter by more, beyond their noise, do not share one, ..."
-DIFFERS_CHANCE = 1e-3
+DIFFERS_CHANCE = 0.01
 "... where noise makes them scatter so with this probability."
 HALF_STEPS = 3
 "The noise of a press's lag is told by two halves of it, which alternate every so many steps."
+FAR_S = 0.07
+"Noise leaves half the presses within this of the median; the halves tell nothing of a lag so far from the common one."
+SMOOTHED = 7.0
+"Variance of their sum over that of their difference, for halves of noise: steps are smoothed (measured, white EMG)."
 TREND = 5.0
 "Clocks drift where the slope of lag against time is so many standard errors, ..."
 TREND_S = 0.02
@@ -123,17 +131,18 @@ def estimate_lag(
     level = ((u - u.min()) * (LEVELS / max(float(np.ptp(u)), 1e-12))).astype(np.int64)
     cuts = np.searchsorted(time_s, (stop_s[1:] + stop_s[:-1]) / 2)
     second_s = step / emg.fs_hz
-    together, without, halves, explained = _refined(y, level, coarse, cuts)
+    together, without, pulls, explained = _refined(y, level, coarse, cuts)
     apart = _refined(y, np.where(_rising(u), level, level + LEVELS + 1), coarse, cuts)
     if not explained > LEAST_EXPLAINED:
         return UNKNOWN
+    n = without.size
+    # rise and release together tell best by how much presses differ, even where both are off by the same
+    differing_s = _beyond_noise((n * together - (n - 1) * without) * second_s, pulls)
     difference_s = abs(together - apart[0]) * second_s
     if difference_s <= APART_S:
         lag, feigned_s = together, FEIGNED_S + difference_s
     else:
-        lag, without, halves, _ = apart
-        feigned_s = FEIGNED_S + difference_s / 2
-    n = without.size
+        lag, without, feigned_s = apart[0], apart[1], FEIGNED_S + difference_s / 2
     lag_s, of_press_s = lag * second_s, (n * lag - (n - 1) * without) * second_s
     if n < 2:
         return Lag(lag_s, float("nan"), 1, feigned_s)
@@ -141,24 +150,30 @@ def estimate_lag(
     if n == 2:
         se_s = max(se_s, PRESS_SD_S / n**0.5)
     drift = _drift(of_press_s, stop_s) if n == stop_s.size else 0.0
-    return Lag(lag_s, se_s, n, feigned_s, drift, _beyond_noise(of_press_s, halves))
+    return Lag(lag_s, se_s, n, feigned_s, drift, differing_s)
 
 
 def curve_of(x: Floats, level: Floats, offsets: Ints, at: Sequence[Floats]) -> list[Floats]:
-    """The curve of the level (N,) against ln F, x (N,), that all presses of a recording share, at other ln F (k,) each.
+    """The curve of the level (N,) against ln F, x (N,), that the presses of a recording share, at other ln F (k,) each.
 
-    A line in ln F and in F: what a lag does to b depends on which of the two it is. A curve that does not rise over all
-    of x tells nothing; it is taken as ln F then.
+    A line in ln F and in F: what a lag does to b depends on which of the two it is. It is ln F alone where the presses
+    do not clearly show another, and where the other would fall.
     """
-    top = np.repeat(means(level, offsets), np.diff(offsets))
     known = (level > 0) & (x > np.log(LEAST_N))
-    weights = np.divide(top, level, out=np.zeros_like(level), where=known)
-    columns = np.stack([np.ones_like(x), x, np.exp(x)])
-    share = np.divide(level, top, out=np.zeros_like(level), where=known)
-    (_, of_log, of_force), *_ = np.linalg.lstsq((columns * weights).T, share * weights, rcond=None)
-    ends_n = np.exp([x[known].min(), x[known].max()]) if known.any() else np.ones(2)
-    if not np.all(of_log + of_force * ends_n > 0):
-        of_log, of_force = 1.0, 0.0
+    found = []
+    for first, last in itertools.pairwise(offsets.tolist()):
+        own, v = (each[first:last][known[first:last]] for each in (x, level))
+        if own.size > CURVE_SIZE:
+            columns = np.stack([np.ones_like(own), own, np.exp(own)], axis=-1) / v[:, None]
+            found.append(np.linalg.lstsq(columns, np.ones_like(own), rcond=None)[0] / v.mean())
+    n = len(found)
+    curves = np.array(found).reshape(n, 3)
+    of_log, of_force = 1.0, 0.0
+    if n > 2:
+        mean, se = curves.mean(axis=0), curves.std(axis=0, ddof=1) / n**0.5
+        ends_n = np.exp([x[known].min(), x[known].max()])
+        if abs(mean[2]) > CURVE_CLEAR * se[2] and np.all(mean[1] + mean[2] * ends_n > 0):
+            of_log, of_force = float(mean[1]), float(mean[2])
     return [of_log * own + of_force * np.exp(own) for own in at]
 
 
@@ -168,10 +183,13 @@ def _beyond_noise(of_press_s: Floats, pulls: Floats) -> float:
     n = of_press_s.size
     if n < 3:
         return 0.0
-    all_of, noise = float(np.var(pulls.sum(axis=1), ddof=1)), float(np.mean(np.diff(pulls) ** 2))
+    all_of, noise = float(np.var(pulls.sum(axis=1), ddof=1)), SMOOTHED * float(np.mean(np.diff(pulls) ** 2))
+    scatter_s = float(np.std(of_press_s, ddof=1))
+    if median(np.abs(of_press_s - median(of_press_s))) > FAR_S:
+        return scatter_s
     if not all_of > special.fdtri(n - 1, n, 1 - DIFFERS_CHANCE) * noise:
         return 0.0
-    return float(np.std(of_press_s, ddof=1) * (1 - noise / all_of) ** 0.5)
+    return float(scatter_s * (1 - noise / all_of) ** 0.5)
 
 
 def _refined(y: Floats, level: Ints, coarse: int, cuts: Ints) -> tuple[float, Floats, Floats, float]:

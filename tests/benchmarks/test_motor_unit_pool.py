@@ -18,7 +18,11 @@ from benchmarks.motor_unit_pool import (
     fibre_potential,
     twitch_gain,
 )
-from benchmarks.motor_units import CLOSE_S, FS_HZ, TOP_N, Person, line_of, mean_lag, wanted
+from benchmarks.motor_units import CLOSE_S, FS_HZ, TOP_N, Person, line_of, mean_lag, record, wanted
+from emg2vsa.extraction import Trials
+from emg2vsa.extraction.extract import extract_trials
+from emg2vsa.fits import Fits, fit_trials
+from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ForceChannelSettings, WindowSettings
 
 POOL = Pool()
 
@@ -176,3 +180,26 @@ def test_the_line_of_a_curve_that_is_known_and_its_laws() -> None:
     assert line_of(force_n, 5 + 3 * force_n)[1][2] > 0.9999
     assert mean_lag(force_n, np.concatenate((np.zeros(40), force_n[:-40]))) == 40
     assert CLOSE_S * FS_HZ == 40
+
+
+def told_of(person: Person, number: int) -> tuple[Trials, Fits]:
+    emg, force = record(person, number)
+    trials = extract_trials(
+        emg, force, participant="P", specimen="S", filters=FilterSettings(), cocontraction=CocontractionSettings(),
+        window=WindowSettings(), force_channel=ForceChannelSettings(name="Fz"),
+    )  # fmt: skip
+    return trials, fit_trials(trials, FitSettings(), WindowSettings())
+
+
+def test_no_press_of_motor_units_is_said_to_have_a_lag_of_its_own() -> None:
+    """By the noise of its presses this recording was said to have lags that differ by 66 ms."""
+    trials, fits = told_of(Person(3, "twitches"), 4)
+    assert not any("lag of force d" in reason for reasons in trials.reasons for reason in reasons)
+    true = 36.7e-6 / 35.5e-6 - 1  # of the table of benchmarks.motor_units
+    assert np.all(np.abs(fits.b_bias - true) < 0.1)  # a law that is not there said -22 %
+
+
+def test_no_lag_is_told_where_force_is_as_commanded() -> None:
+    trials, fits = told_of(Person(1, "commanded"), 0)
+    assert not any("lag" in reason for reasons in trials.reasons for reason in reasons)
+    assert np.all(fits.verdict == "ok")

@@ -86,6 +86,8 @@ def test_recordings_of_one_press_tell_together_what_none_tells_alone(force_of, r
     assert join_trials(told, ["a", "b", "c", "d"]).remarks == ()
     apart = [replace(part, lag_s=lag_s, lag_se_s=0.002, remarks=(), fault="") for lag_s in (-0.1, 0.0, 0.1)]
     assert "differs by 100 ms" in join_trials(apart, ["a", "b", "c"]).remarks[0]
+    unsure = [replace(one, lag_se_s=0.1) for one in apart]
+    assert join_trials(unsure, ["a", "b", "c"]).remarks == ()
 
 
 def test_rest_that_only_one_recording_has(force_of, recorded, extract):

@@ -8,7 +8,7 @@ import pytest
 from emg2vsa.signals.bias import line_change
 from emg2vsa.signals.floor import floor_change, press_levels, subtract_floor
 from emg2vsa.signals.hum import remove_hum, remove_touch_hum, touch_hum
-from emg2vsa.signals.lag import UNKNOWN, estimate_lag
+from emg2vsa.signals.lag import UNKNOWN, curve_of, estimate_lag
 from emg2vsa.signals.pairing import Clock
 
 FS_HZ = 1000.0
@@ -247,6 +247,53 @@ def test_presses_that_do_not_share_one_lag_say_so() -> None:
     assert apart.between_s > 0.03
     assert apart.differs
     assert not estimate_lag(*shared_lag()).differs
+
+
+def test_lags_that_scatter_by_their_noise_are_not_said_to_differ() -> None:
+    """The noise of the electrode hides the muscle, so that the lags of presses scatter by 30 ms where all are 0."""
+    lags = []
+    for seed in range(30):
+        _, force_n, stop_s = session(0.0)
+        level = np.hypot(2 + 12 * np.log1p(2 * force_n), 25)
+        emg = level * np.random.default_rng(seed).standard_normal(force_n.size)
+        clock = Clock(0.0, FS_HZ, emg.size)
+        lags.append(estimate_lag((emg,), clock, force_n, clock, 0.5, stop_s))
+    assert sum(lag.se_s * lag.pieces**0.5 > 0.03 for lag in lags) > 10
+    assert sum(bool(lag.differs) for lag in lags) <= 1
+
+
+def ramp(lag_s: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """ln F now and when a force that is so late is there, in the window, of four presses of 3 s; and their offsets."""
+    time_s = np.linspace(0.2, 2.8, 300)
+    now, late = np.log(2.5 * time_s), np.log(2.5 * (time_s + lag_s))
+    return np.tile(now, 4), np.tile(late, 4), 300 * np.arange(5)
+
+
+@pytest.mark.parametrize("lag_s", [0.06, 0.17])
+def test_what_a_lag_does_to_b_depends_on_the_curve(lag_s: float) -> None:
+    now, late, offsets = ramp(lag_s)
+    curves = {"log": lambda x: 20 + 10 * x, "straight": lambda x: 4 + 6 * np.exp(x)}
+    change = {}
+    for name, curve in curves.items():
+        level = curve(late) * np.repeat([1.0, 1.3, 1.1, 0.8], 300)
+        read, true = curve_of(late, level, offsets, (late, now))
+        change[name] = line_change(now, read, now, true, level, offsets)[1]
+        exact = line_change(now, curve(late), now, curve(now), level, offsets)[1]
+        np.testing.assert_allclose(change[name], exact, atol=1e-9)
+    # on an even ramp a late force is one less by a constant, which the intercept of a straight line takes
+    np.testing.assert_allclose(change["straight"], 0, atol=1e-9)
+    assert np.all(change["log"] < -0.05)
+
+
+def test_curves_that_fall_differ_or_are_two_are_taken_as_the_logarithm() -> None:
+    now, late, offsets = ramp(0.06)
+    straight, bent = 4 + 6 * np.exp(late), 40 * late + 60 - 6 * np.exp(late)
+    differing = np.where(np.arange(1200) % 600 < 300, straight, bent)
+    for level, own in ((50 - np.exp(late), offsets), (differing, offsets), (straight, offsets[:3])):
+        read, true = curve_of(late[: own[-1]], level[: own[-1]], own, (late, now))
+        np.testing.assert_array_equal(read, late)
+        np.testing.assert_array_equal(true, now)
+    assert not np.array_equal(curve_of(late, straight, offsets, (late,))[0], late)
 
 
 def shared_lag() -> tuple[tuple[np.ndarray], Clock, np.ndarray, Clock, float, np.ndarray]:
