@@ -67,8 +67,9 @@ def serve(parent: Pipes) -> None:
         if sum(sizes) > limits.memory_mb * _MB / 2:  # for it stands in memory twice
             parts = _pickled((False, MemoryError()))
             sizes = [memoryview(part).nbytes for part in parts]
-        for part in (HEAD.pack(len(parts)), np.array(sizes, "<u8"), *parts):
-            write_whole(parent.to_other, part)
+        write_whole(parent.to_other, HEAD.pack(len(parts)) + np.array(sizes, "<u8").tobytes())
+        while parts:  # what was sent stands in the parent's memory, and must not stand here too
+            write_whole(parent.to_other, parts.pop(0))
 
 
 def _done(request: tuple[Any, ...], objects: dict[int, Any]) -> list[Any]:

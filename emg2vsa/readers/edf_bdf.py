@@ -2,18 +2,22 @@
 
 edfio believes the header. Checked here is what it would pass over: a first line or a header size that is wrong, a
 calibration that cannot be read (it then hands out the stored integers), and a discontinuous file (it joins the pieces).
-The samples of EDF are read when a channel is asked for; those of BDF all at once. Formats: edfplus.info.
+The samples of EDF are read when a channel is asked for, some data records at a time and not through edfio, which would
+hold the whole file in memory; those of BDF all at once. Formats: edfplus.info.
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 import edfio
+import numpy as np
 from edfio import Bdf, BdfSignal, Edf, EdfSignal
+from numpy.typing import NDArray
 
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.bids_sidecars import SideChannel, SideFiles, side_files
@@ -23,11 +27,14 @@ from emg2vsa.recordings import ChannelInfo
 
 _EDF, _BDF = b"0       ", b"\xffBIOSEMI"
 _ENCODING = "latin-1"  # the specification says ASCII, but recorders write the micro sign
+Digital = NDArray[np.int16] | NDArray[np.int32]
+_AT_ONCE = 2**21
+"Stored samples that are in memory at a time, of all signals of an EDF or of one of a BDF."
 
 
 @dataclass(frozen=True)
 class EdfRecording:
-    """signals : those of the file without its annotations."""
+    """signals : those of the file without its annotations. records : of an EDF, where its samples are."""
 
     path: Path
     contents: Contents
@@ -35,6 +42,7 @@ class EdfRecording:
     n_records: int
     side: SideFiles
     start_s: float
+    records: _Records | None = None
 
     def describe(self) -> tuple[ChannelInfo, ...]:
         return tuple(
@@ -45,14 +53,17 @@ class EdfRecording:
         )
 
     def load(self, indices: Sequence[int]) -> list[StoredChannel]:
-        return [self._load(self.contents.names[i], self.signals[i]) for i in indices]
+        return [self._load(i) for i in indices]
 
-    def _load(self, name: str, signal: EdfSignal | BdfSignal) -> StoredChannel:
+    def _load(self, i: int) -> StoredChannel:
+        name, signal = self.contents.names[i], self.signals[i]
         _refuse_uncalibrated(f"{self.path}, channel {name!r}", signal)
         fs_hz = signal.sampling_frequency
         unit, notes = self._unit(signal)
         notes = (*notes, *self._side(signal).warnings(name, fs_hz))
-        return StoredChannel(name, signal.data.copy(), unit, fs_hz, self.start_s, notes)
+        n = self.n_records * signal.samples_per_data_record
+        pieces = _pieces(signal.digital) if self.records is None else self.records.of(i, self.n_records)
+        return StoredChannel(name, _calibrated(pieces, n, signal), unit, fs_hz, self.start_s, notes)
 
     def _side(self, signal: EdfSignal | BdfSignal) -> SideChannel:
         return self.side.channels.get(signal.label.strip(), SideChannel())
@@ -85,7 +96,68 @@ def open_recording(path: Path) -> EdfRecording:
     warned = [str(warning.message).removesuffix(" Updating header.") for warning in said]
     notes = (*warned, *unknown_start, *side.notes(max(signal.sampling_frequency for signal in signals)))
     contents = Contents(unique_names([signal.label for signal in signals]), {}, notes, started)
-    return EdfRecording(path, contents, signals, file.num_data_records, side, start_s)
+    records = None if is_bdf else _Records.of_edf(path)
+    return EdfRecording(path, contents, signals, file.num_data_records, side, start_s, records)
+
+
+@dataclass(frozen=True)
+class _Records:
+    """The data records of an EDF of so many samples each; columns : where those of each signal, without annotations,
+    begin and end in them. file : kept open, so that a file put in its place is not read for it."""
+
+    file: BinaryIO
+    begin: int
+    size: int
+    columns: tuple[tuple[int, int], ...]
+
+    @staticmethod
+    def of_edf(path: Path) -> _Records:
+        file = path.open("rb")
+        head = file.read(256)
+        n = int(head[252:256])
+        head += file.read(256 * n)
+        labels = [head[256 + 16 * i : 272 + 16 * i].rstrip() for i in range(n)]
+        counts = head[256 + 216 * n :]
+        ends = np.cumsum([0, *(int(counts[8 * i : 8 * i + 8]) for i in range(n))]).tolist()
+        columns = [(ends[i], ends[i + 1]) for i in range(n) if labels[i] != b"EDF Annotations"]
+        return _Records(file, len(head), ends[-1], tuple(columns))
+
+    def of(self, i: int, n_records: int) -> Iterator[Digital]:
+        """Stored samples of one signal, those of some records at a time. RecordingError where the file has become
+        shorter since it was opened."""
+        first, last = self.columns[i]
+        self.file.seek(self.begin)
+        at_once = max(1, _AT_ONCE // self.size)
+        for left in range(n_records, 0, -at_once):
+            wanted = min(at_once, left)
+            found = np.fromfile(self.file, "<i2", count=wanted * self.size)
+            if found.size < wanted * self.size:
+                raise RecordingError(
+                    self.file.name, wanted=f"{n_records} data records, as when it was opened",
+                    found=f"{n_records - left + found.size // self.size}",
+                    do="Wait until the program that writes it has finished, then read it again.",
+                )  # fmt: skip
+            yield found.reshape(-1, self.size)[:, first:last].ravel()
+
+
+def _pieces(digital: Digital) -> Iterator[Digital]:
+    for first in range(0, digital.size, _AT_ONCE):
+        yield digital[first : first + _AT_ONCE]
+
+
+def _calibrated(pieces: Iterator[Digital], n: int, signal: EdfSignal | BdfSignal) -> NDArray[np.float64]:
+    """The n samples in the signal's unit, rounded as edfio does."""
+    (low, high), (digital_low, digital_high) = signal.physical_range, signal.digital_range
+    gain = (high - low) / (digital_high - digital_low)
+    offset = high / gain - digital_high
+    samples = np.empty(n)
+    begin = 0
+    for piece in pieces:
+        own = samples[begin : begin + piece.size]
+        np.add(piece, offset, out=own)
+        own *= gain
+        begin += piece.size
+    return samples
 
 
 def _checked_head(path: Path) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -133,6 +134,22 @@ def test_a_fault_is_told_and_the_next_request_has_a_new_child(make, fault: str, 
     assert child_pid() is None
     assert kept.ask("arrays")[0].size == 5  # opened anew
     assert child_pid() not in (None, pid)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the memory of another process is read from /proc")
+def test_the_child_keeps_nothing_of_an_answer_that_was_sent(make) -> None:
+    def resident_mb() -> float:
+        found = re.search(r"VmRSS:\s+(\d+) kB", Path(f"/proc/{child_pid()}/status").read_text())
+        assert found
+        return int(found.group(1)) / 1000
+
+    decoder = make(5_000_000)
+    before = resident_mb()
+    assert decoder.ask("arrays")[0].nbytes == 40_000_000
+    deadline = time.monotonic() + 10
+    while resident_mb() > before + 20 and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert resident_mb() < before + 20
 
 
 def test_an_answer_may_be_no_larger_than_half_the_memory(make) -> None:

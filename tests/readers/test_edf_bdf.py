@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from emg2vsa.errors import RecordingError
+from emg2vsa.readers import edf_bdf
 from emg2vsa.readers.front_door import inspect, open_recording, read
 
 
@@ -95,6 +96,29 @@ def test_samples_are_those_of_mne(tmp_path: Path, kind: str, reader) -> None:
     theirs = reader(path, include=["EDC"], verbose="error").get_data()[0]  # in V
     (ours,) = read(path, ["EDC"]).channels
     np.testing.assert_allclose(ours.samples, theirs, rtol=1e-9, atol=1e-18)
+
+
+@pytest.mark.parametrize("at_once", [1, 1000, 4100, 2**21])
+@pytest.mark.parametrize("kind", ["edf", "bdf"])
+def test_samples_read_piece_by_piece_are_those_of_edfio(
+    tmp_path: Path, kind: str, at_once: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(edf_bdf, "_AT_ONCE", at_once)
+    path = write(tmp_path / f"rec.{kind}", annotations=True, n=7000)
+    theirs = {
+        signal.label: signal.data for signal in (edfio.read_bdf if kind == "bdf" else edfio.read_edf)(path).signals
+    }
+    for channel in edf_bdf.open_recording(path).load([2, 0, 1]):
+        np.testing.assert_array_equal(channel.samples, theirs[channel.name])
+        assert channel.samples.flags.writeable
+
+
+def test_a_file_that_has_become_shorter_since_it_was_opened(tmp_path: Path) -> None:
+    opened = edf_bdf.open_recording(write(tmp_path / "rec.edf"))
+    with (tmp_path / "rec.edf").open("r+b") as file:
+        file.truncate(1024 + 2 * 2 * 2100)
+    with pytest.raises(RecordingError, match="expected 3 data records, as when it was opened, but found 2"):
+        opened.load([0])
 
 
 def test_micro_sign_of_a_recorder_that_writes_latin_1(tmp_path: Path) -> None:
