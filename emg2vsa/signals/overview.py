@@ -14,6 +14,8 @@ COLUMNS = 400
 SEGMENT_S = 0.25
 "Spectra are means over segments of this length (Hann window, half overlapping), 4 Hz fine."
 HIGHEST_HZ = 500.0
+SAMPLES_AT_ONCE = 2**17
+"Of a long record so many are copied at a time: as many as the processor's cache holds."
 EMG_FROM_HZ = 10.0
 "Below, baseline and movement would set the median frequency."
 
@@ -41,17 +43,18 @@ class EmgOverview:
 def emg_overview(samples: Sequence[Floats], fs_hz: float, start_s: float, presses: Ints, rests: Ints) -> EmgOverview:
     """Of raw samples (n,) of each muscle; presses, rests : (p, 2), (r, 2) first and last-plus-one samples."""
     size = max(1, -(-samples[0].size // COLUMNS))
-    rows = [x[: x.size // size * size].reshape(-1, size) for x in samples]
+    low_v, high_v, mean_v = np.moveaxis(np.array([_columns(x, size) for x in samples]), 1, 0)
     length = max(8, round(SEGMENT_S * fs_hz))
     frequency_hz = np.fft.rfftfreq(length, 1 / fs_hz).astype(np.float64)
     kept = frequency_hz <= HIGHEST_HZ
-    of_press, of_rest = (spectra(samples, bounds, length, fs_hz) for bounds in (presses, rests))
+    both = spectra(samples, np.concatenate((presses, rests)), length, fs_hz)
+    of_press, of_rest = both[:, : len(presses)], both[:, len(presses) :]
     return EmgOverview(
         start_s=start_s,
         step_s=size / fs_hz,
-        low_v=np.array([row.min(axis=1) for row in rows]),
-        high_v=np.array([row.max(axis=1) for row in rows]),
-        mean_v=np.array([np.abs(row - row.mean(axis=1, keepdims=True)).mean(axis=1) for row in rows]),
+        low_v=low_v,
+        high_v=high_v,
+        mean_v=mean_v,
         frequency_hz=frequency_hz[kept],
         resting=mean_known(of_rest)[:, kept],
         pressing=mean_known(of_press)[:, kept],
@@ -59,19 +62,45 @@ def emg_overview(samples: Sequence[Floats], fs_hz: float, start_s: float, presse
     )
 
 
+def _columns(samples: Floats, size: int) -> Floats:
+    """Lowest, highest and mean rectified value (3, k) of the columns of samples (n,), some at a time."""
+    rows = samples[: samples.size // size * size].reshape(-1, size)
+    found = np.empty((3, len(rows)))
+    at_once = max(1, SAMPLES_AT_ONCE // size)
+    for first in range(0, len(rows), at_once):
+        own, (low, high, mean) = rows[first : first + at_once], found[:, first : first + at_once]
+        own.min(axis=1, out=low)
+        own.max(axis=1, out=high)
+        apart = own - own.mean(axis=1, keepdims=True)
+        np.abs(apart, out=apart).mean(axis=1, out=mean)
+    return found
+
+
 def spectra(samples: Sequence[Floats], bounds: Ints, length: int, fs_hz: float) -> Floats:
     """Power spectral densities (m, q, F) of the pieces [i, j) (q, 2); NaN of those shorter than a segment."""
     window = np.hanning(length + 1)[:-1]
-    spectra = np.full((len(samples), len(bounds), length // 2 + 1), np.nan)
-    for own, x in zip(spectra, samples, strict=True):
-        for row, (i, j) in zip(own, bounds.tolist(), strict=True):
-            if j - i < length:
-                continue
-            segments = np.lib.stride_tricks.sliding_window_view(x[i:j], length)[:: length // 2]
-            found = np.fft.rfft((segments - segments.mean(axis=1, keepdims=True)) * window, axis=1)
-            (found.real**2 + found.imag**2).mean(axis=0, out=row)
-    spectra *= 2 / (fs_hz * (window @ window))
-    return spectra
+    step = length // 2
+    counts = np.maximum((bounds[:, 1] - bounds[:, 0] - length) // step + 1, 0)
+    piece = np.repeat(np.arange(len(bounds)), counts)
+    begins = bounds[piece, 0] + step * (np.arange(piece.size) - np.repeat(np.cumsum(counts) - counts, counts))
+    found = np.zeros((len(samples), len(bounds), step + 1))
+    at_once = max(1, SAMPLES_AT_ONCE // length)
+    for own, x in zip(found, samples, strict=True):
+        if x.size < length:
+            continue
+        every = np.lib.stride_tricks.sliding_window_view(x, length)
+        for first in range(0, piece.size, at_once):
+            segments = every[begins[first : first + at_once]]
+            segments -= segments.mean(axis=1, keepdims=True)
+            segments *= window
+            parts = np.fft.rfft(segments, axis=1).view(np.float64)
+            parts *= parts
+            pieces, at = np.unique(piece[first : first + at_once], return_index=True)
+            sums = np.add.reduceat(parts, at, axis=0)
+            own[pieces] += sums[:, ::2] + sums[:, 1::2]
+    found *= 2 / (fs_hz * (window @ window))
+    with np.errstate(invalid="ignore"):
+        return np.asarray(found / counts[:, None])
 
 
 def mean_known(spectra: Floats) -> Floats:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from emg2vsa.arrays import Floats, median, quantiles
+from emg2vsa.signals.bias import means
 from emg2vsa.signals.level_drift import level_trends
 from emg2vsa.signals.press_signals import Signals, by_press, correlation, pieces_of, volts
 from emg2vsa.signals.quality import MAINS_HZ
@@ -84,16 +85,18 @@ def plausibility(signals: Signals) -> Plausibility:
     hz, spectra = found[0][0], [each for _, each in found]
     pairs = list(_correlations(signals, hz, spectra))
     shares = [_share_above(hz, each, EMG_ABOVE_HZ) for each in spectra]
-    not_raw = dict(_not_raw(signals, pieces, shares))
+    not_raw, alike = _not_raw(signals, pieces, shares)
     faults = [*not_raw.values(), *_levels(signals, not_raw), *_copies(pairs)]
     if faults:
         return Plausibility("; ".join(faults), (), ((),) * n_presses)
     beats, spikes = dict(beats_of(signals)), [dict(spikes_of(signals, press)) for press in range(n_presses)]
-    profiles = [Profile.of(signals, muscle) for muscle in range(len(signals.muscles))]
+    if wandering:  # what was stored may repeat itself where what it was settled to does not
+        alike = [sum(piece.size for piece in of) for of in stored]
+    profiles = Profile.of(signals)
     explained = {muscle for told in (beats, *spikes) for muscle in told}
     remarks = (
         *wandering, *_rate(signals), *_crosstalk(pairs), *_ratios(signals), *_saturated(signals, pieces),
-        *_fading(signals), *beats.values(), *repeated_of(signals, stored),
+        *_fading(signals), *beats.values(), *repeated_of(signals, stored, alike),
         *(said for muscle, said in _deaf(signals) if muscle not in explained and abs(signals.lag_s) < LARGE_LAG_S),
     )  # fmt: skip
     of_press = []
@@ -111,12 +114,14 @@ def _settled(signals: Signals, stored: Sequence[Sequence[Floats]]) -> tuple[Sign
     size = max(1, round(SLOW_S * signals.fs_hz))
     samples, said = list(signals.samples), []
     for m, (muscle, of) in enumerate(zip(signals.muscles, stored, strict=True)):
-        blocks = np.concatenate([piece[: piece.size // size * size] for piece in of]).reshape(-1, size)
-        means = blocks.mean(axis=1)
-        if means.size < 2:
+        if sum(piece.size // size for piece in of) < 2:
             continue
-        wanders_v = float(np.subtract(*np.quantile(means, (0.95, 0.05))))
-        if wanders_v <= WANDER * float(np.std(blocks - means[:, None])):
+        blocks = [piece[: piece.size // size * size].reshape(-1, size) for piece in of]
+        means = [block.mean(axis=1) for block in blocks]
+        low_v, high_v = quantiles(np.sort(np.concatenate(means)), 0.05, 0.95)
+        wanders_v = high_v - low_v
+        apart = sum(float(np.square(block - own[:, None]).sum()) for block, own in zip(blocks, means, strict=True))
+        if wanders_v <= WANDER * np.sqrt(apart / sum(block.size for block in blocks)):
             continue
         sections = signal.butter(2, HIGH_PASS_HZ, "highpass", fs=signals.fs_hz, output="sos")
         fast = np.asarray(signal.sosfiltfilt(sections, samples[m]), dtype=np.float64)
@@ -159,13 +164,17 @@ def _levels(signals: Signals, besides: Collection[str]) -> Iterator[str]:
     for muscle, samples, row, rest_v in zip(
         signals.muscles, signals.samples, signals.envelopes_v, signals.rest_v.tolist(), strict=True
     ):
+        of_press = [
+            (quantiles(np.sort(v), 0.8)[0], bounds)
+            for v, bounds in zip(by_press(row, signals.offsets), signals.presses.tolist(), strict=True) if v.size
+        ]  # fmt: skip
+        if muscle in besides or all(LEVEL_V[0] <= level_v <= LEVEL_V[1] for level_v, _ in of_press):
+            continue
         # a unit is wrong in every press, and a press that was clipped or lost its electrode says nothing of it
-        clipped = [_is_clipped(samples[first:last]) for first, last in signals.presses.tolist()]
-        cut = np.split(row, signals.offsets[1:-1])
-        each_v = [quantiles(np.sort(one), 0.8)[0] for one, no in zip(cut, clipped, strict=True) if one.size and not no]
+        each_v = [level_v for level_v, (first, last) in of_press if not _is_clipped(samples[first:last])]
         level_v = sorted(each_v)[(len(each_v) - 1) // 2] if each_v else 0.0
         # a channel that shows nothing of the press is an electrode's matter, not a unit's
-        if muscle in besides or level_v <= 0 or level_v < 2 * rest_v or LEVEL_V[0] <= level_v <= LEVEL_V[1]:
+        if level_v <= 0 or level_v < 2 * rest_v or LEVEL_V[0] <= level_v <= LEVEL_V[1]:
             continue
         power = min(POWERS, key=lambda p: abs(np.log10(level_v * 10.0**-p / USUAL_V)))
         if not LEVEL_V[0] <= level_v * 10.0**-power <= LEVEL_V[1]:
@@ -179,30 +188,37 @@ def _levels(signals: Signals, besides: Collection[str]) -> Iterator[str]:
 
 def _not_raw(
     signals: Signals, pieces: Sequence[Sequence[Floats]], shares: Sequence[float]
-) -> Iterator[tuple[str, str]]:
-    """Rectified, enveloped, or no EMG at all: told by one-sidedness and by the power below 20 Hz."""
-    for m, muscle in enumerate(signals.muscles):
-        share = shares[m]
+) -> tuple[dict[str, str], list[int]]:
+    """Muscle to why it is rectified, enveloped, or no EMG at all: told by one-sidedness and by the power below 20 Hz.
+    And how many samples of each have the value of another one."""
+    told: dict[str, str] = {}
+    alike = []
+    for muscle, of, share in zip(signals.muscles, pieces, shares, strict=True):
+        joined = np.concatenate(of)
+        joined.sort()
+        alike.append(int(np.count_nonzero(joined[1:] == joined[:-1])))
         if share < EMG_SHARE:
             follows = [
                 correlation(piece, np.interp(np.linspace(0, 1, piece.size), np.linspace(0, 1, force.size), force))
-                for piece, force in zip(pieces[m], by_press(signals.force_n, signals.offsets), strict=False)
+                for piece, force in zip(of, by_press(signals.force_n, signals.offsets), strict=False)
                 if force.size > 1
             ]
             low = f"{100 * (1 - share):.0f} % of the power of {muscle} lies below {EMG_ABOVE_HZ:g} Hz"
             if follows and abs(median(np.array(follows))) > 0.5:
-                yield muscle, f"{low}; is it an envelope, or another signal, instead of raw EMG?"
+                told[muscle] = f"{low}; is it an envelope, or another signal, instead of raw EMG?"
             elif share < EMG_SHARE / 2:
-                yield muscle, f"{low}, and does not follow the force; is its electrode on?"
+                told[muscle] = f"{low}, and does not follow the force; is its electrode on?"
             continue
-        joined = np.sort(np.concatenate(pieces[m]))
         lowest, middle, highest = quantiles(joined, 0.001, 0.5, 0.999)
         for side, near, far in (("negative", middle - lowest, highest - middle),
                                 ("positive", highest - middle, middle - lowest)):  # fmt: skip
+            if not near < ONE_SIDED * far:
+                continue
             edge = joined - lowest if side == "negative" else highest - joined
             clips = np.mean(joined == joined[0 if side == "negative" else -1]) > 0.001
-            if near < ONE_SIDED * far and np.mean(edge < 0.1 * near) > PILED_UP and not clips:
-                yield muscle, f"{muscle} is never {side}; is it rectified already?"
+            if np.mean(edge < 0.1 * near) > PILED_UP and not clips:
+                told[muscle] = f"{muscle} is never {side}; is it rectified already?"
+    return told, alike
 
 
 def _spectra(pieces: Sequence[Floats], fs_hz: float) -> tuple[Floats, NDArray[np.complex128]]:
@@ -256,7 +272,7 @@ def _rate(signals: Signals) -> Iterator[str]:
 
 
 def _ratios(signals: Signals) -> Iterator[str]:
-    level_v = np.quantile(signals.envelopes_v, 0.8, axis=1)
+    level_v = [quantiles(np.sort(row), 0.8)[0] for row in signals.envelopes_v]
     loud, quiet = int(np.argmax(level_v)), int(np.argmin(level_v))
     if level_v[quiet] > 0 and level_v[loud] > LARGEST_RATIO * level_v[quiet]:
         ratio = level_v[loud] / level_v[quiet]
@@ -289,13 +305,13 @@ def _fading(signals: Signals) -> Iterator[str]:
 
 
 def _deaf(signals: Signals) -> Iterator[tuple[str, str]]:
-    for muscle, row in zip(signals.muscles, signals.envelopes_v, strict=True):
-        r = [
-            correlation(v, np.log(np.maximum(force_n, 1e-3)))
-            for v, force_n in zip(
-                by_press(row, signals.offsets), by_press(signals.force_n, signals.offsets), strict=True
-            )
-            if v.size > 10
-        ]
-        if r and (typical := median(np.array(r))) < FOLLOWS:
+    offsets = signals.offsets
+    counts = np.diff(offsets)
+    x = np.log(np.maximum(signals.force_n, 1e-3))
+    x = x - np.repeat(means(x, offsets), counts)
+    y = signals.envelopes_v - np.repeat(means(signals.envelopes_v, offsets), counts, axis=1)
+    norm = np.sqrt(means(x * x, offsets) * means(y * y, offsets))
+    r = np.divide(means(x * y, offsets), norm, out=np.zeros_like(norm), where=norm > 0)[:, counts > 10]
+    for muscle, each in zip(signals.muscles, r, strict=True):
+        if each.size and (typical := median(each)) < FOLLOWS:
             yield muscle, f"{muscle} does not rise with force (r = {typical:.2f})"

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.arrays import Floats, median
-from emg2vsa.signals.press_signals import Signals, by_press
+from emg2vsa.signals.press_signals import Signals
 
 BURST_S, BURST = 0.1, 3.0
 "Length of a burst, and its level over that of the other presses."
@@ -22,6 +22,8 @@ BEAT_S, BEAT_LEVEL, BEATS, BEAT_RATE_HZ, BEAT_SPREAD = 0.03, 4.0, 5, (0.7, 3.3),
 "Heart beats at rest: length, height over the median, how many at least, how often, and spread of their intervals."
 PACKET, TWICE = 12, 0.005
 "Samples in a row that no signal repeats by chance, and the share of such that is remarked."
+STRETCH = 2**15
+"Samples that are looked through at a time."
 
 
 @dataclass(frozen=True)
@@ -33,23 +35,26 @@ class Profile:
     typical_v: Floats
 
     @staticmethod
-    def of(signals: Signals, muscle: int) -> Profile:
+    def of(signals: Signals) -> list[Profile]:
+        """Of each muscle."""
         inside = signals.force_n[signals.force_n > 0]
         low, high = (float(inside.min()), float(inside.max())) if inside.size else (0.5, 1.0)
         edges = np.linspace(np.log(low), np.log(max(high, low * 1.01)), 13)
-        rows = []
-        for v, force_n in zip(
-            by_press(signals.envelopes_v[muscle], signals.offsets),
-            by_press(signals.force_n, signals.offsets),
-            strict=True,
-        ):
-            which = np.clip(np.searchsorted(edges, np.log(np.maximum(force_n, low)), side="right") - 1, 0, 11)
-            counts = np.bincount(which, minlength=12)
-            sums = np.bincount(which, v, minlength=12)
-            rows.append(np.where(counts > 0, sums / np.maximum(counts, 1), np.nan))
-        each = np.array(rows)
-        typical = np.array([median(c[np.isfinite(c)]) if np.isfinite(c).any() else np.nan for c in each.T])
-        return Profile((edges[1:] + edges[:-1]) / 2, each, typical)
+        middle = (edges[1:] + edges[:-1]) / 2
+        which = np.clip(np.searchsorted(edges, np.log(np.maximum(signals.force_n, low)), side="right") - 1, 0, 11)
+        p = len(signals.offsets) - 1
+        cell = which + 12 * np.repeat(np.arange(p), np.diff(signals.offsets))
+        counts = np.bincount(cell, minlength=12 * p).reshape(p, 12)
+        profiles = []
+        for v in signals.envelopes_v:
+            sums = np.bincount(cell, v, minlength=12 * p).reshape(p, 12)
+            each = np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
+            ordered = np.sort(each, axis=0)
+            known = np.count_nonzero(np.isfinite(each), axis=0)
+            two = np.maximum(np.stack(((known - 1) // 2, known // 2)), 0)
+            lower, upper = np.take_along_axis(ordered, np.minimum(two, p - 1), axis=0)
+            profiles.append(Profile(middle, each, np.where(known > 0, (lower + upper) / 2, np.nan)))
+        return profiles
 
 
 def bursts_of(signals: Signals, profiles: Sequence[Profile], press: int) -> Iterator[tuple[str, str]]:
@@ -103,8 +108,9 @@ def beats_of(signals: Signals) -> Iterator[tuple[str, str]]:
             piece = samples[begin:end]
             if piece.size < 20 * size:
                 continue
-            total = np.cumsum(np.abs(piece - median(piece)))
-            smooth = (total[size:] - total[:-size]) / size
+            rectified = piece - median(piece)
+            total = np.cumsum(np.abs(rectified, out=rectified), out=rectified)
+            smooth = total[size:] - total[:-size]
             high = smooth > BEAT_LEVEL * median(smooth)
             at = np.flatnonzero(high)
             seconds += piece.size / signals.fs_hz
@@ -121,21 +127,26 @@ def beats_of(signals: Signals) -> Iterator[tuple[str, str]]:
             yield muscle, f"{muscle} shows the heart at rest, {60 / median(spread):.0f} beats a minute"
 
 
-def repeated_of(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator[str]:
-    """Stretches of samples that occur twice, as when a wireless link sends a packet again."""
+def repeated_of(signals: Signals, pieces: Sequence[Sequence[Floats]], alike: Sequence[int]) -> Iterator[str]:
+    """Stretches of samples that occur twice, as when a wireless link sends a packet again; ``alike``: how many samples
+    of each muscle at most have a value that another one has."""
     weights = np.random.default_rng(0).uniform(1, 2, PACKET // 2)
-    for muscle, of in zip(signals.muscles, pieces, strict=True):
-        joined = np.concatenate(of)
-        n = joined.size - PACKET + 1
-        if n < 2:
+    for muscle, of, most in zip(signals.muscles, pieces, alike, strict=True):
+        n = sum(piece.size for piece in of) - PACKET + 1
+        # a stretch that occurs twice begins with a sample that does
+        if n < 2 or most <= TWICE * n:
             continue
-        print_of = np.zeros(n)
-        changes = np.zeros(n, dtype=np.int8)
+        print_of, changes = np.zeros(n), np.zeros(n, dtype=np.int8)
+        samples = np.concatenate(of)
+        differs = samples[1:] != samples[:-1]
         for k, weight in enumerate(weights.tolist()):
-            every_other = joined[2 * k : 2 * k + n]
-            print_of += weight * every_other
-            changes += every_other != joined[2 * k + 1 : 2 * k + 1 + n]
-        own = np.sort(print_of[changes > PACKET // 4])
-        share = np.count_nonzero(own[1:] == own[:-1]) / n
+            for first in range(0, n, STRETCH):
+                own = slice(first, min(first + STRETCH, n))
+                print_of[own] += weight * samples[2 * k + own.start : 2 * k + own.stop]
+                changes[own] += differs[2 * k + own.start : 2 * k + own.stop]
+        del samples, differs
+        own_prints = print_of[changes > PACKET // 4]
+        own_prints.sort()
+        share = np.count_nonzero(own_prints[1:] == own_prints[:-1]) / n
         if share > TWICE:
             yield f"{muscle} has {100 * share:.1f} % of its samples twice; did the link send packets again?"

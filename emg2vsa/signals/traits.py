@@ -150,14 +150,20 @@ def _line_hz(samples: Sequence[Floats], fs_hz: float, rests: Ints) -> float:
 def _fingerprints(rows: Floats, offsets: Ints) -> Floats:
     """(p, k, 32) of rows (k, N); NaN of presses of fewer samples."""
     found = np.full((offsets.size - 1, len(rows), POINTS), np.nan)
+    long = np.flatnonzero(np.diff(offsets) >= POINTS)
+    counts = np.diff(offsets)[long]
+    # the running sum of each press, from 0 on, one after the other
+    begins = np.cumsum(counts + 1) - counts - 1
+    runs = np.zeros((len(rows), int((counts + 1).sum())))
+    for press, begin, count in zip(long.tolist(), begins.tolist(), counts.tolist(), strict=True):
+        own = rows[:, offsets[press] : offsets[press] + count]
+        np.cumsum(own, axis=1, out=runs[:, begin + 1 : begin + 1 + count])
+    edges = np.multiply.outer(counts, np.arange(POINTS + 1) / POINTS)
+    before = np.minimum(edges.astype(np.int64), counts[:, None] - 1)
+    low, high = runs[:, begins[:, None] + before], runs[:, begins[:, None] + before + 1]
+    sums = np.moveaxis(np.diff(low + (edges - before) * (high - low)), 0, 1)
     basis, _ = np.linalg.qr(np.vander(np.linspace(-1, 1, POINTS), 4))
-    for own, i, j in zip(found, offsets[:-1].tolist(), offsets[1:].tolist(), strict=True):
-        if j - i < POINTS:
-            continue
-        edges = np.linspace(i, j, POINTS + 1)
-        sums = np.cumsum(np.pad(rows[:, i:j], ((0, 0), (1, 0))), axis=1)
-        means = np.diff([np.interp(edges - i, np.arange(j - i + 1), run) for run in sums], axis=1)
-        left = means - (means @ basis) @ basis.T
-        norm = np.linalg.norm(left, axis=1, keepdims=True)
-        own[:] = np.divide(left, norm, out=np.full_like(left, np.nan), where=norm > 0)
+    left = sums - (sums @ basis) @ basis.T
+    norm = np.linalg.norm(left, axis=2, keepdims=True)
+    found[long] = np.divide(left, norm, out=np.full_like(left, np.nan), where=norm > 0)
     return found
