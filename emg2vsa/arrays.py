@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -9,6 +11,16 @@ from emg2vsa.errors import SignalError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+AT_ONCE = 2**17
+"Samples of a long record that are worked on at a time: what they are copied to stays in the processor's cache."
+
+
+def slices(n: int, width: int = 1) -> Iterator[slice]:
+    """Parts of n rows of ``width`` samples, one after the other."""
+    rows = max(1, AT_ONCE // width)
+    for begin in range(0, n, rows):
+        yield slice(begin, min(begin + rows, n))
 
 
 def samples_1d(values: ArrayLike, where: str, *, at_least: int = 1) -> Floats:
@@ -21,14 +33,15 @@ def samples_1d(values: ArrayLike, where: str, *, at_least: int = 1) -> Floats:
 
 
 def bridge_gaps(samples: Floats, where: str) -> tuple[Floats, NDArray[np.bool_]]:
-    """Samples with every non-finite one replaced by linear interpolation, and the mask (n,) of those replaced.
+    """Samples with every non-finite one replaced by linear interpolation, and the mask (n,) of those replaced; it is
+    not to be written to.
 
     SignalError where fewer than half of the samples are numbers: nothing sensible can be said of such a channel.
     """
     missing = ~np.isfinite(samples)
     n_missing = int(np.count_nonzero(missing))
     if n_missing == 0:
-        return samples, missing
+        return samples, np.broadcast_to(np.False_, samples.shape)  # one byte, whatever n
     if 2 * n_missing > samples.size:
         found = f"{n_missing} of {samples.size} samples that are not"
         raise SignalError(where, wanted="finite numbers", found=found, do="Check the export of this channel.")

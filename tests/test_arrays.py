@@ -27,7 +27,7 @@ def test_median_is_that_of_numpy(values):
     assert median(np.array(values)) == np.median(values)
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 10, 997])
+@pytest.mark.parametrize("n", [1, 2, 3, 10, 999, 1000, 1001, 20_002])
 def test_quantiles_and_median_are_those_of_numpy(n):
     values = np.random.default_rng(n).standard_normal(n)
     shares = (0.0, 0.001, 0.05, 0.5, 0.8, 0.9995, 1.0)

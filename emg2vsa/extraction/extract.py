@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints, bridge_gaps, median, samples_1d
+from emg2vsa.arrays import Floats, Ints, bridge_gaps, median, samples_1d, slices
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.emg_record import Chain, EmgRecord, emg_record, filter_chain, where_of
 from emg2vsa.extraction.evidence import (
@@ -115,16 +115,12 @@ def extract_trials(
         crossing = [taken_out("crosstalk", change, 2 * KNOWN_TO * np.abs(change))]
     floor_a, floor_b = floor_change(levels_v, floor_v, force_n, instants.offsets)
     told_above = TONE_CORRECTION if _rests_differ(resting_v, resting, record.fs_hz / chain.step) else LARGE_CORRECTION
-    # a mean rectified value is sqrt(2 / pi) of the rms
-    stays_v, went_v = np.sqrt(2 / np.pi) * clean.touching_v, np.sqrt(2 / np.pi) * clean.taken_v
-    _, hummed = floor_change(np.hypot(levels_v, went_v[:, None]), went_v, force_n, instants.offsets)
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
     trends = level_trends(envelopes_v, instants.offsets)
     shifts_of_b: list[Shift] = [
         taken_out("rest level", floor_b, np.abs(floor_b) * floor_error) if subtract
         else left_in("rest level", floor_a, floor_b),
-        left_in("hum at the touch", *floor_change(levels_v, stays_v, force_n, instants.offsets)),
-        taken_out("hum at the touch", hummed, HUM_LEFT * np.abs(hummed)),
+        *_of_hum(clean, levels_v, force_n, instants.offsets),
         *crossing,
         level_drift(envelopes_v, instants.offsets, *trends),
     ]  # fmt: skip
@@ -244,6 +240,17 @@ def _rests_differ(envelopes_v: Floats, resting: Instants, fs_hz: float) -> bool:
     return bool(np.any(between > special.fdtri(n - 1, n * (count - 1), 1 - TONE_CHANCE) * within))
 
 
+def _above(level_n: float, force_n: Floats, emg: Clock, force: Clock) -> NDArray[np.bool_]:
+    """Where, of the samples of the EMG, the force (n,) on its own clock is above a level."""
+    found = np.empty(emg.n_samples, dtype=np.bool_)
+    for part in slices(emg.n_samples):
+        at = force.index(emg.time_s(np.arange(part.start, part.stop)))
+        low = min(max(int(at[0]), 0), force.n_samples - 1)
+        high = min(max(int(at[-1]) + 2, low + 1), force.n_samples)
+        found[part] = np.interp(at, np.arange(low, high), force_n[low:high]) > level_n
+    return found
+
+
 class Cleaned(NamedTuple):
     """The EMG without its hum; the lag of force behind it; rms (m,) of the hum that presses still hold beside that of
     the rests, and of what was taken from them; spans in which each electrode moves; and what is said."""
@@ -278,10 +285,7 @@ def _cleaned(
     start, stop = rest_samples(conditioned.rest, emg_clock, force_clock)
     if filters.mains == "remove" or filters.rest_level == "subtract":
         removing = filters.mains == "remove"
-        at_s = emg_clock.time_s(np.arange(emg_clock.n_samples))
-        touched = np.interp(force_clock.index(at_s), np.arange(force_clock.n_samples), conditioned.force_n) > (
-            TOUCHED * window.force_n[0]
-        )
+        touched = _above(TOUCHED * window.force_n[0], conditioned.force_n, emg_clock, force_clock)
         samples, hum = remove_hum(
             samples, record.fs_hz, start, stop, (edges[0], edges[1]), touched, only_absent=not removing
         )
@@ -347,6 +351,19 @@ def _looked_at(
         offsets=instants.offsets,
         lag_s=lag_s,
     )
+
+
+def _of_hum(clean: Cleaned, levels_v: Floats, force_n: Floats, offsets: Ints) -> Iterator[Shift]:
+    """What hum of the presses does to them, that which stays and that which was taken; arrays as in
+    ``extract_trials``."""
+    # a mean rectified value is sqrt(2 / pi) of the rms
+    if clean.touching_v.any():
+        stays_v = np.sqrt(2 / np.pi) * clean.touching_v
+        yield left_in("hum at the touch", *floor_change(levels_v, stays_v, force_n, offsets))
+    if clean.taken_v.any():
+        went_v = np.sqrt(2 / np.pi) * clean.taken_v
+        _, hummed = floor_change(np.hypot(levels_v, went_v[:, None]), went_v, force_n, offsets)
+        yield taken_out("hum at the touch", hummed, HUM_LEFT * np.abs(hummed))
 
 
 def _of_lag(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from emg2vsa.errors import SettingError
 from emg2vsa.settings import FilterSettings
 from emg2vsa.signals.filters import IirFilter
 from emg2vsa.signals.products import times
-from emg2vsa.signals.windowed import filter_windows
+from emg2vsa.signals.windowed import LONG, filter_windows
 
 FEWEST_OUT = 16
 "Outputs of a block: narrower matrices multiply more slowly."
@@ -98,11 +99,25 @@ def envelopes_at(
 
     Window w is evaluated at the samples ``first[w] + step * arange(counts[w])``, all inside the record. Within the
     kernel's reach of an end of the record, the taps that remain are rescaled to unit sum, but never more than doubled:
-    a causal envelope rises from zero at the start of its record.
+    a causal envelope rises from zero at the start of its record. Windows of more than ``LONG`` samples in all are
+    filtered some at a time.
     """
     if not np.any(counts):
         return np.empty((len(channels), 0))
     first, counts = first[counts > 0], counts[counts > 0]
+    reach = kernel.taps.size + 2 * iir.support_samples
+    at = np.cumsum(step * counts + reach) // LONG
+    cuts = [0, *(np.flatnonzero(np.diff(at)) + 1).tolist(), first.size]
+    parts = [
+        _envelopes(channels, first[i:j], counts[i:j], step, iir, kernel) for i, j in itertools.pairwise(cuts)
+    ]  # fmt: skip
+    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+
+
+def _envelopes(
+    channels: Sequence[Floats], first: Ints, counts: Ints, step: int, iir: IirFilter, kernel: Smoother
+) -> Floats:
+    """``envelopes_at`` of windows that are filtered together."""
     n = channels[0].size
     starts, stops = first - kernel.before, first + step * (counts - 1) + kernel.after + 1
     filtered = filter_windows(channels, np.maximum(starts, 0), np.minimum(stops, n), iir)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa.arrays import Floats, Ints, median
+from emg2vsa.arrays import Floats, Ints, median, slices
 from emg2vsa.errors import SignalError
 from emg2vsa.settings import ForceChannelSettings, WindowSettings
 from emg2vsa.signals.filters import IirFilter
@@ -55,7 +55,7 @@ def condition_force(
     refuse_jumps(samples, channel.name, window.force_n[1])
     filtered = samples if low is None else filter_record(samples, low)
     rest = find_rest(filtered, fs_hz, window)
-    force_n, tare_n, notes = _tared(filtered, fs_hz, rest, channel)
+    force_n, tare_n, notes = _tared(filtered, samples, fs_hz, rest, channel)
     presses = find_presses(force_n, fs_hz, window.force_n)
     noise_n = 0.0 if np.isnan(rest.noise_n) else NOISE_REVERSAL * rest.noise_n
     reversal_n = max(noise_n, SMALLEST_REVERSAL * (window.force_n[1] - window.force_n[0]))
@@ -69,9 +69,14 @@ def condition_force(
 
 def refuse_jumps(samples: Floats, name: str, upper_n: float) -> None:
     """SignalError where raw force (n,) changes within one sample by more than a transducer holds: glued readings."""
+    largest = max(
+        (float(np.abs(np.diff(samples[part.start : part.stop + 1])).max(initial=0.0)) for part in slices(samples.size)),
+        default=0.0,
+    )
+    if largest <= JUMP_WINDOWS * upper_n:
+        return
     steps = np.abs(np.diff(samples))
-    largest = float(steps.max(initial=0.0))
-    if largest <= JUMP_WINDOWS * upper_n or largest <= JUMP_TIMES * float(np.quantile(steps, 0.99)):
+    if largest <= JUMP_TIMES * float(np.quantile(steps, 0.99)):
         return
     n = int(np.count_nonzero(steps > JUMP_WINDOWS * upper_n))
     raise SignalError(
@@ -82,8 +87,10 @@ def refuse_jumps(samples: Floats, name: str, upper_n: float) -> None:
 
 
 def _tared(
-    filtered: Floats, fs_hz: float, rest: Rest, channel: ForceChannelSettings
+    filtered: Floats, samples: Floats, fs_hz: float, rest: Rest, channel: ForceChannelSettings
 ) -> tuple[Floats, float, tuple[str, ...]]:
+    """Force (n,) less its rests, their median, and what is said; in the place of ``filtered``, unless that is the raw
+    ``samples`` themselves."""
     if channel.tare == "none":
         return filtered, 0.0, ("force: not tared, as the study says",)
     if rest.level_n.size == 0:
@@ -91,7 +98,10 @@ def _tared(
     tare_n, drift_n = median(rest.level_n), float(np.ptp(rest.level_n))
     rests = "1 rest" if rest.level_n.size == 1 else f"{rest.level_n.size} rests"
     said = f"force: tared on {rests}, median {tare_n:.4g} N, drift {drift_n:.2g} N"
-    return filtered - rest.baseline.at(np.arange(filtered.size) / fs_hz), tare_n, (said,)
+    tared = np.empty_like(filtered) if filtered is samples else filtered
+    for part in slices(filtered.size):
+        np.subtract(filtered[part], rest.baseline.at(np.arange(part.start, part.stop) / fs_hz), out=tared[part])
+    return tared, tare_n, (said,)
 
 
 def _zero_shifts(rest: Rest, fs_hz: float, presses: Presses) -> Floats:

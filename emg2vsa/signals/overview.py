@@ -7,15 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, slices
 
 COLUMNS = 400
 "A record is drawn in at most so many columns."
 SEGMENT_S = 0.25
 "Spectra are means over segments of this length (Hann window, half overlapping), 4 Hz fine."
 HIGHEST_HZ = 500.0
-SAMPLES_AT_ONCE = 2**17
-"Of a long record so many are copied at a time: as many as the processor's cache holds."
 EMG_FROM_HZ = 10.0
 "Below, baseline and movement would set the median frequency."
 
@@ -66,9 +64,8 @@ def _columns(samples: Floats, size: int) -> Floats:
     """Lowest, highest and mean rectified value (3, k) of the columns of samples (n,), some at a time."""
     rows = samples[: samples.size // size * size].reshape(-1, size)
     found = np.empty((3, len(rows)))
-    at_once = max(1, SAMPLES_AT_ONCE // size)
-    for first in range(0, len(rows), at_once):
-        own, (low, high, mean) = rows[first : first + at_once], found[:, first : first + at_once]
+    for part in slices(len(rows), size):
+        own, (low, high, mean) = rows[part], found[:, part]
         own.min(axis=1, out=low)
         own.max(axis=1, out=high)
         apart = own - own.mean(axis=1, keepdims=True)
@@ -84,20 +81,22 @@ def spectra(samples: Sequence[Floats], bounds: Ints, length: int, fs_hz: float) 
     piece = np.repeat(np.arange(len(bounds)), counts)
     begins = bounds[piece, 0] + step * (np.arange(piece.size) - np.repeat(np.cumsum(counts) - counts, counts))
     found = np.zeros((len(samples), len(bounds), step + 1))
-    at_once = max(1, SAMPLES_AT_ONCE // length)
     for own, x in zip(found, samples, strict=True):
         if x.size < length:
             continue
+        sums = np.zeros((len(bounds), 2 * (step + 1)))
         every = np.lib.stride_tricks.sliding_window_view(x, length)
-        for first in range(0, piece.size, at_once):
-            segments = every[begins[first : first + at_once]]
+        for part in slices(piece.size, length):
+            segments = every[begins[part]]
             segments -= segments.mean(axis=1, keepdims=True)
             segments *= window
             parts = np.fft.rfft(segments, axis=1).view(np.float64)
             parts *= parts
-            pieces, at = np.unique(piece[first : first + at_once], return_index=True)
-            sums = np.add.reduceat(parts, at, axis=0)
-            own[pieces] += sums[:, ::2] + sums[:, 1::2]
+            pieces, at = np.unique(piece[part], return_index=True)
+            # reduceat is slow along this axis
+            for number, a, b in zip(pieces.tolist(), at.tolist(), [*at[1:].tolist(), len(parts)], strict=True):
+                sums[number] += np.add.reduce(parts[a:b])
+        own[:] = sums[:, ::2] + sums[:, 1::2]
     found *= 2 / (fs_hz * (window @ window))
     with np.errstate(invalid="ignore"):
         return np.asarray(found / counts[:, None])

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, combinations_with_replacement
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from emg2vsa.arrays import Floats, median, quantiles
+from emg2vsa.arrays import AT_ONCE, Floats, median, quantiles
 from emg2vsa.signals.bias import means
 from emg2vsa.signals.level_drift import level_trends
 from emg2vsa.signals.press_signals import Signals, by_press, correlation, pieces_of, volts
@@ -81,10 +81,7 @@ def plausibility(signals: Signals) -> Plausibility:
         return Plausibility("", (), ((),) * n_presses)
     signals, wandering = _settled(signals, stored)
     pieces = [pieces_of(x, signals.presses, 8) for x in signals.samples] if wandering else stored
-    found = [_spectra(of, signals.fs_hz) for of in pieces]
-    hz, spectra = found[0][0], [each for _, each in found]
-    pairs = list(_correlations(signals, hz, spectra))
-    shares = [_share_above(hz, each, EMG_ABOVE_HZ) for each in spectra]
+    pairs, shares = _in_bands(signals, pieces)
     not_raw, alike = _not_raw(signals, pieces, shares)
     faults = [*not_raw.values(), *_levels(signals, not_raw), *_copies(pairs)]
     if faults:
@@ -230,23 +227,29 @@ def _spectra(pieces: Sequence[Floats], fs_hz: float) -> tuple[Floats, NDArray[np
     return hz, np.fft.rfft((blocks - blocks.mean(axis=1, keepdims=True)) * window)
 
 
-def _share_above(hz: Floats, spectra: NDArray[np.complex128], corner_hz: float) -> float:
-    """Share of the power above a frequency; 1 where there is none."""
-    power = np.sum(spectra.real**2 + spectra.imag**2, axis=0)
-    total = float(power.sum())
-    return float(power[hz >= corner_hz].sum()) / total if total > 0 else 1.0
-
-
-def _correlations(signals: Signals, hz: Floats, spectra: Sequence[NDArray[np.complex128]]) -> Iterator[Pair]:
-    """Muscles and correlation of every pair of raw channels, above 20 Hz and without the mains that all share."""
-    mains = np.min([np.abs(hz - each * np.rint(hz / each)) for each in MAINS_HZ], axis=0)
-    kept = (hz > EMG_ABOVE_HZ) & (mains > MAINS_WIDTH_HZ)
-    rows = [each[:, kept].ravel() for each in spectra]
-    power = [float(np.vdot(x, x).real) for x in rows]
-    for i, j in combinations(range(len(rows)), 2):
-        norm = float(np.sqrt(power[i] * power[j]))
-        r = float(np.vdot(rows[i], rows[j]).real) / norm if norm > 0 else 0.0
-        yield signals.muscles[i], signals.muscles[j], r
+def _in_bands(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> tuple[list[Pair], list[float]]:
+    """How every pair of raw channels correlates, above 20 Hz and without the mains that all share; and the share of
+    each channel's power above 20 Hz, 1 where there is no power."""
+    m = len(pieces)
+    common, above, total = np.zeros((m, m)), np.zeros(m), np.zeros(m)
+    sizes = np.cumsum([piece.size for piece in pieces[0]]) // AT_ONCE
+    for group in np.split(np.arange(sizes.size), np.flatnonzero(np.diff(sizes)) + 1):
+        found = [_spectra([of[k] for k in group.tolist()], signals.fs_hz) for of in pieces]
+        hz = found[0][0]
+        mains = np.min([np.abs(hz - each * np.rint(hz / each)) for each in MAINS_HZ], axis=0)
+        kept = (hz > EMG_ABOVE_HZ) & (mains > MAINS_WIDTH_HZ)
+        rows = [each[:, kept].ravel() for _, each in found]
+        for i, j in combinations_with_replacement(range(m), 2):
+            common[i, j] += float(np.vdot(rows[i], rows[j]).real)
+        for i, (_, each) in enumerate(found):
+            power = np.sum(each.real**2 + each.imag**2, axis=0)
+            total[i] += float(power.sum())
+            above[i] += float(power[hz >= EMG_ABOVE_HZ].sum())
+    pairs = []
+    for i, j in combinations(range(m), 2):
+        norm = float(np.sqrt(common[i, i] * common[j, j]))
+        pairs.append((signals.muscles[i], signals.muscles[j], common[i, j] / norm if norm > 0 else 0.0))
+    return pairs, np.divide(above, total, out=np.ones(m), where=total > 0).tolist()
 
 
 Pair = tuple[str, str, float]

@@ -119,8 +119,11 @@ def _rest(samples: Ints, block_n: Floats, runs: Ints, force_n: Floats, fs_hz: fl
     slope = np.array(
         [_slope(piece) / block_s for piece, own in zip(pieces, kept, strict=True) if own], dtype=np.float64
     )
-    around = [force_n[start:stop] - force_n[start:stop].mean() for start, stop in samples.tolist()]
-    noise_n = float(np.std(np.concatenate(around))) if around else np.nan
+    within = 0.0
+    for start, stop in samples.tolist():
+        around = force_n[start:stop] - force_n[start:stop].mean()
+        within += float(np.einsum("i,i->", around, around))
+    noise_n = float(np.sqrt(within / np.sum(samples[:, 1] - samples[:, 0]))) if len(samples) else np.nan
     baseline = Baseline(centre_s, levels_n) if levels_n.size else Baseline(np.zeros(1), np.zeros(1))
     return Rest(samples[:, 0], samples[:, 1], levels_n, slope, baseline, noise_n)
 

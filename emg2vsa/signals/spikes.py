@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa.arrays import Floats, median
+from emg2vsa.arrays import Floats, median, slices
 from emg2vsa.signals.press_signals import Signals
 
 BURST_S, BURST = 0.1, 3.0
@@ -22,8 +22,6 @@ BEAT_S, BEAT_LEVEL, BEATS, BEAT_RATE_HZ, BEAT_SPREAD = 0.03, 4.0, 5, (0.7, 3.3),
 "Heart beats at rest: length, height over the median, how many at least, how often, and spread of their intervals."
 PACKET, TWICE = 12, 0.005
 "Samples in a row that no signal repeats by chance, and the share of such that is remarked."
-STRETCH = 2**15
-"Samples that are looked through at a time."
 
 
 @dataclass(frozen=True)
@@ -136,17 +134,19 @@ def repeated_of(signals: Signals, pieces: Sequence[Sequence[Floats]], alike: Seq
         # a stretch that occurs twice begins with a sample that does
         if n < 2 or most <= TWICE * n:
             continue
-        print_of, changes = np.zeros(n), np.zeros(n, dtype=np.int8)
         samples = np.concatenate(of)
         differs = samples[1:] != samples[:-1]
-        for k, weight in enumerate(weights.tolist()):
-            for first in range(0, n, STRETCH):
-                own = slice(first, min(first + STRETCH, n))
-                print_of[own] += weight * samples[2 * k + own.start : 2 * k + own.stop]
-                changes[own] += differs[2 * k + own.start : 2 * k + own.stop]
+        prints = []
+        for part in slices(n):
+            print_of, changes = np.zeros(part.stop - part.start), np.zeros(part.stop - part.start, dtype=np.int8)
+            for k, weight in enumerate(weights.tolist()):
+                own = slice(2 * k + part.start, 2 * k + part.stop)
+                print_of += weight * samples[own]
+                changes += differs[own]
+            prints.append(print_of[changes > PACKET // 4])
         del samples, differs
-        own_prints = print_of[changes > PACKET // 4]
-        own_prints.sort()
-        share = np.count_nonzero(own_prints[1:] == own_prints[:-1]) / n
+        ordered = np.concatenate(prints)
+        ordered.sort()
+        share = np.count_nonzero(ordered[1:] == ordered[:-1]) / n
         if share > TWICE:
             yield f"{muscle} has {100 * share:.1f} % of its samples twice; did the link send packets again?"

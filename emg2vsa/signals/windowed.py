@@ -13,11 +13,25 @@ from emg2vsa.signals.blocks import SIZE, blocks_of, fill_states
 from emg2vsa.signals.filters import IirFilter
 from emg2vsa.signals.products import times
 
+LONG = 2**19
+"A record of more samples is not filtered at once, which takes three times its memory."
+
 
 def filter_record(samples: Floats, iir: IirFilter) -> Floats:
-    """The whole record (n,), as ``sosfiltfilt`` (zero-phase) or one pass that starts in steady state (causal)."""
-    (whole,) = filter_windows((samples,), np.zeros(1, np.int64), np.array([samples.size]), iir)
-    return np.asarray(whole[0])
+    """The whole record (n,), as ``sosfiltfilt`` (zero-phase) or one pass that starts in steady state (causal).
+
+    A long one is filtered in windows of ``LONG`` samples or more.
+    """
+    at_once = max(LONG, 16 * iir.support_samples)
+    if samples.size <= at_once:
+        (whole,) = filter_windows((samples,), np.zeros(1, np.int64), np.array([samples.size]), iir)
+        return np.asarray(whole[0])
+    filtered = np.empty(samples.size)
+    for begin in range(0, samples.size, at_once):
+        end = min(begin + at_once, samples.size)
+        (own,) = filter_windows((samples,), np.array([begin]), np.array([end]), iir)
+        filtered[begin:end] = own[0]
+    return filtered
 
 
 def filter_windows(channels: Sequence[Floats], starts: Ints, stops: Ints, iir: IirFilter) -> list[Floats]:
