@@ -10,8 +10,10 @@ import pytest
 from numpy.typing import NDArray
 
 from emg2vsa import arrays
+from emg2vsa.extraction.extract import _above
 from emg2vsa.settings import FilterSettings
 from emg2vsa.signals import envelope, plausibility, windowed
+from emg2vsa.signals.pairing import Clock
 from tests.extraction.conftest import FS_HZ, RISE
 
 Spoil = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
@@ -84,3 +86,15 @@ def test_parts_give_what_the_whole_gives(spoilt, filters, force_of, recorded, ex
     for name, samples in before[0].items():
         np.testing.assert_array_equal(emg[name].samples, samples)
     np.testing.assert_array_equal(force.samples, before[1])
+
+
+@pytest.mark.parametrize("force_start_s", [-3.0, 0.0, 0.4, 30.0])
+@pytest.mark.parametrize("force_hz", [100.0, 1000.0, 2148.15])
+def test_where_force_is_above_a_level(monkeypatch: pytest.MonkeyPatch, force_start_s: float, force_hz: float) -> None:
+    monkeypatch.setattr(arrays, "AT_ONCE", 700)
+    force_n = np.random.default_rng(0).standard_normal(round(8 * force_hz))
+    emg, force = Clock(0.1, 1000.0, 10_000), Clock(force_start_s, force_hz, force_n.size)
+    at_s = 0.1 + np.arange(10_000) / 1000.0
+    expected = np.interp(at_s, force_start_s + np.arange(force_n.size) / force_hz, force_n)
+    clear = np.abs(expected - 0.3) > 1e-9
+    np.testing.assert_array_equal(_above(0.3, force_n, emg, force)[clear], (expected > 0.3)[clear])
