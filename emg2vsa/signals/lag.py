@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal, special
 
-from emg2vsa.arrays import Floats, Ints, median
+from emg2vsa.arrays import Floats, Ints, median, slices
 from emg2vsa.signals.pairing import Clock
 
 STEP_S = 0.01
@@ -19,6 +19,8 @@ DRIFT_STEPS = 10
 "... after the running mean of so many steps is subtracted: slow wander of the electrode leaves 0.2 % of itself."
 ABOVE_MOVEMENT_HZ = 80.0
 "Where an electrode moves, activity is taken from above this frequency."
+FORGOTTEN = 20.0
+"Periods of it after which nothing of a sample is left in the filter."
 SMOOTH_STEPS = 5
 MOST_S = 2.0
 "A larger lag is not looked for: presses repeat every few seconds."
@@ -247,24 +249,48 @@ def _drift(lag_s: Floats, time_s: Floats) -> float:
 def _activity(channels: tuple[Floats, ...], step: int, fs_hz: float, moved: Sequence[Ints]) -> Floats:
     """Sum of the rectified channels in steps (k,), smoothed over ``SMOOTH_STEPS``."""
     half = step * DRIFT_STEPS // 2
-    n = channels[0].size // step * step
-    total = np.zeros(n // step)
+    total = np.zeros(channels[0].size // step)
     for number, samples in enumerate(channels):
-        sums = np.concatenate(([0.0], np.cumsum(samples - samples.mean())))
-        at = np.arange(n)
-        low, high = np.maximum(at - half, 0), np.minimum(at + half + 1, samples.size)
-        rough = np.abs(samples[:n] - samples.mean() - (sums[high] - sums[low]) / (high - low))
-        steps = rough.reshape(-1, step).mean(axis=1)
+        steps, centre = np.empty(total.size), float(samples.mean())
+        for part in slices(total.size, step):
+            rough = _rectified(samples, part.start * step, part.stop * step, half, centre)
+            rough.reshape(-1, step).mean(axis=1, out=steps[part])
         if moved and len(moved[number]):
-            steps = _without_movement(steps, samples[:n], moved[number], step, fs_hz)
+            steps = _without_movement(steps, samples, moved[number], step, fs_hz)
         total += steps
     return np.asarray(np.convolve(total, np.full(SMOOTH_STEPS, 1 / SMOOTH_STEPS), mode="same"))
 
 
+def _rectified(samples: Floats, begin: int, end: int, half: int, centre: float) -> Floats:
+    """Samples [begin, end) of (n,) less their running mean over ``half`` to either side, rectified; ``centre`` : about
+    their mean, which costs digits."""
+    low, high = max(begin - half, 0), min(end + half, samples.size)
+    around = samples[low:high] - centre
+    sums = np.concatenate(([0.0], np.cumsum(around)))
+    # where both sides are whole, else one by one
+    first = min(max(begin, half), end)
+    last = max(min(end, samples.size - half), first)
+    means = np.empty(end - begin)
+    inner = sums[first + half + 1 - low : last + half + 1 - low] - sums[first - half - low : last - half - low]
+    np.divide(inner, 2 * half + 1, out=means[first - begin : last - begin])
+    for edge in (np.arange(begin, first), np.arange(last, end)):
+        left, right = np.maximum(edge - half, 0), np.minimum(edge + half + 1, samples.size)
+        means[edge - begin] = (sums[right - low] - sums[left - low]) / (right - left)
+    return np.abs(np.subtract(around[begin - low : end - low], means, out=means), out=means)
+
+
 def _without_movement(steps: Floats, samples: Floats, spans: Ints, step: int, fs_hz: float) -> Floats:
-    """Steps (k,); those that the spans touch are taken from what is faster than movement, at the usual ratio."""
-    sections = signal.butter(4, min(ABOVE_MOVEMENT_HZ, 0.25 * fs_hz), "highpass", fs=fs_hz, output="sos")
-    quick = np.abs(signal.sosfiltfilt(sections, samples)).reshape(-1, step).mean(axis=1)
+    """Steps (k,) of samples (n,); those that the spans touch are taken from what is faster than movement, at the usual
+    ratio."""
+    quick_hz = min(ABOVE_MOVEMENT_HZ, 0.25 * fs_hz)
+    sections = signal.butter(4, quick_hz, "highpass", fs=fs_hz, output="sos")
+    samples, quick = samples[: steps.size * step], np.empty(steps.size)
+    reach = round(FORGOTTEN / quick_hz * fs_hz)
+    for part in slices(steps.size, step):
+        begin, end = part.start * step, part.stop * step
+        low, high = max(begin - reach, 0), min(end + reach, samples.size)
+        filtered = signal.sosfiltfilt(sections, samples[low:high])[begin - low : end - low]
+        np.abs(filtered).reshape(-1, step).mean(axis=1, out=quick[part])
     gone = np.zeros(steps.size, dtype=np.bool_)
     for first, last in spans.tolist():
         gone[max(first // step - DRIFT_STEPS // 2, 0) : -(-last // step) + DRIFT_STEPS // 2] = True

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from emg2vsa import arrays
+from emg2vsa.signals import lag
 from emg2vsa.signals.bias import line_change
 from emg2vsa.signals.floor import floor_change, press_levels, subtract_floor
 from emg2vsa.signals.hum import remove_hum, remove_touch_hum, touch_hum
@@ -308,3 +310,17 @@ def test_slopes_are_compared_on_their_own_axes() -> None:
     true_y, offsets = 2 + 0.5 * true_x, np.array([0, 20, 50])
     ratio = 1 + line_change(2 * true_x, 1 + 3 * true_y, true_x, true_y, np.ones(50), offsets)[1]
     np.testing.assert_allclose(ratio, 1.5, rtol=1e-12)
+
+
+@pytest.mark.parametrize("n", [400, 407, 20_003])
+@pytest.mark.parametrize("spans", [np.empty((0, 2), np.int64), np.array([[90, 300], [12_000, 12_400]])])
+def test_activity_taken_in_parts_is_that_of_the_whole(monkeypatch: pytest.MonkeyPatch, n: int, spans) -> None:
+    channels = tuple(5 + np.random.default_rng(2).standard_normal((2, n)))
+    moved = [spans[spans[:, 0] < n]] * 2
+    whole = lag._activity(channels, 10, 1000.0, moved)
+    monkeypatch.setattr(arrays, "AT_ONCE", 130)
+    np.testing.assert_allclose(lag._activity(channels, 10, 1000.0, moved), whole, rtol=1e-9)
+    if not spans.size:
+        apart = [x - [x[max(i - 50, 0) : i + 51].mean() for i in range(n)] for x in channels]
+        steps = np.sum(np.abs(apart), axis=0)[: n // 10 * 10].reshape(-1, 10).mean(axis=1)
+        np.testing.assert_allclose(whole, np.convolve(steps, np.full(5, 0.2), "same"), rtol=1e-9)
