@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +14,8 @@ from numpy.typing import NDArray
 
 from emg2vsa.arrays import median
 from emg2vsa.extraction import Trials
-from emg2vsa.extraction.reasons import grouped, put_aside
+from emg2vsa.extraction.diagnosis import ranked
+from emg2vsa.extraction.reasons import PRESSES_NAMED, grouped, put_aside
 from emg2vsa.extraction.remedies import remedy_of
 from emg2vsa.fits import Fits, usable
 from emg2vsa.settings import PressJudgement
@@ -57,6 +59,10 @@ class SpecimenVerdict:
     problems: tuple[str, ...]
     clean: bool = True
     "Nothing is doubtful about the recording as a whole."
+    cause: str = ""
+    "Most likely, of the problems; empty where nobody knows one, or the fault is it."
+    remedy: str = ""
+    "What to do about the cause, or about the fault."
 
     @property
     def verdict(self) -> str:
@@ -71,12 +77,25 @@ class SpecimenVerdict:
     def advice(self) -> tuple[Advice, ...]:
         """What was found about this recording, and what to do; nothing for a good one."""
         if self.verdict == "unreadable":
-            return (Advice(f"{self.specimen}: cannot be used: {self.fault}", remedy_of(self.fault)),)
-        told = [Advice(f"{self.specimen}: {problem}", remedy_of(problem)) for problem in self.problems]
+            return (Advice(f"{self.specimen}: cannot be used: {self.fault}", self.remedy),)
+        told = [Advice(f"{self.specimen}: {text}", do) for text, do in self.told]
         if self.verdict == "repeat":
             presses = f" ({self.ok} usable presses of {self.wanted or self.found})" if self.found else ""
             return (Advice(f"{self.specimen}: record again{presses}", ""), *told)
         return tuple(told)
+
+    @property
+    def told(self) -> tuple[Advice, ...]:
+        """The fault or the problems, the most likely cause first, which alone has a remedy: the rest follows from it,
+        or is seen better once it is mended."""
+        if self.fault:
+            return (Advice(self.fault, self.remedy),)
+        for place, problem in enumerate(self.problems):
+            if re.sub(PRESSES_NAMED, "", problem) == self.cause:
+                rest = (*self.problems[:place], *self.problems[place + 1 :])
+                return (Advice(problem, self.remedy), *(Advice(each, "") for each in rest))
+        most_likely = (Advice(f"most likely: {self.cause}", self.remedy),) if self.cause else ()
+        return (*most_likely, *(Advice(problem, "") for problem in self.problems))
 
 
 @dataclass(frozen=True)
@@ -111,7 +130,9 @@ def judge_session(
     specimens = tuple(
         _judge_recording(by_specimen[name], fits.get(name), count, (doubts or {}).get(name, ()))
         if name in by_specimen
-        else SpecimenVerdict(name, 0, count, 0, 0, 0, failures.get(name, "no recording"), ())
+        else SpecimenVerdict(
+            name, 0, count, 0, 0, 0, failures.get(name, "no recording"), (), remedy=remedy_of(failures.get(name, ""))
+        )
         for name, count in wanted.items()
     )
     worst_first = sorted(specimens, key=lambda s: -VERDICTS.index(s.verdict))
@@ -125,16 +146,21 @@ def _judge_recording(trials: Trials, fits: Fits | None, wanted: int | None, doub
     counted = np.array([not put_aside(reason) for reason in reasons], dtype=np.bool_)
     ok, doubtful, rejected = (int(np.sum(judged[counted] == v)) for v in ("ok", "doubtful", "rejected"))
     found = int(np.sum(counted))
-    problems = grouped(zip(trials.repetition.tolist(), judged.tolist(), reasons, strict=True))
+    by_press = grouped(zip(trials.repetition.tolist(), judged.tolist(), reasons, strict=True))
     # presses of a recording with a fault are used only where a person accepts all of it; the fault is then a remark
     fault = "" if ok + doubtful else trials.fault
-    problems = [] if fault else [*trials.remarks, *doubts, *problems]
+    problems = [] if fault else [*trials.remarks, *doubts, *by_press]
     if wanted is not None and found != wanted:
         problems.insert(0, f"{found} presses found, {wanted} wanted")
     if not found:
         problems += [note for note in trials.notes if note.startswith("presses: none")]
     clean = not trials.remarks and not doubts and not trials.fault
-    return SpecimenVerdict(trials.specimen, found, wanted, ok, doubtful, rejected, fault, tuple(problems), clean)
+    pressed = set(by_press)
+    causes = ranked((line for line in problems if line not in pressed), zip(judged.tolist(), reasons, strict=True))
+    cause, remedy = causes[0][:2] if causes and not fault else ("", remedy_of(fault))
+    return SpecimenVerdict(
+        trials.specimen, found, wanted, ok, doubtful, rejected, fault, tuple(problems), clean, cause, remedy
+    )
 
 
 Doubts = dict[tuple[str, str], list[str]]

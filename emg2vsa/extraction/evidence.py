@@ -24,6 +24,8 @@ TOLD_BIAS = 0.01
 "A press whose b is expected to be off by a larger share says so."
 MOST_TOLD = 0.2
 "The size of a larger bias is not told: it rests on the fit that it spoils."
+TENSE = 2.0
+"Muscles so many times louder in one rest than in another are tense: presses then seem to lag by different times."
 MOST_LEFT_OUT = 0.5
 "A press of which a larger share is left out is rejected."
 REACH_S = 0.1
@@ -51,11 +53,12 @@ def record_qualities(record: EmgRecord, instants: Instants, envelope: Smoother) 
 
 
 def said_of_bias(
-    force: ForceRecord, bias: BiasBudget, told_above: float, lag: Lag, window: WindowSettings
+    force: ForceRecord, bias: BiasBudget, told_above: float, lag: Lag, tense: float, window: WindowSettings
 ) -> list[tuple[tuple[bool, str], ...]]:
     """What makes b of each press other than the muscle's, and by how much; whether it rejects the press.
 
-    told_above : the share by which the rest level, if it was subtracted, must have raised b to be told.
+    told_above : the share by which the rest level, if it was subtracted, must have raised b to be told. tense : how
+    many times louder a muscle is in its loudest rest than in its most silent.
     """
     said: list[tuple[tuple[bool, str], ...]] = []
     implausible = window.implausible == "reject"
@@ -83,6 +86,9 @@ def said_of_bias(
             size = f"about {100 * abs(lagging[i]):.0f} %" if abs(lagging[i]) < MOST_TOLD else "more than 20 %"
             way = f"{'raises' if lagging[i] > 0 else 'lowers'} b by {size}"
             own.append((False, f"force follows EMG by {1e3 * lag.lag_s:.0f} ms, which {way}"))
+        if lag.differs and tense > TENSE:
+            times = f"up to {tense:.2g} times as much as when they rest most"
+            own.append((False, f"muscles are tense between presses, {times}"))
         if lag.differs:
             own.append((False, lag.differs))
         said.append(tuple(own))
@@ -108,7 +114,7 @@ def said_of_movement(
             if np.any((spans[:, 0] < last + reach) & (spans[:, 1] > first - reach))
         ]  # fmt: skip
         verb = "moves" if len(who) == 1 else "move"
-        share = "" if changed is None else f"; with it b would change by {100 * changed[i]:+.0f} %"
+        share = "" if changed is None else f", with which b would change by {100 * changed[i]:+.0f} %"
         left = f"{own.sum() * instants.step / fs_hz:.2g} s, which is left out"
         said.append(((bool(own.mean() > MOST_LEFT_OUT), f"{' and '.join(who)} {verb} for {left}{share}"),))
     return said

@@ -29,8 +29,9 @@ from emg2vsa.signals.delays import delay_budget
 from emg2vsa.signals.filters import IirFilter
 from emg2vsa.signals.floor import floor_change, press_levels, subtract_floor
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
+from emg2vsa.signals.force_doubts import exchanged, returns_to_zero, sampled_slowly
 from emg2vsa.signals.hum import remove_hum, remove_touch_hum, touch_hum
-from emg2vsa.signals.lag import DIFFERS_S, Lag, curve_of, estimate_lag
+from emg2vsa.signals.lag import ALONE_S, DIFFERS_S, Lag, curve_of, estimate_lag
 from emg2vsa.signals.level_drift import level_drift, level_trends
 from emg2vsa.signals.movement import bridged, change_by_leaving_out, left_out, movement
 from emg2vsa.signals.overview import emg_overview
@@ -85,7 +86,7 @@ def extract_trials(
     """
     record = emg_record(emg)
     chain = filter_chain(filters, record, force.fs_hz)
-    conditioned, force_missing = _conditioned(force, chain.low, force_channel, window)
+    conditioned, force_missing, raw_n = _conditioned(force, chain.low, force_channel, window)
     raw = record
     clean = _cleaned(raw, force, conditioned, chain, filters, force_channel, window)
     record, lag = clean.record, clean.lag
@@ -114,7 +115,10 @@ def extract_trials(
         _, change = line_change(x, own_v.sum(axis=0), x, alone_v.sum(axis=0), alone_v.sum(axis=0), instants.offsets)
         crossing = [taken_out("crosstalk", change, 2 * KNOWN_TO * np.abs(change))]
     floor_a, floor_b = floor_change(levels_v, floor_v, force_n, instants.offsets)
-    told_above = TONE_CORRECTION if _rests_differ(resting_v, resting, record.fs_hz / chain.step) else LARGE_CORRECTION
+    differ = _rests_differ(resting_v, resting, record.fs_hz / chain.step)
+    told_above = TONE_CORRECTION if differ else LARGE_CORRECTION
+    # where clocks differ, the rests of EMG are not those of force
+    tense = _tension(resting_v, resting) if differ and abs(lag.lag_s) < ALONE_S else 1.0
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
     trends = level_trends(envelopes_v, instants.offsets)
     shifts_of_b: list[Shift] = [
@@ -138,13 +142,17 @@ def extract_trials(
         raw, chain, instants, conditioned.rest, emg_clock, force_clock, rest_v, force_n, measured_v, left.lag_s
     )
     seen = plausibility(signals)
-    implausible = force_unit_doubt(conditioned.force_n, window.force_n) or seen.fault
+    misread = exchanged(raw_n, force.fs_hz, record.muscles, raw.samples, record.fs_hz)
+    misread = misread or returns_to_zero(raw_n, force.fs_hz)
+    implausible = misread or force_unit_doubt(conditioned.force_n, window.force_n) or seen.fault
     rejects = window.implausible == "reject"
-    fault = doubt or (implausible if rejects else "")
-    remarks = seen.remarks if rejects else (*filter(None, (implausible,)), *seen.remarks)
+    # a channel that is not the force it should be is the cause of whatever sign or unit it seems to have
+    fault = (implausible if rejects and (misread or not doubt) else "") or doubt
+    remarks = (*sampled_slowly(raw_n, force.fs_hz), *seen.remarks)
+    remarks = remarks if rejects else (*filter(None, (implausible,)), *remarks)
     shifts_of_b += _of_lag(lag, moved_s, stop_s, conditioned, instants, emg_clock, force_clock, force_n, levels_v)
     bias = BiasBudget.of(shifts_of_b, start_s.size)
-    biased = said_of_bias(conditioned, bias, told_above, lag, window)
+    biased = said_of_bias(conditioned, bias, told_above, lag, tense, window)
     loaded = said_of_overload(force, presses)
     shaken = said_of_movement(record.muscles, clean.moved, gone, instants, record.fs_hz, bias)
     other = [
@@ -204,11 +212,11 @@ def extract_trials(
 
 def _conditioned(
     force: Channel, low: IirFilter | None, force_channel: ForceChannelSettings, window: WindowSettings
-) -> tuple[ForceRecord, NDArray[np.bool_]]:
-    """The force record, and which of its samples (n,) were missing."""
+) -> tuple[ForceRecord, NDArray[np.bool_], Floats]:
+    """The force record, which of its samples (n,) were missing, and the raw ones."""
     at_least = 4 if low is None else max(4, low.pad_samples + 1)
     raw_n, missing = bridge_gaps(samples_1d(force.samples, where_of(force), at_least=at_least), where_of(force))
-    return condition_force(raw_n, force.fs_hz, low, force_channel, window), missing
+    return condition_force(raw_n, force.fs_hz, low, force_channel, window), missing, raw_n
 
 
 def _rest_levels(envelopes_v: Floats, resting: Instants) -> tuple[Floats, Floats, float]:
@@ -224,6 +232,13 @@ def _rest_levels(envelopes_v: Floats, resting: Instants) -> tuple[Floats, Floats
     typical, lowest = np.array([median(row) for row in means]), means.min(axis=1)
     apart = np.divide(typical, lowest, out=np.ones_like(typical), where=lowest > 0) - 1
     return typical, lowest, min(2 * float(apart.max()), 1.0)
+
+
+def _tension(envelopes_v: Floats, resting: Instants) -> float:
+    """How many times as loud as in its most silent rest the muscle that rests least is in its loudest, (m, N)."""
+    means = window_means(envelopes_v, resting.offsets)
+    least = means.min(axis=1)
+    return float(np.divide(means.max(axis=1), least, out=np.ones_like(least), where=least > 0).max())
 
 
 def _rests_differ(envelopes_v: Floats, resting: Instants, fs_hz: float) -> bool:

@@ -9,6 +9,9 @@ from itertools import groupby
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?= (?:%|N|s|ms|dB|of|samples)(?!\w))")
 "A number with what it counts: one within a channel's name is part of the name."
 
+PRESSES_NAMED = r"^press(es)? [\d, -]+ (ok|doubtful|rejected): "
+"What ``grouped`` puts before a reason."
+
 _SESSION = ("operator: ", "session: ")
 
 
@@ -33,7 +36,7 @@ def grouped(presses: Iterable[tuple[int, str, str]]) -> list[str]:
         if reason:
             alike.setdefault((verdict, _NUMBER.sub("\0", reason)), []).append((repetition, reason))
     return [
-        f"{_named([repetition for repetition, _ in group])} {verdict}: {_merged([reason for _, reason in group])}"
+        f"{_named([repetition for repetition, _ in group])} {verdict}: {merged([reason for _, reason in group])}"
         for (verdict, _), group in alike.items()
     ]
 
@@ -44,7 +47,7 @@ def most_frequent(reasons: Iterable[str], most: int) -> list[str]:
     for reason in reasons:
         alike.setdefault(_NUMBER.sub("\0", reason), []).append(reason)
     groups = sorted(alike.values(), key=len, reverse=True)[:most]
-    return [f"{_merged(group)} ({len(group)})" for group in groups]
+    return [f"{merged(group)} ({len(group)})" for group in groups]
 
 
 def _named(repetitions: Sequence[int]) -> str:
@@ -54,8 +57,10 @@ def _named(repetitions: Sequence[int]) -> str:
     return f"press{'es' if len(repetitions) > 1 else ''} {listed}"
 
 
-def _merged(reasons: Sequence[str]) -> str:
-    """The reason all share, numbers that differ as "least to largest"."""
+def merged(reasons: Sequence[str]) -> str:
+    """The reason all share, numbers that differ as "least to largest"; reasons of another wording left out."""
+    wording = _NUMBER.sub("\0", reasons[0])
+    reasons = [reason for reason in reasons if _NUMBER.sub("\0", reason) == wording]
     ranges = iter(_range(numbers) for numbers in zip(*map(_NUMBER.findall, reasons), strict=True))
     return _NUMBER.sub(lambda _: next(ranges), reasons[0])
 

@@ -12,7 +12,6 @@ import numpy as np
 from casr import html
 from casr.atomic import write_text_atomic
 from emg2vsa.extraction import Trials
-from emg2vsa.extraction.remedies import remedy_of
 from emg2vsa.figures.palette import ActivityScale, activity_scale
 from emg2vsa.fits import Fits, by_recording
 from emg2vsa.report.failures import Failure, ShortPaths
@@ -27,7 +26,7 @@ from emg2vsa.report.session_plots import (
 )
 from emg2vsa.report.table import Column, Table, activity_column, table_of
 from emg2vsa.report.wording import NO_BREAK, number, percent
-from emg2vsa.session_verdict import Advice, Doubts, SessionVerdict, doubts_between, judge_session
+from emg2vsa.session_verdict import Doubts, SessionVerdict, doubts_between, judge_session
 from emg2vsa.study import RecordingEntry, Study
 
 VERDICT_TEXT = {
@@ -68,8 +67,7 @@ def write_session_page(
             recording = recording if own is None else replace(recording, verdict=own.verdict)
             body = _recording(recording, own, entries[judged.specimen].window.force_n, scale, f"r{place}")
             body += html.details("Processing", html.bullets(map(short.text, recording.notes)))
-        problems = [Advice(said, remedy_of(said)) for said in (judged.fault, *judged.problems) if said]
-        faults = html.bullets(map(str, problems))
+        faults = html.bullets(map(str, judged.told))
         wanted = f" of {judged.wanted}" if judged.wanted is not None else ""
         heading = f"{judged.specimen}: usable presses {judged.ok}{wanted}"
         sections.append(html.section(f"r{place}", heading, faults, body))

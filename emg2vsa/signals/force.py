@@ -20,10 +20,13 @@ from emg2vsa.signals.windowed import filter_record
 
 GAP_S = 2.0
 "The level before contact is looked for this long before it."
+REST_END_S = 0.3
+"The zero of force at either end of a rest is a median over so long."
 NOISE_REVERSAL = 4.0
 "A reversal of force within so many standard deviations of its noise at rest is noise ..."
-JUMP_WINDOWS, JUMP_TIMES = 50.0, 10.0
-"A finger's force changes within a sample by less than so many upper forces of the window, or so many usual changes."
+JUMP_WINDOWS, JUMP_TIMES, JUMP_SAMPLES = 50.0, 10.0, 5
+"""A finger's force does not jump and return within so many samples by so many upper forces of the window, and so many
+times what three quarters of the record lie within (a unit that is wrong makes all of it large)."""
 SMALLEST_REVERSAL = 0.005
 "... and so is one within this share of the force window."
 
@@ -63,25 +66,26 @@ def condition_force(
     doubt = "" if presses.start_s.size else _doubt_by_force(force_n, window.force_n, channel.sign)
     notes = (*notes, *_said_of_presses(presses, force_n, window))
     tare = channel.tare if channel.tare == "none" or rest.level_n.size else "impossible"
-    shift_n = _zero_shifts(rest, fs_hz, presses) if tare == "rest" else np.full(presses.start_s.size, np.nan)
+    shift_n = _zero_shifts(rest, force_n, fs_hz, presses) if tare == "rest" else np.full(presses.start_s.size, np.nan)
     return ForceRecord(force_n, fs_hz, rest, presses, tare_n, gap_n, reversal_n, doubt, notes, tare, shift_n)
 
 
 def refuse_jumps(samples: Floats, name: str, upper_n: float) -> None:
-    """SignalError where raw force (n,) changes within one sample by more than a transducer holds: glued readings."""
-    largest = max(
-        (float(np.abs(np.diff(samples[part.start : part.stop + 1])).max(initial=0.0)) for part in slices(samples.size)),
-        default=0.0,
-    )
+    """SignalError where samples of raw force (n,) stand out by more than a transducer holds: glued readings."""
+    largest = float(np.ptp(samples)) if samples.size else 0.0
     if largest <= JUMP_WINDOWS * upper_n:
         return
-    steps = np.abs(np.diff(samples))
-    if largest <= JUMP_TIMES * float(np.quantile(steps, 0.99)):
+    limit = max(JUMP_WINDOWS * upper_n, JUMP_TIMES * float(np.quantile(np.abs(samples - np.median(samples)), 0.75)))
+    steps = np.diff(samples)
+    large = np.flatnonzero(np.abs(steps) > limit)
+    back = (np.diff(large) <= JUMP_SAMPLES) & (np.diff(np.sign(steps[large])) != 0)
+    n = int(np.count_nonzero(back))
+    if not n:
         return
-    n = int(np.count_nonzero(steps > JUMP_WINDOWS * upper_n))
+    largest = float(np.abs(steps[large]).max())
     raise SignalError(
         f"channel {name!r}", wanted=f"a force that changes by less than {JUMP_WINDOWS * upper_n:g} N within a sample",
-        found=f"{n} jump{'s' * (n != 1)} of up to {largest:.2g} N, as where two readings are glued together",
+        found=f"{n} jump{'s' * (n != 1)} of up to {largest:.2g} N and back, as where two readings are glued together",
         do="Export the recording again, or correct the lines in which a number is missing or too long.",
     )  # fmt: skip
 
@@ -104,10 +108,11 @@ def _tared(
     return tared, tare_n, (said,)
 
 
-def _zero_shifts(rest: Rest, fs_hz: float, presses: Presses) -> Floats:
+def _zero_shifts(rest: Rest, force_n: Floats, fs_hz: float, presses: Presses) -> Floats:
     """How far (p,) the rest after each press is from where the rest before it led, newtons; NaN without both.
 
-    A steady drift leads to the next rest, and so does a slow wave, whose slope the rests themselves show.
+    A steady drift leads to the next rest, and so does a slow wave, whose slope the rests themselves show. A step within
+    a rest does not: the end of the rest before, or the beginning of that after, is then off the tare.
     """
     shifts = np.full(presses.start_s.size, np.nan)
     if rest.level_n.size < 2:
@@ -118,7 +123,11 @@ def _zero_shifts(rest: Rest, fs_hz: float, presses: Presses) -> Floats:
     led = np.abs(change_n - (rest.slope[1:] + rest.slope[:-1]) / 2 * lasts_s)
     after = np.searchsorted(centre_s, presses.start_s)
     known = (after > 0) & (after < centre_s.size)
-    shifts[known] = np.minimum(steady, led)[after[known] - 1]
+    size = max(1, round(REST_END_S * fs_hz))
+    before_n = np.array([median(force_n[max(a, b - size) : b]) for a, b in zip(rest.start, rest.stop, strict=True)])
+    after_n = np.array([median(force_n[a : min(b, a + size)]) for a, b in zip(rest.start, rest.stop, strict=True)])
+    off_n = np.maximum(np.abs(before_n[:-1]), np.abs(after_n[1:]))
+    shifts[known] = np.maximum(np.minimum(steady, led), off_n)[after[known] - 1]
     return shifts
 
 

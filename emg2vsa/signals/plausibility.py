@@ -57,6 +57,10 @@ FORCE_UNITS = {"lbf": 4.448222, "kgf": 9.80665, "gf": 1 / 101.97162, "mN": 1e-3,
 PEAK_RANGE = (0.95, 1.5)
 "Of the upper force of the window: where the peak of a press lies."
 
+COARSE_VALUES, COARSE_PIECE = (3, 40), 4096
+"""EMG whose first samples of a press, so many, hold no more values than these is stored in steps of a fifth of its
+level or more; one with fewer is flat, or no EMG."""
+
 AT_EXTREME, MOST_AT_EXTREME = 0.99, 0.05
 "A press with more than this share of its samples above this share of the largest was clipped; of EMG it is 0.1 %."
 
@@ -86,6 +90,7 @@ def plausibility(signals: Signals) -> Plausibility:
     faults = [*not_raw.values(), *_levels(signals, not_raw), *_copies(pairs)]
     if faults:
         return Plausibility("; ".join(faults), (), ((),) * n_presses)
+    coarse = dict(_coarse(signals, stored))
     beats, spikes = dict(beats_of(signals)), [dict(spikes_of(signals, press)) for press in range(n_presses)]
     if wandering:  # what was stored may repeat itself where what it was settled to does not
         alike = [sum(piece.size for piece in of) for of in stored]
@@ -93,7 +98,8 @@ def plausibility(signals: Signals) -> Plausibility:
     explained = {muscle for told in (beats, *spikes) for muscle in told}
     remarks = (
         *wandering, *_rate(signals), *_crosstalk(pairs), *_ratios(signals), *_saturated(signals, pieces),
-        *_fading(signals), *beats.values(), *repeated_of(signals, stored, alike),
+        *_fading(signals), *beats.values(), *coarse.values(),
+        *(said for muscle, said in repeated_of(signals, stored, alike) if muscle not in coarse),
         *(said for muscle, said in _deaf(signals) if muscle not in explained and abs(signals.lag_s) < LARGE_LAG_S),
     )  # fmt: skip
     of_press = []
@@ -101,6 +107,16 @@ def plausibility(signals: Signals) -> Plausibility:
         bursts = [said for muscle, said in bursts_of(signals, profiles, press) if muscle not in explained]
         of_press.append((*own.values(), *bursts))
     return Plausibility("", remarks, tuple(of_press))
+
+
+def _coarse(signals: Signals, stored: Sequence[Sequence[Floats]]) -> Iterator[tuple[str, str]]:
+    """Channels whose converter's steps are coarse beside their EMG."""
+    for muscle, pieces in zip(signals.muscles, stored, strict=True):
+        values = np.unique(np.concatenate(pieces)[:COARSE_PIECE])
+        if COARSE_VALUES[0] <= values.size <= COARSE_VALUES[1]:
+            step_v = float(np.diff(values).min())
+            if np.allclose(steps := np.diff(values) / step_v, np.rint(steps), atol=0.05):
+                yield muscle, f"{muscle} is stored in steps of {volts(step_v)}, coarse beside its EMG"
 
 
 def _settled(signals: Signals, stored: Sequence[Sequence[Floats]]) -> tuple[Signals, list[str]]:

@@ -125,7 +125,9 @@ def beats_of(signals: Signals) -> Iterator[tuple[str, str]]:
             yield muscle, f"{muscle} shows the heart at rest, {60 / median(spread):.0f} beats a minute"
 
 
-def repeated_of(signals: Signals, pieces: Sequence[Sequence[Floats]], alike: Sequence[int]) -> Iterator[str]:
+def repeated_of(
+    signals: Signals, pieces: Sequence[Sequence[Floats]], alike: Sequence[int]
+) -> Iterator[tuple[str, str]]:
     """Stretches of samples that occur twice, as when a wireless link sends a packet again; ``alike``: how many samples
     of each muscle at most have a value that another one has."""
     weights = np.random.default_rng(0).uniform(1, 2, PACKET // 2)
@@ -149,4 +151,4 @@ def repeated_of(signals: Signals, pieces: Sequence[Sequence[Floats]], alike: Seq
         ordered.sort()
         share = np.count_nonzero(ordered[1:] == ordered[:-1]) / n
         if share > TWICE:
-            yield f"{muscle} has {100 * share:.1f} % of its samples twice; did the link send packets again?"
+            yield muscle, f"{muscle} has {100 * share:.1f} % of its samples twice; did the link send packets again?"

@@ -87,7 +87,8 @@ def _on_signals(trial: Evidence, window: WindowSettings) -> Iterator[tuple[bool,
         if quality.clip_share > window.clip_share:
             yield True, f"{muscle} clips in {100 * quality.clip_share:.2g} % of samples"
         elif quality.repeat_share > REPEATING:
-            yield False, f"{muscle} repeats {100 * quality.repeat_share:.0f} % of its samples"
+            held = f"as if held from about {(1 - quality.repeat_share) * trial.emg_fs_hz:.3g} Hz"
+            yield False, f"{muscle} repeats {100 * quality.repeat_share:.0f} % of its samples, {held}"
         held_s = quality.held_samples / trial.emg_fs_hz
         if held_s > HELD_WARNING_S and quality.held_samples >= HELD_WARNING_SAMPLES:
             yield held_s > HELD_SHARE * trial.duration_s, f"{muscle} holds one value for {1e3 * held_s:.0f} ms"

@@ -1,0 +1,110 @@
+"""What is wrong with a channel of force as a whole: it holds EMG, returns to zero by itself, or was sampled slowly.
+
+Asked of raw force, before presses are looked for. Limits were set on simulated mishaps (benchmarks/mishaps.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from emg2vsa.arrays import Floats, median, quantiles, runs_of
+
+FAST_BLOCK_S = 0.025
+"What differs within blocks of this length is faster than 20 Hz."
+LIKE_EMG, LIKE_FORCE = 0.6, 0.05
+"Of the variance, what is faster: EMG has more than the first, force less than the second."
+UPPER, LULLS = 0.4, 3
+"A press rises above this share of the way from the median of force up; so many lulls show what follows a release."
+RECOVERY_S, RECOVERS, BY_LEVEL = 0.4, 0.03, 0.8
+"""After a release, force that is AC-coupled rises within this time by more than this share of its range, and this
+share of the variance of that rise is proportional to the level it rises from."""
+SMOOTH_S = 0.05
+SLOW_HZ, KNOTS, REGULAR = 20.0, 20, 0.9
+"""Force below this rate does not follow a press; so many of its bends, and this share of them, lie on a grid."""
+LOOKED_AT_S = 40.0
+"So long a piece of force shows its rate."
+
+
+def exchanged(force: Floats, force_fs_hz: float, muscles: Sequence[str], emg: Sequence[Floats], fs_hz: float) -> str:
+    """Which muscle's samples (n,) look like force where force (k,), at ``force_fs_hz``, looks like EMG; else ""."""
+    if _fast_share(force, force_fs_hz) < LIKE_EMG:
+        return ""
+    for muscle, samples in zip(muscles, emg, strict=True):
+        if _fast_share(samples, fs_hz) < LIKE_FORCE:
+            return f"force looks like EMG, and {muscle} like force; were the two channels exchanged?"
+    return ""
+
+
+def returns_to_zero(force: Floats, fs_hz: float) -> str:
+    """Whether raw force (n,) recovers from each release as through a high-pass filter, and its time constant; or ""."""
+    size = max(1, round(SMOOTH_S * fs_hz))
+    if force.size < 10 * size:
+        return ""
+    smooth = force[: force.size // size * size].reshape(-1, size).mean(axis=1)
+    step_s = size / fs_hz
+    ahead = max(1, round(RECOVERY_S / step_s))
+    low, middle, high = quantiles(np.sort(smooth), 0.01, 0.5, 0.99)
+    starts, stops = runs_of(smooth > middle + UPPER * (high - middle))
+    from_n, rise_n = [], []
+    for released, pressed in zip(stops[:-1].tolist(), starts[1:].tolist(), strict=True):
+        lull = smooth[released:pressed]
+        bottom = int(np.argmin(lull))
+        # the next press rises from the level that the first half of the lull led to
+        piece = lull[bottom : bottom + max(ahead + 2, (lull.size - bottom) // 2)]
+        if piece.size > ahead + 1:
+            from_n.append(piece[:-ahead])
+            rise_n.append(piece[ahead:] - piece[:-ahead])
+    if len(rise_n) < LULLS or median(np.array([rise[0] for rise in rise_n])) < RECOVERS * (high - low):
+        return ""
+    level, rise = np.concatenate(from_n), np.concatenate(rise_n)
+    level, rise = level - level.mean(), rise - rise.mean()
+    product, power = float(level @ rise), float((level @ level) * (rise @ rise))
+    lost = -product / float(level @ level) if power > 0 else 0.0
+    if not 0 < lost < 1 or product**2 < BY_LEVEL * power:
+        return ""
+    constant_s = -ahead * step_s / np.log1p(-lost)
+    return f"force returns to zero by itself, within {constant_s:.2g} s (time constant); is it AC-coupled?"
+
+
+def sampled_slowly(force: Floats, fs_hz: float) -> Iterator[str]:
+    """That raw force (n,) was sampled at less than ``SLOW_HZ``, though its file says ``fs_hz``.
+
+    Force that was held, or interpolated, bends on an even grid only.
+    """
+    if fs_hz < SLOW_HZ:
+        yield f"force was sampled at about {fs_hz:.3g} Hz"
+        return
+    n = min(force.size, round(LOOKED_AT_S * fs_hz))
+    begin = (force.size - n) // 2
+    bends = np.abs(np.diff(force[begin : begin + n], 2))
+    if bends.size < 2 * KNOTS:
+        return
+    # on a grid of 20 Hz two samples in each twentieth of a second bend at most; the rest is rounding
+    share = 1 - 2.5 * SLOW_HZ / fs_hz
+    limit = 4 * quantiles(np.sort(bends), share)[0] if share > 0 else np.inf
+    knots = np.flatnonzero(bends > max(limit, 1e-9 * float(bends.max(initial=0.0))))
+    knots = knots[np.diff(knots, prepend=-2) > 1]
+    gaps = np.diff(knots)
+    if gaps.size < KNOTS:
+        return
+    counts = np.bincount(gaps)
+    # a grid that falls between samples has gaps of two lengths
+    usual = int(np.argmax(counts))
+    near = gaps[np.abs(gaps - usual) <= 1]
+    grid = float(near.mean())
+    if near.size < KNOTS or fs_hz / grid > SLOW_HZ:
+        return
+    if np.mean(np.abs(gaps - grid * np.rint(gaps / grid)) <= 1.5) > REGULAR:
+        yield f"force was sampled at about {fs_hz / grid:.3g} Hz, and held or interpolated to {fs_hz:.4g} Hz"
+
+
+def _fast_share(x: Floats, fs_hz: float) -> float:
+    """Of the variance of (n,) samples, what lies within blocks; 0 of a constant, and where blocks hold one sample."""
+    size = round(FAST_BLOCK_S * fs_hz)
+    if size < 4 or x.size < 4 * size:
+        return 0.0
+    blocks = x[: x.size // size * size].reshape(-1, size)
+    total = float(np.var(blocks))
+    return float(np.mean(np.var(blocks, axis=1))) / total if total > 0 else 0.0
