@@ -28,30 +28,27 @@ class Cause(NamedTuple):
 def ranked(remarks: Iterable[str], presses: Iterable[tuple[str, str]]) -> tuple[Cause, ...]:
     """The causes of what was told of one recording, the most likely first; none where no remedy is known.
 
-    remarks : on the recording. presses : (verdict, reasons joined by "; ") of each. Presses that are ``ok`` count only
-    where no other is told of.
+    remarks : on the recording. presses : (verdict, reasons joined by "; ") of each, "" where there is none. Presses
+    that are ``ok`` count only where all are.
     """
-    told = [(verdict, reasons) for verdict, reasons in presses if reasons]
-    lost = [reasons for verdict, reasons in told if verdict != "ok"] or [reasons for _, reasons in told]
+    told = list(presses)
+    counted = [reasons for verdict, reasons in told if verdict != "ok"] or [reasons for _, reasons in told]
     texts: dict[int, list[str]] = {}
     explains: dict[int, int] = {}
     for remark in remarks:
         for rank, text in _ranks(remark):
             texts.setdefault(rank, []).append(text)
-            explains[rank] = max(len(lost), 1)
-    for reasons in lost:
-        own = dict(reversed(list(_ranks(reasons))))
-        for rank, text in own.items():
+            explains[rank] = max(len(counted), 1)
+    for reasons in counted:
+        for rank, text in dict(reversed(list(_ranks(reasons)))).items():
             texts.setdefault(rank, []).append(text)
-            explains[rank] = min(explains.get(rank, 0) + 1, max(len(lost), 1))
+            explains[rank] = min(explains.get(rank, 0) + 1, len(counted))
     most = max(explains.values(), default=0)
     order = sorted(explains, key=lambda rank: (explains[rank] < EXPLAINS * most, rank))
     return tuple(Cause(merged(texts[rank]), REMEDIES[rank].do, explains[rank]) for rank in order)
 
 
-def _ranks(line: str) -> Iterable[tuple[int, str]]:
+def _ranks(line: str) -> list[tuple[int, str]]:
     """The known reasons of a line that something can be done about, each with its place in ``REMEDIES``."""
-    for text, do in remedies_of(line):
-        rank = known(text)
-        if do and rank is not None:
-            yield rank, text
+    found = ((known(text), text, do) for text, do in remedies_of(line))
+    return [(rank, text) for rank, text, do in found if do and rank is not None]

@@ -31,7 +31,7 @@ from emg2vsa.signals.floor import floor_change, press_levels, subtract_floor
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
 from emg2vsa.signals.force_doubts import exchanged, returns_to_zero, sampled_slowly
 from emg2vsa.signals.hum import remove_hum, remove_touch_hum, touch_hum
-from emg2vsa.signals.lag import ALONE_S, DIFFERS_S, Lag, curve_of, estimate_lag
+from emg2vsa.signals.lag import DIFFERS_S, Lag, curve_of, estimate_lag
 from emg2vsa.signals.level_drift import level_drift, level_trends
 from emg2vsa.signals.movement import bridged, change_by_leaving_out, left_out, movement
 from emg2vsa.signals.overview import emg_overview
@@ -43,7 +43,7 @@ from emg2vsa.signals.pairing import (
     rest_instants,
     rest_samples,
 )
-from emg2vsa.signals.plausibility import force_unit_doubt, plausibility
+from emg2vsa.signals.plausibility import LARGE_LAG_S, force_unit_doubt, plausibility
 from emg2vsa.signals.press_signals import Signals
 from emg2vsa.signals.quality import ratio_db, window_means
 from emg2vsa.signals.rest import Rest
@@ -117,8 +117,8 @@ def extract_trials(
     floor_a, floor_b = floor_change(levels_v, floor_v, force_n, instants.offsets)
     differ = _rests_differ(resting_v, resting, record.fs_hz / chain.step)
     told_above = TONE_CORRECTION if differ else LARGE_CORRECTION
-    # where clocks differ, the rests of EMG are not those of force
-    tense = _tension(resting_v, resting) if differ and abs(lag.lag_s) < ALONE_S else 1.0
+    # where clocks differ by more, the rests of EMG are not those of force
+    tense = _tension(resting_v, resting) if differ and abs(lag.lag_s) < LARGE_LAG_S else 1.0
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
     trends = level_trends(envelopes_v, instants.offsets)
     shifts_of_b: list[Shift] = [
