@@ -589,10 +589,10 @@ def table(seeds: range) -> list[str]:
         lines.append(f"| {name} | {verdicts} | {ratio} | {said[:200]} | {found[0].remedy[:200]} | {right} |")
     lines += [
         "",
-        f"{len(MISHAPS)} mishaps, {counts.total()} recordings: right in {counts['right']} (or nothing told where nothing "
-        f"need be), wrong in {counts['wrong']}, silent in {counts['silent']}. Where a cause is told, it is right in "
-        f"{right_of} of {told_of} ({100 * right_of / told_of:.1f} %). GOOD with b off by more than {100 * OFF:g} %: "
-        f"{good_but_off}.",
+        f"{len(MISHAPS)} mishaps, {counts.total()} recordings: right in {counts['right']} (or nothing told where "
+        f"nothing need be), wrong in {counts['wrong']}, silent in {counts['silent']}. Where a cause is told, it is "
+        f"right in {right_of} of {told_of} ({100 * right_of / told_of:.1f} %). GOOD with b off by more than "
+        f"{100 * OFF:g} %: {good_but_off}.",
     ]
     return lines
 

@@ -153,6 +153,7 @@ def new(arguments: argparse.Namespace) -> int:
     lines = [
         f"{out}: {found.named} of {len(found.files)} recordings, from {folder}",
         *(f"  {channel.name}: {channel.guess}" for channel in found.guessed),
+        *(f"  {hint}" for hint in found.hints),
         *(f"  not read: {one}" for one in found.unread),
         *([f"{FILL}: line{'s' if len(to_fill) > 1 else ''} {', '.join(map(str, to_fill))}"] if to_fill else []),
         f"Then: emg2vsa check {out}",

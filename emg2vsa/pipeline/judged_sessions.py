@@ -127,7 +127,8 @@ class Awaited:
     Parameters
     ----------
     study : those that are judged. whole : beside all of these. folder : that is watched. again : both studies, read
-        again. below : results that may be read. say : is told why they cannot be read again.
+        again. below : results that may be read. say : is told why they cannot be read again, and of files that belong
+        to no recording.
 
     SettingError : no such folder, or none of the recordings belongs into it.
     """
@@ -154,14 +155,27 @@ class Awaited:
     def now(self) -> list[RecordingEntry]:
         """What is awaited; a pattern with * or {repetition} finds other files once files have come or gone."""
         if (present := _listing(self.folder)) != self._listed:
-            self._listed = present
+            new, self._listed = present - self._listed, present
             try:
                 chosen, found = self._again()
                 self._whole = replace(self._whole, recordings=found.recordings)
                 self._study = replace(self._study, recordings=chosen.recordings)
             except Emg2vsaError as error:  # the study file was edited meanwhile
                 self._say(str(error))
+            self._tell_of_strangers(new)
         return self._entries()
+
+    def _tell_of_strangers(self, new: Iterable[str]) -> None:
+        """Files that have come and belong to no recording of the whole study: misnamed, perhaps."""
+        known = {os.path.abspath(path) for entry in self._whole.recordings for path in entry.files}
+        beside = {os.path.splitext(path)[0] for path in known}
+        for path in sorted(new):
+            # what a reader wants beside a recording bears its name, and what is being written has a name of its own
+            if path in known or os.path.splitext(path)[0] in beside or os.path.basename(path).startswith((".", "~")):
+                continue
+            awaited = sorted(os.path.relpath(path, self.folder) for path in known if not os.path.exists(path))
+            wanted = f" Awaited: {', '.join(awaited[:3])}{' ...' if len(awaited) > 3 else ''}." if awaited else ""
+            self._say(f"{os.path.relpath(path, self.folder)} belongs to no recording of the study.{wanted}")
 
     def verdicts(self, shown: Progress) -> Iterator[tuple[str, SessionVerdict]]:
         """Key and verdict of each recording that lands, without end."""

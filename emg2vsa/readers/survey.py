@@ -42,6 +42,10 @@ _MEANT = {
 }  # fmt: skip
 
 
+NO_RATE = "rate not known: state it with --fs"
+"What the guess of a channel ends with that would tell more at a known rate."
+
+
 @dataclass(frozen=True)
 class ChannelFacts:
     """One channel, values in its ``unit`` (None where the file states none) and NaN where they cannot be known.
@@ -85,6 +89,16 @@ class FileFacts:
     @property
     def emg(self) -> list[ChannelFacts]:
         return [channel for channel in self.channels if channel.role == "EMG"]
+
+    @property
+    def hint(self) -> str:
+        """What to do about channels that unit or name tell to be EMG or force, and whose rate is not known; or ""."""
+        named = [
+            each.name for each in self.channels
+            if each.guess.endswith(NO_RATE) and each.guess.startswith(("EMG", "force", "a force"))
+        ]  # fmt: skip
+        more = f" and {len(named) - 4} more" if len(named) > 4 else ""
+        return f"{', '.join(named[:4])}{more}: {NO_RATE}" if named else ""
 
     @property
     def force(self) -> ChannelFacts | None:
@@ -145,7 +159,7 @@ def _facts(channel: StoredChannel) -> ChannelFacts:
         return replace(facts, guess="flat: nothing was connected")
     kind = _by_shape(samples)
     if kind or not channel.fs_hz > 0:
-        return replace(facts, guess=kind or _by_words(facts) + "; its rate is not known: state it with --fs")
+        return replace(facts, guess=kind or f"{_by_words(facts)}; {NO_RATE}")
     quality = raw_qualities([samples], [np.zeros(samples.size, dtype=bool)], channel.fs_hz)[0]
     facts = replace(
         facts,

@@ -126,6 +126,7 @@ def folder_lines(paths: Sequence[Path], outcomes: Sequence[FileFacts | Recording
         else:
             rows.append((str(path), *_cells(outcome)))
     yield from aligned(rows, left=(0, 1, 4, 5))
+    yield from dict.fromkeys(each.hint for each in outcomes if not isinstance(each, RecordingError) and each.hint)
     bad = sum(isinstance(outcome, RecordingError) for outcome in outcomes)
     yield f"{len(paths) - bad} of {len(paths)} files read"
 

@@ -24,7 +24,14 @@ from emg2vsa.settings import (
 )
 from emg2vsa.study_file.patterns import PLACEHOLDERS, REPETITION
 from emg2vsa.study_file.problems import KeyPath, Problem, nearest, shown
-from emg2vsa.study_file.tables import JudgementTable, MvcTable, ParticipantsTable, RecordingsTable, SpecimenTable
+from emg2vsa.study_file.tables import (
+    FileTable,
+    JudgementTable,
+    MvcTable,
+    ParticipantsTable,
+    RecordingsTable,
+    SpecimenTable,
+)
 
 Specimens = tuple[SpecimenTable, ...]
 Judgements = tuple[JudgementTable, ...]
@@ -210,23 +217,42 @@ def _listed(recordings: RecordingsTable, raw: Mapping[str, Any]) -> Iterator[Pro
         earlier.append(index)
 
 
-def _roles(channels: ChannelSettings) -> Iterator[Problem]:
-    yield from _one_role_each(channels.emg, channels.force, ("channels",))
+def _roles(channels: ChannelSettings, recordings: RecordingsTable | None = None) -> Iterator[Problem]:
+    own = recordings is not None and _force_apart(recordings)
+    yield from _one_role_each(channels.emg, None if own else channels.force, ("channels",))
 
 
 def _own_roles(recordings: RecordingsTable, channels: ChannelSettings | None = None) -> Iterator[Problem]:
     for index, file in enumerate(recordings.files):
         own = file.channels
-        if own and (own.emg or own.force) and file.force is None:
+        if own and (own.emg or own.force):
             emg = own.emg or (channels.emg if channels else {})
-            force = own.force or (channels.force if channels else None)
+            force = None if _is_apart(file, recordings) else own.force or (channels.force if channels else None)
             yield from _one_role_each(emg, force, ("recordings", "files", index, "channels"))
+
+
+def _force_apart(recordings: RecordingsTable) -> bool:
+    """Whether every recording with the study's channels has its force in a file of its own."""
+    listed = [file for file in recordings.files if not (file.channels and (file.channels.emg or file.channels.force))]
+    if recordings.layout == "files":
+        return bool(listed) and all(_is_apart(file, recordings) for file in listed)
+    return _by_pattern(recordings) and all(_is_apart(file, recordings) for file in listed)
+
+
+def _is_apart(file: FileTable, recordings: RecordingsTable) -> bool:
+    if file.force is not None:
+        return file.force != file.emg
+    return file.emg is None and _by_pattern(recordings)
+
+
+def _by_pattern(recordings: RecordingsTable) -> bool:
+    return recordings.force_pattern not in (None, recordings.pattern)
 
 
 def _one_role_each(
     emg: Mapping[str, EmgChannelSettings], force: ForceChannelSettings | None, at: KeyPath
 ) -> Iterator[Problem]:
-    """No channel plays two roles. Force in a file of its own may well bear the name of an EMG channel."""
+    """No channel of one file plays two roles; force None: in a file of its own, where any name is free."""
     roles: dict[str, str] = {}
     for role, channel in emg.items():
         first = roles.setdefault(channel.name, role)

@@ -48,6 +48,11 @@ class Found:
         return self.naming.specimens if self.naming else ()
 
     @property
+    def hints(self) -> list[str]:
+        """What would tell more of the channels."""
+        return list(dict.fromkeys(filter(None, (self.emg.hint, self.force.hint))))
+
+    @property
     def guessed(self) -> list[ChannelFacts]:
         """The channels that a person should look at."""
         return [*self.emg.emg[:_MOST_EMG], *([self.force.force] if self.force.force else [])]
@@ -56,7 +61,7 @@ class Found:
         """The study file. stiffness : of specimens, N/mm."""
         emg = {role: self._drafted(channel) for role, channel in _by_muscle(self.emg).items()}
         force = self._drafted(self.force.force) if self.force.force else None
-        seen = [*self.looked_at, *(f"could not be read: {one}" for one in self.unread)]
+        seen = [*self.looked_at, *self.hints, *(f"could not be read: {one}" for one in self.unread)]
         return draft(name, self.naming, self.files, emg, force, stiffness, seen)
 
     def _drafted(self, channel: ChannelFacts) -> DraftChannel:

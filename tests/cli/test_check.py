@@ -25,7 +25,8 @@ class Terminal(io.StringIO):
 
 def verdicts() -> list[SessionVerdict]:
     good = SpecimenVerdict("S1", 8, 8, 8, 0, 0, "", ())
-    slow = SpecimenVerdict("S1", 8, 8, 7, 0, 1, "", ("press 3 rejected: reached 5.6 of 7 N",))
+    light, remedy = "reached 5.6 of 7 N", "ask for firmer presses; show the target force"
+    slow = SpecimenVerdict("S1", 8, 8, 7, 0, 1, "", (f"press 3 rejected: {light}",), cause=light, remedy=remedy)
     return [SessionVerdict("P1", "good", (good,), good.advice), SessionVerdict("P2", "usable", (slow,), slow.advice)]
 
 
@@ -113,6 +114,29 @@ def test_files_of_a_pattern_are_seen_as_they_land(
     said = capsys.readouterr()
     assert said.out.count("UNREADABLE") == len(files)
     assert said.err.endswith("0 good, 0 usable, 0 to repeat, 1 unreadable\n")
+
+
+def test_a_misnamed_file_is_told_at_the_next_look(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "study.toml").write_text(STUDY)
+    (tmp_path / "raw").mkdir()
+    looks = itertools.count()
+
+    def wait(seconds: float) -> None:
+        look = next(looks)
+        assert 2 * seconds < 2  # a word within 2 s
+        if look == 0:
+            (tmp_path / "raw" / "P01-S1.csv").write_text("no table")
+            (tmp_path / "raw" / ".hidden.csv").write_text("no table")
+        if look == 3:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("emg2vsa.pipeline.judged_sessions.time.sleep", wait)
+    assert main(["check", str(tmp_path / "study.toml"), "--watch", str(tmp_path / "raw")]) == 0
+    said = capsys.readouterr().err
+    assert said.count("P01-S1.csv belongs to no recording of the study. Awaited: P01_S1.csv") == 1
+    assert "hidden" not in said
 
 
 def test_a_pattern_without_a_match_is_told_as_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -101,6 +101,48 @@ def test_force_in_files_of_its_own(folder: Path, tmp_path: Path) -> None:
     assert (force.name, force.unit, force.sign) == ("F", "N", -1)  # the unit is a guess, and marked
 
 
+def test_one_name_in_the_files_of_emg_and_of_force(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for path in (folder / "raw").glob("*.csv"):
+        table = np.loadtxt(path, delimiter=",", skiprows=1)
+        person, specimen = path.stem.split("_")[1:3]
+        for kind, columns, head in (("emg", [0, 1, 2], "time (s),Channel 1 (mV),Channel 2 (mV)"),
+                                    ("force", [0, 3], "time (s),Channel 1 (N)")):  # fmt: skip
+            name = tmp_path / f"{person}_{specimen}_{kind}.csv"
+            np.savetxt(name, table[:, columns], "%.7g", ",", header=head, comments="")
+    assert main(["new", str(tmp_path), "--json"]) == 0
+    study = load_study(tmp_path / "study.toml")
+    channels = study.recordings[0].channels
+    assert {channel.name for channel in channels.emg.values()} == {"Channel 1", "Channel 2"}
+    assert channels.force.name == "Channel 1"
+    capsys.readouterr()
+    main(["check", str(tmp_path / "study.toml"), "--json"])
+    judged = json.loads(capsys.readouterr().out)
+    assert [[each["found"] for each in judged[person]["specimens"]] for person in PEOPLE] == [[3, 3], [3, 3]]
+
+
+def test_channels_of_unknown_rate_are_told_with_what_to_do(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As the single file view has it; with a rate they are known."""
+    for path in (folder / "raw").glob("*.csv"):
+        table = np.loadtxt(path, delimiter=",", skiprows=1)
+        name = tmp_path / "_".join(path.stem.split("_")[1:3])
+        np.savetxt(f"{name}.csv", table[:, [3, 1, 2]], "%.7g", ",", header="Fz,emg0,emg1", comments="")
+    hint = "Fz, emg0, emg1: rate not known: state it with --fs"
+    assert main(["inspect", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.count(hint) == 1
+    out = tmp_path / "study.toml"
+    assert main(["new", str(tmp_path)]) == 0
+    assert hint in capsys.readouterr().out
+    assert hint in out.read_text()
+    out.unlink()
+    assert main(["new", str(tmp_path), "--fs", "1000"]) == 0
+    assert "--fs" not in capsys.readouterr().out
+    assert [*load_study(out).recordings[0].channels.emg] == ["emg0", "emg1"]
+
+
 @pytest.mark.slow
 def test_from_a_folder_to_schedules_with_three_lines_edited(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from emg2vsa.errors import StudyError
 from emg2vsa.study import Study
 
 FILE = '[[recordings.files]]\nparticipant = "P01"\nspecimen = "S1"\n'
@@ -257,3 +258,45 @@ def test_the_example_in_the_guide_is_a_study(load):
     guide = (Path(__file__).parents[2] / "docs" / "how-to" / "measured-runs.md").read_text()
     example = guide.partition("```toml\n")[2].partition("```")[0]
     assert load(example).profile.new_specimen == "S_new"
+
+
+@pytest.mark.parametrize(
+    ("recordings", "free"),
+    [
+        ('pattern = "{participant}_{specimen}_emg.csv"\nforce_pattern = "{participant}_{specimen}_force.csv"', True),
+        ('pattern = "{participant}_{specimen}.csv"\nforce_pattern = "{participant}_{specimen}.csv"', False),
+        (
+            'pattern = "{participant}_{specimen}_emg.csv"\nforce_pattern = "{participant}_{specimen}_force.csv"\n'
+            '[[recordings.files]]\nparticipant = "P01"\nspecimen = "S1"\nemg = "both.csv"',
+            False,
+        ),
+    ],
+)
+def test_force_in_a_file_of_its_own_may_bear_the_name_of_an_emg_channel(
+    small: str, load: Callable[[str], Study], recordings: str, free: bool
+) -> None:
+    text = small.replace('pattern = "data/{participant}_{specimen}.csv"', recordings)
+    text = text.replace('name = "Fz"', 'name = "EMG 2"')
+    if free:
+        assert load(text).recordings[0].channels.force.name == "EMG 2"
+    else:
+        with pytest.raises(
+            StudyError, match=r"channels.force.name: expected a channel of its own.*'EMG 2', as for FDS"
+        ):
+            load(text)
+
+
+def test_listed_files_of_force_of_its_own(small: str, load: Callable[[str], Study]) -> None:
+    listed = "".join(
+        f'[[recordings.files]]\nparticipant = "{person}"\nspecimen = "{name}"\nemg = "{person}_{name}.csv"\n'
+        f'force = "{person}_{name}_force.csv"\n'
+        for person in ("P01", "P02")
+        for name in ("S1", "S3")
+    )
+    text = small.replace(
+        'layout = "pattern"\npattern = "data/{participant}_{specimen}.csv"\n', 'layout = "files"\n' + listed
+    )
+    text = text.replace('name = "Fz"', 'name = "EMG 2"')
+    assert {each.channels.force.name for each in load(text).recordings} == {"EMG 2"}
+    with pytest.raises(StudyError, match=r"channels\.force\.name"):
+        load(text.replace('force = "P01_S1_force.csv"\n', ""))
