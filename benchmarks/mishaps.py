@@ -45,6 +45,8 @@ SETTINGS = SimulationSettings(
 )
 WINDOW = WindowSettings(expected_trials=PRESSES)
 OPTIONAL, OFF = "?", 0.08
+SEEDS = range(40, 45)
+"Rules and ranks were set on recordings 0 to 5."
 OTHER_LAWS = ("quadratic law", "law of power 0.7")
 "Their b is no wrong b of the law: another benchmark asks whether the law is told to be wrong."
 
@@ -258,7 +260,7 @@ def _repeated_packets(record: Record) -> None:
 
 
 def _step(force_n: Floats, time_s: Floats) -> Floats:
-    return force_n + 0.4 * (time_s > time_s[-1] / 2)
+    return np.asarray(force_n + 0.4 * (time_s > time_s[-1] / 2))
 
 
 def _wander(force_n: Floats, time_s: Floats) -> Floats:
@@ -303,7 +305,7 @@ def _sampled_at(hz: float, held: bool) -> Callable[[Floats, Floats], Floats]:
         values = np.interp(at_s, time_s, force_n)
         if held:
             return np.asarray(values[np.minimum((time_s * hz + 1e-9).astype(int), values.size - 1)])
-        return np.interp(time_s, at_s, values)
+        return np.asarray(np.interp(time_s, at_s, values))
 
     return change
 
@@ -598,7 +600,10 @@ def table(seeds: range) -> list[str]:
 
 
 if __name__ == "__main__":
-    lines = "\n".join(table(range(3)))
-    head = "# Mishaps\n\nMade by `python -m benchmarks.mishaps`; three recordings of eight presses each.\n\n"
+    lines = "\n".join(table(SEEDS))
+    head = (
+        f"# Mishaps\n\nMade by `python -m benchmarks.mishaps`; {len(SEEDS)} recordings of eight presses each, none of "
+        "those on which rules were set.\n\n"
+    )
     keep(RESULTS, head + lines)
     print(lines)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from emg2vsa.extraction.reasons import merged
+from emg2vsa.extraction.reasons import by_hand, merged, put_aside
 from emg2vsa.extraction.remedies import REMEDIES, known, remedies_of
 
 EXPLAINS = 0.5
@@ -29,9 +29,9 @@ def ranked(remarks: Iterable[str], presses: Iterable[tuple[str, str]]) -> tuple[
     """The causes of what was told of one recording, the most likely first; none where no remedy is known.
 
     remarks : on the recording. presses : (verdict, reasons joined by "; ") of each, "" where there is none. Presses
-    that are ``ok`` count only where all are.
+    that are ``ok`` count only where all are, and those that a person has judged not at all.
     """
-    told = list(presses)
+    told = [(verdict, reasons) for verdict, reasons in presses if not (by_hand(reasons) or put_aside(reasons))]
     counted = [reasons for verdict, reasons in told if verdict != "ok"] or [reasons for _, reasons in told]
     texts: dict[int, list[str]] = {}
     explains: dict[int, int] = {}

@@ -21,6 +21,11 @@ def by_session(reason: str) -> str:
     return text if text.startswith(_SESSION) else f"session: {text}"
 
 
+def by_hand(reasons: str) -> bool:
+    """Whether a person has judged the press in the study file: the reasons of a press then begin so."""
+    return reasons.startswith(("excluded by hand: ", "accepted by hand: "))
+
+
 def put_aside(reasons: str) -> bool:
     """Whether a session put the press aside: the reasons of a press begin with those of ``by_session``."""
     return reasons.startswith(_SESSION)

@@ -69,6 +69,14 @@ def test_without_a_known_reason_there_is_no_cause():
     assert ranked(["something new"], [("rejected", "excluded by hand: sneezed"), ("ok", "")]) == ()
 
 
+def test_what_a_person_has_judged_is_no_cause():
+    fault = "EDC is 35 V during a press; is its unit uV, or its gain 10^6?"
+    assert ranked([], [("ok", f"accepted by hand: sneezed; {fault}")] * 3) == ()
+    assert ranked([], [("rejected", "operator: repeat: too fast; reached 5.6 of 7 N"), ("ok", "")]) == ()
+    presses = [("rejected", f"excluded by hand: sneezed; {NO_FIT}")] * 3 + [("rejected", "reached 5.6 of 7 N")]
+    assert [cause.text for cause in ranked([], presses)] == ["reached 5.6 of 7 N"]
+
+
 def test_every_example_is_known_by_its_own_remedy():
     for rank, remedy in enumerate(REMEDIES):
         assert known(remedy.example) == rank

@@ -355,3 +355,12 @@ def test_glued_readings_of_a_transducer_are_refused_before_presses_are_looked_fo
     assert "3.1e+08 N" in str(told.value)
     # millinewtons that are labelled newtons change as smoothly as ever
     extract(emg, replace(force, samples=force.samples * 1e3))
+
+
+def test_glued_readings_of_a_real_transducer(shared_data, recorded, force_of, extract):
+    """One of six readings of a Mini45 is glued to the next: the usual change of force is then large as well."""
+    text = shared_data("emg/ati/atusa_myo_mini45_raw_01.csv").read_text(encoding="utf-8").splitlines()[1:]
+    samples = np.array([float(line.split(",")[0]) for line in text])
+    emg, force = recorded(force_of(RISE, RISE))
+    with pytest.raises(SignalError, match=r"747 jumps of up to 3\.1e\+08 N and back"):
+        extract(emg, replace(force, samples=samples, fs_hz=243.0))
