@@ -7,6 +7,7 @@ the law v = a + b ln F and the spectrum's shape, so that a fault of one is not h
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
@@ -36,6 +37,8 @@ class Laboratory:
 
     a_v: float = 30e-6
     b_v: float = 15e-6
+    law: Callable[[FloatArray], FloatArray] | None = None
+    "In place of a + b ln F: forces in newtons, from 0.3 N on, to volts."
     shares: tuple[float, ...] = (0.6, 0.4)
     "Of each muscle in the co-contraction."
     tone_share: float = 0.1
@@ -154,11 +157,11 @@ def _disturbed(
 
 def activity_v(force_n: FloatArray, laboratory: Laboratory) -> FloatArray:
     """True co-contraction (n,) at forces (n,): the law from 0.3 N on, below it a straight line down to the tone."""
-    end_v = laboratory.a_v + laboratory.b_v * math.log(LOG_ENDS_N)
+    law = laboratory.law or (lambda force_n: laboratory.a_v + laboratory.b_v * np.log(force_n))
+    end_v = law(np.array(LOG_ENDS_N))
     tone_v = laboratory.tone_share * end_v
     below = tone_v + (end_v - tone_v) * np.maximum(force_n, 0) / LOG_ENDS_N
-    law = laboratory.a_v + laboratory.b_v * np.log(np.maximum(force_n, LOG_ENDS_N))
-    return np.where(force_n >= LOG_ENDS_N, law, below)
+    return np.where(force_n >= LOG_ENDS_N, law(np.maximum(force_n, LOG_ENDS_N)), below)
 
 
 def _late(values: FloatArray, by: int) -> FloatArray:

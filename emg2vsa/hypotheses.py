@@ -10,6 +10,7 @@ import numpy as np
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.companions.force_laws import ForceLaws, force_laws
+from emg2vsa.companions.law_misfit import LawMisfits, cell_misfits, compare_misfits
 from emg2vsa.companions.table import TableTests, table_tests
 from emg2vsa.companions.whole_curve import WholeCurve, cell_curves, compare_curves
 from emg2vsa.fits import Fits, usable
@@ -63,6 +64,8 @@ class Hypotheses:
     "Of b over the number of the repetition."
     laws: ForceLaws
     "Power law and straight line beside the logarithm."
+    misfits: LawMisfits
+    "Distance of people's presses from each of the three laws."
     curves: WholeCurve
     "Specimens compared at every force."
     place: Floats
@@ -84,14 +87,15 @@ def test_hypotheses(
     participants: Sequence[str] = (),  # noqa: PT028 - a function of the package, not a test
     specimens: Sequence[str] = (),  # noqa: PT028
     laws: ForceLaws | None = None,  # noqa: PT028
+    misfits: LawMisfits | None = None,  # noqa: PT028
     curves: WholeCurve | None = None,  # noqa: PT028
     place: Mapping[tuple[str, str], float] | None = None,  # noqa: PT028
 ) -> Hypotheses:
     """Test b of the trials that ``settings.use`` admits. Never raises for a small or incomplete study.
 
     participants, specimens : who was asked to press what; those of ``fits`` count as asked in any case.
-    laws, curves : where they were compared already; ``fits`` then need no force bins. place : of recordings in the
-    session of their participant, by participant and specimen.
+    laws, misfits, curves : where they were compared already; ``fits`` then need no force bins. place : of recordings in
+    the session of their participant, by participant and specimen.
     """
     admitted = usable(fits, settings.use)
     clusters = clusters_of(fits.participant, fits.specimen, fits.b_v, admitted)
@@ -125,6 +129,7 @@ def test_hypotheses(
             1 - settings.alpha,
         ),
         laws=laws or force_laws(fits, settings.use, 1 - settings.alpha),
+        misfits=misfits or compare_misfits(cell_misfits(fits, settings.use), 1 - settings.alpha),
         curves=curves or compare_curves(cell_curves(fits, settings.use), settings.alpha),
         place=known.reshape(clusters.count.shape),
         drift=drift(

@@ -27,8 +27,9 @@ from emg2vsa.shown import shown
 from emg2vsa.statistics.clusters import Names, in_order
 from emg2vsa.statistics.mean_vector import MeanVector, mean_vector
 
-MATTERS = 0.003
-"Of the level: a distance from the law, root mean square over the force range, that is told. Filters leave up to .3 %."
+MATTERS = 0.01
+"Of the level: a distance from the law, root mean square over the force range, that is told."
+_SMALL_P = 0.001
 _DEGREE, _LAW_TAKES = 4, 2
 _REACHED = 0.75
 "Of the force bins, that a press must have, and at least one more than it has coefficients."
@@ -64,6 +65,7 @@ class Misfit(NamedTuple):
         return self.low > MATTERS
 
 
+_NAMES = {"logarithm": "logarithm", "power": "power law", "linear": "straight line"}
 _UNKNOWN = Misfit(np.nan, np.nan, np.nan, np.nan)
 
 
@@ -96,6 +98,26 @@ class LawMisfits:
         """The law of the smallest distance, of a person or of all together; "" where no distance is known."""
         shares = self.share[:, person] if person is not None else np.array([each.share for each in self.together])
         return LAWS[int(np.argmin(shares))] if np.all(np.isfinite(shares)) else ""
+
+    def said(self, activity_unit: str, person: int | None = None) -> str:
+        """In one sentence, of a person or of all together; "" where there are too few presses to say anything."""
+        if not (name := self.nearest(person)):
+            return ""
+        of = self.together if person is None else tuple(self.of(law, person) for law in range(len(LAWS)))
+        level = float(np.mean(self.level_v)) if person is None else float(self.level_v[person])
+        factor, unit = (1e6, "uV") if activity_unit == "V" else (1.0, activity_unit)
+        log = of[0]
+        p = f"p = {log.p:.2g}" if log.p >= _SMALL_P else f"p < {_SMALL_P:g}"
+        away = f"{100 * log.share:.1f} % of the level [{100 * log.low:.1f}, {100 * log.high:.1f}]"
+        away += f", {factor * log.share * level:.2g} {unit}".rstrip()
+        if not log.told:
+            verdict = "fits" if log.high < MATTERS else "is not contradicted"
+            return f"The logarithm v = a + b ln F {verdict}: presses are {away} from it ({p})."
+        nearest = of[LAWS.index(name)]
+        near = f"the {_NAMES[name]} is nearest, {100 * nearest.share:.1f} % away"
+        if all(each.told for each in of):
+            near = f"neither does a power law nor a straight line; {near}"
+        return f"The logarithm v = a + b ln F does not fit: presses are {away} from it ({p}); {near}."
 
 
 def cell_misfits(fits: Fits, use: str) -> list[CellMisfit]:

@@ -111,6 +111,8 @@ def told(verdicts: Iterable[SessionVerdict], stream: TextIO) -> Iterator[str]:
             yield f"    {advice.text}"
             if advice.do:
                 yield f"      -> {advice.do}"
+        if verdict.law:
+            yield f"    {verdict.law}"
     if counts.total() > 1:
         yield counted(counts)
 

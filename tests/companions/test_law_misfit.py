@@ -26,8 +26,8 @@ TRUE = {
 SHAPE = (6, 1, 8)
 
 
-def presses(law: str, rng: np.random.Generator, noise: float = 0.17, shape: tuple[int, ...] = SHAPE) -> np.ndarray:
-    """Bins of a press share part of their noise with the next."""
+def presses(law: str, rng: np.random.Generator, noise: float = 0.07, shape: tuple[int, ...] = SHAPE) -> np.ndarray:
+    """Noise of a bin as in `benchmarks.force_law`; part of it is shared with the next."""
     size = np.exp(0.2 * rng.standard_normal((*shape, 1)))
     wave = rng.standard_normal((*shape, FORCE_N.size + 1))
     return np.asarray(TRUE[law] * size * (1 + noise * (wave[..., 1:] + 0.4 * wave[..., :-1]) / np.hypot(1, 0.4)))
@@ -119,3 +119,26 @@ def test_what_cannot_be_said_is_not(change: str) -> None:
     assert not any(misfit.told for misfit in found.together)
     assert found.nearest() == ""
     assert found.participant.size == (1 if change == "few presses" else 0)
+
+
+@pytest.mark.parametrize(
+    ("law", "noise", "said"),
+    [
+        ("logarithm", 1e-4, "The logarithm v = a + b ln F fits"),
+        ("logarithm", 0.3, "is not contradicted"),
+        ("linear", 0.07, "does not fit: presses are 1"),
+        ("linear", 0.07, "(p < 0.001); the straight line is nearest"),
+        ("saturating", 0.07, "neither does a power law nor a straight line; the logarithm is nearest"),
+        ("power", 0.01, "the power law is nearest, 0."),
+    ],
+)
+def test_the_sentence(law: str, noise: float, said: str) -> None:
+    found = misfits(presses(law, np.random.default_rng(0), noise))
+    assert said in found.said("uV")
+
+
+def test_the_sentence_of_a_person_states_microvolts() -> None:
+    found = misfits(1e-6 * presses("linear", np.random.default_rng(0), 1e-4))
+    share, level = found.share[0, 2], found.level_v[2]
+    assert f"], {1e6 * share * level:.2g} uV from it" in found.said("V", 2)
+    assert compare_misfits([]).said("V") == ""

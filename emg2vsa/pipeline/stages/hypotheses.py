@@ -36,6 +36,7 @@ def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
 def run(given: Given) -> Hypotheses:
     """One recording at a time: of its force bins only their mean and what the laws say of them is kept."""
     from emg2vsa.companions.force_laws import CellErrors, cell_errors, compare_laws
+    from emg2vsa.companions.law_misfit import CellMisfit, cell_misfits, compare_misfits
     from emg2vsa.companions.whole_curve import CellCurve, cell_curves, compare_curves
     from emg2vsa.fits import concatenate
     from emg2vsa.hypotheses import test_hypotheses
@@ -43,20 +44,24 @@ def run(given: Given) -> Hypotheses:
 
     of, screening = given.settings["hypotheses"], given.one("screening")
     errors: list[CellErrors] = []
+    shapes: list[CellMisfit] = []
     means: list[CellCurve] = []
 
     def recordings() -> Iterator[Fits]:
         for each in given.each("fits"):
             fits = screened(each, screening)
             errors.extend(cell_errors(fits, of.use))
+            shapes.extend(cell_misfits(fits, of.use))
             means.extend(cell_curves(fits, of.use))
             yield fits
 
     fits = concatenate(recordings(), bins=False)
-    laws, curves = compare_laws(errors, 1 - of.alpha), compare_curves(means, of.alpha)
+    laws, misfits = compare_laws(errors, 1 - of.alpha), compare_misfits(shapes, 1 - of.alpha)
+    curves = compare_curves(means, of.alpha)
     began = {(trials.participant, trials.specimen): trials.began for trials in given.each("trials")}
     order = places(given.settings["recordings"], given.files["order"], began)
-    return test_hypotheses(fits, of, given.settings["participants"], given.settings["palpated"], laws, curves, order)
+    asked = given.settings["participants"], given.settings["palpated"]
+    return test_hypotheses(fits, of, *asked, laws, misfits, curves, order)
 
 
 STAGE = Stage(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -13,6 +15,7 @@ from emg2vsa.claims.claim import OF_A_STUDY, Claim, Judged, judge
 from emg2vsa.claims.on_rig import claims_on_rig
 from emg2vsa.claims.people import claims_of_study
 from emg2vsa.figures.verdicts import draw_verdicts
+from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.registration import Registered
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
@@ -42,11 +45,18 @@ def _claims(results: StudyResults) -> Iterator[Claim]:
         tested = people.hypotheses
         if tested or any(failure.stage == "hypotheses" for failure in results.failures):  # no report of the rig alone
             places, laws = (tested.places(), tested.laws) if tested else ({}, None)
-            yield from claims_of_study(study, people.fits, places, laws)
+            yield from map(partial(_with_misfit, tested), claims_of_study(study, people.fits, places, laws))
         weight = people.profiles.weight_alpha if people.profiles and people.profiles.new else np.nan
     if runs is not None:
         yield from claims_on_rig(study, runs.discrimination.table if runs.discrimination else None, runs.calibration)
     yield from arithmetic_claims(study, weight_alpha=weight, counted=_counted(results), runs=runs is not None)
+
+
+def _with_misfit(tested: Hypotheses | None, claim: Claim) -> Claim:
+    """No other law may predict better than a logarithm that does not fit either."""
+    if tested is None or claim.key != "log_fit_r2" or not tested.misfits.together[0].told:
+        return claim
+    return replace(claim, why=f"{claim.why} The logarithm itself does not fit.".lstrip())
 
 
 def _counted(results: StudyResults) -> Counted | None:
@@ -247,6 +257,8 @@ def summary(results: StudyResults, judged: Sequence[Judged]) -> Iterator[str]:
             moved = results.registered is not None and "deviates" in results.registered.state(each)
             told = sentence(each), told_of_paths(results, each.claim.key)
             yield " ".join(filter(None, (*told, "This verdict deviates from the registered plan." * moved)))
+    if results.people is not None and results.people.hypotheses is not None:
+        yield results.people.hypotheses.misfits.said(results.people.fits.activity_unit)
 
 
 def sentence(each: Judged) -> str:

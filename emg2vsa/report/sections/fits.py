@@ -8,6 +8,7 @@ from itertools import combinations, pairwise
 import numpy as np
 
 from emg2vsa.companions.force_laws import LAWS, LEFT_OUT, ForceLaws
+from emg2vsa.companions.law_misfit import LawMisfits
 from emg2vsa.figures.canvas import PairBar
 from emg2vsa.figures.cocontraction import draw_cocontraction
 from emg2vsa.figures.palette import looks
@@ -58,6 +59,7 @@ def _quantities(results: StudyResults) -> Items:
             yield from fields_of(f"recovery.{of}" if of else "recovery", recovery, *vars(recovery))
     if people.hypotheses is not None:
         yield from _laws(people.hypotheses.laws)
+        yield from _misfits(people.hypotheses.misfits)
 
 
 def _half_widths(results: StudyResults) -> dict[str, float]:
@@ -88,6 +90,19 @@ def _laws(laws: ForceLaws) -> Items:
                 yield from named(f"{name}.{law}", p=float(laws.p[kind, i]), better_cells=better)
 
 
+def _misfits(misfits: LawMisfits) -> Items:
+    """Distance of the presses of all people from each law, shares of the level."""
+    for law, found in zip(LAWS, misfits.together, strict=True):
+        name = f"fit.laws.{law}"
+        yield from with_interval(f"{name}.distance", found.share, found.low, found.high)
+        yield from named(name, distance_p=found.p, people_off=int(np.count_nonzero(_off(misfits, LAWS.index(law)))))
+
+
+def _off(misfits: LawMisfits, law: int) -> list[bool]:
+    """Of each person, whether the law does not fit."""
+    return [misfits.of(law, person).told for person in range(misfits.participant.size)]
+
+
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     yield _every(results)
     yield _by_specimen(results, q)
@@ -95,6 +110,30 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         yield _recovery(results, q)
     if results.recorded.hypotheses is not None:
         yield _laws_table(results.recorded.hypotheses.laws)
+        yield _misfits_table(results, results.recorded.hypotheses.misfits)
+
+
+def _misfits_table(results: StudyResults, misfits: LawMisfits) -> Table:
+    people, scale, level = misfits.participant.size, results.scale, 100 * (1 - results.study.hypotheses.alpha)
+    person, law = (index.ravel() for index in np.indices((people, len(LAWS))))
+    places = zip(law.tolist(), person.tolist(), strict=True)
+    found: Columns = {
+        Column("participant", "Participant"): misfits.participant[person],
+        Column("presses", "Presses"): misfits.presses[person],
+        Column("law", "Law of v(F)"): [LAWS[i] for i in law],
+        **columns(misfits, "share", "low", "high", "p", at=(law, person)),
+        activity_column("rms_v", "Distance", scale): misfits.share[law, person] * misfits.level_v[person],
+        Column("fits", "Fits"): ["no" if misfits.of(*at).told else "" for at in places],
+        Column("largest", "Spline less logarithm, largest (% of level)", 100.0): np.where(
+            law == 0, misfits.largest[person], np.nan
+        ),
+        Column("at_n", "at (N)"): np.where(law == 0, misfits.at_n[person], np.nan),
+    }
+    caption = (
+        "Distance of a person's presses from each law: root mean square over the range of force of the three smoothest "
+        f"shapes that the law cannot take, with its {level:g} % interval over presses"
+    )
+    return table_of("law_misfits", caption, found, table.FEW_ON_PAGE)
 
 
 def _laws_table(laws: ForceLaws) -> Table:
@@ -214,6 +253,7 @@ The slope of {{ q['fit.b_not_positive'] | count("used trial") }} is not positive
 {{ folded("fits_by_specimen", "Fits by specimen") }}
 {{ folded("fits", "Every trial, rejected ones included") }}
 {{ folded("force_laws", "Other laws of force: power and straight line") }}
+{{ folded("law_misfits", "Distance of each person's presses from the three laws") }}
 {% if 'recovery.n' in q %}
 <p>The simulated curves follow v = a + b ln F, as the fits do. The fitted slopes miss the true ones by
 {{ q['recovery.mean_b_error'] | percent(2) }} on average, and {{ q['recovery.coverage'] | percent(3) }} of the
