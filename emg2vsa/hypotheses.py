@@ -129,7 +129,7 @@ def test_hypotheses(
             1 - settings.alpha,
         ),
         laws=laws or force_laws(fits, settings.use, 1 - settings.alpha),
-        misfits=misfits or compare_misfits(cell_misfits(fits, settings.use), 1 - settings.alpha),
+        misfits=misfits or compare_misfits(cell_misfits(fits, settings.use, spline=True), 1 - settings.alpha),
         curves=curves or compare_curves(cell_curves(fits, settings.use), settings.alpha),
         place=known.reshape(clusters.count.shape),
         drift=drift(

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import median
-from emg2vsa.companions.law_misfit import cell_misfits, compare_misfits
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.diagnosis import ranked
 from emg2vsa.extraction.reasons import PRESSES_NAMED, grouped, put_aside
@@ -140,13 +139,7 @@ def judge_session(
     )
     worst_first = sorted(specimens, key=lambda s: -VERDICTS.index(s.verdict))
     verdict = worst_first[0].verdict if worst_first else "good"
-    advice = tuple(line for s in worst_first for line in s.advice)
-    return SessionVerdict(participant, verdict, specimens, advice, _law(fits))
-
-
-def _law(fits: Mapping[str, Fits]) -> str:
-    found = compare_misfits([cell for each in fits.values() for cell in cell_misfits(each, "ok")])
-    return found.said(next(iter(fits.values())).activity_unit) if fits else ""
+    return SessionVerdict(participant, verdict, specimens, tuple(line for s in worst_first for line in s.advice))
 
 
 def _judge_recording(trials: Trials, fits: Fits | None, wanted: int | None, doubts: Sequence[str]) -> SpecimenVerdict:

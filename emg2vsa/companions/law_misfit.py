@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
@@ -39,7 +38,8 @@ _REACHED = 0.75
 class CellMisfit:
     """Of a person's R presses on a specimen: shapes (L, R, 3), shares of ``level_v``, by law in the order of ``LAWS``.
 
-    beside (B,) : monotone spline less logarithm in each force bin, share of the level; NaN where there are no data.
+    beside (B,) : monotone spline less logarithm in each force bin, share of the level; NaN where there are no data
+    or it was not asked for.
     force_n (B,) : of the bins.
     """
 
@@ -51,7 +51,8 @@ class CellMisfit:
     force_n: Floats
 
 
-class Misfit(NamedTuple):
+@dataclass(frozen=True)
+class Misfit:
     """Distance from a law, root mean square over the force range: share of the level, interval, p of none."""
 
     share: float
@@ -120,12 +121,12 @@ class LawMisfits:
         return f"The logarithm v = a + b ln F does not fit: presses are {away} from it ({p}); {near}."
 
 
-def cell_misfits(fits: Fits, use: str) -> list[CellMisfit]:
+def cell_misfits(fits: Fits, use: str, spline: bool = False) -> list[CellMisfit]:
     """Shapes of every cell of the trials that ``use`` admits; one without enough bins or presses of full range is left
-    out."""
+    out. spline : whether to fit the monotone spline too."""
     found = []
     for (participant, specimen), own in rows_of_cells(fits, use).items():
-        cell = _cell(participant, specimen, fits.bin_force_n[own], fits.bin_v[own], fits.bin_edges_n)
+        cell = _cell(participant, specimen, fits.bin_force_n[own], fits.bin_v[own], fits.bin_edges_n, spline)
         if cell is not None:
             found.append(cell)
     return found
@@ -140,7 +141,8 @@ def compare_misfits(cells: Iterable[CellMisfit], confidence: float = 0.95) -> La
     table = np.full((4, len(LAWS), people.size), np.nan)
     for i, each in enumerate(shapes):
         for law, vectors in enumerate(each):
-            table[:, law, i] = _misfit(mean_vector(vectors, np.zeros(len(vectors), dtype=np.int64)), confidence)
+            found = _misfit(mean_vector(vectors, np.zeros(len(vectors), dtype=np.int64)), confidence)
+            table[:, law, i] = found.share, found.low, found.high, found.p
     largest, at_n = np.array([_largest(each) for each in own]).reshape(-1, 2).T
     presses = np.array([each.shape[1] for each in shapes], dtype=np.int64)
     groups = np.repeat(np.arange(people.size), presses)
@@ -167,12 +169,16 @@ def _misfit(found: MeanVector, confidence: float) -> Misfit:
 def _largest(cells: list[CellMisfit]) -> tuple[float, float]:
     beside = np.array([cell.beside for cell in cells])
     there = np.isfinite(beside)
+    if not there.any():
+        return np.nan, np.nan
     mean = np.sum(beside, axis=0, where=there) / np.maximum(np.count_nonzero(there, axis=0), 1)
     at = int(np.argmax(np.abs(mean)))
     return float(mean[at]), float(cells[0].force_n[at])
 
 
-def _cell(participant: str, specimen: str, force_n: Floats, v: Floats, edges_n: Floats) -> CellMisfit | None:
+def _cell(
+    participant: str, specimen: str, force_n: Floats, v: Floats, edges_n: Floats, spline: bool
+) -> CellMisfit | None:
     """Of presses (R, B)."""
     there = np.isfinite(v) & (force_n > 0)
     whole = np.count_nonzero(there, axis=1) >= max(_REACHED * v.shape[1], _DEGREE + 2)
@@ -189,11 +195,12 @@ def _cell(participant: str, specimen: str, force_n: Floats, v: Floats, edges_n: 
     weights = np.where(there, level_weights(line.at(force_n.reshape(1, -1))).reshape(v.shape), 0.0)
     laws = (_logarithm, _power(middle_n, mean_v), _straight)
     shapes = np.stack([_in_shapes(force_n, v / level, np.sqrt(weights), middle_n, law) for law in laws])
-    f, y, w = (each[there] for each in (force_n, v, weights))
-    spline = fit_monotone(f, y, w, (max(float(edges_n[0]), float(f.min())), float(edges_n[-1])))
-    weighted = fit_line(np.log(f)[None], y[None], w[None])
     beside = np.full(bins.size, np.nan)
-    beside[bins] = (spline.at(middle_n) - weighted.at(np.log(middle_n))[0]) / level
+    if spline:
+        f, y, w = (each[there] for each in (force_n, v, weights))
+        curve = fit_monotone(f, y, w, (max(float(edges_n[0]), float(f.min())), float(edges_n[-1])))
+        weighted = fit_line(np.log(f)[None], y[None], w[None])
+        beside[bins] = (curve.at(middle_n) - weighted.at(np.log(middle_n))[0]) / level
     return CellMisfit(participant, specimen, level, shapes, beside, (edges_n[1:] + edges_n[:-1]) / 2)
 
 

@@ -10,8 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import BSpline
-from scipy.optimize import nnls
 
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DataError
@@ -30,6 +28,8 @@ class MonotoneSpline:
 
     def at(self, force_n: Floats) -> Floats:
         """Activity at forces of any shape, newtons; beyond its ends the curve keeps its last value."""
+        from scipy.interpolate import BSpline  # noqa: PLC0415  (0.1 s that checks of a session do not need)
+
         x = np.clip(np.log(force_n), self.knots[0], self.knots[-1])
         return np.asarray(BSpline(self.knots, self.coefficients, DEGREE)(x))
 
@@ -50,6 +50,9 @@ def fit_monotone(force_n: Floats, v: Floats, weights: Floats, range_n: tuple[flo
     force_n, v, weights : (p,) points, newtons and the unit of the activity; those that are not finite, outside
     ``range_n`` or without weight are left out. DataError below two points.
     """
+    from scipy.interpolate import BSpline  # noqa: PLC0415
+    from scipy.optimize import nnls  # noqa: PLC0415
+
     there = np.isfinite(force_n) & np.isfinite(v) & (weights > 0) & (force_n >= range_n[0]) & (force_n <= range_n[1])
     if np.count_nonzero(there) < 2:
         raise DataError(

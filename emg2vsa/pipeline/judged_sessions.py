@@ -9,13 +9,14 @@ import importlib
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TextIO
 
 from casr.terminal import Look, coloured
 from emg2vsa import artifacts
+from emg2vsa.companions.law_misfit import cell_misfits, compare_misfits
 from emg2vsa.errors import Emg2vsaError, SettingError
 from emg2vsa.fits import Fits, by_recording, concatenate
 from emg2vsa.pipeline.places import writable_or_temporary
@@ -68,18 +69,23 @@ def _verdict(
 ) -> SessionVerdict:
     cells = plan.campaign.cells[participant]
     entries = [plan.campaign.recordings[cell] for cell in cells]
-    return judge_session(
+    fits = {
+        e.specimen: screened(artifacts.load(path), screening) for e in entries for path in plan.done("fits", (e.key,))
+    }
+    session = judge_session(
         participant,
         [screened_trials(artifacts.load(path), screening) for path in plan.done("trials", cells)],
-        {
-            e.specimen: screened(artifacts.load(path), screening)
-            for e in entries
-            for path in plan.done("fits", (e.key,))
-        },
+        fits,
         {entry.specimen: entry.window.expected_trials for entry in entries},
         {entry.specimen: failures[entry.key] for entry in entries if entry.key in failures},
         {specimen: said for (who, specimen), said in doubts.items() if who == participant},
     )
+    return replace(session, law=_law(fits))
+
+
+def _law(fits: Mapping[str, Fits]) -> str:
+    found = compare_misfits(cell for each in fits.values() for cell in cell_misfits(each, "ok"))
+    return found.said(next(iter(fits.values())).activity_unit) if fits else ""
 
 
 def fits_of(study: Study, shown: Progress) -> dict[str, Fits]:

@@ -7,15 +7,17 @@ in the confidence ellipsoid of the mean (Scheffe): it reaches 0 where T squared 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import optimize, special
+from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 
 _BESIDE = 1e-7
 "Of a standard error: nothing that matters."
+_HALVINGS = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,5 +84,13 @@ def _lengths(centre: Floats, variances: Floats, reach: float) -> tuple[float, fl
         return unit * float(np.linalg.norm(multiplier * centre / (variances + multiplier)))
 
     far = 1.01 * float(np.linalg.norm(centre)) / np.sqrt(reach)
-    low = at(optimize.brentq(beyond, 0.0, far)) if beyond(0.0) > 0 else 0.0
-    return low, at(optimize.brentq(beyond, -1 - far, -1 - _BESIDE**2))
+    low = at(_root(beyond, 0.0, far)) if beyond(0.0) > 0 else 0.0
+    return low, at(-1 - _root(lambda past: beyond(-1 - past), _BESIDE**2, far))
+
+
+def _root(falling: Callable[[float], float], above: float, below: float) -> float:
+    """Where the function is 0, between a place where it is above and one where it is below."""
+    for _ in range(_HALVINGS):
+        middle = (above + below) / 2
+        above, below = (middle, below) if falling(middle) > 0 else (above, middle)
+    return (above + below) / 2

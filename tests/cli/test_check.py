@@ -6,6 +6,7 @@ import io
 import itertools
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -37,6 +38,14 @@ def test_one_line_for_a_good_session_the_remedy_beside_each_remark_and_totals() 
         "    S1: press 3 rejected: reached 5.6 of 7 N",
         "      -> ask for firmer presses; show the target force",
         "1 good, 1 usable, 0 to repeat",
+    ]
+
+
+def test_the_law_of_force_has_a_line_of_its_own() -> None:
+    good = replace(verdicts()[0], law="The logarithm v = a + b ln F fits.")
+    assert list(told([good], io.StringIO())) == [
+        "P1     GOOD        S1 8/8",
+        "    The logarithm v = a + b ln F fits.",
     ]
 
 

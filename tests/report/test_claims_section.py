@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from emg2vsa.claims.claim import UNKNOWN, Claim, Found, Judged, exactly
+from emg2vsa.companions.law_misfit import Misfit
 from emg2vsa.registration.deviations import Deviation, Registered
 from emg2vsa.registration.plan import claim_plan, planned_claims
 from emg2vsa.report.sections.claims import judged_claims, sentence, summary
@@ -61,3 +62,22 @@ def test_the_plan_tells_the_estimand_that_the_results_have(results) -> None:
             key: ours[key] for key in plan.keys() & ours.keys()
         }
         assert f"at {high:g} N" in plan["interpolation_rmse"]["estimand"]
+
+
+@pytest.mark.parametrize("told", [True, False])
+def test_a_logarithm_that_does_not_fit_is_said_at_its_claim_and_on_the_first_page(results, told: bool) -> None:
+    tested = results.people.hypotheses
+    share, low, high = (0.127, 0.119, 0.136) if told else (0.004, 0.0, 0.012)
+    misfits = replace(
+        tested.misfits, together=(Misfit(share, low, high, 1e-9 if told else 0.4), *tested.misfits.together[1:])
+    )
+    people = replace(results.people, hypotheses=replace(tested, misfits=misfits))
+    results = replace(results, people=people)
+    of = judged_claims(results)
+    claim = next(each.claim for each in of if each.claim.key == "log_fit_r2")
+    assert ("The logarithm itself does not fit." in claim.why) == told
+    last = list(summary(results, of))[-1]
+    assert last.startswith(
+        f"The logarithm v = a + b ln F {'does not fit' if told else 'is not contradicted'}: presses are"
+    )
+    assert f"{100 * share:.1f} % of the level [{100 * low:.1f}, {100 * high:.1f}]" in last

@@ -46,11 +46,13 @@ def test_quantities_are_those_of_the_models(whole, content: Content) -> None:
     assert q["runs.factors.casr.condition-angle.omega2"] == model.omega2[i]
     assert q["runs.factors.casr.condition-angle.omega2.high"] == model.high[i]
     assert q["fit.laws.leave_one_bin_out.power.p"] == found.laws.p[1, 1]
+    assert q["fit.laws.power.distance"] == found.misfits.together[1].share
+    assert q["fit.laws.power.distance_p"] == found.misfits.together[1].p
 
 
 def test_tables_hold_every_effect_and_residual(whole, content: Content) -> None:
-    rows = {name: len(content.tables[name].rows) for name in ("factors", "mixed_sd", "force_laws")}
-    assert rows == {"factors": 14, "mixed_sd": 3, "force_laws": 6}
+    rows = {name: len(content.tables[name].rows) for name in ("factors", "mixed_sd", "force_laws", "law_misfits")}
+    assert rows == {"factors": 14, "mixed_sd": 3, "force_laws": 6, "law_misfits": 9}
     assert len(content.tables["mixed_residuals"].rows) == np.count_nonzero(whole.used)
     assert [row["participant"] for row in content.tables["trend"].rows] == ["P01", "P02", "P03"]
 

@@ -51,7 +51,7 @@ def run(given: Given) -> Hypotheses:
         for each in given.each("fits"):
             fits = screened(each, screening)
             errors.extend(cell_errors(fits, of.use))
-            shapes.extend(cell_misfits(fits, of.use))
+            shapes.extend(cell_misfits(fits, of.use, spline=True))
             means.extend(cell_curves(fits, of.use))
             yield fits
 
