@@ -16,6 +16,7 @@ RIGID: Condition = "high-stiffness"
 """How the rig presses (paper, section V): a rigid motor, or the actuator with a whole profile or one level of it."""
 Index = Literal["sum", "minimum", "rudolph", "falconer-winter"]
 Weights = Literal["inverse-variance", "none"]
+Curve = Literal["log", "spline"]
 Interpolation = Literal["bracket", "paper", "log-stiffness", "coefficients"]
 
 
@@ -261,6 +262,8 @@ class ProfileSettings:
     "Its stiffness, N/mm."
     interpolation: Interpolation = "bracket"
     "bracket: linear in stiffness; paper: weight kappa/10; log-stiffness; coefficients: cubic through a and b of all."
+    curve: Curve = "log"
+    "Schedules and profiles follow log: v = a + b ln F; spline: a monotone spline through the force bins."
     extrapolate: bool = False
     "Allow a new specimen outside the stiffness bracket."
     grid_points: Annotated[int, Ge(2), Le(10000)] = 100

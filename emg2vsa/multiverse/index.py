@@ -89,7 +89,8 @@ def index_presets(study: Study, trials: Sequence[Trials], participant: str) -> I
 
 def _percent(study: Study, recordings: Sequence[Trials], participant: str) -> dict[str, Floats]:
     """Specimen to its presets (K,)."""
-    fits = concatenate((fit_trials(each, study.fit, study.window, study.judgements) for each in recordings), bins=False)
+    fitted = (fit_trials(each, study.fit, study.window, study.judgements) for each in recordings)
+    fits = concatenate(fitted, bins=study.profile.curve == "spline")
     profile = replace(study.profile, participant=participant or None)
     profiles = build_profiles(fits, study.stiffness_n_per_mm, profile, study.window, study.hypotheses.use)
     schedules = build_schedules(profiles, replace(study.schedule, conditions=("modular",)), {})

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats
+from emg2vsa.curves.monotone_spline import MonotoneSpline
 from emg2vsa.errors import DataError
 from emg2vsa.exemplary import Choice, in_study_order
 from emg2vsa.fits import Fits, usable
@@ -18,6 +19,7 @@ from emg2vsa.profiles.by_person import measured_as
 from emg2vsa.profiles.errors import mean_errors
 from emg2vsa.profiles.interpolation import Interpolated, between
 from emg2vsa.profiles.profile import ByRule, LeftOut, Profile, Profiles
+from emg2vsa.profiles.splines import Splines, cell_splines, of_specimen
 from emg2vsa.settings import MEDOID, ProfileSettings, WindowSettings
 
 
@@ -28,16 +30,19 @@ def build_profiles(
     window: WindowSettings,
     use: str,
     choice: Choice | None = None,
+    splines: Splines | None = None,
 ) -> Profiles:
     """Profiles of all usable trials (``use`` as in ``fits.usable``); DataError where one asked for cannot be made.
 
-    choice : the comparison of participants, where ``profile.participant`` asks for the medoid.
+    choice : the comparison of participants, where ``profile.participant`` asks for the medoid. splines : of the same
+    trials over the window; ``fits`` then need no force bins.
 
     A profile's a and b are the means over the trials of one participant, or the means of the participants' means. The
     mean of fitted curves is the curve of the mean coefficients, the law being linear in them. Curves are evaluated from
     the window's lower force on: the paper's grid starts at 0 N, where ln F is undefined.
     """
     rows = usable(fits, use)
+    splines = cell_splines(fits, use, window.force_n) if splines is None else splines
     force_n = np.linspace(*window.force_n, profile.grid_points)
     participant = _participant(fits, rows, profile.participant, choice)
     if participant:
@@ -48,7 +53,8 @@ def build_profiles(
         name: replace(
             _measured(fits, rows & (fits.specimen == name), name, stiffness_n_per_mm, force_n, alone),
             weights=np.repeat(one[:, None], 2, axis=1),
-        )
+            spline=of_specimen(splines, fits.participant[rows & (fits.specimen == name)], name),
+        ).along(profile.curve)
         for name, one in zip(names, np.eye(len(names)), strict=True)
     }
     exported = _exported(measured, profile.specimens, participant)
@@ -163,10 +169,15 @@ def _interpolate(
     force_n = stiffer.force_n
     a_v, b_v = float(made.values[0]), float(made.values[1])
     sources = others if math.isnan(made.alpha) else (stiffer, softer)
+    splines = [p.spline for p in others if p.spline is not None]
+    spline = None
+    if len(splines) == len(others):
+        coefficients = blended(np.array([each.coefficients for each in splines]), profile.interpolation).values
+        spline = MonotoneSpline(splines[0].knots, coefficients)
     interpolated = Profile(
         name, stiffness, a_v, b_v, force_n, a_v + b_v * np.log(force_n), "interpolated",
-        sum(p.n_trials for p in sources), sd_v, weights,
-    )  # fmt: skip
+        sum(p.n_trials for p in sources), sd_v, weights, spline,
+    ).along(profile.curve)  # fmt: skip
     return interpolated, made.alpha, (stiffer.specimen, softer.specimen)
 
 
@@ -213,6 +224,11 @@ def _notes(
         f"A profile is the mean of {of_whom}; its spread is their standard deviation.",
         f"Curves are evaluated at {force_n.size} forces from {force_n[0]:g} to {force_n[-1]:g} N (ln 0 is undefined).",
     ]
+    if profile.curve == "spline":
+        notes.append(
+            "Curves are means of monotone splines through the force bins; their bands, and the intervals of the "
+            "schedules, are those of v = a + b ln F."
+        )
     if len(known) > 2 and not profile.extrapolate:
         softest, stiffest = min(known, key=known.__getitem__), max(known, key=known.__getitem__)
         notes.append(f"{stiffest} and {softest} are not left out in turn: predicting them would be extrapolation.")

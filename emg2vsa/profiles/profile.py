@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from emg2vsa.arrays import Floats
+from emg2vsa.curves.monotone_spline import MonotoneSpline
+from emg2vsa.errors import DataError
 from emg2vsa.profiles.errors import MeanErrors
+from emg2vsa.settings import Curve
 
 
 @dataclass(frozen=True)
 class Profile:
-    """Co-contraction against force of one specimen, v = a + b ln F."""
+    """Co-contraction against force of one specimen, v = a + b ln F or a monotone spline."""
 
     specimen: str
     stiffness_n_per_mm: float
@@ -30,6 +33,21 @@ class Profile:
     "(G,) spread between trials (one participant) or between participants' means; NaN from a single one."
     weights: Floats = field(default_factory=lambda: np.empty((0, 2)))
     "(S, 2) of mean a and b of the specimens of ``Profiles.errors`` in these (an interpolation's: its derivatives)."
+    spline: MonotoneSpline | None = None
+    "Mean of the monotone splines of the same presses; None without force bins."
+    curve: Curve = "log"
+    "Which of the two ``v`` is."
+
+    def along(self, curve: Curve) -> Profile:
+        """This profile by the logarithm or by the spline. DataError where there is no spline."""
+        if curve == "log":
+            return replace(self, curve=curve, v=self.a_v + self.b_v * np.log(self.force_n))
+        if self.spline is None:
+            raise DataError(
+                "profile.curve", wanted=f"force bins of the presses on {self.specimen}, for curve = 'spline'",
+                found="only a and b of v = a + b ln F", do="Use curve = 'log'.",
+            )  # fmt: skip
+        return replace(self, curve=curve, v=self.spline.at(self.force_n))
 
     def weights_at(self, log_force: Floats) -> Floats:
         """(K, S, 2) of the same means in the activity where the logarithm of the force in newtons is (K,)."""
@@ -82,6 +100,11 @@ class Profiles:
     "The new specimen by the default rule and by the paper's, beside each other; without one that refuses."
     errors: MeanErrors | None = None
     "Of mean a and b of all measured specimens; None where they are not known."
+
+    def along(self, curve: Curve) -> Profiles:
+        """The exported profiles and the new one by the logarithm or by splines, as schedules take them."""
+        new = None if self.new is None else self.new.along(curve)
+        return replace(self, profiles=tuple(each.along(curve) for each in self.profiles), new=new)
 
     @property
     def drawn(self) -> str:

@@ -33,7 +33,7 @@ def build_schedules(
     exported = _exported(profiles)
     edges = bin_edges(exported[0].force_n[0], exported[0].force_n[-1], settings.step_n)
     log_force = mean_over_steps(0.0, 1.0, edges)
-    means = [mean_over_steps(p.a_v, p.b_v, edges) for p in exported]
+    means = [_step_means(profile, edges) for profile in exported]
     span = _span(means)
     steps = [Activities(v, profile.weights_at(log_force)) for profile, v in zip(exported, means, strict=True)]
     share = _shares(steps, edges, profiles)
@@ -50,6 +50,12 @@ def build_schedules(
         for profile, own in zip(exported, steps, strict=True)
         for condition in dict.fromkeys(settings.conditions)
     )  # fmt: skip
+
+
+def _step_means(profile: Profile, edges_n: Floats) -> Floats:
+    if profile.curve == "spline" and profile.spline is not None:
+        return profile.spline.mean_over_steps(edges_n)
+    return mean_over_steps(profile.a_v, profile.b_v, edges_n)
 
 
 def mean_over_steps(a_v: float, b_v: float, edges_n: Floats) -> Floats:
@@ -201,5 +207,6 @@ def _origin(profile: Profile, profiles: Profiles) -> dict[str, str]:
     return {
         "profile": origin,
         "trials": str(profile.n_trials),
+        "curve": "v = a + b ln(F / 1 N)" if profile.curve == "log" else "monotone spline",
         "fit": f"v = a + b ln(F / 1 N); a = {profile.a_v!r}, b = {profile.b_v!r}",
     }

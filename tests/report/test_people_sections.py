@@ -17,8 +17,10 @@ from emg2vsa.report.sections.actuators import FACTORS
 from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.hypotheses import HYPOTHESES
 from emg2vsa.report.sections.participants import PARTICIPANTS
+from emg2vsa.report.sections.profiles import SCHEDULES
 from emg2vsa.report.study_report import contents
 from emg2vsa.report.table import FEW_ON_PAGE
+from emg2vsa.schedules.build import build_schedules
 from emg2vsa.truth import recover
 
 
@@ -176,6 +178,35 @@ def test_profiles_and_schedules_show_their_intervals(results) -> None:
             assert (q[f"{key}.percent.low"], q[f"{key}.percent.high"]) == (low[0], high[0])
     row = content.tables["schedules"].rows[3]
     assert row["stiffness_low_percent"] <= row["stiffness_percent"] <= row["stiffness_high_percent"]
+
+
+@pytest.mark.parametrize("curve", ["log", "spline"])
+def test_the_report_says_by_how_much_schedules_of_both_curves_differ(results, curve: str) -> None:
+    study = replace(results.study, profile=replace(results.study.profile, curve=curve))
+    results = replace(results, study=study)
+    content, profiles = contents(results), results.recorded.profiles
+    modular = replace(study.schedule, conditions=("modular",))
+    log, spline = (
+        np.array([each.stiffness_percent for each in build_schedules(profiles.along(way), modular, {})])
+        for way in ("log", "spline")
+    )
+    apart = np.abs(spline - log)
+    assert apart.max() > 0.1
+    assert content.quantities["schedules.curves_apart.percent"] == pytest.approx(apart.max())
+    text = " ".join(rendered(SCHEDULES, results, content).split())
+    names = {"log": "v = a + b ln F", "spline": "monotone splines through the force bins"}
+    other = names["spline" if curve == "log" else "log"]
+    assert f"The schedules follow {names[curve]}; by {other} presets would differ by at most" in text
+
+
+def test_schedules_without_splines_have_nothing_to_be_compared_with(results) -> None:
+    bare = replace(
+        results.recorded.profiles,
+        profiles=tuple(replace(each, spline=None) for each in results.recorded.profiles.profiles),
+    )
+    content = contents(replace(results, people=replace(results.people, profiles=bare)))
+    assert "schedules.curves_apart.percent" not in content.quantities
+    assert "presets would" not in rendered(SCHEDULES, results, content)
 
 
 def test_tables_of_single_pairs_show_their_first_rows_on_the_page(whole, content: Content) -> None:

@@ -77,6 +77,11 @@ def test_one_faulty_key(small: str, problems: Problems, line: str, said: str) ->
     assert problem.removeprefix("32: ").startswith(said)
 
 
+def test_a_curve_of_profiles_that_does_not_exist(small: str, problems: Problems) -> None:
+    (said,) = problems(f'{small}[profile]\ncurve = "splines"\n')
+    assert said.endswith("profile.curve: expected 'log' or 'spline', but found \"splines\". Did you mean 'spline'?")
+
+
 def test_true_is_no_number_in_a_choice_of_numbers(small: str, problems: Problems) -> None:
     (problem,) = problems(small.replace('name = "Fz"', 'name = "Fz"\nsign = true'))
     assert problem == "27: channels.force.sign: expected 1 or -1, but found true."

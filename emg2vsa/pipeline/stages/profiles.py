@@ -7,6 +7,10 @@ from typing import TYPE_CHECKING, Any
 from emg2vsa.pipeline.stage import Given, Keyed, Stage
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from emg2vsa.curves.monotone_spline import MonotoneSpline
+    from emg2vsa.fits import Fits
     from emg2vsa.pipeline.campaign import Campaign
     from emg2vsa.profiles import Profiles
 
@@ -22,16 +26,24 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
 
 
 def run(given: Given) -> Profiles:
+    """One recording at a time: of its force bins only their spline is kept."""
     from emg2vsa.fits import concatenate
     from emg2vsa.profiles import build_profiles
+    from emg2vsa.profiles.splines import cell_splines
     from emg2vsa.screening import screened
 
     used, screening = given.settings, given.one("screening")
-    fits = (screened(each, screening) for each in given.each("fits"))
-    return build_profiles(
-        concatenate(fits, bins=False), used["specimens"], used["profile"], used["window.force_n"],
-        used["hypotheses.use"], given.one("exemplary"),
-    )  # fmt: skip
+    use, window = used["hypotheses.use"], used["window.force_n"]
+    splines: dict[tuple[str, str], MonotoneSpline] = {}
+
+    def recordings() -> Iterator[Fits]:
+        for each in given.each("fits"):
+            fits = screened(each, screening)
+            splines.update(cell_splines(fits, use, window.force_n))
+            yield fits
+
+    fits = concatenate(recordings(), bins=False)
+    return build_profiles(fits, used["specimens"], used["profile"], window, use, given.one("exemplary"), splines)
 
 
 STAGE = Stage(

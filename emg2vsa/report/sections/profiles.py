@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
+from typing import get_args
 
 import numpy as np
 
+from emg2vsa.errors import Emg2vsaError
 from emg2vsa.exemplary import Choice
 from emg2vsa.figures.cocontraction import draw_interpolation, draw_schedules
 from emg2vsa.figures.palette import ActivityScale, looks
@@ -20,6 +22,7 @@ from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, activity_c
 from emg2vsa.report.wording import activity, listed, number, percent
 from emg2vsa.schedules import Schedule
 from emg2vsa.schedules.build import build_schedules
+from emg2vsa.settings import Curve
 
 
 def _profile_items(results: StudyResults) -> Items:
@@ -166,6 +169,7 @@ _RULES = {"bracket": "bracket", "paper": "κ/10 (paper)"}
 def _quantities(results: StudyResults) -> Items:
     for schedule in results.recorded.schedules:
         yield from _schedule(schedule, f"schedules.{schedule.specimen}.{schedule.condition}")
+    yield from _apart(results)
     for rule, schedule in _by_rule(results).items():
         yield from _range(schedule, f"schedules.{schedule.specimen}.by_{rule}")
 
@@ -178,6 +182,34 @@ def _by_rule(results: StudyResults) -> dict[str, Schedule]:
     modular = replace(results.study.schedule, conditions=("modular",))
     made = {each.rule: replace(profiles, new=each.profile, weight_alpha=each.alpha) for each in profiles.by_rule}
     return {rule: build_schedules(other, modular, {})[-1] for rule, other in made.items()}
+
+
+def _by_curve(results: StudyResults) -> dict[Curve, tuple[Schedule, ...]]:
+    """The modular schedules by logarithms and by splines; none where only one can be."""
+    profiles = results.recorded.profiles
+    if profiles is None or not results.recorded.schedules:
+        return {}
+    modular = replace(results.study.schedule, conditions=("modular",))
+    try:
+        return {curve: build_schedules(profiles.along(curve), modular, {}) for curve in get_args(Curve)}
+    except Emg2vsaError:  # no force bins, or a curve that does not vary
+        return {}
+
+
+def _apart(results: StudyResults) -> Items:
+    """Largest difference of a preset between both curves, of each specimen and of all."""
+    if not (made := _by_curve(results)):
+        return
+    largest: tuple[float, str, float] | None = None
+    for log, spline in zip(made["log"], made["spline"], strict=True):
+        apart = spline.stiffness_percent - log.stiffness_percent
+        place = int(np.argmax(np.abs(apart)))
+        yield f"schedules.{log.specimen}.spline_less_log_percent", float(apart[place])
+        if largest is None or abs(apart[place]) > abs(largest[0]):
+            largest = float(apart[place]), log.specimen, float(log.step_force_n[place : place + 2].mean())
+    if largest is not None:
+        percent, specimen, at_n = largest
+        yield from named("schedules.curves_apart", percent=abs(percent), specimen=specimen, at_n=at_n)
 
 
 def _range(schedule: Schedule, name: str) -> Items:
@@ -280,10 +312,23 @@ _TEXT = """
 {% if people.schedules[0].limits.export.remark %}
 {{ people.schedules[0].limits.export.remark }}
 {% endif %}
+{% if 'schedules.curves_apart.percent' in q %}
+The schedules follow {{ curve }}; by {{ other_curve }} presets would
+differ by at most {{ q['schedules.curves_apart.percent'] | number(2) }} points of percent
+({{ q['schedules.curves_apart.specimen'] }} at {{ q['schedules.curves_apart.at_n'] | number(2) }} N).
+{% endif %}
 </p>
 {{ folded("schedules", "Every schedule in numbers") }}
 {{ folded("schedules_by_rule", "The new specimen's schedule by the bracket and by the paper's weight") }}
 {% endif %}
 """
 
-SCHEDULES = Section("schedules", "Stiffness schedules", _TEXT, of_people, _quantities, _tables, _drawings)
+_CURVES = {"log": "v = a + b ln F", "spline": "monotone splines through the force bins"}
+
+
+def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
+    own = results.study.profile.curve
+    return {"curve": _CURVES[own], "other_curve": next(said for curve, said in _CURVES.items() if curve != own)}
+
+
+SCHEDULES = Section("schedules", "Stiffness schedules", _TEXT, of_people, _quantities, _tables, _drawings, _words)
