@@ -31,7 +31,8 @@ class MonotoneSpline:
         from scipy.interpolate import BSpline  # noqa: PLC0415  (0.1 s that checks of a session do not need)
 
         x = np.clip(np.log(force_n), self.knots[0], self.knots[-1])
-        return np.asarray(BSpline(self.knots, self.coefficients, DEGREE)(x))
+        # copies: arrays read from a file may lie at any byte, which compiled code refuses
+        return np.asarray(BSpline(self.knots.copy(), self.coefficients.copy(), DEGREE)(x))
 
     def mean_over_steps(self, edges_n: Floats) -> Floats:
         """Mean (K,) over each step between ``edges_n`` (K + 1,), newtons, by Gauss' rule of eight points."""

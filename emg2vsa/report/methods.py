@@ -17,6 +17,7 @@ from jinja2 import Environment, StrictUndefined, Template
 from emg2vsa.calibration.presses import MOST_OUTLIERS
 from emg2vsa.calibration.results import LawResult
 from emg2vsa.claims.claim import OF_A_STUDY, confidence_of
+from emg2vsa.companions.law_misfit import MATTERS
 from emg2vsa.devices.joints import export_of
 from emg2vsa.exemplary import Choice
 from emg2vsa.fits import CERTAIN, WIDE, Fits, usable
@@ -179,15 +180,20 @@ neighbouring forces beyond the threshold form a cluster, as in statistical param
 pair of participants is equal within {{ h.equivalence_margin_sd | g }} SD of their repetitions.{% endif %} No test was
 chosen by the outcome of another. Intervals of ω² come from the noncentral F distribution [@steiger]. A trend of b
 over the repetitions was tested by Student's t of the participants' slopes. The logarithmic law was compared with a
-power law and a straight line by errors of prediction, leaving out one press or one force bin at a time.
+power law and a straight line by errors of prediction, leaving out one press or one force bin at a time. Whether each
+of the three fits was tested over presses by Hotelling's T² [@hotelling] of the three smoothest shapes over ln F that
+the law cannot take; a law does not fit where the interval of the root mean square distance lies above
+{{ (100 * MATTERS) | g }} % of the level.
 {% if many_people and many_specimens %}Where the order of specimens differed between participants, a linear drift of b
 over the session was taken out of the comparisons of specimens. Elsewhere the trend within recordings widened the
 intervals of these comparisons.{% endif %}
 {% if exported %}
 # Stiffness schedules
 {% set profile, schedule = study.profile, study.schedule %}
-A specimen's profile is the mean of the fits of {{ whose }}. {% if profile.new_specimen %}The profile of
-{{ profile.new_specimen }} was interpolated {{ choices.interpolation[profile.interpolation] }}.{% endif %} Mean
+A specimen's profile is the mean of the fits of {{ whose }}. {% if profile.curve == "spline" %}Profiles and schedules
+follow monotone cubic splines [@ramsay] in ln F through the force bins, in place of these fits.{% endif %}
+{% if profile.new_specimen %}The profile of {{ profile.new_specimen }} was interpolated
+{{ choices.interpolation[profile.interpolation] }}.{% endif %} Mean
 co-contraction in force steps of {{ schedule.step_n | g }} N was mapped linearly on
 {{ schedule.stiffness_percent[0] | g }} to {{ schedule.stiffness_percent[1] | g }} % of the maximum stiffness
 {{ "preset" if schedule.scale == "preset" else "at zero load" }} of a {{ schedule.actuator }}, over all exported
@@ -272,7 +278,13 @@ These facts stand in no file of the study: {{ missing | join("; ") }}.
 def _template() -> Template:
     plain = Environment(undefined=StrictUndefined)
     plain.filters |= {"g": "{:g}".format, "listed": listed, "counted": lambda all_of, noun: count(len(all_of), noun)}
-    plain.globals |= {"choices": _CHOICES, "export_of": export_of, "DRAWS": DRAWS, "MOST_OUTLIERS": MOST_OUTLIERS}
+    plain.globals |= {
+        "choices": _CHOICES,
+        "export_of": export_of,
+        "DRAWS": DRAWS,
+        "MATTERS": MATTERS,
+        "MOST_OUTLIERS": MOST_OUTLIERS,
+    }
     plain.globals |= {"WIDE": WIDE, "CERTAIN": CERTAIN, "OF_A_STUDY": OF_A_STUDY}
     return plain.from_string(_TEMPLATE)
 

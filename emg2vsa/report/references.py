@@ -64,6 +64,8 @@ holm | Holm, S. | 1979 | A simple sequentially rejective multiple test procedure
   | 6 | 65–70
 horn | Horn, B. K. P. and Schunck, B. G. | 1981 | Determining optical flow | Artificial Intelligence | 17 | 185–203 |
   10.1016/0004-3702(81)90024-2
+hotelling | Hotelling, H. | 1931 | The generalization of Student's ratio | The Annals of Mathematical Statistics | 2 |
+  360–378 | 10.1214/aoms/1177732979
 huber | Huber, P. J. | 1964 | Robust estimation of a location parameter | The Annals of Mathematical Statistics | 35 |
   73–101 | 10.1214/aoms/1177703732
 kroeger | Kroeger, T. and Timofte, R. and Dai, D. and Van Gool, L. | 2016 | Fast optical flow using dense inverse
@@ -79,6 +81,8 @@ pataky | Pataky, T. C. | 2010 | Generalized n-dimensional biomechanical field an
   mapping | Journal of Biomechanics | 43 | 1976–1982 | 10.1016/j.jbiomech.2010.03.008
 patterson | Patterson, H. D. and Thompson, R. | 1971 | Recovery of inter-block information when block sizes are
   unequal | Biometrika | 58 | 545–554 | 10.1093/biomet/58.3.545
+ramsay | Ramsay, J. O. | 1988 | Monotone regression splines in action | Statistical Science | 3 | 425–441 |
+  10.1214/ss/1177012761
 rouder | Rouder, J. N. and Morey, R. D. and Speckman, P. L. and Province, J. M. | 2012 | Default Bayes factors for
   ANOVA designs | Journal of Mathematical Psychology | 56 | 356–374 | 10.1016/j.jmp.2012.08.001
 rudolph | Rudolph, K. S. and Axe, M. J. and Snyder-Mackler, L. | 2000 | Dynamic stability after ACL injury: who can

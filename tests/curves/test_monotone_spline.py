@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy import integrate
 
+from emg2vsa import artifacts
 from emg2vsa.curves.monotone_spline import fit_monotone, mean_spline
 from emg2vsa.errors import DataError
 
@@ -66,6 +69,13 @@ def test_means_over_steps_are_those_of_quadrature() -> None:
 def test_the_mean_of_curves_is_the_mean_at_every_force() -> None:
     each = [fit_monotone(FORCE_N, a + 8 * FORCE_N, np.ones(40), RANGE_N) for a in (1.0, 9.0)]
     np.testing.assert_allclose(mean_spline(each).at(EVERY), (each[0].at(EVERY) + each[1].at(EVERY)) / 2, rtol=1e-12)
+
+
+def test_a_curve_that_was_stored_is_the_same(tmp_path: Path) -> None:
+    spline = fit_monotone(FORCE_N, 5 + 8 * FORCE_N, np.ones(40), RANGE_N)
+    artifacts.save(tmp_path / "spline", spline)
+    again = artifacts.load(tmp_path / "spline")
+    np.testing.assert_array_equal(again.at(EVERY), spline.at(EVERY))
 
 
 def test_a_single_point_is_refused() -> None:
