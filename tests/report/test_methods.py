@@ -382,6 +382,6 @@ def test_what_users_wrote_is_said_as_it_stands(results):
 
 def test_the_curve_of_schedules_and_the_test_of_laws_are_said(written, results):
     splines = replace(results.study, profile=replace(results.study.profile, curve="spline"))
-    assert "follow monotone cubic splines [@ramsay] in ln F" in " ".join(written(splines).split())
+    assert "follow monotone cubic splines (Ramsay, 1988) in ln F" in " ".join(written(splines).split())
     assert "monotone cubic splines" not in written()
     assert "root mean square distance lies above 1 % of the level." in " ".join(written().split())
