@@ -57,6 +57,5 @@ def test_packets_sent_twice_are_counted_whatever_the_steps_of_the_converter(step
     ordered = np.sort(np.concatenate(pieces[0]))
     alike = int(np.count_nonzero(np.diff(ordered) == 0))
     # of 1500 samples of a press, 27 - 11 begin 12 that occur twice
-    assert list(repeated_of(signals_of(samples), pieces, [alike])) == [
-        "a has 1.1 % of its samples twice; did the link send packets again?"
-    ]
+    said = "a has 1.1 % of its samples twice; did the link send packets again?"
+    assert list(repeated_of(signals_of(samples), pieces, [alike])) == [("a", said)]
