@@ -27,6 +27,7 @@ Carrier = Literal["60/120", "40/80", "90/180", "20/45", "laplacian", "units-60",
 
 PEAK_N, LOG_ENDS_N, CONTACT_N = 7.5, 0.3, 0.5
 HOLD_S, RELEASE_S, REST_S, FIRST_REST_S = 0.3, 0.7, (1.5, 2.5), 3.0
+SPIKE_V, BURST_S = 5e-3, 0.1
 UNIT_HZ, UNIT_SPREAD = (8.0, 20.0), 0.15
 "Firing rates of motor units, and the relative spread of their intervals."
 
@@ -62,12 +63,26 @@ class Laboratory:
     "Relative amplitude of each harmonic."
     touch_hum_v: float = 0.0
     "Mains hum of each channel while the specimen is touched, rms; frequency and harmonics as of the other."
+    touch_hum_grows: bool = False
+    "It grows with force, from nothing to 1.5 times at the peak."
     artefact_v: float = 0.0
     "Typical size of a jump of each electrode about the lower force of every press: a Hann window times a cosine."
     artefact_s: float = 0.06
     "Its length."
     fade: float = 1.0
     "Share of its level that the first muscle keeps at the end: an electrode that dries."
+    spike_hz: float = 0.0
+    "So many single samples a second of each channel are 5 mV off, either way."
+    burst_v: float = 0.0
+    "White noise of 0.1 s in every third press, in all channels."
+    held_s: float = 0.0
+    "In every press each channel holds one value for so long, at a time of its own."
+    missing_s: float = 0.0
+    "... or misses its samples."
+    clip_at: float = 0.0
+    "Each channel saturates at this share of its largest value."
+    clip_noise_v: float = 0.0
+    "White noise that is added behind the amplifier that saturates."
     lost_share: float = 0.0
     "Share of the packets of 13.5 ms that the EMG's radio lost: what follows comes so much earlier."
     crosstalk: float = 0.0
@@ -137,10 +152,11 @@ def _disturbed(
         time_s = np.arange(n) / fs_hz
         angle = 2 * math.pi * np.cumsum(laboratory.hum_hz + laboratory.hum_wander_hz * np.sin(time_s / 5)) / fs_hz
         heights = np.array(laboratory.hum_harmonics) / np.linalg.norm(laboratory.hum_harmonics)
+        contact = 1.5 * force_n / PEAK_N if laboratory.touch_hum_grows else force_n > 0
         for row in emg_v:
             for order, height in enumerate(heights, start=1):
                 wave = np.sin(order * angle + rng.uniform(0, 2 * math.pi))
-                row += math.sqrt(2) * laboratory.touch_hum_v * height * wave * (force_n > 0)
+                row += math.sqrt(2) * laboratory.touch_hum_v * height * wave * contact
     if laboratory.artefact_v:
         size = round(laboratory.artefact_s * fs_hz)
         for start in starts.tolist():
@@ -148,6 +164,20 @@ def _disturbed(
             begin = lower + round(rng.uniform(-0.05, 0.05) * fs_hz) - size // 2
             wave = np.hanning(size) * np.cos(2 * math.pi * rng.uniform(0, 20) * np.arange(size) / fs_hz)
             emg_v[:, begin : begin + size] += laboratory.artefact_v * rng.lognormal(0, 0.4) * wave
+    for press, start in enumerate(starts.tolist()):
+        if laboratory.burst_v and press % 3 == 0:
+            begin, size = start + round(rng.uniform(0.2, 0.8) * laboratory.ramp_s * fs_hz), round(BURST_S * fs_hz)
+            emg_v[:, begin : begin + size] += laboratory.burst_v * rng.standard_normal((len(emg_v), size))
+        for row in emg_v if laboratory.held_s or laboratory.missing_s else ():
+            begin = start + round(rng.uniform(0.1, 0.9) * laboratory.ramp_s * fs_hz)
+            row[begin : begin + round(laboratory.held_s * fs_hz)] = row[begin]
+            row[begin : begin + round(laboratory.missing_s * fs_hz)] = np.nan
+    if laboratory.spike_hz:
+        at = rng.random(emg_v.shape) < laboratory.spike_hz / fs_hz
+        emg_v[at] += SPIKE_V * rng.choice([-1.0, 1.0], np.count_nonzero(at))
+    if laboratory.clip_at:
+        rails = laboratory.clip_at * np.abs(emg_v).max(axis=1, keepdims=True)
+        emg_v = np.clip(emg_v, -rails, rails) + laboratory.clip_noise_v * rng.standard_normal(emg_v.shape)
     if laboratory.lost_share:
         packet = round(0.0135 * fs_hz)
         kept = np.repeat(rng.random(n // packet + 1) >= laboratory.lost_share, packet)[:n]

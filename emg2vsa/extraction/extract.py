@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +23,8 @@ from emg2vsa.extraction.evidence import (
 )
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
-from emg2vsa.signals.bias import BiasBudget, Shift, left_in, line_change, taken_out
+from emg2vsa.signals.bias import BiasBudget, Cause, Shift, left_in, line_change, taken_out
+from emg2vsa.signals.clipping import Rail, unclipped
 from emg2vsa.signals.cocontraction import cocontraction_index
 from emg2vsa.signals.crosstalk import KNOWN_TO, without_crosstalk
 from emg2vsa.signals.delays import delay_budget
@@ -30,10 +32,11 @@ from emg2vsa.signals.filters import IirFilter
 from emg2vsa.signals.floor import floor_change, press_levels, subtract_floor
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
 from emg2vsa.signals.force_doubts import exchanged, returns_to_zero, sampled_slowly
+from emg2vsa.signals.gaps import Bridged, bridge
 from emg2vsa.signals.hum import remove_hum, remove_touch_hum, touch_hum
 from emg2vsa.signals.lag import DIFFERS_S, Lag, curve_of, estimate_lag
 from emg2vsa.signals.level_drift import level_drift, level_trends
-from emg2vsa.signals.movement import bridged, change_by_leaving_out, left_out, movement
+from emg2vsa.signals.movement import bridged, change_by_disturbance, left_out, movement
 from emg2vsa.signals.overview import emg_overview
 from emg2vsa.signals.pairing import (
     Clock,
@@ -45,7 +48,7 @@ from emg2vsa.signals.pairing import (
 )
 from emg2vsa.signals.plausibility import LARGE_LAG_S, force_unit_doubt, plausibility
 from emg2vsa.signals.press_signals import Signals
-from emg2vsa.signals.quality import ratio_db, window_means
+from emg2vsa.signals.quality import MAINS_HZ, ratio_db, window_means
 from emg2vsa.signals.rest import Rest
 from emg2vsa.signals.traits import traits_of
 from emg2vsa.signals.verdicts import judge
@@ -59,8 +62,10 @@ TONE_BLOCK_S = 0.1
 "Rests are compared by the means of blocks of this length."
 TONE_CHANCE = 1e-4
 "Noise alone makes the rests of a muscle differ with this probability."
-HUM_LEFT = 0.15
-"Standard error of the correction for hum in presses, as a share of it: the hum may grow by half over the press."
+HUM_LEFT = 0.05
+"Standard error of the correction for hum, as a share of it; what is seen to stay has its own share in the budget."
+LAW_KNOWN_TO = 0.3
+"Standard error of a correction for clipping, as a share of what lies between the two laws of amplitude."
 TOUCHED = 0.1
 "The finger is on the specimen above this share of the window's lower force."
 
@@ -81,8 +86,8 @@ def extract_trials(
 
     emg : volts by muscle, force : newtons, untared; each at any rate and start. Force is filtered over the whole
     record; EMG only inside loading phases, a few pieces of rest, and the support of its filters around them. Force is
-    interpolated onto the instants of the envelopes. Missing samples are interpolated, and reject the trials that hold
-    them. SignalError, SettingError: channels too short or without time in common, or filters that cannot be built.
+    interpolated onto the instants of the envelopes. Missing samples are interpolated, and many reject the trials that
+    hold them. SignalError, SettingError: channels too short or without time in common, or filters that cannot be built.
     """
     record = emg_record(emg)
     chain = filter_chain(filters, record, force.fs_hz)
@@ -101,9 +106,33 @@ def extract_trials(
 
     resting = rest_instants(conditioned.rest, emg_clock, force_clock, chain.step)
     measured_v, resting_v = chain.envelopes(record, instants, resting)
-    gone = left_out(clean.moved, instants.samples(), chain.envelope.before, chain.envelope.after)
-    disturbed_v, measured_v = measured_v, bridged(measured_v, gone, instants.offsets)
+    reach = chain.envelope.before, chain.envelope.after
+    gone: dict[Cause, NDArray[np.bool_]] = {
+        "contact artefact": left_out(clean.moved, instants.samples(), *reach),
+        "lost samples": left_out(clean.gaps.lost, instants.samples(), *reach),
+    }
+    disturbed_v = measured_v
+    if any(own is not one for own, one in zip(raw.samples, clean.gaps.samples, strict=True)):
+        spoilt = zip(record.samples, raw.samples, clean.gaps.samples, strict=True)
+        disturbed = replace(record, samples=tuple(own + (one - other) for own, one, other in spoilt))
+        disturbed_v, _ = chain.envelopes(disturbed, instants, resting)
+    undisturbed_v, measured_v = measured_v, bridged(measured_v, np.any([*gone.values()], axis=0), instants.offsets)
     rest_v, floor_v, floor_error = _rest_levels(resting_v, resting)
+    left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
+    signals = _looked_at(
+        raw, chain, instants, conditioned.rest, emg_clock, force_clock, rest_v, force_n, measured_v, left.lag_s
+    )
+    seen = plausibility(signals)
+    gone["spikes and bursts"] = np.zeros(force_n.size, dtype=np.bool_)
+    for first, last in seen.bursts:
+        gone["spikes and bursts"][first:last] = True
+    all_gone = np.any([*gone.values()], axis=0)
+    measured_v = bridged(measured_v, all_gone, instants.offsets)
+    clipping: list[Shift] = []
+    if seen.rails:
+        rails = [seen.rails.get(muscle) for muscle in record.muscles]
+        measured_v, shift = _unclipped(measured_v, rails, force_n, instants.offsets)
+        clipping.append(shift)
     levels_v = press_levels(measured_v, force_n, instants.offsets)
     subtract = filters.rest_level == "subtract"
     envelopes_v = subtract_floor(measured_v, levels_v, floor_v) if subtract else measured_v
@@ -119,29 +148,24 @@ def extract_trials(
     told_above = TONE_CORRECTION if differ else LARGE_CORRECTION
     # where clocks differ by more, the rests of EMG are not those of force
     tense = _tension(resting_v, resting) if differ and abs(lag.lag_s) < LARGE_LAG_S else 1.0
-    left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
     trends = level_trends(envelopes_v, instants.offsets)
     shifts_of_b: list[Shift] = [
         taken_out("rest level", floor_b, np.abs(floor_b) * floor_error) if subtract
         else left_in("rest level", floor_a, floor_b),
-        *_of_hum(clean, levels_v, force_n, instants.offsets),
+        *_of_hum(replace(raw, samples=clean.gaps.samples), clean, levels_v, force_n, instants),
+        *clipping,
         *crossing,
         level_drift(envelopes_v, instants.offsets, *trends),
     ]  # fmt: skip
-    if gone.any():
-        whole_v, level_v = disturbed_v.sum(axis=0), levels_v.sum(axis=0)
-        shifts_of_b.append(change_by_leaving_out(force_n, whole_v, level_v, gone, instants.offsets))
-        envelopes_v = np.where(gone, np.nan, envelopes_v)
+    errors: dict[Cause, Floats] = {"spikes and bursts": clean.gaps.spiked, "lost samples": clean.gaps.missed}
+    shifts_of_b += _of_moments(gone, errors, undisturbed_v, disturbed_v, force_n, levels_v, instants.offsets)
+    envelopes_v = np.where(all_gone, np.nan, envelopes_v)
     activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
     snr_db = ratio_db(window_means(measured_v, instants.offsets), rest_v[:, None])
     quality = record_qualities(raw, instants, chain.envelope)
     doubt = conditioned.sign_doubt or doubt_by_emg(
         force_n, measured_v, instants.offsets, rest_v, window.force_n, force_channel.sign
     )
-    signals = _looked_at(
-        raw, chain, instants, conditioned.rest, emg_clock, force_clock, rest_v, force_n, measured_v, left.lag_s
-    )
-    seen = plausibility(signals)
     misread = exchanged(raw_n, force.fs_hz, record.muscles, raw.samples, record.fs_hz)
     misread = misread or returns_to_zero(raw_n, force.fs_hz)
     implausible = misread or force_unit_doubt(conditioned.force_n, window.force_n) or seen.fault
@@ -154,7 +178,7 @@ def extract_trials(
     bias = BiasBudget.of(shifts_of_b, start_s.size)
     biased = said_of_bias(conditioned, bias, told_above, lag, tense, window)
     loaded = said_of_overload(force, presses)
-    shaken = said_of_movement(record.muscles, clean.moved, gone, instants, record.fs_hz, bias)
+    shaken = said_of_movement(record.muscles, clean.moved, gone["contact artefact"], instants, record.fs_hz, bias)
     other = [
         (*over, *shook, *own, *((False, sign) for sign in signs))
         for over, shook, own, signs in zip(loaded, shaken, biased, seen.of_press, strict=True)
@@ -255,26 +279,32 @@ def _rests_differ(envelopes_v: Floats, resting: Instants, fs_hz: float) -> bool:
     return bool(np.any(between > special.fdtri(n - 1, n * (count - 1), 1 - TONE_CHANCE) * within))
 
 
-def _above(level_n: float, force_n: Floats, emg: Clock, force: Clock) -> NDArray[np.bool_]:
-    """Where, of the samples of the EMG, the force (n,) on its own clock is above a level."""
-    found = np.empty(emg.n_samples, dtype=np.bool_)
-    for part in slices(emg.n_samples):
-        at = force.index(emg.time_s(np.arange(part.start, part.stop)))
-        low = min(max(int(at[0]), 0), force.n_samples - 1)
-        high = min(max(int(at[-1]) + 2, low + 1), force.n_samples)
-        found[part] = np.interp(at, np.arange(low, high), force_n[low:high]) > level_n
+def _above(level_n: float, n: int, force_at: Callable[[Ints], Floats]) -> NDArray[np.bool_]:
+    """Where, of the n samples of the EMG, the force is above a level."""
+    found = np.empty(n, dtype=np.bool_)
+    for part in slices(n):
+        found[part] = force_at(np.arange(part.start, part.stop)) > level_n
     return found
+
+
+def _force_at(samples: Ints, force_n: Floats, emg: Clock, force: Clock) -> Floats:
+    """Force (k,) at successive samples (k,) of the EMG, of that (n,) on its own clock."""
+    at = force.index(emg.time_s(samples))
+    low = min(max(int(at[0]), 0), force.n_samples - 1)
+    high = min(max(int(at[-1]) + 2, low + 1), force.n_samples)
+    return np.interp(at, np.arange(low, high), force_n[low:high])
 
 
 class Cleaned(NamedTuple):
     """The EMG without its hum; the lag of force behind it; rms (m,) of the hum that presses still hold beside that of
-    the rests, and of what was taken from them; spans in which each electrode moves; and what is said."""
+    the rests, and of what was taken from them; spans in which each electrode moves; gaps; and what is said."""
 
     record: EmgRecord
     lag: Lag
     touching_v: Floats
     taken_v: Floats
     moved: list[Ints]
+    gaps: Bridged
     said: tuple[str, ...]
 
 
@@ -292,15 +322,16 @@ def _cleaned(
     force_clock = Clock(force.start_s - force_channel.delay_s - late_s, force.fs_hz, conditioned.force_n.size)
     emg_clock = Clock(record.start_s, record.fs_hz, record.samples[0].size)
     said: list[str] = []
-    samples = record.samples
     presses = conditioned.presses
     edges = [np.clip(emg_clock.index(edge_s + force_clock.start_s), 0, emg_clock.n_samples).astype(np.int64)
              for edge_s in (presses.start_s, presses.stop_s)]  # fmt: skip
-    hum = None
+    gaps = bridge(record.samples, record.missing, record.fs_hz, np.stack(edges, axis=-1))
+    samples, hum = gaps.samples, None
+    force_at = partial(_force_at, force_n=conditioned.force_n, emg=emg_clock, force=force_clock)
     start, stop = rest_samples(conditioned.rest, emg_clock, force_clock)
     if filters.mains == "remove" or filters.rest_level == "subtract":
         removing = filters.mains == "remove"
-        touched = _above(TOUCHED * window.force_n[0], conditioned.force_n, emg_clock, force_clock)
+        touched = _above(TOUCHED * window.force_n[0], emg_clock.n_samples, force_at)
         samples, hum = remove_hum(
             samples, record.fs_hz, start, stop, (edges[0], edges[1]), touched, only_absent=not removing
         )
@@ -314,7 +345,7 @@ def _cleaned(
     hum_hz = hum.hz if hum else None
     taken_v = np.zeros(len(samples))
     if filters.mains == "remove":
-        samples, taken_v = remove_touch_hum(samples, record.fs_hz, edges[0], edges[1], hum_hz)
+        samples, taken_v = remove_touch_hum(samples, record.fs_hz, edges[0], edges[1], hum_hz, force_at)
         if taken_v.any():
             shown = ", ".join(f"{muscle} {1e6 * v:.3g} uV" for muscle, v in zip(record.muscles, taken_v, strict=True))
             said.append(f"mains: hum while the specimen is touched, fitted in each press and subtracted: {shown} rms")
@@ -327,7 +358,7 @@ def _cleaned(
             np.maximum(touching_v**2 - touch_hum(samples, record.fs_hz, start, stop, hum_hz) ** 2, 0.0)
         )
     stop_s = conditioned.presses.stop_s + force_clock.start_s
-    moved = movement(record.samples, record.fs_hz, np.stack(edges, axis=-1), np.stack((start, stop), axis=-1))
+    moved = movement(gaps.samples, record.fs_hz, np.stack(edges, axis=-1), np.stack((start, stop), axis=-1))
     lag = estimate_lag(samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], stop_s, moved)
     found = f"lag: force follows EMG by {1e3 * lag.lag_s:.0f} ms, "
     if lag.pieces > 1:
@@ -336,7 +367,7 @@ def _cleaned(
         said.append(f"{found}by one press" if lag.pieces else "lag: not known")
     if filters.align == "lag" and not lag.certain:
         said.append("lag: not certain, force is not moved")
-    return Cleaned(replace(record, samples=samples), lag, touching_v, taken_v, moved, tuple(said))
+    return Cleaned(replace(record, samples=samples), lag, touching_v, taken_v, moved, gaps, tuple(said))
 
 
 def _looked_at(
@@ -368,17 +399,63 @@ def _looked_at(
     )
 
 
-def _of_hum(clean: Cleaned, levels_v: Floats, force_n: Floats, offsets: Ints) -> Iterator[Shift]:
-    """What hum of the presses does to them, that which stays and that which was taken; arrays as in
+def _of_hum(
+    record: EmgRecord, clean: Cleaned, levels_v: Floats, force_n: Floats, instants: Instants
+) -> Iterator[Shift]:
+    """What hum of the presses does to them, that which stays and that which was taken from ``record``; arrays as in
     ``extract_trials``."""
     # a mean rectified value is sqrt(2 / pi) of the rms
     if clean.touching_v.any():
         stays_v = np.sqrt(2 / np.pi) * clean.touching_v
-        yield left_in("hum at the touch", *floor_change(levels_v, stays_v, force_n, offsets))
-    if clean.taken_v.any():
-        went_v = np.sqrt(2 / np.pi) * clean.taken_v
-        _, hummed = floor_change(np.hypot(levels_v, went_v[:, None]), went_v, force_n, offsets)
-        yield taken_out("hum at the touch", hummed, HUM_LEFT * np.abs(hummed))
+        yield left_in("hum at the touch", *floor_change(levels_v, stays_v, force_n, instants.offsets))
+    size = max(1, round(record.fs_hz / min(MAINS_HZ)))
+    taken_v = np.zeros_like(levels_v)
+    for row, own, one in zip(taken_v, record.samples, clean.record.samples, strict=True):
+        if own is not one:
+            begin = np.maximum(instants.samples() - size // 2, 0)
+            power = np.concatenate(([0.0], np.cumsum((own - one) ** 2)))
+            row[:] = np.sqrt(2 / np.pi / size * (power[np.minimum(begin + size, own.size)] - power[begin]))
+    if taken_v.any():
+        _, hummed = floor_change(np.hypot(levels_v, taken_v), taken_v, force_n, instants.offsets)
+        cause: Cause = "hum at the touch" if clean.taken_v.any() else "mains"
+        yield taken_out(cause, hummed, HUM_LEFT * np.abs(hummed))
+
+
+def _of_moments(
+    gone: Mapping[Cause, NDArray[np.bool_]], errors: Mapping[Cause, Floats], undisturbed_v: Floats, disturbed_v: Floats,
+    force_n: Floats, levels_v: Floats, offsets: Ints,
+) -> Iterator[Shift]:  # fmt: skip
+    """What disturbances that last a moment had done to the presses: those whose envelopes are ``gone`` (N,), and gaps
+    that a line bridges. Envelopes (m, N) with these and without; ``errors`` (p,) of b by bridging."""
+    all_gone = np.any([*gone.values()], axis=0)
+    without = undisturbed_v.sum(axis=0), ~all_gone
+    for cause, own in gone.items():
+        error = errors.get(cause, np.zeros(offsets.size - 1))
+        if not (own.any() or error.any()):
+            continue
+        with_it_v = undisturbed_v.sum(axis=0)
+        if cause != "contact artefact":
+            bridged_too = own if cause == "lost samples" else ~gone["lost samples"]
+            with_it_v = np.where(bridged_too, disturbed_v.sum(axis=0), with_it_v)
+        disturbed = with_it_v, own | ~all_gone
+        yield change_by_disturbance(cause, force_n, levels_v.sum(axis=0), offsets, disturbed, without, error)
+
+
+def _unclipped(
+    envelopes_v: Floats, rails: Sequence[Rail | None], force_n: Floats, offsets: Ints
+) -> tuple[Floats, Shift]:
+    """Envelopes (m, N) as without saturation, and what it had done to b."""
+    levels_v = press_levels(envelopes_v, force_n, offsets)
+    each = [rail and unclipped(row, rail) for row, rail in zip(levels_v, rails, strict=True)]
+    unknown = any(rail and not one for rail, one in zip(rails, each, strict=True))
+    laws = [one or (row, row, row) for one, row in zip(each, levels_v, strict=True)]
+    own, gauss, laplace = np.moveaxis(np.array(laws), 1, 0)
+    x, true = np.log(np.maximum(force_n, 1e-9)), own.sum(axis=0)
+    read, by_gauss, by_laplace = (
+        line_change(x, v.sum(axis=0), x, true, true, offsets)[1] for v in (levels_v, gauss, laplace)
+    )
+    error = LAW_KNOWN_TO * np.abs(by_gauss - by_laplace) + float(unknown)
+    return envelopes_v * own / levels_v, taken_out("clipping", read, error)
 
 
 def _of_lag(

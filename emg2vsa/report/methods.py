@@ -131,7 +131,7 @@ if force fell on more than {{ (100 * w.max_falling_share) | g }} % of its path, 
 record was rejected if its record began more than {{ w.max_missed_n | g }} N above {{ w.force_n[0] | g }} N.
 {% if w.implausible == "reject" %}Trials were rejected too if a signal cannot be right: its unit, its rectification or
 its zero.{% endif %} Moments in which an electrode moved were left out (power below 25 Hz, more than 14 times its usual
-share).
+share), and so were bursts, and EMG that was held or missing for 10 ms or more; spikes and shorter gaps were bridged.
 {% endmacro %}
 {% set f, w, bins = study.fit, study.window, study.fit.points == "bins" %}
 {{ by_recording(segmentation) }} Each trial was fitted as v = a + b ln F (F in newtons) by

@@ -56,7 +56,7 @@ def subtract_floor(envelopes_v: Floats, levels_v: Floats, floor_v: Floats) -> Fl
 
 
 def floor_change(levels_v: Floats, floor_v: Floats, force_n: Floats, offsets: Ints) -> tuple[Floats, Floats]:
-    """``line_change`` (p,), (p,) of the sum of muscles where the floor (m,) stays in: noise flattens the curve."""
+    """``line_change`` (p,), (p,) of the sum of muscles where a floor (m,) or (m, N) stays in: it bends the curve."""
     without = np.sum(levels_v * np.sqrt(1 - _share(levels_v, floor_v)), axis=0)
     x = np.log(np.maximum(force_n, 1e-9))
     return line_change(x, np.sum(levels_v, axis=0), x, without, without, offsets)
@@ -64,7 +64,7 @@ def floor_change(levels_v: Floats, floor_v: Floats, force_n: Floats, offsets: In
 
 def _share(levels_v: Floats, floor_v: Floats) -> Floats:
     """Share (m, N) of the power of the levels that is floor; 0 where the floor is not known."""
-    floor = np.where(np.isfinite(floor_v), floor_v, 0.0)[:, None]
+    floor = np.where(np.isfinite(floor_v), floor_v, 0.0).reshape(len(levels_v), -1)
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(levels_v > 0, (floor / levels_v) ** 2, 0.0)
     return np.asarray(np.minimum(share, MOST_FLOOR))

@@ -12,7 +12,7 @@ Sines are fitted to pieces of the record, each under a Hann window (`sine_phasor
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -165,15 +165,17 @@ def remove_hum(
 
 
 def remove_touch_hum(
-    channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Ints, hz: float | None
-) -> tuple[tuple[Floats, ...], Floats]:
+    channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Ints, hz: float | None,
+    force_at: Callable[[Ints], Floats],
+) -> tuple[tuple[Floats, ...], Floats]:  # fmt: skip
     """The channels (n,) without the hum that their presses [start, stop) (p,) hold, and its rms (m,); 0 where none is
     clear.
 
-    Of each press one phasor a harmonic is fitted, weighted by the inverse of the power that is left, so that the loud
-    end of the press does not spoil its quiet begin; it is subtracted as far around the press as the record holds it.
-    The share of the EMG's own power that goes with it is that of a band of 1 / duration, some tenths of a percent.
-    hz : of the mains, None: whichever of both holds more.
+    Of each press one phase a harmonic is fitted, and an amplitude that is linear in force, weighted by the inverse of
+    the power that is left, so that the loud end of the press does not spoil its quiet begin; it is subtracted as far
+    around the press as the record holds it. The share of the EMG's own power that goes with it is that of a band of
+    1.5 / duration, some tenths of a percent.
+    hz : of the mains, None: whichever of both holds more. force_at : newtons at samples of the channels.
     """
     pieces = _touch_pieces(start, stop, fs_hz)
     size = np.array([[np.vdot(own[a:b], own[a:b]) / (b - a) for a, b in pieces] for own in channels])
@@ -188,12 +190,15 @@ def remove_touch_hum(
     for samples, own in zip(channels, powers, strict=True):
         orders = np.flatnonzero(own) + 1
         if orders.size:
-            samples = _without_touch(samples, mains_hz, orders, fs_hz, start, stop)
+            samples = _without_touch(samples, mains_hz, orders, fs_hz, start, stop, force_at)
         cleaned.append(samples)
     return tuple(cleaned), np.asarray(np.sqrt(powers.sum(axis=1)))
 
 
-def _without_touch(samples: Floats, mains_hz: float, orders: Ints, fs_hz: float, start: Ints, stop: Ints) -> Floats:
+def _without_touch(
+    samples: Floats, mains_hz: float, orders: Ints, fs_hz: float, start: Ints, stop: Ints,
+    force_at: Callable[[Ints], Floats],
+) -> Floats:  # fmt: skip
     left = samples.copy()
     size = max(1, round(TOUCH_BLOCK_S * fs_hz))
     reach = round(TOUCH_REACH_S * fs_hz) // size * size
@@ -205,38 +210,58 @@ def _without_touch(samples: Floats, mains_hz: float, orders: Ints, fs_hz: float,
         high = low + (min(samples.size, last + reach) - low) // size * size
         around = samples[low:high]
         begin, end = first - low, last - low
+        force_n = force_at(np.arange(low, high))
+        shapes = np.stack((np.ones(force_n.size), force_n / max(float(force_n.max()), 1e-9)))
         # first by the loading phase alone, then by all of the contact, which holds the phase over the release too
         for _ in range(2):
-            hum = _fitted(around, begin, end, mains_hz, orders, fs_hz, size)
+            hum = _fitted(around, shapes, begin, end, mains_hz, orders, fs_hz, size)
             begin, end = _held(around, hum, size, first - low, last - low)
         left[low + begin : low + end] -= hum[begin:end]
     return left
 
 
-def _fitted(around: Floats, begin: int, end: int, mains_hz: float, orders: Ints, fs_hz: float, size: int) -> Floats:
-    """The hum (n,) of samples (n,), fitted in [begin, end), a multiple of ``size``: one frequency, one phasor a
-    harmonic."""
+def _fitted(
+    around: Floats, shapes: Floats, begin: int, end: int, mains_hz: float, orders: Ints, fs_hz: float, size: int
+) -> Floats:
+    """The hum (n,) of samples (n,), fitted in [begin, end), a multiple of ``size``: one frequency, and of each harmonic
+    one phase and a size of each of the shapes (2, n)."""
     offsets_hz = np.linspace(-OFFSET_HZ, OFFSET_HZ, 81)
     strongest = orders[0]
     piece, at = around[begin:end], np.arange(end - begin) / fs_hz
     middle_s = at.reshape(-1, size).mean(axis=1)
+    of_block = shapes[:, begin:end].reshape(len(shapes), -1, size).mean(axis=2)
     turns = np.exp(-2j * np.pi * np.outer(offsets_hz * strongest, middle_s))
     turned = {
         order: (piece * np.exp(-2j * np.pi * order * mains_hz * at)).reshape(-1, size).mean(axis=1)
         for order in orders.tolist()
     }
-    rest, hz, phasors = piece - piece.mean(), mains_hz, dict.fromkeys(orders.tolist(), 0j)
+    rest, hz = piece - piece.mean(), mains_hz
+    phasors: dict[int, Phasors] = {}
     for _ in range(TOUCH_ROUNDS):
-        weights = 1 / np.maximum(np.square(rest).reshape(-1, size).mean(axis=1), 1e-300)
-        weights /= weights.sum()
-        offset_hz = offsets_hz[int(np.argmax(np.abs(turns @ (weights * turned[strongest]))))]
-        phasors = {
-            order: 2 * complex(weights @ (own * np.exp(-2j * np.pi * order * offset_hz * middle_s)))
-            for order, own in turned.items()
-        }
+        weights = of_block / np.maximum(np.square(rest).reshape(-1, size).mean(axis=1), 1e-300)
+        solver = np.linalg.pinv(weights @ of_block.T, rcond=1e-6, hermitian=True)
+        right = turns @ (weights * turned[strongest]).T
+        offset_hz = offsets_hz[int(np.argmax(_in_one_phase(right, solver)[1]))]
+        phasors = {}
+        for order, own in turned.items():
+            right = weights @ (own * np.exp(-2j * np.pi * order * offset_hz * middle_s))
+            phase = _in_one_phase(right, solver)[0]
+            phasors[order] = 2 * phase * (solver @ (right * phase.conj()).real)
         hz = mains_hz + offset_hz
-        rest = piece - _waves(phasors, hz, at)
-    return _waves(phasors, hz, (np.arange(around.size) - begin) / fs_hz)
+        rest = piece - _waves(phasors, shapes[:, begin:end], hz, at)
+    return _waves(phasors, shapes, hz, (np.arange(around.size) - begin) / fs_hz)
+
+
+def _in_one_phase(right: Phasors, solver: Floats) -> tuple[Phasors, Floats]:
+    """The phase (...), of size 1, that all shapes share, and twice the power that they then explain: of the right sides
+    (..., 2) of normal equations, ``solver`` (2, 2) their inverse.
+
+    The shapes explain r' S r with r = Re(right / phase), which is largest where the phase is half that of right' S
+    right. Were the phase free to go with force, it would follow a frequency that is a little off.
+    """
+    turning = np.einsum("...i,ij,...j->...", right, solver, right)
+    power = np.einsum("...i,ij,...j->...", right.conj(), solver, right).real
+    return np.exp(0.5j * np.angle(turning)), power + np.abs(turning)
 
 
 def _held(samples: Floats, hum: Floats, size: int, first: int, last: int) -> tuple[int, int]:
@@ -250,10 +275,10 @@ def _held(samples: Floats, hum: Floats, size: int, first: int, last: int) -> tup
     return (first // size - most[0]) * size, (-(-last // size) + most[1]) * size
 
 
-def _waves(phasors: dict[int, complex], hz: float, at_s: Floats) -> Floats:
+def _waves(phasors: dict[int, Phasors], shapes: Floats, hz: float, at_s: Floats) -> Floats:
     found = np.zeros(at_s.size)
     for order, own in phasors.items():
-        found += (own * np.exp(2j * np.pi * order * hz * at_s)).real
+        found += (own @ shapes * np.exp(2j * np.pi * order * hz * at_s)).real
     return found
 
 

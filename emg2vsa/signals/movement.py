@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints, median, quantiles
-from emg2vsa.signals.bias import Shift, line_change, means, taken_out
+from emg2vsa.signals.bias import Cause, Shift, line_change, means, taken_out
 
 STEP_S = 0.01
 WANDER_STEPS, SLOW_STEPS, FAST_STEPS = 15, 6, 15
@@ -23,6 +23,10 @@ TIMES, TIMES_HIGH = 14.0, 6.5
 begin a span (few motor units make it uneven), ..."""
 EDGE = 5.0
 "... which goes on while it is more than so many times that."
+CONTACTS, CONTACT_STEPS, CONTACT_TIMES, CONTACT_BEGINS, CONTACT_EDGE = 5, 12, 2.1, 1.3, 0.9
+"""Where EMG is slow itself, its ratio is high already. Of so many presses, by median, the highest ratio so near to the
+lower force is compared with that of other stretches as long: above so many times it, electrodes move at contact, and
+spans there begin and end at these lower limits."""
 BEFORE_S = 0.5
 "The press is looked at from so long before its lower force."
 MARGIN_STEPS = 3
@@ -38,6 +42,7 @@ def movement(samples: Sequence[Floats], fs_hz: float, presses: Ints, rests: Ints
     n = min(x.size for x in samples) // size if samples else 0
     if n < 4 * WANDER_STEPS or not len(presses):
         return [np.empty((0, 2), np.int64) for _ in samples]
+    contacts = presses[presses[:, 0] < n * size, 0] // size
     near, inside, resting = (np.zeros(n, dtype=np.bool_) for _ in range(3))
     before = round(BEFORE_S * fs_hz)
     for first, last in presses.tolist():
@@ -45,12 +50,13 @@ def movement(samples: Sequence[Floats], fs_hz: float, presses: Ints, rests: Ints
         inside[first // size : -(-last // size)] = True
     for first, last in rests.tolist():
         resting[first // size : last // size] = True
-    return [_spans(x[: n * size].reshape(n, size), size, near, inside, resting) for x in samples]
+    return [_spans(x[: n * size].reshape(n, size), size, near, inside, resting, contacts) for x in samples]
 
 
 def _spans(
-    steps: Floats, size: int, near: NDArray[np.bool_], inside: NDArray[np.bool_], resting: NDArray[np.bool_]
-) -> NDArray[np.int64]:
+    steps: Floats, size: int, near: NDArray[np.bool_], inside: NDArray[np.bool_], resting: NDArray[np.bool_],
+    contacts: Ints,
+) -> NDArray[np.int64]:  # fmt: skip
     means = steps.mean(axis=1)
     fast = np.maximum(np.einsum("ij,ij->i", steps, steps) / size - means**2, 0.0)
     pairs = means.copy()
@@ -65,10 +71,18 @@ def _spans(
     at_rest = median(slow[resting]) if resting.any() else 0.0
     expected = usual * fast + at_rest
     ratio = slow[known] / expected[known]
-    begun = near & (slow > max(TIMES, TIMES_HIGH * quantiles(np.sort(ratio), 0.9)[0]) * expected)
+    least = np.full(slow.size, max(TIMES, TIMES_HIGH * quantiles(np.sort(ratio), 0.9)[0]))
+    edge = np.full(slow.size, EDGE)
+    times = np.divide(slow, expected, out=np.zeros(slow.size), where=expected > 0)
+    elsewhere = median(_highest(times[inside], np.arange(0, np.count_nonzero(inside), CONTACT_STEPS)))
+    if contacts.size >= CONTACTS and median(_highest(times, contacts)) > CONTACT_TIMES * elsewhere:
+        for contact in contacts.tolist():
+            at = slice(max(contact - CONTACT_STEPS, 0), contact + CONTACT_STEPS + 1)
+            least[at], edge[at] = CONTACT_BEGINS * elsewhere, CONTACT_EDGE * elsewhere
+    begun = near & (slow > least * expected)
     if not begun.any():
         return np.empty((0, 2), np.int64)
-    goes_on = slow > EDGE * expected
+    goes_on = slow > edge * expected
     edges = np.flatnonzero(np.diff(np.concatenate(([0], goes_on.view(np.int8), [0]))))
     found = [
         (first - MARGIN_STEPS, last + MARGIN_STEPS)
@@ -76,6 +90,12 @@ def _spans(
         if begun[first:last].any()
     ]
     return np.maximum(np.array(found, dtype=np.int64), 0) * size
+
+
+def _highest(values: Floats, at: Ints) -> Floats:
+    """Largest of the values (n,) within ``CONTACT_STEPS`` of each place (k,)."""
+    padded = np.pad(values, CONTACT_STEPS)
+    return np.asarray(np.max(np.lib.stride_tricks.sliding_window_view(padded, 2 * CONTACT_STEPS + 1)[at], axis=1))
 
 
 def _running(values: Floats, width: int) -> Floats:
@@ -103,21 +123,22 @@ def bridged(envelopes_v: Floats, gone: NDArray[np.bool_], offsets: Ints) -> Floa
     return filled
 
 
-def change_by_leaving_out(
-    force_n: Floats, activity: Floats, level: Floats, gone: NDArray[np.bool_], offsets: Ints
-) -> Shift:
-    """By how much what is left out had changed b of each press, as a share of what b is without it."""
+def change_by_disturbance(
+    cause: Cause, force_n: Floats, level: Floats, offsets: Ints, disturbed: tuple[Floats, NDArray[np.bool_]],
+    without: tuple[Floats, NDArray[np.bool_]], error: Floats | float = 0.0,
+) -> Shift:  # fmt: skip
+    """By how much a cause that was taken out had changed b of each press, as a share of what b is without it.
+
+    disturbed, without : activity (N,), and which of its samples there would be with the cause, and are without it.
+    """
     x = np.log(np.maximum(force_n, 1e-9))
-    kept = ~gone
-    cuts = np.concatenate(([0], np.cumsum(kept)))[offsets]
-    p = offsets.size - 1
-    whole, without = (np.full(p, np.nan) for _ in range(2))
-    for found, mask, own in ((whole, np.ones(gone.size, np.bool_), offsets), (without, kept, cuts)):
-        if mask.any():
-            flat = np.ones(int(mask.sum()))
-            _, change = line_change(x[mask], activity[mask], x[mask], x[mask], flat * level[mask], own)
-            found[:] = change + 1
-    touched = means(gone.astype(np.float64), offsets) > 0
+    counted, slopes = [], []
+    for activity, mask in (disturbed, without):
+        cuts = np.concatenate(([0], np.cumsum(mask)))[offsets]
+        _, change = line_change(x[mask], activity[mask], x[mask], x[mask], level[mask], cuts)
+        slopes.append(change + 1)
+        counted.append(np.where(mask, activity, 0.0))
+    touched = means((counted[0] != counted[1]).astype(np.float64), offsets) > 0
     with np.errstate(divide="ignore", invalid="ignore"):
-        b = np.where(touched, whole / without - 1, 0.0)
-    return taken_out("contact artefact", np.nan_to_num(b, posinf=0.0, neginf=0.0), 0.0)
+        b = np.where(touched, slopes[0] / slopes[1] - 1, 0.0)
+    return taken_out(cause, np.nan_to_num(b, posinf=0.0, neginf=0.0), error)

@@ -7,8 +7,8 @@ benchmarks/verdict_thresholds.py).
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import combinations, combinations_with_replacement
 
 import numpy as np
@@ -17,6 +17,7 @@ from scipy import signal
 
 from emg2vsa.arrays import AT_ONCE, Floats, median, quantiles
 from emg2vsa.signals.bias import means
+from emg2vsa.signals.clipping import Rail, law_of
 from emg2vsa.signals.level_drift import level_trends
 from emg2vsa.signals.press_signals import Signals, by_press, correlation, pieces_of, volts
 from emg2vsa.signals.quality import MAINS_HZ
@@ -48,6 +49,11 @@ PILED_UP, ONE_SIDED = 0.02, 0.4
 "Rectified EMG: share of samples next to the lowest value, and lower over upper spread about the median."
 TAIL = 1.32
 "Upper tail over upper shoulder of EMG during the harder half of a press; a saturated amplifier has none."
+PILED = (1.7, 1.5, 0.005)
+"""... nor one whose tail is below this, where more samples lie in the last tenth below it than so many times those in
+the tenth before, and more than this share."""
+LAW_S = 0.2
+"The law of the amplitude of a saturated channel is told by blocks of this length, in the softer parts of its presses."
 LARGE_LAG_S = 0.3
 "Force and EMG that are further apart cannot be compared press by press."
 FOLLOWS = 0.25
@@ -69,12 +75,15 @@ AT_EXTREME, MOST_AT_EXTREME = 0.99, 0.05
 class Plausibility:
     """fault : a mistake that is mended at the desk and spoils every press, or "". remarks : on the whole recording.
 
-    of_press : warnings of each press.
+    of_press : warnings of each press. bursts : first and last-plus-one envelope of each. rails : by muscle, where a
+    channel saturates.
     """
 
     fault: str
     remarks: tuple[str, ...]
     of_press: tuple[tuple[str, ...], ...]
+    bursts: tuple[tuple[int, int], ...] = ()
+    rails: Mapping[str, Rail] = field(default_factory=dict)
 
 
 def plausibility(signals: Signals) -> Plausibility:
@@ -95,18 +104,21 @@ def plausibility(signals: Signals) -> Plausibility:
     if wandering:  # what was stored may repeat itself where what it was settled to does not
         alike = [sum(piece.size for piece in of) for of in stored]
     profiles = Profile.of(signals)
+    rails, saturated = _saturated(signals, pieces)
     explained = {muscle for told in (beats, *spikes) for muscle in told}
     remarks = (
-        *wandering, *_rate(signals), *_crosstalk(pairs), *_ratios(signals), *_saturated(signals, pieces),
+        *wandering, *_rate(signals), *_crosstalk(pairs), *_ratios(signals), *saturated,
         *_fading(signals), *beats.values(), *coarse.values(),
         *(said for muscle, said in repeated_of(signals, stored, alike) if muscle not in coarse),
         *(said for muscle, said in _deaf(signals) if muscle not in explained and abs(signals.lag_s) < LARGE_LAG_S),
     )  # fmt: skip
-    of_press = []
+    of_press: list[tuple[str, ...]] = []
+    spans: list[tuple[int, int]] = []
     for press, own in enumerate(spikes):
-        bursts = [said for muscle, said in bursts_of(signals, profiles, press) if muscle not in explained]
-        of_press.append((*own.values(), *bursts))
-    return Plausibility("", remarks, tuple(of_press))
+        bursts = [(said, span) for muscle, said, span in bursts_of(signals, profiles, press) if muscle not in explained]
+        spans += [span for _, span in bursts]
+        of_press.append((*own.values(), *(said for said, _ in bursts)))
+    return Plausibility("", remarks, tuple(of_press), tuple(spans), rails)
 
 
 def _coarse(signals: Signals, stored: Sequence[Sequence[Floats]]) -> Iterator[tuple[str, str]]:
@@ -299,8 +311,10 @@ def _ratios(signals: Signals) -> Iterator[str]:
         yield f"{one} is {ratio:.2g} times as loud as {other}; are their gains right?"
 
 
-def _saturated(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator[str]:
-    """Samples of the last two fifths of each press crowd below their largest."""
+def _saturated(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> tuple[dict[str, Rail], list[str]]:
+    """Samples of the last two fifths of each press crowd below their largest, by muscle; and what is said of it."""
+    rails: dict[str, Rail] = {}
+    said = []
     for m, (muscle, of) in enumerate(zip(signals.muscles, pieces, strict=True)):
         if np.mean(signals.envelopes_v[m]) < 1.2 * signals.rest_v[m]:
             continue
@@ -310,10 +324,18 @@ def _saturated(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator
         late.sort()
         tails = []
         for side in (late, -late[::-1]):
-            shoulder, tail = quantiles(side, 0.95, 0.9995)
-            tails.append(tail / shoulder if shoulder > 0 else np.inf)
-        if min(tails) < TAIL:
-            yield f"{muscle} has no sample far above {volts(float(np.quantile(np.abs(late), 0.95)))}; is it saturated?"
+            shoulder, top = quantiles(side, 0.95, 0.9995)
+            tail = top / shoulder if shoulder > 0 else np.inf
+            below, near = side.size - np.searchsorted(side, (0.8 * top, 0.9 * top))
+            piled = near > PILED[1] * (below - near) and near > PILED[2] * side.size
+            tails.append((tail if piled or tail < TAIL else np.inf, top))
+        tail, top = min(tails)
+        if tail < PILED[0]:
+            early = [piece[: int(0.4 * piece.size)] - median(piece) for piece in of]
+            rails[muscle] = Rail(top, law_of(early, round(LAW_S * signals.fs_hz)))
+            shown = volts(float(np.quantile(np.abs(late), 0.95)))
+            said.append(f"{muscle} has no sample far above {shown}; is it saturated?")
+    return rails, said
 
 
 def _fading(signals: Signals) -> Iterator[str]:

@@ -11,13 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa.arrays import Floats, median, slices
+from emg2vsa.arrays import Floats, Ints, median, slices
 from emg2vsa.signals.press_signals import Signals
 
-BURST_S, BURST = 0.1, 3.0
-"Length of a burst, and its level over that of the other presses."
-SPIKE_SD, SPIKE_HEIGHT = 15.0, 3.0
-"A sample this far from its two neighbours' mean, in robust SDs of the press and over its loud parts, is no EMG."
+BURST_S, BURST, BURST_EDGE = 0.1, 3.0, 1.5
+"Length of a burst, its level over that of the other presses, and what still belongs to it."
+SPIKE_SD, SPIKE_HEIGHT, SPIKE_SHARE, MOST_SPIKES = 15.0, 3.0, 0.25, 200
+"""A sample this far from its two neighbours' mean, in robust SDs of the press and over its loud parts, is no EMG, where
+few others near it are a quarter as far; of a press so many are looked at."""
 BEAT_S, BEAT_LEVEL, BEATS, BEAT_RATE_HZ, BEAT_SPREAD = 0.03, 4.0, 5, (0.7, 3.3), 0.25
 "Heart beats at rest: length, height over the median, how many at least, how often, and spread of their intervals."
 PACKET, TWICE = 12, 0.005
@@ -55,7 +56,8 @@ class Profile:
         return profiles
 
 
-def bursts_of(signals: Signals, profiles: Sequence[Profile], press: int) -> Iterator[tuple[str, str]]:
+def bursts_of(signals: Signals, profiles: Sequence[Profile], press: int) -> Iterator[tuple[str, str, tuple[int, int]]]:
+    """Muscle, what is said, and first and last-plus-one sample of its envelope."""
     cut = slice(signals.offsets[press], signals.offsets[press + 1])
     size = max(1, round(BURST_S * signals.envelope_fs_hz))
     if len(signals.offsets) < 4 or cut.stop - cut.start < 2 * size:
@@ -71,27 +73,40 @@ def bursts_of(signals: Signals, profiles: Sequence[Profile], press: int) -> Iter
             continue
         expected = np.interp(force, profile.ln_force[known], profile.typical_v[known]) * median(own)
         total = np.cumsum(np.concatenate(([0.0], row[cut])))
-        ratio = float(np.max((total[size:] - total[:-size]) / size / expected[size // 2 :][: total.size - size]))
-        if ratio > BURST:
-            yield muscle, f"{muscle} has a burst of {ratio:.1f} times its level"
+        ratio = (total[size:] - total[:-size]) / size / expected[size // 2 :][: total.size - size]
+        top = int(np.argmax(ratio))
+        if ratio[top] > BURST:
+            usual = np.flatnonzero(ratio < BURST_EDGE)
+            begin = int(usual[usual < top].max(initial=-1)) + 1 + size // 2
+            end = int(usual[usual > top].min(initial=ratio.size)) + size // 2
+            span = (cut.start if begin == size // 2 else cut.start + begin, min(cut.start + end, cut.stop))
+            yield muscle, f"{muscle} has a burst of {ratio[top]:.1f} times its level", span
+
+
+def spikes_in(x: Floats, first: int, last: int) -> Ints:
+    """Samples of x (n,) that are spikes, or beside one; by what is usual in the press [first, last)."""
+    press = x[first:last]
+    if press.size < 50:
+        return np.empty(0, np.int64)
+    bend = np.abs(x[1:-1] - (x[2:] + x[:-2]) / 2)
+    typical = median(bend[first : last - 2]) / 0.6745
+    if not (typical > 0 and float(bend.max()) > SPIKE_SD * typical):
+        return np.empty(0, np.int64)
+    # the potentials of few motor units stand out as well, but not from the loudest hundredth of the press
+    loud = SPIKE_HEIGHT * float(np.quantile(np.abs(press - median(press)), 0.99))
+    far = np.flatnonzero(bend > max(SPIKE_SD * typical, loud))
+    # a spike bends three samples, two of them six; a burst of noise many in a row
+    few = [
+        np.count_nonzero(bend[max(i - 10, 0) : i + 11] > max(0.4 * SPIKE_SD * typical, SPIKE_SHARE * bend[i])) <= 6
+        for i in far[:MOST_SPIKES].tolist()
+    ]
+    return far[:MOST_SPIKES][few] + 1
 
 
 def spikes_of(signals: Signals, press: int) -> Iterator[tuple[str, str]]:
     begin, end = signals.presses[press].tolist()
     for muscle, samples in zip(signals.muscles, signals.samples, strict=True):
-        x = samples[begin:end]
-        if x.size < 50:
-            continue
-        bend = np.abs(x[1:-1] - (x[2:] + x[:-2]) / 2)
-        typical = median(bend) / 0.6745
-        if not float(bend.max()) > SPIKE_SD * typical:
-            continue
-        # the potentials of few motor units stand out as well, but not from the loudest hundredth of the press
-        loud = SPIKE_HEIGHT * float(np.quantile(np.abs(x - median(x)), 0.99))
-        far = np.flatnonzero(bend > max(SPIKE_SD * typical, loud)) if typical > 0 else np.empty(0, np.int64)
-        # a spike bends three samples; a burst of noise many in a row
-        near = [np.count_nonzero(bend[max(i - 10, 0) : i + 11] > 0.4 * SPIKE_SD * typical) for i in far[:200].tolist()]
-        n = sum(count <= 3 for count in near)
+        n = spikes_in(samples[begin:end], 0, end - begin).size
         if n:
             yield muscle, f"{muscle} has spikes: {n} samples far from their neighbours"
 

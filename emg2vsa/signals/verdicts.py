@@ -80,7 +80,8 @@ def _on_force(trial: Evidence, window: WindowSettings) -> Iterator[tuple[bool, s
 def _on_signals(trial: Evidence, window: WindowSettings) -> Iterator[tuple[bool, str]]:
     for muscle, quality in trial.emg.items():
         if quality.missing:
-            yield True, f"{muscle} misses {quality.missing} samples"
+            most = HELD_SHARE * trial.duration_s * trial.emg_fs_hz
+            yield quality.missing > most, f"{muscle} misses {quality.missing} samples"
         if quality.flat:
             yield True, f"{muscle} is flat"
             continue

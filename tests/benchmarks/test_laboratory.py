@@ -107,3 +107,35 @@ def test_a_zero_that_jumps_is_told_of_the_press_and_rejects_it() -> None:
     assert 1 <= len(moved) <= 2
     assert all(trials.verdict[i] == "rejected" for i in moved)
     assert np.nanmax(trials.zero_shift_n) == pytest.approx(0.4, abs=0.03)
+
+
+def test_what_lasts_a_moment_is_in_the_budget_and_leaves_the_slope() -> None:
+    clean = analysed(Laboratory())
+    for cause, disturbance in {
+        "spikes and bursts": {"spike_hz": 1.0},
+        "lost samples": {"held_s": 0.06},
+        "contact artefact": {"artefact_v": 150e-6},
+    }.items():
+        spoilt = analysed(Laboratory(**disturbance))
+        taken = spoilt.bias.corrected[spoilt.bias.causes.index(cause)]
+        assert np.count_nonzero(taken) >= 8
+        assert slope(spoilt) == pytest.approx(slope(clean), rel=0.04)
+    bursts = analysed(Laboratory(burst_v=300e-6))
+    assert np.flatnonzero(bursts.bias.corrected[bursts.bias.causes.index("spikes and bursts")]).tolist() == [0, 3, 6, 9]
+    missing = analysed(Laboratory(missing_s=0.005))
+    assert missing.verdict.tolist() == ["ok"] * 10
+    np.testing.assert_allclose(missing.bias.b_se[missing.bias.causes.index("lost samples")], 5 / 2167, rtol=0.01)
+
+
+def test_saturation_is_in_the_budget_with_its_size() -> None:
+    clean, clipped = analysed(Laboratory()), analysed(Laboratory(clip_at=0.4, clip_noise_v=1e-6))
+    row = clipped.bias.causes.index("clipping")
+    assert -0.3 < np.mean(clipped.bias.corrected[row]) < -0.03
+    assert np.all(clipped.bias.b_se[row] > 0)
+    assert slope(clipped) == pytest.approx(slope(clean), rel=0.05)
+
+
+def test_hum_that_grows_with_force_raises_b_and_is_taken_out() -> None:
+    clean, hummed = analysed(Laboratory()), analysed(Laboratory(touch_hum_v=20e-6, touch_hum_grows=True))
+    assert np.mean(hummed.bias.corrected[hummed.bias.causes.index("hum at the touch")]) > 0.05
+    assert slope(hummed) == pytest.approx(slope(clean), rel=0.015)

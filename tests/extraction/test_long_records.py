@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass
+from functools import partial
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from emg2vsa import arrays
-from emg2vsa.extraction.extract import _above
+from emg2vsa.extraction.extract import _above, _force_at
 from emg2vsa.settings import FilterSettings
 from emg2vsa.signals import envelope, plausibility, windowed
 from emg2vsa.signals.pairing import Clock
@@ -97,4 +98,5 @@ def test_where_force_is_above_a_level(monkeypatch: pytest.MonkeyPatch, force_sta
     at_s = 0.1 + np.arange(10_000) / 1000.0
     expected = np.interp(at_s, force_start_s + np.arange(force_n.size) / force_hz, force_n)
     clear = np.abs(expected - 0.3) > 1e-9
-    np.testing.assert_array_equal(_above(0.3, force_n, emg, force)[clear], (expected > 0.3)[clear])
+    found = _above(0.3, emg.n_samples, partial(_force_at, force_n=force_n, emg=emg, force=force))
+    np.testing.assert_array_equal(found[clear], (expected > 0.3)[clear])

@@ -96,7 +96,7 @@ def test_hum_of_presses_alone_is_subtracted_where_it_is(hz: float, wander_hz: fl
     noise = np.random.default_rng(5).standard_normal(N) * np.where(TOUCHED, 10.0, 1.0)
     touching = TOUCHED | (np.arange(N) % 6000 > 5990)
     waves = (hum(hz, size, wander_hz) + 0.5 * hum(2 * hz, size, 2 * wander_hz)) * touching
-    (cleaned, alone), rms = remove_touch_hum((noise + waves, noise), FS_HZ, *PRESSES, None)
+    (cleaned, alone), rms = remove_touch_hum((noise + waves, noise), FS_HZ, *PRESSES, None, np.zeros_like)
     assert rms[0] == pytest.approx(size * np.sqrt(1.25 / 2), rel=0.1)
     assert rms[1] == 0
     assert alone is noise
@@ -106,10 +106,21 @@ def test_hum_of_presses_alone_is_subtracted_where_it_is(hz: float, wander_hz: fl
     assert np.sqrt(np.mean(left[~TOUCHED] ** 2)) < 0.1 * size + 0.3
 
 
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_hum_that_grows_with_force_leaves_as_it_came(share: float) -> None:
+    noise = np.random.default_rng(8).standard_normal(N) * np.where(TOUCHED, 5.0, 1.0)
+    force_n = np.interp(np.arange(N) % 6000, [0, 2500, 2800, 3500], [0, 7.5, 7.5, 0])
+    waves = hum(50.03, 20.0, 0.02) * (1 - share + share * force_n / 5) * (force_n > 0)
+    (cleaned,), _ = remove_touch_hum((noise + waves,), FS_HZ, START + 200, START + 2300, None, lambda at: force_n[at])
+    left = cleaned - noise
+    inside = (force_n > 0.5) & (np.arange(N) % 6000 < 2300)
+    assert np.sqrt(np.mean(left[inside] ** 2)) < 0.1 * np.sqrt(np.mean(waves[inside] ** 2))
+
+
 def test_without_hum_the_presses_stay_as_they_are() -> None:
     for seed in range(20):
         noise = np.random.default_rng(seed).standard_normal(N) * np.where(TOUCHED, 10.0, 1.0)
-        (same,), rms = remove_touch_hum((noise,), FS_HZ, *PRESSES, None)
+        (same,), rms = remove_touch_hum((noise,), FS_HZ, *PRESSES, None, np.zeros_like)
         assert same is noise
         assert rms[0] == 0
 
@@ -122,10 +133,11 @@ def test_one_press_of_noise_holds_no_hum(size_s: float) -> None:
     false = 0
     for seed in range(300):
         noise = tuple(np.random.default_rng(seed).standard_normal((2, stop[0] + 1000)))
-        false += remove_touch_hum(noise, FS_HZ, start, stop, None)[1].any()
+        false += remove_touch_hum(noise, FS_HZ, start, stop, None, np.zeros_like)[1].any()
     assert false <= 3
     time_s = np.arange(stop[0] + 1000) / FS_HZ
-    (_, _), rms = remove_touch_hum((noise[0] + np.sin(2 * np.pi * 50 * time_s), noise[1]), FS_HZ, start, stop, None)
+    hummed = noise[0] + np.sin(2 * np.pi * 50 * time_s)
+    (_, _), rms = remove_touch_hum((hummed, noise[1]), FS_HZ, start, stop, None, np.zeros_like)
     assert rms[0] == pytest.approx(0.5**0.5, rel=0.2)
     assert rms[1] == 0
 

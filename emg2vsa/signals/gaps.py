@@ -1,0 +1,85 @@
+"""Samples that are no EMG, and are few: spikes, a value that is held, samples that are missing. All are bridged.
+
+A straight line takes their place before any filter, which would smear them. Where a gap is short beside the envelope's
+memory that is all; a longer one is left out of the fit (``emg2vsa.signals.movement``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.arrays import Floats, Ints, runs_of
+from emg2vsa.signals.spikes import spikes_in
+from emg2vsa.signals.verdicts import HELD_SHARE, HELD_WARNING_S, HELD_WARNING_SAMPLES
+
+REACH_S = 0.3
+"Gaps are looked for so far before and after a press: the band-pass remembers them."
+
+
+class Bridged(NamedTuple):
+    """samples : (n,) of each muscle. lost : spans (k, 2) of each, first and last-plus-one sample, too long to bridge.
+
+    spiked, missed : (p,) shares of the samples of each press, in the muscle that has most, that a line replaces.
+    """
+
+    samples: tuple[Floats, ...]
+    lost: list[Ints]
+    spiked: Floats
+    missed: Floats
+
+
+def bridge(samples: Sequence[Floats], missing: Sequence[NDArray[np.bool_]], fs_hz: float, presses: Ints) -> Bridged:
+    """Raw EMG (n,) of each muscle without its gaps around the presses (p, 2); ``missing`` (n,) : already bridged.
+
+    A muscle that holds values or misses samples for more than a tenth of a press keeps them there: that is no gap.
+    """
+    filled, lost = [], []
+    shares = np.zeros((2, len(presses)))
+    reach, longest = round(REACH_S * fs_hz), max(HELD_WARNING_SAMPLES, round(HELD_WARNING_S * fs_hz))
+    # the rests on either side belong to a press as well: their level is subtracted
+    cuts = [0, *((presses[:-1, 1] + presses[1:, 0]) // 2).tolist(), min(map(len, samples), default=0)]
+    for x, absent in zip(samples, missing, strict=True):
+        left, spans = x, [np.empty((0, 2), np.int64)]
+        for press, (first, last) in enumerate(presses.tolist()):
+            begin, end = cuts[press : press + 2]
+            near = slice(max(begin, first - reach), min(last + reach, end))
+            most = HELD_SHARE * (last - first)
+            gone = np.zeros(end - begin, dtype=np.bool_)
+            gone[near.start - begin : near.stop - begin] = _held(x[near], longest)
+            if gone.sum() > most:
+                gone[:] = False
+            spiked = spikes_in(x[begin:end], first - begin, last - begin)
+            if gone.any() or spiked.size:
+                left = x.copy() if left is x else left
+                replaced = gone.copy()
+                replaced[spiked] = True
+                at = np.arange(end - begin)
+                left[begin:end][replaced] = np.interp(at[replaced], at[~replaced], x[begin:end][~replaced])
+            inside = np.count_nonzero((spiked >= first - begin) & (spiked < last - begin))
+            shares[0, press] = max(shares[0, press], inside / max(last - first, 1))
+            missed = np.count_nonzero(absent[first:last])
+            if 0 < missed <= most:
+                gone |= absent[begin:end]
+                shares[1, press] = max(shares[1, press], missed / (last - first))
+            if gone.any():
+                runs = np.stack(runs_of(gone), axis=-1)
+                spans.append(runs[runs[:, 1] - runs[:, 0] >= longest] + begin)
+        filled.append(left)
+        lost.append(np.concatenate(spans))
+    return Bridged(tuple(filled), lost, *shares)
+
+
+def _held(x: Floats, longest: int) -> NDArray[np.bool_]:
+    """Which samples (n,) belong to a run of one value that is so long."""
+    held = np.zeros(x.size, dtype=np.bool_)
+    same = x[1:] == x[:-1]
+    if np.count_nonzero(same) < longest:
+        return held
+    first, last = runs_of(same)
+    for run in np.flatnonzero(last - first >= longest).tolist():
+        held[first[run] : last[run] + 1] = True
+    return held

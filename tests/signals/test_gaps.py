@@ -1,0 +1,88 @@
+"""Spikes, held values, missing samples and saturation: found where they were put, bridged, and put right."""
+
+import numpy as np
+import pytest
+
+from benchmarks.laboratory import Laboratory, simulate_session
+from emg2vsa.signals.clipping import MOST, Rail, law_of, unclipped
+from emg2vsa.signals.gaps import bridge
+
+FS_HZ = 1000.0
+
+
+def recorded(carrier: str = "60/120", **disturbance: float) -> tuple[np.ndarray, np.ndarray]:
+    laboratory = Laboratory(carrier=carrier, presses=3, **disturbance)
+    made = simulate_session(laboratory, 7)
+    span = made.onset_s[:, None] + np.array([0.5, 7.0]) / 7.5 * laboratory.ramp_s
+    return made.emg_v, (span * FS_HZ).astype(int)
+
+
+def whole(emg_v: np.ndarray) -> list[np.ndarray]:
+    return [np.zeros(row.size, dtype=bool) for row in emg_v]
+
+
+@pytest.mark.parametrize("carrier", ["60/120", "20/45", "laplacian", "units-15", "units-6"])
+def test_spikes_are_bridged_and_nothing_else(carrier):
+    emg_v, presses = recorded(carrier)
+    rows = list(emg_v)
+    untouched = bridge(rows, whole(emg_v), FS_HZ, presses)
+    assert all(own is row for own, row in zip(untouched.samples, rows, strict=True))
+    assert not untouched.spiked.any()
+    spoilt = emg_v.copy()
+    begin = int(presses[0, 0])
+    # two that are near, one in the rest before the press
+    for at in (begin + 300, begin + 305, begin - 400):
+        spoilt[1, at] += 5e-3
+    found = bridge(spoilt, whole(emg_v), FS_HZ, presses)
+    np.testing.assert_array_equal(found.samples[0], spoilt[0])
+    changed = np.flatnonzero(found.samples[1] != spoilt[1])
+    assert set(changed) <= {at + k for at in (begin + 300, begin + 305, begin - 400) for k in (-1, 0, 1)}
+    assert np.abs(found.samples[1] - emg_v[1]).max() < np.abs(emg_v[1]).max() * 2
+    assert found.spiked[0] > 0
+    assert not found.spiked[1:].any()
+    assert not any(len(spans) for spans in found.lost)
+
+
+def test_a_value_that_is_held_is_bridged_and_left_out():
+    emg_v, presses = recorded()
+    begin = int(presses[1, 0]) + 500
+    emg_v[0, begin : begin + 60] = emg_v[0, begin]
+    found = bridge(emg_v, whole(emg_v), FS_HZ, presses)
+    assert [spans.tolist() for spans in found.lost] == [[[begin, begin + 60]], []]
+    line = found.samples[0][begin : begin + 60]
+    assert np.ptp(np.diff(line)) < 1e-12
+
+
+def test_what_is_missing_is_left_out_where_it_is_long_and_kept_where_it_is_most():
+    emg_v, presses = recorded()
+    absent = whole(emg_v)
+    first = int(presses[0, 0]) + 400
+    absent[0][first : first + 5] = True
+    absent[1][first : first + 40] = True
+    absent[1][presses[2, 0] : presses[2, 0] + 500] = True
+    found = bridge(emg_v, absent, FS_HZ, presses)
+    assert [spans.tolist() for spans in found.lost] == [[], [[first, first + 40]]]
+    np.testing.assert_allclose(found.missed, [40 / (presses[0, 1] - presses[0, 0]), 0, 0])
+
+
+def test_a_channel_sampled_slowly_has_no_gaps():
+    emg_v, presses = recorded()
+    slow = np.repeat(emg_v[:, ::20], 20, axis=1)
+    found = bridge(slow, whole(slow), FS_HZ, presses)
+    assert not any(len(spans) for spans in found.lost)
+
+
+@pytest.mark.parametrize("law", [0.0, 1.0])
+def test_the_level_behind_a_rail_is_that_before_it(law):
+    rng = np.random.default_rng(2)
+    samples = rng.laplace(0, 1, 400_000) if law else rng.standard_normal(400_000) * np.sqrt(np.pi / 2)
+    rail = 2.0
+    level = np.array([np.abs(np.clip(samples, -rail, rail)).mean()])
+    own, gauss, laplace = unclipped(level, Rail(rail, law))
+    assert own[0] == pytest.approx(1.0, rel=0.01)
+    assert own[0] == pytest.approx((gauss, laplace)[round(law)][0])
+    assert law_of([samples], 200) == pytest.approx(law, abs=0.1)
+
+
+def test_a_square_wave_tells_nothing_of_what_it_was():
+    assert unclipped(np.array([0.3, MOST + 0.01]), Rail(1.0, 0.5)) is None
