@@ -293,6 +293,13 @@ def _tone(level_v: float) -> Mishap:
     return spoil
 
 
+def _tense_in_presses(record: Record) -> None:
+    """FDS is as loud at the touch as at the peak."""
+    touched = signal.lfilter([0.02], [1, -0.98], record.force_n > 0.05)
+    noise = record.rng.standard_normal(record.force_n.size)
+    record.emg_v["FDS"] = (1e-6 + 20e-6 * touched) * signal.lfilter([0.6], [1, -0.8], noise)
+
+
 def _posture(record: Record) -> None:
     """The weight of the hand changes between presses."""
     for onset_s in record.onset_s.tolist():
@@ -448,6 +455,8 @@ MISHAPS: dict[str, tuple[Mishap, str]] = {
     "mains 30 uV on one channel": (_mains({50.0: 30e-6}, "EDC"), "mains"),
     "150 and 250 Hz, 15 uV each": (_mains({150.0: 15e-6, 250.0: 15e-6}), "?mains"),
     "10 uV noise": (_added(10e-6), "rest level"),
+    "40 uV noise": (_added(40e-6), "rest level|dB over rest"),
+    "FDS of a muscle that is tense in presses": (_tense_in_presses, "does not rise"),
     "10 uV mains": (_mains({50.0: 10e-6}), "?mains"),
     "force sign reversed": (_force(lambda f, t: -f), "sign"),
     "lbf labelled N": (_force(lambda f, t: f / 4.448222), "lbf"),

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import re
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -367,24 +369,31 @@ def page(studies: int, people: int) -> str:
         f"Clean sessions of the studies that are GOOD, of {CLEAN_PEOPLE} each: "
         f"{', '.join(str(each.good_clean) for each in (first, *others))}.", "",
         "| mishap | verdict | b × | cause by the study | said first |\n|---|---|---:|---|---|", *first.rows, "",
-        f"Clean studies of {people} people: sessions about which the comparison of recordings says something.", "",
-        "| people | studies | sessions | alarms | share |\n|---|---:|---:|---:|---:|",
+        f"Clean studies of {people} people: sessions that are not GOOD, and presses that are not used.", "",
+        "| people | studies | sessions | not GOOD | by the comparison alone | presses | doubtful | rejected |",
+        "|---|---:|---:|---:|---:|---:|---:|---:|",
     ]  # fmt: skip
-    told: set[str] = set()
+    told: Counter[str] = Counter()
     for world, make in CLEAN_WORLDS.items():
-        alarms = 0
+        off = alarms = 0
+        presses: Counter[str] = Counter()
         for number in range(201, 201 + studies):
-            traits = {
-                (f"P{n:02d}", specimen): trials_of(make(n, specimen, number), f"P{n:02d}", specimen).traits
-                for n in range(people)
-                for specimen in CURVES_V
-            }
-            found = screen(traits).found
-            alarms += len({each.participant for each in found})
-            told |= {each.said for each in found}
+            study: Fitted = {}
+            for n in range(people):
+                for specimen in CURVES_V:
+                    fitted(make(n, specimen, number), f"P{n:02d}", specimen, study)
+            screening = screen({key: trials.traits for key, (trials, _) in study.items()})
+            alarms += len({each.participant for each in screening.found})
+            presses.update(verdict for _, fits in study.values() for verdict in fits.verdict.tolist())
+            for n in range(people):
+                verdict, said = judged(study, f"P{n:02d}", screening)
+                off += verdict != "good"
+                told.update([re.sub(r"-?[0-9.]+", "N", said)] if verdict != "good" else [])
         sessions = studies * people
-        lines.append(f"| {world} | {studies} | {sessions} | {alarms} | {100 * alarms / sessions:.2f} % |")
-    return "\n".join([*lines, "", f"What was said: {'; '.join(sorted(told)) or 'nothing'}."]) + "\n"
+        share, unused = f"{off} ({100 * off / sessions:.2f} %)", f"{presses['doubtful']} | {presses['rejected']}"
+        lines.append(f"| {world} | {studies} | {sessions} | {share} | {alarms} | {presses.total()} | {unused} |")
+    said_of = "; ".join(f"{text} ({count})" for text, count in told.most_common())
+    return "\n".join([*lines, "", f"What was said first of those that are not GOOD: {said_of or 'nothing'}."]) + "\n"
 
 
 def main() -> None:

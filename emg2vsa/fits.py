@@ -34,6 +34,9 @@ WIDE = 0.2
 level hardly changes with force, but is known, would select on the outcome: what is left has too large a b. Of 400 clean
 presses 99 % have less than 0.12, with b down to nothing too; presses with spikes or a burst have 0.27 and more.
 """
+CLEARLY, LIKE_OTHERS = 4.0, 3.0
+"""... unless the presses of its recording together have a slope, by so many standard errors, and its interval is less
+than so many times as wide as theirs: then it is one of them, and its low R2 is chance."""
 _COMMON = ("bin_edges_n", "activity_unit", "points", "weights", "confidence")
 
 
@@ -206,10 +209,14 @@ def _no_fit(curves: PressFits, among: NDArray[np.bool_], fit: FitSettings, windo
     reported, adj_r2 = curves.reported, curves.on_bins.adj_r2
     half = (reported.b_hi - reported.b_lo) / 2
     level = reported.at(window.force_n).mean(axis=1)
-    typical = median(half[among]) if np.count_nonzero(among) >= 3 else np.inf
+    typical, sound = np.inf, False
+    if np.count_nonzero(among) >= 3:
+        typical = median(half[among])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            sound = bool(np.sum(reported.b[among] / reported.b_se[among]) > CLEARLY * np.count_nonzero(among) ** 0.5)
     found = {}
     for i in np.flatnonzero(among).tolist():
-        wide = half[i] > WIDE * abs(level[i])
+        wide = half[i] > WIDE * abs(level[i]) and not (sound and half[i] < LIKE_OTHERS * typical)
         if wide and adj_r2[i] < fit.min_adj_r2:
             found[i] = f"its fit explains too little (adjusted R2 {adj_r2[i]:.2f})"
         elif fit.max_b_error_ratio and half[i] > max(fit.max_b_error_ratio * typical, CERTAIN * abs(reported.b[i])):

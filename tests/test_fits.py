@@ -233,6 +233,19 @@ def test_a_press_whose_fit_is_no_fit_is_rejected_with_the_reason() -> None:
     np.testing.assert_array_equal(free.b_v, fits.b_v)
 
 
+def test_a_press_that_is_one_of_its_recording_is_kept_though_its_r2_is_low_by_chance() -> None:
+    trials = noisy(40, relative_noise=0.6, memory=0.9)
+    fits = fit_trials(trials, FitSettings(), WINDOW)
+    half, level = (fits.b_hi_v - fits.b_lo_v) / 2, (fits.v_min_v + fits.v_max_v) / 2
+    chance = (half > 0.2 * level) & (fits.adj_r2 < FitSettings().min_adj_r2)
+    assert chance.sum() >= 5
+    assert set(fits.verdict[chance]) == {"ok"}
+    # the same presses, of muscles that do not follow: noise of one level
+    flat = dataclasses.replace(trials, activity=trials.activity / (A_V + B_V * np.log(trials.force_n)) * 30e-6)
+    without = fit_trials(flat, FitSettings(), WINDOW)
+    assert np.mean(without.verdict == "rejected") > 0.8
+
+
 @pytest.mark.parametrize("b_v", [0.0, 1.5e-6, 3e-6])
 def test_a_weak_but_known_slope_is_kept(b_v: float) -> None:
     """To reject flat presses would leave the steep ones: of b = 3 uV a fifth was left, with b too large by 42 %."""

@@ -29,7 +29,7 @@ from emg2vsa.signals.cocontraction import cocontraction_index
 from emg2vsa.signals.crosstalk import KNOWN_TO, without_crosstalk
 from emg2vsa.signals.delays import delay_budget
 from emg2vsa.signals.filters import IirFilter
-from emg2vsa.signals.floor import floor_change, press_levels, subtract_floor
+from emg2vsa.signals.floor import floor_change, floor_over_muscle, press_levels, subtract_floor
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
 from emg2vsa.signals.force_doubts import exchanged, returns_to_zero, sampled_slowly
 from emg2vsa.signals.gaps import Bridged, bridge
@@ -66,6 +66,11 @@ HUM_LEFT = 0.05
 "Standard error of the correction for hum, as a share of it; what is seen to stay has its own share in the budget."
 LAW_KNOWN_TO = 0.3
 "Standard error of a correction for clipping, as a share of what lies between the two laws of amplitude."
+NOISY = 0.5
+"""Relative error of the correction for the rest level where the rest has the power of the muscles: 1 % of b at a third
+of it (15 uV), and at twice of it (40 uV), where b came out 20 to 50 % too low, a third of b."""
+ZERO_OFF = 0.6
+"Standard error of the force in a press, as a share of how far its zero moves around it: it may be off by nearly all."
 TOUCHED = 0.1
 "The finger is on the specimen above this share of the window's lower force."
 
@@ -144,13 +149,14 @@ def extract_trials(
         _, change = line_change(x, own_v.sum(axis=0), x, alone_v.sum(axis=0), alone_v.sum(axis=0), instants.offsets)
         crossing = [taken_out("crosstalk", change, 2 * KNOWN_TO * np.abs(change))]
     floor_a, floor_b = floor_change(levels_v, floor_v, force_n, instants.offsets)
+    over_muscle = floor_over_muscle(levels_v, floor_v, instants.offsets)
     differ = _rests_differ(resting_v, resting, record.fs_hz / chain.step)
     told_above = TONE_CORRECTION if differ else LARGE_CORRECTION
     # where clocks differ by more, the rests of EMG are not those of force
     tense = _tension(resting_v, resting) if differ and abs(lag.lag_s) < LARGE_LAG_S else 1.0
     trends = level_trends(envelopes_v, instants.offsets)
     shifts_of_b: list[Shift] = [
-        taken_out("rest level", floor_b, np.abs(floor_b) * floor_error) if subtract
+        taken_out("rest level", floor_b, np.abs(floor_b) * np.hypot(floor_error, NOISY * over_muscle)) if subtract
         else left_in("rest level", floor_a, floor_b),
         *_of_hum(replace(raw, samples=clean.gaps.samples), clean, levels_v, force_n, instants),
         *clipping,
@@ -160,6 +166,11 @@ def extract_trials(
     errors: dict[Cause, Floats] = {"spikes and bursts": clean.gaps.spiked, "lost samples": clean.gaps.missed}
     shifts_of_b += _of_moments(gone, errors, undisturbed_v, disturbed_v, force_n, levels_v, instants.offsets)
     envelopes_v = np.where(all_gone, np.nan, envelopes_v)
+    off_n = ZERO_OFF * np.repeat(np.nan_to_num(conditioned.zero_shift_n), instants.counts)
+    if off_n.any():
+        x, level_v = np.log(np.maximum(force_n, 1e-9)), levels_v.sum(axis=0)
+        _, b = line_change(x, level_v, np.log(np.maximum(force_n, 1e-9) + off_n), level_v, level_v, instants.offsets)
+        shifts_of_b.append(left_in("zero of force", np.zeros(b.size), np.zeros(b.size), np.abs(b)))
     activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
     snr_db = ratio_db(window_means(measured_v, instants.offsets), rest_v[:, None])
     quality = record_qualities(raw, instants, chain.envelope)
@@ -491,6 +502,8 @@ def _of_lag(
     if left.lag_s:
         a, b = change(left.lag_s)
         yield left_in("lag", a, b, np.abs(b) * np.hypot(np.nan_to_num(left.se_s), left.feigned_s) / abs(left.lag_s))
-    if lag.between_s > DIFFERS_S:
-        _, b = change(lag.between_s)
+    # a lag that is not certain may be there all the same
+    uncertain_s = 0.0 if lag.certain or lag.pieces < 2 else max(abs(lag.lag_s) - lag.feigned_s, 0.0)
+    if (off_s := max(uncertain_s, lag.between_s if lag.between_s > DIFFERS_S else 0.0)) > 0:
+        _, b = change(off_s)
         yield left_in("lag", np.zeros(b.size), np.zeros(b.size), np.abs(b))

@@ -29,6 +29,8 @@ FAR = 5.0
 "Spreads from what is normal."
 GAIN = np.log(1.5) - 0.08
 "Least jump of a level within a person's recordings that is told."
+COMMON_GAIN = np.log(1.2)
+"... where noise and levels of all muscles jumped alike."
 TO_NOISE, TO_PEOPLES_NOISE = 0.3, 0.4
 """A gain changes the amplifier's noise as it changes presses, within this logarithm; beside other people, whose levels
 differ, presses must go by this share of it the same way."""
@@ -351,18 +353,33 @@ class _Study:
         """Logarithms (m,) by which levels jumped, 0 where they did not, and the share of b: within a person, or in a
         whole session whose noise at rest jumped alike."""
         off = np.zeros(len(self.muscles))
+        beside = np.array([between.size[i] for _, between in self.level])
         for k, ((within, between), (rest_within, rest_between)) in enumerate(zip(self.level, self.noise, strict=True)):
             with_noise = rest_within.beyond(GAIN)[i] and abs(within.size[i] - rest_within.size[i]) < TO_NOISE
             if within.beyond(GAIN)[i] or with_noise:
                 off[k] = within.size[i]
-            elif rest_between.beyond(GAIN)[i] and between.size[i] / rest_between.size[i] > TO_PEOPLES_NOISE:
-                off[k] = rest_between.size[i]
+            elif rest_between.beyond(GAIN)[i]:
+                # beside other people, or beside the person's other muscles, whose loudness goes with it
+                least, others = TO_PEOPLES_NOISE * abs(rest_between.size[i]), np.delete(beside, k)
+                apart = beside[k] - np.array([0.0, others.mean() if others.size else 0.0])
+                if np.any(apart * np.sign(rest_between.size[i]) > least):
+                    off[k] = rest_between.size[i]
             elif between.beyond(PEOPLE_GAIN)[i]:
                 off[k] = between.size[i]
+        if not off.any():
+            off[:] = self._common_gain(i)
         if not off.any():
             return None
         level_v = self.own[i].press_v
         return off, float(level_v.sum() / np.sum(level_v * np.exp(-off)) - 1)
+
+    def _common_gain(self, i: int) -> float:
+        """Logarithm by which levels and noise of all muscles jumped together within a person; 0 where they did not."""
+        levels = np.array([within.size[i] for within, _ in self.level])
+        noise = np.array([[within.size[i], within.z[i]] for within, _ in self.noise])
+        jump, z = noise.mean(axis=0)
+        alike = abs(levels.mean() - jump) < TO_NOISE / 2 and abs(jump) > COMMON_GAIN and len(levels) > 1
+        return float(jump) if alike and abs(z) * len(levels) ** 0.5 > FAR else 0.0
 
 
 def _either(pair: tuple[_Apart, _Apart], i: int, least: float) -> bool:

@@ -16,7 +16,7 @@ from emg2vsa.arrays import Floats, Ints
 
 Cause = Literal[
     "rest level", "mains", "hum at the touch", "contact artefact", "spikes and bursts", "lag", "clock", "lost samples",
-    "clipping", "crosstalk", "filters in the file", "level drift",
+    "clipping", "crosstalk", "filters in the file", "level drift", "zero of force",
 ]  # fmt: skip
 CAUSES: tuple[Cause, ...] = get_args(Cause)
 LEAST = -0.9

@@ -62,6 +62,14 @@ def floor_change(levels_v: Floats, floor_v: Floats, force_n: Floats, offsets: In
     return line_change(x, np.sum(levels_v, axis=0), x, without, without, offsets)
 
 
+def floor_over_muscle(levels_v: Floats, floor_v: Floats, offsets: Ints) -> Floats:
+    """Power (p,) of the floor over that of the muscles, in the mean of a press."""
+    power = levels_v**2
+    floor = means(np.sum(power * _share(levels_v, floor_v), axis=0), offsets)
+    total = means(np.sum(power, axis=0), offsets)
+    return np.divide(floor, total - floor, out=np.zeros_like(floor), where=total > floor)
+
+
 def _share(levels_v: Floats, floor_v: Floats) -> Floats:
     """Share (m, N) of the power of the levels that is floor; 0 where the floor is not known."""
     floor = np.where(np.isfinite(floor_v), floor_v, 0.0).reshape(len(levels_v), -1)

@@ -111,15 +111,14 @@ def _tared(
 def _zero_shifts(rest: Rest, force_n: Floats, fs_hz: float, presses: Presses) -> Floats:
     """How far (p,) the rest after each press is from where the rest before it led, newtons; NaN without both.
 
-    A steady drift leads to the next rest, and so does a slow wave, whose slope the rests themselves show. A step within
-    a rest does not: the end of the rest before, or the beginning of that after, is then off the tare.
+    A drift or a slow wave leads to the next rest by the slopes that the rests themselves show. A step within a rest
+    does not: the end of the rest before, or the beginning of that after, is then off the tare.
     """
     shifts = np.full(presses.start_s.size, np.nan)
     if rest.level_n.size < 2:
         return shifts
     centre_s = (rest.start + rest.stop) / 2 / fs_hz
     change_n, lasts_s = np.diff(rest.level_n), np.diff(centre_s)
-    steady = np.abs(change_n - median(change_n / lasts_s) * lasts_s)
     led = np.abs(change_n - (rest.slope[1:] + rest.slope[:-1]) / 2 * lasts_s)
     after = np.searchsorted(centre_s, presses.start_s)
     known = (after > 0) & (after < centre_s.size)
@@ -127,7 +126,7 @@ def _zero_shifts(rest: Rest, force_n: Floats, fs_hz: float, presses: Presses) ->
     before_n = np.array([median(force_n[max(a, b - size) : b]) for a, b in zip(rest.start, rest.stop, strict=True)])
     after_n = np.array([median(force_n[a : min(b, a + size)]) for a, b in zip(rest.start, rest.stop, strict=True)])
     off_n = np.maximum(np.abs(before_n[:-1]), np.abs(after_n[1:]))
-    shifts[known] = np.maximum(np.minimum(steady, led), off_n)[after[known] - 1]
+    shifts[known] = np.maximum(led, off_n)[after[known] - 1]
     return shifts
 
 

@@ -56,8 +56,9 @@ LAW_S = 0.2
 "The law of the amplitude of a saturated channel is told by blocks of this length, in the softer parts of its presses."
 LARGE_LAG_S = 0.3
 "Force and EMG that are further apart cannot be compared press by press."
-FOLLOWS = 0.25
-"Correlation of a muscle's envelope with ln F, median of the presses."
+FOLLOWS, CLEARLY = 0.25, 3.0
+"""Correlation of a muscle's envelope with ln F, median of the presses; lower ones are told unless their mean is so many
+standard errors above none: envelopes of few motor units, or of a narrow band, are noisy, and follow all the same."""
 FORCE_UNITS = {"lbf": 4.448222, "kgf": 9.80665, "gf": 1 / 101.97162, "mN": 1e-3, "kN": 1e3}
 "Newtons in a unit that force may have been stored in."
 PEAK_RANGE = (0.95, 1.5)
@@ -354,5 +355,6 @@ def _deaf(signals: Signals) -> Iterator[tuple[str, str]]:
     norm = np.sqrt(means(x * x, offsets) * means(y * y, offsets))
     r = np.divide(means(x * y, offsets), norm, out=np.zeros_like(norm), where=norm > 0)[:, counts > 10]
     for muscle, each in zip(signals.muscles, r, strict=True):
-        if each.size and (typical := median(each)) < FOLLOWS:
+        clear = each.size > 1 and each.mean() > CLEARLY * each.std(ddof=1) / np.sqrt(each.size)
+        if each.size and not clear and (typical := median(each)) < FOLLOWS:
             yield muscle, f"{muscle} does not rise with force (r = {typical:.2f})"

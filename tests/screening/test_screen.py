@@ -36,6 +36,7 @@ def test_a_clean_study_raises_no_doubt(clean):
     [
         ("one recording × 2", "gain", 1.0),
         ("one recording × 0.5", "gain", -0.5),
+        ("one recording × 1.3", "gain", 0.3),
         ("EDC of one recording × 10", "gain", None),
         ("low-passed at 60 Hz, one", "filters in the file", -0.38),
         ("high-passed at 60 Hz, one", "filters in the file", -0.4),
@@ -61,12 +62,12 @@ def test_exchanged_muscles_and_harmless_filters_are_told_only(clean):
         assert (found.verdict, abs(found.b_share) < 0.08) == ("told", True)
 
 
-def test_a_gain_of_a_whole_session_shows_in_its_noise(clean):
-    change = gain(2.0)
+@pytest.mark.parametrize(("change", "b_share"), [(gain(2.0), 1.0), (gain(0.3, "EDC"), -0.45)])
+def test_a_gain_of_a_whole_session_shows_in_its_noise(clean, change, b_share):
     spoilt = {("P0", s): trials_of(change(made(0, s, 77)), "P0", s) for s in CURVES_V}
     found = screen(traits_by_recording((clean | spoilt).values())).found
     assert {(each.participant, each.specimen) for each in found} == set(spoilt)
-    assert [each.b_share for each in found] == pytest.approx([1.0] * 3, abs=0.15)
+    assert [each.b_share for each in found] == pytest.approx([b_share] * 3, abs=0.15)
 
 
 @pytest.mark.parametrize("change", [lambda raw: raw, digits(1e-6), cut(1.0), cut(0.4003), gain(0.5)])

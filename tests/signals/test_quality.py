@@ -6,6 +6,7 @@ Mishaps of a laboratory: each is told by its cause with a remedy, and nothing is
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -186,3 +187,30 @@ def test_units_of_force():
     for peak_n in (7.2, 9.0, 5.6, 3.0, 100.0, 0.2):
         assert force_unit_doubt(peak_n * wave, (0.5, 7.0)) == ""
     assert force_unit_doubt(np.zeros(5), (0.5, 7.0)) == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "seed", "cause"),
+    [
+        ("posture steps of 0.25 and 0.4 N", 0, "zero of force"),
+        ("posture steps of 0.25 and 0.4 N", 5, "zero of force"),
+        ("40 uV noise", 0, "rest level"),
+        ("EMG lost in packets, 1 %", 2, "clock"),
+    ],
+)
+def test_what_is_not_known_of_a_correction_stands_in_the_budget(name, seed, cause):
+    """Sessions that were GOOD with b off by 20 % and more."""
+    record = clean_record(seed)
+    MISHAPS[name][0](record)
+    found = judged(record).verdict
+    assert found.verdict != "good"
+    assert re.search(cause, " ".join(found.problems))
+
+
+def test_a_muscle_of_few_units_follows_force_and_a_steady_one_does_not():
+    few = replace(BASE, carrier="units-15", ramp="saturating", ramp_s=3.0, fs_hz=4000.0, presses=6, b_v=9e-6)
+    found = [analysed(few, seed).trials for seed in range(8)]
+    assert not any("does not rise" in remark for one in found for remark in one.remarks)
+    steady = clean_record(3)
+    MISHAPS["FDS of a muscle that is tense in presses"][0](steady)
+    assert "FDS does not rise with force" in " ".join(judged(steady).verdict.problems)

@@ -119,6 +119,18 @@ def test_offset_and_drift_of_the_sensor_do_not_matter(offset_n, drift_n_per_s, s
     assert found.tare_n == pytest.approx(offset_n + drift_n_per_s * force.size / FS_HZ / 2, abs=0.05)
 
 
+def test_steps_of_the_zero_that_all_go_one_way_are_no_drift():
+    force = force_of(*[RISE] * 6)
+    force += 0.005 * np.random.default_rng(1).standard_normal(force.size)
+    time_s = np.arange(force.size) / FS_HZ
+    presses = condition_force(force, FS_HZ, None, RESTS, WindowSettings()).presses
+    steps = sum(0.2 * (time_s > start_s) for start_s in presses.start_s.tolist())
+    found = condition_force(force + steps, FS_HZ, None, RESTS, WindowSettings())
+    assert found.zero_shift_n[1:-1] == pytest.approx([0.2] * 4, abs=0.03)
+    drifting = condition_force(force + 0.05 * time_s, FS_HZ, None, RESTS, WindowSettings())
+    assert np.nanmax(drifting.zero_shift_n) < 0.03
+
+
 def test_one_rest_at_which_the_hand_leans_does_not_move_the_tare():
     force = force_of(*[RISE] * 6)
     leaning = force.copy()
