@@ -21,8 +21,9 @@ from benchmarks.laboratory import Laboratory, simulate_session
 from emg2vsa.arrays import Floats
 from emg2vsa.curves.force_bins import bin_edges
 from emg2vsa.curves.press_fits import fit_presses
+from emg2vsa.extraction import Trials
 from emg2vsa.extraction.extract import extract_trials
-from emg2vsa.fits import fit_trials, usable
+from emg2vsa.fits import Fits, fit_trials, usable
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import (
     CocontractionSettings,
@@ -110,7 +111,7 @@ class Outcome(NamedTuple):
     lag_ms: Floats
 
 
-def analyse(laboratory: Laboratory, chain: str, seed: int) -> Outcome:
+def fitted(laboratory: Laboratory, chain: str, seed: int) -> tuple[Trials, Fits]:
     """One session through the chain."""
     session = simulate_session(laboratory, seed)
     emg = {f"M{i}": _channel(row, "V", laboratory.fs_hz) for i, row in enumerate(session.emg_v)}
@@ -119,7 +120,12 @@ def analyse(laboratory: Laboratory, chain: str, seed: int) -> Outcome:
         filters=CHAINS[chain], cocontraction=TOLD if chain == "told" else CocontractionSettings(), window=WINDOW,
         force_channel=ForceChannelSettings(name="Fz"),
     )  # fmt: skip
-    fits = fit_trials(trials, FitSettings(), WINDOW)
+    return trials, fit_trials(trials, FitSettings(), WINDOW)
+
+
+def analyse(laboratory: Laboratory, chain: str, seed: int) -> Outcome:
+    """What is said of one session."""
+    trials, fits = fitted(laboratory, chain, seed)
     return Outcome(
         fits.b_v / laboratory.b_v, ((fits.b_lo_v <= laboratory.b_v) & (fits.b_hi_v >= laboratory.b_v)).astype(float),
         usable(fits, HypothesisSettings().use).astype(float), (fits.verdict == "ok").astype(float), fits.b_bias,

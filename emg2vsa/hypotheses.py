@@ -11,6 +11,7 @@ import numpy as np
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.companions.force_laws import ForceLaws, force_laws
 from emg2vsa.companions.law_misfit import LawMisfits, cell_misfits, compare_misfits
+from emg2vsa.companions.person_slopes import PersonSlopes, person_slopes
 from emg2vsa.companions.table import TableTests, table_tests
 from emg2vsa.companions.whole_curve import WholeCurve, cell_curves, compare_curves
 from emg2vsa.fits import Fits, usable
@@ -68,6 +69,8 @@ class Hypotheses:
     "Distance of people's presses from each of the three laws."
     curves: WholeCurve
     "Specimens compared at every force."
+    people: PersonSlopes
+    "Mean b of each person on each specimen."
     place: Floats
     "(P, S) of the recording in the participant's session, from 1; NaN where nobody knows."
     drift: Drift
@@ -131,6 +134,7 @@ def test_hypotheses(
         laws=laws or force_laws(fits, settings.use, 1 - settings.alpha),
         misfits=misfits or compare_misfits(cell_misfits(fits, settings.use, spline=True), 1 - settings.alpha),
         curves=curves or compare_curves(cell_curves(fits, settings.use), settings.alpha),
+        people=person_slopes(fits, settings.use),
         place=known.reshape(clusters.count.shape),
         drift=drift(
             fits.participant[admitted],

@@ -107,8 +107,12 @@ class SessionVerdict:
     verdict: str
     specimens: tuple[SpecimenVerdict, ...]
     advice: tuple[Advice, ...]
+    b: tuple[dict[str, str | int | float], ...] = ()
+    "Mean b of the presses used, by specimen; its interval holds how presses of the whole study differ."
     law: str = ""
     "Whether v = a + b ln F fits the presses that are ok, and what is nearer; another recording does not change it."
+    law_fits: bool = True
+    "False where it does not."
 
 
 def judge_session(

@@ -181,6 +181,7 @@ def fit(arguments: argparse.Namespace) -> int:
     if not arguments.emg or arguments.force is None:
         return _list_channels(arguments)
     from emg2vsa.companions.law_misfit import cell_misfits, compare_misfits
+    from emg2vsa.companions.person_slopes import person_slopes
     from emg2vsa.fits import fit_trials
     from emg2vsa.pipeline.stages.trials import trials_of
     from emg2vsa.report.recordings import fit_lines, rows
@@ -191,8 +192,11 @@ def fit(arguments: argparse.Namespace) -> int:
     trials = trials_of(file, arguments.force_file, file.stem, "", cocontraction=CocontractionSettings(), **settings)
     fits = fit_trials(trials, fit, settings["window"])
     law = compare_misfits(cell_misfits(fits, "ok")).said(fits.activity_unit)
-    told = {"file": str(file), "notes": list(trials.notes), "law": law, "trials": rows(trials, fits)}
-    answer(arguments.json, told, fit_lines(trials, fits, law))
+    people = person_slopes(fits, "ok")
+    told = {
+        "file": str(file), "notes": list(trials.notes), "law": law, "b": people.rows(), "trials": rows(trials, fits),
+    }  # fmt: skip
+    answer(arguments.json, told, fit_lines(trials, fits, *people.said(fits.activity_unit), law))
     return 0 if trials.repetition.size else 1
 
 

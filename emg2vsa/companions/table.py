@@ -23,6 +23,7 @@ from emg2vsa.companions.groups import (
 )
 from emg2vsa.statistics.clusters import Clusters
 from emg2vsa.statistics.equivalence import MarginUnit
+from emg2vsa.statistics.hierarchy import ShrunkenValues, shrunken
 from emg2vsa.statistics.mixed import MixedModel, balanced_mixed, unbalanced_mixed
 from emg2vsa.statistics.mixed_variances import MixedResiduals, MixedVariances, mixed_residuals, mixed_variances
 from emg2vsa.statistics.moments import group_moments
@@ -40,8 +41,8 @@ class BlockTests:
     """One table of blocks (participants) by groups (specimens); all but the mixed model are on the means of its cells.
 
     mixed : the mixed model, in closed form where every cell has equally many values, an outcome that says why there is
-    none where the table cannot bear it, None where no cell has two values. variances, residuals : of the mixed model,
-    None without one. paired : pairs of groups over the blocks.
+    none where the table cannot bear it, None where no cell has two values. variances, residuals, predicted : of
+    the mixed model, None without one. paired : pairs of groups over the blocks.
     """
 
     repeated: RepeatedAnova
@@ -49,6 +50,7 @@ class BlockTests:
     model: MixedModel | Outcome | None
     variances: MixedVariances | None
     residuals: MixedResiduals | None
+    predicted: ShrunkenValues | None
     paired: PairedTests
 
     @property
@@ -124,6 +126,7 @@ def _block_tests(clusters: Clusters, confidence: float = 0.95) -> BlockTests | N
         rm_anova(means), friedman(means), model,
         None if isinstance(fit, Outcome) else mixed_variances(fit, confidence),
         None if isinstance(fit, Outcome) else mixed_residuals(clusters.values, fit),
+        None if isinstance(fit, Outcome) else shrunken(fit, confidence),
         paired_tests(means, confidence),
     )  # fmt: skip
 

@@ -9,7 +9,7 @@ import importlib
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TextIO
@@ -17,6 +17,7 @@ from typing import TextIO
 from casr.terminal import Look, coloured
 from emg2vsa import artifacts
 from emg2vsa.companions.law_misfit import cell_misfits, compare_misfits
+from emg2vsa.companions.person_slopes import person_slopes
 from emg2vsa.errors import Emg2vsaError, SettingError
 from emg2vsa.fits import Fits, by_recording, concatenate
 from emg2vsa.pipeline.places import writable_or_temporary
@@ -48,20 +49,32 @@ def of_participants(study: Study, participants: Sequence[str]) -> Study:
 def judge(study: Study, whole: Study, jobs: int, shown: Progress, below: Path | None) -> list[SessionVerdict]:
     """The verdicts on the study's recordings, beside what is known of the ``whole`` study's others."""
     plan = run_study(study, stages=STAGES, jobs=jobs, progress=shown, below=below)
-    doubts, screening = _beside(study, whole, plan, below)
+    doubts, screening, slopes = _beside(study, whole, plan, below)
     failures = {item: message for item, _, message in plan.failures()}
-    return [_verdict(plan, participant, failures, doubts, screening) for participant in plan.campaign.cells]
+    return [
+        replace(
+            _verdict(plan, participant, failures, doubts, screening),
+            b=tuple(row for row in slopes if row["participant"] == participant and row["presses"]),
+        )
+        for participant in plan.campaign.cells
+    ]
 
 
-def _beside(study: Study, whole: Study, plan: StepPlan, below: Path | None) -> tuple[Doubts, Screening]:
-    """What is doubtful beside all recordings of the whole study whose results are there, and which are unlike them."""
+def _beside(
+    study: Study, whole: Study, plan: StepPlan, below: Path | None
+) -> tuple[Doubts, Screening, list[dict[str, str | int | float]]]:
+    """What is doubtful beside all recordings of the whole study whose results are there, and which are unlike them; b
+    of all people."""
     if len(whole.recordings) > len(study.recordings):
         plan = survey(replace(study, recordings=whole.recordings), STAGES, lambda text: None, below=below)
     known = [key for key in plan.campaign.recordings if plan.done("trials", (key,)) and plan.done("fits", (key,))]
     fits = [artifacts.load(path) for path in plan.done("fits", known)]
     trials = [artifacts.load(path) for path in plan.done("trials", known)]
     doubts = doubts_between(trials, by_recording(concatenate(fits)) if fits else {}, whole.judgements)
-    return doubts, screen(traits_by_recording(trials), whole.judgements)
+    screening = screen(traits_by_recording(trials), whole.judgements)
+    used = [screened(each, screening) for each in fits]
+    slopes = person_slopes(concatenate(used, bins=False), whole.hypotheses.use).rows() if used else []
+    return doubts, screening, slopes
 
 
 def _verdict(
@@ -80,12 +93,11 @@ def _verdict(
         {entry.specimen: failures[entry.key] for entry in entries if entry.key in failures},
         {specimen: said for (who, specimen), said in doubts.items() if who == participant},
     )
-    return replace(session, law=_law(fits))
-
-
-def _law(fits: Mapping[str, Fits]) -> str:
-    found = compare_misfits(cell for each in fits.values() for cell in cell_misfits(each, "ok"))
-    return found.said(next(iter(fits.values())).activity_unit) if fits else ""
+    if not fits:
+        return session
+    law = compare_misfits(cell for each in fits.values() for cell in cell_misfits(each, "ok"))
+    said = law.said(next(iter(fits.values())).activity_unit)
+    return replace(session, law=said, law_fits=not law.together[0].told)
 
 
 def fits_of(study: Study, shown: Progress) -> dict[str, Fits]:
@@ -106,7 +118,11 @@ def is_bad(word: str) -> bool:
 
 
 def told(verdicts: Iterable[SessionVerdict], stream: TextIO) -> Iterator[str]:
-    """One line a session, its remarks with their remedies beneath, and at the end how many sessions are how good."""
+    """One line a session, its remarks with their remedies beneath, and at the end how many sessions are how good.
+
+    Of several sessions only those say it whose presses the logarithm does not fit.
+    """
+    verdicts = list(verdicts)
     counts: Counter[str] = Counter()
     for verdict in verdicts:
         counts[verdict.verdict] += 1
@@ -117,10 +133,12 @@ def told(verdicts: Iterable[SessionVerdict], stream: TextIO) -> Iterator[str]:
             yield f"    {advice.text}"
             if advice.do:
                 yield f"      -> {advice.do}"
-        if verdict.law:
+        if verdict.law and (len(verdicts) == 1 or not verdict.law_fits):
             yield f"    {verdict.law}"
     if counts.total() > 1:
         yield counted(counts)
+        if fits := [verdict.law_fits for verdict in verdicts if verdict.law]:
+            yield f"The presses of {fits.count(False)} of {len(fits)} people contradict the logarithm v = a + b ln F."
 
 
 def counted(verdicts: Counter[str]) -> str:

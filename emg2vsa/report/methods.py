@@ -173,9 +173,11 @@ correction [@dunn] and exact Mann-Whitney tests [@mann] with Holm's correction.{
 {% if many_people and many_specimens %}Over participants, the means were compared by a repeated-measures ANOVA with
 the Greenhouse-Geisser correction [@greenhouse], by a linear mixed model (specimen fixed, participant and participant
 by specimen random; REML [@patterson] with profile-likelihood intervals of its standard deviations) and by Friedman's
-test [@friedman]. Whole curves of co-contraction against force were compared between specimens by rotation tests over
-participants [@langsrud] with {{ DRAWS }} draws: the largest statistic of all forces and pairs gave the threshold, and
-neighbouring forces beyond the threshold form a cluster, as in statistical parametric mapping [@pataky].{% endif %}
+test [@friedman]. The mean over the presses of a person has an interval whose variance is moderated over all recordings
+[@smyth] and holds the correlation of successive presses. Whole curves of co-contraction against force were compared
+between specimens by rotation tests over participants [@langsrud] with {{ DRAWS }} draws: the largest statistic of all
+forces and pairs gave the threshold, and neighbouring forces beyond the threshold form a cluster, as in statistical
+parametric mapping [@pataky].{% endif %}
 {% if h.equivalence_margin_sd is not none and many_people %}Two one-sided tests [@schuirmann] examined whether each
 pair of participants is equal within {{ h.equivalence_margin_sd | g }} SD of their repetitions.{% endif %} No test was
 chosen by the outcome of another. Intervals of ω² come from the noncentral F distribution [@steiger]. A trend of b

@@ -173,16 +173,15 @@ _SHOWN = {
 """Columns of the presses, from their rows in microvolts."""
 
 
-def fit_lines(trials: Trials, fits: Fits, law: str = "") -> Iterator[str]:
-    """A line a press, with the reason beneath where it is not ok; law : whether the logarithm fits."""
+def fit_lines(trials: Trials, fits: Fits, *said: str) -> Iterator[str]:
+    """A line a press, with the reason beneath where it is not ok; then what is said of all of them."""
     scaled = [{key: of * 1e6 if key.endswith("_v") else of for key, of in row.items()} for row in rows(trials, fits)]
     n, ok = len(scaled), sum(row["verdict"] == "ok" for row in scaled)
     yield f"{n} press{'es' * (n != 1)} found, {ok} ok; v = a + b ln(F / 1 N), in microvolts"
     told = aligned([[*_SHOWN], *([form.format(**row) for form in _SHOWN.values()] for row in scaled)], left=(3,))
     for line, reason in zip(told if n else (), ("", *fits.reason.tolist()), strict=False):
         yield from (line, f"      {reason}") if reason else (line,)
-    if law:
-        yield law
+    yield from filter(None, said)
     yield from (f"note: {note}" for note in trials.notes)
 
 

@@ -92,6 +92,8 @@ schuirmann | Schuirmann, D. J. | 1987 | A comparison of the two one-sided tests 
   657–680 | 10.1007/BF01068419
 shapiro | Shapiro, S. S. and Wilk, M. B. | 1965 | An analysis of variance test for normality (complete samples) |
   Biometrika | 52 | 591–611 | 10.1093/biomet/52.3-4.591
+smyth | Smyth, G. K. | 2004 | Linear models and empirical Bayes methods for assessing differential expression in
+  microarray experiments | Statistical Applications in Genetics and Molecular Biology | 3 | 3 | 10.2202/1544-6115.1027
 steiger | Steiger, J. H. | 2004 | Beyond the F test: effect size confidence intervals and tests of close fit in the
   analysis of variance and contrast analysis | Psychological Methods | 9 | 164–182 | 10.1037/1082-989X.9.2.164
 welch | Welch, B. L. | 1951 | On the comparison of several mean values: an alternative approach | Biometrika | 38 |

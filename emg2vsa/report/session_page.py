@@ -11,6 +11,7 @@ import numpy as np
 
 from casr import html
 from casr.atomic import write_text_atomic
+from emg2vsa.companions.person_slopes import person_slopes
 from emg2vsa.extraction import Trials
 from emg2vsa.figures.palette import ActivityScale, activity_scale
 from emg2vsa.fits import Fits, by_recording
@@ -58,6 +59,10 @@ def write_session_page(
     doubts = doubts_between(trials, fitted, study.judgements)
     verdict = session_verdict(participant, list(entries.values()), trials, fitted, failures, doubts)
     scale = activity_scale(fits.activity_unit, fits.v_max_v) if fits else activity_scale("V", [])
+    of_person = {}
+    if fits:
+        slopes = person_slopes(fits, study.hypotheses.use)
+        of_person = dict(zip(slopes.specimen.tolist(), slopes.said(fits.activity_unit), strict=True))
     sections = []
     for place, judged in enumerate(verdict.specimens):
         body = ""
@@ -66,6 +71,8 @@ def write_session_page(
             # what people said of a press, and its fit, count in every picture
             recording = recording if own is None else replace(recording, verdict=own.verdict)
             body = _recording(recording, own, entries[judged.specimen].window.force_n, scale, f"r{place}")
+            if said := of_person.get(judged.specimen):
+                body += html.paragraph(said)
             body += html.details("Processing", html.bullets(map(short.text, recording.notes)))
         faults = html.bullets(map(str, judged.told))
         wanted = f" of {judged.wanted}" if judged.wanted is not None else ""

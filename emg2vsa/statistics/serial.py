@@ -51,9 +51,9 @@ class SerialCorrelation:
         return np.asarray((1 - self.rho**2) / (1 + self.rho**2))
 
 
-def serial_correlation(scores: Floats) -> SerialCorrelation:
+def serial_correlation(scores: Floats, most: float = 1.0) -> SerialCorrelation:
     """Of presses (d, S, R) in the order they were made, NaN where there is none; its neighbours then count as
-    successive. Specimens weigh by their presses, and those with fewer than four do not count."""
+    successive. Specimens weigh by their presses, and those with fewer than four do not count. most : of ``rho``."""
     there = np.isfinite(scores)
     n = np.count_nonzero(there, axis=-1)
     order = np.argsort(~there, axis=-1, kind="stable")
@@ -71,13 +71,13 @@ def serial_correlation(scores: Floats) -> SerialCorrelation:
     with np.errstate(invalid="ignore", divide="ignore"):
         r = np.sum(e[..., :-1] * e[..., 1:], axis=-1) / np.where(used, squares, 1.0)
         pooled = np.sum(weight * r, axis=-1) / total
-        expected, variance = (np.array([_independent(k)[i] for k in range(count.max() + 1)]) for i in (0, 1))
+        expected, variance = (np.array([_independent(k)[i] for k in range(count.max(initial=0) + 1)]) for i in (0, 1))
         away = np.sum(weight * (r - expected[count]), axis=-1)
         p = special.ndtr(-away / np.sqrt(np.sum(weight**2 * variance[count], axis=-1)))
     rho = np.zeros(len(scores))
     for i in np.flatnonzero(p < _INCLUDED_P):
         curve = sum(w * _expected_r(k) for w, k in zip(weight[i].tolist(), count[i].tolist(), strict=True)) / total[i]
-        rho[i] = np.interp(pooled[i], curve, _RHO)
+        rho[i] = min(float(np.interp(pooled[i], curve, _RHO)), most)
     return SerialCorrelation(rho, p, _effective(n, rho))
 
 

@@ -47,6 +47,14 @@ def test_the_law_of_force_has_a_line_of_its_own() -> None:
         "P1     GOOD        S1 8/8",
         "    The logarithm v = a + b ln F fits.",
     ]
+    bent = replace(verdicts()[1], advice=(), law="The logarithm v = a + b ln F does not fit.", law_fits=False)
+    assert list(told([good, bent], io.StringIO())) == [
+        "P1     GOOD        S1 8/8",
+        "P2     USABLE      S1 7/8",
+        "    The logarithm v = a + b ln F does not fit.",
+        "1 good, 1 usable, 0 to repeat",
+        "The presses of 1 of 2 people contradict the logarithm v = a + b ln F.",
+    ]
 
 
 def test_colour_on_a_terminal_unless_no_color(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -56,6 +56,10 @@ def test_tables_hold_every_effect_and_residual(whole, content: Content) -> None:
     rows = {name: len(content.tables[name].rows) for name in ("factors", "mixed_sd", "force_laws", "law_misfits")}
     assert rows == {"factors": 14, "mixed_sd": 3, "force_laws": 6, "law_misfits": 9}
     assert len(content.tables["mixed_residuals"].rows) == np.count_nonzero(whole.used)
+    people, found = content.tables["person_slopes"].rows, whole.recorded.hypotheses
+    assert [(row["participant"], row["specimen"]) for row in people[:2]] == [("P01", "S1"), ("P01", "S2")]
+    assert [row["b_v"] for row in people] == found.people.mean.tolist()
+    assert [row["person_v"] for row in people[:: found.specimens.size]] == found.tests.blocks.predicted.person.tolist()
     assert [row["participant"] for row in content.tables["trend"].rows] == ["P01", "P02", "P03"]
 
 

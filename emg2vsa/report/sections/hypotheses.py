@@ -83,7 +83,10 @@ def _pair_quantities(found: Hypotheses) -> Items:
 
 def _over_people_quantities(found: Hypotheses, unit: str) -> Items:
     equality, blocks, name = found.tests.equality, found.tests.blocks, "hypotheses.over_people"
-    slope = found.trend
+    slope, people = found.trend, found.people
+    yield from named(
+        "hypotheses.people", press_sd=people.press_sd, press_df=people.press_df, press_rho=people.press_rho
+    )
     yield from with_interval(f"hypotheses.trend.b{unit}_per_repetition", slope.mean, slope.low, slope.high)
     yield from named("hypotheses.trend", relative_per_repetition=slope.per_mean, p=slope.p)
     yield "hypotheses.equality.bound_sd", most(equality.bound_sd)
@@ -193,6 +196,7 @@ in the <a href="#claims">summary</a> follow from intervals over people, not from
 {{ q["hypotheses.over_people.mixed.residuals.shapiro_p"] | p }} and
 {{ q["hypotheses.over_people.mixed.residuals.level_p"] | p }}.</p>
 {{ folded("mixed_sd", "Scatter of b between people and between repetitions") }}
+{{ folded("person_slopes", "b of each person, alone and in the hierarchy of the study") }}
 {{ folded("mixed_residuals", "Residuals of the mixed model") }}
 {% endif %}
 {% if tested.trend.p == tested.trend.p %}

@@ -144,6 +144,7 @@ def _models(found: Hypotheses, scale: ActivityScale) -> Iterator[Table]:
         if zero := [source for source, sd in zip(SOURCES, of.sd, strict=True) if sd == 0]:
             caption += f". The likelihood is largest where {listed(zero)} do not scatter: only the upper limit informs"
         yield table_of("mixed_sd", caption, scatter)
+    yield _people(found, scale)
     if blocks is not None and blocks.residuals is not None:
         fitted: Columns = {activity_column("fitted_v", "Fitted b", scale): blocks.residuals.fitted}
         caption = "Residuals of the mixed model, for a QQ plot and for residuals against fitted values"
@@ -153,6 +154,30 @@ def _models(found: Hypotheses, scale: ActivityScale) -> Iterator[Table]:
         activity_column("slope_v", "Change of b per repetition", scale): found.trend.slope,
     }
     yield table_of("trend", "Trend of b over the repetitions of each participant", slopes, FEW_ON_PAGE)
+
+
+def _people(found: Hypotheses, scale: ActivityScale) -> Table:
+    """b of each person, by the presses of the recording and in the hierarchy of the study."""
+    people, blocks = found.people, found.tests.blocks
+    model = np.full((6, people.mean.size), np.nan)
+    if blocks is not None and (of := blocks.predicted) is not None:
+        whole = (np.repeat(each, found.specimens.size) for each in (of.person, of.person_low, of.person_high))
+        model = np.stack([of.cell.ravel(), of.cell_low.ravel(), of.cell_high.ravel(), *whole])
+    heads = ("Mean b", "Low", "High", "Shrunken b", "Low", "High", "Over the specimens", "Low", "High")
+    keys = [f"{of}{end}v" for of in ("b_", "shrunken_", "person_") for end in ("", "low_", "high_")]
+    values: Columns = {
+        Column("participant", "Participant"): people.participant, Column("specimen", "Specimen"): people.specimen,
+        Column("presses", "Presses"): people.presses,
+        **{
+            activity_column(key, head, scale): of
+            for key, head, of in zip(keys, heads, (people.mean, people.low, people.high, *model), strict=True)
+        },
+    }  # fmt: skip
+    caption = (
+        "b of each person: mean over presses, whose interval holds how presses differ, pooled over the study; then "
+        "what the mixed model predicts for the person on the specimen, and over all specimens, drawn towards the study"
+    )
+    return table_of("person_slopes", caption, values, FEW_ON_PAGE)
 
 
 def _statements(found: Hypotheses) -> Table:
