@@ -208,7 +208,8 @@ def _without_touch(
             continue
         low = first - min(reach, first // size * size)
         high = low + (min(samples.size, last + reach) - low) // size * size
-        around = samples[low:high]
+        # what another press took is not taken again
+        around = left[low:high].copy()
         begin, end = first - low, last - low
         force_n = force_at(np.arange(low, high))
         shapes = np.stack((np.ones(force_n.size), force_n / max(float(force_n.max()), 1e-9)))
