@@ -27,10 +27,13 @@ def _of_laplace(mean: Floats) -> Floats:
 
 class Rail(NamedTuple):
     """of_v : value above which a saturated channel has no sample. law : 0 where the samples that do not reach it are
-    Gaussian, 1 where they have Laplace's law."""
+    Gaussian, 1 where they have Laplace's law. sides : 1 or 2 that saturate. hard : samples pile up below it; where they
+    do not, those below are smaller too, by nobody knows how much."""
 
     of_v: float
     law: float
+    sides: int = 2
+    hard: bool = True
 
 
 def law_of(pieces: Sequence[Floats], size: int) -> float:
@@ -45,10 +48,10 @@ def unclipped(levels_v: Floats, rail: Rail) -> tuple[Floats, Floats, Floats] | N
     """Levels (n,) that a channel which saturates would show: by its own law, by Gauss's, and by Laplace's; None where
     too little is left of it to tell."""
     ratio = levels_v / rail.of_v
-    if np.max(ratio, initial=0.0) > MOST:
+    if not rail.hard or np.max(ratio, initial=0.0) > MOST:
         return None
     gauss, laplace = (
-        levels_v * np.interp(ratio, read, true / read)
+        levels_v * (1 + rail.sides / 2 * (np.interp(ratio, read, true / read) - 1))
         for read, true in ((_of_gauss(_SIZES), np.sqrt(2 / np.pi) * _SIZES), (_of_laplace(_SIZES), _SIZES))
     )
     return gauss + rail.law * (laplace - gauss), gauss, laplace

@@ -6,6 +6,7 @@ memory that is all; a longer one is left out of the fit (``emg2vsa.signals.movem
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -16,6 +17,8 @@ from emg2vsa.arrays import Floats, Ints, runs_of
 from emg2vsa.signals.spikes import spikes_in
 from emg2vsa.signals.verdicts import HELD_SHARE, HELD_WARNING_S, HELD_WARNING_SAMPLES
 
+WIDEST = 8
+"Of a spike of a few samples only the edges bend; so many samples between two are taken with them."
 REACH_S = 0.3
 "Gaps are looked for so far before and after a press: the band-pass remembers them."
 
@@ -57,6 +60,8 @@ def bridge(samples: Sequence[Floats], missing: Sequence[NDArray[np.bool_]], fs_h
                 left = x.copy() if left is x else left
                 replaced = gone.copy()
                 replaced[spiked] = True
+                for one, next_one in itertools.pairwise(spiked.tolist()):
+                    replaced[one:next_one] |= next_one - one <= WIDEST
                 at = np.arange(end - begin)
                 left[begin:end][replaced] = np.interp(at[replaced], at[~replaced], x[begin:end][~replaced])
             inside = np.count_nonzero((spiked >= first - begin) & (spiked < last - begin))

@@ -328,12 +328,13 @@ def _saturated(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> tuple[di
             shoulder, top = quantiles(side, 0.95, 0.9995)
             tail = top / shoulder if shoulder > 0 else np.inf
             below, near = side.size - np.searchsorted(side, (0.8 * top, 0.9 * top))
-            piled = near > PILED[1] * (below - near) and near > PILED[2] * side.size
-            tails.append((tail if piled or tail < TAIL else np.inf, top))
-        tail, top = min(tails)
-        if tail < PILED[0]:
+            piled = tail < PILED[0] and near > PILED[1] * (below - near) and near > PILED[2] * side.size
+            if piled or tail < TAIL:
+                tails.append((tail, top, piled))
+        if tails:
             early = [piece[: int(0.4 * piece.size)] - median(piece) for piece in of]
-            rails[muscle] = Rail(top, law_of(early, round(LAW_S * signals.fs_hz)))
+            _, top, piled = min(tails)
+            rails[muscle] = Rail(top, law_of(early, round(LAW_S * signals.fs_hz)), len(tails), bool(piled))
             shown = volts(float(np.quantile(np.abs(late), 0.95)))
             said.append(f"{muscle} has no sample far above {shown}; is it saturated?")
     return rails, said

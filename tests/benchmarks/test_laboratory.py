@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.laboratory import Laboratory, activity_v, simulate_session
+from benchmarks.laboratory import Laboratory, LaboratorySession, activity_v, simulate_session
 from emg2vsa.errors import SettingError
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.extract import extract_trials
@@ -16,8 +16,8 @@ from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ForceChannelSettings, WindowSettings
 
 
-def analysed(laboratory: Laboratory, seed: int = 1, **filters):
-    session = simulate_session(laboratory, seed)
+def analysed(laboratory: Laboratory, seed: int = 1, session: LaboratorySession | None = None, **filters):
+    session = session or simulate_session(laboratory, seed)
     emg = {f"M{i}": Channel("E", row, "V", laboratory.fs_hz, 0.0, "") for i, row in enumerate(session.emg_v)}
     force = Channel("F", session.force_n, "N", laboratory.force_fs_hz, 0.0, "")
     return extract_trials(
@@ -133,6 +133,15 @@ def test_saturation_is_in_the_budget_with_its_size() -> None:
     assert -0.3 < np.mean(clipped.bias.corrected[row]) < -0.03
     assert np.all(clipped.bias.b_se[row] > 0)
     assert slope(clipped) == pytest.approx(slope(clean), rel=0.05)
+
+
+def test_an_amplifier_that_saturates_softly_leaves_no_press_to_use() -> None:
+    session = simulate_session(Laboratory(), 1)
+    rails = 0.4 * np.abs(session.emg_v).max(axis=1, keepdims=True)
+    soft = replace(session, emg_v=rails * np.tanh(session.emg_v / rails))
+    trials = analysed(Laboratory(), session=soft)
+    assert np.all(trials.bias.b_se[trials.bias.causes.index("clipping")] >= 1)
+    assert set(fit_trials(trials, FitSettings(), WindowSettings()).verdict) == {"doubtful"}
 
 
 def test_hum_that_grows_with_force_raises_b_and_is_taken_out() -> None:
