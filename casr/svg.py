@@ -63,7 +63,8 @@ class Picture:
 class Axes:
     """Axes over ``view``, ``width`` by ``height`` units of half a px.
 
-    labels : of x and y. beside : more room at the right. marks : what was drawn, in order.
+    labels : of x and y. beside : more room at the right. whole : x is counted, not measured. marks : what was drawn,
+    in order.
     """
 
     view: View
@@ -72,6 +73,7 @@ class Axes:
     height: float = 560
     grid: bool = True
     beside: float = 0
+    whole: bool = False
     marks: list[Mark] = field(default_factory=list)
     _body: list[str] = field(default_factory=list)
     _over: list[str] = field(default_factory=list)
@@ -231,7 +233,8 @@ class Axes:
         left, top, right, bottom = self.view
         floor, grid = _TOP + self.height, 1.0 if self.grid else 0.0
         most = int(self.height / 90) + 2
-        across, up = ticks(left, right, int(self.width / 120)), ticks(min(top, bottom), max(top, bottom), most)
+        across = [x for x in ticks(left, right, int(self.width / 120)) if not self.whole or x == round(x)]
+        up = ticks(min(top, bottom), max(top, bottom), most)
         xs = self._page(np.array([[value, bottom] for value in across]))[:, 0].tolist()
         ys = self._page(np.array([[left, value] for value in up]))[:, 1].tolist()
         lines = "".join(f"M{x:.1f} {floor + 8:.1f}v{-8 - grid * self.height:g}" for x in xs)

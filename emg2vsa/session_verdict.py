@@ -178,10 +178,10 @@ def doubts_between(
 ) -> Doubts:
     """What only a look at several recordings shows, as far as they are given.
 
-    fits : (participant, specimen) to the fits of the recording; one without is looked at for little.
+    fits : (participant, specimen) to the fits of the recording, screened; one without is looked at for little.
     """
     found: Doubts = {}
-    slopes = {key: (one, usable(one, "ok+doubtful")) for key, one in fits.items()}
+    slopes = {key: (one, usable(one, "ok")) for key, one in fits.items()}
     tellers = (_apart(trials), _swapped(slopes), _unknown(trials, judgements))
     for tell in tellers:
         for key, said in tell:

@@ -68,13 +68,12 @@ def _beside(
     if len(whole.recordings) > len(study.recordings):
         plan = survey(replace(study, recordings=whole.recordings), STAGES, lambda text: None, below=below)
     known = [key for key in plan.campaign.recordings if plan.done("trials", (key,)) and plan.done("fits", (key,))]
-    fits = [artifacts.load(path) for path in plan.done("fits", known)]
+    own = [artifacts.load(path) for path in plan.done("fits", known)]
     trials = [artifacts.load(path) for path in plan.done("trials", known)]
-    doubts = doubts_between(trials, by_recording(concatenate(fits)) if fits else {}, whole.judgements)
     screening = screen(traits_by_recording(trials), whole.judgements)
-    used = [screened(each, screening) for each in fits]
-    slopes = person_slopes(concatenate(used, bins=False), whole.hypotheses.use).rows() if used else []
-    return doubts, screening, slopes
+    fits = concatenate((screened(each, screening) for each in own), bins=False) if own else None
+    doubts = doubts_between(trials, by_recording(fits) if fits else {}, whole.judgements)
+    return doubts, screening, person_slopes(fits, whole.hypotheses.use).rows() if fits else []
 
 
 def _verdict(

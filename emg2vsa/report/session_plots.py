@@ -23,12 +23,13 @@ from emg2vsa.figures.palette import (
 from emg2vsa.fits import Fits
 from emg2vsa.report.numbers import least, most
 from emg2vsa.report.wording import activity, number
+from emg2vsa.signals.bias import TOLD
 
 MARKS = {"ok": "", "doubtful": "!", "rejected": "×"}
 _DASHES = {"ok": "", "doubtful": "16 8", "rejected": "4 10"}
 _LINES = ("", "14 8", "4 8", "16 6 4 6")
-_SEEN_PERCENT, _MOST_PERCENT = 0.5, 60.0
-"Causes that move b by less are not drawn; and the highest end of the axis."
+_MOST_PERCENT = 60.0
+"The highest end of the axis of the budget."
 _TRACE_POINTS, _CURVE_POINTS = 900, 12
 _WIDE, _NARROW = 1900, 780
 _LABEL_S = 0.025
@@ -171,11 +172,11 @@ def budget_plot(trials: Trials, fits: Fits, name: str) -> str:
     off = np.abs(1 - 1 / (1 + fits.b_bias))
     half = ((fits.b_hi_v - fits.b_lo_v) / np.abs(fits.b_v) - off) / 2
     left, error = 100 * trials.bias.b, 100 * trials.bias.b_se
-    shown = np.flatnonzero(np.any(np.hypot(left, error) > _SEEN_PERCENT, axis=1))
+    shown = np.flatnonzero(np.any(np.hypot(left, error) > 100 * TOLD, axis=1))
     top = float(np.clip(np.nanmax([12.0, *(100 * half), *np.abs(left).ravel()]), 0, _MOST_PERCENT)) * 1.1
     n = half.size
     labels = ("Press", "Share of b (%)")
-    axes = Axes((0.4, top, n + 0.6, -top), labels, _WIDE, 330)
+    axes = Axes((0.4, top, n + 0.6, -top), labels, _WIDE, 330, whole=True)
     for press, reach in enumerate(np.clip(100 * half, 0, top).tolist(), 1):
         if np.isfinite(reach):
             corners = [(press + x, y) for x, y in ((-0.38, -reach), (-0.38, reach), (0.38, reach), (0.38, -reach))]

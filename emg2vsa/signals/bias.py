@@ -19,6 +19,8 @@ Cause = Literal[
     "clipping", "crosstalk", "filters in the file", "level drift", "zero of force",
 ]  # fmt: skip
 CAUSES: tuple[Cause, ...] = get_args(Cause)
+TOLD = 0.005
+"Of b: the largest cause of a press has a name from here on."
 LEAST = -0.9
 "A cause that leaves less than a tenth of b is not divided out."
 
@@ -91,13 +93,13 @@ class BiasBudget:
 
     @property
     def largest(self) -> tuple[str, ...]:
-        """(p,) the cause that is largest by size and error together; "" where there is none."""
+        """(p,) the cause that is largest by size and error together; "" where none reaches ``TOLD``."""
         if not self.causes:
             return ("",) * int(self.b.shape[1])
         size = np.hypot(self.b, self.b_se)
         rows: list[int] = np.argmax(size, axis=0).tolist()
         tops: list[float] = size.max(axis=0).tolist()
-        return tuple(self.causes[row] if top > 0 else "" for row, top in zip(rows, tops, strict=True))
+        return tuple(self.causes[row] if top > TOLD else "" for row, top in zip(rows, tops, strict=True))
 
 
 def line_change(

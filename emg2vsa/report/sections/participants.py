@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from emg2vsa.extraction.reasons import most_frequent
-from emg2vsa.fits import by_recording
+from emg2vsa.extraction.reasons import by_hand, most_frequent
+from emg2vsa.fits import Fits, by_recording
 from emg2vsa.hypotheses import EFFECT_F, EPSILON, RHO, TARGET, Hypotheses
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, named
@@ -66,16 +67,23 @@ def _sessions(results: StudyResults) -> Table:
 
 
 def _judged(results: StudyResults) -> Table:
-    """Trials that are not simply ok; those with a reason that are ok were accepted by hand."""
+    """Trials that are not simply ok: not used, accepted by hand, or with a remark."""
     fits = results.recorded.fits
     chosen = (fits.verdict != "ok") | (fits.reason != "")
-    verdicts = np.where(fits.verdict == "ok", "accepted", fits.verdict)
+    verdicts = np.where(_accepted(fits), "accepted", fits.verdict)
     values = (fits.participant, fits.specimen, fits.repetition.astype(str), verdicts, fits.reason)
     heads = ("Participant", "Specimen", "Press", "Verdict", "Reason")
     columns: Columns = {Column(h.lower(), h): of[chosen] for h, of in zip(heads, values, strict=True)}
     reasons = [reason for text in fits.reason[chosen].tolist() for reason in text.split("; ") if reason]
     often = f"; most frequent reasons: {'; '.join(most_frequent(reasons, 5))}" if reasons else ""
-    return table_of("judged", f"Trials rejected, doubtful or accepted by hand{often}", columns, FEW_ON_PAGE)
+    return table_of(
+        "judged", f"Trials rejected, doubtful, accepted by hand or with a remark{often}", columns, FEW_ON_PAGE
+    )
+
+
+def _accepted(fits: Fits) -> NDArray[np.bool_]:
+    """Trials (n,) that a person accepted in the study file."""
+    return np.asarray((fits.verdict == "ok") & np.array([by_hand(reason) for reason in fits.reason.tolist()], bool))
 
 
 def _sensitivity(found: Hypotheses) -> Table:
@@ -96,7 +104,7 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     sessions = listed([f"{number} {verdict}" for verdict, number in verdicts.most_common()])
     return {
         "sessions": sessions,
-        "accepted": int(np.count_nonzero((fits.verdict == "ok") & (fits.reason != ""))),
+        "accepted": int(np.count_nonzero(_accepted(fits))),
         "rho": f"{RHO:g}",
         "epsilon": f"{EPSILON:g}",
     }
@@ -118,7 +126,7 @@ The tests use the {{ accepted | count("trial") }} that the study file accepts by
 {{ folded("sessions", "Every session, with a page for each participant") }}
 {% endif %}
 {{ table("failures") }}
-{{ folded("judged", "Trials rejected, doubtful or accepted by hand, with reasons") }}
+{{ folded("judged", "Trials rejected, doubtful, accepted by hand or with a remark") }}
 {% if q['power.study'] is defined and q['power.study'] == q['power.study'] %}
 <p>The paper planned its sample for a test between repetitions. With the people of this study, that test has a power of
 {{ q['power.study'] | bounded }}
