@@ -497,7 +497,8 @@ def _of_lag(
         own_s = lag.lag_s - moved_s + lag.drift * (stop_s - stop_s.mean())
         largest_s = float(np.abs(own_s).max())
         a, b = change(largest_s)
-        yield left_in("clock", a * own_s / largest_s, b * own_s / largest_s)
+        error_s = np.hypot(lag.about_drift_s, lag.feigned_s)
+        yield left_in("clock", a * own_s / largest_s, b * own_s / largest_s, np.abs(b) * error_s / largest_s)
         return
     if left.lag_s:
         a, b = change(left.lag_s)

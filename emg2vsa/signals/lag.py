@@ -68,14 +68,15 @@ TREND_S = 0.02
 class Lag:
     """lag_s : force follows EMG so late; negative where force leads. se_s : its standard error, from so many pieces of
     the record. feigned_s : what the way of pressing, and activity that differs on release, can add. drift : seconds
-    by which the lag grows each second, between_s : standard deviation of the lags of the presses beyond their noise;
-    0 where it is not clear. NaN: not known."""
+    by which the lag grows each second, about_drift_s : standard deviation of the lags of the presses about that line.
+    between_s : that of the lags beyond their noise; 0 where it is not clear. NaN: not known."""
 
     lag_s: float
     se_s: float
     pieces: int = 0
     feigned_s: float = FEIGNED_S
     drift: float = 0.0
+    about_drift_s: float = 0.0
     between_s: float = 0.0
 
     @property
@@ -151,8 +152,8 @@ def estimate_lag(
     se_s = float(np.std(of_press_s, ddof=1)) / n**0.5
     if n == 2:
         se_s = max(se_s, PRESS_SD_S / n**0.5)
-    drift = _drift(of_press_s, stop_s) if n == stop_s.size else 0.0
-    return Lag(lag_s, se_s, n, feigned_s, drift, differing_s)
+    drift, about_s = _drift(of_press_s, stop_s) if n == stop_s.size else (0.0, 0.0)
+    return Lag(lag_s, se_s, n, feigned_s, drift, about_s, differing_s)
 
 
 def curve_of(x: Floats, level: Floats, offsets: Ints, at: Sequence[Floats]) -> list[Floats]:
@@ -235,15 +236,17 @@ def _rising(u: Floats) -> NDArray[np.bool_]:
     return rising
 
 
-def _drift(lag_s: Floats, time_s: Floats) -> float:
-    """Slope of the lags (p,) of the presses against their times (p,); 0 where it is not clear."""
+def _drift(lag_s: Floats, time_s: Floats) -> tuple[float, float]:
+    """Slope of the lags (p,) of the presses against their times (p,), and their standard deviation about it; 0, 0 where
+    it is not clear."""
     if lag_s.size < 5:
-        return 0.0
+        return 0.0, 0.0
     lever = time_s - time_s.mean()
     slope = float(lever @ lag_s / (lever @ lever))
     left = lag_s - lag_s.mean() - slope * lever
-    error = float(np.sqrt(left @ left / (lag_s.size - 2) / (lever @ lever)))
-    return slope if abs(slope) > TREND * error and abs(slope) * np.ptp(time_s) > TREND_S else 0.0
+    about_s = float(np.sqrt(left @ left / (lag_s.size - 2)))
+    clear = abs(slope) > TREND * about_s / np.sqrt(lever @ lever) and abs(slope) * np.ptp(time_s) > TREND_S
+    return (slope, about_s) if clear else (0.0, 0.0)
 
 
 def _activity(channels: tuple[Floats, ...], step: int, fs_hz: float, moved: Sequence[Ints]) -> Floats:

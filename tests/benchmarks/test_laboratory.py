@@ -101,6 +101,13 @@ def test_a_delay_is_told_with_its_size_or_taken_out() -> None:
     assert "lag: not certain, force is not moved" in one.notes
 
 
+def test_lost_packets_leave_a_clock_that_is_known_badly() -> None:
+    trials = analysed(Laboratory(lost_share=0.005))
+    row = trials.bias.causes.index("clock")
+    assert np.all(trials.bias.b[row] < 0)
+    assert np.all(trials.bias.b_se[row] > 0.005)
+
+
 def test_a_zero_that_jumps_is_told_of_the_press_and_rejects_it() -> None:
     trials = analysed(Laboratory(step_n=0.4))
     moved = [i for i, reason in enumerate(trials.reasons) if "the zero of force moves by 0.4" in reason]
