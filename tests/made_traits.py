@@ -12,6 +12,4 @@ def unknown(muscles: tuple[str, ...], n_presses: int) -> Traits:
     level, band = np.full(len(muscles), np.nan), np.full((len(muscles), 3), np.nan)
     nothing = np.empty(0)
     prints = np.full((n_presses, 2, POINTS), np.nan)
-    return Traits(
-        muscles, level, level, band, band[:, :0], level, nothing, nothing, np.nan, np.nan, np.nan, np.nan, prints
-    )
+    return Traits(muscles, level, band, band[:, :0], level, nothing, nothing, np.nan, np.nan, np.nan, np.nan, prints)

@@ -23,6 +23,7 @@ from emg2vsa.public.schedules import profiles_frame, schedules_frame
 from emg2vsa.public.tests import outcomes_frame
 from emg2vsa.report.sections.hypothesis_tables import outcomes
 from emg2vsa.run_scores import RunScores
+from emg2vsa.screening import Screening, screened
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
 from emg2vsa.study_file.problems import shown
@@ -81,8 +82,12 @@ class Results:
 
     @_Table
     def fits(self) -> pd.DataFrame:
-        """v = a + b ln(F / 1 N) of every press of people, as `emg2vsa.fit` gives it."""
-        found = fits_frame(concatenate(self._all("fits")))
+        """v = a + b ln(F / 1 N) of every press of people, as `emg2vsa.fit` gives it.
+
+        Presses of recordings that are unlike all others of the study have the verdict that the tests take.
+        """
+        screening = next((artifacts.load(path) for path in self._plan.done("screening")), Screening())
+        found = fits_frame(concatenate(screened(each, screening) for each in self._all("fits")))
         found.attrs |= self._origin("fits")
         return found
 

@@ -28,8 +28,7 @@ LINE_OVER = 12.0
 class Traits:
     """One recording of m muscles with p presses; NaN where something is not known.
 
-    rest_v, press_v : (m,) mean envelope at rest, and median over the presses of their mean envelope less the rest's
-    power, volts.
+    press_v : (m,) median over the presses of their mean envelope less the power at rest, volts.
     press_band_hz : (m, 3) frequencies below which 5, 50 and 95 % of the power of pressing, less that at rest, lie, of
     10 to 500 Hz. rest_density : (m, F) power spectral density at rest without its narrow lines, V^2/Hz. noise_v : (m,)
     square root of its median over the frequencies above ``NOISE_FROM`` of them, where there is no muscle. spectrum :
@@ -39,7 +38,6 @@ class Traits:
     """
 
     muscles: tuple[str, ...]
-    rest_v: Floats
     press_v: Floats
     press_band_hz: Floats
     rest_density: Floats
@@ -61,7 +59,7 @@ class Traits:
             values = np.array([getattr(part, name) for part in parts])
             return np.array([_median_known(row) for row in values.reshape(len(parts), -1).T]).reshape(values.shape[1:])
 
-        arrays = {name: middle(name) for name in ("rest_v", "press_v", "press_band_hz", "rest_density", "noise_v")}
+        arrays = {name: middle(name) for name in ("press_v", "press_band_hz", "rest_density", "noise_v")}
         numbers = {name: float(middle(name)) for name in ("line_hz", "duration_s", "peak_n", "lag_s")}
         changed: dict[str, Any] = {**arrays, **numbers}
         return replace(first, **changed, fingerprints=np.concatenate([part.fingerprints for part in parts]))
@@ -92,7 +90,6 @@ def traits_of(
     total = own.sum(axis=0)
     return Traits(
         muscles=muscles,
-        rest_v=rest_v,
         press_v=np.array([_median_known(row) for row in level_v]),
         press_band_hz=_band_hz(own, overview.frequency_hz),
         rest_density=smooth,

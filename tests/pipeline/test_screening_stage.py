@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import emg2vsa
 from emg2vsa import artifacts
 from emg2vsa.cli import main
 
@@ -54,6 +55,9 @@ def test_a_copy_is_unreadable_and_enters_no_test_until_one_is_accepted(
     verdicts = json.loads(capsys.readouterr().out)
     assert [verdicts[who]["verdict"] for who in ("P01", "P02")] == ["unreadable", "unreadable"]
     before = product(copied, "hypotheses/study")
+    fits = emg2vsa.results(copied).fits
+    spoilt = fits[(fits["specimen"] == "S1") & fits["participant"].isin(["P01", "P02"])]
+    assert set(spoilt["verdict"]) == {"rejected"}
 
     copied.write_text(copied.read_text(encoding="utf-8") + ACCEPT, encoding="utf-8")
     main(["run", str(copied), "--human-only", "--jobs", "1", "--json"])
