@@ -55,7 +55,7 @@ def test_a_copy_is_unreadable_and_enters_no_test_until_one_is_accepted(
     verdicts = json.loads(capsys.readouterr().out)
     assert [verdicts[who]["verdict"] for who in ("P01", "P02")] == ["unreadable", "unreadable"]
     before = product(copied, "hypotheses/study")
-    fits = emg2vsa.results(copied).fits
+    fits = emg2vsa.load(copied).fits
     spoilt = fits[(fits["specimen"] == "S1") & fits["participant"].isin(["P01", "P02"])]
     assert set(spoilt["verdict"]) == {"rejected"}
 
