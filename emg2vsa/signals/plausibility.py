@@ -54,6 +54,8 @@ PILED = (1.7, 1.5, 0.005)
 the tenth before, and more than this share."""
 LAW_S = 0.2
 "The law of the amplitude of a saturated channel is told by blocks of this length, in the softer parts of its presses."
+LATE_S = 2.0
+"Fewer seconds of it, as one press has, may lack a tail by chance: of a narrow band they hold few peaks."
 LARGE_LAG_S = 0.3
 "Force and EMG that are further apart cannot be compared press by press."
 FOLLOWS, CLEARLY = 0.25, 3.0
@@ -320,7 +322,7 @@ def _saturated(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> tuple[di
         if np.mean(signals.envelopes_v[m]) < 1.2 * signals.rest_v[m]:
             continue
         late = np.concatenate([piece[int(0.6 * piece.size) :] - median(piece) for piece in of])
-        if late.size < 500:
+        if late.size < LATE_S * signals.fs_hz:
             continue
         late.sort()
         tails = []
@@ -357,5 +359,6 @@ def _deaf(signals: Signals) -> Iterator[tuple[str, str]]:
     r = np.divide(means(x * y, offsets), norm, out=np.zeros_like(norm), where=norm > 0)[:, counts > 10]
     for muscle, each in zip(signals.muscles, r, strict=True):
         clear = each.size > 1 and each.mean() > CLEARLY * each.std(ddof=1) / np.sqrt(each.size)
-        if each.size and not clear and (typical := median(each)) < FOLLOWS:
+        # one press tells no scatter, and falls short by chance more often
+        if each.size and not clear and (typical := median(each)) < (FOLLOWS if each.size > 1 else FOLLOWS / 2):
             yield muscle, f"{muscle} does not rise with force (r = {typical:.2f})"
