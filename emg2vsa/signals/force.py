@@ -119,12 +119,15 @@ def _zero_shifts(rest: Rest, force_n: Floats, fs_hz: float, presses: Presses) ->
         return shifts
     centre_s = (rest.start + rest.stop) / 2 / fs_hz
     change_n, lasts_s = np.diff(rest.level_n), np.diff(centre_s)
-    led = np.abs(change_n - (rest.slope[1:] + rest.slope[:-1]) / 2 * lasts_s)
+    size, pair = rest.stop - rest.start, np.stack((rest.slope[:-1], rest.slope[1:]))
+    # the slope of a rest that is far shorter than its neighbour is rough, and leads nowhere
+    pair = np.where([size[:-1] * 2 < size[1:], size[1:] * 2 < size[:-1]], pair[::-1], pair)
+    led = np.abs(change_n - pair.mean(axis=0) * lasts_s)
     after = np.searchsorted(centre_s, presses.start_s)
     known = (after > 0) & (after < centre_s.size)
-    size = max(1, round(REST_END_S * fs_hz))
-    before_n = np.array([median(force_n[max(a, b - size) : b]) for a, b in zip(rest.start, rest.stop, strict=True)])
-    after_n = np.array([median(force_n[a : min(b, a + size)]) for a, b in zip(rest.start, rest.stop, strict=True)])
+    end = max(1, round(REST_END_S * fs_hz))
+    before_n = np.array([median(force_n[max(a, b - end) : b]) for a, b in zip(rest.start, rest.stop, strict=True)])
+    after_n = np.array([median(force_n[a : min(b, a + end)]) for a, b in zip(rest.start, rest.stop, strict=True)])
     off_n = np.maximum(np.abs(before_n[:-1]), np.abs(after_n[1:]))
     shifts[known] = np.maximum(led, off_n)[after[known] - 1]
     return shifts

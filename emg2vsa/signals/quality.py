@@ -24,6 +24,10 @@ REPEATING = 0.3
 "A channel that holds values for this share of its samples was sampled more slowly than its file says."
 
 
+PEAK_SAMPLES = 4
+"So many samples at the extremes are the two peaks of a coarse converter, not a saturated amplifier."
+
+
 @dataclass(frozen=True)
 class RawQuality:
     """One channel within one window.
@@ -61,7 +65,8 @@ def _quality(samples: Floats, missing: NDArray[np.bool_], mains: float) -> RawQu
     elsewhere = length[~at_extreme]
     # a channel that repeats its samples everywhere also repeats its single largest one
     usual = int(elsewhere.max()) if elsewhere.sum() > REPEATING * samples.size else 1
-    clipped = float(np.sum(length[at_extreme & (length > usual)])) / samples.size
+    n_clipped = int(np.sum(length[at_extreme & (length > usual)]))
+    clipped = n_clipped / samples.size if n_clipped > PEAK_SAMPLES else 0.0
     return RawQuality(clipped, n_repeats / repeats.size, int(length.max()), False, mains, n_missing)
 
 

@@ -43,6 +43,16 @@ def test_clipping_counts_runs_at_the_extremes_only():
     assert quality(held).held_samples == 40
 
 
+def test_two_equal_samples_at_a_peak_do_not_clip():
+    """Real EMG of 100 uV in steps of 0.15 uV, in presses of half a second, was rejected for two equal samples."""
+    peak = CLEAN[:500].copy()
+    top, bottom = np.argmax(peak), np.argmin(peak)
+    peak[top + 1], peak[bottom + 1] = peak[top], peak[bottom]
+    assert quality(peak).clip_share == 0
+    peak[top - 1] = peak[top]
+    assert quality(peak).clip_share == pytest.approx(5 / 500)
+
+
 def test_a_coarse_converter_does_not_clip():
     coarse = np.round(CLEAN * 20)
     assert quality(coarse).clip_share < 0.001

@@ -131,6 +131,14 @@ def test_steps_of_the_zero_that_all_go_one_way_are_no_drift():
     assert np.nanmax(drifting.zero_shift_n) < 0.03
 
 
+def test_the_slope_of_a_short_last_rest_leads_nowhere():
+    """Real force: 30 s of grip, and the file ends while the hand lets go."""
+    force = force_of([(0, 0), (3, 8), (30, 8), (31, 0.2), (31.7, 0)])[: -round(1.2 * FS_HZ)]
+    found = condition_force(force, FS_HZ, None, RESTS, WindowSettings())
+    assert found.rest.start.size == 2
+    assert np.nanmax(found.zero_shift_n) < 0.3
+
+
 def test_one_rest_at_which_the_hand_leans_does_not_move_the_tare():
     force = force_of(*[RISE] * 6)
     leaning = force.copy()
