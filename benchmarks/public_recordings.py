@@ -1,9 +1,11 @@
 """What is said of recordings of other laboratories, and whether it is right.
 
-Public files (``../shared/data/emg``, or EMG2VSA_TEST_DATA; origins and licences in its SOURCES.md). Where a file holds
-force, it is judged with it. Few do, so EMG is also judged with a force made from its own level (low-passed at 1 Hz,
-less what the quietest fifth shows, its upper twentieth at 8 N): what is said of the signals then counts, what is said of the law does not. A session
-is judged as ``emg2vsa check`` judges it, and thirds of long recordings as a study of one person.
+Public files (``../shared/data/emg``, or EMG2VSA_TEST_DATA; origins and licences in its SOURCES.md), judged as
+``emg2vsa check`` judges a recording. Those that hold force too are judged as they are. No public file was found that
+holds palpation, so of the others the EMG is the carrier of five simulated presses (``benchmarks.laboratory``): where it
+is active it is divided by its own slow level, and follows 30 + 15 ln F uV above 1 uV of noise. Its spectrum, its motor
+units, its converter and what disturbs it are real, and b is known. Three stretches of each, as three specimens of a
+person, are compared with those of all others.
 
     python -m benchmarks.public_recordings     # writes benchmarks/results/public_recordings.json
 """
@@ -11,13 +13,16 @@ is judged as ``emg2vsa check`` judges it, and thirds of long recordings as a stu
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
+import re
+from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from scipy import signal
 
 from benchmarks.bench.record import keep
+from benchmarks.laboratory import Laboratory, activity_v, simulate_session
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import Emg2vsaError
 from emg2vsa.extraction import Trials
@@ -27,7 +32,7 @@ from emg2vsa.readers.front_door import load_named, open_recording
 from emg2vsa.readers.opened import to_si
 from emg2vsa.recordings import Channel
 from emg2vsa.screening.screen import screen, traits_by_recording
-from emg2vsa.session_verdict import judge_session
+from emg2vsa.session_verdict import SessionVerdict, judge_session
 from emg2vsa.settings import (
     CocontractionSettings,
     FilterSettings,
@@ -38,151 +43,185 @@ from emg2vsa.settings import (
 
 FILES = Path(os.environ.get("EMG2VSA_TEST_DATA", Path(__file__).parents[2] / "shared" / "data")) / "emg"
 RESULTS = Path(__file__).parent / "results" / "public_recordings.json"
-FOLLOWS_HZ, PEAK_N, QUIET = 1.0, 8.0, 1.3
+SLOW_HZ, ACTIVE, PIECE_S, NOISE_V, B_V = 1.0, 0.5, 0.4, 1e-6, 15e-6
+"""The level of a carrier; active above this share of its upper tenth; pieces of it are so long."""
+COUNTS_V = 3.0 / 2**16 / 1000
+"Volts of a count of a 16 bit converter of 3 V behind a gain of 1000."
+VL = "Vastus Lateralis - AUX 3 (Channel 1->1) - GR08MM1305 ({})"
 
 
 @dataclass(frozen=True)
 class Case:
-    """emg : muscle to channel. force : of it, in newtons times ``newtons``; "" where it is made. window_n : of the force.
-    why : what is right or wrong about what is said. volts : of a stored unit, where the file does not say."""
+    """Channels of a file. force : with its newtons per stored unit, and the file that holds it if another does."""
 
     file: str
-    emg: dict[str, str]
+    emg: tuple[str, ...]
     why: str
     force: str = ""
     newtons: float = 1.0
-    window_n: tuple[float, float] = (0.5, 7.0)
     volts: float = 1.0
     fs_hz: float | None = None
-    thirds: bool = False
     force_file: str = ""
 
 
-@dataclass
-class Judged:
-    verdict: str
-    said: list[str] = field(default_factory=list)
-
-
-def loaded(case: Case) -> tuple[dict[str, Channel], Channel]:
-    _, opened = open_recording(FILES / case.file)
-    names = [*case.emg.values(), *([case.force] if case.force and not case.force_file else [])]
-    stored = [to_si(each) for each in load_named(opened, names, [case.fs_hz] * len(names))]
-    emg = {
-        muscle: Channel(muscle, case.volts * own.samples, "V", own.fs_hz, own.start_s, own.conversion)
-        for muscle, own in zip(case.emg, stored, strict=False)
-    }
-    if case.force_file:
-        _, opened = open_recording(FILES / case.force_file)
-        stored += [to_si(each) for each in load_named(opened, [case.force])]
-    if case.force:
-        own = stored[-1]
-        return emg, Channel("force", case.newtons * own.samples, "N", own.fs_hz, own.start_s, own.conversion)
-    return emg, followed(emg)
-
-
-def followed(emg: dict[str, Channel]) -> Channel:
-    """A force that rises and falls with the level of all muscles."""
-    first = next(iter(emg.values()))
-    low = signal.butter(2, FOLLOWS_HZ, fs=first.fs_hz, output="sos")
-    high = signal.butter(2, 20.0, "highpass", fs=first.fs_hz, output="sos")
-    level = sum(
-        np.abs(signal.sosfiltfilt(high, np.nan_to_num(each.samples - np.nanmean(each.samples))))
-        for each in emg.values()
-    )
-    slow: Floats = signal.sosfiltfilt(low, level)
-    slow = np.maximum(slow - QUIET * np.quantile(slow, 0.2), 0.0)
-    return Channel("force", PEAK_N / np.quantile(slow, 0.95) * slow, "N", first.fs_hz, first.start_s, "made of EMG")
-
-
-def extracted(case: Case, emg: dict[str, Channel], force: Channel, specimen: str) -> tuple[Trials, WindowSettings]:
-    window = WindowSettings(force_n=case.window_n, min_duration_s=0.5 if case.force else 0.1)
-    trials = extract_trials(
-        emg, force, participant="P", specimen=specimen, filters=FilterSettings(),
-        cocontraction=CocontractionSettings(), window=window,
-        force_channel=ForceChannelSettings(name="force"),
-    )  # fmt: skip
-    return trials, window
-
-
-def judged(case: Case) -> Judged:
-    try:
-        emg, force = loaded(case)
-        trials, window = extracted(case, emg, force, "S")
-    except Emg2vsaError as error:
-        return Judged("refused", [str(error).partition(": ")[2] or str(error)])
-    session = judge_session("P", [trials], {"S": fit_trials(trials, FitSettings(), window)}, {"S": None}, {})
-    said = [each.text.removeprefix("S: ") for each in session.advice]
-    if case.thirds:
-        parts = [extracted(case, *third(emg, force, k), f"T{k}")[0] for k in range(3)]
-        found = screen(traits_by_recording(parts)).found
-        said += [f"third {each.specimen[1:]}: {each.said}" for each in found] or ["thirds: alike"]
-    return Judged(session.verdict, said)
-
-
-def third(emg: dict[str, Channel], force: Channel, k: int) -> tuple[dict[str, Channel], Channel]:
-    def part(one: Channel) -> Channel:
-        n = one.samples.size // 3
-        return Channel(one.name, one.samples[k * n : (k + 1) * n], one.unit, one.fs_hz, one.start_s, one.conversion)
-
-    return {muscle: part(one) for muscle, one in emg.items()}, part(force)
-
-
-VL = "Vastus Lateralis - AUX 3 (Channel 1->1) - GR08MM1305 ({})"
-COUNTS_V = 3.0 / 2**16 / 1000
-"""Volts of a count of a 16 bit converter of 3 V behind a gain of 1000."""
-CASES = {
-    "forearm, gripping counts of a Mini45": Case(
-        "ati/atusa_myo_mini45_raw_01.csv", {"EDC": "emg0", "FDS": "emg4"}, "", force="Fz", fs_hz=243.0, volts=1e-6
+WITH_FORCE = {
+    "grip on a Mini45, 50 s": Case(
+        "ati/atusa_myo_mini45_raw_01.csv", ("emg0", "emg4"),
+        "right: 18 % of the readings are two, glued together (SOURCES.md)", "Fz", volts=1e-6, fs_hz=243.0,
     ),
-    "grip, one EMG": Case(
-        "emg_force/novainstrumentation_emg.txt", {"FDS": "row 2"}, "", force="row 2", newtons=0.1, volts=1e-3,
-        force_file="emg_force/novainstrumentation_force.txt", window_n=(0.5, 7.0),
+    "grip, 5 s": Case(
+        "emg_force/novainstrumentation_emg.txt", ("row 2",),
+        "right: the file begins within a grip, at a quarter of its peak", "row 2", 0.1, 1e-3,
+        force_file="emg_force/novainstrumentation_force.txt",
     ),
-    "knee, monopolar grid, force in % MVC": Case(
-        "emg_force/openhdemg_otb_testfile_VL64_force.mat", {"A": VL.format(1), "B": VL.format(40)}, "",
-        force="acquired data", newtons=0.4,
+    "knee, force in % MVC, 32 s": Case(
+        "emg_force/openhdemg_otb_testfile_VL64_force.mat", (VL.format(1), VL.format(40)),
+        "right: the file begins and ends within the contraction, so its two rests are none", "acquired data", 0.4,
     ),
-    "gait, force plate": Case(
-        "c3d/btk_PiG_Motion-FlatFoot-Full.c3d", {"TA": "R_TA", "GL": "R_GL"}, "", force="plate 1 Fz", newtons=0.02
+    "walking over a plate": Case(
+        "c3d/btk_PiG_Motion-FlatFoot-Full.c3d", ("R_TA", "R_GL"),
+        "right: a heel strike lasts .1 s, and TA works before it, in the rest of the plate", "plate 1 Fz", 0.02,
     ),
-    "gait, right leg": Case("c3d/btk_PiG_Motion-FlatFoot-Full.c3d", {"TA": "R_TA", "GL": "R_GL"}, ""),
-    "gait, mV": Case(
-        "c3d/btk_1123x01EMG.c3d", {"TA": "Right Tibialis Anterior", "GL": "Right Gastrocnemius Lateralis"}, ""
-    ),
-    "eight muscles, 4 and 5": Case("delsys_native/btk_Set1_Rep2_v3.emg", {"A": "EMG Ch4", "B": "EMG Ch5"}, "", thirds=True),
-    "eight muscles, 3 and 6": Case("delsys_native/btk_Set1_Rep2_v3.emg", {"A": "EMG Ch3", "B": "EMG Ch6"}, "", thirds=True),
-    "eight muscles, 7 and 8": Case("delsys_native/btk_Set1_Rep2_v3.emg", {"A": "EMG Ch7", "B": "EMG Ch8"}, "", thirds=True),
-    "forearm, fast arm movements": Case(
-        "delsys_native/btk_Run34_EDC_FCR_BIC_TRI.hpf",
-        {"EDC": "R EXTENSOR DIGITORUM: EMG 3", "FCR": "R FLEXOR CARPI RADIALIS: EMG 5"}, "",
-    ),
-    "bursts of one muscle": Case("opensignals/bsnb_emg_bursts.h5", {"A": "PORT3_CHN1"}, "", volts=COUNTS_V, thirds=True),
-    "electrodes on nothing that moves": Case("vicon_csv/pyomeca_analogs_first2000.csv", {"A": "EMG1", "B": "EMG4"}, ""),
-    "mains in a sensor that is off": Case(
-        "delsys_csv/emgio_emgworks_verbose_truncated.csv",
-        {"A": "Mini sensor 10: EMG 10", "B": "Mini sensor 11: EMG 11"}, "",
-    ),
-    "one second of standing": Case("anc/btk_Res16bits.anc", {"TA": "R Tibialis Ant", "GM": "R Gastrocnemius Med"}, ""),
-    "slow sensors that are no EMG": Case(
-        "opensignals/bsnb_raw_3ch_2018_7_4.txt", {"A": "CH1", "B": "CH2"}, "", volts=COUNTS_V
-    ),
-    "placeholder of a data standard": Case(
-        "bids/emg_IndependentMod/sub-01/emg/sub-01_task-grasping_emg.edf", {"A": "EMG1", "B": "EMG2"}, ""
+}  # fmt: skip
+STEPS = (
+    "right: the muscle works in bursts of .1 s, some larger than a level of 1 Hz follows, so that b is poorly known; "
+    "what is slow and large in them may be the limb that moves the electrode"
+)
+ARM = "right: fast arm movements tug at the cables, and burst"
+CARRIERS = {
+    **{f"knee, grid channel {k}": Case("emg_force/openhdemg_otb_testfile_VL64_force.mat", (VL.format(k),), "")
+       for k in range(1, 65, 6)},
+    **{f"repeated movement, channel {k}": Case("delsys_native/btk_Set1_Rep2_v3.emg", (f"EMG Ch{k}",), STEPS)
+       for k in range(2, 9)},
+    **{f"arm movements, {m}": Case("delsys_native/btk_Run34_EDC_FCR_BIC_TRI.hpf", (f"{m}: EMG {k}",), ARM)
+       for m, k in (("R EXTENSOR DIGITORUM", 3), ("R FLEXOR CARPI RADIALIS", 5))},
+    **{f"gait, {m}": Case("c3d/btk_PiG_Motion-FlatFoot-Full.c3d", (m,), STEPS)
+       for m in ("R_TA", "R_GL", "R_PE", "L_TA")},
+    **{f"leg in mV, {m}": Case("c3d/btk_1123x01EMG.c3d", (m,), STEPS)
+       for m in ("Right Tibialis Anterior", "Left Tibialis Anterior", "Right Gastrocnemius Lateralis")},
+    "bursts of one muscle": Case("opensignals/bsnb_emg_bursts.h5", ("PORT3_CHN1",), "", volts=COUNTS_V),
+    "no EMG: slow sensor": Case("opensignals/bsnb_raw_3ch_2018_7_4.txt", ("CH1",), "right: it holds no EMG",
+                               volts=COUNTS_V),
+    "no EMG: mains of a sensor that is off": Case(
+        "delsys_csv/emgio_emgworks_verbose_truncated.csv", ("Mini sensor 10: EMG 10",),
+        "right: 88 % of its power is mains, which as a carrier is there in presses alone",
     ),
 }  # fmt: skip
 
 
+def channels(case: Case) -> tuple[list[Channel], Channel | None]:
+    """EMG in volts, and force in newtons where the case has one."""
+    asked = [(case.file, (*case.emg, *((case.force,) if case.force and not case.force_file else ())))]
+    asked += [(case.force_file, (case.force,))] if case.force_file else []
+    found = []
+    for file, names in asked:
+        _, opened = open_recording(FILES / file)
+        found += [to_si(each) for each in load_named(opened, names, [case.fs_hz] * len(names))]
+    factors = [case.volts] * len(case.emg) + [case.newtons] * bool(case.force)
+    units = ["V"] * len(case.emg) + ["N"] * bool(case.force)
+    scaled = [
+        Channel(each.name, factor * each.samples, unit, each.fs_hz, each.start_s, each.conversion)
+        for each, factor, unit in zip(found, factors, units, strict=True)
+    ]
+    return scaled[: len(case.emg)], scaled[-1] if case.force else None
+
+
+def carrier(channel: Channel, begin: float, end: float) -> Floats:
+    """Samples of a stretch of a channel, shares of its length, where it is active; of mean size 1."""
+    samples = channel.samples[np.isfinite(channel.samples)]
+    samples = samples - samples.mean()
+    low = signal.butter(1, SLOW_HZ, fs=channel.fs_hz, output="sos")
+    slow = np.maximum(signal.sosfiltfilt(low, np.abs(samples)), 1e-12)
+    active = slow > ACTIVE * np.quantile(slow, 0.9)
+    steady = (samples / slow)[active]
+    steady = steady[round(begin * steady.size) : round(end * steady.size)]
+    return np.asarray(steady / np.abs(steady).mean(), dtype=np.float64)
+
+
+def long(stretch: Floats, n: int, piece: int, rng: np.random.Generator) -> Floats:
+    """Pieces of a stretch as they come by chance, of either sign so that none repeats a line, faded over, (n,)."""
+    overlap = piece // 8
+    fade = np.sin(np.pi / 2 * (np.arange(overlap) + 0.5) / overlap)
+    window = np.concatenate((fade, np.ones(piece - 2 * overlap), fade[::-1]))
+    joined = np.zeros(n + 2 * piece)
+    for at in range(0, n + piece, piece - overlap):
+        begin = int(rng.integers(0, stretch.size - piece + 1))
+        joined[at : at + piece] += rng.choice([-1.0, 1.0]) * window * stretch[begin : begin + piece]
+    return joined[overlap : n + overlap]
+
+
+def pressed(channel: Channel, begin: float, end: float, seed: int) -> tuple[Channel, Channel]:
+    """EMG and force of five presses with the carrier of a stretch."""
+    fs_hz = channel.fs_hz
+    world = Laboratory(presses=5, fs_hz=fs_hz, force_fs_hz=fs_hz, force_noise_n=0.0)
+    made = simulate_session(world, seed)
+    rng = np.random.default_rng([seed, 3])
+    stretch = carrier(channel, begin, end)
+    wave = long(stretch, made.force_n.size, min(round(PIECE_S * fs_hz), stretch.size), rng)
+    emg_v = activity_v(made.force_n - made.zero_n, world) * wave + NOISE_V * rng.standard_normal(wave.size)
+    force_n = made.force_n + 0.01 * rng.standard_normal(wave.size)
+    return Channel("M", emg_v, "V", fs_hz, 0.0, "V"), Channel("force", force_n, "N", fs_hz, 0.0, "N")
+
+
+def judged(emg: list[Channel], force: Channel, who: str, what: str) -> tuple[Trials, SessionVerdict, Floats]:
+    window = WindowSettings()
+    trials = extract_trials(
+        {f"M{k}" if len(emg) > 1 else "M": each for k, each in enumerate(emg)}, force, participant=who, specimen=what,
+        filters=FilterSettings(), cocontraction=CocontractionSettings(), window=window,
+        force_channel=ForceChannelSettings(name="force"),
+    )  # fmt: skip
+    fits = fit_trials(trials, FitSettings(), window)
+    return trials, judge_session(who, [trials], {what: fits}, {what: None}, {}), fits.b_v / B_V
+
+
+def _kind(text: str) -> str:
+    """What is said, without the presses and with N for numbers; its cause alone where it is a verdict on b."""
+    text = re.sub(r"^most likely: |^press(es)? [0-9, -]+ |^(ok|doubtful|rejected): ", "", text)
+    text = re.sub(r"^(ok|doubtful|rejected): ", "", text)
+    return re.sub(r"-?\b[0-9]+(\.[0-9]+)?( to -?[0-9.]+)?\b", "N", text).replace("|", "/")
+
+
 def table() -> list[str]:
-    lines = ["| recording | file | force | verdict | said | right? |", "|---|---|---|---|---|---|"]
-    for name, case in CASES.items():
-        found = judged(case)
-        said = "; ".join(found.said).replace("|", "/") or "nothing"
-        lines.append(f"| {name} | {case.file} | {case.force or 'made'} | {found.verdict} | {said} | {case.why} |")
+    lines = ["## With their own force", "", "| recording | file | verdict | said | right? |", "|---|---|---|---|---|"]
+    for name, case in WITH_FORCE.items():
+        try:
+            emg, force = channels(case)
+            assert force is not None
+            _, session, _ = judged(emg, force, "P", "S")
+            verdict, said = session.verdict, "; ".join(each.text.removeprefix("S: ") for each in session.advice)
+        except Emg2vsaError as error:
+            verdict, said = "refused", str(error).partition(": ")[2]
+        lines.append(f"| {name} | {case.file} | {verdict} | {said.replace('|', '/')} | {case.why} |")
+    lines += ["", "## As carriers", "", "| recording | verdicts of three stretches | b × | said | right? |"]
+    lines += ["|---|---|---|---|---|"]
+    studies: dict[str, list[Trials]] = {}
+    for seed, (name, case) in enumerate(CARRIERS.items()):
+        (channel,), _ = channels(case)
+        words: Counter[str] = Counter()
+        told: Counter[str] = Counter()
+        shares = []
+        for k in range(3):
+            carried, pressing = pressed(channel, k / 3, (k + 1) / 3, 10 * seed + k)
+            one, session, ratio = judged([carried], pressing, name, f"S{k + 1}")
+            studies.setdefault(name.partition(",")[0], []).append(one)
+            words[session.verdict] += 1
+            shares += ratio[np.isfinite(ratio)].tolist()
+            told.update({_kind(each) for advice in session.advice for each in advice.text[4:].split("; ")})
+        verdicts = ", ".join(f"{word} {n}" for word, n in words.items())
+        said = "; ".join(f"{text} ({n} of 3)" for text, n in told.items()) or "nothing"
+        why = case.why if told else "right: a carrier without fault"
+        lines.append(f"| {name} | {verdicts} | {np.mean(shares) if shares else np.nan:.2f} | {said} | {why} |")
+    lines += ["", "Compared with each other, by laboratory:", ""]
+    for laboratory, trials in studies.items():
+        if len(trials) > 3:
+            found = screen(traits_by_recording(trials)).found
+            said = "; ".join(f"{each.participant}/{each.specimen}: {each.said}" for each in found)
+            lines.append(f"- {laboratory}, {len(trials)} recordings: {said or 'nothing is said'}")
     return lines
 
 
 if __name__ == "__main__":
-    text = "# Public recordings\n\n" + "\n".join(table())
+    about = (__doc__ or "").partition("\n")[2].strip().partition("    python")[0].strip()
+    text = "# Public recordings\n\n" + about + "\n\n" + "\n".join(table()) + "\n"
     keep(RESULTS, text)
     print(text)

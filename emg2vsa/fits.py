@@ -197,7 +197,8 @@ def _doubts(reported: LogFit, width: Floats, bias: BiasBudget, most: float) -> d
     largest, told = bias.largest, {}
     for i in np.flatnonzero((size > most) | (np.hypot(off, bias.total_se * np.abs(reported.b)) > half)).tolist():
         way = f"too {'low' if bias.total[i] < 0 else 'high'}" if abs(bias.total[i]) > bias.total_se[i] else "off"
-        told[i] = f"b is expected to be {100 * size[i]:.0f} % {way}: {largest[i]}"
+        share = f"{100 * size[i]:.0f}" if size[i] <= 1 else "more than 100"
+        told[i] = f"b is expected to be {share} % {way}: {largest[i]}"
     return told
 
 

@@ -325,7 +325,7 @@ class _Study:
         hz = self.hz[hole]
         share = float(np.sqrt(1 - self.spectrum[hole].sum() / self.spectrum.sum()) - 1)
         text = f"its EMG has nothing at {hz.min():.0f} to {hz.max():.0f} Hz, unlike all others; was a notch filter run?"
-        return text, share, "doubtful"
+        return text, share, "doubtful" if abs(share) >= HARMLESS else "told"
 
     def _moved(self, pair: tuple[_Apart, _Apart], i: int) -> float:
         """The size where it is off, else 0."""

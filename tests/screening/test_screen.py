@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.study_mishaps import CURVES_V, MISHAPS, cut, digits, fitted, gain, made, trials_of
+from benchmarks.study_mishaps import CURVES_V, MISHAPS, cut, digits, filtered, fitted, gain, made, trials_of
 from emg2vsa.screening import Screened, Screening, screened, screened_trials
 from emg2vsa.screening.screen import screen, traits_by_recording
 from emg2vsa.settings import PressJudgement
@@ -57,8 +57,9 @@ def test_a_mishap_is_named_in_its_recording_alone(clean, name, cause, b_share):
 
 
 def test_exchanged_muscles_and_harmless_filters_are_told_only(clean):
-    for name in ("muscles exchanged, one", "low-passed at 200 Hz, one"):
-        (found,) = with_one(clean, MISHAPS[name][0](made(0, "S2", 77))).found
+    narrow = filtered((72.0, 84.0), "bandstop")
+    for change in (MISHAPS["muscles exchanged, one"][0], MISHAPS["low-passed at 200 Hz, one"][0], narrow):
+        (found,) = with_one(clean, change(made(0, "S2", 77))).found
         assert (found.verdict, abs(found.b_share) < 0.08) == ("told", True)
 
 
