@@ -89,13 +89,13 @@ def drawn(seed: int) -> Laboratory:
     )  # fmt: skip
 
 
-def sessions_table(sessions: int) -> list[str]:
-    """Verdicts on sessions drawn at random, and what was said of those that are not GOOD."""
+def sessions_table(sessions: int, presses: int | None = None) -> list[str]:
+    """Verdicts on sessions drawn at random, of so many presses each if given, and what was said of those not GOOD."""
     words: Counter[str] = Counter()
     verdicts: Counter[str] = Counter()
     lines = []
     for seed in range(sessions):
-        laboratory = drawn(seed)
+        laboratory = drawn(seed) if presses is None else replace(drawn(seed), presses=presses)
         found = analysed(laboratory, seed)
         session = judge_session("P", [found.trials], {"S": found.fits}, {"S": laboratory.presses}, {})
         words[session.verdict] += 1
@@ -104,12 +104,12 @@ def sessions_table(sessions: int) -> list[str]:
             world = f"{laboratory.carrier}, {laboratory.ramp}, {laboratory.ramp_s:.1f} s, {laboratory.fs_hz:g} Hz"
             said = "; ".join(each.text for each in session.advice).replace("|", "/")
             lines.append(f"| {seed} | {world} | {session.verdict} | {said} |")
-    presses, off = verdicts.total(), sessions - words["good"]
+    total, off, size = verdicts.total(), sessions - words["good"], "3 to 12 presses" if presses is None else "one press"
     return [
-        "", "## Sessions drawn from all of these", "",
-        f"{sessions} sessions of 3 to 12 presses: {off} not GOOD ({100 * off / sessions:.2f} %). {presses} presses: "
+        "", f"## Sessions of {size}, drawn from all of these", "",
+        f"{sessions} sessions: {off} not GOOD ({100 * off / sessions:.2f} %). {total} presses: "
         f"{verdicts['doubtful']} doubtful, {verdicts['rejected']} rejected "
-        f"({100 * (presses - verdicts['ok']) / presses:.2f} %).", "",
+        f"({100 * (total - verdicts['ok']) / total:.2f} %).", "",
         "| session | carrier, ramp, rate | verdict | said |", "|---|---|---|---|", *lines,
     ]  # fmt: skip
 
@@ -145,7 +145,7 @@ def table(sessions: int) -> list[str]:
 
 
 if __name__ == "__main__":
-    text = "\n".join([*table(5), *sessions_table(600)])
+    text = "\n".join([*table(5), *sessions_table(600), *sessions_table(400, presses=1)])
     head = "# False alarms on clean sessions\n\nMade by `python -m benchmarks.verdict_thresholds`.\n\n"
     keep(RESULTS, head + text)
     print(text)
