@@ -258,6 +258,9 @@ REMEDIES = (
     Remedy(r".* is .* dB over rest", "EDC is 3.2 dB over rest",
            "the muscle is hardly louder than at rest (`min_snr_db`)",
            "ask to relax between presses; check the electrode", False),
+    Remedy(r"b is expected to be .* % off: lag", "b is expected to be 14 % off: lag",
+           "EMG and force seem to be apart, or presses by different times, and too few presses tell by how much",
+           "start both by one trigger, or record both by one device; more presses tell the lag better", True),
     Remedy(r"b is expected to be .* % (too low|too high|off): .*", "b is expected to be 14 % too low: lag",
            "what was found, and could not be corrected, moves b by more than `max_bias`, or than the half width of its "
            "interval; the cause is the largest of the press's budget",
