@@ -21,8 +21,9 @@ RECOVERY_S, RECOVERS, BY_LEVEL = 0.4, 0.03, 0.8
 """After a release, force that is AC-coupled rises within this time by more than this share of its range, and this
 share of the variance of that rise is proportional to the level it rises from."""
 SMOOTH_S = 0.05
-SLOW_HZ, KNOTS, REGULAR = 20.0, 20, 0.9
-"""Force below this rate does not follow a press; so many of its bends, and this share of them, lie on a grid."""
+SLOW_HZ, KNOTS, REGULAR, ADJACENT = 20.0, 20, 0.9, 0.7
+"""Force below this rate does not follow a press; so many of its bends, and this share of them, lie on a grid, and so
+many of those that follow each other are neighbours on it."""
 LOOKED_AT_S = 40.0
 "So long a piece of force shows its rate."
 
@@ -94,7 +95,8 @@ def sampled_slowly(force: Floats, fs_hz: float) -> Iterator[str]:
     usual = int(np.argmax(counts))
     near = gaps[np.abs(gaps - usual) <= 1]
     grid = float(near.mean())
-    if near.size < KNOTS or fs_hz / grid > SLOW_HZ:
+    # a staircase bends on a grid too, but turns by halves: sampled force bends at nearly every point of it
+    if near.size < max(KNOTS, ADJACENT * gaps.size) or fs_hz / grid > SLOW_HZ:
         return
     if np.mean(np.abs(gaps - grid * np.rint(gaps / grid)) <= 1.5) > REGULAR:
         yield f"force was sampled at about {fs_hz / grid:.3g} Hz, and held or interpolated to {fs_hz:.4g} Hz"

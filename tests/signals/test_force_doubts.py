@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from benchmarks.laboratory import simulate_session
+from benchmarks.verdict_thresholds import drawn
 from emg2vsa.signals.force_doubts import exchanged, returns_to_zero, sampled_slowly
 
 FS_HZ = 1000.0
@@ -90,3 +92,12 @@ def test_too_short_to_tell():
     assert returns_to_zero(short, FS_HZ) == ""
     assert list(sampled_slowly(short, FS_HZ)) == []
     assert exchanged(short, FS_HZ, ("EDC",), (short,), FS_HZ) == ""
+
+
+@pytest.mark.parametrize("seed", [231, 456])
+def test_a_staircase_is_not_sampled_slowly(seed):
+    """Its steps begin and end on a grid of 50 ms; force itself was sampled at 100 and 148 Hz."""
+    staircase = drawn(seed)
+    force_n = simulate_session(staircase, seed).force_n
+    assert staircase.ramp == "stairs"
+    assert list(sampled_slowly(force_n, staircase.force_fs_hz)) == []
