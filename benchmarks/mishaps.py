@@ -427,6 +427,7 @@ MISHAPS: dict[str, tuple[Mishap, str]] = {
     "EMG in V labelled mV": (_all(lambda x: x * 1e-3), r"10\^3"),
     "gain 1000 not divided out": (_all(lambda x: x * 1e3), r"gain 10\^3"),
     "one channel x 1000": (_all(lambda x: x * 1e3, "EDC"), "EDC"),
+    "one channel x 10": (_all(lambda x: x * 10, "EDC"), "times as loud"),
     "one channel exported twice": (_copied, "exported twice"),
     "crosstalk 30 %": (_crosstalk(0.3), "crosstalk"),
     "crosstalk 100 %": (_crosstalk(1.0), "one signal"),

@@ -28,8 +28,8 @@ LEVEL_V = (1e-6, 5e-3)
 USUAL_V = 50e-6
 POWERS = (-6, -3, 3, 6)
 "Of ten: a unit that is taken for another, or an amplifier's gain that was not divided out."
-LARGEST_RATIO = 50.0
-"Between the envelopes of two muscles of one forearm."
+LARGEST_RATIO, WITH_NOISE = 50.0, 5.0
+"Between the envelopes of two muscles of one forearm; and where those at rest differ by as much, as by a gain."
 SAME, CROSSTALK = 0.9, 0.4
 "Correlation of two raw channels."
 BLOCK_S = 0.25
@@ -308,8 +308,9 @@ def _rate(signals: Signals) -> Iterator[str]:
 def _ratios(signals: Signals) -> Iterator[str]:
     level_v = [quantiles(np.sort(row), 0.8)[0] for row in signals.envelopes_v]
     loud, quiet = int(np.argmax(level_v)), int(np.argmin(level_v))
-    if level_v[quiet] > 0 and level_v[loud] > LARGEST_RATIO * level_v[quiet]:
-        ratio = level_v[loud] / level_v[quiet]
+    ratio = level_v[loud] / level_v[quiet] if level_v[quiet] > 0 else 0.0
+    rests = signals.rest_v[loud] / signals.rest_v[quiet] if signals.rest_v[quiet] > 0 else 0.0
+    if ratio > LARGEST_RATIO or min(ratio, rests) > WITH_NOISE:
         one, other = signals.muscles[loud], signals.muscles[quiet]
         yield f"{one} is {ratio:.2g} times as loud as {other}; are their gains right?"
 

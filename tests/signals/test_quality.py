@@ -224,3 +224,14 @@ def test_a_muscle_of_few_units_follows_force_and_a_steady_one_does_not():
     steady = clean_record(3)
     MISHAPS["FDS of a muscle that is tense in presses"][0](steady)
     assert "FDS does not rise with force" in " ".join(judged(steady).verdict.problems)
+
+
+def test_a_gain_of_ten_shows_in_rest_and_presses_alike():
+    record = clean_record(60)
+    MISHAPS["one channel x 10"][0](record)
+    found = judged(record).verdict
+    assert found.verdict == "usable"
+    assert "EDC is 15 times as loud as FDS; are their gains right?" in found.problems
+    loud = clean_record(60)  # a muscle that is as much louder, above the same noise
+    loud.emg_v["FDS"] = 0.1 * loud.emg_v["FDS"] + 1e-6 * np.random.default_rng(1).standard_normal(loud.force_n.size)
+    assert not any("gains" in problem for problem in judged(loud).verdict.problems)
