@@ -206,7 +206,8 @@ def table() -> list[str]:
             studies.setdefault(name.partition(",")[0], []).append(one)
             words[session.verdict] += 1
             shares += ratio[np.isfinite(ratio)].tolist()
-            told.update({_kind(each) for advice in session.advice for each in advice.text[4:].split("; ")})
+            kinds = (_kind(each) for advice in session.advice for each in advice.text[4:].split("; "))
+            told.update(dict.fromkeys(kinds, 1))
         verdicts = ", ".join(f"{word} {n}" for word, n in words.items())
         said = "; ".join(f"{text} ({n} of 3)" for text, n in told.items()) or "nothing"
         why = case.why if told else "right: a carrier without fault"
