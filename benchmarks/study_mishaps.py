@@ -364,7 +364,7 @@ def page(studies: int, people: int) -> str:
         "# Mishaps of one recording or session in a study", "", about, "",
         f"GOOD though b is off by more than {100 * OFF:.0f} %, of {len(first.rows)} mishaps: {len(first.silent)} "
         f"({'; '.join(first.silent)}). "
-        f"With other people, on whom no limit was set: {' and '.join(str(len(each.silent)) for each in others)} "
+        f"With other people: {' and '.join(str(len(each.silent)) for each in others)} "
         f"({'; '.join(sorted({name for each in others for name in each.silent}))}). "
         f"Clean sessions of the studies that are GOOD, of {CLEAN_PEOPLE} each: "
         f"{', '.join(str(each.good_clean) for each in (first, *others))}.", "",
