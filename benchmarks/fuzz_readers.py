@@ -37,6 +37,7 @@ FOUND: dict[str, tuple[int, ...]] = {
     "counts.anc": (202886,),
     "matrix.txt": (104364, 104785),
     "two_groups.hpf": (156, 1631, 1632),
+    "multi_x_gap.lvm": (1004741,),
 }
 """Made file to the seeds of tries that once failed."""
 _NUMBERS = tuple(

@@ -33,6 +33,8 @@ _WORTH_SAYING = 1e-4
 """Rounding of Delta_X, relative, from which the rate is given with its bounds."""
 _MOST_LATE_S = 0.02
 """However coarse Delta_X is, segments further apart than this do not join."""
+_SHORTEST_S = 1e-12
+"""A Delta_X that is no longer than this, or no number that can be held, leaves the rate unknown."""
 _NAN = float("nan")
 
 
@@ -180,16 +182,17 @@ def _channels(segment: _Segment, x_columns: str, offset_s: float) -> list[tuple[
         name = labels[i]
         unit = canonical(_cell(segment.stated, "Y_Unit_Label", place)) or None
         step = _cell(segment.stated, "Delta_X", place).replace(",", ".")
-        step_s, error_s = _value(step), 0.5 * _last_digit(step)
-        fs_hz, start_s = 1 / step_s if step_s > 0 else _NAN, _value(_cell(segment.stated, "X0", place))
+        step_s, start_s = _value(step), _value(_cell(segment.stated, "X0", place))
+        known = step_s > _SHORTEST_S
+        fs_hz, error_s = (1 / step_s, 0.5 * _last_digit(step)) if known else (_NAN, 0.0)
         notes: tuple[str, ...] = ()
         if with_x and samples.size:
             where = f"{segment.body.path}, X_Value of {name!r}"
             fs_hz, start_s = even_clock(columns[x][: samples.size], where, segment.body.line, 2e-6)
             error_s = 0.0
-        elif step_s > 0 and abs(fs_hz - round(fs_hz)) <= 1e-9 * fs_hz:
+        elif known and abs(fs_hz - round(fs_hz)) <= 1e-9 * fs_hz:
             error_s = 0.0  # a whole number of samples a second was written with all its digits
-        elif step_s > 0 and error_s > _WORTH_SAYING * step_s:
+        elif known and error_s > _WORTH_SAYING * step_s:
             low, high = 1 / (step_s + error_s), 1 / (step_s - error_s)
             notes = (f"{name}: Delta_X is rounded to {step} s; the rate lies between {low:.6g} and {high:.6g} Hz.",)
         promised = _value(_cell(segment.stated, "Samples", place))

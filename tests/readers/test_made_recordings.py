@@ -338,6 +338,13 @@ def test_a_coarse_delta_x_hides_no_gap(tmp_path: Path, delta_x: str, gap_s: floa
     assert [name for name in opened.contents.names if name.startswith("EMG")] == ["EMG", "EMG, segment 2"]
 
 
+@pytest.mark.parametrize("delta_x", ["0,001E+999", "1,0E-320", "0,0", "-0,001"])
+def test_a_delta_x_that_is_no_step_leaves_the_rate_unknown(tmp_path: Path, delta_x: str) -> None:
+    content = made.lvm(segments=1).decode().replace("0,001000\t0,001000", f"{delta_x}\t{delta_x}")
+    assert f"Delta_X\t{delta_x}" in content
+    assert np.isnan(_opened(tmp_path, content.encode()).describe()[0].fs_hz)
+
+
 def test_a_labview_file_that_ends_before_it_promised_says_so(tmp_path: Path) -> None:
     content = made.lvm(segments=1).decode().rstrip().splitlines(keepends=True)
     channel = _channel(_opened(tmp_path, "".join(content[:-6]).encode()), "EMG")
