@@ -134,7 +134,8 @@ def watched(note: Callable[[str], None], clock: Callable[[], float]) -> dict[str
         for name in names:
             *owner, last = name.split(".")
             where = getattr(extract, owner[0]) if owner else extract
-            setattr(where, last, wrapped(part, getattr(where, last)))
+            if hasattr(where, last):  # the other revision may not have it
+                setattr(where, last, wrapped(part, getattr(where, last)))
     return spent
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints, bridge_gaps, median, samples_1d, slices
+from emg2vsa.arrays import Floats, Ints, bridge_gaps, median, samples_1d
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.emg_record import Chain, EmgRecord, emg_record, filter_chain, where_of
 from emg2vsa.extraction.evidence import (
@@ -47,7 +47,7 @@ from emg2vsa.signals.pairing import (
     rest_samples,
 )
 from emg2vsa.signals.plausibility import LARGE_LAG_S, force_unit_doubt, plausibility
-from emg2vsa.signals.press_signals import Signals
+from emg2vsa.signals.press_signals import Signals, by_press
 from emg2vsa.signals.quality import MAINS_HZ, ratio_db, window_means
 from emg2vsa.signals.rest import Rest
 from emg2vsa.signals.traits import traits_of
@@ -96,8 +96,9 @@ def extract_trials(
     """
     record = emg_record(emg)
     chain = filter_chain(filters, record, force.fs_hz)
-    conditioned, force_missing, raw_n = _conditioned(force, chain.low, force_channel, window)
     raw = record
+    conditioned, force_missing, misread, slowly = _conditioned(force, raw, chain.low, force_channel, window)
+    force = replace(force, samples=np.empty(0))  # of a long record much, where the caller holds them no longer
     clean = _cleaned(raw, force, conditioned, chain, filters, force_channel, window)
     record, lag = clean.record, clean.lag
     moved_s = lag.lag_s if filters.align == "lag" and lag.certain else 0.0
@@ -177,13 +178,11 @@ def extract_trials(
     doubt = conditioned.sign_doubt or doubt_by_emg(
         force_n, measured_v, instants.offsets, rest_v, window.force_n, force_channel.sign
     )
-    misread = exchanged(raw_n, force.fs_hz, record.muscles, raw.samples, record.fs_hz)
-    misread = misread or returns_to_zero(raw_n, force.fs_hz)
     implausible = misread or force_unit_doubt(conditioned.force_n, window.force_n) or seen.fault
     rejects = window.implausible == "reject"
     # a channel that is not the force it should be is the cause of whatever sign or unit it seems to have
     fault = (implausible if rejects and (misread or not doubt) else "") or doubt
-    remarks = (*sampled_slowly(raw_n, force.fs_hz), *seen.remarks)
+    remarks = (*slowly, *seen.remarks)
     remarks = remarks if rejects else (*filter(None, (implausible,)), *remarks)
     shifts_of_b += _of_lag(lag, moved_s, stop_s, conditioned, instants, emg_clock, force_clock, force_n, levels_v)
     bias = BiasBudget.of(shifts_of_b, start_s.size)
@@ -246,12 +245,14 @@ def extract_trials(
 
 
 def _conditioned(
-    force: Channel, low: IirFilter | None, force_channel: ForceChannelSettings, window: WindowSettings
-) -> tuple[ForceRecord, NDArray[np.bool_], Floats]:
-    """The force record, which of its samples (n,) were missing, and the raw ones."""
+    force: Channel, emg: EmgRecord, low: IirFilter | None, force_channel: ForceChannelSettings, window: WindowSettings
+) -> tuple[ForceRecord, NDArray[np.bool_], str, tuple[str, ...]]:
+    """The force record, which of its samples (n,) were missing, and what is wrong and odd with it as a channel."""
     at_least = 4 if low is None else max(4, low.pad_samples + 1)
     raw_n, missing = bridge_gaps(samples_1d(force.samples, where_of(force), at_least=at_least), where_of(force))
-    return condition_force(raw_n, force.fs_hz, low, force_channel, window), missing, raw_n
+    misread = exchanged(raw_n, force.fs_hz, emg.muscles, emg.samples, emg.fs_hz) or returns_to_zero(raw_n, force.fs_hz)
+    slowly = tuple(sampled_slowly(raw_n, force.fs_hz))
+    return condition_force(raw_n, force.fs_hz, low, force_channel, window), missing, misread, slowly
 
 
 def _rest_levels(envelopes_v: Floats, resting: Instants) -> tuple[Floats, Floats, float]:
@@ -288,14 +289,6 @@ def _rests_differ(envelopes_v: Floats, resting: Instants, fs_hz: float) -> bool:
     between = count * np.var(means.mean(axis=-1), axis=-1, ddof=1)
     within = np.var(means, axis=-1, ddof=1).mean(axis=-1)
     return bool(np.any(between > special.fdtri(n - 1, n * (count - 1), 1 - TONE_CHANCE) * within))
-
-
-def _above(level_n: float, n: int, force_at: Callable[[Ints], Floats]) -> NDArray[np.bool_]:
-    """Where, of the n samples of the EMG, the force is above a level."""
-    found = np.empty(n, dtype=np.bool_)
-    for part in slices(n):
-        found[part] = force_at(np.arange(part.start, part.stop)) > level_n
-    return found
 
 
 def _force_at(samples: Ints, force_n: Floats, emg: Clock, force: Clock) -> Floats:
@@ -342,10 +335,10 @@ def _cleaned(
     start, stop = rest_samples(conditioned.rest, emg_clock, force_clock)
     if filters.mains == "remove" or filters.rest_level == "subtract":
         removing = filters.mains == "remove"
-        touched = _above(TOUCHED * window.force_n[0], emg_clock.n_samples, force_at)
         samples, hum = remove_hum(
-            samples, record.fs_hz, start, stop, (edges[0], edges[1]), touched, only_absent=not removing
-        )
+            samples, record.fs_hz, start, stop, (edges[0], edges[1]),
+            lambda at: force_at(at) > TOUCHED * window.force_n[0], only_absent=not removing,
+        )  # fmt: skip
         if hum is not None and removing:
             shown = ", ".join(f"{muscle} {1e6 * v:.3g} uV" for muscle, v in zip(record.muscles, hum.rms, strict=True))
             orders = ", ".join(map(str, hum.harmonics.tolist()))
@@ -421,11 +414,14 @@ def _of_hum(
         yield left_in("hum at the touch", *floor_change(levels_v, stays_v, force_n, instants.offsets))
     size = max(1, round(record.fs_hz / min(MAINS_HZ)))
     taken_v = np.zeros_like(levels_v)
+    begin = np.maximum(instants.samples() - size // 2, 0)
     for row, own, one in zip(taken_v, record.samples, clean.record.samples, strict=True):
-        if own is not one:
-            begin = np.maximum(instants.samples() - size // 2, 0)
-            power = np.concatenate(([0.0], np.cumsum((own - one) ** 2)))
-            row[:] = np.sqrt(2 / np.pi / size * (power[np.minimum(begin + size, own.size)] - power[begin]))
+        for at, of in zip(by_press(begin, instants.offsets), by_press(row, instants.offsets), strict=True):
+            if own is not one and at.size:
+                span = slice(at[0], at[-1] + size)
+                power = np.concatenate(([0.0], np.cumsum((own[span] - one[span]) ** 2)))
+                low, high = at - at[0], np.minimum(at - at[0] + size, power.size - 1)
+                of[:] = np.sqrt(2 / np.pi / size * (power[high] - power[low]))
     if taken_v.any():
         _, hummed = floor_change(np.hypot(levels_v, taken_v), taken_v, force_n, instants.offsets)
         cause: Cause = "hum at the touch" if clean.taken_v.any() else "mains"

@@ -135,7 +135,9 @@ def _line(x: Floats, y: Floats, weights: Floats, offsets: Ints) -> tuple[Floats,
 
 def means(values: Floats, offsets: Ints) -> Floats:
     """Means (..., p) of the rows (..., N) between successive offsets; NaN where empty."""
+    counts = np.diff(offsets)
+    if counts.all() and counts.size:
+        return np.asarray(np.add.reduceat(values, offsets[:-1], axis=-1) / counts)
     with np.errstate(invalid="ignore"):
         sums = np.add.reduceat(np.concatenate((values, np.zeros((*values.shape[:-1], 1))), axis=-1), offsets, axis=-1)
-        counts = np.diff(offsets)
         return np.asarray(np.where(counts > 0, sums[..., :-1], 0.0) / counts)

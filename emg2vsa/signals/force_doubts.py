@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from emg2vsa.arrays import Floats, median, quantiles, runs_of
+from emg2vsa.arrays import Floats, median, quantiles, runs_of, slices
 
 FAST_BLOCK_S = 0.025
 "What differs within blocks of this length is faster than 20 Hz."
@@ -84,8 +84,12 @@ def sampled_slowly(force: Floats, fs_hz: float) -> Iterator[str]:
         return
     # on a grid of 20 Hz two samples in each twentieth of a second bend at most; the rest is rounding
     share = 1 - 2.5 * SLOW_HZ / fs_hz
-    limit = 4 * quantiles(np.sort(bends), share)[0] if share > 0 else np.inf
-    knots = np.flatnonzero(bends > max(limit, 1e-9 * float(bends.max(initial=0.0))))
+    top, at = float(bends.max()), int(share * (bends.size - 1))
+    # where that many lie within a quarter of the largest, none is a knot
+    if share <= 0 or np.count_nonzero(4 * bends >= top) >= bends.size - at:
+        return
+    limit = 4 * quantiles(np.partition(bends, (at, at + 1)), share)[0]
+    knots = np.flatnonzero(bends > max(limit, 1e-9 * top))
     knots = knots[np.diff(knots, prepend=-2) > 1]
     gaps = np.diff(knots)
     if gaps.size < KNOTS:
@@ -108,5 +112,8 @@ def _fast_share(x: Floats, fs_hz: float) -> float:
     if size < 4 or x.size < 4 * size:
         return 0.0
     blocks = x[: x.size // size * size].reshape(-1, size)
-    total = float(np.var(blocks))
-    return float(np.mean(np.var(blocks, axis=1))) / total if total > 0 else 0.0
+    means, within = blocks @ np.full(size, 1 / size), 0.0
+    for part in slices(len(blocks), size):
+        apart = (blocks[part] - means[part, None]).ravel()
+        within += float(apart @ apart) / blocks.size
+    return within / total if (total := within + float(np.var(means))) > 0 else 0.0

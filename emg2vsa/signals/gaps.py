@@ -51,11 +51,13 @@ def bridge(samples: Sequence[Floats], missing: Sequence[NDArray[np.bool_]], fs_h
             begin, end = cuts[press : press + 2]
             near = slice(max(begin, first - reach), min(last + reach, end))
             most = HELD_SHARE * (last - first)
-            gone = np.zeros(end - begin, dtype=np.bool_)
-            gone[near.start - begin : near.stop - begin] = _held(x[near], longest)
-            if gone.sum() > most:
-                gone[:] = False
             spiked = spikes_in(x[begin:end], first - begin, last - begin)
+            held, missed = _held(x[near], longest), np.count_nonzero(absent[first:last])
+            if not (held.size or spiked.size or missed):
+                continue
+            gone = np.zeros(end - begin, dtype=np.bool_)
+            if held.size <= most:
+                gone[held + (near.start - begin)] = True
             if gone.any() or spiked.size:
                 left = x.copy() if left is x else left
                 replaced = gone.copy()
@@ -66,7 +68,6 @@ def bridge(samples: Sequence[Floats], missing: Sequence[NDArray[np.bool_]], fs_h
                 left[begin:end][replaced] = np.interp(at[replaced], at[~replaced], x[begin:end][~replaced])
             inside = np.count_nonzero((spiked >= first - begin) & (spiked < last - begin))
             shares[0, press] = max(shares[0, press], inside / max(last - first, 1))
-            missed = np.count_nonzero(absent[first:last])
             if 0 < missed <= most:
                 gone |= absent[begin:end]
                 shares[1, press] = max(shares[1, press], missed / (last - first))
@@ -78,13 +79,11 @@ def bridge(samples: Sequence[Floats], missing: Sequence[NDArray[np.bool_]], fs_h
     return Bridged(tuple(filled), lost, *shares)
 
 
-def _held(x: Floats, longest: int) -> NDArray[np.bool_]:
-    """Which samples (n,) belong to a run of one value that is so long."""
-    held = np.zeros(x.size, dtype=np.bool_)
+def _held(x: Floats, longest: int) -> Ints:
+    """Which of the samples (n,) belong to a run of one value that is so long."""
     same = x[1:] == x[:-1]
     if np.count_nonzero(same) < longest:
-        return held
+        return np.empty(0, np.int64)
     first, last = runs_of(same)
-    for run in np.flatnonzero(last - first >= longest).tolist():
-        held[first[run] : last[run] + 1] = True
-    return held
+    long = last - first >= longest
+    return np.concatenate([np.empty(0, np.int64), *map(np.arange, first[long], last[long] + 1)])

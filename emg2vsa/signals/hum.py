@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, slices
 from emg2vsa.signals.products import times
 from emg2vsa.signals.quality import MAINS_HZ
 
@@ -34,24 +34,25 @@ def sine_phasors(channels: Sequence[Floats], pieces: Sequence[tuple[int, int]], 
     """Amplitudes and phases (m, q, h) of sines (h,) in the pieces [begin, end) of channels (n,).
 
     The phase is that at the first sample of the piece. A sine over k blocks is the sine over one block, turned k times:
-    so one small table of sines serves all blocks of all pieces, and another turns the blocks.
+    so one small table of sines serves all blocks of all pieces, and another turns the blocks. About the middle of a
+    block a cosine is even and a sine is odd: half a block tells each.
     """
     radians = 2 * np.pi / fs_hz * hz
     longest = max((end - begin for begin, end in pieces), default=0)
     n_blocks = -(-longest // BLOCK)
-    within = np.exp(-1j * np.multiply.outer(np.arange(BLOCK), radians)).view(np.float64)
-    turns = np.exp(-1j * BLOCK * np.multiply.outer(np.arange(n_blocks), radians))
+    within = np.multiply.outer(np.arange(BLOCK // 2) + 0.5, radians)
+    even, odd = np.cos(within), np.sin(within)
+    turns = np.exp(-1j * np.multiply.outer(BLOCK * np.arange(n_blocks) + (BLOCK - 1) / 2, radians))
     found = np.empty((len(channels), len(pieces), hz.size), dtype=np.complex128)
-    padded = np.zeros((len(channels), n_blocks * BLOCK))
-    for i, (begin, end) in enumerate(pieces):
-        size = end - begin
-        window = hann_of_sines(size)
-        for row, samples in zip(padded, channels, strict=True):
-            np.multiply(window, samples[begin:end], out=row[:size])
-        padded[:, size:] = 0.0
-        used = -(-size // BLOCK)
-        of_block = times(padded[:, : used * BLOCK].reshape(-1, used, BLOCK), within).view(np.complex128)
-        found[:, i] = np.einsum("mbh,bh->mh", of_block, turns[:used])
+    for part in slices(len(pieces), max(len(channels) * longest, 1)):
+        padded = np.zeros((len(channels), part.stop - part.start, n_blocks * BLOCK))
+        for i, (begin, end) in enumerate(pieces[part]):
+            for row, samples in zip(padded, channels, strict=True):
+                np.multiply(hann_of_sines(end - begin), samples[begin:end], out=row[i, : end - begin])
+        halves = padded.reshape(-1, n_blocks, 2, BLOCK // 2)
+        before, after = halves[:, :, 0, ::-1], halves[:, :, 1]
+        of_block = times(after + before, even) - 1j * times(after - before, odd)
+        found[:, part] = np.einsum("mbh,bh->mh", of_block, turns).reshape(found[:, part].shape)
     return found
 
 
@@ -112,15 +113,15 @@ def remove_hum(
     start: Ints,
     stop: Ints,
     presses: tuple[Ints, Ints] | None = None,
-    touched: NDArray[np.bool_] | None = None,
+    touched: Callable[[Ints], NDArray[np.bool_]] | None = None,
     *,
     only_absent: bool = False,
 ) -> tuple[tuple[Floats, ...], Hum | None]:
     """The channels (n,) without the hum that is found in their rests [start, stop) (r,), and what it was, or None.
 
     ``FEWEST`` pieces of half a second of rest are the least; hum that does not keep its phase between them stays.
-    presses : first and last-plus-one sample (p,) of each. A harmonic that these do not hold stays in what is
-    ``touched`` (n,); without both, none does.
+    presses : first and last-plus-one sample (p,) of each. A harmonic that these do not hold stays where ``touched``
+    says so of samples (k,); without both, none does.
     ``only_absent``: no other harmonic is subtracted, so that rests and presses hold the same hum.
     """
     size = round(PIECE_S * fs_hz)
@@ -128,8 +129,7 @@ def remove_hum(
     if begins.size < FEWEST or fs_hz <= 4 * MAINS_HZ[0]:
         return channels, None
     time_s = (begins + (size - 1) / 2) / fs_hz
-    pieces = np.stack([samples[begins[:, None] + np.arange(size)] for samples in channels])
-    phasors, orders = _phasors(pieces, begins, fs_hz)
+    phasors, orders = _phasors(channels, begins, size, fs_hz)
     found = np.mean(np.abs(phasors) ** 2, axis=-1)
     clear = found[:, :, 1] > CLEAR * (found[:, :, 0] + found[:, :, 2]) / 2
     best: tuple[float, float, Phasors] | None = None
@@ -158,7 +158,10 @@ def remove_hum(
     for samples, own, at_rest in zip(channels, everywhere, np.where(present[..., None], 0.0, turned), strict=True):
         left = _without(samples, own, hum_hz, time_s, fs_hz) if own.any() else samples
         if touched is not None and at_rest.any():
-            left = np.where(touched, left, _without(left, at_rest, hum_hz, time_s, fs_hz))
+            resting = _without(left, at_rest, hum_hz, time_s, fs_hz)
+            for part in slices(left.size):
+                np.copyto(resting[part], left[part], where=touched(np.arange(part.start, part.stop)))
+            left = resting
         cleaned.append(left)
     rms = np.sqrt(np.sum(np.mean(np.abs(turned) ** 2, axis=-1), axis=-1) / 2)
     return tuple(cleaned), Hum(hz, orders, rms, orders[~present.all(axis=0)])
@@ -177,13 +180,7 @@ def remove_touch_hum(
     1.5 / duration, some tenths of a percent.
     hz : of the mains, None: whichever of both holds more. force_at : newtons at samples of the channels.
     """
-    pieces = _touch_pieces(start, stop, fs_hz)
-    size = np.array([[np.vdot(own[a:b], own[a:b]) / (b - a) for a, b in pieces] for own in channels])
-    found = [
-        (mains_hz, _clear_powers(channels, pieces, size, _harmonics(mains_hz, fs_hz), fs_hz))
-        for mains_hz in ((hz,) if hz else MAINS_HZ)
-    ]
-    mains_hz, powers = max(found, key=lambda each: float(each[1].sum()))
+    mains_hz, powers = _clear_powers(channels, fs_hz, start, stop, hz)
     if not powers.any():
         return channels, np.zeros(len(channels))
     cleaned = []
@@ -228,12 +225,12 @@ def _fitted(
     one phase and a size of each of the shapes (2, n)."""
     offsets_hz = np.linspace(-OFFSET_HZ, OFFSET_HZ, 81)
     strongest = orders[0]
-    piece, at = around[begin:end], np.arange(end - begin) / fs_hz
-    middle_s = at.reshape(-1, size).mean(axis=1)
+    piece = around[begin:end]
+    middle_s = (np.arange(0, piece.size, size) + (size - 1) / 2) / fs_hz
     of_block = shapes[:, begin:end].reshape(len(shapes), -1, size).mean(axis=2)
     turns = np.exp(-2j * np.pi * np.outer(offsets_hz * strongest, middle_s))
     turned = {
-        order: (piece * np.exp(-2j * np.pi * order * mains_hz * at)).reshape(-1, size).mean(axis=1)
+        order: (piece * _turning(-order * mains_hz / fs_hz, 0, piece.size, size)).reshape(-1, size).mean(axis=1)
         for order in orders.tolist()
     }
     rest, hz = piece - piece.mean(), mains_hz
@@ -249,8 +246,8 @@ def _fitted(
             phase = _in_one_phase(right, solver)[0]
             phasors[order] = 2 * phase * (solver @ (right * phase.conj()).real)
         hz = mains_hz + offset_hz
-        rest = piece - _waves(phasors, shapes[:, begin:end], hz, at)
-    return _waves(phasors, shapes, hz, (np.arange(around.size) - begin) / fs_hz)
+        rest = piece - _waves(phasors, shapes[:, begin:end], hz / fs_hz, 0, size)
+    return _waves(phasors, shapes, hz / fs_hz, -begin, size)
 
 
 def _in_one_phase(right: Phasors, solver: Floats) -> tuple[Phasors, Floats]:
@@ -276,11 +273,20 @@ def _held(samples: Floats, hum: Floats, size: int, first: int, last: int) -> tup
     return (first // size - most[0]) * size, (-(-last // size) + most[1]) * size
 
 
-def _waves(phasors: dict[int, Phasors], shapes: Floats, hz: float, at_s: Floats) -> Floats:
-    found = np.zeros(at_s.size)
+def _waves(phasors: dict[int, Phasors], shapes: Floats, cycles: float, first: int, size: int) -> Floats:
+    """Sum (n,) of the harmonics of a sine of so many cycles a sample, from sample ``first`` on."""
+    found = np.zeros(shapes.shape[1])
     for order, own in phasors.items():
-        found += (own @ shapes * np.exp(2j * np.pi * order * hz * at_s)).real
+        turning = _turning(order * cycles, first, found.size, size)
+        found += own.real @ shapes * turning.real - own.imag @ shapes * turning.imag
     return found
+
+
+def _turning(cycles: float, first: int, n: int, size: int) -> Phasors:
+    """exp(2 pi i t cycles) (n,) from t = ``first`` on; n is a multiple of ``size``, for it takes a block from another
+    one's."""
+    of_block, within = (np.exp(2j * np.pi * cycles * at) for at in (first + np.arange(0, n, size), np.arange(size)))
+    return np.asarray(np.multiply.outer(of_block, within).ravel())
 
 
 def _harmonics(mains_hz: float, fs_hz: float) -> Floats:
@@ -294,31 +300,35 @@ def touch_hum(channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Int
 
     hz : of the mains; None: whichever of both holds more.
     """
-    pieces = _touch_pieces(start, stop, fs_hz)
-    size = np.array([[np.vdot(own[a:b], own[a:b]) / (b - a) for a, b in pieces] for own in channels])
-    powers = [
-        _clear_powers(channels, pieces, size, _harmonics(mains_hz, fs_hz), fs_hz).sum(axis=1)
-        for mains_hz in ((hz,) if hz else MAINS_HZ)
-    ]
-    return np.asarray(np.sqrt(max(powers, key=np.sum)))
+    return np.asarray(np.sqrt(_clear_powers(channels, fs_hz, start, stop, hz)[1].sum(axis=1)))
 
 
 def _clear_powers(
-    channels: tuple[Floats, ...], pieces: list[tuple[int, int]], size: Floats, hz: Floats, fs_hz: float
-) -> Floats:
-    """Mean square (m, h) of the sines (h,), 0 of those that are not clear of their surroundings; size : (m, q) that of
-    the pieces."""
-    around = np.add.outer(hz, np.append(0.0, TOUCH_ASIDE_HZ))
-    phasors = sine_phasors(channels, pieces, around.ravel(), fs_hz)
-    power = (phasors.real**2 + phasors.imag**2).reshape(*phasors.shape[:2], *around.shape)
+    channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Ints, hz: float | None
+) -> tuple[float, Floats]:
+    """The mains, and the mean squares (m, h) of its harmonics in the presses, 0 of those that are not clear of their
+    surroundings; arguments as of ``touch_hum``."""
+    pieces = _touch_pieces(start, stop, fs_hz)
+    size = np.array([[np.vdot(own[a:b], own[a:b]) / (b - a) for a, b in pieces] for own in channels])
     known = np.all(size > 0, axis=1) & bool(pieces)
     weights = np.where(known[:, None], size, 1.0) ** -2.0
     weights /= weights.sum(axis=1, keepdims=True)
-    aside = np.einsum("mq,mqh->mh", weights, power[..., 1:].mean(axis=-1))
-    excess = np.einsum("mq,mqh->mh", weights, power[..., 0]) - aside
-    most = _most_by_chance(pieces, weights, power[..., 1:].mean(axis=-1), fs_hz)
-    clear = known[:, None] & (excess > (most - 1) * aside)
-    return np.where(clear, excess / 2, 0.0)
+    asked = [
+        (each, np.add.outer(_harmonics(each, fs_hz), np.append(0.0, TOUCH_ASIDE_HZ)))
+        for each in ((hz,) if hz else MAINS_HZ)
+    ]
+    phasors = sine_phasors(channels, pieces, np.concatenate([around.ravel() for _, around in asked]), fs_hz)
+    left = phasors.real**2 + phasors.imag**2
+    found = []
+    for mains_hz, around in asked:
+        own, left = np.split(left, [around.size], axis=2)
+        power = own.reshape(*own.shape[:2], *around.shape)
+        beside = power[..., 1:].mean(axis=-1)
+        aside = np.einsum("mq,mqh->mh", weights, beside)
+        excess = np.einsum("mq,mqh->mh", weights, power[..., 0]) - aside
+        most = _most_by_chance(pieces, weights, beside, fs_hz)
+        found.append((mains_hz, np.where(known[:, None] & (excess > (most - 1) * aside), excess / 2, 0.0)))
+    return max(found, key=lambda each: float(each[1].sum()))
 
 
 def _most_by_chance(pieces: list[tuple[int, int]], weights: Floats, aside: Floats, fs_hz: float) -> Floats:
@@ -375,22 +385,25 @@ def _touch_pieces(start: Ints, stop: Ints, fs_hz: float, longest_s: float = TOUC
     return pieces
 
 
-def _phasors(pieces: Floats, begins: Ints, fs_hz: float) -> tuple[Phasors, Ints]:
-    """Amplitude and phase at time 0 of sines in pieces (m, p, size) from ``begins`` (p,) on, and the orders (h,).
+def _phasors(channels: Sequence[Floats], begins: Ints, size: int, fs_hz: float) -> tuple[Phasors, Ints]:
+    """Amplitude and phase at time 0 of sines in pieces of channels (n,) from ``begins`` (p,) on, and the orders (h,).
 
     (m, 2, 3, h, p): of both mains, below, at and above each of their harmonics. Each is the nearest bin of the piece's
     spectrum: at the middle of a symmetric window its phase is that of the sine, wherever within the bin that stands.
     """
-    size = pieces.shape[-1]
     orders = np.arange(1, HARMONICS + 1)
     orders = orders[orders * max(MAINS_HZ) < 0.45 * fs_hz]
     hz = np.multiply.outer(MAINS_HZ, orders)[:, None, :] + np.array([-ASIDE_HZ, 0.0, ASIDE_HZ])[:, None]
     bins = np.rint(hz * size / fs_hz).astype(np.int64)
-    spectrum = np.fft.rfft(pieces * hann_of_sines(size), axis=-1)
+    found = np.empty((len(channels), begins.size, *bins.shape), dtype=np.complex128)
+    for own, samples in zip(found, channels, strict=True):
+        for part in slices(begins.size, size):
+            pieces = samples[begins[part, None] + np.arange(size)]
+            own[part] = np.fft.rfft(pieces * hann_of_sines(size))[:, bins]
     middle = (size - 1) / 2
     to_middle = np.exp(2j * np.pi * bins * middle / size)
     at_zero = np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, begins + middle))
-    return np.moveaxis(spectrum[..., bins] * to_middle, 1, -1) * at_zero, orders
+    return np.moveaxis(found * to_middle, 1, -1) * at_zero, orders
 
 
 def _offset_hz(phasors: Phasors, time_s: Floats, orders: Ints) -> float:
@@ -418,7 +431,8 @@ def _without(samples: Floats, turned: Phasors, hz: Floats, time_s: Floats, fs_hz
     wave = np.exp(2j * np.pi / fs_hz * np.outer(hz, np.arange(size)))
     left = np.zeros(starts.size * size)
     left[: samples.size] = samples
-    for own, turning in zip(slow, wave, strict=True):
-        blocks = left.reshape(-1, size)
-        blocks -= own.real[:, None] * turning.real - own.imag[:, None] * turning.imag
+    for part in slices(starts.size, size):
+        blocks = left.reshape(-1, size)[part]
+        for own, turning in zip(slow[:, part], wave, strict=True):
+            blocks -= own.real[:, None] * turning.real - own.imag[:, None] * turning.imag
     return left[: samples.size]

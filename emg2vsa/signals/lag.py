@@ -221,8 +221,10 @@ def _refined(y: Floats, level: Ints, coarse: int, cuts: Ints) -> tuple[float, Fl
 def _rising(u: Floats) -> NDArray[np.bool_]:
     """Where u (k,) goes on to its next peak; a rest or a hold belongs half to what is before, half to what follows."""
     rising = np.empty(u.size, dtype=np.bool_)
+    changes = np.ones(u.size, dtype=np.bool_)  # within a run of one value nothing happens
+    changes[1:-1] = (u[1:-1] != u[:-2]) | (u[1:-1] != u[2:])
     up, extreme, first, last, begin = True, float(u[0]), 0, 0, 0
-    for k, value in enumerate(u.tolist()):
+    for k, value in zip(np.flatnonzero(changes).tolist(), u[changes].tolist(), strict=True):
         beyond = value - extreme if up else extreme - value
         if beyond > TURN / 100:
             extreme, first, last = value, k, k

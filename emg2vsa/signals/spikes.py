@@ -89,8 +89,12 @@ def spikes_in(x: Floats, first: int, last: int) -> Ints:
     if press.size < 50:
         return np.empty(0, np.int64)
     bend = np.abs(x[1:-1] - (x[2:] + x[:-2]) / 2)
-    typical = median(bend[first : last - 2]) / 0.6745
-    if not (typical > 0 and float(bend.max()) > SPIKE_SD * typical):
+    top, own = float(bend.max()), bend[first : last - 2]
+    # where most are above that, so is their median, which costs more
+    if 2 * np.count_nonzero(own >= 0.6745 / SPIKE_SD * top) > own.size:
+        return np.empty(0, np.int64)
+    typical = median(own) / 0.6745
+    if not (typical > 0 and top > SPIKE_SD * typical):
         return np.empty(0, np.int64)
     # the potentials of few motor units stand out as well, but not from the loudest hundredth of the press
     loud = SPIKE_HEIGHT * float(np.quantile(np.abs(press - median(press)), 0.99))
@@ -124,9 +128,10 @@ def beats_of(signals: Signals) -> Iterator[tuple[str, str]]:
             rectified = piece - median(piece)
             total = np.cumsum(np.abs(rectified, out=rectified), out=rectified)
             smooth = total[size:] - total[:-size]
-            high = smooth > BEAT_LEVEL * median(smooth)
-            at = np.flatnonzero(high)
             seconds += piece.size / signals.fs_hz
+            if 2 * np.count_nonzero(BEAT_LEVEL * smooth >= smooth.max()) > smooth.size:
+                continue
+            at = np.flatnonzero(smooth > BEAT_LEVEL * median(smooth))
             if at.size == 0:
                 continue
             groups = np.split(at, np.flatnonzero(np.diff(at) > 0.2 * signals.fs_hz) + 1)
@@ -153,16 +158,17 @@ def repeated_of(
             continue
         samples = np.concatenate(of)
         differs = samples[1:] != samples[:-1]
-        prints = []
+        n_prints = 0
         for part in slices(n):
             print_of, changes = np.zeros(part.stop - part.start), np.zeros(part.stop - part.start, dtype=np.int8)
             for k, weight in enumerate(weights.tolist()):
                 own = slice(2 * k + part.start, 2 * k + part.stop)
                 print_of += weight * samples[own]
                 changes += differs[own]
-            prints.append(print_of[changes > PACKET // 4])
-        del samples, differs
-        ordered = np.concatenate(prints)
+            kept = print_of[changes > PACKET // 4]
+            samples[n_prints : n_prints + kept.size] = kept  # over samples that no later part needs
+            n_prints += kept.size
+        ordered = samples[:n_prints]
         ordered.sort()
         share = np.count_nonzero(ordered[1:] == ordered[:-1]) / n
         if share > TWICE:

@@ -14,6 +14,8 @@ from emg2vsa.signals.overview import EMG_FROM_HZ, EmgOverview, mean_known, spect
 
 POINTS = 32
 "A press is compared with others by so many points of its force and envelope."
+CUBIC = np.linalg.qr(np.vander(np.linspace(-1, 1, POINTS), 4))[0]
+"Orthonormal columns of cubics over the points."
 NOISE_FROM = 0.7
 "Share of the frequencies below which muscles are."
 SHARES = (0.05, 0.5, 0.95)
@@ -135,8 +137,9 @@ def _line_hz(samples: Sequence[Floats], fs_hz: float, rests: Ints) -> float:
     inner = np.flatnonzero((hz >= LINE_HZ[0]) & (hz <= LINE_HZ[1]))
     if inner.size < 20 or not power.any():
         return np.nan
-    around = median_filter(power, size=17)
-    over = power[inner] / np.maximum(around[inner], 1e-300)
+    near = slice(max(int(inner[0]) - 8, 0), int(inner[-1]) + 9)
+    around = median_filter(power[near], size=17)[inner - near.start]
+    over = power[inner] / np.maximum(around, 1e-300)
     top = int(inner[np.argmax(over)])
     if over.max() < LINE_OVER:
         return np.nan
@@ -159,8 +162,7 @@ def _fingerprints(rows: Floats, offsets: Ints) -> Floats:
     before = np.minimum(edges.astype(np.int64), counts[:, None] - 1)
     low, high = runs[:, begins[:, None] + before], runs[:, begins[:, None] + before + 1]
     sums = np.moveaxis(np.diff(low + (edges - before) * (high - low)), 0, 1)
-    basis, _ = np.linalg.qr(np.vander(np.linspace(-1, 1, POINTS), 4))
-    left = sums - (sums @ basis) @ basis.T
+    left = sums - (sums @ CUBIC) @ CUBIC.T
     norm = np.linalg.norm(left, axis=2, keepdims=True)
     found[long] = np.divide(left, norm, out=np.full_like(left, np.nan), where=norm > 0)
     return found

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass
-from functools import partial
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from emg2vsa import arrays
-from emg2vsa.extraction.extract import _above, _force_at
+from emg2vsa.extraction.extract import _force_at
 from emg2vsa.settings import FilterSettings
 from emg2vsa.signals import envelope, plausibility, windowed
 from emg2vsa.signals.pairing import Clock
@@ -91,12 +90,11 @@ def test_parts_give_what_the_whole_gives(spoilt, filters, force_of, recorded, ex
 
 @pytest.mark.parametrize("force_start_s", [-3.0, 0.0, 0.4, 30.0])
 @pytest.mark.parametrize("force_hz", [100.0, 1000.0, 2148.15])
-def test_where_force_is_above_a_level(monkeypatch: pytest.MonkeyPatch, force_start_s: float, force_hz: float) -> None:
-    monkeypatch.setattr(arrays, "AT_ONCE", 700)
+def test_force_at_samples_of_the_emg(force_start_s: float, force_hz: float) -> None:
     force_n = np.random.default_rng(0).standard_normal(round(8 * force_hz))
     emg, force = Clock(0.1, 1000.0, 10_000), Clock(force_start_s, force_hz, force_n.size)
     at_s = 0.1 + np.arange(10_000) / 1000.0
     expected = np.interp(at_s, force_start_s + np.arange(force_n.size) / force_hz, force_n)
-    clear = np.abs(expected - 0.3) > 1e-9
-    found = _above(0.3, emg.n_samples, partial(_force_at, force_n=force_n, emg=emg, force=force))
-    np.testing.assert_array_equal(found[clear], (expected > 0.3)[clear])
+    parts = [np.arange(begin, min(begin + 700, 10_000)) for begin in range(0, 10_000, 700)]
+    found = np.concatenate([_force_at(part, force_n, emg, force) for part in parts])
+    np.testing.assert_allclose(found, expected, atol=1e-9)

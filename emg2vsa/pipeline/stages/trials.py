@@ -137,22 +137,24 @@ def trials_of(
     from emg2vsa.readers.session_events import only_counted, session_presses
 
     roles = read_roles(emg_file, force_file, channels, reading, cal_file)
+    emg, force, notes, began = roles.emg, [roles.force], roles.notes, roles.began
+    del roles
     trials = extract_trials(
-        roles.emg,
-        roles.force,
+        emg,
+        force.pop(),  # whose samples, many of a long record, nobody else holds
         participant=participant,
         specimen=specimen,
         filters=filters,
         cocontraction=cocontraction,
         window=window,
         force_channel=channels.force,
-        notes=roles.notes,
+        notes=notes,
     )
     if (events := session_events(emg_file)) is not None:
         trials = only_counted(trials, session_presses(events))
-    doubtful = tuple(note for note in roles.notes if remedy_of(note))  # to be acted upon, not only recorded
+    doubtful = tuple(note for note in notes if remedy_of(note))  # to be acted upon, not only recorded
     remarks = trials.remarks if trials.fault else (*doubtful, *trials.remarks)
-    return replace(trials, began=roles.began, equipment=equipment(emg_file), remarks=remarks)
+    return replace(trials, began=began, equipment=equipment(emg_file), remarks=remarks)
 
 
 def says(trials: Trials) -> str:
