@@ -15,7 +15,7 @@ from scipy import signal
 
 from emg2vsa.errors import SettingError, SignalError
 from emg2vsa.extraction.contractions import contraction_levels_v
-from emg2vsa.extraction.extract import _rests_differ
+from emg2vsa.extraction.rests import rests_differ
 from emg2vsa.fits import in_session
 from emg2vsa.settings import PAPER, CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
 from emg2vsa.signals.filters import one_pass_band_hz
@@ -265,13 +265,13 @@ def test_paper_mode_only_tells_what_is_implausible(force_of, recorded, extract):
 def test_rests_differ_by_tone_and_not_by_noise() -> None:
     resting = Instants(np.array([0, 500, 1000]), np.full(3, 500), 1, np.ones(3, np.bool_))
     rng = np.random.default_rng(1)
-    found = [_rests_differ(1 + 0.1 * rng.standard_normal((2, 1500)), resting, 1000.0) for _ in range(200)]
+    found = [rests_differ(1 + 0.1 * rng.standard_normal((2, 1500)), resting, 1000.0) for _ in range(200)]
     assert sum(found) <= 1
     toned = 1 + 0.1 * rng.standard_normal((2, 1500))
     toned[1, 500:1000] *= 1.2
-    assert _rests_differ(toned, resting, 1000.0)
+    assert rests_differ(toned, resting, 1000.0)
     alone = Instants(np.array([0]), np.array([500]), 1, np.ones(1, np.bool_))
-    assert not _rests_differ(toned, alone, 1000.0)
+    assert not rests_differ(toned, alone, 1000.0)
 
 
 def contraction(channel, level_v, seconds=6.0, held_s=2.0, seed=0):

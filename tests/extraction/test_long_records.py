@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from emg2vsa import arrays
-from emg2vsa.extraction.extract import _force_at
+from emg2vsa.extraction.cleaning import _force_at
 from emg2vsa.settings import FilterSettings
 from emg2vsa.signals import envelope, plausibility, windowed
 from emg2vsa.signals.pairing import Clock
