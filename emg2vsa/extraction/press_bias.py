@@ -133,7 +133,7 @@ def of_lag(
 
 def alone(
     envelopes_v: Floats,
-    muscles: Sequence[str],
+    muscles: tuple[str, ...],
     heard: Mapping[str, Mapping[str, float]],
     force_n: Floats,
     offsets: Ints,
