@@ -2,7 +2,7 @@
 hour of it.
 
 ``python -m benchmarks.record_to_fit [REVISION]``, kept by ``benchmarks.bench.record``: some minutes; REVISION is the
-commit before this one where none is given. Processor time of one thread: a process of each revision answers in turn,
+commit before this one where none is given, and may lack parts. Processor time of one thread: a process of each revision answers in turn,
 round by round. Memory (Linux) is that of the whole tree of processes, the one that decodes files too, sampled every two
 milliseconds; it counts pages that both share twice.
 """
@@ -59,6 +59,7 @@ SHOWN = "stored in 16 bits"
 PARTS: dict[str, tuple[str, ...]] = {
     "force: filter, rests, presses": ("_conditioned",),
     "hum": ("remove_hum", "remove_touch_hum", "touch_hum"),
+    "gaps and spikes": ("bridge",),
     "movement": ("movement",),
     "lag": ("estimate_lag",),
     "envelopes": ("Chain.envelopes",),
@@ -280,8 +281,11 @@ def timed(other: Path) -> Iterator[str]:
 
 def _row(label: str, rounds: Sequence[Sequence[dict[str, float]]], part: str) -> list[str]:
     there, here = np.array([[each[part] for each in turn] for turn in rounds]).T
+    row = [label, f"{np.median(there):.2f}", f"{np.median(here):.2f}"]
+    if not there.all():
+        return [*row, "not there"]
     low, middle, high = np.quantile(here / there, (0.05, 0.5, 0.95))
-    return [label, f"{np.median(there):.2f}", f"{np.median(here):.2f}", f"{middle:.2f} ({low:.2f} to {high:.2f})"]
+    return [*row, f"{middle:.2f} ({low:.2f} to {high:.2f})"]
 
 
 def remembered(other: Path) -> Iterator[str]:

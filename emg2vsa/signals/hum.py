@@ -228,7 +228,7 @@ def _fitted(
     piece = around[begin:end]
     middle_s = (np.arange(0, piece.size, size) + (size - 1) / 2) / fs_hz
     of_block = shapes[:, begin:end].reshape(len(shapes), -1, size).mean(axis=2)
-    turns = np.exp(-2j * np.pi * np.outer(offsets_hz * strongest, middle_s))
+    turns = _turning(-offsets_hz * strongest * size / fs_hz, (1 - 1 / size) / 2, middle_s.size, BLOCK // 8)
     turned = {
         order: (piece * _turning(-order * mains_hz / fs_hz, 0, piece.size, size)).reshape(-1, size).mean(axis=1)
         for order in orders.tolist()
@@ -237,7 +237,9 @@ def _fitted(
     phasors: dict[int, Phasors] = {}
     for _ in range(TOUCH_ROUNDS):
         weights = of_block / np.maximum(np.square(rest).reshape(-1, size).mean(axis=1), 1e-300)
-        solver = np.linalg.pinv(weights @ of_block.T, rcond=1e-6, hermitian=True)
+        powers, axes = np.linalg.eigh(weights @ of_block.T)
+        known = powers > 1e-6 * powers.max()  # not where force and a constant are one
+        solver = np.divide(axes, powers, out=np.zeros_like(axes), where=known) @ axes.T
         right = turns @ (weights * turned[strongest]).T
         offset_hz = offsets_hz[int(np.argmax(_in_one_phase(right, solver)[1]))]
         phasors = {}
@@ -257,8 +259,8 @@ def _in_one_phase(right: Phasors, solver: Floats) -> tuple[Phasors, Floats]:
     The shapes explain r' S r with r = Re(right / phase), which is largest where the phase is half that of right' S
     right. Were the phase free to go with force, it would follow a frequency that is a little off.
     """
-    turning = np.einsum("...i,ij,...j->...", right, solver, right)
-    power = np.einsum("...i,ij,...j->...", right.conj(), solver, right).real
+    solved = right @ solver
+    turning, power = np.sum(right * solved, axis=-1), np.sum(right.conj() * solved, axis=-1).real
     return np.exp(0.5j * np.angle(turning)), power + np.abs(turning)
 
 
@@ -282,11 +284,13 @@ def _waves(phasors: dict[int, Phasors], shapes: Floats, cycles: float, first: in
     return found
 
 
-def _turning(cycles: float, first: int, n: int, size: int) -> Phasors:
-    """exp(2 pi i t cycles) (n,) from t = ``first`` on; n is a multiple of ``size``, for it takes a block from another
-    one's."""
-    of_block, within = (np.exp(2j * np.pi * cycles * at) for at in (first + np.arange(0, n, size), np.arange(size)))
-    return np.asarray(np.multiply.outer(of_block, within).ravel())
+def _turning(cycles: Floats | float, first: float, n: int, size: int) -> Phasors:
+    """exp(2 pi i t cycles) (..., n) from t = ``first`` on: blocks of ``size``, each the first one, turned."""
+    of_block, within = (
+        np.exp(2j * np.pi * np.multiply.outer(cycles, at)) for at in (first + np.arange(0, n, size), np.arange(size))
+    )
+    found = of_block[..., :, None] * within[..., None, :]
+    return np.asarray(found.reshape(*np.shape(cycles), -1)[..., :n])
 
 
 def _harmonics(mains_hz: float, fs_hz: float) -> Floats:
