@@ -2,9 +2,9 @@
 hour of it.
 
 ``python -m benchmarks.record_to_fit [REVISION]``, kept by ``benchmarks.bench.record``: some minutes; REVISION is the
-commit before this one where none is given, and may lack parts. Processor time of one thread: a process of each revision answers in turn,
-round by round. Memory (Linux) is that of the whole tree of processes, the one that decodes files too, sampled every two
-milliseconds; it counts pages that both share twice.
+commit before this one where none is given, and may lack parts. Processor time of one thread: a process of each revision
+answers in turn, round by round. Memory (Linux) is that of the whole tree of processes, the one that decodes files too,
+sampled every two milliseconds; it counts pages that both share twice.
 """
 
 from __future__ import annotations
