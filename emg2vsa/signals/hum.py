@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints, slices
+from emg2vsa.arrays import Floats, Ints, slices, sums_of
 from emg2vsa.signals.products import times
 from emg2vsa.signals.quality import MAINS_HZ
 
@@ -236,7 +236,7 @@ def _fitted(
     rest, hz = piece - piece.mean(), mains_hz
     phasors: dict[int, Phasors] = {}
     for _ in range(TOUCH_ROUNDS):
-        weights = of_block / np.maximum(np.square(rest).reshape(-1, size).mean(axis=1), 1e-300)
+        weights = of_block / np.maximum(sums_of(np.square(rest).reshape(-1, size)) / size, 1e-300)
         powers, axes = np.linalg.eigh(weights @ of_block.T)
         known = powers > 1e-6 * powers.max()  # not where force and a constant are one
         solver = np.divide(axes, powers, out=np.zeros_like(axes), where=known) @ axes.T
@@ -267,7 +267,7 @@ def _in_one_phase(right: Phasors, solver: Floats) -> tuple[Phasors, Floats]:
 def _held(samples: Floats, hum: Floats, size: int, first: int, last: int) -> tuple[int, int]:
     """How far around [first, last) samples (n,) hold the hum (n,), to a block of ``size``: where it is most likely."""
     with_it, without, both, own = (
-        x.reshape(-1, size).sum(axis=1) for x in ((samples - hum) ** 2, samples**2, samples * hum, hum**2)
+        sums_of(x.reshape(-1, size)) for x in ((samples - hum) ** 2, samples**2, samples * hum, hum**2)
     )
     likely = (both - own / 2) / np.maximum(np.minimum(with_it, without), 1e-300)
     before, after = likely[: first // size][::-1], likely[-(-last // size) :]

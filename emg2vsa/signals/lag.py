@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal, special
 
-from emg2vsa.arrays import Floats, Ints, median, slices
+from emg2vsa.arrays import Floats, Ints, median, slices, sums_of
 from emg2vsa.signals.pairing import Clock
 
 STEP_S = 0.01
@@ -259,7 +259,7 @@ def _activity(channels: tuple[Floats, ...], step: int, fs_hz: float, moved: Sequ
         steps, centre = np.empty(total.size), float(samples.mean())
         for part in slices(total.size, step):
             rough = _rectified(samples, part.start * step, part.stop * step, half, centre)
-            rough.reshape(-1, step).mean(axis=1, out=steps[part])
+            steps[part] = sums_of(rough.reshape(-1, step)) / step
         if moved and len(moved[number]):
             steps = _without_movement(steps, samples, moved[number], step, fs_hz)
         total += steps

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats, Ints, median, quantiles
+from emg2vsa.arrays import Floats, Ints, median, quantiles, sums_of
 from emg2vsa.signals.bias import Cause, Shift, line_change, means, taken_out
 
 STEP_S = 0.01
@@ -57,7 +57,7 @@ def _spans(
     steps: Floats, size: int, near: NDArray[np.bool_], inside: NDArray[np.bool_], resting: NDArray[np.bool_],
     contacts: Ints,
 ) -> NDArray[np.int64]:  # fmt: skip
-    means = steps.mean(axis=1)
+    means = sums_of(steps) / size
     fast = np.maximum(np.einsum("ij,ij->i", steps, steps) / size - means**2, 0.0)
     pairs = means.copy()
     pairs[:-1] += means[1:]
