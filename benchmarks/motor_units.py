@@ -34,6 +34,7 @@ from emg2vsa.settings import (
     HypothesisSettings,
     WindowSettings,
 )
+from emg2vsa.signals.lag import Lag
 
 FS_HZ = 2000.0
 TOP_N, RAMP_S, HOLD_S, RELEASE_S = 8.0, 3.0, 0.5, 0.4
@@ -193,20 +194,21 @@ def line_of(force_n: Floats, v: Floats) -> tuple[Floats, Floats]:
 
 class Said(NamedTuple):
     """Of all presses of a person: fits with and without weights by level; lag_s (r,) of the recordings, NaN where it is
-    not known; told_s : likewise, NaN where no press is told it; differs : presses told that they share no lag.
-    laws : on all fitted presses."""
+    not known; told_s : likewise, NaN where no press is told it; error_s : (r,) standard errors; differs : presses told
+    that they share no lag. laws : on all fitted presses."""
 
     fits: Fits
     plain: Fits
     lag_s: Floats
     told_s: Floats
+    error_s: Floats
     differs: int
     laws: ForceLaws
 
 
 def said(person: Person, recordings: int) -> Said:
     """The chain on so many recordings."""
-    fits, plain, lags, told, differs = [], [], [], [], 0
+    fits, plain, lags, told, errors, differs = [], [], [], [], [], 0
     for number in range(recordings):
         emg, force = record(person, number)
         trials = extract_trials(
@@ -217,9 +219,11 @@ def said(person: Person, recordings: int) -> Said:
         plain.append(fit_trials(trials, FitSettings(weights="none"), WINDOW))
         lags.append(trials.lag_s)
         told.append(trials.lag_s if any("force follows EMG" in each for each in trials.reasons) else math.nan)
+        errors.append(Lag(trials.lag_s, trials.lag_se_s, PRESSES).error_s)
         differs += sum("lag of force d" in each for each in trials.reasons)
     joined = concatenate(fits)
-    return Said(joined, concatenate(plain), np.array(lags), np.array(told), differs, force_laws(joined, "ok+doubtful"))
+    laws = force_laws(joined, "ok+doubtful")
+    return Said(joined, concatenate(plain), np.array(lags), np.array(told), np.array(errors), differs, laws)
 
 
 def of_person(person: Person, recordings: int) -> tuple[Truth, Said]:
@@ -240,9 +244,8 @@ def row(person: Person, true: Truth, found: Said) -> Sequence[str]:
     b_v, sd = fits.b_v[fitted], float(np.std(fits.b_v[fitted], ddof=1))
     half = float(np.median((fits.b_hi_v - fits.b_lo_v)[fitted] / 2))
     best = [LAWS[int(np.argmin(errors))] for errors in found.laws.error[1].T.tolist()]
-    false = np.isfinite(found.told_s) & ~(
-        (found.told_s >= true.lag_s - CLOSE_S) & (found.told_s <= true.rise_s + CLOSE_S)
-    )
+    off_s = np.maximum(true.lag_s - found.told_s, found.told_s - true.rise_s)
+    false, beyond = off_s > CLOSE_S, off_s > 2 * found.error_s
     known = found.lag_s[np.isfinite(found.lag_s)]
     return (
         f"{person.seed}", person.origin, f"{1e6 * true.b_v[0]:.1f} / {1e6 * true.b_v[1]:.1f}",
@@ -251,7 +254,8 @@ def row(person: Person, true: Truth, found: Said) -> Sequence[str]:
         f"{1e6 * np.nanmean(found.plain.b_v):.1f}", f"{int(used.sum())} of {fits.b_v.size}",
         f"{1e3 * true.lag_s:.0f} / {1e3 * true.rise_s:.0f}",
         f"{1e3 * known.mean():.0f} ± {1e3 * np.std(known):.0f} ({known.size})" if known.size else "none",
-        f"{int(np.isfinite(found.told_s).sum())} of {found.told_s.size}", f"{int(false.sum())}", f"{found.differs}",
+        f"{int(np.isfinite(found.told_s).sum())} of {found.told_s.size}", f"{int(false.sum())}", f"{int(beyond.sum())}",
+        f"{found.differs}",
         f"{100 * (true.b_v[0] / true.held_b_v[0] - 1):+.0f}", f"{100 * float(np.mean(fits.b_bias)):+.0f}",
         " / ".join(f"{value:.3f}" for value in true.r2), " / ".join(str(best.count(law)) for law in LAWS),
     )  # fmt: skip
@@ -259,14 +263,15 @@ def row(person: Person, true: Truth, found: Said) -> Sequence[str]:
 
 HEAD = (
     "person", "force", "b true", "b held", "b found ± SD", "half width / SD", "cover", "cover held", "b not weighted",
-    "used", "true lag", "lag found", "lag told", "false", "differs", "b changed", "expected", "R2", "best law",
+    "used", "true lag", "lag found", "lag told", "false", "beyond", "differs", "b changed", "expected", "R2",
+    "best law",
 )  # fmt: skip
 ABOUT = f"""`b true`: weighted by 1 / v^2, and not weighted; `held`: at the force that the excitation would hold.
 Cover in percent of the presses that enter the tests by default. Lags in ms: by correlation over the press /
 of force behind what is asked for, on the rise. `false`: recordings told a lag that is not between the two,
-{1e3 * CLOSE_S:.0f} ms aside. `differs`: presses told that their lags do. `b changed`: by the delay of force, percent,
-and what the presses expect of it. R2 of the ensemble and best law of each recording, by bins left out:
-logarithm / power / line.
+{1e3 * CLOSE_S:.0f} ms aside; `beyond`: two of their standard errors aside. `differs`: presses told that their lags do.
+`b changed`: by the delay of force, percent, and what the presses expect of it. R2 of the ensemble and best law of each
+recording, by bins left out: logarithm / power / line.
 """
 
 

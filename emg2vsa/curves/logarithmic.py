@@ -115,6 +115,13 @@ def fit_log_by_level(
     return _log_fit(line, confidence), weights
 
 
+def fit_log_weighted(
+    force_n: Floats, v: Floats, weights: Floats, robust: bool = False, confidence: float = 0.95
+) -> LogFit:
+    """Fit with the weights (k, p) that are given; force_n, v : (k, p), NaN where there is no point."""
+    return _log_fit(_fit_points(np.log(force_n), v, weights, robust), confidence)
+
+
 def widen(fit: LogFit, a_factor: Floats, b_factor: Floats, dof: Floats, confidence: float) -> LogFit:
     """``fit`` with its standard errors multiplied by factors (k,), and the interval of Student's t at ``dof`` (k,)."""
     reach = _t_quantile(dof, confidence) * fit.b_se * b_factor

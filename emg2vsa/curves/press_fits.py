@@ -5,13 +5,14 @@ Beside them stands how long the residuals remember, and how many independent obs
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.curves.force_bins import ForceBins, bin_covariance, bin_means, error_factors, pad_rows
-from emg2vsa.curves.logarithmic import LogFit, fit_log, fit_log_by_level, level_weights, widen
+from emg2vsa.curves.logarithmic import LogFit, fit_log, fit_log_by_level, fit_log_weighted, level_weights, widen
 from emg2vsa.settings import FitSettings
 
 PARAMETERS = 2
@@ -20,6 +21,11 @@ FEWEST_DOF = 2
 "A press is never left with a single degree of freedom: an interval of 12.7 standard errors says nothing."
 MOST_SHARE, ROUNDS = 0.7, 6
 "Of the noise, that a line is held to have taken; and how often that is found anew from its own result."
+
+FEWEST_SAMPLES = 10
+"A press with fewer shows no curve."
+BEND_CHANCE = 0.001
+"Of a term of the common curve that is not there."
 
 CELLS_AT_ONCE = 2**22
 "Of covariances of bins; 32 MB an array."
@@ -44,25 +50,30 @@ def fit_presses(force_n: Floats, v: Floats, offsets: Ints, edges_n: Floats, fit:
     """Fit k presses cut from the samples force_n, v (N,), evenly sampled in time, by ``offsets`` (k + 1,).
 
     Errors on bins allow for the correlation of the samples, and their interval for the degrees of freedom that slow
-    noise leaves: no more than the effective number of samples has (``shared_number``). Errors on samples (the paper's
-    fit) do not, and are several times too small: ``n_effective`` says why.
+    noise leaves: no more than the effective number of samples has (``shared_number``). Where the presses share a curve
+    other than the line, b is the slope of its best line over the window, and the errors are those of that slope: noise
+    is what lies about the curve (``common_bend``). Errors on samples (the paper's fit) do none of this, and are several
+    times too small: ``n_effective`` says why.
     """
     bins = bin_means(force_n, v, offsets, edges_n)
     force, samples = pad_rows(force_n, offsets), pad_rows(v, offsets)
     on_bins, on_samples = fit_log(bins.force_n, bins.v), fit_log(force, samples)
     level = on_samples.at(force)
-    noise = 1 / np.sqrt(level_weights(level))
     n = np.count_nonzero(np.isfinite(samples), axis=1).astype(np.float64)
-    correlation = autocorrelation((samples - level) / noise)
-    independent = shared_number(effective_number(without_line(correlation, n), n), n)
+    correlation = autocorrelation((samples - level) * np.sqrt(level_weights(level)))
     if fit.points == "samples":
         reported, _ = _fit(force, samples, np.ones(samples.shape), fit)
     else:
-        reported, weights = _fit(bins.force_n, bins.v, bins.samples.astype(np.float64), fit)
-        a_factor, b_factor, dof = _factors(bins, weights, noise, memory(correlation))
-        # where the effective number is not known (NaN), it sets no limit
-        dof = np.fmin(dof, np.maximum(independent - PARAMETERS, FEWEST_DOF))
-        reported = widen(reported, a_factor, b_factor, dof, fit.confidence)
+        line, weights = _fit(bins.force_n, bins.v, bins.samples.astype(np.float64), fit)
+        reported = _with_errors(line, bins, weights, level, correlation, n, fit)
+        bend = common_bend(force, samples, level, edges_n)
+        if np.any(bend):
+            level = fit_log(force, samples - bend).at(force) + bend
+            inside = np.arange(bend.shape[1]) < np.diff(offsets)[:, None]
+            without = bin_means(force_n, v - bend[inside], offsets, edges_n).v
+            about = fit_log_weighted(bins.force_n, without, weights, fit.robust, fit.confidence)
+            of_curve = autocorrelation((samples - level) * np.sqrt(level_weights(level)))
+            reported = _narrowed(reported, _with_errors(about, bins, weights, level, of_curve, n, fit), fit.confidence)
     return PressFits(
         reported=reported,
         on_bins=on_bins,
@@ -71,6 +82,59 @@ def fit_presses(force_n: Floats, v: Floats, offsets: Ints, edges_n: Floats, fit:
         lag1=correlation[:, 1] if correlation.shape[1] > 1 else np.full(n.size, np.nan),
         n_effective=effective_number(correlation, n),
     )
+
+
+def _with_errors(
+    line: LogFit, bins: ForceBins, weights: Floats, level: Floats, correlation: Floats, n: Floats, fit: FitSettings
+) -> LogFit:
+    """The line with the errors that noise of this autocorrelation (k, p) about the level (k, p) gives it."""
+    independent = shared_number(effective_number(without_line(correlation, n), n), n)
+    noise = 1 / np.sqrt(level_weights(level))
+    a_factor, b_factor, dof = _factors(bins, weights, noise, memory(correlation))
+    # where the effective number is not known (NaN), it sets no limit
+    dof = np.fmin(dof, np.maximum(independent - PARAMETERS, FEWEST_DOF))
+    return widen(line, a_factor, b_factor, dof, fit.confidence)
+
+
+def _narrowed(line: LogFit, curve: LogFit, confidence: float) -> LogFit:
+    """The line with the errors about the common curve: at least those that the scatter of b from press to press shows,
+    which also holds what is slower than a press, and at most its own."""
+    known = np.isfinite(line.b)
+    scatter = np.array([np.std(each[known], ddof=1) for each in (line.a, line.b)])
+    a_se, b_se = (
+        np.fmin(own, np.fmax(about, least))
+        for own, about, least in zip((line.a_se, line.b_se), (curve.a_se, curve.b_se), scatter, strict=True)
+    )
+    least = float(special.stdtrit(np.count_nonzero(known) - 1, 0.5 + 0.5 * confidence) * scatter[1])
+    reach = np.fmin(line.b_hi - line.b, np.fmax(curve.b_hi - curve.b, least))
+    return replace(line, a_se=a_se, b_se=b_se, b_lo=line.b - reach, b_hi=line.b + reach)
+
+
+def common_bend(force: Floats, v: Floats, level: Floats, edges_n: Floats) -> Floats:
+    """What the presses' common curve is beside a line in ln F, (k, p) in the unit of v; 0 where they show none.
+
+    force, v, level : (k, p), NaN where there is none; level is the line's, whose weights are inverse variances. The curve is a
+    polynomial of third order, in proportion to the mean level of a press; each of its two terms counts where the
+    presses agree on it by Student's t, so that two or three presses hardly ever show one, and one never. It is no
+    noise: it adds nothing to the scatter of b from press to press.
+    """
+    z = 2 * np.log(force / edges_n[0]) / np.log(edges_n[-1] / edges_n[0]) - 1
+    known = np.isfinite(z) & np.isfinite(v)
+    weights = np.where(known, np.sqrt(level_weights(level)), 0.0)
+    z, filled = np.where(known, z, 0.0), np.where(known, v, 0.0)
+    terms = np.polynomial.legendre.legvander(z, 3)
+    size = filled.sum(axis=1) / np.maximum(np.count_nonzero(known, axis=1), 1)
+    enough = (np.count_nonzero(known, axis=1) >= FEWEST_SAMPLES) & (size > 0)
+    count = int(np.count_nonzero(enough))
+    if count < 2:
+        return np.zeros(v.shape)
+    columns = (terms * weights[..., None])[enough]
+    normal = columns.transpose(0, 2, 1) @ columns
+    found = (np.linalg.pinv(normal) @ columns.transpose(0, 2, 1) @ (filled * weights)[enough, :, None])[..., 0]
+    of_size = found / size[enough, None]
+    mean, se = of_size.mean(axis=0), of_size.std(axis=0, ddof=1) / count**0.5
+    clear = np.abs(mean) > special.stdtrit(count - 1, 1 - BEND_CHANCE / 2) * se
+    return np.asarray(size[:, None] * (terms[..., 2:] @ np.where(clear, mean, 0.0)[2:]))
 
 
 def _factors(bins: ForceBins, weights: Floats, noise: Floats, memory: Floats) -> tuple[Floats, Floats, Floats]:

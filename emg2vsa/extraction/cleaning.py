@@ -90,7 +90,7 @@ def cleaned(
     lag = estimate_lag(samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], stop_s, moved)
     found = f"lag: force follows EMG by {1e3 * lag.lag_s:.0f} ms, "
     if lag.pieces > 1:
-        said.append(f"{found}standard error {1e3 * lag.se_s:.0f} ms")
+        said.append(f"{found}standard error {1e3 * lag.error_s:.0f} ms, {1e3 * lag.se_s:.0f} ms of it between presses")
     else:
         said.append(f"{found}by one press" if lag.pieces else "lag: not known")
     if filters.align == "lag" and not lag.certain:

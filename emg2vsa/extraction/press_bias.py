@@ -123,7 +123,10 @@ def of_lag(
         return
     if left.lag_s:
         a, b = change(left.lag_s)
-        yield left_in("lag", a, b, np.abs(b) * np.hypot(np.nan_to_num(left.se_s), left.feigned_s) / abs(left.lag_s))
+        yield left_in("lag", a, b, np.abs(b) * left.error_s / abs(left.lag_s))
+    if moved_s:
+        _, b = change(lag.error_s)
+        yield left_in("lag", np.zeros(b.size), np.zeros(b.size), np.abs(b))
     # a lag that is not certain may be there all the same
     uncertain_s = 0.0 if lag.certain or lag.pieces < 2 else max(abs(lag.lag_s) - lag.feigned_s, 0.0)
     if (off_s := max(uncertain_s, lag.between_s if lag.between_s > DIFFERS_S else 0.0)) > 0:

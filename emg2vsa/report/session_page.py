@@ -28,6 +28,7 @@ from emg2vsa.report.session_plots import (
 from emg2vsa.report.table import Column, Table, activity_column, table_of
 from emg2vsa.report.wording import NO_BREAK, number, percent
 from emg2vsa.session_verdict import Doubts, SessionVerdict, doubts_between, judge_session
+from emg2vsa.signals.lag import muscle_error_s
 from emg2vsa.study import RecordingEntry, Study
 
 VERDICT_TEXT = {
@@ -163,6 +164,9 @@ def _quality(trials: Trials) -> list[str]:
     said.append(f"Force: {number(trials.rest_force_n)} N at rest, subtracted")
     if np.isfinite(trials.lag_s) and trials.repetition.size:
         known = np.isfinite(trials.lag_se_s)
-        error = f"standard error {1e3 * trials.lag_se_s:.0f} ms" if known else "from one press"
+        shared_s = muscle_error_s(trials.lag_s)
+        error = f"standard error between presses {1e3 * trials.lag_se_s:.0f} ms" if known else "from one press"
+        if shared_s:
+            error += f"; {1e3 * shared_s:.0f} ms in all presses alike where the muscle itself makes the lag"
         said.append(f"Force follows EMG by {1e3 * trials.lag_s:.0f} ms ({error})")
     return said

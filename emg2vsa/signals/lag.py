@@ -42,6 +42,9 @@ CURVE_CLEAR = 3.0
 "... and it is other than the logarithm where the presses together show it by so many standard errors."
 APART_S = 0.015
 "Rise and release follow one curve where the lag is the same, within this, whether they are told apart or not."
+MUSCLE_SHARE, MUSCLE_S = 0.3, 0.3
+"A muscle's own lag is off by so much of itself, rms, alike in all presses, for it smooths (people made of motor units,"
+"benchmarks.motor_units: 170 ms are found of 120). A longer lag is of clocks."
 LEAST_EXPLAINED = 0.3
 "Force must explain so much of the variance of ln activity."
 PRESS_SD_S = 0.003
@@ -80,6 +83,12 @@ class Lag:
     between_s: float = 0.0
 
     @property
+    def error_s(self) -> float:
+        """Standard error with what all presses share, which ``se_s``, by how presses differ, cannot show: what is
+        feigned, and that a muscle has no single lag."""
+        return float(np.hypot(np.hypot(np.nan_to_num(self.se_s), self.feigned_s), muscle_error_s(self.lag_s)))
+
+    @property
     def certain(self) -> bool:
         """Whether it differs from zero by more than its 99.7 % interval and what can feign a lag."""
         if self.pieces == 1:
@@ -97,6 +106,11 @@ class Lag:
 
 
 UNKNOWN = Lag(float("nan"), float("nan"))
+
+
+def muscle_error_s(lag_s: float) -> float:
+    """Standard error of a lag that may be a muscle's own: activity comes first, by no more than muscles take."""
+    return MUSCLE_SHARE * lag_s if 0 < lag_s <= MUSCLE_S else 0.0
 
 
 def estimate_lag(

@@ -10,7 +10,7 @@ from emg2vsa.signals import lag
 from emg2vsa.signals.bias import line_change
 from emg2vsa.signals.floor import floor_change, press_levels, subtract_floor
 from emg2vsa.signals.hum import remove_hum, remove_touch_hum, touch_hum
-from emg2vsa.signals.lag import UNKNOWN, curve_of, estimate_lag
+from emg2vsa.signals.lag import UNKNOWN, Lag, curve_of, estimate_lag
 from emg2vsa.signals.pairing import Clock
 
 FS_HZ = 1000.0
@@ -228,6 +228,14 @@ def test_one_press_has_a_lag_without_error_and_two_have_their_difference(lag_s: 
     assert lag.lag_s == pytest.approx(lag_s, abs=0.015)
     assert (lag.se_s < 0.02) == (presses == 2)
     assert lag.certain == certain
+
+
+def test_a_lag_that_a_muscle_may_make_is_told_to_a_share_of_itself() -> None:
+    """What all presses share shows in no difference between them; clocks have no such share."""
+    for lag_s, share in ((0.1, 0.3), (0.3, 0.3), (0.5, 0.0), (-0.1, 0.0)):
+        expected = np.sqrt(0.002**2 + 0.005**2 + (share * lag_s) ** 2)
+        assert Lag(lag_s, 0.002, 10).error_s == pytest.approx(expected)
+    assert Lag(0.1, float("nan"), 1).error_s == pytest.approx(np.hypot(0.005, 0.03))
 
 
 def test_slow_wander_of_the_electrode_leaves_the_lag() -> None:
