@@ -113,9 +113,9 @@ def _narrowed(line: LogFit, curve: LogFit, confidence: float) -> LogFit:
 def common_bend(force: Floats, v: Floats, level: Floats, edges_n: Floats) -> Floats:
     """What the presses' common curve is beside a line in ln F, (k, p) in the unit of v; 0 where they show none.
 
-    force, v, level : (k, p), NaN where there is none; level is the line's, whose weights are inverse variances. The curve is a
-    polynomial of third order, in proportion to the mean level of a press; each of its two terms counts where the
-    presses agree on it by Student's t, so that two or three presses hardly ever show one, and one never. It is no
+    force, v, level : (k, p), NaN where there is none; level is the line's, whose weights are inverse variances. The
+    curve is a polynomial of third order, in proportion to the mean level of a press; each of its two terms counts where
+    the presses agree on it by Student's t, so that two or three presses hardly ever show one, and one never. It is no
     noise: it adds nothing to the scatter of b from press to press.
     """
     z = 2 * np.log(force / edges_n[0]) / np.log(edges_n[-1] / edges_n[0]) - 1

@@ -146,7 +146,9 @@ change b, with standard errors.{% if f.max_bias %} A trial was doubtful
 exceed {{ (100 * f.max_bias) | g }} % of b or the half-width of its interval.{% endif %} Recordings that are unlike the
 others of the study, in gain, band, clock or unit, were doubtful too; copies were left out.
 Intervals of a and b are at {{ (100 * f.confidence) | g }} % (Student's t); that of b holds the bias that is left.
-{% if bins %}Their standard errors allow for the correlation of neighbouring samples.{% else %}Their standard errors
+{% if bins %}Their standard errors allow for the correlation of neighbouring samples. Where the trials of a recording
+agree on a curve other than the logarithm, b is the slope of the best line over the forces, and its error that of
+noise about the curve.{% else %}Their standard errors
 take neighbouring samples as independent, and are therefore too small.{% endif %}
 {% set wide = "more than " ~ (WIDE | g) ~ " of the mean fitted level" %}
 {% if f.min_adj_r2 > -1 or f.max_b_error or f.max_b_error_ratio %}Let e be the half-width of the interval of b. A

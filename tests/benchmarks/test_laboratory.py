@@ -95,6 +95,8 @@ def test_a_delay_is_told_with_its_size_or_taken_out() -> None:
     assert slope(aligned) == pytest.approx(slope(clean), rel=0.01)
     assert aligned.verdict.tolist() == ["ok"] * 10
     assert dict(aligned.delay.parts)["force after EMG, estimated"] == aligned.lag_s
+    for trials in (late, aligned):  # to a third of the lag, which may be a muscle's own
+        assert np.mean(trials.bias.b_se[trials.bias.causes.index("lag")]) == pytest.approx(-0.31 * seen, rel=0.3)
     one = analysed(Laboratory(delay_s=0.06, presses=1), align="lag")
     assert one.lag_s == pytest.approx(0.06, abs=0.02)
     assert np.isnan(one.lag_se_s)

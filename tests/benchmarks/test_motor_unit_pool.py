@@ -195,6 +195,7 @@ def test_no_press_of_motor_units_is_said_to_have_a_lag_of_its_own() -> None:
     """By the noise of its presses this recording was said to have lags that differ by 66 ms."""
     trials, fits = told_of(Person(3, "twitches"), 4)
     assert not any("lag of force d" in reason for reasons in trials.reasons for reason in reasons)
+    assert np.median((fits.b_hi_v - fits.b_lo_v) / 2) < 7 * fits.b_v.std()  # 19 times with the law's misfit as noise
     true = 36.7e-6 / 35.5e-6 - 1  # of the table of benchmarks.motor_units
     assert np.all(np.abs(fits.b_bias - true) < 0.1)  # a law that is not there said -22 %
 
