@@ -28,7 +28,7 @@ from emg2vsa.report.session_plots import (
 from emg2vsa.report.table import Column, Table, activity_column, table_of
 from emg2vsa.report.wording import NO_BREAK, number, percent
 from emg2vsa.session_verdict import Doubts, SessionVerdict, doubts_between, judge_session
-from emg2vsa.signals.lag import muscle_error_s
+from emg2vsa.signals.bias import muscle_error_s
 from emg2vsa.study import RecordingEntry, Study
 
 VERDICT_TEXT = {

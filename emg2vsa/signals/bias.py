@@ -23,6 +23,9 @@ TOLD = 0.005
 "Of b: the largest cause of a press has a name from here on."
 LEAST = -0.9
 "A cause that leaves less than a tenth of b is not divided out."
+MUSCLE_SHARE, MUSCLE_S = 0.3, 0.3
+"A muscle's own lag is off by so much of itself, rms, alike in all presses, for it smooths (people made of motor units,"
+"benchmarks.motor_units: 170 ms are found of 120). A longer lag is of clocks."
 
 
 class Shift(NamedTuple):
@@ -100,6 +103,11 @@ class BiasBudget:
         rows: list[int] = np.argmax(size, axis=0).tolist()
         tops: list[float] = size.max(axis=0).tolist()
         return tuple(self.causes[row] if top > TOLD else "" for row, top in zip(rows, tops, strict=True))
+
+
+def muscle_error_s(lag_s: float) -> float:
+    """Standard error of a lag that may be a muscle's own: activity comes first, by no more than muscles take."""
+    return MUSCLE_SHARE * lag_s if 0 < lag_s <= MUSCLE_S else 0.0
 
 
 def line_change(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy import signal, special
 
 from emg2vsa.arrays import Floats, Ints, median, slices, sums_of
+from emg2vsa.signals.bias import muscle_error_s
 from emg2vsa.signals.pairing import Clock
 
 STEP_S = 0.01
@@ -42,9 +43,6 @@ CURVE_CLEAR = 3.0
 "... and it is other than the logarithm where the presses together show it by so many standard errors."
 APART_S = 0.015
 "Rise and release follow one curve where the lag is the same, within this, whether they are told apart or not."
-MUSCLE_SHARE, MUSCLE_S = 0.3, 0.3
-"A muscle's own lag is off by so much of itself, rms, alike in all presses, for it smooths (people made of motor units,"
-"benchmarks.motor_units: 170 ms are found of 120). A longer lag is of clocks."
 LEAST_EXPLAINED = 0.3
 "Force must explain so much of the variance of ln activity."
 PRESS_SD_S = 0.003
@@ -106,11 +104,6 @@ class Lag:
 
 
 UNKNOWN = Lag(float("nan"), float("nan"))
-
-
-def muscle_error_s(lag_s: float) -> float:
-    """Standard error of a lag that may be a muscle's own: activity comes first, by no more than muscles take."""
-    return MUSCLE_SHARE * lag_s if 0 < lag_s <= MUSCLE_S else 0.0
 
 
 def estimate_lag(
