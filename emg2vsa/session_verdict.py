@@ -16,7 +16,7 @@ from emg2vsa.arrays import median
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.diagnosis import ranked
 from emg2vsa.extraction.reasons import PRESSES_NAMED, grouped, put_aside
-from emg2vsa.extraction.remedies import remedy_of
+from emg2vsa.extraction.remedies import at_the_desk, remedy_of
 from emg2vsa.fits import Fits, usable
 from emg2vsa.settings import PressJudgement
 
@@ -81,7 +81,8 @@ class SpecimenVerdict:
         told = [Advice(f"{self.specimen}: {text}", do) for text, do in self.told]
         if self.verdict == "repeat":
             presses = f" ({self.ok} usable presses of {self.wanted or self.found})" if self.found else ""
-            return (Advice(f"{self.specimen}: record again{presses}", ""), *told)
+            what = "mend it before it is recorded again" if at_the_desk(self.remedy) else "record again"
+            return (Advice(f"{self.specimen}: {what}{presses}", ""), *told)
         return tuple(told)
 
     @property
@@ -107,7 +108,7 @@ class SessionVerdict:
     verdict: str
     specimens: tuple[SpecimenVerdict, ...]
     advice: tuple[Advice, ...]
-    b: tuple[dict[str, str | int | float], ...] = ()
+    b: tuple[dict[str, str | int | float | None], ...] = ()
     "Mean b of the presses used, by specimen; its interval holds how presses of the whole study differ."
     law: str = ""
     "Whether v = a + b ln F fits the presses that are ok, and what is nearer; another recording does not change it."

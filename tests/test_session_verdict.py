@@ -77,6 +77,15 @@ def test_repeat_says_why():
     assert told == ["S1: record again", f"S1: {none}", "S1: 0 presses found, 10 wanted"]
 
 
+def test_what_is_mended_in_files_is_not_recorded_again():
+    raw = "EDC lies below 61 Hz, unlike all others; is it an envelope? (b -57 %)"
+    spoilt = replaced(recording(doubtful=8), reasons=(raw,) * 8)
+    assert judge(spoilt, wanted=8).advice[:2] == (
+        ("S1: mend it before it is recorded again (0 usable presses of 8)", ""),
+        (f"S1: presses 1-8 doubtful: {raw}", "export the raw EMG, as for the other recordings"),
+    )
+
+
 def test_one_most_likely_cause_has_the_only_remedy():
     drying = replaced(
         recording(ok=2, doubtful=6), remarks=("EDC fades to 40 % over the presses",),

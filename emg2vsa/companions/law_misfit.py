@@ -112,7 +112,7 @@ class LawMisfits:
         away = f"{100 * log.share:.1f} % of the level [{100 * log.low:.1f}, {100 * log.high:.1f}]"
         away += f", {factor * log.share * level:.2g} {unit}".rstrip()
         if not log.told:
-            verdict = "fits" if log.high < MATTERS else "is not contradicted"
+            verdict = "fits" if log.high < MATTERS else f"is not shown to be off by {100 * MATTERS:g} %"
             return f"The logarithm v = a + b ln F {verdict}: presses are {away} from it ({p})."
         nearest = of[LAWS.index(name)]
         near = f"the {_NAMES[name]} is nearest, {100 * nearest.share:.1f} % away"

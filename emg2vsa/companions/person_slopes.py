@@ -32,10 +32,11 @@ class PersonSlopes:
     press_df: float
     press_rho: float
 
-    def rows(self) -> list[dict[str, str | int | float]]:
-        """One a recording, for programs."""
+    def rows(self) -> list[dict[str, str | int | float | None]]:
+        """One a recording, for programs; None for what is not known."""
         names = ("participant", "specimen", "presses", "mean", "low", "high")
-        return [{name: getattr(self, name)[i].item() for name in names} for i in range(self.mean.size)]
+        found = ({name: getattr(self, name)[i].item() for name in names} for i in range(self.mean.size))
+        return [{name: each if each == each else None for name, each in row.items()} for row in found]
 
     def said(self, activity_unit: str) -> Iterator[str]:
         """One sentence a recording, with what its interval leaves out; "" where it has no presses."""

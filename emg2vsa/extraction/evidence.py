@@ -18,7 +18,7 @@ from emg2vsa.signals.lag import Lag
 from emg2vsa.signals.pairing import Clock, Instants
 from emg2vsa.signals.quality import RawQuality, falling_share, raw_qualities
 from emg2vsa.signals.segmentation import Presses
-from emg2vsa.signals.verdicts import Evidence
+from emg2vsa.signals.verdicts import HELD_SHARE, Evidence
 
 TOLD_BIAS = 0.01
 "A press whose b is expected to be off by a larger share says so."
@@ -128,6 +128,17 @@ def said_of_overload(force: Channel, presses: Presses) -> list[tuple[tuple[bool,
     last = np.ceil(presses.stop_s * force.fs_hz).astype(np.int64) + 1
     counts = [int(np.count_nonzero(force.overloaded[a:b])) for a, b in zip(first, last, strict=True)]
     return [((True, f"transducer overloaded in {count} samples"),) if count else () for count in counts]
+
+
+def said_of_held(muscles: Sequence[str], shares: Floats) -> list[tuple[tuple[bool, str], ...]]:
+    """Per press the muscles whose samples are held, or on a line, in a larger share than can be left out; (m, p)."""
+    return [
+        tuple(
+            (True, f"{muscle} is held, or a straight line, in {100 * share:.0f} % of its samples")
+            for muscle, share in zip(muscles, own, strict=True) if HELD_SHARE < share < 1
+        )
+        for own in shares.T.tolist()
+    ]  # fmt: skip
 
 
 def gather_evidence(

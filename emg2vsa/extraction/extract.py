@@ -16,6 +16,7 @@ from emg2vsa.extraction.evidence import (
     gather_evidence,
     record_qualities,
     said_of_bias,
+    said_of_held,
     said_of_movement,
     said_of_overload,
 )
@@ -166,9 +167,10 @@ def extract_trials(
     biased = said_of_bias(conditioned, bias, told_above, lag, tense, window)
     loaded = said_of_overload(force, presses)
     shaken = said_of_movement(record.muscles, clean.moved, gone["contact artefact"], instants, record.fs_hz, bias)
+    held = said_of_held(record.muscles, clean.gaps.held)
     other = [
-        (*over, *shook, *own, *((False, sign) for sign in signs))
-        for over, shook, own, signs in zip(loaded, shaken, biased, seen.of_press, strict=True)
+        (*over, *gaps, *shook, *own, *((False, sign) for sign in signs))
+        for over, gaps, shook, own, signs in zip(loaded, held, shaken, biased, seen.of_press, strict=True)
     ]
     evidence = gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, other)
     verdicts = [judge(trial, window) for trial in evidence]
@@ -227,9 +229,13 @@ def _conditioned(
     """The force record, which of its samples (n,) were missing, and what is wrong and odd with it as a channel."""
     at_least = 4 if low is None else max(4, low.pad_samples + 1)
     raw_n, missing = bridge_gaps(samples_1d(force.samples, where_of(force), at_least=at_least), where_of(force))
-    misread = exchanged(raw_n, force.fs_hz, emg.muscles, emg.samples, emg.fs_hz) or returns_to_zero(raw_n, force.fs_hz)
+    misread = exchanged(raw_n, force.fs_hz, emg.muscles, emg.samples, emg.fs_hz)
+    settles = returns_to_zero(raw_n, force.fs_hz)
     slowly = tuple(sampled_slowly(raw_n, force.fs_hz))
-    return condition_force(raw_n, force.fs_hz, low, force_channel, window), missing, misread, slowly
+    found = condition_force(raw_n, force.fs_hz, low, force_channel, window)
+    if settles and found.sign_doubt and not returns_to_zero(-raw_n, force.fs_hz):
+        settles = ""  # of the wrong sign, rests look like presses
+    return found, missing, misread or settles, slowly
 
 
 def _looked_at(

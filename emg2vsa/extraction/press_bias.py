@@ -26,6 +26,8 @@ HUM_LEFT = 0.05
 "Standard error of the correction for hum, as a share of it; what is seen to stay has its own share in the budget."
 LAW_KNOWN_TO = 0.3
 "Standard error of a correction for clipping, as a share of what lies between the two laws of amplitude."
+TOO_LATE_S = 0.15
+"Where clocks part by more, b is not known: force and activity hardly share the press."
 ZERO_OFF = 0.6
 "Standard error of the force in a press, as a share of how far its zero moves around it: it may be off by nearly all."
 
@@ -119,7 +121,8 @@ def of_lag(
         largest_s = float(np.abs(own_s).max())
         a, b = change(largest_s)
         error_s = np.hypot(lag.about_drift_s, lag.feigned_s)
-        yield left_in("clock", a * own_s / largest_s, b * own_s / largest_s, np.abs(b) * error_s / largest_s)
+        error = np.where(np.abs(own_s) > TOO_LATE_S, 1.0, np.abs(b) * error_s / largest_s)
+        yield left_in("clock", a * own_s / largest_s, b * own_s / largest_s, error)
         return
     if left.lag_s:
         a, b = change(left.lag_s)

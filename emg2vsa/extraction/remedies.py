@@ -124,6 +124,10 @@ REMEDIES = (
            "EMG: its time stamps wander 42 ms off an even grid.",
            "samples were lost in small pieces, or the computer was too busy to stamp them in time (told from 10 ms)",
            "close other programs, check the link, then record again", False),
+    Remedy(r".* is held, or a straight line, in .* of its samples",
+           "EDC is held, or a straight line, in 24 % of its samples",
+           "packets were lost, and somebody repeated the last value, wrote zeros or drew a line in their place",
+           "shorten the distance to the radio and free its channel; export without filling gaps; record again", True),
     Remedy(r".* misses .* samples", "FDS misses 12 samples",
            "samples are missing during the press: bridged, left out from 10 ms on (rejected above a tenth of it)",
            "check the wireless link; export again if it is rejected", None),
@@ -314,3 +318,11 @@ def remedies_of(line: str) -> list[tuple[str, str]]:
 def known(reason: str) -> int | None:
     """The place of a reason in ``REMEDIES``; None where it has none."""
     return next((rank for rank, (pattern, _) in enumerate(_FOUND) if pattern.fullmatch(reason)), None)
+
+
+_DESK = re.compile(r"study file|export the raw|align = |\[\[accept\]\]|names of the two|file name or path")
+
+
+def at_the_desk(remedy: str) -> bool:
+    """Whether the remedy is for the files, so that recording again would not help."""
+    return bool(_DESK.search(remedy)) and "record again" not in remedy

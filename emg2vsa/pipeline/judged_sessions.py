@@ -62,7 +62,7 @@ def judge(study: Study, whole: Study, jobs: int, shown: Progress, below: Path | 
 
 def _beside(
     study: Study, whole: Study, plan: StepPlan, below: Path | None
-) -> tuple[Doubts, Screening, list[dict[str, str | int | float]]]:
+) -> tuple[Doubts, Screening, list[dict[str, str | int | float | None]]]:
     """What is doubtful beside all recordings of the whole study whose results are there, and which are unlike them; b
     of all people."""
     if len(whole.recordings) > len(study.recordings):

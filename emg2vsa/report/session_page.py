@@ -129,7 +129,8 @@ def _recording(trials: Trials, own: Fits | None, window_n: tuple[float, float], 
         said = (
             f"{trials.specimen}: budget of bias. Each dot is what one cause, corrected where it can be, is expected to "
             "leave in b of a press, with its standard error; the cross is their sum; grey is the half width of the "
-            "interval of b. A press whose sum passes the grey, or 10 % (dashed), is doubtful and enters no test."
+            "interval of b. A press whose sum passes the grey, or 10 % (dashed), is doubtful and enters no test. So is "
+            "every press of a recording that is unlike the others of the study."
         )
         body += html.figure(budget_plot(trials, own, f"{name}b"), said)
     return body + (_table(trials, own, scale).html() if own is not None and own.b_v.size else "")

@@ -7,6 +7,7 @@ residual), which must not be taken for smaller than people vary at all.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -50,6 +51,8 @@ SPREAD = {"level": 0.08, "noise": 0.05, "band": 0.03, "duration": 0.1, "peak": 0
 SAME = 0.97
 "Correlation of the fluctuations of two presses that are one; independent presses of 32 points reach 0.8."
 FORCES_SAME = 0.9
+ALIKE, IN_ORDER = 0.65, 3
+"... or so many presses, at least half, in the same order: force in another scale begins and ends presses elsewhere."
 LATE_S = 0.15
 "Force that is further from the study's lag leaves rest in the presses and presses in the rest: no trait holds."
 HARMLESS = 0.08
@@ -106,17 +109,29 @@ def _copies(traits: Mapping[Key, Traits]) -> _Told:
     rows = np.concatenate(known)
     of = np.repeat(np.arange(len(keys)), [len(own) for own in known])
     counts = np.bincount(of, minlength=len(keys))
+    number = np.concatenate([np.arange(len(own)) for own in known])
     pairs: dict[tuple[int, int], set[int]] = {}
+    alike: Counter[tuple[int, int, int]] = Counter()
     for first in range(0, len(rows), 512):
         part = rows[first : first + 512]
-        both = (part[:, 1] @ rows[:, 1].T > SAME) & (part[:, 0] @ rows[:, 0].T > FORCES_SAME)
+        emg = part[:, 1] @ rows[:, 1].T
+        both = (emg > SAME) & (part[:, 0] @ rows[:, 0].T > FORCES_SAME)
+        mine, theirs = np.nonzero(emg > ALIKE)
+        mine, theirs = (each[of[mine + first] != of[theirs]] for each in (mine + first, theirs))
+        ahead = number[theirs] - number[mine]
+        alike.update(zip(of[mine].tolist(), of[theirs].tolist(), ahead.tolist(), strict=True))
         for i, j in np.argwhere(both).tolist():
             if of[first + i] != of[j]:
                 pairs.setdefault((int(of[first + i]), int(of[j])), set()).add(first + i)
-    for (one, other), presses in pairs.items():
-        if len(presses) >= max(2, 0.5 * min(counts[one], counts[other])) and len(pairs[other, one]) >= 2:
-            text = f"the same recording as {'/'.join(keys[other])}"
-            yield keys[one], "copy", text, np.nan, "unreadable"
+    same = {
+        pair for pair, presses in pairs.items()
+        if len(presses) >= max(2, 0.5 * counts[list(pair)].min()) and len(pairs[pair[::-1]]) >= 2
+    }  # fmt: skip
+    for (one, other, _), n in alike.items():
+        if n >= max(IN_ORDER, 0.5 * counts[[one, other]].min()):
+            same.add((one, other))
+    for one, other in sorted(same):
+        yield keys[one], "copy", f"the same recording as {'/'.join(keys[other])}", np.nan, "unreadable"
 
 
 def _unlike(traits: Mapping[Key, Traits]) -> _Told:
@@ -282,6 +297,8 @@ class _Study:
             bottom, middle, top = (self._moved(each, i) for each in press)
             bottom_hz, _, top_hz = own.press_band_hz[k]
             low_hz, high_hz = self._silent(i, k)
+            if low_hz == 0 and high_hz == np.inf and self._like_own(press, i):
+                continue
             if top < 0 and middle < -0.7:
                 text = f"{muscle} lies below {top_hz:.0f} Hz, unlike all others; is it an envelope?"
                 return text, self._share_of_level(i), "doubtful"
@@ -299,13 +316,20 @@ class _Study:
                 if abs(share) < HARMLESS and not (top or middle or bottom):
                     return text, share, "told"
                 # where presses lie elsewhere though little was taken from their band, more was done than a filter
-                return text, share if abs(share) >= HARMLESS else self._share_of_level(i), "doubtful"
+                return self._counted(text, share if abs(share) >= HARMLESS else self._share_of_level(i))
             if middle:
                 hz = own.press_band_hz[k, 1]
                 said = f"{muscle} has its median frequency at {hz:.0f} Hz, unlike all others"
-                text = f"{said}; was it filtered or rectified?"
-                return text, self._share_of_level(i), "doubtful"
+                return self._counted(f"{said}; was it filtered or rectified?", self._share_of_level(i))
         return self._hole(i)
+
+    def _like_own(self, bands: Sequence[tuple[_Apart, _Apart]], i: int) -> bool:
+        """Whether the person's other recordings have the same band: people's muscles and skin differ."""
+        return all(np.isfinite(within.z[i]) and not within.beyond(BAND)[i] for within, _ in bands)
+
+    def _counted(self, text: str, share: float) -> tuple[str, float, Verdict]:
+        """What changes b by little is told: electrodes differ too. What is not known counts."""
+        return text, share, "told" if abs(share) < HARMLESS else "doubtful"
 
     def _lacks(self, i: int, below_hz: float) -> bool:
         """Whether presses lack what the study's have below a frequency: a relaxed hand lacks it at rest only."""

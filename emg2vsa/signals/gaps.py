@@ -1,4 +1,6 @@
-"""Samples that are no EMG, and are few: spikes, a value that is held, samples that are missing. All are bridged.
+"""Samples that are no EMG, and are few: spikes, values that are held or on a line, samples that are missing.
+
+All are bridged.
 
 A straight line takes their place before any filter, which would smear them. Where a gap is short beside the envelope's
 memory that is all; a longer one is left out of the fit (``emg2vsa.signals.movement``).
@@ -19,6 +21,8 @@ from emg2vsa.signals.verdicts import HELD_SHARE, HELD_WARNING_S, HELD_WARNING_SA
 
 WIDEST = 8
 "Of a spike of a few samples only the edges bend; so many samples between two are taken with them."
+STRAIGHT = 1e-9
+"Of the range of EMG around a press: samples that bend by less lie on a line, which somebody drew where they were lost."
 REACH_S = 0.3
 "Gaps are looked for so far before and after a press: the band-pass remembers them."
 
@@ -27,12 +31,14 @@ class Bridged(NamedTuple):
     """samples : (n,) of each muscle. lost : spans (k, 2) of each, first and last-plus-one sample, too long to bridge.
 
     spiked, missed : (p,) shares of the samples of each press, in the muscle that has most, that a line replaces.
+    held : (m, p) shares of the samples of each press that are held, or lie on a line.
     """
 
     samples: tuple[Floats, ...]
     lost: list[Ints]
     spiked: Floats
     missed: Floats
+    held: Floats
 
 
 def bridge(samples: Sequence[Floats], missing: Sequence[NDArray[np.bool_]], fs_hz: float, presses: Ints) -> Bridged:
@@ -41,11 +47,11 @@ def bridge(samples: Sequence[Floats], missing: Sequence[NDArray[np.bool_]], fs_h
     A muscle that holds values or misses samples for more than a tenth of a press keeps them there: that is no gap.
     """
     filled, lost = [], []
-    shares = np.zeros((2, len(presses)))
+    shares, of_held = np.zeros((2, len(presses))), np.zeros((len(samples), len(presses)))
     reach, longest = round(REACH_S * fs_hz), max(HELD_WARNING_SAMPLES, round(HELD_WARNING_S * fs_hz))
     # the rests on either side belong to a press as well: their level is subtracted
     cuts = [0, *((presses[:-1, 1] + presses[1:, 0]) // 2).tolist(), min(map(len, samples), default=0)]
-    for x, absent in zip(samples, missing, strict=True):
+    for muscle, (x, absent) in enumerate(zip(samples, missing, strict=True)):
         left, spans = x, [np.empty((0, 2), np.int64)]
         for press, (first, last) in enumerate(presses.tolist()):
             begin, end = cuts[press : press + 2]
@@ -56,7 +62,9 @@ def bridge(samples: Sequence[Floats], missing: Sequence[NDArray[np.bool_]], fs_h
             if not (held.size or spiked.size or missed):
                 continue
             gone = np.zeros(end - begin, dtype=np.bool_)
-            if held.size <= most:
+            within = held + near.start
+            of_held[muscle, press] = np.count_nonzero((within >= first) & (within < last)) / max(last - first, 1)
+            if of_held[muscle, press] <= HELD_SHARE:
                 gone[held + (near.start - begin)] = True
             if gone.any() or spiked.size:
                 left = x.copy() if left is x else left
@@ -76,14 +84,14 @@ def bridge(samples: Sequence[Floats], missing: Sequence[NDArray[np.bool_]], fs_h
                 spans.append(runs[runs[:, 1] - runs[:, 0] >= longest] + begin)
         filled.append(left)
         lost.append(np.concatenate(spans))
-    return Bridged(tuple(filled), lost, *shares)
+    return Bridged(tuple(filled), lost, shares[0], shares[1], of_held)
 
 
 def _held(x: Floats, longest: int) -> Ints:
-    """Which of the samples (n,) belong to a run of one value that is so long."""
-    same = x[1:] == x[:-1]
-    if np.count_nonzero(same) < longest:
+    """Which of the samples (n,) belong to a run of one value, or on one line, that is longer."""
+    straight = np.abs(np.diff(x, 2)) <= STRAIGHT * float(np.ptp(x)) if x.size > longest else np.empty(0, np.bool_)
+    if np.count_nonzero(straight) < longest - 1:
         return np.empty(0, np.int64)
-    first, last = runs_of(same)
-    long = last - first >= longest
-    return np.concatenate([np.empty(0, np.int64), *map(np.arange, first[long], last[long] + 1)])
+    first, last = runs_of(straight)
+    long = last - first >= longest - 1
+    return np.concatenate([np.empty(0, np.int64), *map(np.arange, first[long], last[long] + 2)])

@@ -25,6 +25,9 @@ from emg2vsa.settings import (
 from emg2vsa.study_file.problems import KeyPath, Problem, nearest, shown
 from emg2vsa.study_file.tables import MvcTable, RecordingsTable, RunsTable, SpecimenTable, overlaid
 
+LARGEST_CROSSTALK = 0.99
+"Product of what two muscles hear of each other, up to which they can be told apart."
+
 
 def _rising(pair: Sequence[float], path: KeyPath, equal: bool = False) -> Iterator[Problem]:
     if pair[0] > pair[1] or (pair[0] == pair[1] and not equal):
@@ -93,6 +96,14 @@ def _muscles(
         if every and muscle not in every:
             do = nearest(muscle, every, f"The muscles are {', '.join(every)}.")
             yield Problem(("cocontraction", "crosstalk", muscle), "a muscle of [channels.emg]", repr(muscle), do)
+    for into, heard in cocontraction.crosstalk.items():
+        for other, share in heard.items():
+            back = cocontraction.crosstalk.get(other, {}).get(into, 0.0)
+            if other == into or share * back > LARGEST_CROSSTALK:
+                found = f"{into} sees {share:g} of {other}" + (f", and back {back:g}" if other != into else "")
+                do = "Measure the shares again, each with one muscle tensed alone."
+                where = ("cocontraction", "crosstalk", into)
+                yield Problem(where, "shares by which two muscles can be told apart", found, do)
     unrecorded = [name for name in ids if name not in {table.participant for table in mvc}]
     for muscle in every if unrecorded or not ids else ():
         if cocontraction.normalise == "mvc" and muscle not in mvc_v:

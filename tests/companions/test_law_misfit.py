@@ -125,7 +125,7 @@ def test_what_cannot_be_said_is_not(change: str) -> None:
     ("law", "noise", "said"),
     [
         ("logarithm", 1e-4, "The logarithm v = a + b ln F fits"),
-        ("logarithm", 0.3, "is not contradicted"),
+        ("logarithm", 0.3, "is not shown to be off by 1 %"),
         ("linear", 0.07, "does not fit: presses are 1"),
         ("linear", 0.07, "(p < 0.001); the straight line is nearest"),
         ("saturating", 0.07, "neither does a power law nor a straight line; the logarithm is nearest"),

@@ -78,6 +78,8 @@ def test_rows_are_plain() -> None:
     assert first["participant"] == "P0"
     assert first["presses"] == 5
     assert first["low"] < first["mean"] < first["high"]
+    (alone,) = person_slopes(slopes(B_V[:1, :1, :1]), "ok").rows()
+    assert (alone["presses"], alone["low"], alone["high"]) == (1, None, None)
 
 
 def test_no_fits_at_all() -> None:

@@ -364,3 +364,20 @@ def test_glued_readings_of_a_real_transducer(shared_data, recorded, force_of, ex
     emg, force = recorded(force_of(RISE, RISE))
     with pytest.raises(SignalError, match=r"747 jumps of up to 3\.1e\+08 N and back"):
         extract(emg, replace(force, samples=samples, fs_hz=243.0))
+
+
+def test_lines_over_a_fifth_of_the_samples_reject_a_press(force_of, recorded, extract):
+    emg, force = recorded(force_of(*[RISE] * 3))
+    samples = emg["EDC"].samples.copy()
+    begin = int((2 + 5.6 + 0.4) * FS_HZ)
+    for at in range(begin, begin + 2000, 100):
+        samples[at : at + 20] = 0.0
+    trials = extract(emg | {"EDC": replace(emg["EDC"], samples=samples)}, force)
+    assert trials.verdict.tolist() == ["ok", "rejected", "ok"]
+    assert "EDC is held, or a straight line, in " in trials.reasons[1]
+
+
+def test_force_of_the_wrong_sign_is_not_called_ac_coupled(force_of, recorded, extract):
+    emg, force = recorded(force_of(*[RISE] * 6))
+    trials = extract(emg, replace(force, samples=-force.samples))
+    assert "sign" in trials.fault

@@ -78,6 +78,6 @@ def test_a_logarithm_that_does_not_fit_is_said_at_its_claim_and_on_the_first_pag
     assert ("The logarithm itself does not fit." in claim.why) == told
     last = list(summary(results, of))[-1]
     assert last.startswith(
-        f"The logarithm v = a + b ln F {'does not fit' if told else 'is not contradicted'}: presses are"
+        f"The logarithm v = a + b ln F {'does not fit' if told else 'is not shown to be off by 1 %'}: presses are"
     )
     assert f"{100 * share:.1f} % of the level [{100 * low:.1f}, {100 * high:.1f}]" in last

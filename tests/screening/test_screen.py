@@ -71,7 +71,13 @@ def test_a_gain_of_a_whole_session_shows_in_its_noise(clean, change, b_share):
     assert [each.b_share for each in found] == pytest.approx([b_share] * 3, abs=0.15)
 
 
-@pytest.mark.parametrize("change", [lambda raw: raw, digits(1e-6), cut(1.0), cut(0.4003), gain(0.5)])
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda raw: raw, digits(1e-6), cut(1.0), cut(0.4003), gain(0.5),
+        lambda raw: replace(raw, force_n=1.02 * raw.force_n), lambda raw: replace(raw, force_n=0.98 * raw.force_n),
+    ],
+)  # fmt: skip
 def test_a_copy_makes_both_recordings_unreadable(clean, change):
     found = with_one(clean, change(made(3, "S1", 77))).found
     assert {(each.participant, each.specimen): each.text for each in found if each.verdict == "unreadable"} == {
@@ -132,3 +138,15 @@ def test_nothing_is_said_of_a_recording_without_presses(clean):
     silent = trials_of(replace(raw, force_n=np.full(raw.force_n.size, 0.2)), *SPOILT)
     assert silent.repetition.size == 0
     assert screen(traits_by_recording((clean | {SPOILT: silent}).values())) == Screening()
+
+
+def test_a_person_whose_own_band_is_another_is_no_filter(clean):
+    """Skin and muscles differ: all recordings of the person agree, and the noise at rest has no edge."""
+    traits = traits_by_recording(clean.values())
+    narrow = {
+        key: replace(own, press_band_hz=own.press_band_hz * [1.0, 0.7, 0.6]) if key[0] == "P0" else own
+        for key, own in traits.items()
+    }
+    assert not screen(narrow).found
+    one = traits | {SPOILT: narrow[SPOILT]}
+    assert [each.cause for each in screen(one).found] == ["filters in the file"]

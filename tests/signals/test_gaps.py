@@ -61,6 +61,23 @@ def test_a_value_that_is_held_is_bridged_and_left_out():
     assert np.ptp(np.diff(line)) < 1e-12
 
 
+def test_lines_drawn_over_lost_packets_are_left_out_and_counted():
+    emg_v, presses = recorded()
+    first, last = presses[1].tolist()
+    begin = first + 500
+    emg_v[0, begin : begin + 40] = np.linspace(emg_v[0, begin - 1], emg_v[0, begin + 40], 42)[1:-1]
+    found = bridge(np.round(emg_v, 14), whole(emg_v), FS_HZ, presses)
+    ((span,), other) = found.lost
+    assert other.size == 0
+    assert span == pytest.approx([begin, begin + 40], abs=1)
+    assert found.held[:, 1] == pytest.approx([42 / (last - first), 0], abs=2e-3)
+    for at in range(first, last - 20, 100):  # a fifth of the press: no gap any more
+        emg_v[0, at : at + 20] = 0.0
+    spoilt = bridge(emg_v, whole(emg_v), FS_HZ, presses)
+    assert spoilt.held[0, 1] == pytest.approx(0.2, abs=0.03)
+    assert not spoilt.lost[0].size
+
+
 def test_what_is_missing_is_left_out_where_it_is_long_and_kept_where_it_is_most():
     emg_v, presses = recorded()
     absent = whole(emg_v)

@@ -46,6 +46,13 @@ CASES = [
     ("+", "[fit]\nmin_adj_r2 = 1.5", "fit.min_adj_r2", "< 1"),
     ("+", "[fit]\nmax_b_error = -1", "fit.max_b_error", ">= 0"),
     ("+", "[window]\nmax_missed_n = 0", "window.max_missed_n", "> 0"),
+    ("+", "[cocontraction]\ncrosstalk = { EDC = { EDC = 0.2 } }", "cocontraction.crosstalk.EDC", "told apart"),
+    (
+        "+",
+        "[cocontraction]\ncrosstalk = { EDC = { FDS = 1.0 }, FDS = { EDC = 1.0 } }",
+        "cocontraction.crosstalk.EDC",
+        "back 1",
+    ),
     # recordings and channels
     ('layout = "pattern"', 'layout = "bids"', "recordings.root", "a key 'root'"),
     ('layout = "pattern"', 'layout = "bids"', "recordings.pattern", "keys of this layout only"),

@@ -258,7 +258,10 @@ def summary(results: StudyResults, judged: Sequence[Judged]) -> Iterator[str]:
             told = sentence(each), told_of_paths(results, each.claim.key)
             yield " ".join(filter(None, (*told, "This verdict deviates from the registered plan." * moved)))
     if results.people is not None and results.people.hypotheses is not None:
-        yield results.people.hypotheses.misfits.said(results.people.fits.activity_unit)
+        misfits = results.people.hypotheses.misfits
+        off = [misfits.of(0, person).told for person in range(misfits.participant.size)]
+        beside = f" The presses of {off.count(True)} of {len(off)} people contradict it." if any(off) else ""
+        yield misfits.said(results.people.fits.activity_unit) + beside
 
 
 def sentence(each: Judged) -> str:

@@ -8,7 +8,7 @@ from itertools import combinations, pairwise
 import numpy as np
 
 from emg2vsa.companions.force_laws import LAWS, LEFT_OUT, ForceLaws
-from emg2vsa.companions.law_misfit import LawMisfits
+from emg2vsa.companions.law_misfit import MATTERS, LawMisfits
 from emg2vsa.figures.canvas import PairBar
 from emg2vsa.figures.cocontraction import draw_cocontraction
 from emg2vsa.figures.palette import looks
@@ -131,7 +131,8 @@ def _misfits_table(results: StudyResults, misfits: LawMisfits) -> Table:
     }
     caption = (
         "Distance of a person's presses from each law: root mean square over the range of force of the three smoothest "
-        f"shapes that the law cannot take, with its {level:g} % interval over presses"
+        f"shapes that the law cannot take, with its {level:g} % interval over presses. It does not fit where the low "
+        f"end is above {100 * MATTERS:g} %; p is that of no distance at all"
     )
     return table_of("law_misfits", caption, found, table.FEW_ON_PAGE)
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.extraction.reasons import by_hand, most_frequent
+from emg2vsa.extraction.remedies import remedies_of
 from emg2vsa.fits import Fits, by_recording
 from emg2vsa.hypotheses import EFFECT_F, EPSILON, RHO, TARGET, Hypotheses
 from emg2vsa.report.inputs import StudyResults
@@ -74,7 +75,7 @@ def _judged(results: StudyResults) -> Table:
     values = (fits.participant, fits.specimen, fits.repetition.astype(str), verdicts, fits.reason)
     heads = ("Participant", "Specimen", "Press", "Verdict", "Reason")
     columns: Columns = {Column(h.lower(), h): of[chosen] for h, of in zip(heads, values, strict=True)}
-    reasons = [reason for text in fits.reason[chosen].tolist() for reason in text.split("; ") if reason]
+    reasons = [reason for text in fits.reason[chosen].tolist() for reason, _ in remedies_of(text)]
     often = f"; most frequent reasons: {'; '.join(most_frequent(reasons, 5))}" if reasons else ""
     return table_of(
         "judged", f"Trials rejected, doubtful, accepted by hand or with a remark{often}", columns, FEW_ON_PAGE
