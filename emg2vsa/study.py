@@ -31,6 +31,8 @@ class Specimen:
     stiffness_se_n_per_mm: float = 0.0
     plate_adjusted_r2: float | None = None
     "Worst of its plate indentations."
+    stiffness_range_n: tuple[float, float] | None = None
+    "Forces over which the stiffness holds."
 
 
 @dataclass(frozen=True)

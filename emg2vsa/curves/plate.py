@@ -9,10 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from casr.counts import count
 from emg2vsa.arrays import Floats, Ints, exponent_of
+from emg2vsa.curves.force_range import RangeFit, fit_range, loading, t_975
 from emg2vsa.curves.line import fit_line, weighted_rows
 from emg2vsa.errors import SettingError
 from emg2vsa.shown import shown
@@ -20,8 +21,6 @@ from emg2vsa.shown import shown
 _LEAST_POINTS = 3
 """Fewest points of the line behind the hinge."""
 _PRICE = 3.0  # times ln n, of a change whose place was searched for (Zhang and Siegmund 2007); at 2 one in 200 is false
-_BENDS = 0.1
-"""Share of kappa by which the slopes of both halves of a trial differ, from which on a note says that it bends."""
 PAPER_WINDOW = 5
 """Samples of the paper's moving average."""
 
@@ -67,8 +66,7 @@ class HookeFit:
 
     kappa, kappa_se : force over indentation (N/mm). contact : indentation at which the line leaves the force of rest,
     x0. adj_r2 : of the line, over the points in contact; a parabola from contact on has .94. n_rest, n : points before
-    contact and in contact. first_half, second_half : slopes of the points in contact; bends : whether they differ
-    by more than a tenth of kappa and three standard errors, for points of which as many as a window count as one.
+    contact and in contact.
     The standard errors take points as independent: filtered samples are not, and then they are too small.
     """
 
@@ -78,18 +76,6 @@ class HookeFit:
     adj_r2: Floats = field(metadata=shown("adj. R²", digits=4))
     n_rest: Ints
     n: Ints = field(metadata=shown("Points in contact"))
-    first_half: Floats = field(metadata=shown("First half (N/mm)"))
-    second_half: Floats = field(metadata=shown("Second half (N/mm)"))
-    bends: NDArray[np.bool_]
-
-    def notes(self, i: int = 0) -> tuple[str, ...]:
-        if np.isnan(self.kappa[i]):
-            return (f"undefined: {self.n[i]} points" if self.n[i] < 2 else "undefined: indentation does not change",)
-        if not self.kappa[i] > 0:
-            return ("force does not rise with indentation: is its sign right?",)
-        rest = ("no point before contact: contact is where the line meets zero force",)
-        halves = f"bends: {self.first_half[i]:.3g} N/mm in its first half, {self.second_half[i]:.3g} in its second"
-        return (*(rest if self.n_rest[i] == 0 else ()), *((halves,) if self.bends[i] else ()))
 
 
 def fit_hooke(indentation: ArrayLike, force: ArrayLike) -> HookeFit:
@@ -98,7 +84,8 @@ def fit_hooke(indentation: ArrayLike, force: ArrayLike) -> HookeFit:
     indentation : (n,) or (d, n), e.g. mm, into the specimen; force : (n,) or (d, n), e.g. N, compression positive. NaN
     pads short trials; the order of points does not matter. The contact is found: points before it lie about one level,
     those behind it about a line that leaves this level (``_hinge``). A specimen that stiffens as it is pressed has no
-    single kappa; its line starts late, and adj_r2 tells. DataError where the shapes do not fit.
+    single kappa; its line starts late, which adj_r2 hardly tells: ``force_range`` does. DataError where the shapes do
+    not fit.
     """
     rows = weighted_rows(indentation, force, None, where="Hooke fit")
     order = np.argsort(np.where(rows.w > 0, rows.x, np.inf), axis=1, kind="stable")
@@ -109,14 +96,11 @@ def fit_hooke(indentation: ArrayLike, force: ArrayLike) -> HookeFit:
     w = np.where(np.arange(x.shape[1]) < n_rest[:, None], 0.0, w)
     resting = np.arange(x.shape[1]) < n_rest[:, None]
     line = fit_line(x, y, w)
-    late = np.cumsum(w > 0, axis=1) > line.n[:, None] / 2
-    halves = [fit_line(x, y, np.where(late == second, w, 0.0)) for second in (False, True)]
     count("fits", len(y))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         rest = np.where(n_rest > 0, np.sum(y, axis=1, where=resting) / n_rest, 0.0)
         contact = (rest - line.intercept) / line.slope
         unit = (unit_y - unit_x)[:, 0]
-        change, of_change = np.abs(halves[1].slope - halves[0].slope), np.hypot(*(each.slope_se for each in halves))
         return HookeFit(
             kappa=np.ldexp(line.slope, unit),
             kappa_se=np.ldexp(line.slope_se, unit),
@@ -124,9 +108,6 @@ def fit_hooke(indentation: ArrayLike, force: ArrayLike) -> HookeFit:
             adj_r2=line.adj_r2,
             n_rest=n_rest,
             n=line.n,
-            first_half=np.ldexp(halves[0].slope, unit),
-            second_half=np.ldexp(halves[1].slope, unit),
-            bends=(change > _BENDS * np.abs(line.slope)) & (change > 3 * np.sqrt(PAPER_WINDOW) * of_change),
         )
 
 
@@ -152,7 +133,7 @@ def fit_plate(trials: Sequence[tuple[Floats, Floats]], window: int = PAPER_WINDO
 
 def smoothed(indentation_mm: Floats, force_n: Floats, window: int = PAPER_WINDOW) -> tuple[Floats, Floats]:
     """(n,) of a trial up to its deepest point, both averaged over ``window`` samples."""
-    x, y = _loading(indentation_mm, force_n)
+    x, y, _ = loading(indentation_mm, force_n)
     return _averaged(x, window), _averaged(y, window)
 
 
@@ -161,7 +142,7 @@ class PlateTests:
     """Indentations of specimens by a flat plate, d trials.
 
     specimens, trials : (d,) names. curves : of each trial indentation (m,) in mm and force (m,) in N, smoothed, up to
-    its deepest point. simulated : whether an emulated rig made any.
+    its deepest point or the end of the range. simulated : whether an emulated rig made any. ranges : (d,).
     """
 
     specimens: tuple[str, ...]
@@ -169,10 +150,27 @@ class PlateTests:
     fit: HookeFit
     curves: tuple[tuple[Floats, Floats], ...]
     simulated: bool
+    ranges: tuple[RangeFit, ...]
 
     def of(self, specimen: str) -> list[int]:
-        """Places of the trials on a specimen whose force rises with indentation."""
-        return [i for i, name in enumerate(self.specimens) if name == specimen and self.fit.kappa[i] > 0]
+        """Places of the trials on a specimen that are not unusable."""
+        places = enumerate(zip(self.specimens, self.ranges, strict=True))
+        return [i for i, (name, own) in places if name == specimen and own.rating != "unusable"]
+
+    def kappa(self, specimen: str) -> Floats:
+        """Secants (t,) of the trials on a specimen, N/mm."""
+        return np.array([self.ranges[i].secant for i in self.of(specimen)])
+
+    def tangent(self, specimen: str) -> tuple[Floats, Floats, Floats]:
+        """Forces (g,) that all trials on a specimen reach, kappa there, and half the width of its 95 % interval: that
+        of each trial, and what these differ by."""
+        own = [self.ranges[i] for i in self.of(specimen)]
+        force_n = np.linspace(own[0].from_n, min(each.to_n for each in own), own[0].force_n.size)
+        tangents = np.array([np.interp(force_n, each.force_n, each.tangent) for each in own])
+        errors = np.array([np.interp(force_n, each.force_n, each.half_width(each.tangent_se)) for each in own])
+        spread = t_975(len(own) - 1) * tangents.std(axis=0, ddof=1) if len(own) > 1 else np.zeros_like(force_n)
+        half = np.maximum(np.sqrt(np.mean(errors**2, axis=0)), spread) / np.sqrt(len(own))
+        return force_n, tangents.mean(axis=0), half
 
     def worst_adj_r2(self) -> dict[str, float]:
         """Specimen to the smallest adjusted R2 of its trials; NaN where the force of one of them does not rise."""
@@ -181,11 +179,33 @@ class PlateTests:
         return {name: float(r2[names == name].min()) for name in dict.fromkeys(self.specimens)}
 
 
-def _loading(indentation_mm: Floats, force_n: Floats) -> tuple[Floats, Floats]:
-    known = np.isfinite(indentation_mm) & np.isfinite(force_n)
-    x, y = indentation_mm[known], force_n[known]
-    end = int(np.argmax(x)) + 1 if x.size else 0
-    return x[:end], y[:end]
+def plate_tests(
+    names: Sequence[tuple[str, str]],
+    measured: Sequence[tuple[Floats, Floats]],
+    range_n: tuple[float, float],
+    heights_mm: Sequence[float | None] = (),
+    *,
+    whole: bool = False,
+    window: int = PAPER_WINDOW,
+    simulated: bool = False,
+) -> PlateTests:
+    """names : specimen and trial of each press in ``measured``, (n,) indentation and force. The line of the paper ends
+    where the range of force does. heights_mm : of the specimens where they are known. range_n, whole : as for
+    ``fit_range``."""
+    heights = heights_mm or (None,) * len(measured)
+    ranges = tuple(
+        fit_range(*each, range_n, height, whole=whole) for each, height in zip(measured, heights, strict=True)
+    )
+    pressed = []
+    for each, of_range in zip(measured, ranges, strict=True):
+        x, y, _ = loading(*each)
+        beyond = np.flatnonzero((x > of_range.depth_to) & (of_range.to_n == range_n[1]))
+        end = int(beyond[0]) if beyond.size else x.size
+        pressed.append((x[:end], y[:end]))
+    return PlateTests(
+        tuple(specimen for specimen, _ in names), tuple(trial for _, trial in names), fit_plate(pressed, window),
+        tuple(smoothed(*each, window) for each in pressed), simulated, ranges,
+    )  # fmt: skip
 
 
 def _averaged(values: Floats, window: int) -> Floats:

@@ -16,9 +16,9 @@ _POINTS = 80
 
 
 def draw_plates(plates: PlateTests, names: Sequence[str], looks: Mapping[str, Look]) -> Figure:
-    """Left the trials from contact on, less the force of rest, and the mean line F = kappa x of each specimen; right
-    force less the line of its own trial."""
-    figure, ((curves, rest),) = panel_grid(1, (1.4, 1), 52, (13, 2, 12, 6), (16, 0))
+    """The trials from contact on, less the force of rest, and the line F = kappa x of each specimen; force less the
+    line of its own trial; and kappa over force."""
+    figure, ((curves, rest, over),) = panel_grid(1, (1.3, 1, 1), 52, (13, 2, 12, 6), (16, 0))
     fit = plates.fit
     for name in names:
         look, own, deepest = looks[name], plates.of(name), 0.0
@@ -29,11 +29,15 @@ def draw_plates(plates: PlateTests, names: Sequence[str], looks: Mapping[str, Lo
             x, y = x[::every], y[::every]
             curves.plot(x, y, color=look.colour, linewidth=2.5, alpha=0.3)
             rest.plot(x[x > 0], 1e3 * (y[x > 0] - fit.kappa[i] * x[x > 0]), color=look.colour, linewidth=0.7)
-        line, kappa = np.array([0.0, deepest]), np.mean(fit.kappa[own])
+        force_n, tangent, half = plates.tangent(name)
+        over.fill_between(force_n, tangent - half, tangent + half, color=look.colour, alpha=0.3, linewidth=0)
+        over.plot(force_n, tangent, color=look.colour, linestyle=look.dash)
+        line, kappa = np.array([0.0, deepest]), float(np.mean(plates.kappa(name)))
         label = f"{name}: {kappa:#.3g} N/mm"
         curves.plot(line, kappa * line, color=look.colour, linestyle=look.dash, label=label)
     rest.axhline(0, color=INK, linewidth=0.6)
     curves.set(xlabel="Depth past contact (mm)", ylabel="Force (N)", xlim=(-0.1 * curves.get_xlim()[1], None))
     rest.set(xlabel="Depth past contact (mm)", ylabel="Force less line (mN)")
+    over.set(xlabel="Force (N)", ylabel="Tangent κ (N/mm)", xlim=(0, None), ylim=(0, None))
     curves.legend(loc="lower right")
     return figure

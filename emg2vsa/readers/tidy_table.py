@@ -11,7 +11,7 @@ from decimal import Decimal
 from pathlib import Path
 
 from emg2vsa.errors import DataError
-from emg2vsa.readers.text_file import WHITESPACE, Dialect, Line, open_text, sniff
+from emg2vsa.readers.text_file import WHITESPACE, Dialect, Line, TextFile, open_text, sniff
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
 _DIGIT = re.compile("[1-9]")
@@ -98,14 +98,18 @@ def read_tidy_table(path: Path) -> TidyTable:
     no table.
     """
     text = open_text(path)
-    lines = text.filled_lines(text.data.count(b"\n") + text.data.count(b"\r") + 1)
+    return table_below(path, text, text.filled_lines(text.data.count(b"\n") + text.data.count(b"\r") + 1))
+
+
+def table_below(path: Path, text: TextFile, lines: Sequence[Line]) -> TidyTable:
+    """The table of these lines of ``text``, its header row first; as ``read_tidy_table``."""
     if len(lines) < 2:
         raise DataError(
             path, wanted="a header row and rows of data", found=f"{len(lines)} filled lines",
             do="Export the table again, one row an observation.",
         )  # fmt: skip
     header, rows = lines[0], lines[1:]
-    dialect = sniff(path, header, rows[:_SNIFFED], text.data[header.end :])
+    dialect = sniff(path, header, rows[:_SNIFFED], text.data[rows[0].start :])
     names = dialect.split(header.text)
     _refuse_names(path, header, names)
     cells = _cells(path, dialect, rows, len(names))

@@ -46,7 +46,8 @@ def study_of(path: str, file: StudyFile, people: tuple[Person, ...], raw: Mappin
         path=Path(path),  # one spelling, however it was given: keys of steps hold paths relative to it
         participants=ids,
         specimens=tuple(
-            Specimen(s.name, s.stiffness_n_per_mm, s.stiffness_se_n_per_mm, s.plate_adjusted_r2) for s in file.specimens
+            Specimen(s.name, s.stiffness_n_per_mm, s.stiffness_se_n_per_mm, s.plate_adjusted_r2, s.stiffness_range_n)
+            for s in file.specimens
         ),
         recordings=recordings,
         results=beside(folder, about.results or f".emg2vsa/{about.name}"),

@@ -67,6 +67,8 @@ class SpecimenTable:
     "Stiffness by plate indentation, N/mm; omitted: not measured."
     stiffness_se_n_per_mm: NonNegative = 0.0
     "Its standard error, which the interval of a calibrated stiffness counts in (emg2vsa tools stiffness)."
+    stiffness_range_n: tuple[Positive, Positive] | None = None
+    "Forces over which it is that stiffness, newtons; omitted: not known (emg2vsa tools stiffness)."
     plate_adjusted_r2: Annotated[float, Le(1)] | None = None
     "Worst adjusted R2 of its plate indentations, for the report (emg2vsa tools stiffness)."
 

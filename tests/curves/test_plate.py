@@ -47,17 +47,3 @@ def test_a_trial_without_points_is_undefined_and_stops_no_other():
 def test_a_window_below_one_is_refused():
     with pytest.raises(SettingError, match="1 sample or more"):
         fit_plate([press(1, 0, 0)], window=0)
-
-
-@pytest.mark.parametrize(("noise_n", "bends"), [(0.02, 1.0), (0.3, 0.95)])
-def test_a_parabola_bends_and_a_line_does_not(noise_n, bends):
-    rng, depth = np.random.default_rng(1), np.linspace(0, 4.5, 200)
-    noise = noise_n * rng.standard_normal((2, 60, depth.size))
-    bent = fit_plate([(depth, 4.995 * (depth / 4.5) ** 2 + each) for each in noise[0]])
-    straight = fit_plate([(depth, 1.11 * depth + each) for each in noise[1]])
-    assert bent.bends.mean() >= bends
-    assert straight.bends.mean() <= 0.02
-    assert bent.second_half.mean() / bent.first_half.mean() == pytest.approx(5 / 3, rel=0.05)  # x from a third to 1
-    note = bent.notes(int(np.argmax(bent.bends)))[-1]
-    assert note.startswith("bends: ")
-    assert not [each for each in straight.notes(int(np.argmin(straight.bends))) if "bends" in each]

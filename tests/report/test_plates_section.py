@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from emg2vsa.curves.plate import PlateTests, fit_plate, smoothed
+from emg2vsa.curves.plate import PlateTests, plate_tests
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.section import rendered
 from emg2vsa.report.sections.plates import PLATES
@@ -22,18 +22,13 @@ def indentations(*, bend: float = 0.0) -> PlateTests:
     noise = np.random.default_rng(5).normal(0, 0.01, (3, 200))
     forces = np.stack([7.6 * past, 7.8 * past, 1.1 * past + bend * past**2]) + noise
     measured = [(DEPTH_MM, force) for force in forces]
-    return PlateTests(
-        ("S1", "S1", "S5"),
-        ("a/1", "a/2", "b/1"),
-        fit_plate(measured),
-        tuple(smoothed(*each) for each in measured),
-        False,
-    )
+    return plate_tests([("S1", "a/1"), ("S1", "a/2"), ("S5", "b/1")], measured, (0.5, 20.0))
 
 
 def test_trials_are_drawn_from_their_contact_with_the_line_of_their_specimen(results: StudyResults) -> None:
     content = contents(replace(results, plates=indentations()))
-    curves, rest = content.drawings["figplate_indentation"].figure.axes
+    curves, rest, over = content.drawings["figplate_indentation"].figure.axes
+    assert [np.mean(line.get_ydata()) for line in over.lines] == pytest.approx([7.7, 1.1], rel=0.01)
     pale = [line for line in curves.lines if line.get_alpha()]
     assert len(pale) == 3
     for line in pale:
@@ -49,12 +44,12 @@ def test_trials_are_drawn_from_their_contact_with_the_line_of_their_specimen(res
 def test_numbers_and_tables_are_those_of_the_trials(results: StudyResults) -> None:
     found = indentations()
     content = contents(replace(results, plates=found))
-    assert content.quantities["plates.S1.kappa_n_per_mm.mean"] == pytest.approx(found.fit.kappa[:2].mean(), rel=1e-12)
+    assert content.quantities["plates.S1.kappa_n_per_mm.mean"] == pytest.approx(7.7, rel=1e-3)
     assert content.quantities["plates.S1.adj_r2.min"] == found.fit.adj_r2[:2].min()
     assert (content.quantities["plates.S1.trials"], content.quantities["plates.S5.trials"]) == (2, 1)
     rows = content.tables["plates"].rows
-    assert [(row["specimen"], row["trial"], row["kappa"]) for row in rows] == [
-        *zip(found.specimens, found.trials, found.fit.kappa.tolist(), strict=True)
+    assert [(row["specimen"], row["trial"], row["secant"]) for row in rows] == [
+        *zip(found.specimens, found.trials, [each.secant for each in found.ranges], strict=True)
     ]
     assert [row["specimen"] for row in content.tables["specimens"].rows] == results.specimens
     assert "Figure" not in rendered(PLATES, results, contents(results))
@@ -64,11 +59,9 @@ def test_numbers_and_tables_are_those_of_the_trials(results: StudyResults) -> No
 def test_a_curve_that_bends_lowers_r2_and_departs_from_its_line(results: StudyResults) -> None:
     bent = indentations(bend=3.0)
     said = replace(results, plates=bent)
-    assert "differ by more than 10 % for S5 (1 of 1 trial: " in rendered(PLATES, said, contents(said)).replace(
-        "\xa0", " "
-    )
+    assert "κ is not one number for S5 (1 of 1 trial: " in rendered(PLATES, said, contents(said)).replace("\xa0", " ")
     assert bent.worst_adj_r2()["S5"] < 0.99 < 0.999 < bent.worst_adj_r2()["S1"]
-    _, rest = contents(replace(results, plates=bent)).drawings["figplate_indentation"].figure.axes
+    _, rest, _ = contents(replace(results, plates=bent)).drawings["figplate_indentation"].figure.axes
     assert max(np.abs(line.get_ydata()).max() for line in rest.lines) > 300
 
 
@@ -85,14 +78,12 @@ def test_a_study_without_logs_shows_what_its_file_says(results: StudyResults) ->
 def test_a_trial_whose_force_does_not_rise_is_told_and_not_drawn(results: StudyResults, bad: np.ndarray) -> None:
     good = 7.6 * np.maximum(DEPTH_MM - 1, 0)
     measured = [(DEPTH_MM, good), (DEPTH_MM, bad)]
-    found = PlateTests(
-        ("S1", "S5"), ("a/1", "b/1"), fit_plate(measured), tuple(smoothed(*each) for each in measured), False
-    )
+    found = plate_tests([("S1", "a/1"), ("S5", "b/1")], measured, (0.5, 20.0))
     assert np.isnan(found.worst_adj_r2()["S5"])
     told = replace(results, plates=found)
     content = contents(told)
-    curves, _ = content.drawings["figplate_indentation"].figure.axes
+    curves, _, _ = content.drawings["figplate_indentation"].figure.axes
     assert [line.get_label() for line in curves.lines if "N/mm" in line.get_label()] == ["S1: 7.60 N/mm"]
-    assert "In 1 trial the force does not rise" in rendered(PLATES, told, content)
-    nothing = replace(results, plates=replace(found, specimens=(), trials=(), fit=fit_plate([]), curves=()))
+    assert "S5, trial b/1, is unusable: " in rendered(PLATES, told, content)
+    nothing = replace(results, plates=plate_tests([], [], (0.5, 20.0)))
     assert "figplate_indentation" not in contents(nothing).drawings

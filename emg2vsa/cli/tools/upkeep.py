@@ -4,24 +4,30 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
+from typing import Any
 
 from casr.command_line import JSON, Commands, add_command, answer, benchmarks, command_of
 from emg2vsa.cli.arguments import COUNT, STUDY, WAIT, WORK, study_of
 from emg2vsa.errors import SettingError
 
-STIFFNESS_SUMMARY = (
-    "Compute the stiffness of specimens from plate indentation logs by a moving average and Hooke's law."
-)
+STIFFNESS_SUMMARY = "Compute the stiffness of specimens over a range of force from presses with a flat plate."
 STIFFNESS = """
-A log is a folder written by emg2vsa rig run --plate, or a table with the columns indentation_mm and force_n (positive
-while pressing). A table of several trials also has the columns specimen and trial; a table without them is one trial of
-the specimen that its file is named after. Exit status 1: a trial has no stiffness. Example: emg2vsa tools stiffness
-runs-plate/*
+A log is a folder written by emg2vsa rig run --plate, or a table: a header row that names depth and force with their
+units, such as indentation_mm and force_n or Compression (mm) and Load (N), perhaps a row of units beneath; what a
+testing machine writes above it tells sample, diameter and height. Pressing is positive; if depth and force both are
+negative, they are turned. A table of several trials also has the columns specimen and trial. kappa is the secant over
+the range; its tangents at both ends, contact with its interval, and a rating stand beside. Exit status 1: a trial is
+unusable. Example: emg2vsa tools stiffness runs-plate/*
 """
 STIFFNESS_OPTIONS = f"""
 files FILE...  folder of a run, or a table with commas, semicolons, tabs or blanks between the columns
---write STUDY  write mean, standard error and worst adjusted R2 of each specimen into this study file
---window N = 5  length of the moving average in samples (default 5, as in the paper)
+--write STUDY  write mean, standard error, range of force and worst adjusted R2 of each specimen into this study file
+--from N  smaller force of the range, newtons (default: the study's [window] force_n with --write, else 0.5)
+--to N  larger force; presses that do not reach it are unusable (default: as --from, else 7; or what a press reaches)
+--depth NAME  column of the depth in tables that name it otherwise, with its unit: "Travel (mm)"
+--force NAME  column of the force likewise
+--window SAMPLES = 5  length of the moving average before the paper's line (default 5, as in the paper)
 {JSON}
 """
 CLEAN_SUMMARY = "Remove stored results that no step of the study needs any more, such as those of earlier settings."
@@ -51,21 +57,36 @@ area [AREA...]  areas to measure (default all)
 """
 
 
+_RANGE: dict[str, dict[str, Any]] = {"from": {"dest": "from_n"}, "to": {"dest": "to_n"}}
+
+
 def add_to(commands: Commands) -> None:
-    add_command(commands, "stiffness", stiffness, STIFFNESS_SUMMARY, STIFFNESS, STIFFNESS_OPTIONS, {"N": int})
+    add_command(
+        commands,
+        "stiffness",
+        stiffness,
+        STIFFNESS_SUMMARY,
+        STIFFNESS,
+        STIFFNESS_OPTIONS,
+        {"N": float, "SAMPLES": int},
+        **_RANGE,
+    )
     add_command(commands, "clean", clean, CLEAN_SUMMARY, CLEAN, CLEAN_OPTIONS)
     add_command(commands, "bench", bench, BENCH_SUMMARY, BENCH, BENCH_OPTIONS, COUNT, only={"default": ""})
     command_of("emg2vsa", "emg2vsa tools")(commands)
 
 
 def stiffness(arguments: argparse.Namespace) -> int:
-    from emg2vsa.rig_file.specimen_stiffness import lines, plate_rows, write_stiffness
+    from emg2vsa.rig_file.specimen_stiffness import Asked, lines, plate_rows, range_in, write_stiffness
 
-    rows = plate_rows(arguments.files, arguments.window)
+    from_n, to_n = range_in(arguments.write) if arguments.write else Asked.range_n
+    from_n, to_n = (own if own is not None else n for own, n in ((arguments.from_n, from_n), (arguments.to_n, to_n)))
+    asked = Asked((from_n, to_n), arguments.to_n is not None, arguments.depth or "", arguments.force or "")
+    rows = plate_rows(arguments.files, replace(asked, window=arguments.window))
     if arguments.write:
         write_stiffness(arguments.write, rows)
     answer(arguments.json, rows, lines(rows))
-    return 0 if all(row["stiffness_n_per_mm"] > 0 for row in rows) else 1
+    return 1 if any(row["rating"] == "unusable" for row in rows) else 0
 
 
 def clean(arguments: argparse.Namespace) -> int:

@@ -104,7 +104,7 @@ def results_of(given: Given, pages: str = "") -> StudyResults:
     from emg2vsa.fits import concatenate
     from emg2vsa.report.failures import Failure
     from emg2vsa.report.inputs import People, Runs, StudyResults, without_samples
-    from emg2vsa.rig_file.specimen_stiffness import plate_tests
+    from emg2vsa.rig_file.specimen_stiffness import Asked, read_plates
     from emg2vsa.screening import screened, screened_trials
     from emg2vsa.truth import read_truth
 
@@ -127,7 +127,7 @@ def results_of(given: Given, pages: str = "") -> StudyResults:
     study, failures, plates = given.settings["study"], [Failure(*failure) for failure in given.failures], None
     if logs := given.settings["plates"]:
         try:
-            plates = plate_tests(logs)
+            _, plates = read_plates(logs, Asked(study.window.force_n))
             study = _with_plates(study, plates.worst_adj_r2())
         except Emg2vsaError as error:
             failures.append(Failure("study", "plates", str(error)))

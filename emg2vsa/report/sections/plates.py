@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from emg2vsa.curves.force_range import RangeFit
 from emg2vsa.curves.plate import PlateTests
 from emg2vsa.figures.palette import looks
 from emg2vsa.figures.plates import draw_plates
@@ -15,15 +16,23 @@ from emg2vsa.report.numbers import Items, moments
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Columns, Table, columns, table_of
 from emg2vsa.report.wording import SIMULATED, bounded, count, listed, number
+from emg2vsa.shown import words_of
 
 
 def _quantities(results: StudyResults) -> Items:
     if plates := results.plates:
         yield "plates.simulated", plates.simulated
         for name, worst in plates.worst_adj_r2().items():
-            yield from moments(f"plates.{name}.kappa_n_per_mm", plates.fit.kappa[plates.of(name)])
-            yield f"plates.{name}.trials", len(plates.of(name))
+            own = [plates.ranges[i] for i in plates.of(name)]
+            yield from moments(f"plates.{name}.kappa_n_per_mm", plates.kappa(name))
+            yield f"plates.{name}.trials", len(own)
             yield f"plates.{name}.adj_r2.min", worst
+            if own:
+                yield f"plates.{name}.from_n", own[0].from_n
+                yield f"plates.{name}.to_n", min(each.to_n for each in own)
+                yield f"plates.{name}.change", float(np.mean([each.change for each in own]))
+                yield f"plates.{name}.nonlinear", sum(each.nonlinear for each in own)
+                yield f"plates.{name}.doubtful", sum(each.rating == "doubtful" for each in own)
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
@@ -34,6 +43,8 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         Column("stiffness_se_n_per_mm", "Standard error", digits=2): [
             each.stiffness_se_n_per_mm or None for each in study.specimens
         ],
+        Column("from_n", "From (N)"): [(each.stiffness_range_n or (None, None))[0] for each in study.specimens],
+        Column("to_n", "To (N)"): [(each.stiffness_range_n or (None, None))[1] for each in study.specimens],
         Column("plate_adjusted_r2", "Worst adj. R² of a line", digits=4): [
             each.plate_adjusted_r2 for each in study.specimens
         ],
@@ -43,17 +54,30 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         own: Columns = {
             Column("specimen", "Specimen"): plates.specimens,
             Column("trial", "Trial"): plates.trials,
-            **columns(plates.fit, "kappa", "kappa_se", "contact", "adj_r2", "n", "first_half", "second_half"),
+            **{
+                Column(key, *head): [getattr(each, key) for each in plates.ranges]
+                for key, head in words_of(RangeFit).items()
+            },
+            **columns(plates.fit, "adj_r2", "n"),
         }
-        caption = "Plate indentations: F = κ (x − x0) up to the deepest point, by least squares; points as independent"
-        yield table_of("plates", caption, own)
+        caption = (
+            "Plate indentations: secant κ over the range of force, its tangents at both ends, contact, and adj. R²"
+        )
+        yield table_of("plates", f"{caption} of a straight line up to there", own)
+        names = [name for name in dict.fromkeys(plates.specimens) if plates.of(name)]
+        tangents = [(name, *values) for name in names for values in zip(*plates.tangent(name), strict=True)]
+        heads = ("specimen", "Specimen"), ("force_n", "F (N)"), ("tangent", "κ(F) (N/mm)"), ("half", "95 % interval ±")
+        yield table_of(
+            "plates_tangent", "Tangent κ(F) of the specimens by their trials",
+            {Column(*head): [row[i] for row in tangents] for i, head in enumerate(heads)},
+        )  # fmt: skip
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
     if not (plates := results.plates):
         return
-    worst, kappa = plates.worst_adj_r2(), plates.fit.kappa
-    mean = {name: float(np.mean(kappa[own])) for name in worst if (own := plates.of(name))}
+    worst = plates.worst_adj_r2()
+    mean = {name: float(np.mean(plates.kappa(name))) for name in worst if plates.of(name)}
     if not (names := sorted(mean, key=lambda name: -mean[name])):
         return
     look = looks([*results.specimens, *(name for name in names if name not in results.specimens)], None)
@@ -61,8 +85,9 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     origin = f" {SIMULATED}" if plates.simulated else ""
     told = "; ".join(f"{n}: {number(mean[n])} N/mm, worst adj. R² {bounded(worst[n], 4)}" for n in names)
     caption = (
-        "Fig. P1. Force of a flat plate against depth past contact (pale) with F = κ x of each specimen; right: force "
-        f"less that line.{origin}"
+        "Fig. P1. (a) Force of a flat plate against depth past contact (pale) and F = κ x of each specimen, κ over the "
+        "range of force. (b) Force less the line of its own trial. (c) Tangent κ(F) with its 95 % interval over the "
+        f"trials, as if these were independent.{origin}"
     )
     yield Drawing("figplate_indentation", "Plate indentations", caption, f"{told}.{origin}", figure)
 
@@ -71,10 +96,10 @@ _TEXT = """
 {{ figure("figplate_indentation") }}
 {% if worst is not none %}
 <p>The worst adj. R² of a straight line through a plate indentation is {{ worst | bounded(4) }} (paper: .882; that of a
-parabola is .94).{% if bent %} Halves of a trial differ by more than 10 % for {{ bent }}.{% endif %}</p>
+parabola is .94).{% if bent %} κ is not one number for {{ bent }}.{% endif %}</p>
 {% endif %}
-{% if lost %}
-<p>In {{ lost | count("trial") }} the force does not rise with indentation. Check its sign.</p>
+{% if doubts %}
+<p>{{ doubts }}</p>
 {% endif %}
 {% if stated %}
 <p>The study file gives κ in N/mm: {{ stated }}. There is no log of a plate (emg2vsa rig run --plate).</p>
@@ -82,29 +107,36 @@ parabola is .94).{% if bent %} Halves of a trial differ by more than 10 % for {{
 {{ folded("specimens", "Stiffness of the specimens") }}
 {% endif %}
 {{ folded("plates", "Every plate indentation") }}
+{{ folded("plates_tangent", "κ over force") }}
 """
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     study, plates = results.study, results.plates
     worst = [each for each in plates.worst_adj_r2().values() if each == each] if plates else []
-    lost = int(np.count_nonzero(~(plates.fit.kappa > 0))) if plates else 0
     bare = not plates and not any(each.stiffness_se_n_per_mm or each.plate_adjusted_r2 for each in study.specimens)
     stated = [f"{number(each.stiffness_n_per_mm)} ({each.name})" for each in study.specimens]
     return {
-        "worst": min(worst, default=None), "lost": lost, "bent": listed(list(_bent(plates)) if plates else []),
+        "worst": min(worst, default=None), "bent": listed(list(_bent(plates)) if plates else []),
+        "doubts": " ".join(_doubts(plates)) if plates else "",
         "stated": listed(stated) if bare else "",
     }  # fmt: skip
 
 
 def _bent(plates: PlateTests) -> Iterator[str]:
-    """Specimens with trials that bend, and the mean stiffness of both halves."""
-    fit = plates.fit
+    """Specimens with nonlinear trials, and kappa at both ends of the range."""
     for name in dict.fromkeys(plates.specimens):
         own = plates.of(name)
-        if bent := [i for i in own if fit.bends[i]]:
-            halves = f"{number(fit.first_half[bent].mean())}, then {number(fit.second_half[bent].mean())} N/mm"
-            yield f"{name} ({len(bent)} of {count(len(own), 'trial')}: {halves})"
+        if bent := sum(plates.ranges[i].nonlinear for i in own):
+            force_n, kappa, _ = plates.tangent(name)
+            ends = " and ".join(f"{number(kappa[i])} N/mm at {number(force_n[i])} N" for i in (0, -1))
+            yield f"{name} ({bent} of {count(len(own), 'trial')}: {ends})"
+
+
+def _doubts(plates: PlateTests) -> Iterator[str]:
+    for specimen, trial, own in zip(plates.specimens, plates.trials, plates.ranges, strict=True):
+        for reason in own.reasons:
+            yield f"{specimen}, trial {trial}, is {own.rating}: {reason}."
 
 
 PLATES = Section(

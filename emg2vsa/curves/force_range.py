@@ -1,0 +1,374 @@
+"""Stiffness of one press over a stated range of force: the secant kappa over [F0, F1], the tangent kappa(F), how far
+kappa changes, where contact lies, and whether the press can say so.
+
+Force over depth between F0 and F1 is a polynomial of degree 1 to 5, where the plate has yet to lie flat with a term
+that decays over depth: a mean over these curves by Akaike weights. Standard errors hold how the curves differ, and the
+autocorrelation of what is left (AR 1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from emg2vsa.arrays import Floats
+from emg2vsa.curves.line import fit_line
+from emg2vsa.errors import SettingError
+from emg2vsa.shown import shown
+
+_CHANGE = 0.1
+"""Share by which kappa changes over the range, from which on a specimen is called nonlinear."""
+_DECAYS = (0.04, 0.06, 0.09, 0.13, 0.18, 0.25)
+"""Of the depth between F0 and F1, over which the term of first contact decays."""
+_UPPER = 0.4
+"""Share of the range of force, from F0 on, in which first contact may still bend the curve."""
+_STEPS = 9
+_AGAIN = 0.3
+"""Share of its travel by which the plate goes back before a further press counts as one of its own."""
+_LEAST, _REST = 12, 5
+"""Fewest points between F0 and F1, and before contact."""
+_DRIFTS = (0.02, 0.1)
+"""Slope before contact over kappa, from which on a press is doubtful, and unusable."""
+_STARTS = (0.1, 1.0)
+"""Force of the first point over F0 where there is no rest before it, from which on likewise."""
+_LONG, _CREEPS = 1.4, 0.5
+"""Depth over F0 / kappa, over which a force that rises at less than this share of kappa is no first contact."""
+_CLOSES = 0.6
+"""Share by which kappa at F0 may lie below its further course."""
+_FALLS = 0.05
+"""Share of the range of force by which a press may fall again."""
+_SPREAD = 0.5
+"""Width of the interval of contact over the depth from contact to F1, from which on a press is doubtful."""
+_NOISES = 15
+"""SDs of the noise over the rest, up to which force tells the contact."""
+_MAD = 0.6744897501960817
+_CHI2 = 3.841458820694124
+
+
+@dataclass(frozen=True, eq=False)
+class RangeFit:
+    """One press. NaN, and no points, where it cannot be said.
+
+    from_n, to_n : range of force past that of rest. secant, secant_se : F1 - F0 over the depth between, N/mm.
+    force_n, tangent, tangent_se : (g,) kappa(F), N/mm. change, change_se : of kappa over the range as a share of the
+    secant, by the course of the upper part, where first contact is over. closing : share by which kappa at F0 lies
+    below that course. of_rubber : change of a Neo-Hookean cylinder of the stated height. depth_to : at F1, mm.
+    contact, contact_low, contact_high : depth of first touch and its 95 % interval, mm.
+    rating : good, doubtful or unusable, and reasons why. told : what was done to the press.
+    """
+
+    from_n: float = field(metadata=shown("From (N)"))
+    to_n: float = field(metadata=shown("To (N)"))
+    secant: float = field(default=np.nan, metadata=shown("κ over it (N/mm)", digits=4))
+    secant_se: float = field(default=np.nan, metadata=shown("Standard error (N/mm)", digits=2))
+    force_n: Floats = field(default_factory=lambda: np.empty(0))
+    tangent: Floats = field(default_factory=lambda: np.empty(0))
+    tangent_se: Floats = field(default_factory=lambda: np.empty(0))
+    dof: float = np.nan
+    change: float = field(default=np.nan, metadata=shown("Change of κ (%)", 100))
+    change_se: float = np.nan
+    closing: float = np.nan
+    of_rubber: float = np.nan
+    depth_to: float = np.nan
+    contact: float = field(default=np.nan, metadata=shown("Contact (mm)"))
+    contact_low: float = field(default=np.nan, metadata=shown("from (mm)"))
+    contact_high: float = field(default=np.nan, metadata=shown("to (mm)"))
+    rating: str = field(default="unusable", metadata=shown("Rating"))
+    reasons: tuple[str, ...] = ()
+    told: tuple[str, ...] = ()
+
+    def half_width(self, error: Floats) -> Floats:
+        """Of the 95 % interval of numbers with this standard error."""
+        return t_975(self.dof) * error
+
+    @property
+    def nonlinear(self) -> bool:
+        """Whether kappa changes by more than a tenth: beyond what three standard errors explain, and where the height
+        is stated, if a Neo-Hookean cylinder of this kappa does, or the press exceeds a tenth by three standard errors.
+        """
+        if np.isnan(self.of_rubber):
+            return abs(self.change) > max(_CHANGE, 3 * self.change_se)
+        return self.of_rubber > _CHANGE or abs(self.change) - 3 * self.change_se > _CHANGE
+
+    def notes(self) -> Iterator[str]:
+        yield from self.told
+        yield from (f"{self.rating}: {reason}" for reason in self.reasons)
+        if self.nonlinear:
+            ends = f"{self.tangent[0]:.3g} N/mm at {self.from_n:.3g} N, {self.tangent[-1]:.3g} at {self.to_n:.3g} N"
+            yield f"nonlinear: kappa is {ends}"
+        if self.closing > _CHANGE:
+            yield f"contact still closes at {self.from_n:.3g} N: kappa is {100 * self.closing:.0f} % lower there"
+
+
+def fit_range(
+    depth_mm: Floats, force_n: Floats, range_n: tuple[float, float], height_mm: float | None = None, *,
+    whole: bool = False,
+) -> RangeFit:  # fmt: skip
+    """depth_mm, force_n : (n,) of one press as measured, unloading included; NaN is left out. range_n : F0 and F1.
+    height_mm : of the specimen, a cylinder, where it is known.
+
+    F1 is what the press reaches where that is less, unless ``whole``: then it is unusable. A machine that counts depth
+    and force of compression as negative is turned. SettingError : no range.
+    """
+    from_n, to_n = range_n
+    if not 0 < from_n < to_n < np.inf:
+        found, do = f"{from_n:g} to {to_n:g}", "Give the smaller force first."
+        raise SettingError("range of force", wanted="0 < F0 < F1, newtons", found=found, do=do)
+
+    def unusable(reason: str) -> RangeFit:
+        return RangeFit(from_n, to_n, reasons=(reason,), told=told)
+
+    x, y, told = loading(depth_mm, force_n)
+    if x.size < _LEAST:
+        return unusable(f"{x.size} points up to the deepest; {_LEAST} are needed")
+    if told and told[-1].endswith("?"):
+        reason, told = told[-1], told[:-1]
+        return unusable(reason)
+    contact, level, rest_n = _contact(x, y, from_n)
+    y = y - level
+    start, start_se = _start(x, y)
+    smooth = np.convolve(y, np.full(5, 0.2), mode="same")
+    smooth[:2], smooth[-2:] = smooth[2], smooth[-3]
+    highest = float(smooth.max())
+    if highest < (to_n if whole else 2 * from_n):
+        return unusable(f"the force reaches {highest:.3g} N of {from_n:g} to {to_n:g} N")
+    if not rest_n and abs(start) > _STARTS[1] * from_n:
+        return unusable(f"it begins at {start:.3g} N, with no rest before contact")
+    to_n = min(to_n, 0.98 * highest)
+    places = [int(np.argmax(smooth > force)) for force in (from_n, to_n)]
+    first, last = x[places].tolist()
+    span = last - first
+    inside = (x >= first - 0.03 * span) & (x <= last + 0.03 * span)
+    inside[max(places[0] - 4, 0) : places[1] + 4] = True  # the noise of one sample may carry it past F0
+    between = places[1] - places[0]
+    if not span > 0 or between < _LEAST:
+        return unusable(f"{between} points between {from_n:g} and {to_n:.3g} N; {_LEAST} are needed")
+    u, forces = (x[inside] - first) / span, np.linspace(from_n, to_n, _STEPS)
+    course = _course(u, y[inside], forces, (1, 2, 3, 4, 5), _DECAYS)
+    if course is None:
+        return unusable(f"the force falls again between {from_n:g} and {to_n:.3g} N")
+    secant = (to_n - from_n) / course.between
+    secant_se = secant * course.between_se / course.between
+    upper = u >= np.interp(from_n + _UPPER * (to_n - from_n), forces, course.at)
+    change, change_se, below = _change(u[upper], y[inside][upper], secant, course.slope[0])
+    # F = E A / 3 (1 / s^2 - s) with s = 1 - depth / height: kappa grows by 2 F / height, to first order of the strain
+    of_rubber = 2 * (to_n - from_n) / height_mm / (secant / span) if height_mm else np.nan
+    doubts = []
+    if rest_n:
+        before = fit_line(x[None, :rest_n], y[None, :rest_n])
+        drift = max(0.0, abs(float(before.slope[0])) - 3 * float(before.slope_se[0])) * span / secant
+        if drift > _DRIFTS[0]:
+            doubts.append((drift > _DRIFTS[1], f"the force drifts before contact, by {100 * drift:.0f} % of kappa"))
+    else:
+        if abs(start) - 2 * start_se > _STARTS[0] * from_n:
+            doubts.append((False, f"it begins at {start:.3g} N, with no rest before contact: its zero is not known"))
+        before = (x >= contact[0]) & (x <= (contact[0] + first) / 2)
+        if np.count_nonzero(before) >= _REST:
+            creep = fit_line(x[None, before], y[None, before]).slope[0] * span / course.slope[0]
+            long = (first - contact[0]) / 2 > _LONG * from_n * span / course.slope[0]
+            if long and creep < _CREEPS:
+                said = f"the force rises at {100 * creep:.0f} % of kappa for {(first - contact[0]) / 2:.2g} mm"
+                doubts.append(
+                    (creep > _DRIFTS[1], f"{said} before it is pressed: it drifts, or something soft is between")
+                )
+    if below > _CLOSES:
+        said = f"kappa at {from_n:g} N lies {100 * below:.0f} % below its further course"
+        doubts.append((False, f"{said}: it drifts, or something soft is between"))
+    fall = np.maximum.accumulate(smooth[places[0] : places[1]]) - smooth[places[0] : places[1]]
+    if fall.max() > max(_FALLS * (to_n - from_n), 3 * course.noise_n):
+        where = x[places[0] + int(np.argmax(fall))]
+        doubts.append((True, f"the force falls by {fall.max():.2g} N at {where:.3g} mm"))
+    if contact[2] - contact[1] > _SPREAD * (last - contact[0]):
+        doubts.append((False, f"contact lies anywhere from {contact[1]:.3g} to {contact[2]:.3g} mm"))
+    rating = "unusable" if any(bad for bad, _ in doubts) else "doubtful" if doubts else "good"
+    return RangeFit(
+        from_n, to_n, secant / span, secant_se / span, forces, course.slope / span, course.slope_se / span, course.dof,
+        change, change_se, below, of_rubber, last, *contact, rating, tuple(reason for _, reason in doubts), told,
+    )  # fmt: skip
+
+
+def t_975(dof: float) -> float:
+    """Upper 2.5 % point of Student's t."""
+    from scipy.special import stdtrit  # noqa: PLC0415  (0.1 s that other commands do not need)
+
+    return float(stdtrit(dof, 0.975))
+
+
+def loading(depth_mm: Floats, force_n: Floats) -> tuple[Floats, Floats, tuple[str, ...]]:
+    """(n,) depth and force of the first press up to its deepest point, turned where both fall, and what was done; that
+    ends with a question where only one of both falls."""
+    known = np.isfinite(depth_mm) & np.isfinite(force_n)
+    x, y = depth_mm[known], force_n[known]
+    told: tuple[str, ...] = ()
+    if not x.size:
+        return x, y, ()
+    pressed = int(np.argmax(np.abs(y - np.median(y[:5]))))
+    falls = x[pressed] < x[0], y[pressed] < np.median(y[:5])
+    if all(falls):
+        x, y, told = -x, -y, ("depth and force of compression are negative: both were turned",)
+    elif any(falls):
+        asked = "the force does not rise with depth: is the sign of either right?"
+        return x, y, (asked,)
+    end = int(np.argmax(x)) + 1
+    while True:
+        back = np.maximum.accumulate(x[:end]) - x[:end] > _AGAIN * np.ptp(x)
+        if not back.any():
+            return x[:end], y[:end], told
+        turn = int(np.argmax(back))
+        peak = int(np.argmax(x[:turn])) + 1
+        if x[peak - 1] - x[:peak].min() > _AGAIN * np.ptp(x):
+            return x[:peak], y[:peak], (*told, "it presses more than once: the first press was used")
+        x, y, end = x[turn:], y[turn:], end - turn
+
+
+@dataclass(frozen=True, eq=False)
+class _Course:
+    """Of force over depth u: depth at stated forces (g,), slope there with its error, depth between the ends with its
+    error, degrees of freedom, and SD of what the best curve leaves, N."""
+
+    at: Floats
+    slope: Floats
+    slope_se: Floats
+    between: float
+    between_se: float
+    dof: float
+    noise_n: float
+
+
+def _course(u: Floats, y: Floats, forces: Floats, degrees: Sequence[int], decays: Sequence[float]) -> _Course | None:
+    """Mean over the curves that may be, each by its Akaike weight; errors hold how they differ (Burnham and Anderson
+    2002, 4.3). None where none rises all the way."""
+    grid = np.linspace(u.min(), u.max(), 401)
+    made = []
+    for decay in (0.0, *decays):
+        for degree in degrees:
+            rows, p = _basis(u, degree, decay), degree + 1 + (decay > 0)
+            c, *_ = np.linalg.lstsq(rows, y, rcond=None)
+            if (decay and c[-1] < 0) or np.any(_slopes(grid, degree, decay) @ c <= 0):
+                continue  # contact that closes lets the force rise ever faster
+            left = y - rows @ c
+            made.append((rows, c, degree, decay, p, *_left(left, y, p)))
+    if not made:
+        return None
+    alike = min(each[-1] for each in made)  # what the best curve leaves is noise
+    values, variances, worth, dofs = [], [], [], []
+    for rows, c, degree, decay, p, square, longer in made:
+        dof = max(u.size / longer - p, 1.0)
+        covariance = square / max(u.size - p, 1) * longer * np.linalg.pinv(rows.T @ rows)
+        where = np.interp(forces, _basis(grid, degree, decay) @ c, grid)
+        of_slope, of_force = _slopes(where, degree, decay), _basis(where, degree, decay)
+        slope = of_slope @ c
+        bend = (_slopes(where + 1e-5, degree, decay) @ c - _slopes(where - 1e-5, degree, decay) @ c) / 2e-5
+        deeper = of_force / slope[:, None]
+        parts = np.vstack([of_slope - bend[:, None] * deeper, deeper[-1] - deeper[0]])
+        values.append(np.r_[where, slope, where[-1] - where[0]])
+        variances.append(np.einsum("ij,jk,ik->i", parts, covariance, parts))
+        n, k = u.size / alike, p + 1 + (decay > 0)
+        worth.append(n * np.log(square) + 2 * k * n / max(n - k - 1, 0.1))
+        dofs.append(dof)
+    weight = np.exp(-0.5 * (np.array(worth) - min(worth)))
+    weight /= weight.sum()
+    mean = weight @ np.array(values)
+    g = forces.size
+    spread = weight @ (np.array(variances) + (np.array(values)[:, g:] - mean[g:]) ** 2)
+    error = np.sqrt(spread)
+    return _Course(
+        mean[:g], mean[g:-1], error[:-1], float(mean[-1]), float(error[-1]), float(weight @ np.array(dofs)),
+        float(np.sqrt(min(each[5] for each in made) / u.size)),
+    )  # fmt: skip
+
+
+def _left(left: Floats, y: Floats, p: int) -> tuple[float, float]:
+    """Sum of squares of what p parameters leave of y, not below rounding, and by how much its autocorrelation (AR 1)
+    makes a variance larger."""
+    square = max(float(left @ left), np.finfo(np.float64).eps * float(y @ y), np.finfo(np.float64).tiny)
+    rho = min(max(float(left[1:] @ left[:-1]) / square + p / y.size, 0.0), 0.98)
+    return square, (1 + rho) / (1 - rho)
+
+
+def _basis(u: Floats, degree: int, decay: float) -> Floats:
+    powers = [u**k for k in range(degree + 1)]
+    return np.stack(powers + ([np.exp(-u / decay)] if decay else []), axis=-1)
+
+
+def _slopes(u: Floats, degree: int, decay: float) -> Floats:
+    powers = [k * u ** max(k - 1, 0) for k in range(degree + 1)]
+    return np.stack(powers + ([-np.exp(-u / decay) / decay] if decay else []), axis=-1)
+
+
+def _change(u: Floats, y: Floats, secant: float, at_first: float) -> tuple[float, float, float]:
+    """Change of kappa over the whole range by the course of its upper part, its error, and how far kappa at F0 lies
+    below that course; shares of the secant."""
+    c, covariance = np.linalg.lstsq(rows := _basis(u, 2, 0.0), y, rcond=None)[0], np.linalg.pinv(rows.T @ rows)
+    left = y - rows @ c
+    square, longer = _left(left, y, 3)
+    per_bend = 2 * float(np.ptp(u)) / (1 - _UPPER)
+    change, high = per_bend * c[2], c[1] + 2 * c[2] * u.max()
+    change_se = per_bend * np.sqrt(square / max(u.size - 3, 1) * longer * covariance[2, 2])
+    return float(change / secant), float(change_se / secant), float((high - change - at_first) / secant)
+
+
+def _contact(x: Floats, y: Floats, from_n: float) -> tuple[tuple[float, float, float], float, int]:
+    """(depth of first touch, lower and upper end of its 95 % interval), force of rest, and points of rest: the first
+    ones, or 0.
+
+    Up to twice F0 the force is one level, and from the touch on a line and a parabola, neither of which falls; the
+    interval is that of the likelihood over the touch. With no rest the force is taken as zero where there is none.
+    """
+    noise = float(np.median(np.abs(np.diff(y, 2)))) / (_MAD * np.sqrt(6))
+    up_to = np.median(y[:_REST]) + min(2 * from_n, max(_NOISES * noise, 0.1 * from_n))
+    risen = y > up_to
+    near = min(max(int(np.argmax(risen)) + _REST, _LEAST), x.size) if risen.any() else x.size
+    x, y = x[:near], y[:near]
+    step = (x[-1] - x[0]) / 100
+    coarse = np.arange(100) * step + x[0]
+    gain, _ = _arms(x, y, coarse)
+    fine = coarse[int(np.argmax(gain))] + np.linspace(-3, 3, 121) * step
+    touch = np.unique(np.r_[coarse, fine[(fine >= x[0]) & (fine < x[-1])]])
+    gain, left = _arms(x, y, touch)
+    square, longer = _left(left, y, 4)
+    slack = _CHI2 * square / max(x.size - 4, 1) * longer
+    likely = touch[gain >= gain.max() - slack]
+    low, high = float(likely[0]) - 0.1 * step, float(likely[-1]) + 0.1 * step
+    best = float(touch[int(np.argmax(gain))])
+    rest_n = int(np.argmax(x >= low))
+    if rest_n >= _REST:
+        return (best, low, high), float(np.mean(y[:rest_n])), rest_n
+    kappa = float(fit_line(x[None], y[None]).slope[0])
+    start, start_se = _start(x, y)
+    if not kappa > 0:
+        return (np.nan, np.nan, np.nan), 0.0, 0
+    wide = (abs(start) + 2 * start_se) / kappa
+    zero = float(x[0]) - start / kappa
+    return (zero, zero - wide, max(zero + wide, high)), 0.0, 0
+
+
+def _start(x: Floats, y: Floats) -> tuple[float, float]:
+    """Force at the first point and its standard error, by a line through the first ones."""
+    line = fit_line(x[None, :_REST] - x[0], y[None, :_REST])
+    return float(line.intercept[0]), float(line.intercept_se[0])
+
+
+def _arms(x: Floats, y: Floats, touch: Floats) -> tuple[Floats, Floats]:
+    """Sum of squares that level, line and parabola behind each touch (t,) explain, and what the best leaves (n,)."""
+    behind = np.maximum(x - touch[:, None], 0.0)
+    line, bow = (arm - arm.mean(axis=1, keepdims=True) for arm in (behind, behind * behind))
+    centred = y - y.mean()
+    ll, bb, lb = (np.sum(a * b, axis=1) for a, b in ((line, line), (bow, bow), (line, bow)))
+    ly, by = line @ centred, bow @ centred
+    with np.errstate(divide="ignore", invalid="ignore"):
+        of_line, of_bow, det = ly / ll, by / bb, ll * bb - lb * lb
+        both = np.stack([(bb * ly - lb * by) / det, (ll * by - lb * ly) / det])
+        ways = np.stack([
+            np.where(of_line > 0, of_line * ly, 0.0),
+            np.where(of_bow > 0, of_bow * by, 0.0),
+            np.where((both > 0).all(axis=0) & (det > 1e-9 * ll * bb), both[0] * ly + both[1] * by, 0.0),
+        ])  # fmt: skip
+    ways = np.nan_to_num(ways)
+    gain = ways.max(axis=0)
+    best = int(np.argmax(gain))
+    way = int(np.argmax(ways[:, best]))
+    slope = [(of_line[best], 0.0), (0.0, of_bow[best]), tuple(both[:, best])][way]
+    return gain, centred - slope[0] * line[best] - slope[1] * bow[best]
