@@ -136,7 +136,7 @@ def fit_range(
         return unusable(f"the force reaches {highest:.3g} N of {from_n:g} to {to_n:g} N")
     if not rest_n and abs(start) > _STARTS[1] * from_n:
         return unusable(f"it begins at {start:.3g} N, with no rest before contact")
-    to_n = min(to_n, 0.98 * highest)
+    to_n = to_n if to_n < highest else 0.98 * highest
     places = [int(np.argmax(smooth > force)) for force in (from_n, to_n)]
     first, last = x[places].tolist()
     span = last - first

@@ -63,8 +63,10 @@ def read_press_table(path: Path, depth: str = "", force: str = "") -> PressTable
         above.append(header.text)
     else:
         shown = " ".join(above[0].split()) if above else "an empty file"
+        wanted = " and ".join(named[kind] or kind for kind in _NAMES)
+        wanted += "" if any(named.values()) else ", such as indentation_mm and force_n"
         raise DataError(
-            path, wanted="a header row that names depth and force, such as indentation_mm and force_n",
+            path, wanted=f"a header row that names {wanted}",
             found=f"none in {len(above)} lines; the first is {shown[:60]!r}",
             do='Name the columns in the file, or say --depth "Travel (mm)" --force "Load (N)" with the names it has.',
         )  # fmt: skip

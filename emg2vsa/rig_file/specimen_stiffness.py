@@ -139,7 +139,7 @@ def plate_rows(files: Sequence[Path], asked: Asked) -> list[Row]:
 
 def lines(rows: Sequence[Row]) -> Iterator[str]:
     """A table of the trials, and the tables for a study file."""
-    wide = max((len(row["specimen"]) for row in rows), default=0) + 2
+    wide = max(8, *(len(row["specimen"]) for row in rows)) + 2
     yield (
         f"{'specimen':<{wide}}{'trial':<8}{'kappa, N/mm':>12}{'+-':>9}{'over, N':>12}{'first':>8}{'last':>8}"
         f"{'contact, mm':>24}{'adj. R2':>9}  rating"

@@ -37,7 +37,11 @@ tools convert study.toml --out b --electrode-distance 0 | --electrode-distance: 
 tools convert study.toml --out b --about study.toml | expected a JSON object
 tools convert study.toml --out b --about none.json  | expected a JSON object, but found No such file or directory
 tools convert none.toml --out b                 | expected a study file
-tools stiffness depth.csv                       | depth.csv: expected a column 'indentation_mm', but found columns 'depth_mm', 'force_n'
+tools stiffness one.csv                         | one.csv: expected a header row that names depth and force, such as indentation_mm
+tools stiffness depth.csv --depth Weg           | depth.csv: expected a header row that names Weg and force, but found
+tools stiffness depth.csv --force depth_mm      | line 1, column 'depth_mm': expected a unit of force, such as N, but found 'mm'
+tools stiffness depth.csv --from 3 --to 1       | range of force: expected 0 < F0 < F1, newtons, but found 3 to 1
+tools stiffness depth.csv --write session.toml  | session.toml, specimens: expected a specimen depth, but found
 tools sample slopes --out study.toml            | expected a folder, but found a file
 stats t.csv --value bb --group g                | Did you mean 'b'?
 stats t.csv --value g --group who               | line 2, column 'g'

@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 import pkgutil
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -129,4 +130,34 @@ def test_many_trials_in_one_table_with_decimal_commas(tmp_path, capsys):
 def test_a_force_of_the_wrong_sign_is_said_and_fails(tmp_path, capsys):
     path = write_log(tmp_path / "S1.csv", "indentation_mm,force_n\n" + rows(-7.63))
     assert main(["tools", "stiffness", str(path)]) == 1
-    assert "is its sign right?" in capsys.readouterr().out
+    assert "is the sign of either right?" in capsys.readouterr().out
+
+
+def test_kappa_over_a_range_of_force_goes_into_the_study_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A rubber of 30 kPa as a testing machine logs it, over the forces of the study, and over others."""
+    stretch = 1 - (depth := np.arange(0, 5, 0.0167)) / 30
+    force = 30e-3 * np.pi / 4 * 50**2 / 3 * (stretch**-2 - stretch)
+    table = "".join(f"{t / 10:.1f},{x:.5f},{f:.5f}\n" for t, (x, f) in enumerate(zip(depth, force, strict=True)))
+    log = write_log(
+        tmp_path / "a.csv", f"S1_sample_1\nCylinder Height: 30mm;\nTime (s),Compression (mm),Load (N)\n{table}"
+    )
+    study = write_log(tmp_path / "study.toml", '[window]\nforce_n = [1, 5]\n\n[[specimens]]\nname = "S1"\n')
+    assert main(["tools", "stiffness", str(log), "--write", str(study), "--json"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)
+    between = np.diff(np.interp([1, 5], force, depth))[0]
+    assert row["stiffness_n_per_mm"] == pytest.approx(4 / between, rel=1e-3)
+    assert (row["force_from_n"], row["force_to_n"], row["height_mm"], row["rating"]) == (1, 5, 30, "good")
+    ends = [(each["force_n"], each["low"] <= each["kappa_n_per_mm"] <= each["high"]) for each in row["tangent"]]
+    assert (ends[0], ends[-1]) == ((1, True), (5, True))
+    assert row["nonlinear"]
+    (specimen,) = tomllib.loads(study.read_text())["specimens"]
+    assert specimen["stiffness_n_per_mm"] == pytest.approx(4 / between, rel=1e-3)
+    assert specimen["stiffness_range_n"] == [1, 5]
+
+    assert main(["tools", "stiffness", str(log), "--to", "20"]) == 1
+    assert "unusable: the force reaches " in capsys.readouterr().out
+    study.write_text('[window]\nforce_n = 5\n\n[[specimens]]\nname = "S1"\n')
+    assert main(["tools", "stiffness", str(log), "--write", str(study)]) == 2
+    assert "study.toml, window.force_n: expected two forces, but found 5" in capsys.readouterr().err
