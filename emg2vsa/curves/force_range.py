@@ -39,6 +39,8 @@ _CLOSES = 0.6
 """Share by which kappa at F0 may lie below its further course."""
 _FALLS = 0.05
 """Share of the range of force by which a press may fall again."""
+_KINKS = 0.01
+"""SD of what the smoothest course leaves over the range of force, where it is no noise, that no material does."""
 _SPREAD = 0.5
 """Width of the interval of contact over the depth from contact to F1, from which on a press is doubtful."""
 _NOISES = 15
@@ -79,9 +81,9 @@ class RangeFit:
     reasons: tuple[str, ...] = ()
     told: tuple[str, ...] = ()
 
-    def half_width(self, error: Floats) -> Floats:
+    def half_width(self, error: Floats | float) -> Floats:
         """Of the 95 % interval of numbers with this standard error."""
-        return t_975(self.dof) * error
+        return np.asarray(t_975(self.dof) * error)
 
     @property
     def nonlinear(self) -> bool:
@@ -180,6 +182,9 @@ def fit_range(
     if fall.max() > max(_FALLS * (to_n - from_n), 3 * course.noise_n):
         where = x[places[0] + int(np.argmax(fall))]
         doubts.append((True, f"the force falls by {fall.max():.2g} N at {where:.3g} mm"))
+    scatter = float(np.median(np.abs(np.diff(y[inside], 2)))) / (_MAD * np.sqrt(6))
+    if course.noise_n > max(_KINKS * (to_n - from_n), 4 * scatter):
+        doubts.append((False, f"no smooth curve follows it: {course.noise_n:.2g} N are left"))
     if contact[2] - contact[1] > _SPREAD * (last - contact[0]):
         doubts.append((False, f"contact lies anywhere from {contact[1]:.3g} to {contact[2]:.3g} mm"))
     rating = "unusable" if any(bad for bad, _ in doubts) else "doubtful" if doubts else "good"

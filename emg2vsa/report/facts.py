@@ -149,11 +149,15 @@ def by_hand(study: Study) -> str:
     return " ".join(said).replace("[@", "[")
 
 
+def _over(range_n: tuple[float, float] | None) -> str:
+    return f", from {range_n[0]:g} to {range_n[1]:g} N" if range_n else ""
+
+
 def told_of_specimens(study: Study) -> Told:
     """Stiffness and standard errors as far as the study file states them."""
     known = [s for s in study.specimens if s.stiffness_n_per_mm is not None]
     return {
-        "stiffness": listed([f"{s.stiffness_n_per_mm:g} ({s.name})" for s in known]),
+        "stiffness": listed([f"{s.stiffness_n_per_mm:g} ({s.name}{_over(s.stiffness_range_n)})" for s in known]),
         "errors": listed([f"{s.stiffness_se_n_per_mm:g} ({s.name})" for s in known if s.stiffness_se_n_per_mm]),
     }
 

@@ -137,8 +137,8 @@ def plate_rows(files: Sequence[Path], asked: Asked) -> list[Row]:
     ]  # fmt: skip
 
 
-def lines(rows: Sequence[Row]) -> Iterator[str]:
-    """A table of the trials, and the tables for a study file."""
+def lines(rows: Sequence[Row], range_n: tuple[float, float]) -> Iterator[str]:
+    """A table of the trials, and the tables for a study file whose presses have the forces ``range_n``."""
     wide = max(8, *(len(row["specimen"]) for row in rows)) + 2
     yield (
         f"{'specimen':<{wide}}{'trial':<8}{'kappa, N/mm':>12}{'+-':>9}{'over, N':>12}{'first':>8}{'last':>8}"
@@ -157,14 +157,15 @@ def lines(rows: Sequence[Row]) -> Iterator[str]:
     worst = min((row["adjusted_r2"] for row in rows), default=np.nan)
     yield f"worst adjusted R2 {worst:.4f} (the paper's: 0.882)"
     yield "For the study file:"
-    for name, values in by_specimen(rows).items():
+    for name, values in by_specimen(rows, range_n).items():
         yield f'[[specimens]]\nname = "{name}"'
         yield "\n".join(f"{key} = {shown(value)}" for key, value in values.items())
 
 
-def by_specimen(rows: Sequence[Row]) -> dict[str, dict[str, Any]]:
+def by_specimen(rows: Sequence[Row], range_n: tuple[float, float]) -> dict[str, dict[str, Any]]:
     """Specimen to the keys of its table in a study file: mean over the trials that are not unusable, its standard
-    error, the range of force that all of them reach, and the worst adjusted R2."""
+    error, the range of force that all of them reach, and the worst adjusted R2. The error of a
+    nonlinear specimen holds by how much kappa changes from there to the middle of ``range_n``."""
     found: dict[str, dict[str, Any]] = {}
     for name in dict.fromkeys(row["specimen"] for row in rows):
         mine = [row for row in rows if row["specimen"] == name and row["rating"] != "unusable"]
@@ -175,11 +176,15 @@ def by_specimen(rows: Sequence[Row]) -> dict[str, dict[str, Any]]:
             float(np.sqrt(np.mean([row["standard_error"] ** 2 for row in mine]))),
             float(np.std(values, ddof=1)) if n > 1 else 0.0,
         ) / np.sqrt(n)
+        from_n, to_n = mine[0]["force_from_n"], min(row["force_to_n"] for row in mine)
+        if 2 * sum(row["nonlinear"] for row in mine) > n:
+            moved = (sum(range_n) - from_n - to_n) / 2 / (to_n - from_n)
+            error = float(np.hypot(error, np.mean([row["change"] for row in mine]) * moved * np.mean(values)))
         found[name] = {
             "stiffness_n_per_mm": float(f"{np.mean(values):.4g}"),
             "stiffness_se_n_per_mm": float(f"{error:.2g}"),
             "stiffness_range_n": [
-                mine[0]["force_from_n"], float(f"{min(row['force_to_n'] for row in mine):.3g}"),
+                from_n, float(f"{to_n:.3g}"),
             ],
             "plate_adjusted_r2": float(np.floor(1e4 * min(row["adjusted_r2"] for row in mine)) / 1e4),
         }  # fmt: skip
@@ -198,11 +203,11 @@ def range_in(path: Path) -> tuple[float, float]:
     return lower, upper
 
 
-def write_stiffness(path: Path, rows: Sequence[Row]) -> None:
+def write_stiffness(path: Path, rows: Sequence[Row], range_n: tuple[float, float]) -> None:
     """Set the keys of every specimen in the study file. DataError where one has no stiffness or no table."""
     _, raw = read_toml(path, "a study file")
     names = [table.get("name") for table in raw.get("specimens", []) if isinstance(table, dict)]
-    values = by_specimen(rows)
+    values = by_specimen(rows, range_n)
     for name in dict.fromkeys(row["specimen"] for row in rows):
         if name not in names:
             known = ", ".join(map(str, names)) or "none"

@@ -16,6 +16,7 @@ import pytest
 
 import casr
 import emg2vsa
+from benchmarks.plate_force_range import rubber
 from casr.specimens import SPECIMENS
 from emg2vsa import fit, read, stats
 from emg2vsa.cli import main
@@ -136,26 +137,36 @@ def test_a_force_of_the_wrong_sign_is_said_and_fails(tmp_path, capsys):
 def test_kappa_over_a_range_of_force_goes_into_the_study_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A rubber of 30 kPa as a testing machine logs it, over the forces of the study, and over others."""
-    stretch = 1 - (depth := np.arange(0, 5, 0.0167)) / 30
-    force = 30e-3 * np.pi / 4 * 50**2 / 3 * (stretch**-2 - stretch)
-    table = "".join(f"{t / 10:.1f},{x:.5f},{f:.5f}\n" for t, (x, f) in enumerate(zip(depth, force, strict=True)))
-    log = write_log(
-        tmp_path / "a.csv", f"S1_sample_1\nCylinder Height: 30mm;\nTime (s),Compression (mm),Load (N)\n{table}"
-    )
+    """A rubber of 30 kPa as a testing machine logs it up to 11.9 N, over the forces of the study, and over others."""
+    deep = np.arange(0, 8, 0.0167)
+    force = rubber(30)(deep)
+
+    def kappa(from_n: float, to_n: float) -> float:
+        return float((to_n - from_n) / np.diff(np.interp([from_n, to_n], force, deep))[0])
+
+    table = "".join(f"{t / 10:.1f},{x:.5f},{f:.5f}\n" for t, (x, f) in enumerate(zip(deep[:300], force, strict=False)))
+    head = "S1_sample_1\nCylinder Height: 30mm;\nTime (s),Compression (mm),Load (N)\n"
+    log = write_log(tmp_path / "a.csv", head + table)
     study = write_log(tmp_path / "study.toml", '[window]\nforce_n = [1, 5]\n\n[[specimens]]\nname = "S1"\n')
     assert main(["tools", "stiffness", str(log), "--write", str(study), "--json"]) == 0
     (row,) = json.loads(capsys.readouterr().out)
-    between = np.diff(np.interp([1, 5], force, depth))[0]
-    assert row["stiffness_n_per_mm"] == pytest.approx(4 / between, rel=1e-3)
+    assert row["stiffness_n_per_mm"] == pytest.approx(kappa(1, 5), rel=1e-3)
     assert (row["force_from_n"], row["force_to_n"], row["height_mm"], row["rating"]) == (1, 5, 30, "good")
     ends = [(each["force_n"], each["low"] <= each["kappa_n_per_mm"] <= each["high"]) for each in row["tangent"]]
     assert (ends[0], ends[-1]) == ((1, True), (5, True))
     assert row["nonlinear"]
     (specimen,) = tomllib.loads(study.read_text())["specimens"]
-    assert specimen["stiffness_n_per_mm"] == pytest.approx(4 / between, rel=1e-3)
+    assert specimen["stiffness_n_per_mm"] == pytest.approx(kappa(1, 5), rel=1e-3)
     assert specimen["stiffness_range_n"] == [1, 5]
 
+    study.write_text('[window]\nforce_n = [1, 15]\n\n[[specimens]]\nname = "S1"\n')
+    assert main(["tools", "stiffness", str(log), "--write", str(study)]) == 0
+    (specimen,) = tomllib.loads(study.read_text())["specimens"]
+    assert specimen["stiffness_n_per_mm"] == pytest.approx(kappa(*specimen["stiffness_range_n"]), rel=1e-3)
+    missing = kappa(1, 15) - specimen["stiffness_n_per_mm"]  # what the press does not reach is in the error
+    assert 0.5 < missing / specimen["stiffness_se_n_per_mm"] < 1.5
+
+    capsys.readouterr()
     assert main(["tools", "stiffness", str(log), "--to", "20"]) == 1
     assert "unusable: the force reaches " in capsys.readouterr().out
     study.write_text('[window]\nforce_n = 5\n\n[[specimens]]\nname = "S1"\n')

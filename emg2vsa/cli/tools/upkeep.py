@@ -84,8 +84,8 @@ def stiffness(arguments: argparse.Namespace) -> int:
     asked = Asked((from_n, to_n), arguments.to_n is not None, arguments.depth or "", arguments.force or "")
     rows = plate_rows(arguments.files, replace(asked, window=arguments.window))
     if arguments.write:
-        write_stiffness(arguments.write, rows)
-    answer(arguments.json, rows, lines(rows))
+        write_stiffness(arguments.write, rows, asked.range_n)
+    answer(arguments.json, rows, lines(rows, asked.range_n))
     return 1 if any(row["rating"] == "unusable" for row in rows) else 0
 
 
