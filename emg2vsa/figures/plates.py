@@ -18,7 +18,7 @@ _POINTS = 80
 def draw_plates(plates: PlateTests, names: Sequence[str], looks: Mapping[str, Look]) -> Figure:
     """The trials from contact on, less the force of rest, and the line F = kappa x of each specimen; force less the
     line of its own trial; and kappa over force."""
-    figure, ((curves, rest, over),) = panel_grid(1, (1.3, 1, 1), 52, (13, 2, 12, 6), (16, 0))
+    figure, ((curves, rest, over),) = panel_grid(1, (1.3, 1, 1), 52, (13, 2, 28, 6), (19, 0))
     fit = plates.fit
     for name in names:
         look, own, deepest = looks[name], plates.of(name), 0.0
@@ -39,5 +39,5 @@ def draw_plates(plates: PlateTests, names: Sequence[str], looks: Mapping[str, Lo
     curves.set(xlabel="Depth past contact (mm)", ylabel="Force (N)", xlim=(-0.1 * curves.get_xlim()[1], None))
     rest.set(xlabel="Depth past contact (mm)", ylabel="Force less line (mN)")
     over.set(xlabel="Force (N)", ylabel="Tangent κ (N/mm)", xlim=(0, None), ylim=(0, None))
-    curves.legend(loc="lower right")
+    figure.legend(*curves.get_legend_handles_labels(), loc="lower center", ncols=3, frameon=False)
     return figure
