@@ -186,8 +186,10 @@ def by_specimen(rows: Sequence[Row], range_n: tuple[float, float]) -> dict[str, 
             "stiffness_range_n": [
                 from_n, float(f"{to_n:.3g}"),
             ],
-            "plate_adjusted_r2": float(np.floor(1e4 * min(row["adjusted_r2"] for row in mine)) / 1e4),
         }  # fmt: skip
+        worst = min(row["adjusted_r2"] for row in mine)
+        if np.isfinite(worst):
+            found[name]["plate_adjusted_r2"] = float(np.floor(1e4 * worst) / 1e4)
     return found
 
 
