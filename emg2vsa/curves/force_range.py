@@ -87,12 +87,15 @@ class RangeFit:
 
     @property
     def nonlinear(self) -> bool:
-        """Whether kappa changes by more than a tenth: beyond what three standard errors explain, and where the height
-        is stated, if a Neo-Hookean cylinder of this kappa does, or the press exceeds a tenth by three standard errors.
+        """Whether kappa changes by more than a tenth and a standard error, and by three of these. Where the height is
+        stated: if the press exceeds a tenth by three, or if a Neo-Hookean cylinder of this kappa does and the press
+        lies no four below; repeats of one specimen differ by more than the error of one.
         """
+        change, error = abs(self.change), self.change_se
         if np.isnan(self.of_rubber):
-            return abs(self.change) > max(_CHANGE, 3 * self.change_se)
-        return self.of_rubber > _CHANGE or abs(self.change) - 3 * self.change_se > _CHANGE
+            return bool(change > max(_CHANGE + error, 3 * error))
+        as_rubber = self.of_rubber > _CHANGE and self.change + 4 * error > _CHANGE
+        return bool(change - 3 * error > _CHANGE or as_rubber)
 
     def notes(self) -> Iterator[str]:
         yield from self.told

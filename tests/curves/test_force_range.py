@@ -59,6 +59,12 @@ def test_a_specimen_whose_kappa_changes_is_called_nonlinear(law: Law, nonlinear:
     assert any("nonlinear: kappa is " in note for note in fits[0].notes()) == bool(nonlinear)
 
 
+def test_a_stated_height_tells_what_noise_hides_and_makes_no_spring_nonlinear() -> None:
+    for law, nonlinear in ((rubber(60), True), (rubber(107), False), (line(1.1), False), (line(7.6), False)):
+        fits = [fit_range(*press(law, 0.02, seed)[:2], RANGE_N, 30) for seed in range(50)]
+        assert {fit.nonlinear for fit in fits} == {nonlinear}
+
+
 def test_contact_that_closes_late_is_told_and_is_no_nonlinearity_of_the_specimen() -> None:
     fits = [fit_range(*press(closing(line(7.6)), 0.005, seed)[:2], RANGE_N) for seed in range(30)]
     assert not any(fit.nonlinear for fit in fits)
