@@ -57,20 +57,10 @@ area [AREA...]  areas to measure (default all)
 """
 
 
-_RANGE: dict[str, dict[str, Any]] = {"from": {"dest": "from_n"}, "to": {"dest": "to_n"}}
-
-
 def add_to(commands: Commands) -> None:
-    add_command(
-        commands,
-        "stiffness",
-        stiffness,
-        STIFFNESS_SUMMARY,
-        STIFFNESS,
-        STIFFNESS_OPTIONS,
-        {"N": float, "SAMPLES": int},
-        **_RANGE,
-    )
+    types: dict[str, type] = {"N": float, "SAMPLES": int}
+    ends: dict[str, Any] = {"from": {"dest": "from_n"}, "to": {"dest": "to_n"}}
+    add_command(commands, "stiffness", stiffness, STIFFNESS_SUMMARY, STIFFNESS, STIFFNESS_OPTIONS, types, **ends)
     add_command(commands, "clean", clean, CLEAN_SUMMARY, CLEAN, CLEAN_OPTIONS)
     add_command(commands, "bench", bench, BENCH_SUMMARY, BENCH, BENCH_OPTIONS, COUNT, only={"default": ""})
     command_of("emg2vsa", "emg2vsa tools")(commands)
