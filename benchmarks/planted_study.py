@@ -123,7 +123,7 @@ def judged(study: Path) -> tuple[dict[str, Any], dict[str, Any]]:
 def b_of(checked: dict[str, Any], participant: str, specimen: str) -> str:
     for row in checked[participant]["b"]:
         if row["specimen"] == specimen:
-            return f"{1e6 * row['mean']:.1f} [{1e6 * row['low']:.1f}, {1e6 * row['high']:.1f}]"
+            return f"{1e6 * row['b_v']:.1f} [{1e6 * row['b_lo_v']:.1f}, {1e6 * row['b_hi_v']:.1f}]"
     return "none"
 
 

@@ -33,9 +33,10 @@ class PersonSlopes:
     press_rho: float
 
     def rows(self) -> list[dict[str, str | int | float | None]]:
-        """One a recording, for programs; None for what is not known."""
-        names = ("participant", "specimen", "presses", "mean", "low", "high")
-        found = ({name: getattr(self, name)[i].item() for name in names} for i in range(self.mean.size))
+        """One a recording, for programs; None for what is not known. b_v and its ends : in the unit of b."""
+        names = {"participant": "participant", "specimen": "specimen", "presses": "presses"}
+        names |= {"b_v": "mean", "b_lo_v": "low", "b_hi_v": "high"}
+        found = ({key: getattr(self, of)[i].item() for key, of in names.items()} for i in range(self.mean.size))
         return [{name: each if each == each else None for name, each in row.items()} for row in found]
 
     def said(self, activity_unit: str) -> Iterator[str]:

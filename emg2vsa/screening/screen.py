@@ -125,7 +125,7 @@ def _copies(traits: Mapping[Key, Traits]) -> _Told:
                 pairs.setdefault((int(of[first + i]), int(of[j])), set()).add(first + i)
     same = {
         pair for pair, presses in pairs.items()
-        if len(presses) >= max(2, 0.5 * counts[list(pair)].min()) and len(pairs[pair[::-1]]) >= 2
+        if len(presses) >= max(2, 0.5 * counts[list(pair)].min()) and len(pairs.get(pair[::-1], ())) >= 2
     }  # fmt: skip
     for (one, other, _), n in alike.items():
         if n >= max(IN_ORDER, 0.5 * counts[[one, other]].min()):
@@ -349,7 +349,7 @@ class _Study:
         hz = self.hz[hole]
         share = float(np.sqrt(1 - self.spectrum[hole].sum() / self.spectrum.sum()) - 1)
         text = f"its EMG has nothing at {hz.min():.0f} to {hz.max():.0f} Hz, unlike all others; was a notch filter run?"
-        return text, share, "doubtful" if abs(share) >= HARMLESS else "told"
+        return self._counted(text, share)
 
     def _moved(self, pair: tuple[_Apart, _Apart], i: int) -> float:
         """The size where it is off, else 0."""

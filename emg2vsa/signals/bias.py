@@ -24,8 +24,8 @@ TOLD = 0.005
 LEAST = -0.9
 "A cause that leaves less than a tenth of b is not divided out."
 MUSCLE_SHARE, MUSCLE_S = 0.3, 0.3
-"A muscle's own lag is off by so much of itself, rms, alike in all presses, for it smooths (people made of motor units,"
-"benchmarks.motor_units: 170 ms are found of 120). A longer lag is of clocks."
+"""A muscle's own lag is off by so much of itself, rms, alike in all presses, for it smooths (people made of motor
+units, benchmarks.motor_units: 170 ms are found of 120). A longer lag is of clocks."""
 
 
 class Shift(NamedTuple):

@@ -77,9 +77,9 @@ def test_rows_are_plain() -> None:
     first = person_slopes(slopes(B_V), "ok").rows()[0]
     assert first["participant"] == "P0"
     assert first["presses"] == 5
-    assert first["low"] < first["mean"] < first["high"]
+    assert first["b_lo_v"] < first["b_v"] < first["b_hi_v"]
     (alone,) = person_slopes(slopes(B_V[:1, :1, :1]), "ok").rows()
-    assert (alone["presses"], alone["low"], alone["high"]) == (1, None, None)
+    assert (alone["presses"], alone["b_lo_v"], alone["b_hi_v"]) == (1, None, None)
 
 
 def test_no_fits_at_all() -> None:
