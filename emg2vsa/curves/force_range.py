@@ -57,7 +57,7 @@ class RangeFit:
     force_n, tangent, tangent_se : (g,) kappa(F), N/mm. change, change_se : of kappa over the range as a share of the
     secant, by the course of the upper part, where first contact is over. closing : share by which kappa at F0 lies
     below that course. of_rubber : change of a Neo-Hookean cylinder of the stated height. depth_to : at F1, mm.
-    contact, contact_low, contact_high : depth of first touch and its 95 % interval, mm.
+    contact, contact_low, contact_high : depth of first touch and its 95 % interval, mm. level_n : force at rest.
     rating : good, doubtful or unusable, and reasons why. told : what was done to the press.
     """
 
@@ -77,6 +77,7 @@ class RangeFit:
     contact: float = field(default=np.nan, metadata=shown("Contact (mm)"))
     contact_low: float = field(default=np.nan, metadata=shown("from (mm)"))
     contact_high: float = field(default=np.nan, metadata=shown("to (mm)"))
+    level_n: float = np.nan
     rating: str = field(default="unusable", metadata=shown("Rating"))
     reasons: tuple[str, ...] = ()
     told: tuple[str, ...] = ()
@@ -193,7 +194,7 @@ def fit_range(
     rating = "unusable" if any(bad for bad, _ in doubts) else "doubtful" if doubts else "good"
     return RangeFit(
         from_n, to_n, secant / span, secant_se / span, forces, course.slope / span, course.slope_se / span, course.dof,
-        change, change_se, below, of_rubber, last, *contact, rating, tuple(reason for _, reason in doubts), told,
+        change, change_se, below, of_rubber, last, *contact, level, rating, tuple(reason for _, reason in doubts), told,
     )  # fmt: skip
 
 
@@ -257,7 +258,7 @@ def _course(u: Floats, y: Floats, forces: Floats, degrees: Sequence[int], decays
             if (decay and c[-1] < 0) or np.any(_slopes(grid, degree, decay) @ c <= 0):
                 continue  # contact that closes lets the force rise ever faster
             left = y - rows @ c
-            made.append((rows, c, degree, decay, p, *_left(left, y, p)))
+            made.append((rows, c, degree, decay, p, *left_over(left, y, p)))
     if not made:
         return None
     alike = min(each[-1] for each in made)  # what the best curve leaves is noise
@@ -288,7 +289,7 @@ def _course(u: Floats, y: Floats, forces: Floats, degrees: Sequence[int], decays
     )  # fmt: skip
 
 
-def _left(left: Floats, y: Floats, p: int) -> tuple[float, float]:
+def left_over(left: Floats, y: Floats, p: int) -> tuple[float, float]:
     """Sum of squares of what p parameters leave of y, not below rounding, and by how much its autocorrelation (AR 1)
     makes a variance larger."""
     square = max(float(left @ left), np.finfo(np.float64).eps * float(y @ y), np.finfo(np.float64).tiny)
@@ -311,7 +312,7 @@ def _change(u: Floats, y: Floats, secant: float, at_first: float) -> tuple[float
     below that course; shares of the secant."""
     c, covariance = np.linalg.lstsq(rows := _basis(u, 2, 0.0), y, rcond=None)[0], np.linalg.pinv(rows.T @ rows)
     left = y - rows @ c
-    square, longer = _left(left, y, 3)
+    square, longer = left_over(left, y, 3)
     per_bend = 2 * float(np.ptp(u)) / (1 - _UPPER)
     change, high = per_bend * c[2], c[1] + 2 * c[2] * u.max()
     change_se = per_bend * np.sqrt(square / max(u.size - 3, 1) * longer * covariance[2, 2])
@@ -336,7 +337,7 @@ def _contact(x: Floats, y: Floats, from_n: float) -> tuple[tuple[float, float, f
     fine = coarse[int(np.argmax(gain))] + np.linspace(-3, 3, 121) * step
     touch = np.unique(np.r_[coarse, fine[(fine >= x[0]) & (fine < x[-1])]])
     gain, left = _arms(x, y, touch)
-    square, longer = _left(left, y, 4)
+    square, longer = left_over(left, y, 4)
     slack = _CHI2 * square / max(x.size - 4, 1) * longer
     likely = touch[gain >= gain.max() - slack]
     low, high = float(likely[0]) - 0.1 * step, float(likely[-1]) + 0.1 * step
