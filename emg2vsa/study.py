@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from emg2vsa.curves.rubber import Cylinder
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.settings import (
     ChannelSettings,
@@ -22,6 +24,10 @@ def registration_of(study_file: Path) -> Path:
     return study_file.with_name("registration.json" if stem == "study" else f"{stem}.registration.json")
 
 
+_MOST_SHIFT = 0.9
+"""By which a stiffness may fall beyond the forces it was measured over."""
+
+
 @dataclass(frozen=True)
 class Specimen:
     """A soft specimen; ``stiffness_n_per_mm`` is None where nobody measured it, and comes with its standard error."""
@@ -33,6 +39,19 @@ class Specimen:
     "Worst of its plate indentations."
     stiffness_range_n: tuple[float, float] | None = None
     "Forces over which the stiffness holds."
+    stiffness_change: float = 0.0
+    "By what share of it the stiffness grows over these forces."
+    cylinder: Cylinder | None = None
+    "Size between the plates."
+
+    def stiffness_over(self, force_n: tuple[float, float]) -> tuple[float, float]:
+        """Stiffness over other forces and its standard error; 95 % reach from no change to twice that of its course."""
+        assert self.stiffness_n_per_mm is not None
+        own, shift = self.stiffness_range_n, 0.0
+        if own is not None:
+            shift = max(self.stiffness_change * (sum(force_n) - sum(own)) / 2 / (own[1] - own[0]), -_MOST_SHIFT)
+        error = math.hypot(self.stiffness_se_n_per_mm * (1 + shift), self.stiffness_n_per_mm * shift / 2)
+        return self.stiffness_n_per_mm * (1 + shift), error
 
 
 @dataclass(frozen=True)
@@ -185,6 +204,10 @@ class Study(StageSettings):
         return self.stiffness_n_per_mm | ({new: stiffness} if new and stiffness else {})
 
     @property
-    def pressed_se_n_per_mm(self) -> dict[str, float]:
-        """Standard errors of the same; 0 where none is known."""
-        return {s.name: s.stiffness_se_n_per_mm for s in self.specimens}
+    def kappa_of_scores(self) -> tuple[dict[str, float], dict[str, float]]:
+        """Stiffness of whatever the rig may press over the forces of its spread rates, and its standard errors."""
+        known = {
+            s.name: s.stiffness_over(self.scoring.force_n) for s in self.specimens if s.stiffness_n_per_mm is not None
+        }
+        kappa = self.pressed_n_per_mm | {name: over for name, (over, _) in known.items()}
+        return kappa, {name: error for name, (_, error) in known.items()}

@@ -1,4 +1,4 @@
-"""Claims of the paper on settings and arithmetic: exact numbers, which no data can change."""
+"""Claims of the paper on settings and arithmetic: exact numbers but for the lines of plates."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.claims import paper
-from emg2vsa.claims.claim import Claim, Found, exactly
+from emg2vsa.claims.claim import UNKNOWN, Claim, Found, exactly, largest, size, student
+from emg2vsa.curves.plate_tests import PlateTests
 from emg2vsa.hypotheses import EFFECT_F, EPSILON, RHO
 from emg2vsa.rig.executor.motion import MovingAverage
 from emg2vsa.statistics.power import power_rm
@@ -19,6 +20,8 @@ FILTER = MovingAverage(5, 200.0)
 """Of the force, as the paper describes it."""
 _ROUNDED, _HALF_DIGIT = 0.005, 0.0005
 _LEAST_PLATE_R2 = 0.882
+_BENT = 0.1
+"""Share by which κ may change over the range of force before a line no longer describes the press."""
 
 
 @dataclass(frozen=True)
@@ -36,11 +39,13 @@ def arithmetic_claims(
     weight_alpha: float = np.nan,
     counted: Counted | None = None,
     runs: bool = False,
+    plates: PlateTests | None = None,
 ) -> Iterator[Claim]:
-    """weight_alpha : of the softer neighbour in the profile of the
-    new specimen, NaN where none was made. runs : whether the rig pressed anything."""
+    """weight_alpha : of the softer neighbour in the profile of the new specimen, NaN where none was made. runs :
+    whether the rig pressed anything. plates : indentations of the specimens."""
     if counted is not None:
         yield from _of_people(study, weight_alpha, counted)
+        yield _of_plates(study, plates)
     if runs:
         off = abs(FILTER.cutoff_hz / paper.FILTER_CUTOFF_HZ - 1)
         yield _claim(
@@ -86,6 +91,20 @@ def _of_people(study: Study, weight_alpha: float, counted: Counted) -> Iterator[
     yield _claim(
         "schedule_range", "profiles are mapped on 20 to 80 % stiffness in steps of 0.3 N", "settings that differ",
         exactly(others), 0.5, "schedules",
+    )  # fmt: skip
+
+
+def _of_plates(study: Study, plates: PlateTests | None) -> Claim:
+    """Of every specimen of the study kappa stays the same over the range of force."""
+    names = [specimen.name for specimen in study.specimens]
+    pressed = [of for name in names if plates and (of := plates.specimen(name))]
+    missing = sorted(set(names) - {of.name for of in pressed})
+    bends = [size(student(of.change, of.change_se, of.change_dof)) for of in pressed]
+    return Claim(
+        "plate_line", QUESTION, "a straight line describes every plate indentation",
+        "largest change of κ over the range of force, %", "within", largest(bends) if not missing else UNKNOWN, _BENT,
+        "mounting", "plates", factor=100,
+        why=f"No plate pressed {', '.join(missing)} (emg2vsa rig run --plate)." if missing else "",
     )  # fmt: skip
 
 

@@ -191,9 +191,9 @@ class Right(NamedTuple):
     power: float | None = None
 
 
-OF_A_STUDY = 26
-"""Claims on data of a study with people and a rig. A report of one part has their intervals too: the same data have one
-verdict."""
+OF_A_STUDY = 27
+"""Claims on data of a study with people, a rig and plates. A report of one part has their intervals too: the same data
+have one verdict."""
 
 
 def confidence_of(claims: Sequence[Claim], alpha: float, together: int = 1) -> float:

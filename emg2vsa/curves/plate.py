@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from casr.counts import count
 from emg2vsa.arrays import Floats, Ints, exponent_of
-from emg2vsa.curves.force_range import RangeFit, fit_range, loading, t_975
+from emg2vsa.curves.force_range import loading
 from emg2vsa.curves.line import fit_line, weighted_rows
 from emg2vsa.errors import SettingError
 from emg2vsa.shown import shown
@@ -135,77 +135,6 @@ def smoothed(indentation_mm: Floats, force_n: Floats, window: int = PAPER_WINDOW
     """(n,) of a trial up to its deepest point, both averaged over ``window`` samples."""
     x, y, _ = loading(indentation_mm, force_n)
     return _averaged(x, window), _averaged(y, window)
-
-
-@dataclass(frozen=True, eq=False)
-class PlateTests:
-    """Indentations of specimens by a flat plate, d trials.
-
-    specimens, trials : (d,) names. curves : of each trial indentation (m,) in mm and force (m,) in N, smoothed, up to
-    its deepest point or the end of the range. simulated : whether an emulated rig made any. ranges : (d,).
-    """
-
-    specimens: tuple[str, ...]
-    trials: tuple[str, ...]
-    fit: HookeFit
-    curves: tuple[tuple[Floats, Floats], ...]
-    simulated: bool
-    ranges: tuple[RangeFit, ...]
-
-    def of(self, specimen: str) -> list[int]:
-        """Places of the trials on a specimen that are not unusable."""
-        places = enumerate(zip(self.specimens, self.ranges, strict=True))
-        return [i for i, (name, own) in places if name == specimen and own.rating != "unusable"]
-
-    def kappa(self, specimen: str) -> Floats:
-        """Secants (t,) of the trials on a specimen, N/mm."""
-        return np.array([self.ranges[i].secant for i in self.of(specimen)])
-
-    def tangent(self, specimen: str) -> tuple[Floats, Floats, Floats]:
-        """Forces (g,) that all trials on a specimen reach, kappa there, and half the width of its 95 % interval: that
-        of each trial, and what these differ by."""
-        own = [self.ranges[i] for i in self.of(specimen)]
-        force_n = np.linspace(own[0].from_n, min(each.to_n for each in own), own[0].force_n.size)
-        tangents = np.array([np.interp(force_n, each.force_n, each.tangent) for each in own])
-        errors = np.array([np.interp(force_n, each.force_n, each.half_width(each.tangent_se)) for each in own])
-        spread = t_975(len(own) - 1) * tangents.std(axis=0, ddof=1) if len(own) > 1 else np.zeros_like(force_n)
-        half = np.maximum(np.sqrt(np.mean(errors**2, axis=0)), spread) / np.sqrt(len(own))
-        return force_n, tangents.mean(axis=0), half
-
-    def worst_adj_r2(self) -> dict[str, float]:
-        """Specimen to the smallest adjusted R2 of its trials; NaN where the force of one of them does not rise."""
-        r2 = np.where(self.fit.kappa > 0, self.fit.adj_r2, np.nan)
-        names = np.array(self.specimens)
-        return {name: float(r2[names == name].min()) for name in dict.fromkeys(self.specimens)}
-
-
-def plate_tests(
-    names: Sequence[tuple[str, str]],
-    measured: Sequence[tuple[Floats, Floats]],
-    range_n: tuple[float, float],
-    heights_mm: Sequence[float | None] = (),
-    *,
-    whole: bool = False,
-    window: int = PAPER_WINDOW,
-    simulated: bool = False,
-) -> PlateTests:
-    """names : specimen and trial of each press in ``measured``, (n,) indentation and force. The line of the paper ends
-    where the range of force does. heights_mm : of the specimens where they are known. range_n, whole : as for
-    ``fit_range``."""
-    heights = heights_mm or (None,) * len(measured)
-    ranges = tuple(
-        fit_range(*each, range_n, height, whole=whole) for each, height in zip(measured, heights, strict=True)
-    )
-    pressed = []
-    for each, of_range in zip(measured, ranges, strict=True):
-        x, y, _ = loading(*each)
-        beyond = np.flatnonzero((x > of_range.depth_to) & (of_range.to_n == range_n[1]))
-        end = int(beyond[0]) if beyond.size else x.size
-        pressed.append((x[:end], y[:end]))
-    return PlateTests(
-        tuple(specimen for specimen, _ in names), tuple(trial for _, trial in names), fit_plate(pressed, window),
-        tuple(smoothed(*each, window) for each in pressed), simulated, ranges,
-    )  # fmt: skip
 
 
 def _averaged(values: Floats, window: int) -> Floats:

@@ -9,7 +9,7 @@ Rubber Elasticity), E the initial Young's modulus:
     ogden       2 E / (3 a) (s^(-a/2 - 1) - s^(a - 1))
 
 Ends that cannot slide make the cylinder stiffer by 1 + 2 S^2, S = diameter / (4 height) (Gent and Lindley 1959,
-Proceedings of the Institution of Mechanical Engineers 173, 111): right at small strains, a first approximation at large.
+Proceedings of the Institution of Mechanical Engineers 173, 111): right at small strains, less so at large ones.
 """
 
 from __future__ import annotations
@@ -148,7 +148,8 @@ def _laws(x: Floats, y: Floats, cylinder: Cylinder, press: RangeFit) -> Iterator
     alike = min(longer for _, longer in left.values())  # what the best law leaves is noise
     for law, each in found.items():
         (square, longer), p, n = left[law], each.x.size, x.size / alike
-        covariance = square / max(x.size - p, 1) * longer * np.linalg.pinv(each.jac.T @ each.jac)
+        jac = np.asarray(each.jac)
+        covariance = square / max(x.size - p, 1) * longer * np.linalg.pinv(jac.T @ jac)
         yield LawFit(
             law, float(each.x[1]), float(np.sqrt(covariance[1, 1])), float(each.x[2]) if p > 2 else np.nan,
             float(np.sqrt(square / x.size)),

@@ -32,7 +32,7 @@ class Spread:
     castings: float = 0.035
 
 
-_WORTH = {"presses": 2.5, "mountings": 6.0, "castings": 6.0}
+WORTH = {"presses": 2.5, "mountings": 6.0, "castings": 6.0}
 """Degrees of freedom of the stated ones: how unlike those of the ten mixtures are, for presses (Smyth's moments); else
 as many as leave 2 of 19 differences of castings outside (a guess)."""
 
@@ -66,38 +66,46 @@ def nested_mean(
     stated = {level: (getattr(spread, level) * abs(float(values.mean()))) ** 2 for level in LEVELS}
     groups: dict[str, dict[str, list[_Mean]]] = {}
     for value, error, casting, mounting in zip(values.tolist(), errors.tolist(), castings, mountings, strict=True):
-        groups.setdefault(casting, {}).setdefault(mounting, []).append(_Mean((value,), (error**2,), (np.inf,), (0.0,)))
+        groups.setdefault(casting, {}).setdefault(mounting, []).append(_Mean(value, (_Part(error**2),)))
     by_mounting = [[_over(own, stated, 0) for own in casting.values()] for casting in groups.values()]
     whole = _over([_over(own, stated, 1) for own in by_mounting], stated, 2)
+    error, dof, step = np.array([(part.variance, part.known + part.seen, part.step) for part in whole.parts[1:]]).T
     count = (values.size, sum(map(len, by_mounting)), len(by_mounting))
-    # over presses alone, mountings and castings are these: their errors average, whatever the scatter between them
-    return NestedMean(
-        whole.value[-1], np.sqrt(whole.variance[1:]), np.array(whole.dof[1:]), count, np.sqrt(whole.step[1:])
-    )
+    return NestedMean(whole.value, np.sqrt(error), dof, count, np.sqrt(step))
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Variance of a mean; degrees of freedom of what was known of it before, and seen; variance of one step."""
+
+    variance: float
+    known: float = np.inf
+    seen: int = 0
+    step: float = 0.0
 
 
 @dataclass(frozen=True)
 class _Mean:
-    """value, variance of the mean, degrees of freedom, and variance between its parts: at each level so far."""
+    """parts : within a press, over presses, mountings and castings, as far as it goes."""
 
-    value: tuple[float, ...]
-    variance: tuple[float, ...]
-    dof: tuple[float, ...]
-    step: tuple[float, ...]
+    value: float
+    parts: tuple[_Part, ...]
 
 
-def _over(parts: Sequence[_Mean], stated: dict[str, float], level: int) -> _Mean:
-    """Mean over parts that scatter; what is known of lower levels averages over them."""
-    n, known, worth = len(parts), stated[LEVELS[level]], _WORTH[LEVELS[level]]
-    values = np.array([part.value[-1] for part in parts])
-    variance = np.mean([part.variance for part in parts], axis=0)
-    dof = np.mean([np.minimum(part.dof, 1e9) for part in parts], axis=0) * n
-    below = float(variance[-1])
-    prior = known + below
-    prior_dof = prior**2 / (known**2 / worth + below**2 / float(dof[-1])) if prior > 0 else worth
+def _over(means: Sequence[_Mean], stated: dict[str, float], level: int) -> _Mean:
+    """Mean over those that scatter; what is known of lower levels averages over them."""
+    n, own, worth = len(means), stated[LEVELS[level]], WORTH[LEVELS[level]]
+    lower = [
+        _Part(
+            float(np.mean([part.variance for part in parts])) / n, max(part.known for part in parts),
+            sum(part.seen for part in parts), float(np.mean([part.step for part in parts])),
+        )
+        for parts in zip(*(mean.parts for mean in means), strict=True)
+    ]  # fmt: skip
+    below = lower[-1].variance * n
+    prior = own + below
+    known = prior**2 / (own**2 / worth + below**2 / (lower[-1].known + lower[-1].seen)) if prior > 0 else worth
+    values = [mean.value for mean in means]
     between = float(np.var(values, ddof=1)) if n > 1 else 0.0
-    moderated = (prior_dof * prior + (n - 1) * between) / (prior_dof + n - 1)
-    return _Mean(
-        (*parts[0].value, float(values.mean())), (*(variance / n), moderated / n),
-        (*dof, prior_dof + n - 1), (*np.mean([part.step for part in parts], axis=0), max(moderated - below, 0.0)),
-    )  # fmt: skip
+    moderated = (known * prior + (n - 1) * between) / (known + n - 1)
+    return _Mean(float(np.mean(values)), (*lower, _Part(moderated / n, known, n - 1, max(moderated - below, 0.0))))

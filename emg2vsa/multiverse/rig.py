@@ -131,10 +131,9 @@ class _Rig:
             return [None] * len(presses)
         study, names = self.study, algorithms or tuple(dict.fromkeys((self.algorithm, OLD, NEW)))
         kept = [np.array([own[self._place(run)][: run.repetitions.size] for own in presses]) for run in self.runs]
-        return chosen_laws(
-            self.runs, kept, names, study.pressed_n_per_mm, study.profile.new_specimen or "",
-            study.calibration, study.pressed_se_n_per_mm,
-        )  # fmt: skip
+        kappa, errors = study.kappa_of_scores
+        new = study.profile.new_specimen or ""
+        return chosen_laws(self.runs, kept, names, kappa, new, study.calibration, errors)
 
     def claims(
         self, presses: Presses, laws: ChosenLaws | None, algorithm: str = "", *, of_scores: bool = True

@@ -30,18 +30,22 @@ _UNIT = re.compile(r"(.*?)(?:\s*[\[(]([^\[\]()]*)[\])]|_([a-zµμ]+))?", re.IGNO
 _NUMBER = re.compile(r"[+-]?\d*[.,]?\d+(e[+-]?\d+)?", re.IGNORECASE)
 _STATED = re.compile(r'"?([^:;,\t="]+)"?[:;,\t=]"?([^"]*)"?')
 _SAMPLE = re.compile(r"(specimen|sample)( (name|id|label))?", re.IGNORECASE)
-_REPEAT = re.compile(r"(.+?)[ _-]sample[ _-]?(\w+)")
+_REPEAT = re.compile(r"(.+?)(?:[ _-](\w))?[ _-]sample[ _-]?(\w+)")
+_SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0}
 
 
 @dataclass(frozen=True, eq=False)
 class PressTable:
-    """table : as written. depth_mm, force_n : (n,), NaN where blank. specimen, trial : as the lines on the test name
-    the sample, else None. diameter_mm, height_mm : of a cylinder, where they are stated with their unit."""
+    """table : as written. depth_mm, force_n : (n,), NaN where blank. time_s : likewise, where a column with a unit has
+    it. specimen, casting, trial : as the lines on the test name the sample (``X_A_sample_3``), else None. diameter_mm,
+    height_mm : of a cylinder, where they are stated with their unit."""
 
     table: TidyTable
     depth_mm: Floats
     force_n: Floats
+    time_s: Floats | None
     specimen: str | None
+    casting: str | None
     trial: str | None
     diameter_mm: float | None
     height_mm: float | None
@@ -86,10 +90,11 @@ def read_press_table(path: Path, depth: str = "", force: str = "") -> PressTable
     sample = next((value.strip() for key, value in stated.items() if _SAMPLE.fullmatch(key.strip())), "")
     sample = sample or next((line.strip(';,\t "') for line in above if _REPEAT.fullmatch(line.strip(';,\t "'))), "")
     of_several = _REPEAT.fullmatch(sample)
-    specimen, trial = of_several.groups() if of_several else (sample or None, None)
+    specimen, casting, trial = of_several.groups() if of_several else (sample or None, None, None)
     return PressTable(
-        table, found["depth"], found["force"], specimen, trial, _length(stated, "diameter"), _length(stated, "height")
-    )
+        table, found["depth"], found["force"], _time(table, beneath if units else []), specimen, casting, trial,
+        _length(stated, "diameter"), _length(stated, "height"),
+    )  # fmt: skip
 
 
 def _columns_of(
@@ -156,6 +161,17 @@ def _factor(path: Path, header: Line, kind: str, name: str, unit: str) -> float:
 
 def _numbers(table: TidyTable, name: str) -> Floats:
     return np.array([np.nan if value is None else float(value) for value in table.numbers(name)])
+
+
+def _time(table: TidyTable, beneath: Sequence[str]) -> Floats | None:
+    """Seconds; None where no column is named so, or none of these has a unit of time."""
+    for place, label in enumerate(table.names):
+        match = _UNIT.fullmatch(label.strip())
+        cell = beneath[place].strip("()[] ") if place < len(beneath) else ""
+        unit = (match[2] or match[3] or cell) if match else cell
+        if match and re.fullmatch(r"(\w+ )?time", match[1].strip(), re.IGNORECASE) and unit in _SECONDS:
+            return _numbers(table, label) * _SECONDS[unit]
+    return None
 
 
 def _length(stated: Mapping[str, str], word: str) -> float | None:

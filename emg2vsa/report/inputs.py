@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.calibration.results import CalibrationResults
-from emg2vsa.curves.plate import PlateTests
+from emg2vsa.curves.plate_tests import PlateTests
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.exemplary import Choice
 from emg2vsa.extraction import Trials

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from emg2vsa.arrays import Floats
-from emg2vsa.curves.plate import PAPER_WINDOW, PlateTests, plate_tests
+from emg2vsa.curves.plate import PAPER_WINDOW
+from emg2vsa.curves.plate_tests import PlateTests, PlateTrial, SpecimenPlates, plate_tests
+from emg2vsa.curves.rubber import STRAIN, Cylinder, Ends
+from emg2vsa.curves.specimen_kappa import LEVELS, Spread
 from emg2vsa.errors import DataError
 from emg2vsa.readers.press_table import read_press_table
 from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
@@ -23,20 +25,8 @@ from emg2vsa.settings import WindowSettings
 from emg2vsa.study_file.problems import shown
 from emg2vsa.study_file.toml_file import read_toml
 
+_ONE = {"presses": "press", "mountings": "mounting", "castings": "casting"}
 _LOADING = ("approach", "contact", "load")
-
-
-@dataclass(frozen=True, eq=False)
-class PlateTrial:
-    """indentation_mm : (n,) way of the plate from its retracted position. force_n : (n,) along the push axis, as
-    measured. diameter_mm, height_mm : of a cylinder, where the file states them."""
-
-    specimen: str
-    trial: str
-    indentation_mm: Floats
-    force_n: Floats
-    diameter_mm: float | None = None
-    height_mm: float | None = None
 
 
 def read_plate(folder: Path) -> Iterator[PlateTrial]:
@@ -63,63 +53,81 @@ def read_plate(folder: Path) -> Iterator[PlateTrial]:
         if number in turned and said.get(number, ("ok", ""))[0] != "rejected":
             depth_mm = np.array([axis.depth_at(angle_deg) for angle_deg in rows["shaft_deg"]])
             force_n = rows["force_n"].to_numpy(dtype=np.float64)
-            yield PlateTrial(specimen, f"{folder.name}/{number}", depth_mm, force_n)
+            yield PlateTrial(specimen, f"{folder.name}/{number}", depth_mm, force_n, mounting=folder.name)
 
 
 def read_trials(path: Path, depth: str = "", force: str = "") -> Iterator[PlateTrial]:
     """The trials of a run's folder, or of a table of depth and force as ``read_press_table`` reads it.
 
-    A table of several trials also has the columns specimen and trial; one without them is one trial of the specimen
-    that the lines above it name, or else that the file is named after. DataError, RecordingError : neither.
+    A table of several trials also has the columns specimen and trial, perhaps casting and mounting; one without them is
+    one trial of the specimen that the lines above it name, or else that the file is named after. DataError,
+    RecordingError : neither.
     """
     if path.is_dir():
         yield from read_plate(path)
         return
     found = read_press_table(path, depth, force)
     table, x, y = found.table, found.depth_mm, found.force_n
-    specimens = table.texts("specimen") if "specimen" in table.names else [found.specimen or path.stem] * x.size
-    numbers = table.texts("trial") if "trial" in table.names else [found.trial or "1"] * x.size
-    for key in dict.fromkeys(zip(specimens, numbers, strict=True)):
-        mine = np.array([pair == key for pair in zip(specimens, numbers, strict=True)])
-        yield PlateTrial(*key, x[mine], y[mine], found.diameter_mm, found.height_mm)
-
-
-Row = dict[str, Any]
+    stated = {
+        "specimen": found.specimen or path.stem, "trial": found.trial or "1", "casting": found.casting or "",
+        "mounting": "",
+    }  # fmt: skip
+    columns = [table.texts(key) if key in table.names else [value] * x.size for key, value in stated.items()]
+    of_rows = list(zip(*columns, strict=True))
+    for key in dict.fromkeys(of_rows):
+        mine = np.array([row == key for row in of_rows])
+        specimen, trial, casting, mounting = key
+        yield PlateTrial(
+            specimen, trial, x[mine], y[mine], casting, mounting, found.diameter_mm, found.height_mm,
+            time_s=None if found.time_s is None else found.time_s[mine],
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Asked:
     """range_n : of force, newtons; whole : presses that do not reach its end are unusable. depth, force : columns of
-    tables, where these say them not. window : length of the moving average before the paper's line, samples."""
+    tables, where these say them not. window : length of the moving average before the paper's line, samples. spread :
+    between presses, mountings and castings, where there is one of them. cylinders : of specimens whose files do not
+    say their size. ends : of all cylinders; None: as these have them."""
 
     range_n: tuple[float, float] = WindowSettings().force_n
     whole: bool = False
     depth: str = ""
     force: str = ""
     window: int = PAPER_WINDOW
+    spread: Spread = field(default_factory=Spread)
+    cylinders: Mapping[str, Cylinder] = field(default_factory=dict)
+    ends: Ends | None = None
 
 
-def read_plates(files: Sequence[Path], asked: Asked) -> tuple[list[PlateTrial], PlateTests]:
+def read_plates(files: Sequence[Path], asked: Asked) -> PlateTests:
     """Every trial and its fits. DataError for what is no log."""
-    trials = [trial for path in files for trial in read_trials(path, asked.depth, asked.force)]
-    return trials, plate_tests(
-        [(trial.specimen, trial.trial) for trial in trials],
-        [(trial.indentation_mm, trial.force_n) for trial in trials],
-        asked.range_n,
-        [trial.height_mm for trial in trials],
-        whole=asked.whole,
-        window=asked.window,
+    trials = []
+    for trial in (trial for path in files for trial in read_trials(path, asked.depth, asked.force)):
+        stated = asked.cylinders.get(trial.specimen)
+        size = (stated.diameter_mm, stated.height_mm) if stated else (None, None)
+        trials.append(
+            replace(
+                trial, diameter_mm=trial.diameter_mm or size[0], height_mm=trial.height_mm or size[1],
+                ends=asked.ends or (stated.ends if stated else trial.ends),
+            )
+        )  # fmt: skip
+    return plate_tests(
+        trials, asked.range_n, whole=asked.whole, window=asked.window, spread=asked.spread,
         simulated=any((path / EMULATED_FILE).is_file() for path in files),
-    )
+    )  # fmt: skip
 
 
-def plate_rows(files: Sequence[Path], asked: Asked) -> list[Row]:
-    """One row a trial; as ``read_plates``."""
-    trials, found = read_plates(files, asked)
+Row = dict[str, Any]
+
+
+def trial_rows(found: PlateTests) -> list[Row]:
+    """One row a trial. The standard error is that within the press: what one press says of its own curve."""
     return [
         {
-            "specimen": trial.specimen, "trial": trial.trial, "stiffness_n_per_mm": own.secant,
-            "standard_error": own.secant_se, "force_from_n": own.from_n, "force_to_n": own.to_n,
+            "specimen": trial.specimen, "casting": trial.casting or None, "mounting": trial.mounting or None,
+            "trial": trial.trial, "stiffness_n_per_mm": own.secant, "standard_error_within_press": own.secant_se,
+            "force_from_n": own.from_n, "force_to_n": own.to_n,
             "tangent": [
                 {"force_n": force, "kappa_n_per_mm": kappa, "low": kappa - half, "high": kappa + half}
                 for force, kappa, half in zip(
@@ -129,72 +137,116 @@ def plate_rows(files: Sequence[Path], asked: Asked) -> list[Row]:
             ],
             "nonlinear": own.nonlinear, "change": own.change, "contact_mm": own.contact,
             "contact_low_mm": own.contact_low, "contact_high_mm": own.contact_high, "rating": own.rating,
+            "modulus_kpa": rubber.modulus_kpa if rubber else None,
+            "laws": [asdict(law) for law in rubber.laws] if rubber else [],
+            **(asdict(time) if time else dict.fromkeys(("speed_mm_per_s", "held_s", "relaxed"))),
             "line_n_per_mm": float(found.fit.kappa[i]), "adjusted_r2": float(found.fit.adj_r2[i]),
-            "points": int(found.fit.n[i]), "diameter_mm": trial.diameter_mm, "height_mm": trial.height_mm,
+            "points": int(found.fit.n[i]),
+            "diameter_mm": trial.diameter_mm, "height_mm": trial.height_mm,
             "notes": list(own.notes()),
         }
-        for i, (trial, own) in enumerate(zip(trials, found.ranges, strict=True))
+        for i, (trial, own, rubber, time) in enumerate(
+            zip(found.trials, found.ranges, found.rubbers, found.times, strict=True)
+        )
     ]  # fmt: skip
 
 
-def lines(rows: Sequence[Row], range_n: tuple[float, float]) -> Iterator[str]:
-    """A table of the trials, and the tables for a study file whose presses have the forces ``range_n``."""
-    wide = max(8, *(len(row["specimen"]) for row in rows)) + 2
+def specimen_rows(found: PlateTests) -> list[Row]:
+    """One row a specimen whose trials can say: kappa and modulus with intervals over presses, mountings, castings."""
+    return [_specimen_row(of) for name in found.specimens if (of := found.specimen(name))]
+
+
+def _specimen_row(of: SpecimenPlates) -> Row:
+    counts = dict(zip(LEVELS, of.kappa.count, strict=True))
+    size = of.cylinder
+    return {
+        "specimen": of.name, "stiffness_n_per_mm": of.kappa.mean, "standard_error": of.error,
+        "low": of.kappa.mean - of.half, "high": of.kappa.mean + of.half, "holds_for_further": of.level, **counts,
+        "intervals": {
+            level: {"low": of.kappa.mean - half, "high": of.kappa.mean + half}
+            for level in LEVELS[: LEVELS.index(of.level) + 1] for half in [of.kappa.half(level)]
+        },
+        "force_from_n": of.range_n[0], "force_to_n": of.range_n[1], "change": of.change,
+        "nonlinear": 2 * of.nonlinear > of.trials, "nonlinear_trials": of.nonlinear,
+        "modulus": {
+            "kpa": of.modulus.mean, "low": of.modulus.mean - (half := of.modulus.half(of.level)),
+            "high": of.modulus.mean + half, "to_strain": STRAIN, "ends": size.ends,
+        } if of.modulus and size else None,
+        "law": of.laws[0].law if of.laws else None,
+        "laws": [asdict(law) for law in of.laws],
+        "notes": list(_remarks(of)),
+    }  # fmt: skip
+
+
+def _remarks(of: SpecimenPlates) -> Iterator[str]:
+    """What entered the error without having been measured, and on what the modulus depends."""
+    for level, count, step in zip(LEVELS, of.kappa.count, of.kappa.steps.tolist(), strict=True):
+        if count == 1 and LEVELS.index(level) <= LEVELS.index(of.level) and step > 0:
+            option = "" if level == "presses" else f", --{level} says otherwise"
+            yield f"one {_ONE[level]}: a stated SD of {100 * step / of.kappa.mean:.1f} % between {level} enters{option}"
+    if of.modulus and of.cylinder and of.cylinder.ends == "frictionless":
+        bonded = of.modulus.mean / of.cylinder.bonding
+        yield f"the modulus takes ends that slide; if they cannot (--ends bonded) it is {bonded:.3g} kPa"
+
+
+def lines(found: PlateTests) -> Iterator[str]:
+    rows = trial_rows(found)
+    wide = max(9, *(len(row["specimen"]) for row in rows)) + 1 if rows else 10
+    long = max(5, *(len(row["trial"]) for row in rows)) + 2 if rows else 7
     yield (
-        f"{'specimen':<{wide}}{'trial':<8}{'kappa, N/mm':>12}{'+-':>9}{'over, N':>12}{'first':>8}{'last':>8}"
-        f"{'contact, mm':>24}{'adj. R2':>9}  rating"
+        f"{'specimen':<{wide}}{'trial':<{long}}{'kappa N/mm':>12}{'over N':>12}{'first':>8}{'last':>8}"
+        f"{'contact mm (95 %)':>24}{'adj. R2':>9}  rating"
     )
     for row in rows:
         ends = [row["tangent"][i]["kappa_n_per_mm"] if row["tangent"] else np.nan for i in (0, -1)]
         over = f"{row['force_from_n']:.3g} to {row['force_to_n']:.3g}"
         contact = f"{row['contact_mm']:.3f} ({row['contact_low_mm']:.3f}, {row['contact_high_mm']:.3f})"
         yield (
-            f"{row['specimen']:<{wide}}{row['trial']:<8}{row['stiffness_n_per_mm']:>12.4f}{row['standard_error']:>9.4f}"
+            f"{row['specimen']:<{wide}}{row['trial']:<{long}}{row['stiffness_n_per_mm']:>12.4f}"
             f"{over:>12}{ends[0]:>8.3g}{ends[1]:>8.3g}{contact:>24}{row['adjusted_r2']:>9.4f}  {row['rating']}"
         )
         yield from (f"  note: {note}" for note in row["notes"])
     yield "kappa is the secant over these forces, first and last the tangents at their ends; adj. R2 is that of a line."
     worst = min((row["adjusted_r2"] for row in rows), default=np.nan)
     yield f"worst adjusted R2 {worst:.4f} (the paper's: 0.882)"
+    for row in specimen_rows(found):
+        counts = ", ".join(f"{row[level]} {level if row[level] > 1 else _ONE[level]}" for level in LEVELS)
+        yield (
+            f"{row['specimen']}: kappa {row['stiffness_n_per_mm']:.4g} N/mm, 95 % interval {row['low']:.4g} to "
+            f"{row['high']:.4g}, which holds for further {row['holds_for_further']} ({counts})"
+        )
+        if modulus := row["modulus"]:
+            best = row["laws"][0] if row["laws"] else None
+            yield (
+                f"  modulus {modulus['kpa']:.4g} kPa, 95 % interval {modulus['low']:.4g} to {modulus['high']:.4g}, by "
+                f"a line to {100 * STRAIN:g} % of strain, ends {modulus['ends']}"
+                + (f"; of the laws {best['law']} fits best, {best['left_n']:.2g} N are left" if best else "")
+            )
+        yield from (f"  note: {note}" for note in row["notes"])
     yield "For the study file:"
-    for name, values in by_specimen(rows, range_n).items():
+    for name, values in by_specimen(found).items():
         yield f'[[specimens]]\nname = "{name}"'
         yield "\n".join(f"{key} = {shown(value)}" for key, value in values.items())
 
 
-def by_specimen(rows: Sequence[Row], range_n: tuple[float, float]) -> dict[str, dict[str, Any]]:
-    """Specimen to the keys of its table in a study file: mean over the trials that are not unusable, its standard
-    error, the range of force that all of them reach, and the worst adjusted R2. The error of a
-    nonlinear specimen holds by how much kappa changes from there to the middle of ``range_n``."""
-    found: dict[str, dict[str, Any]] = {}
-    for name in dict.fromkeys(row["specimen"] for row in rows):
-        mine = [row for row in rows if row["specimen"] == name and row["rating"] != "unusable"]
-        if not mine:
-            continue
-        values, n = [row["stiffness_n_per_mm"] for row in mine], len(mine)
-        error = max(
-            float(np.sqrt(np.mean([row["standard_error"] ** 2 for row in mine]))),
-            float(np.std(values, ddof=1)) if n > 1 else 0.0,
-        ) / np.sqrt(n)
-        from_n, to_n = mine[0]["force_from_n"], min(row["force_to_n"] for row in mine)
-        if 2 * sum(row["nonlinear"] for row in mine) > n:
-            moved = (sum(range_n) - from_n - to_n) / 2 / (to_n - from_n)
-            error = float(np.hypot(error, np.mean([row["change"] for row in mine]) * moved * np.mean(values)))
-        found[name] = {
-            "stiffness_n_per_mm": float(f"{np.mean(values):.4g}"),
-            "stiffness_se_n_per_mm": float(f"{error:.2g}"),
-            "stiffness_range_n": [
-                from_n, float(f"{to_n:.3g}"),
-            ],
-        }  # fmt: skip
-        worst = min(row["adjusted_r2"] for row in mine)
-        if np.isfinite(worst):
-            found[name]["plate_adjusted_r2"] = float(np.floor(1e4 * worst) / 1e4)
-    return found
+def by_specimen(found: PlateTests) -> dict[str, dict[str, Any]]:
+    """Specimen to the keys of its table in a study file."""
+    keys: dict[str, dict[str, Any]] = {}
+    for of in filter(None, map(found.specimen, found.specimens)):
+        keys[of.name] = {
+            "stiffness_n_per_mm": float(f"{of.kappa.mean:.4g}"),
+            "stiffness_se_n_per_mm": float(f"{of.error:.2g}"),
+            "stiffness_range_n": [of.range_n[0], float(f"{of.range_n[1]:.3g}")],
+            "stiffness_change": float(f"{of.change if 2 * of.nonlinear > of.trials else 0:.2g}"),
+        }
+        if np.isfinite(of.adj_r2):
+            keys[of.name]["plate_adjusted_r2"] = float(np.floor(1e4 * of.adj_r2) / 1e4)
+    return keys
 
 
-def range_in(path: Path) -> tuple[float, float]:
-    """The forces of the study's presses, [window] force_n. StudyError, DataError : no study file, or no such forces."""
+def study_says(path: Path) -> Asked:
+    """The forces of the study's presses, [window] force_n, and the sizes of its specimens. StudyError, DataError : no
+    study file, or no such forces."""
     _, raw = read_toml(path, "a study file")
     given = raw.get("window", {}).get("force_n", WindowSettings().force_n)
     try:
@@ -202,21 +254,33 @@ def range_in(path: Path) -> tuple[float, float]:
     except (TypeError, ValueError) as error:
         do = "Correct them, or say --from and --to."
         raise DataError(f"{path}, window.force_n", wanted="two forces", found=shown(given), do=do) from error
-    return lower, upper
+    return Asked((lower, upper), cylinders=dict(_sizes(raw.get("specimens"))))
 
 
-def write_stiffness(path: Path, rows: Sequence[Row], range_n: tuple[float, float]) -> None:
+def _sizes(tables: object) -> Iterator[tuple[str, Cylinder]]:
+    """Of [[specimens]] that have both; what else is wrong with them ``emg2vsa check`` says."""
+    for table in tables if isinstance(tables, list) else ():
+        match table:
+            case {
+                "name": str(name),
+                "diameter_mm": int() | float() as diameter,
+                "height_mm": int() | float() as height,
+            }:
+                yield name, Cylinder(diameter, height, "bonded" if table.get("ends") == "bonded" else "frictionless")
+
+
+def write_stiffness(path: Path, found: PlateTests) -> None:
     """Set the keys of every specimen in the study file. DataError where one has no stiffness or no table."""
     _, raw = read_toml(path, "a study file")
     names = [table.get("name") for table in raw.get("specimens", []) if isinstance(table, dict)]
-    values = by_specimen(rows, range_n)
-    for name in dict.fromkeys(row["specimen"] for row in rows):
+    values = by_specimen(found)
+    for name in found.specimens:
         if name not in names:
             known = ", ".join(map(str, names)) or "none"
             do = "Add its [[specimens]] table, or correct the name of the log."
             raise DataError(f"{path}, specimens", wanted=f"a specimen {name}", found=known, do=do)
         if name not in values:
-            reasons = [note for row in rows if row["specimen"] == name for note in row["notes"]]
+            reasons = [note for row in trial_rows(found) if row["specimen"] == name for note in row["notes"]]
             do = "Measure it again."
             raise DataError(name, wanted="a press that gives a stiffness", found=reasons[0], do=do)
     write_values(

@@ -9,6 +9,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+from emg2vsa.curves.rubber import Cylinder
 from emg2vsa.settings import ChannelSettings, PressJudgement, RunSettings, StageSettings
 from emg2vsa.study import (
     Person,
@@ -46,7 +47,15 @@ def study_of(path: str, file: StudyFile, people: tuple[Person, ...], raw: Mappin
         path=Path(path),  # one spelling, however it was given: keys of steps hold paths relative to it
         participants=ids,
         specimens=tuple(
-            Specimen(s.name, s.stiffness_n_per_mm, s.stiffness_se_n_per_mm, s.plate_adjusted_r2, s.stiffness_range_n)
+            Specimen(
+                s.name,
+                s.stiffness_n_per_mm,
+                s.stiffness_se_n_per_mm,
+                s.plate_adjusted_r2,
+                s.stiffness_range_n,
+                s.stiffness_change,
+                Cylinder(s.diameter_mm, s.height_mm, s.ends) if s.diameter_mm and s.height_mm else None,
+            )
             for s in file.specimens
         ),
         recordings=recordings,

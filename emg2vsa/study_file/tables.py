@@ -13,6 +13,7 @@ from emg2vsa.settings import (
     FilterSettings,
     ForceChannelSettings,
     Ge,
+    Gt,
     Le,
     MinLen,
     NonNegative,
@@ -69,8 +70,17 @@ class SpecimenTable:
     "Its standard error, which the interval of a calibrated stiffness counts in (emg2vsa tools stiffness)."
     stiffness_range_n: tuple[Positive, Positive] | None = None
     "Forces over which it is that stiffness, newtons; omitted: not known (emg2vsa tools stiffness)."
+    stiffness_change: Annotated[float, Gt(-1), Le(5)] = 0.0
+    """By what share of it the stiffness grows from the first of these forces to the second; with it a calibration takes
+    the stiffness over the forces of its spread rates (emg2vsa tools stiffness)."""
     plate_adjusted_r2: Annotated[float, Le(1)] | None = None
     "Worst adjusted R2 of its plate indentations, for the report (emg2vsa tools stiffness)."
+    diameter_mm: Positive | None = None
+    "Of a cylinder that plates press, mm; with its height its modulus can be told (emg2vsa tools stiffness)."
+    height_mm: Positive | None = None
+    "Likewise."
+    ends: Literal["frictionless", "bonded"] = "frictionless"
+    "Whether the ends of the cylinder slide between the plates, as lubricated ones do, or cannot."
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -70,7 +70,7 @@ def test_the_own_path_is_that_of_the_report_to_the_last_digit(study, runs, chang
     table = table_of(study, runs)
     calibration = calibrate_runs(
         runs, study.pressed_n_per_mm, "S_new", replace(study.calibration, resamples=10),
-        kappa_se=study.pressed_se_n_per_mm,
+        kappa_se=study.kappa_of_scores[1],
     )  # fmt: skip
     own = next(rig_paths(study, runs, table))
     assert own.choices == ()

@@ -35,7 +35,9 @@ TABLE = "Time (s),Compression (mm),Load (N),Engineering Stress (kPa)\n0.0,0.0,0.
 def test_a_preamble_tells_sample_and_size(read: Callable[..., PressTable]) -> None:
     found = read(PREAMBLE + TABLE)
     np.testing.assert_array_equal([found.depth_mm, found.force_n], [[0, 0.5], [0.002, 1.25]])
-    assert (found.specimen, found.trial, found.diameter_mm, found.height_mm) == ("EF10_25T_A", "3", 50, 30)
+    assert (found.specimen, found.casting, found.trial, found.diameter_mm, found.height_mm) == (
+        "EF10_25T", "A", "3", 50, 30,
+    )  # fmt: skip
     named = read("Specimen name,S4\nHeight (mm),12.5\nOperator,me\n" + TABLE)
     assert (named.specimen, named.trial, named.diameter_mm, named.height_mm) == ("S4", None, None, 12.5)
     bare = read("Height,12.5\n" + TABLE)  # without a unit it is not known
@@ -116,6 +118,10 @@ def test_real_files_of_a_testing_machine(shared_data: Callable[[str], Path]) -> 
     assert len(paths) == 50
     for path in paths:
         found = read_press_table(path)
-        assert (f"{found.specimen}{found.trial}", found.diameter_mm, found.height_mm) == (path.stem, 50, 30)
+        assert (f"{found.specimen}_{found.casting}{found.trial}", found.diameter_mm, found.height_mm) == (
+            path.stem,
+            50,
+            30,
+        )
         whole = np.genfromtxt(path, delimiter=",", skip_header=8)
         np.testing.assert_array_equal([found.depth_mm, found.force_n], whole[:, 1:3].T)

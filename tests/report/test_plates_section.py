@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from emg2vsa.curves.plate import PlateTests, plate_tests
+from emg2vsa.curves.plate_tests import PlateTests, PlateTrial, plate_tests
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.section import rendered
 from emg2vsa.report.sections.plates import PLATES
@@ -22,7 +22,12 @@ def indentations(*, bend: float = 0.0) -> PlateTests:
     noise = np.random.default_rng(5).normal(0, 0.01, (3, 200))
     forces = np.stack([7.6 * past, 7.8 * past, 1.1 * past + bend * past**2]) + noise
     measured = [(DEPTH_MM, force) for force in forces]
-    return plate_tests([("S1", "a/1"), ("S1", "a/2"), ("S5", "b/1")], measured, (0.5, 20.0))
+    return pressed([("S1", "a/1"), ("S1", "a/2"), ("S5", "b/1")], measured)
+
+
+def pressed(names: list[tuple[str, str]], measured: list[tuple[np.ndarray, np.ndarray]]) -> PlateTests:
+    trials = [PlateTrial(*name, *each, mounting=name[1][0]) for name, each in zip(names, measured, strict=True)]
+    return plate_tests(trials, (0.5, 20.0))
 
 
 def test_trials_are_drawn_from_their_contact_with_the_line_of_their_specimen(results: StudyResults) -> None:
@@ -34,9 +39,9 @@ def test_trials_are_drawn_from_their_contact_with_the_line_of_their_specimen(res
     for line in pale:
         x, y = line.get_data()
         assert np.interp(0, x, y) == pytest.approx(0, abs=0.12)  # the mean of five samples rounds the corner
-    drawn = {line.get_label(): line.get_data() for line in curves.lines if "N/mm" in line.get_label()}
-    assert list(drawn) == ["S1: 7.70 N/mm", "S5: 1.10 N/mm"]
-    assert drawn["S1: 7.70 N/mm"][1][-1] / drawn["S1: 7.70 N/mm"][0][-1] == pytest.approx(7.7, rel=2e-3)
+    drawn = {line.get_label().split(" ±")[0]: line.get_data() for line in curves.lines if "N/mm" in line.get_label()}
+    assert list(drawn) == ["S1: 7.70", "S5: 1.10"]
+    assert drawn["S1: 7.70"][1][-1] / drawn["S1: 7.70"][0][-1] == pytest.approx(7.7, rel=2e-3)
     assert max(np.abs(line.get_ydata()).max() for line in rest.lines) < 60  # mN, of noise and the corner at contact
     assert "Simulated" not in content.drawings["figplate_indentation"].caption
 
@@ -49,7 +54,7 @@ def test_numbers_and_tables_are_those_of_the_trials(results: StudyResults) -> No
     assert (content.quantities["plates.S1.trials"], content.quantities["plates.S5.trials"]) == (2, 1)
     rows = content.tables["plates"].rows
     assert [(row["specimen"], row["trial"], row["secant"]) for row in rows] == [
-        *zip(found.specimens, found.trials, [each.secant for each in found.ranges], strict=True)
+        (trial.specimen, trial.trial, own.secant) for trial, own in zip(found.trials, found.ranges, strict=True)
     ]
     assert [row["specimen"] for row in content.tables["specimens"].rows] == results.specimens
     assert "Figure" not in rendered(PLATES, results, contents(results))
@@ -78,12 +83,12 @@ def test_a_study_without_logs_shows_what_its_file_says(results: StudyResults) ->
 def test_a_trial_whose_force_does_not_rise_is_told_and_not_drawn(results: StudyResults, bad: np.ndarray) -> None:
     good = 7.6 * np.maximum(DEPTH_MM - 1, 0)
     measured = [(DEPTH_MM, good), (DEPTH_MM, bad)]
-    found = plate_tests([("S1", "a/1"), ("S5", "b/1")], measured, (0.5, 20.0))
+    found = pressed([("S1", "a/1"), ("S5", "b/1")], measured)
     assert np.isnan(found.worst_adj_r2()["S5"])
     told = replace(results, plates=found)
     content = contents(told)
     curves, _, _ = content.drawings["figplate_indentation"].figure.axes
-    assert [line.get_label() for line in curves.lines if "N/mm" in line.get_label()] == ["S1: 7.60 N/mm"]
+    assert [line.get_label()[:8] for line in curves.lines if "N/mm" in line.get_label()] == ["S1: 7.60"]
     assert "S5, trial b/1, is unusable: " in rendered(PLATES, told, content)
-    nothing = replace(results, plates=plate_tests([], [], (0.5, 20.0)))
+    nothing = replace(results, plates=pressed([], []))
     assert "figplate_indentation" not in contents(nothing).drawings

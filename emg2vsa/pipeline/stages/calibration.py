@@ -13,10 +13,11 @@ if TYPE_CHECKING:
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     study = campaign.study
+    kappa, errors = study.kappa_of_scores
     return {
         "calibration": study.calibration,
-        "specimens": study.pressed_n_per_mm,
-        "standard errors": study.pressed_se_n_per_mm,
+        "specimens": kappa,
+        "standard errors": errors,
         "new_specimen": study.profile.new_specimen or "",
         "force_n": study.scoring.force_n,
         "study": study.name,

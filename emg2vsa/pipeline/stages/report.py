@@ -127,7 +127,8 @@ def results_of(given: Given, pages: str = "") -> StudyResults:
     study, failures, plates = given.settings["study"], [Failure(*failure) for failure in given.failures], None
     if logs := given.settings["plates"]:
         try:
-            _, plates = read_plates(logs, Asked(study.window.force_n))
+            sizes = {each.name: each.cylinder for each in study.specimens if each.cylinder}
+            plates = read_plates(logs, Asked(study.window.force_n, cylinders=sizes))
             study = _with_plates(study, plates.worst_adj_r2())
         except Emg2vsaError as error:
             failures.append(Failure("study", "plates", str(error)))

@@ -49,7 +49,9 @@ def _claims(results: StudyResults) -> Iterator[Claim]:
         weight = people.profiles.weight_alpha if people.profiles and people.profiles.new else np.nan
     if runs is not None:
         yield from claims_on_rig(study, runs.discrimination.table if runs.discrimination else None, runs.calibration)
-    yield from arithmetic_claims(study, weight_alpha=weight, counted=_counted(results), runs=runs is not None)
+    yield from arithmetic_claims(
+        study, weight_alpha=weight, counted=_counted(results), runs=runs is not None, plates=results.plates
+    )
 
 
 def _with_misfit(tested: Hypotheses | None, claim: Claim) -> Claim:
@@ -107,7 +109,7 @@ def claims_tables(results: StudyResults, judged: Sequence[Judged], q: Quantities
     )
     yield _table("claims", caption, of_data, tests, _more(results, of_data))
     others = [each for each in judged if each.claim.question == arithmetic.QUESTION]
-    yield _table("claims_on_settings", "Claims on settings and arithmetic, which no data can change", others, tests, {})
+    yield _table("claims_on_settings", "Claims on settings, arithmetic and plates", others, tests, {})
     yield _how_often_right(of_data)
 
 
@@ -202,6 +204,7 @@ def _setting_tests(results: StudyResults, q: Quantities) -> dict[str, PaperTest]
     new, power = results.study.profile.new_specimen, q.get("power.study")
     alpha = float(q.get(f"profiles.{new}.alpha", np.nan))
     return {
+        "plate_line": PaperTest("a line", f"adj. R² ≥ {bounded(worst, 4)}" if worst else ""),
         "plate_r2": PaperTest("adj. R² ≥ .882", UNDEFINED if worst is None else f"adj. R² ≥ {bounded(worst, 4)}"),
         "curves": PaperTest("700 curves", f"{q.get('fit.curves')} of {q.get('trials.total')} presses"),
         "power": PaperTest("power about .80", "" if power is None else f"{bounded(float(power))} between repetitions"),

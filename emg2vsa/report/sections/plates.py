@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from emg2vsa.curves.force_range import RangeFit
-from emg2vsa.curves.plate import PlateTests
+from emg2vsa.curves.plate_tests import PlateTests, SpecimenPlates
+from emg2vsa.curves.specimen_kappa import LEVELS
 from emg2vsa.figures.palette import looks
 from emg2vsa.figures.plates import draw_plates
 from emg2vsa.report.drawing import Drawing
@@ -23,16 +24,20 @@ def _quantities(results: StudyResults) -> Items:
     if plates := results.plates:
         yield "plates.simulated", plates.simulated
         for name, worst in plates.worst_adj_r2().items():
-            own = [plates.ranges[i] for i in plates.of(name)]
-            yield from moments(f"plates.{name}.kappa_n_per_mm", plates.kappa(name))
-            yield f"plates.{name}.trials", len(own)
             yield f"plates.{name}.adj_r2.min", worst
-            if own:
-                yield f"plates.{name}.from_n", own[0].from_n
-                yield f"plates.{name}.to_n", min(each.to_n for each in own)
-                yield f"plates.{name}.change", float(np.mean([each.change for each in own]))
-                yield f"plates.{name}.nonlinear", sum(each.nonlinear for each in own)
-                yield f"plates.{name}.doubtful", sum(each.rating == "doubtful" for each in own)
+            yield f"plates.{name}.trials", len(own := plates.of(name))
+            if of := plates.specimen(name):
+                yield from moments(f"plates.{name}.kappa_n_per_mm", np.array([plates.ranges[i].secant for i in own]))
+                yield f"plates.{name}.kappa_n_per_mm.low", of.kappa.mean - of.half
+                yield f"plates.{name}.kappa_n_per_mm.high", of.kappa.mean + of.half
+                yield f"plates.{name}.mountings", of.kappa.count[1]
+                yield f"plates.{name}.from_n", of.range_n[0]
+                yield f"plates.{name}.to_n", of.range_n[1]
+                yield f"plates.{name}.change", of.change
+                yield f"plates.{name}.nonlinear", of.nonlinear
+                yield f"plates.{name}.doubtful", sum(plates.ranges[i].rating == "doubtful" for i in own)
+                if of.modulus:
+                    yield f"plates.{name}.modulus_kpa", of.modulus.mean
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
@@ -52,8 +57,8 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     yield table_of("specimens", "Stiffness of the specimens by plate indentation, as the study file has it", stated)
     if plates:
         own: Columns = {
-            Column("specimen", "Specimen"): plates.specimens,
-            Column("trial", "Trial"): plates.trials,
+            Column("specimen", "Specimen"): [each.specimen for each in plates.trials],
+            Column("trial", "Trial"): [each.trial for each in plates.trials],
             **{
                 Column(key, *head): [getattr(each, key) for each in plates.ranges]
                 for key, head in words_of(RangeFit).items()
@@ -64,7 +69,9 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
             "Plate indentations: secant κ over the range of force, its tangents at both ends, contact, and adj. R²"
         )
         yield table_of("plates", f"{caption} of a straight line up to there", own)
-        names = [name for name in dict.fromkeys(plates.specimens) if plates.of(name)]
+        whole = [of for name in plates.specimens if (of := plates.specimen(name))]
+        yield table_of("plates_specimens", "Plate indentations: κ of each specimen with its 95 % interval", _of(whole))
+        names = [of.name for of in whole]
         tangents = [(name, *values) for name in names for values in zip(*plates.tangent(name), strict=True)]
         heads = ("specimen", "Specimen"), ("force_n", "F (N)"), ("tangent", "κ(F) (N/mm)"), ("half", "95 % interval ±")
         yield table_of(
@@ -73,11 +80,32 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         )  # fmt: skip
 
 
+def _of(whole: Sequence[SpecimenPlates]) -> Columns:
+    sized: Columns = {
+        Column("modulus_kpa", "Modulus (kPa)"): [of.modulus.mean if of.modulus else None for of in whole],
+        Column("modulus_half_kpa", "95 % interval ± (kPa)", digits=2): [
+            of.modulus.half(of.level) if of.modulus else None for of in whole
+        ],
+        Column("law", "Law that fits best"): [of.laws[0].law if of.laws else None for of in whole],
+    }
+    return {
+        Column("specimen", "Specimen"): [of.name for of in whole],
+        Column("kappa_n_per_mm", "κ (N/mm)", digits=4): [of.kappa.mean for of in whole],
+        Column("half_n_per_mm", "95 % interval ± (N/mm)", digits=2): [of.half for of in whole],
+        Column("holds_for_further", "which holds for further"): [of.level for of in whole],
+        **{
+            Column(level, level.capitalize()): [of.kappa.count[i] for of in whole] for i, level in enumerate(LEVELS)
+        },
+        Column("change", "Change of κ (%)", factor=100): [of.change for of in whole],
+        **(sized if any(of.cylinder for of in whole) else {}),
+    }  # fmt: skip
+
+
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
     if not (plates := results.plates):
         return
     worst = plates.worst_adj_r2()
-    mean = {name: float(np.mean(plates.kappa(name))) for name in worst if plates.of(name)}
+    mean = {name: of.kappa.mean for name in worst if (of := plates.specimen(name))}
     if not (names := sorted(mean, key=lambda name: -mean[name])):
         return
     look = looks([*results.specimens, *(name for name in names if name not in results.specimens)], None)
@@ -86,8 +114,8 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     told = "; ".join(f"{n}: {number(mean[n])} N/mm, worst adj. R² {bounded(worst[n], 4)}" for n in names)
     caption = (
         "Fig. P1. (a) Force of a flat plate against depth past contact (pale) and F = κ x of each specimen, κ over the "
-        "range of force. (b) Force less the line of its own trial. (c) Tangent κ(F) with its 95 % interval over the "
-        f"trials, as if these were independent.{origin}"
+        "range of force. (b) Force less the line of its own trial. (c) Tangent κ(F) with its 95 % interval, to which "
+        f"trials of one mounting are one witness.{origin}"
     )
     yield Drawing("figplate_indentation", "Plate indentations", caption, f"{told}.{origin}", figure)
 
@@ -106,6 +134,7 @@ parabola is .94).{% if bent %} κ is not one number for {{ bent }}.{% endif %}</
 {% else %}
 {{ folded("specimens", "Stiffness of the specimens") }}
 {% endif %}
+{{ folded("plates_specimens", "κ by plate indentation") }}
 {{ folded("plates", "Every plate indentation") }}
 {{ folded("plates_tangent", "κ over force") }}
 """
@@ -125,18 +154,17 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
 
 def _bent(plates: PlateTests) -> Iterator[str]:
     """Specimens with nonlinear trials, and kappa at both ends of the range."""
-    for name in dict.fromkeys(plates.specimens):
-        own = plates.of(name)
-        if bent := sum(plates.ranges[i].nonlinear for i in own):
-            force_n, kappa, _ = plates.tangent(name)
+    for of in filter(None, map(plates.specimen, plates.specimens)):
+        if of.nonlinear:
+            force_n, kappa, _ = plates.tangent(of.name)
             ends = " and ".join(f"{number(kappa[i])} N/mm at {number(force_n[i])} N" for i in (0, -1))
-            yield f"{name} ({bent} of {count(len(own), 'trial')}: {ends})"
+            yield f"{of.name} ({of.nonlinear} of {count(of.trials, 'trial')}: {ends})"
 
 
 def _doubts(plates: PlateTests) -> Iterator[str]:
-    for specimen, trial, own in zip(plates.specimens, plates.trials, plates.ranges, strict=True):
+    for trial, own in zip(plates.trials, plates.ranges, strict=True):
         for reason in own.reasons:
-            yield f"{specimen}, trial {trial}, is {own.rating}: {reason}."
+            yield f"{trial.specimen}, trial {trial.trial}, is {own.rating}: {reason}."
 
 
 PLATES = Section(

@@ -1,0 +1,191 @@
+"""Specimens pressed by a flat plate: every trial with its fits, and kappa, modulus and law of each specimen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from emg2vsa.arrays import Floats
+from emg2vsa.curves.force_range import RangeFit, fit_range, loading
+from emg2vsa.curves.plate import PAPER_WINDOW, HookeFit, fit_plate, smoothed
+from emg2vsa.curves.press_time import PressTime, press_time
+from emg2vsa.curves.rubber import Cylinder, Ends, LawFit, Rubber, fit_rubber
+from emg2vsa.curves.specimen_kappa import LEVELS, WORTH, NestedMean, Spread, nested_mean
+
+
+@dataclass(frozen=True, eq=False)
+class PlateTrial:
+    """depth_mm : (n,) way of the plate from its retracted position. force_n : (n,) along the push axis, as measured.
+    time_s : (n,), where it is known.
+
+    casting : which of its recipe; None where the specimen is the one that the study presses, so that no other casting
+    matters. mounting : within which nothing was moved but the plate. diameter_mm, height_mm : of a cylinder, where they
+    are known.
+    """
+
+    specimen: str
+    trial: str
+    depth_mm: Floats
+    force_n: Floats
+    casting: str | None = None
+    mounting: str = ""
+    diameter_mm: float | None = None
+    height_mm: float | None = None
+    ends: Ends = "frictionless"
+    time_s: Floats | None = None
+
+    @property
+    def cylinder(self) -> Cylinder | None:
+        return Cylinder(self.diameter_mm, self.height_mm, self.ends) if self.diameter_mm and self.height_mm else None
+
+
+@dataclass(frozen=True, eq=False)
+class SpecimenPlates:
+    """What the trials of one specimen say that are not unusable.
+
+    kappa : secants, N/mm. level : the further ones for which its interval holds, ``mountings`` of the specimen or
+    ``castings`` of its recipe. range_n : that all trials reach. change, change_se, change_dof : of kappa over it, a
+    share. nonlinear : trials. modulus : in kPa, None where no size is known. laws : of each name the mean over trials,
+    the best first.
+    """
+
+    name: str
+    trials: int
+    kappa: NestedMean
+    level: str
+    range_n: tuple[float, float]
+    change: float
+    change_se: float
+    change_dof: float
+    nonlinear: int
+    adj_r2: float
+    modulus: NestedMean | None
+    laws: tuple[LawFit, ...]
+    cylinder: Cylinder | None
+
+    @property
+    def half(self) -> float:
+        """Half the width of the 95 % interval of kappa, N/mm."""
+        return self.kappa.half(self.level)
+
+    @property
+    def error(self) -> float:
+        """Standard error of kappa, N/mm."""
+        return float(self.kappa.error[LEVELS.index(self.level)])
+
+
+@dataclass(frozen=True, eq=False)
+class PlateTests:
+    """d trials and their fits. curves : of each trial depth (m,) in mm and force (m,) in N, smoothed, up to its deepest
+    point or the end of the range. rubbers : None where the size of the specimen is not known. simulated : whether an
+    emulated rig made any."""
+
+    trials: tuple[PlateTrial, ...]
+    fit: HookeFit
+    curves: tuple[tuple[Floats, Floats], ...]
+    simulated: bool
+    ranges: tuple[RangeFit, ...]
+    rubbers: tuple[Rubber | None, ...]
+    times: tuple[PressTime | None, ...]
+    spread: Spread
+
+    @property
+    def specimens(self) -> tuple[str, ...]:
+        """Names, in the order of the trials."""
+        return tuple(dict.fromkeys(trial.specimen for trial in self.trials))
+
+    def of(self, specimen: str) -> list[int]:
+        """Places of the trials on a specimen that are not unusable."""
+        places = enumerate(zip(self.trials, self.ranges, strict=True))
+        return [i for i, (trial, own) in places if trial.specimen == specimen and own.rating != "unusable"]
+
+    def specimen(self, name: str) -> SpecimenPlates | None:
+        """None where none of its trials can say."""
+        if not (own := self.of(name)):
+            return None
+        ranges, trials = [self.ranges[i] for i in own], [self.trials[i] for i in own]
+        rubbers = [rubber for i in own if (rubber := self.rubbers[i])]
+        moduli = np.array([(rubber.modulus_kpa, rubber.modulus_se_kpa) for rubber in rubbers])
+        return SpecimenPlates(
+            name, len(own), self._mean(own, [(each.secant, each.secant_se) for each in ranges]),
+            "castings" if any(trial.casting is not None for trial in trials) else "mountings",
+            (ranges[0].from_n, min(each.to_n for each in ranges)), *_change(ranges),
+            sum(each.nonlinear for each in ranges), float(self.fit.adj_r2[own].min()),
+            self._mean(own, moduli) if len(rubbers) == len(own) and np.isfinite(moduli).all() else None,
+            _laws(rubbers) if len(rubbers) == len(own) else (), trials[0].cylinder,
+        )  # fmt: skip
+
+    def _mean(self, own: Sequence[int], values: Sequence[tuple[float, float]] | Floats) -> NestedMean:
+        value, error = np.array(values, dtype=np.float64).T
+        trials = [self.trials[i] for i in own]
+        return nested_mean(
+            value, error, [each.casting or "" for each in trials], [each.mounting for each in trials], self.spread
+        )
+
+    def tangent(self, name: str) -> tuple[Floats, Floats, Floats]:
+        """Forces (g,) that all trials on a specimen reach, kappa there, and half the width of its 95 % interval: that
+        of the trials, and what the specimen's own interval holds beside, as a share."""
+        own, whole = [self.ranges[i] for i in self.of(name)], self.specimen(name)
+        assert whole is not None
+        force_n = np.linspace(*whole.range_n, own[0].force_n.size)
+        tangents = np.array([np.interp(force_n, each.force_n, each.tangent) for each in own])
+        errors = np.array([np.interp(force_n, each.force_n, each.half_width(each.tangent_se)) for each in own])
+        kappa = tangents.mean(axis=0)
+        return force_n, kappa, np.hypot(np.sqrt(np.mean(errors**2, axis=0)), kappa * whole.half / whole.kappa.mean)
+
+    def worst_adj_r2(self) -> dict[str, float]:
+        """Specimen to the smallest adjusted R2 of its trials; NaN where the force of one of them does not rise."""
+        r2 = np.where(self.fit.kappa > 0, self.fit.adj_r2, np.nan)
+        names = np.array([trial.specimen for trial in self.trials])
+        return {name: float(r2[names == name].min()) for name in self.specimens}
+
+
+def plate_tests(
+    trials: Sequence[PlateTrial], range_n: tuple[float, float], *, whole: bool = False, window: int = PAPER_WINDOW,
+    simulated: bool = False, spread: Spread | None = None,
+) -> PlateTests:  # fmt: skip
+    """The line of the paper ends where the range of force does. range_n, whole : as for ``fit_range``; window : as for
+    ``fit_plate``; spread : between presses, mountings and castings where there is one."""
+    ranges = tuple(fit_range(each.depth_mm, each.force_n, range_n, each.height_mm, whole=whole) for each in trials)
+    pressed, rubbers, times = [], [], []
+    for each, of_range in zip(trials, ranges, strict=True):
+        x, y, _ = loading(each.depth_mm, each.force_n)
+        beyond = np.flatnonzero((x > of_range.depth_to) & (of_range.to_n == range_n[1]))
+        end = int(beyond[0]) if beyond.size else x.size
+        pressed.append((x[:end], y[:end]))
+        rubbers.append(fit_rubber(x, y, each.cylinder, of_range) if each.cylinder else None)
+        timed = each.time_s is not None and of_range.rating != "unusable"
+        times.append(press_time(each.depth_mm, each.force_n, each.time_s) if timed else None)  # type: ignore[arg-type]
+    return PlateTests(
+        tuple(trials), fit_plate(pressed, window), tuple(smoothed(*each, window) for each in pressed), simulated,
+        ranges, tuple(rubbers), tuple(times), spread or Spread(),
+    )  # fmt: skip
+
+
+def _change(ranges: Sequence[RangeFit]) -> tuple[float, float, float]:
+    """Mean change of kappa over presses, its standard error and degrees of freedom: their scatter, averaged with the
+    error within a press."""
+    changes, n = [each.change for each in ranges], len(ranges)
+    within = float(np.mean([each.change_se**2 for each in ranges]))
+    between = float(np.var(changes, ddof=1)) if n > 1 else 0.0
+    dof = WORTH["presses"] + n - 1
+    return float(np.mean(changes)), float(np.sqrt((WORTH["presses"] * within + (n - 1) * between) / dof / n)), dof
+
+
+def _laws(rubbers: Sequence[Rubber]) -> tuple[LawFit, ...]:
+    """Mean of each law over presses, by the sum of their criteria. Its error is that of a press: presses are no
+    witnesses of each other."""
+    if not all(rubber.laws for rubber in rubbers):
+        return ()
+    found = [
+        replace(
+            each[0], **{
+                key: float(np.mean([getattr(own, key) for own in each]))
+                for key in ("modulus_kpa", "modulus_se_kpa", "second", "left_n", "aicc")
+            },
+        )
+        for each in zip(*(rubber.laws for rubber in rubbers), strict=True)
+    ]  # fmt: skip
+    return tuple(sorted(found, key=lambda each: each.aicc))
