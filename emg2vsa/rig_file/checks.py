@@ -162,11 +162,11 @@ def _emulated(experiment: ExperimentSettings, tables: Mapping[str, Any], raw: Ma
             do = nearest(name, emulated.stiffness_n_per_mm)
             yield Problem((*at, name), f"the stiffness of every specimen, {name} too", "nothing", do)
     known = emulated.stiffness_n_per_mm
-    for name in emulated.relaxation:
-        if name not in known:
-            yield Problem(
-                ("emulated", "relaxation", name), "a specimen of stiffness_n_per_mm", shown(name), nearest(name, known)
-            )
+    for key in ("height_mm", "relaxation"):
+        for name in getattr(emulated, key):
+            if name not in known:
+                wanted = "a specimen of stiffness_n_per_mm"
+                yield Problem(("emulated", key, name), wanted, shown(name), nearest(name, known))
     if emulated.world == "elastic":
         usual = EmulatedSettings()
         for key in VISCOELASTIC_KEYS:

@@ -151,6 +151,15 @@ BAD: dict[tuple[str, str], list[str]] = {
         "'S1'?",
         "17: emulated.friction_drop: expected at most half of emulated.friction, 0.3, but found 0.2.",
     ],
+    ("[emulated]", "[emulated]\nheight_mm = { S11 = 10 }"): [
+        '15: emulated.height_mm.S11: expected a specimen of stiffness_n_per_mm, but found "S11". Did you mean '
+        "'S1'?",
+    ],
+    ("[emulated]", '[emulated]\nheight_mm = { S1 = 0.5, S3 = 2000, S2 = "thick" }'): [
+        "15: emulated.height_mm.S1: expected a number >= 1, but found 0.5.",
+        "15: emulated.height_mm.S3: expected a number <= 1000, but found 2000.",
+        '15: emulated.height_mm.S2: expected a number, but found "thick".',
+    ],
     ("[emulated]", '[emulated]\nworld = "elastic"\nfriction = 0.3'): [
         '16: emulated.friction: expected a key that world = "elastic" has, but found 0.3. Remove the key, or set '
         'world to "viscoelastic".',

@@ -176,6 +176,7 @@ class PressDraws:
             mm_per_degree=self.rig.gear_mm_per_degree,
             turns_to_push=self.rig.push_sign,
             plate=self.plate,
+            height_mm=e.height_mm.get(self.specimen, math.inf),
             gap_mm=e.gap_mm + e.gap_sd_mm * drawn.gap,
             relaxation=in_series([(specimen, of_specimen), (1 - specimen, Relaxation.of_share(e.sensor_relaxation))]),
             skin_friction=friction,

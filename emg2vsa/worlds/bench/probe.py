@@ -34,6 +34,7 @@ class WorldSettings:
     skin_friction, friction_drop, mount_n_per_mm : between skin and specimen, and the sensor's mount across the probe's
         axis, as ``emg2vsa.worlds.contact.ContactHistory`` has them; friction 0 is a skin that slides freely.
     plate : a flat plate presses, in place of the dome of the tactile sensor.
+    height_mm : of the specimen, which stiffens under the plate with its strain; infinite where it does not.
     gap_mm : from the probe with the shaft at 0 to first contact, along the probe's axis (guess).
     """
 
@@ -47,6 +48,7 @@ class WorldSettings:
     turns_to_push: Literal[1, -1] = 1
     gap_mm: float = 5.0
     plate: bool = False
+    height_mm: float = math.inf
     relaxation: Relaxation = ELASTIC
     skin_friction: float = 0.0
     friction_drop: float = 0.0
@@ -58,19 +60,35 @@ class WorldSettings:
             raise SettingError("angle_deg", wanted="0 to below 90 degrees", found=repr(self.angle_deg), do=do)
 
 
-class PlateContact:
-    """Force of a flat plate on a specimen, F = kappa d: what stiffness by plate indentation means (paper, IV.B)."""
+_MOST_STRAIN = 0.8
+"Of a cylinder; the force of one pressed flatter grows on as it did there."
 
-    def __init__(self, stiffness_n_per_mm: float) -> None:
-        self._stiffness_n_per_mm = stiffness_n_per_mm
+
+class PlateContact:
+    """Force of a flat plate on a specimen, F = kappa d: what stiffness by plate indentation means (paper, IV.B).
+
+    With a height H that of a Neo-Hookean cylinder, F = kappa H / 3 (s^-2 - s) with s = 1 - d / H (Treloar 1975, The
+    Physics of Rubber Elasticity): kappa is the slope at first contact.
+    """
+
+    def __init__(self, stiffness_n_per_mm: float, height_mm: float = math.inf) -> None:
+        self._stiffness_n_per_mm, self._height_mm = stiffness_n_per_mm, height_mm
 
     def force_n(self, depth_mm: float) -> float:
         """As `PowerLaw`."""
-        return self._stiffness_n_per_mm * max(0.0, depth_mm)
+        return self.resistance(depth_mm)[0]
 
     def resistance(self, depth_mm: float) -> tuple[float, float]:
         """As `PowerLaw`."""
-        return self.force_n(depth_mm), self._stiffness_n_per_mm if depth_mm > 0 else 0.0
+        if depth_mm <= 0:
+            return 0.0, 0.0
+        kappa, height_mm = self._stiffness_n_per_mm, self._height_mm
+        if math.isinf(height_mm):
+            return kappa * depth_mm, kappa
+        cylinder_mm = min(depth_mm, _MOST_STRAIN * height_mm)
+        stretch = 1 - cylinder_mm / height_mm
+        growth = kappa / 3 * (2 * stretch**-3 + 1)
+        return kappa * height_mm / 3 * (stretch**-2 - stretch) + growth * (depth_mm - cylinder_mm), growth
 
 
 Force = tuple[float, float, float]
@@ -104,7 +122,7 @@ class Probe:
 
     def __init__(self, settings: WorldSettings) -> None:
         self._contact = (
-            PlateContact(settings.stiffness_n_per_mm)
+            PlateContact(settings.stiffness_n_per_mm, settings.height_mm)
             if settings.plate
             else settings.contact.on(settings.stiffness_n_per_mm)
         )

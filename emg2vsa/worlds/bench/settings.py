@@ -23,6 +23,11 @@ class EmulatedSettings:
 
     stiffness_n_per_mm: dict[str, Positive] = field(default_factory=lambda: dict(SPECIMENS))
     "Specimen to its stiffness by plate indentation, N/mm (paper, section IV.B)."
+    height_mm: dict[str, Annotated[float, Ge(1), Le(1000)]] = field(default_factory=dict)
+    """Specimen to its height, mm: under the plate it is a Neo-Hookean cylinder between ends that slide, its stiffness
+    above that at first contact, and kappa over a range of forces is larger. One not named here is as stiff at any
+    depth. Under the dome height changes nothing: a press there strains the specimen about the contact, which stiffens
+    it far less than a plate over its whole face."""
     springs: Literal["qbmove-maker-pro", "qbmove-advanced"] = "qbmove-maker-pro"
     """Whose springs and firmware the actuator has (docs/decisions/0013-emulated-rig.md). Omitted in a rig file: those
     of the model in [actuator], which no other may contradict."""
@@ -113,6 +118,7 @@ class EmulatedSettings:
         return replace(
             self,
             stiffness_n_per_mm=_only(specimen, self.stiffness_n_per_mm),
+            height_mm=_only(specimen, self.height_mm),
             relaxation=_only(specimen, self.relaxation),
         )
 

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from emg2vsa.curves.rubber import Cylinder
 from emg2vsa.dome_contact import ElasticDome
 from emg2vsa.errors import SettingError
-from emg2vsa.worlds.bench.probe import Probe, WorldSettings
+from emg2vsa.worlds.bench.probe import PlateContact, Probe, WorldSettings
 
 
 def probe(**settings: Any) -> Probe:
@@ -63,3 +64,21 @@ def test_the_torque_grows_as_it_says(angle_deg: float) -> None:
 def test_an_angle_that_cannot_be_is_refused(angle_deg: float) -> None:
     with pytest.raises(SettingError, match=r"^angle_deg: expected 0 to below 90 degrees"):
         WorldSettings(angle_deg=angle_deg)
+
+
+@pytest.mark.parametrize("height_mm", [10.0, 30.0])
+def test_a_plate_on_a_specimen_of_a_height_is_a_neo_hookean_cylinder(height_mm: float) -> None:
+    cylinder, depths = Cylinder(50.0, height_mm), np.linspace(0, 0.8 * height_mm, 50)
+    contact = PlateContact(3.35, height_mm)
+    exact = cylinder.force_n(depths, 3.35 / cylinder.n_per_mm_per_kpa)
+    assert [contact.force_n(depth) for depth in depths.tolist()] == pytest.approx(exact, rel=1e-12)
+    assert contact.resistance(1e-9)[1] == pytest.approx(3.35)  # kappa is that of first contact
+    assert contact.force_n(0.3 * height_mm) > 1.3 * PlateContact(3.35).force_n(0.3 * height_mm)
+
+
+@pytest.mark.parametrize("depth_mm", [1.0, 5.0, 7.999, 8.001, 10.0, 1e6])
+def test_its_force_grows_as_it_says_at_any_depth(depth_mm: float) -> None:
+    contact, step = PlateContact(3.35, 10.0), 1e-7 * depth_mm
+    by_difference = (contact.force_n(depth_mm + step) - contact.force_n(depth_mm - step)) / (2 * step)
+    assert contact.resistance(depth_mm)[1] == pytest.approx(by_difference, rel=1e-5)
+    assert contact.resistance(-depth_mm) == (0.0, 0.0)
