@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
-from emg2vsa.curves.rubber import Cylinder
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.settings import (
     ChannelSettings,
@@ -41,8 +41,10 @@ class Specimen:
     "Forces over which the stiffness holds."
     stiffness_change: float = 0.0
     "By what share of it the stiffness grows over these forces."
-    cylinder: Cylinder | None = None
-    "Size between the plates."
+    size_mm: tuple[float, float] | None = None
+    "Diameter and height of a cylinder between the plates."
+    ends: Literal["frictionless", "bonded"] = "frictionless"
+    "Whether its ends slide there, or cannot."
 
     def stiffness_over(self, force_n: tuple[float, float]) -> tuple[float, float]:
         """Stiffness over other forces and its standard error; 95 % reach from no change to twice that of its course."""

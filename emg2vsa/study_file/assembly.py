@@ -9,7 +9,6 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from emg2vsa.curves.rubber import Cylinder
 from emg2vsa.settings import ChannelSettings, PressJudgement, RunSettings, StageSettings
 from emg2vsa.study import (
     Person,
@@ -54,7 +53,8 @@ def study_of(path: str, file: StudyFile, people: tuple[Person, ...], raw: Mappin
                 s.plate_adjusted_r2,
                 s.stiffness_range_n,
                 s.stiffness_change,
-                Cylinder(s.diameter_mm, s.height_mm, s.ends) if s.diameter_mm and s.height_mm else None,
+                (s.diameter_mm, s.height_mm) if s.diameter_mm and s.height_mm else None,
+                s.ends,
             )
             for s in file.specimens
         ),

@@ -163,6 +163,20 @@ def _schedule(schedule: ScheduleSettings) -> Iterator[Problem]:
         yield Problem(("schedule", key), wanted, "nothing")
 
 
+def _plates(specimens: tuple[SpecimenTable, ...]) -> Iterator[Problem]:
+    """Forces that rise, a change over forces that are stated, and both sizes of a cylinder."""
+    for index, of in enumerate(specimens):
+        at: KeyPath = ("specimens", index)
+        if of.stiffness_range_n:
+            yield from _rising(of.stiffness_range_n, (*at, "stiffness_range_n"))
+        elif of.stiffness_change:
+            wanted = "stiffness_range_n too, the forces over which it changes so"
+            yield Problem((*at, "stiffness_change"), wanted, "none")
+        if (of.diameter_mm is None) != (of.height_mm is None):
+            key = "height_mm" if of.height_mm is None else "diameter_mm"
+            yield Problem((*at, key), "both diameter_mm and height_mm of a cylinder, or neither", "nothing")
+
+
 def _full_preset(schedule: ScheduleSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:
     keys = _full_keys()
     own = keys.get(schedule.actuator)
@@ -231,6 +245,6 @@ def _silent(simulation: SimulationSettings, window: WindowSettings) -> Iterator[
 
 
 CHECKS = (
-    _filters, _window, _own_filters, _own_window, _muscles, _bins, _new_specimen, _bracket, _schedule, _full_preset,
-    _step, _runs, _durations, _shares, _silent,
+    _filters, _window, _own_filters, _own_window, _muscles, _bins, _new_specimen, _bracket, _plates, _schedule,
+    _full_preset, _step, _runs, _durations, _shares, _silent,
 )  # fmt: skip

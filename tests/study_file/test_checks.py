@@ -142,6 +142,17 @@ CASES = [
     ("+", NEW, "profile.new_stiffness_n_per_mm", "the stiffness of 'N'"),
     ("+", "[profile]\nnew_stiffness_n_per_mm = 5", "profile.new_specimen", "a name"),
     ("+", NEW + "new_stiffness_n_per_mm = 9", "profile.new_stiffness_n_per_mm", "between 3.35 and 7.63"),
+    (
+        'name = "S1"',
+        'name = "S1"\nstiffness_range_n = [7, 7]',
+        "specimens[0].stiffness_range_n",
+        "smaller number first",
+    ),
+    ('name = "S1"', 'name = "S1"\nstiffness_change = 0.2', "specimens[0].stiffness_change", "stiffness_range_n too"),
+    ('name = "S1"', 'name = "S1"\nstiffness_change = 9', "specimens[0].stiffness_change", "a number <= 5"),
+    ('name = "S1"', 'name = "S1"\ndiameter_mm = 50', "specimens[0].height_mm", "both diameter_mm and height_mm"),
+    ('name = "S1"', 'name = "S1"\nheight_mm = 0', "specimens[0].height_mm", "a number > 0"),
+    ('name = "S1"', 'name = "S1"\nends = "glued"', "specimens[0].ends", "frictionless"),
     ("+", "[schedule]\nstiffness_percent = [80, 20]", "schedule.stiffness_percent", "smaller number first"),
     ("+", "[schedule]\nstep_n = 6.6", "schedule.step_n", "at most 6.5, the width of the force window"),
     # simulation

@@ -100,6 +100,7 @@ def run(given: Given, pages: str = "participants") -> list[Path]:
 
 def results_of(given: Given, pages: str = "") -> StudyResults:
     """All products of the study; of stages that failed none. pages : as for ``run``."""
+    from emg2vsa.curves.rubber import Cylinder
     from emg2vsa.errors import Emg2vsaError
     from emg2vsa.fits import concatenate
     from emg2vsa.report.failures import Failure
@@ -127,7 +128,11 @@ def results_of(given: Given, pages: str = "") -> StudyResults:
     study, failures, plates = given.settings["study"], [Failure(*failure) for failure in given.failures], None
     if logs := given.settings["plates"]:
         try:
-            sizes = {each.name: each.cylinder for each in study.specimens if each.cylinder}
+            sizes = {
+                each.name: Cylinder(each.size_mm[0], each.size_mm[1], each.ends)
+                for each in study.specimens
+                if each.size_mm
+            }
             plates = read_plates(logs, Asked(study.window.force_n, cylinders=sizes))
             study = _with_plates(study, plates.worst_adj_r2())
         except Emg2vsaError as error:

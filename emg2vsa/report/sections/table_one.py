@@ -94,8 +94,10 @@ def tables(results: StudyResults, found: CalibrationResults) -> Iterator[Table]:
             ]
     made = table_of("table_one", "", columns)
     shown = tuple(row | {key: cells[i] for key, cells in told.items()} for i, row in enumerate(map(dict, made.rows)))
+    over = results.study.scoring.force_n
     caption = (
-        f"Table I: error on κ of {found.new_specimen} ({number(found.known_kappa_new)} N/mm). Ours have a sign, plus "
+        f"Table I: error on κ of {found.new_specimen} ({number(found.known_kappa_new)} N/mm) over the forces of CASR, "
+        f"{over[0]:g} to {over[1]:g} N. Ours have a sign, plus "
         "for too stiff, and an interval. Not determined: so few presses and mountings promise an interval wider than "
         "the range of the known stiffnesses, or the law rises or explains nothing. –: not in the paper or not pressed"
     )
