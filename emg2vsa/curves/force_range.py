@@ -57,7 +57,8 @@ class RangeFit:
     force_n, tangent, tangent_se : (g,) kappa(F), N/mm. change, change_se : of kappa over the range as a share of the
     secant, by the course of the upper part, where first contact is over. closing : share by which kappa at F0 lies
     below that course. of_rubber : change of a Neo-Hookean cylinder of the stated height. depth_to : at F1, mm.
-    contact, contact_low, contact_high : depth of first touch and its 95 % interval, mm. level_n : force at rest.
+    contact, contact_low, contact_high : depth of first touch and its 95 % interval, mm. level_n : force at rest, 0 where
+    ``rests`` says that there is none.
     rating : good, doubtful or unusable, and reasons why. told : what was done to the press.
     """
 
@@ -78,6 +79,7 @@ class RangeFit:
     contact_low: float = field(default=np.nan, metadata=shown("from (mm)"))
     contact_high: float = field(default=np.nan, metadata=shown("to (mm)"))
     level_n: float = np.nan
+    rests: bool = False
     rating: str = field(default="unusable", metadata=shown("Rating"))
     reasons: tuple[str, ...] = ()
     told: tuple[str, ...] = ()
@@ -101,6 +103,8 @@ class RangeFit:
     def notes(self) -> Iterator[str]:
         yield from self.told
         yield from (f"{self.rating}: {reason}" for reason in self.reasons)
+        if self.rating == "good" and not self.rests:
+            yield "it begins in contact: that its first force is zero is taken from the file"
         if self.nonlinear:
             ends = f"{self.tangent[0]:.3g} N/mm at {self.from_n:.3g} N, {self.tangent[-1]:.3g} at {self.to_n:.3g} N"
             yield f"nonlinear: kappa is {ends}"
@@ -194,7 +198,8 @@ def fit_range(
     rating = "unusable" if any(bad for bad, _ in doubts) else "doubtful" if doubts else "good"
     return RangeFit(
         from_n, to_n, secant / span, secant_se / span, forces, course.slope / span, course.slope_se / span, course.dof,
-        change, change_se, below, of_rubber, last, *contact, level, rating, tuple(reason for _, reason in doubts), told,
+        change, change_se, below, of_rubber, last, *contact, level, rest_n > 0, rating,
+        tuple(reason for _, reason in doubts), told,
     )  # fmt: skip
 
 
