@@ -57,8 +57,8 @@ class RangeFit:
     force_n, tangent, tangent_se : (g,) kappa(F), N/mm. change, change_se : of kappa over the range as a share of the
     secant, by the course of the upper part, where first contact is over. closing : share by which kappa at F0 lies
     below that course. of_rubber : change of a Neo-Hookean cylinder of the stated height. depth_to : at F1, mm.
-    contact, contact_low, contact_high : depth of first touch and its 95 % interval, mm. level_n : force at rest, 0 where
-    ``rests`` says that there is none.
+    contact, contact_low, contact_high : depth of first touch and its 95 % interval, mm. level_n : force at rest, 0
+    where ``rests`` says that there is none.
     rating : good, doubtful or unusable, and reasons why. told : what was done to the press.
     """
 
