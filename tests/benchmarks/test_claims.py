@@ -51,7 +51,8 @@ def test_the_same_seed_gives_the_same_studies():
 
 
 def test_a_study_of_people_and_rig_has_as_many_claims_as_share_the_chance_of_a_false_verdict():
-    assert len(chunk(NAMED["paper"], 0, 1)["verdicts"]) == OF_A_STUDY
+    of_plates = 1  # these worlds have none
+    assert len(chunk(NAMED["paper"], 0, 1)["verdicts"]) == OF_A_STUDY - of_plates
 
 
 def test_lines_of_another_world_or_code_do_not_count(tmp_path):

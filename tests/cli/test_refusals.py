@@ -41,6 +41,9 @@ tools stiffness one.csv                         | one.csv: expected a header row
 tools stiffness depth.csv --depth Weg           | depth.csv: expected a header row that names Weg and force, but found
 tools stiffness depth.csv --force depth_mm      | line 1, column 'depth_mm': expected a unit of force, such as N, but found 'mm'
 tools stiffness depth.csv --from 3 --to 1       | range of force: expected 0 < F0 < F1, newtons, but found 3 to 1
+tools stiffness depth.csv --mountings=-1        | --mountings: expected a standard deviation between 0 and 100, in percent of kappa, but
+tools stiffness depth.csv --castings 100        | --castings: expected a standard deviation between 0 and 100, in percent of kappa, but
+tools stiffness depth.csv --study t.csv         | t.csv
 tools stiffness depth.csv --write session.toml  | session.toml, specimens: expected a specimen depth, but found
 tools sample slopes --out study.toml            | expected a folder, but found a file
 stats t.csv --value bb --group g                | Did you mean 'b'?

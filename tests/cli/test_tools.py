@@ -9,7 +9,9 @@ import hashlib
 import json
 import pkgutil
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -175,3 +177,68 @@ def test_kappa_over_a_range_of_force_goes_into_the_study_file(
     study.write_text('[window]\nforce_n = 5\n\n[[specimens]]\nname = "S1"\n')
     assert main(["tools", "stiffness", str(log), "--write", str(study)]) == 2
     assert "study.toml, window.force_n: expected two forces, but found 5" in capsys.readouterr().err
+
+
+CASTINGS = """specimen;casting;mounting;trial;indentation_mm;force_n
+"""
+
+
+def told(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    assert main(["tools", "stiffness", "--json", *words]) == 0
+    (found,) = json.loads(capsys.readouterr().out)["specimens"]
+    return found
+
+
+def test_presses_mountings_and_castings_are_counted_and_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cells = [("A", "1", 3.3), ("A", "1", 3.31), ("A", "2", 3.36), ("B", "1", 3.6), ("B", "1", 3.61)]
+    text = CASTINGS + "".join(
+        rows(kappa, f"S3;{casting};{mounting};{trial};", ";") for trial, (casting, mounting, kappa) in enumerate(cells)
+    )
+    log = str(write_log(tmp_path / "all.csv", text))
+    found = told(capsys, log)
+    assert [found[level] for level in ("presses", "mountings", "castings")] == [5, 3, 2]
+    assert found["stiffness_n_per_mm"] == pytest.approx(((3.305 + 3.36) / 2 + 3.605) / 2, rel=2e-3)
+    assert (found["holds_for_further"], found["modulus"], found["notes"]) == ("castings", None, [])
+    ends = [found["intervals"][level] for level in ("presses", "mountings", "castings")]
+    widths = [each["high"] - each["low"] for each in ends]
+    assert widths == sorted(widths)
+    assert widths[-1] == pytest.approx(found["high"] - found["low"])
+
+    one = write_log(tmp_path / "one.csv", CASTINGS + rows(3.3, "S3;A;1;1;", ";"))
+    wide = told(capsys, str(one))
+    assert [note.split(":")[0] for note in wide["notes"]] == ["one press", "one mounting", "one casting"]
+    assert wide["standard_error"] == pytest.approx(3.3 * np.sqrt(0.01**2 + 0.02**2 + 0.035**2), rel=0.01)
+    this = told(capsys, str(one), "--castings", "0", "--mountings", "5")
+    assert this["standard_error"] == pytest.approx(3.3 * np.sqrt(0.01**2 + 0.05**2), rel=0.01)
+
+
+def test_a_study_file_gives_the_size_of_a_cylinder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    deep = np.arange(-0.5, 8, 0.0167)
+    force = rubber(30, 40, 60)(deep)
+    table = "".join(f"{x:.5f},{f:.5f}\n" for x, f in zip(deep, force, strict=True))
+    log = str(write_log(tmp_path / "S1.csv", "indentation_mm,force_n\n" + table))
+    study = tmp_path / "study.toml"
+    study.write_text('[[specimens]]\nname = "S1"\ndiameter_mm = 60\nheight_mm = 40\n')
+    loose = told(capsys, log, "--study", str(study))
+    assert loose["modulus"]["kpa"] == pytest.approx(31, rel=0.03)  # a line over 5 % of strain, of a press that stiffens
+    assert loose["law"] == "neo-hooke"
+    assert "ends that slide" in loose["notes"][-1]
+    bonded = told(capsys, log, "--study", str(study), "--ends", "bonded")
+    assert loose["modulus"]["kpa"] / bonded["modulus"]["kpa"] == pytest.approx(1 + 2 * (60 / 160) ** 2)
+    study.write_text(study.read_text() + 'ends = "bonded"\n')
+    assert told(capsys, log, "--study", str(study))["modulus"] == bonded["modulus"]
+
+
+def test_real_silicone_is_told_with_its_modulus(
+    shared_data: Callable[[str], Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = told(capsys, *map(str, sorted(shared_data("phantoms").glob("EF10_0T/*.csv"))))
+    assert [found[level] for level in ("presses", "mountings", "castings")] == [5, 1, 1]
+    assert found["modulus"]["low"] < 56.27 < found["modulus"]["high"]
+    assert found["modulus"]["ends"] == "frictionless"
+    assert main(["tools", "stiffness", *map(str, sorted(shared_data("phantoms").glob("EF10_0T/*.csv")))]) == 0
+    said = capsys.readouterr().out
+    assert "which holds for further castings (5 presses, 1 mounting, 1 casting)" in said
+    assert "one casting: a stated SD of 3.5 % between castings enters, --castings says otherwise" in said

@@ -215,7 +215,7 @@ def test_states_what_a_reporting_standard_asks_for(written, results):
         (lambda s: replace(s, claims=ClaimSettings(slope_percent=12.0)), "12 % of the mean for b between specimens"),
         (
             lambda s: replace(s, claims=ClaimSettings(false_verdict_percent=5.0)),
-            "Intervals of 99.62 % give any false verdict among 26 claims a chance of 5 % at most",
+            "Intervals of 99.63 % give any false verdict among 27 claims a chance of 5 % at most",
         ),
     ],
 )

@@ -92,3 +92,28 @@ def test_a_trial_whose_force_does_not_rise_is_told_and_not_drawn(results: StudyR
     assert "S5, trial b/1, is unusable: " in rendered(PLATES, told, content)
     nothing = replace(results, plates=pressed([], []))
     assert "figplate_indentation" not in contents(nothing).drawings
+
+
+@pytest.mark.parametrize(
+    ("bend", "noise_n", "verdict"), [(0.0, 0.01, "holds"), (0.35, 0.01, "refuted"), (0.0, 1.0, "not determined")]
+)
+def test_the_claim_on_lines_follows_from_the_change_of_kappa(
+    results: StudyResults, bend: float, noise_n: float, verdict: str
+) -> None:
+    depth, rng = np.linspace(-0.3, 2, 300), np.random.default_rng(0)
+    past, names = np.maximum(depth, 0), [(name, f"{name}/{i}") for name in results.specimens for i in range(3)]
+    bends = [bend if name == results.specimens[-1] else 0.0 for name, _ in names]
+    measured = [(depth, 5 * past + each * past**2 + noise_n * rng.standard_normal(300)) for each in bends]
+    quantities = contents(replace(results, plates=pressed(names, measured))).quantities
+    assert quantities["claims.plate_line.verdict"] == verdict
+    low, high = quantities["claims.plate_line.low"], quantities["claims.plate_line.high"]
+    if bend:  # from 5 N/mm at the touch; over .5 N to the deepest kappa is (5 + 2 bend x)
+        kappa = 5 + 2 * bend * np.interp([0.5, 0.98 * (10 + 4 * bend)], 5 * past + bend * past**2, past)
+        assert low < 100 * np.ptp(kappa) / kappa.mean() < high
+
+
+def test_the_claim_on_lines_waits_for_plates(results: StudyResults) -> None:
+    content = contents(results)
+    assert content.quantities["claims.plate_line.verdict"] == "not determined"
+    (row,) = [each for each in content.tables["claims_on_settings"].rows if "straight line" in str(each["says"])]
+    assert "No plate pressed" in str(row["why"])
