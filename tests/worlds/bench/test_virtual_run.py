@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.kappa_end_to_end import Specimen, fitted, pressed
 from benchmarks.rig.fault_case import read_log
 from casr.frame_files import open_frames, read_force_log
 from casr.scoring import score
@@ -239,3 +240,22 @@ def test_what_cannot_be_makes_no_folder(plan, tmp_path, changes, rig, emulated, 
     with pytest.raises(error, match=says):
         run_virtual(plan(**changes), rig, emulated, tmp_path / "run", started=STARTED)
     assert not (tmp_path / "run").exists()
+
+
+def test_a_plate_tells_kappa_of_a_specimen_that_stiffens(tmp_path: Path) -> None:
+    specimen = Specimen("S5", 10.0)
+    of = fitted(specimen, pressed(specimen, "elastic", 1, tmp_path)).specimen("S5")
+    assert of is not None
+    assert (of.trials, of.nonlinear) == (5, 5)
+    assert of.kappa.mean == pytest.approx(specimen.secant(of.range_n), rel=0.02)
+    assert of.kappa.mean > 1.4 * specimen.kappa
+
+
+def test_a_height_moves_no_other_specimen_and_no_dome(plan: Plan, tmp_path: Path) -> None:
+    high = EmulatedSettings(height_mm={"S3": 10.0})
+    for name, emulated in (("usual", EmulatedSettings()), ("high", high)):
+        run_virtual(plan(repetitions=1), RIG, emulated, tmp_path / name, started=STARTED)
+        plate = plan("high-stiffness", specimen="S1", repetitions=1, plate=True)
+        run_virtual(plate, RIG, emulated, tmp_path / f"plate-{name}", started=STARTED)
+    for one, other in (("usual", "high"), ("plate-usual", "plate-high")):
+        assert (tmp_path / one / "log.csv").read_bytes() == (tmp_path / other / "log.csv").read_bytes()
