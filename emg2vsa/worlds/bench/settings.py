@@ -26,8 +26,9 @@ class EmulatedSettings:
     height_mm: dict[str, Annotated[float, Ge(1), Le(1000)]] = field(default_factory=dict)
     """Specimen to its height, mm: under the plate it is a Neo-Hookean cylinder between ends that slide, its stiffness
     above that at first contact, and kappa over a range of forces is larger. One not named here is as stiff at any
-    depth. Under the dome height changes nothing: a press there strains the specimen about the contact, which stiffens
-    it far less than a plate over its whole face."""
+    depth. Under the dome height changes nothing: its force over depth stays that of a linear specimen, and finite
+    elements of the skin have Neo-Hookean ones of 25 mm. A press on a part of the face stiffens a specimen far less: by
+    finite elements a punch of 20 mm width a third as much as the plate."""
     springs: Literal["qbmove-maker-pro", "qbmove-advanced"] = "qbmove-maker-pro"
     """Whose springs and firmware the actuator has (docs/decisions/0013-emulated-rig.md). Omitted in a rig file: those
     of the model in [actuator], which no other may contradict."""
