@@ -99,7 +99,7 @@ def _of_plates(study: Study, plates: PlateTests | None) -> Claim:
     names = [specimen.name for specimen in study.specimens]
     pressed = [of for name in names if plates and (of := plates.specimen(name))]
     missing = sorted(set(names) - {of.name for of in pressed})
-    bends = [size(student(of.change, of.change_se, of.change_dof)) for of in pressed]
+    bends = [size(student(of.bend, of.bend_se, of.bend_dof)) for of in pressed]
     return Claim(
         "plate_line", QUESTION, "a straight line describes every plate indentation",
         "largest change of κ over the range of force, %", "within", largest(bends) if not missing else UNKNOWN, _BENT,

@@ -54,9 +54,10 @@ class RangeFit:
     """One press. NaN, and no points, where it cannot be said.
 
     from_n, to_n : range of force past that of rest. secant, secant_se : F1 - F0 over the depth between, N/mm.
-    force_n, tangent, tangent_se : (g,) kappa(F), N/mm. change, change_se : of kappa over the range as a share of the
-    secant, by the course of the upper part, where first contact is over. closing : share by which kappa at F0 lies
-    below that course. of_rubber : change of a Neo-Hookean cylinder of the stated height. depth_to : at F1, mm.
+    force_n, tangent, tangent_se : (g,) kappa(F), N/mm. bend, bend_se : by how much it grows from F0 to F1, a share of
+    the secant. change, change_se : the same by the course of the upper part, where first contact is over. closing :
+    share by which kappa at F0 lies below that course. of_rubber : change of a Neo-Hookean cylinder of the stated
+    height. depth_to : at F1, mm.
     contact, contact_low, contact_high : depth of first touch and its 95 % interval, mm. level_n : force at rest, 0
     where ``rests`` says that there is none.
     rating : good, doubtful or unusable, and reasons why. told : what was done to the press.
@@ -70,6 +71,8 @@ class RangeFit:
     tangent: Floats = field(default_factory=lambda: np.empty(0))
     tangent_se: Floats = field(default_factory=lambda: np.empty(0))
     dof: float = np.nan
+    bend: float = np.nan
+    bend_se: float = np.nan
     change: float = field(default=np.nan, metadata=shown("Change of κ (%)", 100))
     change_se: float = np.nan
     closing: float = np.nan
@@ -198,8 +201,8 @@ def fit_range(
     rating = "unusable" if any(bad for bad, _ in doubts) else "doubtful" if doubts else "good"
     return RangeFit(
         from_n, to_n, secant / span, secant_se / span, forces, course.slope / span, course.slope_se / span, course.dof,
-        change, change_se, below, of_rubber, last, *contact, level, rest_n > 0, rating,
-        tuple(reason for _, reason in doubts), told,
+        course.bend / secant, course.bend_se / secant, change, change_se, below, of_rubber, last,
+        *contact, level, rest_n > 0, rating, tuple(reason for _, reason in doubts), told,
     )  # fmt: skip
 
 
@@ -239,12 +242,15 @@ def loading(depth_mm: Floats, force_n: Floats) -> tuple[Floats, Floats, tuple[st
 
 @dataclass(frozen=True, eq=False)
 class _Course:
-    """Of force over depth u: depth at stated forces (g,), slope there with its error, depth between the ends with its
-    error, degrees of freedom, and SD of what the best curve leaves, N."""
+    """Of force over depth u: depth at stated forces (g,), slope there with its error, by how much it grows from the
+    first to the last and depth between these, each with its error, degrees of freedom, and SD of what the best curve
+    leaves, N."""
 
     at: Floats
     slope: Floats
     slope_se: Floats
+    bend: float
+    bend_se: float
     between: float
     between_se: float
     dof: float
@@ -276,8 +282,9 @@ def _course(u: Floats, y: Floats, forces: Floats, degrees: Sequence[int], decays
         slope = of_slope @ c
         bend = (_slopes(where + 1e-5, degree, decay) @ c - _slopes(where - 1e-5, degree, decay) @ c) / 2e-5
         deeper = of_force / slope[:, None]
-        parts = np.vstack([of_slope - bend[:, None] * deeper, deeper[-1] - deeper[0]])
-        values.append(np.r_[where, slope, where[-1] - where[0]])
+        slopes = of_slope - bend[:, None] * deeper
+        parts = np.vstack([slopes, slopes[-1] - slopes[0], deeper[-1] - deeper[0]])
+        values.append(np.r_[where, slope, slope[-1] - slope[0], where[-1] - where[0]])
         variances.append(np.einsum("ij,jk,ik->i", parts, covariance, parts))
         n, k = u.size / alike, p + 1 + (decay > 0)
         worth.append(n * np.log(square) + 2 * k * n / max(n - k - 1, 0.1))
@@ -289,8 +296,8 @@ def _course(u: Floats, y: Floats, forces: Floats, degrees: Sequence[int], decays
     spread = weight @ (np.array(variances) + (np.array(values)[:, g:] - mean[g:]) ** 2)
     error = np.sqrt(spread)
     return _Course(
-        mean[:g], mean[g:-1], error[:-1], float(mean[-1]), float(error[-1]), float(weight @ np.array(dofs)),
-        float(np.sqrt(min(each[5] for each in made) / u.size)),
+        mean[:g], mean[g:-2], error[:-2], float(mean[-2]), float(error[-2]), float(mean[-1]), float(error[-1]),
+        float(weight @ np.array(dofs)), float(np.sqrt(min(each[5] for each in made) / u.size)),
     )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from emg2vsa.curves.force_range import RangeFit, fit_range, loading
 from emg2vsa.curves.plate import PAPER_WINDOW, HookeFit, fit_plate, smoothed
 from emg2vsa.curves.press_time import PressTime, press_time
 from emg2vsa.curves.rubber import Cylinder, Ends, LawFit, Rubber, fit_rubber
-from emg2vsa.curves.specimen_kappa import LEVELS, WORTH, NestedMean, Spread, nested_mean
+from emg2vsa.curves.specimen_kappa import LEVELS, NestedMean, Spread, nested_mean
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,9 +46,9 @@ class SpecimenPlates:
     """What the trials of one specimen say that are not unusable.
 
     kappa : secants, N/mm. level : the further ones for which its interval holds, ``mountings`` of the specimen or
-    ``castings`` of its recipe. range_n : that all trials reach. change, change_se, change_dof : of kappa over it, a
-    share. nonlinear : trials. modulus : in kPa, None where no size is known. laws : of each name the mean over trials,
-    the best first.
+    ``castings`` of its recipe. range_n : that all trials reach. change : of kappa over it, a share, by the upper part.
+    bend, bend_se, bend_dof : of the tangents over it, first contact included. nonlinear : trials. modulus : in kPa,
+    None where no size is known. laws : of each name the mean over trials, the best first.
     """
 
     name: str
@@ -57,8 +57,9 @@ class SpecimenPlates:
     level: str
     range_n: tuple[float, float]
     change: float
-    change_se: float
-    change_dof: float
+    bend: float
+    bend_se: float
+    bend_dof: float
     nonlinear: int
     adj_r2: float
     modulus: NestedMean | None
@@ -111,11 +112,27 @@ class PlateTests:
         return SpecimenPlates(
             name, len(own), self._mean(own, [(each.secant, each.secant_se) for each in ranges]),
             "castings" if any(trial.casting is not None for trial in trials) else "mountings",
-            (ranges[0].from_n, min(each.to_n for each in ranges)), *_change(ranges),
+            (ranges[0].from_n, min(each.to_n for each in ranges)), float(np.mean([each.change for each in ranges])),
+            *self._bend(own),
             sum(each.nonlinear for each in ranges), float(self.fit.adj_r2[own].min()),
             self._mean(own, moduli) if len(rubbers) == len(own) and np.isfinite(moduli).all() else None,
             _laws(rubbers) if len(rubbers) == len(own) else (), trials[0].cylinder,
         )  # fmt: skip
+
+    def _bend(self, own: Sequence[int]) -> tuple[float, float, float]:
+        """Mean over presses, its standard error and degrees of freedom: those within the presses, and where the presses
+        of all specimens scatter by more, that."""
+        squares, dof = 0.0, 0
+        for name in self.specimens:
+            each = np.array([(self.ranges[i].bend, self.ranges[i].bend_se) for i in self.of(name)]).reshape(-1, 2)
+            squares += (
+                float(np.sum((each[:, 0] - each[:, 0].mean()) ** 2) / np.mean(each[:, 1] ** 2)) if each.size else 0
+            )
+            dof += max(len(each) - 1, 0)
+        ranges = [self.ranges[i] for i in own]
+        within = float(np.mean([each.bend_se**2 for each in ranges]))
+        error = np.sqrt(within * max(squares / dof if dof else 1.0, 1.0) / len(own))
+        return float(np.mean([each.bend for each in ranges])), float(error), float(dof or ranges[0].dof)
 
     def _mean(self, own: Sequence[int], values: Sequence[tuple[float, float]] | Floats) -> NestedMean:
         value, error = np.array(values, dtype=np.float64).T
@@ -162,16 +179,6 @@ def plate_tests(
         tuple(trials), fit_plate(pressed, window), tuple(smoothed(*each, window) for each in pressed), simulated,
         ranges, tuple(rubbers), tuple(times), spread or Spread(),
     )  # fmt: skip
-
-
-def _change(ranges: Sequence[RangeFit]) -> tuple[float, float, float]:
-    """Mean change of kappa over presses, its standard error and degrees of freedom: their scatter, averaged with the
-    error within a press."""
-    changes, n = [each.change for each in ranges], len(ranges)
-    within = float(np.mean([each.change_se**2 for each in ranges]))
-    between = float(np.var(changes, ddof=1)) if n > 1 else 0.0
-    dof = WORTH["presses"] + n - 1
-    return float(np.mean(changes)), float(np.sqrt((WORTH["presses"] * within + (n - 1) * between) / dof / n)), dof
 
 
 def _laws(rubbers: Sequence[Rubber]) -> tuple[LawFit, ...]:

@@ -32,7 +32,7 @@ class Spread:
     castings: float = 0.035
 
 
-WORTH = {"presses": 2.5, "mountings": 6.0, "castings": 6.0}
+_WORTH = {"presses": 2.5, "mountings": 6.0, "castings": 6.0}
 """Degrees of freedom of the stated ones: how unlike those of the ten mixtures are, for presses (Smyth's moments); else
 as many as leave 2 of 19 differences of castings outside (a guess)."""
 
@@ -94,7 +94,7 @@ class _Mean:
 
 def _over(means: Sequence[_Mean], stated: dict[str, float], level: int) -> _Mean:
     """Mean over those that scatter; what is known of lower levels averages over them."""
-    n, own, worth = len(means), stated[LEVELS[level]], WORTH[LEVELS[level]]
+    n, own, worth = len(means), stated[LEVELS[level]], _WORTH[LEVELS[level]]
     lower = [
         _Part(
             float(np.mean([part.variance for part in parts])) / n, max(part.known for part in parts),
