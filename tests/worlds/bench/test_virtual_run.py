@@ -252,8 +252,9 @@ def test_a_plate_tells_kappa_of_a_specimen_that_stiffens(tmp_path: Path) -> None
 
 
 def test_a_height_moves_no_other_specimen_and_no_dome(plan: Plan, tmp_path: Path) -> None:
-    high = EmulatedSettings(height_mm={"S3": 10.0})
-    for name, emulated in (("usual", EmulatedSettings()), ("high", high)):
+    usual, high = EmulatedSettings(), EmulatedSettings(height_mm={"S3": 10.0})
+    assert (high.of("S1") == usual.of("S1"), high.of("S3") == usual.of("S3")) == (True, False)
+    for name, emulated in (("usual", usual), ("high", high)):
         run_virtual(plan(repetitions=1), RIG, emulated, tmp_path / name, started=STARTED)
         plate = plan("high-stiffness", specimen="S1", repetitions=1, plate=True)
         run_virtual(plate, RIG, emulated, tmp_path / f"plate-{name}", started=STARTED)
