@@ -22,7 +22,7 @@ class EmulatedSettings:
     """The bench that stands in for a real one, and in what its presses differ from each other."""
 
     stiffness_n_per_mm: dict[str, Positive] = field(default_factory=lambda: dict(SPECIMENS))
-    "Specimen to its stiffness by plate indentation, N/mm (paper, section IV.B)."
+    "Specimen to its stiffness by plate indentation, N/mm (paper, section IV.B); of one that creeps, that after 1 s."
     height_mm: dict[str, Annotated[float, Ge(1), Le(1000)]] = field(default_factory=dict)
     """Specimen to its height, mm: under the plate it is a Neo-Hookean cylinder between ends that slide, its stiffness
     above that at first contact, and kappa over a range of forces is larger. One not named here is as stiff at any
