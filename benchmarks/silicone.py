@@ -16,15 +16,11 @@ import numpy as np
 from emg2vsa.arrays import Floats
 from emg2vsa.curves.force_range import fit_range, loading
 from emg2vsa.curves.plate_tests import PlateTests, SpecimenPlates
+from emg2vsa.curves.rubber import Cylinder
 from emg2vsa.curves.specimen_kappa import LEVELS, NestedMean, Spread, nested_mean
+from emg2vsa.rig_file.silicone_kit import SILICONES, kappa_of
 from emg2vsa.rig_file.specimen_stiffness import Asked, read_plates
 
-PUBLISHED_KPA = {
-    "EF10_0T": (56.27, 2.12), "EF10_25T": (28.16, 0.79), "EF10_50T": (16.29, 0.40), "EF10_75T": (9.58, 0.12),
-    "EF10_100T": (6.19, 0.77), "EF30_0T": (103.46, 2.32), "EF30_25T": (50.21, 1.50), "EF30_50T": (31.85, 0.62),
-    "EF50_12_5T": (111.86, 6.44), "EF50_37_5T": (72.76, 3.07),
-}  # fmt: skip
-"""Mean and SD over ten tests, five of each of two castings."""
 KAPPA = 5.0
 COUNTS = ((1, 1, 1), (5, 1, 1), (5, 3, 1), (5, 1, 2), (3, 2, 4), (1, 6, 1))
 TIMES = (0.5, 1.0, 1.4)
@@ -35,9 +31,12 @@ def moduli(plates: PlateTests) -> Iterator[str]:
     head = (
         "mixture | published (kPa) | here | 95 % interval ± | off (%) | within 6.5 % or 2 published SD | interval holds"
     )
-    yield f"| {head} | κ (N/mm) | ± (%) | change (%) | law that fits best | left (mN) | line leaves (mN) |"
-    yield "|---|" + "---:|" * 12
-    for name, (published, sd) in PUBLISHED_KPA.items():
+    more = "κ (N/mm) | ± (%) | change (%) | law that fits best | left (mN) | line leaves (mN) | κ of the kit | off (%)"
+    yield f"| {head} | {more} |"
+    yield "|---|" + "---:|" * 14
+    off_kappa = []
+    for silicone in SILICONES:
+        name, published, sd = silicone.name, silicone.modulus_kpa, silicone.sd_kpa
         of = plates.specimen(name)
         assert of is not None
         assert of.modulus is not None
@@ -48,7 +47,11 @@ def moduli(plates: PlateTests) -> Iterator[str]:
         cells += ["yes" if abs(of.modulus.mean - published) < half else "no", f"{of.kappa.mean:.3f}"]
         cells += [f"{100 * of.half / of.kappa.mean:.1f}", f"{100 * of.change:.0f}", of.laws[0].law]
         cells += [f"{left[of.laws[0].law]:.0f}", f"{left['line']:.0f}"]
+        expected = kappa_of(silicone, Cylinder(50, 30), Asked().range_n)[0]
+        off_kappa.append(of.kappa.mean / expected - 1)
+        cells += [f"{expected:.3f}", f"{100 * off_kappa[-1]:+.1f}"]
         yield f"| {name} | {' | '.join(cells)} |"
+    yield f"\nκ off that of the kit, root mean square: {100 * np.sqrt(np.mean(np.square(off_kappa))):.1f} %."
 
 
 def held_by_one(folders: list[Path]) -> Iterator[str]:
@@ -116,7 +119,7 @@ def block_bootstrap(x: Floats, force: Floats, from_n: float, to_n: float, seed: 
 def errors_within(plates: PlateTests) -> Iterator[str]:
     yield "| mixture | error within a press here (%) | by block bootstrap (%) | SD of presses (%) |"
     yield "|---|---:|---:|---:|"
-    for name in PUBLISHED_KPA:
+    for name in (silicone.name for silicone in SILICONES):
         own = plates.of(name)
         here = [plates.ranges[i].secant_se / plates.ranges[i].secant for i in own]
         blocks = []
@@ -136,7 +139,7 @@ def main() -> None:
     parser.add_argument("phantoms", type=Path)
     parser.add_argument("--trials", type=int, default=4000)
     given = parser.parse_args()
-    folders = [given.phantoms / name for name in PUBLISHED_KPA]
+    folders = [given.phantoms / silicone.name for silicone in SILICONES]
     files = [path for folder in folders for path in sorted(folder.glob("*.csv"))]
     fit_range(np.arange(40.0), np.arange(40.0), (0.5, 7.0))  # imports
     started = time.process_time()

@@ -11,6 +11,7 @@ import pytest
 from emg2vsa.curves.force_range import fit_range, loading
 from emg2vsa.curves.rubber import LAWS, STRAIN, Cylinder, Rubber, fit_rubber
 from emg2vsa.readers.press_table import read_press_table
+from emg2vsa.rig_file.silicone_kit import SILICONES
 
 SIZE = Cylinder(50, 30)
 SECOND = {"line": 1.0, "neo-hooke": 1.0, "yeoh": 15.0, "ogden": 4.0}
@@ -71,21 +72,14 @@ def test_a_press_that_is_too_shallow_has_no_modulus() -> None:
     assert fit_rubber(depth, -force, SIZE, fit_range(depth, -force, (0.5, 7.0))).best is None
 
 
-PUBLISHED_KPA = {
-    "EF10_0T": (56.27, 2.12), "EF10_25T": (28.16, 0.79), "EF10_50T": (16.29, 0.40), "EF10_75T": (9.58, 0.12),
-    "EF10_100T": (6.19, 0.77), "EF30_0T": (103.46, 2.32), "EF30_25T": (50.21, 1.50), "EF30_50T": (31.85, 0.62),
-    "EF50_12_5T": (111.86, 6.44), "EF50_37_5T": (72.76, 3.07),
-}  # fmt: skip
-"""Mean and SD over ten tests (Dawood et al. 2026, CC BY 4.0)."""
-
-
 def test_moduli_of_real_silicone_are_the_published_ones(shared_data: Callable[[str], Path]) -> None:
     folder = shared_data("phantoms")
-    for mixture, (published, sd) in PUBLISHED_KPA.items():
+    for silicone in SILICONES:
         moduli = []
-        for path in folder.glob(f"{mixture}/*.csv"):
+        for path in folder.glob(f"{silicone.name}/*.csv"):
             table = read_press_table(path)
             press = fit_range(table.depth_mm, table.force_n, (0.5, 7.0), 30)
             moduli.append(fit_rubber(*loading(table.depth_mm, table.force_n)[:2], SIZE, press).modulus_kpa)
         assert len(moduli) == 5
-        assert abs(np.mean(moduli) / published - 1) < max(0.065, 2 * sd / published), mixture
+        allowed = max(0.065, 2 * silicone.sd_kpa / silicone.modulus_kpa)
+        assert abs(np.mean(moduli) / silicone.modulus_kpa - 1) < allowed, silicone.name

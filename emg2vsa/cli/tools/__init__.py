@@ -6,11 +6,13 @@ from casr.command_line import Commands, add_group
 
 SUBCOMMANDS = {
     "convert": "data", "sample": "data", "simulate": "data", "clean": "upkeep", "power": "sizes", "design": "sizes",
-    "stiffness": "upkeep", "bench": "upkeep", "completion": "upkeep",
+    "stiffness": "softness", "cast": "softness", "bench": "upkeep", "completion": "upkeep",
 }  # fmt: skip
 
 
 def add_to(commands: Commands) -> None:
-    summary = "Sample and synthetic data, BIDS, plate stiffness, sample sizes, clearing up, benchmarks, completion."
+    summary = (
+        "Sample and synthetic data, BIDS, softness of specimens, sample sizes, clearing up, benchmarks, completion."
+    )
     epilog = "Try: emg2vsa tools simulate studies/palpation/study.toml"
     add_group(commands, "tools", summary, "emg2vsa.cli.tools", SUBCOMMANDS, epilog)
