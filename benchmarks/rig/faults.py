@@ -157,19 +157,19 @@ LINE_FAULTS: dict[str, Fault] = {
     "actuator mute": Fault(words("mute"), (LOST_ACTUATOR,), REFUSED, probe="unsure"),
     "actuator deaf": Fault(words("deaf"), (LOST_ACTUATOR,), REFUSED, probe="left"),
     "serial line gone": Fault(_line("gone", True), (LOST_ACTUATOR,), REFUSED, probe="left"),
-    "actuator reset": Fault(words("reset"), (LOST_ACTUATOR, *MOTION), SURVIVED, later=True, probe="left"),
-    "watchdog expired": Fault(_held_up(0.6), (OVERRUN, LOST_ACTUATOR), SURVIVED, probe="left"),
+    "actuator reset": Fault(words("reset"), (LOST_ACTUATOR, *MOTION), SURVIVED, later=True),
+    "watchdog expired": Fault(_held_up(0.6), (OVERRUN, LOST_ACTUATOR), SURVIVED),
 }
 MOTOR_FAULTS: dict[str, Fault] = {
-    "commands ignored 0.5 s": actuator_fault("ignore for 0.5 s", *MOTION, SURVIVED, probe="left"),
-    "commands ignored 1.0 s": actuator_fault("ignore for 1.0 s", *MOTION, probe="left"),
-    "commands ignored 1.5 s": actuator_fault("ignore for 1.5 s", *MOTION, probe="left"),
-    "commands ignored 2.1 s": actuator_fault("ignore for 2.1 s", *MOTION, probe="left"),
+    "commands ignored 0.5 s": actuator_fault("ignore for 0.5 s", *MOTION, SURVIVED),
+    "commands ignored 1.0 s": actuator_fault("ignore for 1.0 s", *MOTION),
+    "commands ignored 1.5 s": actuator_fault("ignore for 1.5 s", *MOTION),
+    "commands ignored 2.1 s": actuator_fault("ignore for 2.1 s", *MOTION),
     "commands ignored for ever": actuator_fault("ignore", *MOTION, probe="left"),
     "gear jammed": actuator_fault("jam", *MOTION, probe="left"),
     "gear jammed 1 s": actuator_fault("jam for 1 s", *MOTION, probe="left"),
     "24 V lost, USB on": actuator_fault("brown-out", *MOTION, probe="left"),
-    "24 V lost for 1 s": actuator_fault("brown-out for 1 s", *MOTION, probe="left"),
+    "24 V lost for 1 s": actuator_fault("brown-out for 1 s", *MOTION),
     "motors weak": actuator_fault("weak 0.02", *MOTION, probe="left"),
     "encoder of motor 1 frozen": actuator_fault("frozen-motor-1", *JUMP, probe="left"),
     "encoder of motor 2 frozen": actuator_fault("frozen-motor-2", *JUMP, probe="left", springs_only=True),
@@ -185,7 +185,7 @@ MOTOR_FAULTS: dict[str, Fault] = {
 LOOP_FAULTS: dict[str, Fault] = {
     "loop held up 20 ms": Fault(_held_up(0.02), (SURVIVED,)),
     "loop held up 200 ms": Fault(_held_up(0.2), (OVERRUN,), SURVIVED),
-    "loop held up 2 s": Fault(_held_up(2.0), (OVERRUN, LOST_ACTUATOR), SURVIVED, probe="left"),
+    "loop held up 2 s": Fault(_held_up(2.0), (OVERRUN, LOST_ACTUATOR), SURVIVED),
 }
 FORCE_FAULTS: dict[str, Fault] = {
     "force stuck": Fault(words("stuck"), (FROZEN, STALE, UNTRUSTED), later=True, unseen_in=("pause",)),

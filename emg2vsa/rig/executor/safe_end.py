@@ -31,7 +31,7 @@ _FALL_N, _RISEN_N = 0.1, 0.3
 _UNMOVED_MM = 1.0
 """A free motor that gives way itself and does not go so far has a frozen encoder, and pulls away without an end."""
 _STUCK_S = 2.5
-"""How much longer motors that have not obeyed while the probe presses are told to; then they go off where they are."""
+"""How much longer motors that have not obeyed are told to; then they go off where they are."""
 _REST_S = 0.05
 """Between commands at rest; each of them keeps the watchdog of the motors from running out."""
 
@@ -92,7 +92,7 @@ class _Escape:
         self.notes: list[str] = []
         self.felt_n: float | None = None
         self._depth_mm, self._preset, self._lowest_n = 0.0, 0.0, math.inf
-        self._held = self._tried = False
+        self._held = self._tried = self._woken = False
         self._failures, self._off_mm = 0, math.inf
         self._shaft_deg, self._shaft_from_mm, self._contact_n = math.nan, 0.0, math.inf
         self._vectors: deque[tuple[float, ...]] = deque(maxlen=max(1, round(2 * _REST_S * rig.rate_hz)))
@@ -104,14 +104,17 @@ class _Escape:
         self._depth_mm = max(start.depth_mm, 0.0) if start.depth_mm > -_THERE_MM else start.depth_mm
         goal_mm = self._goal_mm = min(self._depth_mm, 0.0)
         try:
+            self._wake()
             self._ramp(goal_mm)
             self._rest(self._rig.settle_s)
             if self._touches(start.contact_n):
                 self._come_to_rest()
             end_s = self._clock.now_s() + _STUCK_S
-            while self._touches(start.contact_n) and not self._there() and self._clock.now_s() < end_s:
+            while not self._there() and self._clock.now_s() < end_s:
                 self._rest(_REST_S)
-                if not self._touches(start.contact_n):
+                if self._wake():
+                    self._ramp(goal_mm)
+                if self._there():
                     self._rest(self._rig.settle_s)
             if not start.home_is_free or goal_mm < 0:
                 self._leave()
@@ -120,6 +123,21 @@ class _Escape:
             if self._failures:  # it may hear without answering
                 self.tried(lambda: self._actuator.command(self._rig.position_at(goal_mm), self._preset))
         return self.tried(lambda: self._check(start.contact_n))
+
+    def _wake(self) -> bool:
+        """Whether motors that had gone off by themselves, and answer, are on again where they stand: once. A reset or a
+        watchdog that has run out leaves the probe pressed, and takes no command."""
+        said: list[bool] = []
+        if self._woken or not self.tried(lambda: said.append(self._actuator.is_active())) or said[0]:
+            return False
+        self._woken = True
+        self.notes.append("the motors had gone off; they were switched on where they stood, to take the probe away")
+        if not self.tried(self._actuator.activate):
+            return False
+        at_mm: list[float] = []
+        if self.tried(lambda: at_mm.append(self._rig.depth_at(self._actuator.position_deg()))):
+            self._depth_mm = max(at_mm[0], self._goal_mm)
+        return True
 
     def tried(self, action: Callable[[], None]) -> bool:
         """Whether ``action`` came to its end; what kept it from that is noted."""

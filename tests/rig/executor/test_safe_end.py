@@ -10,6 +10,7 @@ import pytest
 
 from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.devices.protocols import ForceSample
+from emg2vsa.errors import DeviceError
 from emg2vsa.rig.executor.safe_end import SafeEnd, Start, make_safe
 from emg2vsa.rig.rig_settings import RigSettings
 
@@ -31,11 +32,29 @@ class Probe:
     on: bool = True
     depth_mm: float = 4.0
     joint: None = None
+    off_at_s: tuple[float, ...] = ()
+    "When the motors go off by themselves."
+    answers_from_s: float = 0.0
+    wakes: bool = True
+    asked_on: int = 0
+
+    def is_active(self) -> bool:
+        if self.clock.now_s() < self.answers_from_s:
+            raise DeviceError("probe", wanted="an answer", found="none", do="Wait.")
+        while self.off_at_s and self.clock.now_s() >= self.off_at_s[0]:
+            self.on, self.off_at_s = False, self.off_at_s[1:]
+        return self.on
+
+    def activate(self) -> None:
+        self.asked_on += 1
+        if not self.wakes:
+            raise DeviceError("probe", wanted="motors on", found="a refusal", do="See its supply.")
+        self.on = True
 
     def command(self, position_deg: float, preset: float) -> None:
         self.depths_mm.append(RIG.depth_at(position_deg))
         self.presets.append(preset)
-        if self.clock.now_s() >= self.obeys_from_s:
+        if self.clock.now_s() >= self.obeys_from_s and (not self.off_at_s or self.is_active()) and self.on:
             self.depth_mm = self.depths_mm[-1]
         if self.interrupts:
             self.interrupts -= 1
@@ -112,3 +131,33 @@ def test_motors_that_never_obey_go_off_in_time() -> None:
     safe = probe.leave()
     assert (safe.retracted, safe.deactivated, safe.last_force_n) == (False, True, 5.0)
     assert probe.clock.now_s() < 3.5
+
+
+def test_motors_that_went_off_by_themselves_are_switched_on_once_and_lead_away() -> None:
+    probe = Probe(surface_mm=3.0, on=False)
+    safe = probe.leave()
+    assert (safe.retracted, safe.deactivated, probe.asked_on, probe.on) == (True, True, 1, False)
+    assert any("switched on where they stood" in note for note in safe.notes)
+    assert min(np.diff(probe.depths_mm)) >= -0.11  # from where they stand, step by step
+
+
+@pytest.mark.parametrize("heals_s", [0.4, 2.0])
+def test_a_line_that_heals_on_the_way_out_leads_away(heals_s: float) -> None:
+    probe = Probe(surface_mm=3.0, on=False, answers_from_s=heals_s)
+    safe = probe.leave()
+    assert (safe.retracted, safe.deactivated, probe.asked_on) == (True, True, 1)
+    assert probe.clock.now_s() < heals_s + 2.0
+
+
+def test_motors_that_go_off_again_are_left_where_they_are() -> None:
+    probe = Probe(surface_mm=3.0, on=False, off_at_s=(0.05, 0.1))
+    safe = probe.leave()
+    assert (safe.retracted, safe.deactivated, probe.asked_on) == (False, True, 1)
+    assert probe.clock.now_s() < 4.0
+
+
+def test_motors_that_refuse_are_asked_once() -> None:
+    probe = Probe(surface_mm=3.0, on=False, wakes=False)
+    safe = probe.leave()
+    assert (safe.retracted, probe.asked_on, probe.depth_mm) == (False, 1, 4.0)
+    assert any("a refusal" in note for note in safe.notes)
