@@ -96,7 +96,8 @@ OFF_SURFACE_MM = 0.25 * GAP_MM
 class Outcome:
     """One case.
 
-    wanted : how the run may end. told : ended.json. movable : the probe could be taken away all the time.
+    wanted : how the run may end. told : ended.json. movable : the probe could be taken
+    away in the end. late_home : but perhaps not all the way.
     most_n : what the specimen may feel.
     safe_s : from the fault until the motors were off, as the device itself knows, or stopped by their watchdog; None is
     never. off : they are off at the end.
@@ -111,6 +112,7 @@ class Outcome:
     wanted: tuple[End, ...]
     told: dict[str, Any]
     movable: bool
+    late_home: bool
     most_n: float
     safe_s: float | None
     off: bool
@@ -135,7 +137,7 @@ class Outcome:
             "retracted is not true": told["retracted"] and not self.retracted,
             "motors off is not true": told["deactivated"] and not self.off,
             "motors stay on": self.safe_s is None,
-            "probe is left": self.movable and not (self.retracted and told["retracted"]),
+            "probe is left": self.movable and not (self.retracted and (told["retracted"] or self.late_home)),
             "cause": (told["how"], told["cause"]) not in self.wanted,
             "data lost": any(self.lost),
             "next run": not next_whole,
@@ -170,7 +172,7 @@ def run_fault(
         bench.stop_s = phase_times(built)["load"]
     if before:
         before(bench)
-    return _outcome(bench, watch, wanted, fault.probe == "retracted", most_n, folder)
+    return _outcome(bench, watch, wanted, fault.probe, most_n, folder)
 
 
 def run_wrong(name: str, folder: Path) -> Outcome:
@@ -185,7 +187,7 @@ def run_rig(built: Built, wanted: tuple[End, ...], folder: Path, most_n: float) 
 
 
 def _outcome(
-    bench: FaultBench, watch: _Watch, wanted: tuple[End, ...], movable: bool, most_n: float, folder: Path
+    bench: FaultBench, watch: _Watch, wanted: tuple[End, ...], probe: str, most_n: float, folder: Path
 ) -> Outcome:
     run = folder / "run"
     try:
@@ -208,7 +210,8 @@ def _outcome(
     return Outcome(
         wanted=wanted,
         told=told,
-        movable=movable and told["phase"] not in ("", "activation") and told["how"] != "killed",
+        late_home=probe == "free",
+        movable=probe in ("retracted", "free") and told["phase"] not in ("", "activation") and told["how"] != "killed",
         most_n=most_n,
         safe_s=watch.safe_s,
         off=off,

@@ -29,7 +29,8 @@ class Fault:
     later : it shows only after a while, perhaps in a later phase.
     harmless_in : phases in which it touches nothing that the run needs.
     unseen_in : phases in which it may come too late to show.
-    probe : retracted; left, the motors could not be told to take it away; unsure, nothing tells whether they have.
+    probe : retracted; free of the specimen, perhaps not at home; left, the motors could not be told to take it away;
+        unsure, nothing tells whether they have.
     """
 
     strike: Strike
@@ -40,7 +41,7 @@ class Fault:
     later: bool = False
     harmless_in: tuple[str, ...] = ()
     unseen_in: tuple[str, ...] = ()
-    probe: Literal["retracted", "left", "unsure"] = "retracted"
+    probe: Literal["retracted", "free", "left", "unsure"] = "retracted"
 
     def ends_in(self, phase: str) -> tuple[End, ...]:
         """How the run may end."""
@@ -63,7 +64,7 @@ LOST_ACTUATOR, STALE, LOST_CAMERA = (
     End("guard", "stale sensor"),
     End("guard", "lost camera"),
 )
-RECORDING, OVERRUN = End("guard", "recording"), End("guard", "overrun")
+RECORDING, OVERRUN, SLOW_LINE = End("guard", "recording"), End("guard", "overrun"), End("guard", "slow line")
 LIMIT, RATE, TRAVEL, UNTRUSTED, PRELOAD = (
     End("guard", "force limit"), End("guard", "force rate"), End("guard", "travel"), End("guard", "untrusted force"),
     End("guard", "preload"),
@@ -151,8 +152,8 @@ LINE_FAULTS: dict[str, Fault] = {
         "bits-wrong 1", LOST_ACTUATOR, REFUSED, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"
     ),
     "replies doubled": Fault(words("doubled"), (SURVIVED,)),
-    "replies 4 ms late": Fault(words("late 4"), (SURVIVED, REJECTED, OVERRUN, *MOTION), later=True),
-    "replies 30 ms late": Fault(words("late 30"), (LOST_ACTUATOR, OVERRUN), probe="unsure"),
+    "replies 4 ms late": Fault(words("late 4"), (SURVIVED, REJECTED, OVERRUN, SLOW_LINE, *MOTION), later=True),
+    "replies 30 ms late": Fault(words("late 30"), (LOST_ACTUATOR, OVERRUN, SLOW_LINE), probe="unsure"),
     "answers of another id": Fault(words("stranger"), (LOST_ACTUATOR,), REFUSED, probe="unsure"),
     "actuator mute": Fault(words("mute"), (LOST_ACTUATOR,), REFUSED, probe="unsure"),
     "actuator deaf": Fault(words("deaf"), (LOST_ACTUATOR,), REFUSED, probe="left"),
@@ -161,15 +162,15 @@ LINE_FAULTS: dict[str, Fault] = {
     "watchdog expired": Fault(_held_up(0.6), (OVERRUN, LOST_ACTUATOR), SURVIVED),
 }
 MOTOR_FAULTS: dict[str, Fault] = {
-    "commands ignored 0.5 s": actuator_fault("ignore for 0.5 s", *MOTION, SURVIVED),
-    "commands ignored 1.0 s": actuator_fault("ignore for 1.0 s", *MOTION),
-    "commands ignored 1.5 s": actuator_fault("ignore for 1.5 s", *MOTION),
-    "commands ignored 2.1 s": actuator_fault("ignore for 2.1 s", *MOTION),
+    "commands ignored 0.5 s": actuator_fault("ignore for 0.5 s", *MOTION, SURVIVED, probe="free"),
+    "commands ignored 1.0 s": actuator_fault("ignore for 1.0 s", *MOTION, probe="free"),
+    "commands ignored 1.5 s": actuator_fault("ignore for 1.5 s", *MOTION, probe="free"),
+    "commands ignored 2.1 s": actuator_fault("ignore for 2.1 s", *MOTION, probe="free"),
     "commands ignored for ever": actuator_fault("ignore", *MOTION, probe="left"),
     "gear jammed": actuator_fault("jam", *MOTION, probe="left"),
     "gear jammed 1 s": actuator_fault("jam for 1 s", *MOTION, probe="left"),
     "24 V lost, USB on": actuator_fault("brown-out", *MOTION, probe="left"),
-    "24 V lost for 1 s": actuator_fault("brown-out for 1 s", *MOTION),
+    "24 V lost for 1 s": actuator_fault("brown-out for 1 s", *MOTION, probe="free"),
     "motors weak": actuator_fault("weak 0.02", *MOTION, probe="left"),
     "encoder of motor 1 frozen": actuator_fault("frozen-motor-1", *JUMP, probe="left"),
     "encoder of motor 2 frozen": actuator_fault("frozen-motor-2", *JUMP, probe="left", springs_only=True),

@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import NamedTuple
 
 from emg2vsa.devices.clock import Clock
-from emg2vsa.devices.protocols import Devices, ForceSample, Measurements
+from emg2vsa.devices.protocols import Actuator, Devices, ForceSample, Measurements
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.executor.guards import GUARDS, Check, Moment, tripped
 from emg2vsa.rig.executor.motion import Motion, MovingAverage, advance
@@ -28,6 +28,10 @@ _LAG_MM = 1.0
 GAINS = 0.74, 1.2
 """Of the felt force over that of the springs: a press beyond is doubtful. Without a fault a stiff specimen under
 springs that grow stiffer shows 0.79, as the shaft comes to rest behind the motors."""
+
+
+_QUESTIONS = 50
+"""To the actuator before its motors go on, to time its line."""
 
 
 class Force(NamedTuple):
@@ -63,9 +67,13 @@ class ControlCycle:
         "Largest force felt, of all three axes together, N; None before the first."
 
     def start(self) -> None:
-        """Motors on; the run begins where they are."""
+        """Motors on, where the line is fast enough for the loop; the run begins where they are."""
         actuator = self._devices.actuator
         with ending("activation"):
+            took_s = _answers_in_s(actuator, self._clock)
+            if took_s > self._rig.period_s / 2:  # a turn of the loop asks several times
+                said = f"the actuator answers after {1e3 * took_s:.1f} ms, more than half a turn of the control loop"
+                raise EndRun("guard", "slow line", f"{said}. Set the latency timer of its USB adapter to 1 ms.")
             actuator.activate()
             position_deg, at = actuator.position_deg(), actuator.measurements()
             device_a = actuator.current_limit_a()
@@ -273,6 +281,17 @@ class ControlCycle:
         )  # fmt: skip
         with ending("recording"):
             self._record.row(row)
+
+
+def _answers_in_s(actuator: Actuator, clock: Clock) -> float:
+    """How long a question takes. That of the fastest quarter counts: an adapter that keeps bytes slows them all, a busy
+    computer some."""
+    took_s = []
+    for _ in range(_QUESTIONS):
+        asked_s = clock.now_s()
+        actuator.measurements()
+        took_s.append(clock.now_s() - asked_s)
+    return sorted(took_s)[_QUESTIONS // 4]
 
 
 class ending:

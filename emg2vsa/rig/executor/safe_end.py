@@ -31,7 +31,9 @@ _FALL_N, _RISEN_N = 0.1, 0.3
 _UNMOVED_MM = 1.0
 """A free motor that gives way itself and does not go so far has a frozen encoder, and pulls away without an end."""
 _STUCK_S = 2.5
-"""How much longer motors that have not obeyed are told to; then they go off where they are."""
+"""How much longer motors that have not obeyed while the probe presses are told to; then they go off where they are."""
+_NEARER_MM = 0.02
+"""In a rest, by which free motors are still on their way."""
 _REST_S = 0.05
 """Between commands at rest; each of them keeps the watchdog of the motors from running out."""
 
@@ -107,14 +109,20 @@ class _Escape:
             self._wake()
             self._ramp(goal_mm)
             self._rest(self._rig.settle_s)
+            if not self._there() and self._wake():  # gone off on the way
+                self._ramp(goal_mm)
+                self._rest(self._rig.settle_s)
             if self._touches(start.contact_n):
                 self._come_to_rest()
             end_s = self._clock.now_s() + _STUCK_S
             while not self._there() and self._clock.now_s() < end_s:
+                before_mm = self._from_home_mm()
                 self._rest(_REST_S)
+                if not (self._touches(start.contact_n) or self._from_home_mm() < before_mm - _NEARER_MM):
+                    break
                 if self._wake():
                     self._ramp(goal_mm)
-                if self._there():
+                if not self._touches(start.contact_n):
                     self._rest(self._rig.settle_s)
             if not start.home_is_free or goal_mm < 0:
                 self._leave()
@@ -248,9 +256,13 @@ class _Escape:
         return self.felt_n is not None and self.felt_n >= contact_n
 
     def _there(self) -> bool:
+        return self._from_home_mm() <= self._there_mm()
+
+    def _from_home_mm(self) -> float:
+        """By the motors' encoders; infinite where these do not tell."""
         depths_mm: list[float] = []
         self.tried(lambda: depths_mm.append(self._rig.depth_at(self._actuator.position_deg())))
-        return bool(depths_mm) and abs(depths_mm[0]) <= self._there_mm()
+        return abs(depths_mm[0]) if depths_mm else math.inf
 
     def _there_mm(self) -> float:
         """So close to the retracted position is there; friction holds a motor that gives way itself further off."""
