@@ -11,9 +11,14 @@ from typing import Any
 
 import pytest
 
+from benchmarks.rig.fault_bench import FaultBench
 from benchmarks.rig.fault_case import read_log
+from benchmarks.rig.plans import modular_plan
+from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.durable.append_file import AppendFile
 from emg2vsa.errors import DeviceError
+from emg2vsa.rig.executor.control_cycle import _answers_in_s
+from emg2vsa.worlds.bench.faults import put
 
 PHASES = ("home", "approach", "contact", "load", "retract", "pause")
 FAULTS = {
@@ -143,6 +148,31 @@ def test_a_refused_activation_is_recorded_and_moves_nothing(new_bench: Any, tmp_
     assert (ended.how, ended.cause, ended.phase) == ("guard", "activation", "activation")
     assert "qbmove 1, refusal" in ended.why
     assert bench.calls == ["activate", "deactivate"]
+
+
+@pytest.mark.parametrize(("line", "refused"), [("late 16", True), ("late 3", True), ("late 2", False)])
+def test_a_slow_line_is_refused_before_the_motors_go_on(line: str, refused: bool, tmp_path: Path) -> None:
+    bench = FaultBench()
+    put(bench.emulated, line)
+    ended = bench.run(modular_plan(1, specimen="S1", f_max_n=2.0, pause_s=0.0), tmp_path)
+    assert ended is not None
+    assert (ended.cause == "slow line") == refused
+    if refused:
+        assert (ended.how, ended.phase, ended.peak_force_n) == ("guard", "activation", None)
+        assert f"answers after {line.split()[1]}.0 ms, more than half a turn" in ended.why
+        assert "latency timer of its USB adapter to 1 ms" in ended.why
+
+
+@pytest.mark.parametrize(("late_of_ten", "slow"), [(7, False), (10, True)])
+def test_a_busy_computer_is_no_slow_line(late_of_ten: int, slow: bool) -> None:
+    clock, asked = VirtualClock(), iter(range(10**6))
+
+    class Actuator:
+        def measurements(self) -> None:
+            clock.sleep_until(clock.now_s() + (0.02 if next(asked) % 10 < late_of_ten else 0.001))
+
+    actuator: Any = Actuator()
+    assert (_answers_in_s(actuator, clock) > 0.0025) == slow
 
 
 def test_a_second_ctrl_c_does_not_stop_the_way_out(new_bench: Any, times_s: dict[str, float], tmp_path: Path) -> None:
