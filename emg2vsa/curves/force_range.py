@@ -66,7 +66,7 @@ class RangeFit:
     from_n: float = field(metadata=shown("From (N)"))
     to_n: float = field(metadata=shown("To (N)"))
     secant: float = field(default=np.nan, metadata=shown("κ over it (N/mm)", digits=4))
-    secant_se: float = field(default=np.nan, metadata=shown("Standard error (N/mm)", digits=2))
+    secant_se: float = field(default=np.nan, metadata=shown("Error within the press (N/mm)", digits=2))
     force_n: Floats = field(default_factory=lambda: np.empty(0))
     tangent: Floats = field(default_factory=lambda: np.empty(0))
     tangent_se: Floats = field(default_factory=lambda: np.empty(0))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.curves.force_range import RangeFit, fit_range, loading
+from emg2vsa.curves.force_range import RangeFit, fit_range, loading, t_975
 from emg2vsa.curves.plate import PAPER_WINDOW, HookeFit, fit_plate, smoothed
 from emg2vsa.curves.press_time import PressTime, press_time
 from emg2vsa.curves.rubber import Cylinder, Ends, LawFit, Rubber, fit_rubber
@@ -70,6 +70,11 @@ class SpecimenPlates:
     def half(self) -> float:
         """Half the width of the 95 % interval of kappa, N/mm."""
         return self.kappa.half(self.level)
+
+    @property
+    def bend_half(self) -> float:
+        """Half the width of the 95 % interval of the bend."""
+        return t_975(self.bend_dof) * self.bend_se
 
     @property
     def error(self) -> float:

@@ -96,7 +96,8 @@ def _of(whole: Sequence[SpecimenPlates]) -> Columns:
         **{
             Column(level, level.capitalize()): [of.kappa.count[i] for of in whole] for i, level in enumerate(LEVELS)
         },
-        Column("change", "Change of κ (%)", factor=100): [of.change for of in whole],
+        Column("bend", "Change of κ over it (%)", factor=100): [of.bend for of in whole],
+        Column("bend_half", "95 % interval ± (%)", factor=100, digits=2): [of.bend_half for of in whole],
         **(sized if any(of.cylinder for of in whole) else {}),
     }  # fmt: skip
 
@@ -126,6 +127,9 @@ _TEXT = """
 <p>The worst adj. R² of a straight line through a plate indentation is {{ worst | bounded(4) }} (paper: .882; that of a
 parabola is .94).{% if bent %} κ is not one number for {{ bent }}.{% endif %}</p>
 {% endif %}
+{% if stated_spread %}
+<p>{{ stated_spread }}</p>
+{% endif %}
 {% if doubts %}
 <p>{{ doubts }}</p>
 {% endif %}
@@ -147,7 +151,7 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     stated = [f"{number(each.stiffness_n_per_mm)} ({each.name})" for each in study.specimens]
     return {
         "worst": min(worst, default=None), "bent": listed(list(_bent(plates)) if plates else []),
-        "doubts": " ".join(_doubts(plates)) if plates else "",
+        "doubts": " ".join(_doubts(plates)) if plates else "", "stated_spread": _stated(plates) if plates else "",
         "stated": listed(stated) if bare else "",
     }  # fmt: skip
 
@@ -159,6 +163,15 @@ def _bent(plates: PlateTests) -> Iterator[str]:
             force_n, kappa, _ = plates.tangent(of.name)
             ends = " and ".join(f"{number(kappa[i])} N/mm at {number(force_n[i])} N" for i in (0, -1))
             yield f"{of.name} ({of.nonlinear} of {count(of.trials, 'trial')}: {ends})"
+
+
+def _stated(plates: PlateTests) -> str:
+    """Which specimens were mounted once, and what then stands for their scatter."""
+    once = [of.name for of in filter(None, map(plates.specimen, plates.specimens)) if of.kappa.count[1] == 1]
+    if not once:
+        return ""
+    share = number(100 * plates.spread.mountings)
+    return f"Mounted once: {listed(once)}; a stated SD of {share} % between mountings is in the intervals."
 
 
 def _doubts(plates: PlateTests) -> Iterator[str]:
