@@ -38,25 +38,29 @@ _SIGNALS = ("SIGTERM", "SIGHUP", "SIGQUIT")
 _RISE_N = 0.5
 _LEFT_N = 0.2
 _WAIT_S = 0.2
+_SHORT_MM = 0.2
+"""Of a move, from which on it fell short: friction holds a shaft under soft springs, or something is in its way."""
 Force = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class AtHome:
     """shaft_deg, from_home_mm : where the probe is. force_n : (x, y, z) N, as measured. touched : a force ended the
-    move. force_remains : more than 0.5 N in one axis."""
+    move. force_remains : more than 0.5 N in one axis. short : more than 0.2 mm from home."""
 
     shaft_deg: float
     from_home_mm: float
     force_n: Force
     touched: bool
     force_remains: bool
+    short: bool
 
 
 @dataclass(frozen=True)
 class Jogged:
     """Where the shaft began and is, degrees; how far it turned; how far the probe went towards the specimen, mm
-    by the gear of the rig file. force_n : (x, y, z) N above that at the start. touched : a force ended the move."""
+    by the gear of the rig file. force_n : (x, y, z) N above that at the start. touched : a force ended the move.
+    asked_mm : towards the specimen. short : it went 0.2 mm less or more than that, and no force ended it."""
 
     from_deg: float
     shaft_deg: float
@@ -64,6 +68,8 @@ class Jogged:
     moved_mm: float
     force_n: Force
     touched: bool
+    asked_mm: float
+    short: bool
 
 
 @dataclass(frozen=True)
@@ -154,7 +160,7 @@ def home(file: RigFile, *, motor: bool = False) -> AtHome:
         force_n = opened.devices.force.read().force_n
     remains = float(abs(force_n).max()) > TOUCH_N
     depth_mm = file.rig.depth_at(place.shaft_deg)
-    return AtHome(place.shaft_deg, depth_mm, _force(force_n), place.touched, remains)
+    return AtHome(place.shaft_deg, depth_mm, _force(force_n), place.touched, remains, abs(depth_mm) > _SHORT_MM)
 
 
 def jog(
@@ -182,8 +188,9 @@ def jog(
             )
             place = hand.away(begin)
     moved_deg = place.shaft_deg - start.shaft_deg
-    force_n = _force(place.force_n)
-    return Jogged(start.shaft_deg, place.shaft_deg, moved_deg, moved_deg * mm_per_degree, force_n, touched)
+    force_n, moved_mm, asked_mm = _force(place.force_n), moved_deg * mm_per_degree, degrees * mm_per_degree
+    short = not touched and abs(moved_mm - asked_mm) > _SHORT_MM
+    return Jogged(start.shaft_deg, place.shaft_deg, moved_deg, moved_mm, force_n, touched, asked_mm, short)
 
 
 def _check(name: str, value: float, most: float) -> None:

@@ -82,7 +82,7 @@ def plates(
     file: RigFile, specimens: Sequence[str], *, folder: str | Path | None = None, virtual: bool = False,
     person: Person = NOBODY,
 ) -> tuple[Pressed, ...]:  # fmt: skip
-    """The trials that each specimen still lacks, in ``<folder>-plate/<specimen>``; what was pressed now.
+    """The trials that each specimen still lacks, in ``<folder>/<specimen>``, or beside the runs; what was pressed now.
 
     The last one was not left safe where the probe stayed on the specimen, or the motors on: it ends the others.
     SettingError : a specimen that the experiment has not, or a plan that breaks a limit. Else as `press`.
@@ -100,7 +100,7 @@ def plates(
             raise SettingError(f"{file.path}, --plate", wanted=", ".join(known), found=name, do=do)
         check_plan(plan, file.rig)
     bare = replace(file, devices=replace(file.devices, camera=None))
-    own = replace(pressing, file=bare, root=plates_beside(pressing.root))
+    own = replace(pressing, file=bare, root=pressing.root if folder else plates_beside(pressing.root))
     pressed: list[Pressed] = []
     for name, plan in plans.items():
         own.check_same(name, plan)

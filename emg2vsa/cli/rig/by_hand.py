@@ -62,6 +62,7 @@ CHANGE = """
 --set N=V,V  set parameter N to these values and store it in the device
 --backup FILE  first write all parameters to a new JSON file
 """
+_HELD = "friction holds the shaft under soft springs, or something is in its way"
 _ID = 1
 
 
@@ -117,8 +118,17 @@ def home(arguments: argparse.Namespace) -> int:
         remark = ["the force rose on the way: is home_deg right? emg2vsa rig commission checks it"]
     elif at.force_remains:
         remark = ["a force remains: tare the sensor if the probe is free, else check home_deg"]
+    elif at.short:
+        remark = [f"the probe fell short of home: {_HELD}"]
     where = f"shaft at {at.shaft_deg:.2f} degrees, {at.from_home_mm:.2f} mm from home; motors off"
-    return finish(arguments, at, where, "force {:.2f}, {:.2f}, {:.2f} N".format(*at.force_n), *remark, good=not remark)
+    return finish(
+        arguments,
+        at,
+        where,
+        "force {:.2f}, {:.2f}, {:.2f} N".format(*at.force_n),
+        *remark,
+        good=not (at.touched or at.force_remains),
+    )
 
 
 def jog(arguments: argparse.Namespace) -> int:
@@ -130,7 +140,8 @@ def jog(arguments: argparse.Namespace) -> int:
     way = f"{done.moved_deg:.2f} degrees, {done.moved_mm:.2f} mm towards the specimen by the gear of the rig file"
     shaft = f"shaft from {done.from_deg:.2f} to {done.shaft_deg:.2f} degrees: {way}"
     force = "force {:.2f}, {:.2f}, {:.2f} N above that at the start; motors off".format(*done.force_n)
-    return finish(arguments, done, shaft, force, good=not done.touched)
+    short = [f"the probe went {done.moved_mm:.2f} of {done.asked_mm:.2f} mm: {_HELD}"] if done.short else []
+    return finish(arguments, done, shaft, force, *short, good=not done.touched)
 
 
 def tare(arguments: argparse.Namespace) -> int:

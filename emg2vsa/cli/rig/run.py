@@ -22,7 +22,8 @@ listed; 1: ended otherwise; 2: unusable rig file, schedule or device, nothing ha
 """
 OPTIONS = f"""
 {RIG}{CHOICE}
---out DIR  folder of the runs (default: the folder of the rig file; emulated runs go into another folder beside it)
+--out DIR  folder of the runs, or with --plate of the trials (default: the folder of the rig file; emulated runs and
+ trials of plates go into other folders beside it)
 --repetitions N  number of presses (default: those that the run still lacks). With --adaptive: the largest number of
   presses (default: [experiment] repetitions for each calibration)
 --all  do all chosen runs one after the other: place the specimen, press Enter; continues a stopped sequence and repeats
@@ -62,6 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
     _check_for(arguments, file)
     from emg2vsa.cli.rig import run_words as words
     from emg2vsa.lab.judging import Judging
+    from emg2vsa.study import plates_beside
 
     virtual, presses = arguments.virtual, arguments.repetitions
     root = arguments.out or (file.virtual_runs if virtual else file.runs)
@@ -69,6 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.plate:
         from emg2vsa.lab.sequence import plates
 
+        where["folder"] = root = arguments.out or plates_beside(root)
         return words.plates(arguments, plates(file, arguments.plate, **where), root)
     where["judging"] = Judging(tuple(arguments.calibration), arguments.stop_at, arguments.camera)
     if arguments.adaptive:

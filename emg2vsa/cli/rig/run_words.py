@@ -16,7 +16,6 @@ from emg2vsa.rig.record.new_folder import how_ended, presses_left
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run
 from emg2vsa.run_folders.find import left_by_emulator
-from emg2vsa.study import plates_beside
 
 if TYPE_CHECKING:
     from emg2vsa.lab.adaptive_runs import AdaptiveRuns
@@ -54,7 +53,7 @@ def to_do(arguments: argparse.Namespace, file: RigFile, root: Path, runs: Sequen
 
 def plates(arguments: argparse.Namespace, pressed: Sequence[Pressed], root: Path) -> int:
     """Plate indentations, and the command that evaluates them."""
-    command = f"emg2vsa tools stiffness {plates_beside(root)}/*"
+    command = f"emg2vsa tools stiffness {root}/*"
     good = all(each.completed and each.left_safe for each in pressed)
     return finish(arguments, {"runs": [each.document() for each in pressed]}, command, good=good)
 

@@ -17,6 +17,7 @@ from types import SimpleNamespace
 import pytest
 
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
+from emg2vsa.lab.by_hand import AtHome, Jogged
 from emg2vsa.lab.rig_lock import lock_path, rig_lock, rig_user
 from emg2vsa.rig.rig_settings import RigSettings
 from tests.cli.rig.conftest import MOTORS_OFF, motors
@@ -92,6 +93,8 @@ def test_moves_by_hand_and_the_proof_of_the_watchdog(rig: Rig, served: SimpleNam
     assert moved["shaft_deg"] - moved["from_deg"] == pytest.approx(moved["moved_deg"], abs=1e-9)
     assert (moved["touched"], len(moved["force_n"])) == (False, 3)
     assert served.bench.probe()[0] == pytest.approx(1.0, abs=FRICTION_MM)
+    assert moved["asked_mm"] == pytest.approx(1.0)
+    assert moved["short"] == (abs(moved["moved_mm"] - 1) > 0.2)
     status, out, _ = rig("jog", served.path, "--mm", 5, "--deg-per-s", 10)
     assert status == 1
     assert "ended the move; back until the probe is free" in out
@@ -252,3 +255,17 @@ def test_off_finds_a_run_whose_lock_names_it_no_more(
     assert f"{folder} has not ended, though the rig's lock names no run: asked to stop" in err
     assert ((folder / "stop").exists(), (dead / "stop").exists()) == (True, False)
     assert "[actuator] motors off" in out
+
+
+@pytest.mark.parametrize(("moved_mm", "short"), [(0.39, True), (0.95, False)])
+def test_a_move_that_falls_short_is_told(
+    rig: Rig, rig_file: Callable[..., Path], monkeypatch: pytest.MonkeyPatch, moved_mm: float, short: bool
+) -> None:
+    done = Jogged(0.0, 5 * moved_mm, 5 * moved_mm, moved_mm, (0.0, 0.0, 0.0), False, 1.0, short)
+    monkeypatch.setattr("emg2vsa.lab.by_hand.jog", lambda *_, **__: done)
+    at = AtHome(5 * moved_mm, moved_mm, (0.0, 0.0, 0.0), False, False, short)
+    monkeypatch.setattr("emg2vsa.lab.by_hand.home", lambda *_, **__: at)
+    status, out, _ = rig("jog", rig_file(), "--mm", 1)
+    assert (status, f"the probe went {moved_mm} of 1.00 mm: friction holds" in out) == (0, short)
+    status, out, _ = rig("home", rig_file())
+    assert (status, "the probe fell short of home: friction holds" in out) == (0, short)

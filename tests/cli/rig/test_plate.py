@@ -79,6 +79,14 @@ def test_the_emulated_rig_indents_specimens_that_its_world_has_and_no_run_presse
     assert "--plate: expected S1, S3, but found S4." in err
 
 
+def test_trials_go_where_out_says(rig: Rig, rig_file: Callable[..., Path], tmp_path: Path) -> None:
+    status, out, err = rig("run", rig_file(FAST), "--virtual", "--plate", "S1", "--out", tmp_path / "mine")
+    assert status == 0, err
+    assert out == f"emg2vsa tools stiffness {tmp_path / 'mine'}/*\n"
+    assert (tmp_path / "mine" / "S1" / "log.csv").is_file()
+    assert not (tmp_path / "mine-plate").exists()
+
+
 def test_what_is_no_plate_run_is_refused(
     rig: Rig, rig_file: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
