@@ -108,6 +108,7 @@ class _Escape:
         try:
             self._wake()
             self._ramp(goal_mm)
+            before_mm = self._from_home_mm()
             self._rest(self._rig.settle_s)
             if not self._there() and self._wake():  # gone off on the way
                 self._ramp(goal_mm)
@@ -116,10 +117,11 @@ class _Escape:
                 self._come_to_rest()
             end_s = self._clock.now_s() + _STUCK_S
             while not self._there() and self._clock.now_s() < end_s:
-                before_mm = self._from_home_mm()
-                self._rest(_REST_S)
-                if not (self._touches(start.contact_n) or self._from_home_mm() < before_mm - _NEARER_MM):
+                at_mm = self._from_home_mm()
+                if not (self._touches(start.contact_n) or at_mm < before_mm - _NEARER_MM):
                     break
+                before_mm = at_mm
+                self._rest(_REST_S)
                 if self._wake():
                     self._ramp(goal_mm)
                 if not self._touches(start.contact_n):
