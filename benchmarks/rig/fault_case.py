@@ -192,7 +192,7 @@ def _outcome(
     run = folder / "run"
     try:
         with suppress(ZeroDivisionError):
-            bench.run(_plan(bench.built), run)
+            bench.run(plan_of(bench.built), run)
         told = json.loads((run / "ended.json").read_text())
     except (SettingError, ScheduleError) as error:
         told = {"how": "refused", "cause": type(error).__name__, "time_s": math.nan, "phase": ""}
@@ -237,12 +237,12 @@ def phase_times(built: Built) -> dict[str, float]:
     """A time in the midst of each phase, and near the largest force, on the clock of every `FaultBench` so built."""
     with TemporaryDirectory() as folder:
         bench = FaultBench(built)
-        bench.run(_plan(built), Path(folder) / "whole")
+        bench.run(plan_of(built), Path(folder) / "whole")
         whole = read_log(Path(folder) / "whole" / "log.csv")
         times = {phase: [row.time_s for row in whole if row.phase == phase] for phase in PHASES[1:-1]}
         stopped = FaultBench(built)
         stopped.stop_s = _middle(times["load"])
-        stopped.run(_plan(built), Path(folder) / "stopped")
+        stopped.run(plan_of(built), Path(folder) / "stopped")
         rows = read_log(Path(folder) / "stopped" / "log.csv")
         times["escape"] = [row.time_s for row in rows if row.phase == "escape"]
     # the camera is lost after half a second, which must fit into the pause
@@ -283,7 +283,8 @@ class _Watch:
         clock.strike_s, clock.watch = math.inf, lambda: None
 
 
-def _plan(built: Built, f_max_n: float = F_MAX_N, pause_s: float = PAUSE_S) -> RunPlan:
+def plan_of(built: Built, f_max_n: float = F_MAX_N, pause_s: float = PAUSE_S) -> RunPlan:
+    """One press on a bench that is so built."""
     changes: dict[str, Any] = {"f_max_n": f_max_n, "pause_s": pause_s}
     if built.actuator:
         return dynamixel_plan(built.actuator, built.true.gear_mm_per_degree, 1, built.specimen, **changes)
@@ -291,7 +292,7 @@ def _plan(built: Built, f_max_n: float = F_MAX_N, pause_s: float = PAUSE_S) -> R
 
 
 def _next_plan(built: Built) -> RunPlan:
-    return _plan(built, 2.0, 0.0)
+    return plan_of(built, 2.0, 0.0)
 
 
 def _middle(times_s: list[float], part: float = 0.5) -> float:
