@@ -153,8 +153,8 @@ def rows(actuator: str, found: list[Result], name: str) -> str:
 
 def tables(runs: int, seconds: float, seed: int) -> Iterator[str]:
     yield "# Search for the faults that press hardest\n"
-    yield f"One press to 7 N on S1, forces on the specimen, limit {LIMIT_N:g} N; {runs} random runs of each actuator, half with one"
-    yield f"fault and half with two; then {seconds:g} s of search from the worst; seed {seed}.\n"
+    yield f"One press to 7 N on S1, forces on the specimen, limit {LIMIT_N:g} N; {runs} random runs of each actuator,"
+    yield f"half with one fault and half with two; then {seconds:g} s of search from the worst; seed {seed}.\n"
     yield (
         "| actuator | faults | runs | refused | broken | largest (N) | above 10 N | above 13 N | completed "
         "| largest of these (N) | completed above 11 N | left pressed above .5 N |"

@@ -6,16 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from emg2vsa.devices.clock import VirtualClock
 from emg2vsa.errors import SettingError
 from emg2vsa.lab.by_hand import hand_rig
 from emg2vsa.lab.person import NOBODY, TRIES, Person
+from emg2vsa.lab.pressing import emulated_of
 from emg2vsa.rig.commissioning.checks import REACH_DEG, Check, check_rig
+from emg2vsa.rig.commissioning.hand_motion import HandMotion
 from emg2vsa.rig.record.new_folder import PLAN_FILE
 from emg2vsa.rig_file import RigFile, load_rig
 from emg2vsa.rig_file.edit import write_values
 from emg2vsa.rig_file.older_keys import spelled
 from emg2vsa.run_folders.camera_delay import CameraDelay, measure_delay
 from emg2vsa.study_file.problems import KeyPath
+from emg2vsa.worlds.bench.bench import EmulatedRig
 
 _BEGIN = """\
 Put a soft pad flat on the force sensor, where the specimen lies.
@@ -24,10 +28,11 @@ Any force of 0.5 N ends a move. Keep a hand on the switch of the power supply.""
 
 
 def check_settings(
-    file: RigFile, *, reach_deg: float = REACH_DEG, motor: bool = False, person: Person = NOBODY
+    file: RigFile, *, reach_deg: float = REACH_DEG, motor: bool = False, virtual: bool = False, person: Person = NOBODY
 ) -> tuple[Check, ...] | None:
     """push_axis, push_sign, gear, home and depth by a touch of 0.5 N on a soft pad; None where nobody is ready.
 
+    virtual : on the emulated rig, which is built as the rig file says, in virtual time; it tells what a person would.
     reach_deg : farthest that the shaft may turn to reach the pad. Where nobody is asked the direction is searched, and
     the gear, which needs a calliper, is not checked. SettingError : a reach that cannot be. DeviceError : as `hand_rig`
     and `check_rig`.
@@ -35,6 +40,13 @@ def check_settings(
     if not 0 < reach_deg <= 180:
         do = "Choose another."
         raise SettingError("--reach-deg", wanted="above 0 and at most 180", found=f"{reach_deg:g}", do=do)
+    if virtual:
+        bench = EmulatedRig(
+            emulated_of(file), file.experiment.specimens[0], 0.0, motor, VirtualClock(), rig=file.rig,
+            actuator=file.devices.actuator,
+        )  # fmt: skip
+        hand = HandMotion(bench.devices(), file.rig, bench.clock)
+        return check_rig(hand, file.rig, AtTheBench(bench), person.say, reach_deg)
     person.say(_BEGIN)
     if not person.agrees("Ready?"):
         return None
@@ -91,6 +103,26 @@ class AtThePad:
             except ValueError:
                 self.person.say("Type a number of millimetres, such as 3.2.")
         return None
+
+
+class AtTheBench:
+    """What a person would see at the emulated rig."""
+
+    def __init__(self, bench: EmulatedRig) -> None:
+        self._bench = bench
+        self._from_mm, self._touch_mm = bench.probe()[0], 0.0
+
+    def towards(self, degrees: float) -> bool:
+        """Which way the probe went."""
+        return self._bench.probe()[0] > self._from_mm
+
+    def zero_calliper(self) -> None:
+        """The gear is measured from here on."""
+        self._touch_mm = self._bench.probe()[0]
+
+    def moved_mm(self, degrees: float) -> float:
+        """How far the probe went."""
+        return abs(self._touch_mm - self._bench.probe()[0])
 
 
 def camera_delay(paths: Sequence[str | Path]) -> CameraDelay:

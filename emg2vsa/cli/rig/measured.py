@@ -18,7 +18,10 @@ What is wrong is written into the rig file after a question; comments stay. With
 searched, and the gear, which needs a calliper, is not checked. Exit status 0: all right, or written; 1: something is
 wrong and not written; 2: not finished.
 """
-REACH = "--reach-deg DEG = 45  farthest that the shaft may turn to reach the pad (default 45)\n"
+REACH = """
+--reach-deg DEG = 45  farthest that the shaft may turn to reach the pad (default 45)
+--virtual  on the emulated rig, which is built as the rig file says; no device is opened
+"""
 CAMERA_DELAY = """
 The pins move when the force rises, and the frames show it later by the delay. The command needs at least three presses,
 each from before contact to 2 N. It moves nothing. Exit status 0: measured; 2: not possible.
@@ -39,7 +42,8 @@ def commission(arguments: argparse.Namespace) -> int:
     from emg2vsa.lab.commissioning import check_settings, mend_settings
 
     file, person = file_of(arguments), person_of(arguments)
-    checks = check_settings(file, reach_deg=arguments.reach_deg, motor=arguments.motor, person=person)
+    how = {"reach_deg": arguments.reach_deg, "motor": arguments.motor, "virtual": arguments.virtual}
+    checks = check_settings(file, **how, person=person)
     if checks is None:
         return 1
     width = 2 + max(len(check.key) for check in checks)

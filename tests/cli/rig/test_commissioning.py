@@ -269,3 +269,23 @@ def test_a_move_that_falls_short_is_told(
     assert (status, f"the probe went {moved_mm} of 1.00 mm: friction holds" in out) == (0, short)
     status, out, _ = rig("home", rig_file())
     assert (status, "the probe fell short of home: friction holds" in out) == (0, short)
+
+
+@pytest.mark.parametrize("motor", [[], ["--motor"]], ids=["actuator", "rigid motor"])
+def test_the_emulated_rig_is_commissioned_in_virtual_time(
+    rig: Rig, rig_file: Callable[..., Path], motor: list[str]
+) -> None:
+    path = rig_file()
+    before = path.read_text()
+    status, out, err = rig("commission", path, "--virtual", *motor)
+    assert status == 0, err
+    verdicts = {line.split()[0]: line for line in out.splitlines() if " right " in line}
+    assert list(verdicts) == ["push_axis", "push_sign", "gear_mm_per_degree", "home_deg", "travel_mm"]
+    assert path.read_text() == before
+
+
+def test_a_rig_without_an_emulated_one_has_no_virtual_commissioning(rig: Rig, rig_file: Callable[..., Path]) -> None:
+    path = rig_file()
+    path.write_text(path.read_text().partition("[emulated]")[0])
+    status, _, err = rig("commission", path, "--virtual")
+    assert (status, "expected a table [emulated], but found none" in err) == (2, True)
