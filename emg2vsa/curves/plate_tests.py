@@ -48,7 +48,8 @@ class SpecimenPlates:
     kappa : secants, N/mm. level : the further ones for which its interval holds, ``mountings`` of the specimen or
     ``castings`` of its recipe. range_n : that all trials reach. change : of kappa over it, a share, by the upper part.
     bend, bend_se, bend_dof : of the tangents over it, first contact included. nonlinear : trials. modulus : in kPa,
-    None where no size is known. laws : of each name the mean over trials, the best first.
+    None where no size is known. laws : of each name the mean over trials, the best first. times : of the trials whose
+    log has a clock.
     """
 
     name: str
@@ -65,6 +66,7 @@ class SpecimenPlates:
     modulus: NestedMean | None
     laws: tuple[LawFit, ...]
     cylinder: Cylinder | None
+    times: tuple[PressTime, ...]
 
     @property
     def half(self) -> float:
@@ -122,6 +124,7 @@ class PlateTests:
             sum(each.nonlinear for each in ranges), float(self.fit.adj_r2[own].min()),
             self._mean(own, moduli) if len(rubbers) == len(own) and np.isfinite(moduli).all() else None,
             _laws(rubbers) if len(rubbers) == len(own) else (), trials[0].cylinder,
+            tuple(time for i in own if (time := self.times[i])),
         )  # fmt: skip
 
     def _bend(self, own: Sequence[int]) -> tuple[float, float, float]:

@@ -184,6 +184,11 @@ def _remarks(of: SpecimenPlates) -> Iterator[str]:
         if count == 1 and LEVELS.index(level) <= LEVELS.index(of.level) and step > 0:
             option = "" if level == "presses" else f", --{level} says otherwise"
             yield f"one {_ONE[level]}: a stated SD of {100 * step / of.kappa.mean:.1f} % between {level} enters{option}"
+    if of.times:
+        speeds = sorted(time.speed_mm_per_s for time in of.times)
+        relaxed = [time.relaxed for time in of.times if time.held_s]
+        lost = f", and relaxes by {100 * np.mean(relaxed):.2g} % while held" if relaxed else ""
+        yield f"pressed at {speeds[0]:.3g}{f' to {speeds[-1]:.3g}' if speeds[-1] > 1.1 * speeds[0] else ''} mm/s{lost}"
     if of.modulus and of.cylinder and of.cylinder.ends == "frictionless":
         bonded = of.modulus.mean / of.cylinder.bonding
         yield f"the modulus takes ends that slide; if they cannot (--ends bonded) it is {bonded:.3g} kPa"
