@@ -38,7 +38,7 @@ def read_plate(folder: Path) -> Iterator[PlateTrial]:
     try:
         document = json.loads((folder / PLAN_FILE).read_text(encoding="utf-8"))
         plan, axis = document["plan"], axis_of(document["rig"])
-        log = read_log(folder / "log.csv", ["repetition", "phase", "force_n"])
+        log = read_log(folder / "log.csv", ["time_s", "repetition", "phase", "force_n"])
         is_plate, specimen = plan.get("plate") is True, str(plan["specimen"])
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise DataError(folder, wanted="the folder of a plate indentation", found=str(error), do=do) from error
@@ -53,7 +53,10 @@ def read_plate(folder: Path) -> Iterator[PlateTrial]:
         if number in turned and said.get(number, ("ok", ""))[0] != "rejected":
             depth_mm = np.array([axis.depth_at(angle_deg) for angle_deg in rows["shaft_deg"]])
             force_n = rows["force_n"].to_numpy(dtype=np.float64)
-            yield PlateTrial(specimen, f"{folder.name}/{number}", depth_mm, force_n, mounting=folder.name)
+            yield PlateTrial(
+                specimen, f"{folder.name}/{number}", depth_mm, force_n, mounting=folder.name,
+                time_s=rows["time_s"].to_numpy(dtype=np.float64),
+            )  # fmt: skip
 
 
 def read_trials(path: Path, depth: str = "", force: str = "") -> Iterator[PlateTrial]:
