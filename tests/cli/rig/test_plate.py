@@ -45,9 +45,11 @@ def test_plate_runs_give_the_stiffness_of_the_emulated_specimens(
     for row in told["specimens"]:
         assert (row["presses"], row["mountings"], row["holds_for_further"]) == (5, 1, "mountings")
         assert row["low"] < TRUE[row["specimen"]] < row["high"]
-        assert row["notes"] == [
-            "one mounting: a stated SD of 2.0 % between mountings enters, --mountings says otherwise"
-        ]
+        stated, speed = row["notes"]
+        assert stated == "one mounting: a stated SD of 2.0 % between mountings enters, --mountings says otherwise"
+        assert float(speed.split()[2]) == pytest.approx(
+            5, rel=0.1
+        )  # mm/s of this rig file, less what the specimen resists
 
     study = tmp_path / "study.toml"
     study.write_text(STUDY)
