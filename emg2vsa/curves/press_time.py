@@ -35,7 +35,12 @@ def press_time(depth_mm: Floats, force_n: Floats, time_s: Floats) -> PressTime |
     first, last = int(held[0]), int(held[-1])
     rising = x[: first + 1]
     way = (rising > x[0] + 0.1 * travel) & (rising < x[0] + 0.9 * travel)
-    speed = float(np.polyfit(t[: first + 1][way], rising[way], 1)[0]) if np.count_nonzero(way) >= _LEAST else np.nan
+    at, on = t[: first + 1][way], rising[way]
+    apart = max(at.size // 10, 1)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a median: a rest on the way is not its speed
+        speed = (
+            float(np.median((on[apart:] - on[:-apart]) / (at[apart:] - at[:-apart]))) if at.size >= _LEAST else np.nan
+        )
     pause_s, rest = float(t[last] - t[first]), float(np.median(y[:5]))
     moving_s = 2 * _STILL * travel / speed if speed > 0 else 0.0  # the plate's own way through the band, there and back
     ends = [float(np.median(each)) for each in (y[first : first + 3], y[max(last - 2, first) : last + 1])]
