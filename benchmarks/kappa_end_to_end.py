@@ -23,7 +23,7 @@ from emg2vsa.curves.plate_tests import PlateTests, SpecimenPlates
 from emg2vsa.curves.rubber import Cylinder
 from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings, plate_plan
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig_file.specimen_stiffness import Asked, read_plates
+from emg2vsa.rig_file.plate_logs import Asked, read_plates
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 from emg2vsa.worlds.bench.virtual_run import run_virtual
 

@@ -18,8 +18,8 @@ from emg2vsa.curves.force_range import fit_range, loading
 from emg2vsa.curves.plate_tests import PlateTests, SpecimenPlates
 from emg2vsa.curves.rubber import Cylinder
 from emg2vsa.curves.specimen_kappa import LEVELS, NestedMean, Spread, nested_mean
+from emg2vsa.rig_file.plate_logs import Asked, read_plates
 from emg2vsa.rig_file.silicone_kit import SILICONES, kappa_of
-from emg2vsa.rig_file.specimen_stiffness import Asked, read_plates
 
 KAPPA = 5.0
 COUNTS = ((1, 1, 1), (5, 1, 1), (5, 3, 1), (5, 1, 2), (3, 2, 4), (1, 6, 1))

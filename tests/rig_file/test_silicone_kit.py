@@ -12,8 +12,8 @@ import pytest
 from casr.specimens import SPECIMENS
 from emg2vsa.cli import main
 from emg2vsa.curves.rubber import Cylinder
+from emg2vsa.rig_file.plate_logs import Asked, read_plates
 from emg2vsa.rig_file.silicone_kit import OFF_SD, SILICONES, kappa_of, recipe_for
-from emg2vsa.rig_file.specimen_stiffness import Asked, read_plates
 from emg2vsa.study_file import load_study
 
 ROOT = Path(__file__).resolve().parents[2]

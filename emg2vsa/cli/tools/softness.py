@@ -60,9 +60,10 @@ def add_to(commands: Commands) -> None:
 
 
 def stiffness(arguments: argparse.Namespace) -> int:
-    from emg2vsa.rig_file import specimen_stiffness as plates
+    from emg2vsa.rig_file import specimen_stiffness as told
+    from emg2vsa.rig_file.plate_logs import Asked, read_plates
 
-    asked = plates.study_says(study) if (study := arguments.study or arguments.write) else plates.Asked()
+    asked = told.study_says(study) if (study := arguments.study or arguments.write) else Asked()
     from_n, to_n = (
         n if own is None else own for own, n in zip((arguments.from_n, arguments.to_n), asked.range_n, strict=True)
     )
@@ -72,7 +73,7 @@ def stiffness(arguments: argparse.Namespace) -> int:
             wanted = "a standard deviation between 0 and 100, in percent of kappa"
             raise SettingError(f"--{key}", wanted=wanted, found=f"{percent:g}", do="Say how much they differ.")
     spread = replace(asked.spread, **{key: each / 100 for key, each in given.items() if each is not None})
-    found = plates.read_plates(
+    found = read_plates(
         arguments.files,
         replace(
             asked, range_n=(from_n, to_n), whole=arguments.to_n is not None, depth=arguments.depth or "",
@@ -80,9 +81,9 @@ def stiffness(arguments: argparse.Namespace) -> int:
         ),
     )  # fmt: skip
     if arguments.write:
-        plates.write_stiffness(arguments.write, found)
-    rows = plates.trial_rows(found)
-    answer(arguments.json, {"specimens": plates.specimen_rows(found), "trials": rows}, plates.lines(found))
+        told.write_stiffness(arguments.write, found)
+    rows = told.trial_rows(found)
+    answer(arguments.json, {"specimens": told.specimen_rows(found), "trials": rows}, told.lines(found))
     return 1 if any(row["rating"] == "unusable" for row in rows) else 0
 
 

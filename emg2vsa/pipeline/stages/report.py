@@ -105,7 +105,7 @@ def results_of(given: Given, pages: str = "") -> StudyResults:
     from emg2vsa.fits import concatenate
     from emg2vsa.report.failures import Failure
     from emg2vsa.report.inputs import People, Runs, StudyResults, without_samples
-    from emg2vsa.rig_file.specimen_stiffness import Asked, read_plates
+    from emg2vsa.rig_file.plate_logs import Asked, read_plates
     from emg2vsa.screening import screened, screened_trials
     from emg2vsa.truth import read_truth
 
