@@ -106,8 +106,6 @@ class RangeFit:
     def notes(self) -> Iterator[str]:
         yield from self.told
         yield from (f"{self.rating}: {reason}" for reason in self.reasons)
-        if self.rating == "good" and not self.rests:
-            yield "it begins in contact: that its first force is zero is taken from the file"
         if self.nonlinear:
             ends = f"{self.tangent[0]:.3g} N/mm at {self.from_n:.3g} N, {self.tangent[-1]:.3g} at {self.to_n:.3g} N"
             yield f"nonlinear: kappa is {ends}"

@@ -38,7 +38,7 @@ def trial_rows(found: PlateTests) -> list[Row]:
                 )
             ],
             "nonlinear": own.nonlinear, "change": own.change, "contact_mm": own.contact,
-            "contact_low_mm": own.contact_low, "contact_high_mm": own.contact_high, "rating": own.rating,
+            "contact_low_mm": own.contact_low, "contact_high_mm": own.contact_high, "rests_before": own.rests, "rating": own.rating,
             "modulus_kpa": rubber.modulus_kpa if rubber else None,
             "laws": [asdict(law) for law in rubber.laws] if rubber else [],
             **(asdict(time) if time else dict.fromkeys(("speed_mm_per_s", "held_s", "relaxed"))),
@@ -114,6 +114,9 @@ def lines(found: PlateTests) -> Iterator[str]:
         )
         yield from (f"  note: {note}" for note in row["notes"])
     yield "kappa is the secant over these forces, first and last the tangents at their ends; adj. R2 is that of a line."
+    at_once = sum(row["rating"] != "unusable" and not row["rests_before"] for row in rows)
+    if at_once:
+        yield f"{at_once} of {len(rows)} logs begin in contact: that the first force is zero is taken from the file."
     worst = min((row["adjusted_r2"] for row in rows), default=np.nan)
     yield f"worst adjusted R2 {worst:.4f} (the paper's: 0.882)"
     for row in specimen_rows(found):

@@ -242,4 +242,5 @@ def test_real_silicone_is_told_with_its_modulus(
     said = capsys.readouterr().out
     assert "which holds for further castings (5 presses, 1 mounting, 1 casting)" in said
     assert "one casting: a stated SD of 3.5 % between castings enters, --castings says otherwise" in said
+    assert "5 of 5 logs begin in contact: that the first force is zero is taken from the file." in said
     assert "note: pressed at 0.167 mm/s\n" in said  # 10 mm a minute
