@@ -38,7 +38,8 @@ def trial_rows(found: PlateTests) -> list[Row]:
                 )
             ],
             "nonlinear": own.nonlinear, "change": own.change, "contact_mm": own.contact,
-            "contact_low_mm": own.contact_low, "contact_high_mm": own.contact_high, "rests_before": own.rests, "rating": own.rating,
+            "contact_low_mm": own.contact_low, "contact_high_mm": own.contact_high, "rests_before": own.rests,
+            "rating": own.rating,
             "modulus_kpa": rubber.modulus_kpa if rubber else None,
             "laws": [asdict(law) for law in rubber.laws] if rubber else [],
             **(asdict(time) if time else dict.fromkeys(("speed_mm_per_s", "held_s", "relaxed"))),
