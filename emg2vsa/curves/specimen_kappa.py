@@ -1,8 +1,8 @@
 """kappa of a specimen and its error: presses of one mounting are no witnesses of another, and one casting none of its
 recipe.
 
-Means of means: presses of a mounting, mountings of a casting, castings. The variance at each step is that of what is
-there, averaged with a stated one by their degrees of freedom (Smyth 2004, Statistical Applications in Genetics and
+Means of means: presses of a mounting, mountings of a casting, castings. The variance at each step is that of all there
+are, averaged with a stated one by their degrees of freedom (Smyth 2004, Statistical Applications in Genetics and
 Molecular Biology 3, 3); with one of a kind the stated one stands alone.
 """
 
@@ -63,49 +63,30 @@ def nested_mean(
     if not values.size:
         nothing = np.full(3, np.nan)
         return NestedMean(np.nan, nothing, nothing, (0, 0, 0), nothing)
-    stated = {level: (getattr(spread, level) * abs(float(values.mean()))) ** 2 for level in LEVELS}
-    groups: dict[str, dict[str, list[_Mean]]] = {}
-    for value, error, casting, mounting in zip(values.tolist(), errors.tolist(), castings, mountings, strict=True):
-        groups.setdefault(casting, {}).setdefault(mounting, []).append(_Mean(value, (_Part(error**2),)))
-    by_mounting = [[_over(own, stated, 0) for own in casting.values()] for casting in groups.values()]
-    whole = _over([_over(own, stated, 1) for own in by_mounting], stated, 2)
-    error, dof, step = np.array([(part.variance, part.known + part.seen, part.step) for part in whole.parts[1:]]).T
-    count = (values.size, sum(map(len, by_mounting)), len(by_mounting))
-    return NestedMean(whole.value, np.sqrt(error), dof, count, np.sqrt(step))
+    # of presses, then mountings, then castings: means, groups they are in, and the variance each has from below
+    groups: list[tuple[str, ...]] = list(zip(castings, mountings, strict=True))
+    means, from_below, found, below_dof = values, errors**2, [], np.inf
+    for level in LEVELS:
+        names = list(dict.fromkeys(groups))
+        at = np.array([names.index(group) for group in groups])
+        n = np.bincount(at)
+        centre = np.bincount(at, means) / n
+        own = (getattr(spread, level) * abs(float(values.mean()))) ** 2
+        left, seen, below = means - centre[at], means.size - n.size, float(np.mean(from_below))
+        prior = own + below
+        known = prior**2 / (own**2 / _WORTH[level] + below**2 / below_dof) if prior > 0 else _WORTH[level]
+        step = max((known * prior + float(left @ left)) / (known + seen) - below, 0.0)
+        from_below = np.bincount(at, from_below + step) / n**2
+        found.append((_of_all(from_below, names), known + seen, step, means.size))
+        means, groups, below_dof = centre, [name[:-1] for name in names], known + seen
+    variance, dof, steps, count = zip(*found, strict=True)
+    return NestedMean(float(means[0]), np.sqrt(variance), np.array(dof), count, np.sqrt(steps))
 
 
-@dataclass(frozen=True)
-class _Part:
-    """Variance of a mean; degrees of freedom of what was known of it before, and seen; variance of one step."""
-
-    variance: float
-    known: float = np.inf
-    seen: int = 0
-    step: float = 0.0
-
-
-@dataclass(frozen=True)
-class _Mean:
-    """parts : within a press, over presses, mountings and castings, as far as it goes."""
-
-    value: float
-    parts: tuple[_Part, ...]
-
-
-def _over(means: Sequence[_Mean], stated: dict[str, float], level: int) -> _Mean:
-    """Mean over those that scatter; what is known of lower levels averages over them."""
-    n, own, worth = len(means), stated[LEVELS[level]], _WORTH[LEVELS[level]]
-    lower = [
-        _Part(
-            float(np.mean([part.variance for part in parts])) / n, max(part.known for part in parts),
-            sum(part.seen for part in parts), float(np.mean([part.step for part in parts])),
-        )
-        for parts in zip(*(mean.parts for mean in means), strict=True)
-    ]  # fmt: skip
-    below = lower[-1].variance * n
-    prior = own + below
-    known = prior**2 / (own**2 / worth + below**2 / (lower[-1].known + lower[-1].seen)) if prior > 0 else worth
-    values = [mean.value for mean in means]
-    between = float(np.var(values, ddof=1)) if n > 1 else 0.0
-    moderated = (known * prior + (n - 1) * between) / (known + n - 1)
-    return _Mean(float(np.mean(values)), (*lower, _Part(moderated / n, known, n - 1, max(moderated - below, 0.0))))
+def _of_all(variance: Floats, groups: Sequence[tuple[str, ...]]) -> float:
+    """Of the mean of means of means, from that of each group."""
+    while groups[0]:
+        names = list(dict.fromkeys(group[:-1] for group in groups))
+        at = np.array([names.index(group[:-1]) for group in groups])
+        variance, groups = np.bincount(at, variance) / np.bincount(at) ** 2, names
+    return float(variance[0])
