@@ -43,6 +43,8 @@ _KINKS = 0.01
 """SD of what the smoothest course leaves over the range of force, where it is no noise, that no material does."""
 _SPREAD = 0.5
 """Width of the interval of contact over the depth from contact to F1, from which on a press is doubtful."""
+_TRAVEL_MM = 200
+"""Of a plate, more than which is a mistake of units."""
 _NOISES = 15
 """SDs of the noise over the rest, up to which force tells the contact."""
 _MAD = 0.6744897501960817
@@ -167,6 +169,11 @@ def fit_range(
     # F = E A / 3 (1 / s^2 - s) with s = 1 - depth / height: kappa grows by 2 F / height, to first order of the strain
     of_rubber = 2 * (to_n - from_n) / height_mm / (secant / span) if height_mm else np.nan
     doubts = []
+    if np.ptp(x) > _TRAVEL_MM:
+        doubts.append((False, f"the plate goes {np.ptp(x):.3g} mm: is the unit of depth right?"))
+    if height_mm and last - contact[0] >= height_mm:
+        said = f"it is pressed {last - contact[0]:.3g} mm deep, and the specimen is {height_mm:g} mm high"
+        doubts.append((True, said))
     if rest_n:
         before = fit_line(x[None, :rest_n], y[None, :rest_n])
         drift = max(0.0, abs(float(before.slope[0])) - 3 * float(before.slope_se[0])) * span / secant

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from emg2vsa.curves.plate_tests import PlateTests, SpecimenPlates
-from emg2vsa.curves.rubber import STRAIN, Cylinder
+from emg2vsa.curves.rubber import STRAIN, Cylinder, Ends
 from emg2vsa.curves.specimen_kappa import LEVELS
 from emg2vsa.errors import DataError
 from emg2vsa.rig_file.edit import write_values
@@ -165,19 +165,20 @@ def study_says(path: Path) -> Asked:
     except (TypeError, ValueError) as error:
         do = "Correct them, or say --from and --to."
         raise DataError(f"{path}, window.force_n", wanted="two forces", found=shown(given), do=do) from error
-    return Asked((lower, upper), cylinders=dict(_sizes(raw.get("specimens"))))
+    return Asked((lower, upper), cylinders=dict(_sizes(path, raw.get("specimens"))))
 
 
-def _sizes(tables: object) -> Iterator[tuple[str, Cylinder]]:
-    """Of [[specimens]] that have both; what else is wrong with them ``emg2vsa check`` says."""
-    for table in tables if isinstance(tables, list) else ():
-        match table:
-            case {
-                "name": str(name),
-                "diameter_mm": int() | float() as diameter,
-                "height_mm": int() | float() as height,
-            }:
-                yield name, Cylinder(diameter, height, "bonded" if table.get("ends") == "bonded" else "frictionless")
+def _sizes(path: Path, tables: object) -> Iterator[tuple[str, Cylinder]]:
+    """Of [[specimens]] that have both. DataError : what is no size."""
+    for place, table in enumerate(tables if isinstance(tables, list) else ()):
+        if not isinstance(table, dict) or not {"diameter_mm", "height_mm"} <= table.keys():
+            continue
+        for key in ("diameter_mm", "height_mm"):
+            if not isinstance(table[key], int | float) or not 0 < table[key] < np.inf:
+                where, do = f"{path}, specimens[{place}].{key}", "Correct it."
+                raise DataError(where, wanted="a number > 0", found=shown(table[key]), do=do)
+        ends: Ends = "bonded" if table.get("ends") == "bonded" else "frictionless"
+        yield str(table.get("name")), Cylinder(float(table["diameter_mm"]), float(table["height_mm"]), ends)
 
 
 def write_stiffness(path: Path, found: PlateTests) -> None:

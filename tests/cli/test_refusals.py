@@ -43,6 +43,7 @@ tools stiffness depth.csv --force depth_mm      | line 1, column 'depth_mm': exp
 tools stiffness depth.csv --from 3 --to 1       | range of force: expected 0 < F0 < F1, newtons, but found 3 to 1
 tools stiffness depth.csv --mountings=-1        | --mountings: expected a standard deviation between 0 and 100, in percent of kappa, but
 tools stiffness depth.csv --castings 100        | --castings: expected a standard deviation between 0 and 100, in percent of kappa, but
+tools stiffness depth.csv --study sized.toml    | sized.toml, specimens[0].diameter_mm: expected a number > 0, but found -5
 tools stiffness depth.csv --study t.csv         | t.csv
 tools stiffness depth.csv --write session.toml  | session.toml, specimens: expected a specimen depth, but found
 tools sample slopes --out study.toml            | expected a folder, but found a file
@@ -92,6 +93,7 @@ def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "raw/ama_hard.csv": "time (s),EDC (V),Fz (N)\n0,0.1,0\n0.001,0.2,1\n0.002,0.1,0\n",
         "texts/a.txt": "not a\nrecording\n", "study.toml": study_of_files(), "simulation.toml": simulation,
         "session.toml": f"{simulation}[session]\n{SIMULATED_SESSION}", "depth.csv": "depth_mm,force_n\n0,0\n1,1\n",
+        "sized.toml": '[[specimens]]\nname = "depth"\ndiameter_mm = -5\nheight_mm = 3\n',
         "t.csv": "who,g,b\nP1,x,1\nP1,y,2\nP2,x,3\nP2,y,5\n", "one.csv": "g,b\nx,1\nx,2\n",
     }  # fmt: skip
     for name, text in (files | {"raw/bob_soft.csv": files["raw/ama_hard.csv"]}).items():

@@ -160,3 +160,12 @@ def test_real_silicone(shared_data: Callable[[str], Path]) -> None:
         assert fit_range(x, -force, RANGE_N).rating == "unusable"
         assert fit_range(x[force > 2], force[force > 2], RANGE_N).rating == "unusable"
         assert fit_range(x, force - 1.5 * (force > 3), RANGE_N).rating == "unusable"
+
+
+def test_a_depth_in_the_wrong_unit_and_one_beyond_the_specimen_are_told() -> None:
+    x, force, _ = press(line(2.0), 0.01, 0)
+    far = fit_range(1000 * x, force, RANGE_N)
+    assert (far.rating, "is the unit of depth right?" in far.reasons[0]) == ("doubtful", True)
+    through = fit_range(x, force, RANGE_N, height_mm=3)
+    assert through.rating == "unusable"
+    assert "the specimen is 3 mm high" in through.reasons[0]
