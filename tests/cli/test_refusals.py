@@ -117,6 +117,7 @@ def test_bad_input_is_one_line(lab: Path, capsys: pytest.CaptureFixture[str], wo
     assert (found.out, found.err.replace("1 problem; nothing was run.\n", "").count("\n")) == ("", 1)
     assert {path.name for path in lab.iterdir()} - {".emg2vsa"} == {
         "raw", "texts", "empty", "study.toml", "session.toml", "simulation.toml", "depth.csv", "t.csv", "one.csv",
+        "sized.toml",
     }  # fmt: skip
 
 
