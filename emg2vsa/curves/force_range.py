@@ -43,10 +43,14 @@ _KINKS = 0.01
 """SD of what the smoothest course leaves over the range of force, where it is no noise, that no material does."""
 _SPREAD = 0.5
 """Width of the interval of contact over the depth from contact to F1, from which on a press is doubtful."""
-_TRAVEL_MM = 200
-"""Of a plate, more than which is a mistake of units."""
+_TRAVELS_MM = (0.01, 200)
+"""From contact on; less or more is a mistake of units."""
 _NOISES = 15
 """SDs of the noise over the rest, up to which force tells the contact."""
+_BREAKS = 0.1
+"""The same, from which on a press says nothing."""
+_CLIPPED = 0.03
+"""Share of points at the largest force, from which on it is the sensor's end."""
 _MAD = 0.6744897501960817
 _CHI2 = 3.841458820694124
 
@@ -110,7 +114,9 @@ class RangeFit:
         yield from (f"{self.rating}: {reason}" for reason in self.reasons)
         if self.nonlinear:
             ends = f"{self.tangent[0]:.3g} N/mm at {self.from_n:.3g} N, {self.tangent[-1]:.3g} at {self.to_n:.3g} N"
-            yield f"nonlinear: kappa is {ends}"
+            by_law = self.of_rubber > _CHANGE and abs(self.bend) < _CHANGE
+            law = f"rubber of this height changes by {100 * self.of_rubber:.0f} % over it; here "
+            yield f"nonlinear: {law if by_law else ''}kappa is {ends}"
         if self.closing > _CHANGE:
             yield f"contact still closes at {self.from_n:.3g} N: kappa is {100 * self.closing:.0f} % lower there"
 
@@ -166,11 +172,13 @@ def fit_range(
     secant_se = secant * course.between_se / course.between
     upper = u >= np.interp(from_n + _UPPER * (to_n - from_n), forces, course.at)
     change, change_se, below = _change(u[upper], y[inside][upper], secant, course.slope[0])
+    if course.bend + 3 * course.bend_se < -_CHANGE * secant:  # it softens: that is no contact that closes
+        change, change_se = course.bend / secant, course.bend_se / secant
     # F = E A / 3 (1 / s^2 - s) with s = 1 - depth / height: kappa grows by 2 F / height, to first order of the strain
     of_rubber = 2 * (to_n - from_n) / height_mm / (secant / span) if height_mm else np.nan
     doubts = []
-    if np.ptp(x) > _TRAVEL_MM:
-        doubts.append((False, f"the plate goes {np.ptp(x):.3g} mm: is the unit of depth right?"))
+    if not _TRAVELS_MM[0] < last - contact[0] < _TRAVELS_MM[1]:
+        doubts.append((False, f"it is pressed {last - contact[0]:.3g} mm deep: is the unit of depth right?"))
     if height_mm and last - contact[0] >= height_mm:
         said = f"it is pressed {last - contact[0]:.3g} mm deep, and the specimen is {height_mm:g} mm high"
         doubts.append((True, said))
@@ -200,7 +208,11 @@ def fit_range(
         doubts.append((True, f"the force falls by {fall.max():.2g} N at {where:.3g} mm"))
     scatter = float(np.median(np.abs(np.diff(y[inside], 2)))) / (_MAD * np.sqrt(6))
     if course.noise_n > max(_KINKS * (to_n - from_n), 4 * scatter):
-        doubts.append((False, f"no smooth curve follows it: {course.noise_n:.2g} N are left"))
+        hopeless = course.noise_n > _BREAKS * (to_n - from_n)
+        doubts.append((hopeless, f"no smooth curve follows it: {course.noise_n:.2g} N are left"))
+    at_most = np.count_nonzero(y == y.max())
+    if at_most >= max(_LEAST, _CLIPPED * y.size):
+        doubts.append((False, f"{at_most} points have the same largest force: does the load cell end there?"))
     if contact[2] - contact[1] > _SPREAD * (last - contact[0]):
         doubts.append((False, f"contact lies anywhere from {contact[1]:.3g} to {contact[2]:.3g} mm"))
     rating = "unusable" if any(bad for bad, _ in doubts) else "doubtful" if doubts else "good"

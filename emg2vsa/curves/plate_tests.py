@@ -47,9 +47,9 @@ class SpecimenPlates:
 
     kappa : secants, N/mm. level : the further ones for which its interval holds, ``mountings`` of the specimen or
     ``castings`` of its recipe. range_n : that all trials reach. change : of kappa over it, a share, by the upper part.
-    bend, bend_se, bend_dof : of the tangents over it, first contact included. nonlinear : trials. modulus : in kPa,
-    None where no size is known. laws : of each name the mean over trials, the best first. times : of the trials whose
-    log has a clock.
+    of_rubber : what a Neo-Hookean cylinder of this height would, 0 where none is known. bend, bend_se, bend_dof : of
+    the tangents over it, first contact included. nonlinear : trials. modulus : in kPa, None where no size is known.
+    laws : of each name the mean over trials, the best first. times : of the trials whose log has a clock.
     """
 
     name: str
@@ -58,6 +58,7 @@ class SpecimenPlates:
     level: str
     range_n: tuple[float, float]
     change: float
+    of_rubber: float
     bend: float
     bend_se: float
     bend_dof: float
@@ -118,14 +119,18 @@ class PlateTests:
         moduli = np.array([(rubber.modulus_kpa, rubber.modulus_se_kpa) for rubber in rubbers])
         return SpecimenPlates(
             name, len(own), self._mean(own, [(each.secant, each.secant_se) for each in ranges]),
-            "castings" if any(trial.casting is not None for trial in trials) else "mountings",
+            self._level(trials),
             (ranges[0].from_n, min(each.to_n for each in ranges)), float(np.mean([each.change for each in ranges])),
-            *self._bend(own),
+            float(np.nan_to_num(np.mean([each.of_rubber for each in ranges]))), *self._bend(own),
             sum(each.nonlinear for each in ranges), float(self.fit.adj_r2[own].min()),
             self._mean(own, moduli) if len(rubbers) == len(own) and np.isfinite(moduli).all() else None,
             _laws(rubbers) if len(rubbers) == len(own) else (), trials[0].cylinder,
             tuple(time for i in own if (time := self.times[i])),
         )  # fmt: skip
+
+    def _level(self, trials: Sequence[PlateTrial]) -> str:
+        castings = {trial.casting for trial in trials} - {None}
+        return "castings" if len(castings) > 1 or (castings and self.spread.castings > 0) else "mountings"
 
     def _bend(self, own: Sequence[int]) -> tuple[float, float, float]:
         """Mean over presses, its standard error and degrees of freedom: those within the presses, and where the presses
@@ -133,9 +138,9 @@ class PlateTests:
         squares, dof = 0.0, 0
         for name in self.specimens:
             each = np.array([(self.ranges[i].bend, self.ranges[i].bend_se) for i in self.of(name)]).reshape(-1, 2)
-            squares += (
-                float(np.sum((each[:, 0] - each[:, 0].mean()) ** 2) / np.mean(each[:, 1] ** 2)) if each.size else 0
-            )
+            if each.size:
+                within = max(float(np.mean(each[:, 1] ** 2)), np.finfo(np.float64).tiny)
+                squares += float(np.sum((each[:, 0] - each[:, 0].mean()) ** 2)) / within
             dof += max(len(each) - 1, 0)
         ranges = [self.ranges[i] for i in own]
         within = float(np.mean([each.bend_se**2 for each in ranges]))
@@ -174,6 +179,7 @@ def plate_tests(
     """The line of the paper ends where the range of force does. range_n, whole : as for ``fit_range``; window : as for
     ``fit_plate``; spread : between presses, mountings and castings where there is one."""
     ranges = tuple(fit_range(each.depth_mm, each.force_n, range_n, each.height_mm, whole=whole) for each in trials)
+    ranges = _common(trials, ranges)
     pressed, rubbers, times = [], [], []
     for each, of_range in zip(trials, ranges, strict=True):
         x, y, _ = loading(each.depth_mm, each.force_n)
@@ -187,6 +193,20 @@ def plate_tests(
         tuple(trials), fit_plate(pressed, window), tuple(smoothed(*each, window) for each in pressed), simulated,
         ranges, tuple(rubbers), tuple(times), spread or Spread(),
     )  # fmt: skip
+
+
+def _common(trials: Sequence[PlateTrial], ranges: tuple[RangeFit, ...]) -> tuple[RangeFit, ...]:
+    """The presses on a specimen over the forces that all of them reach."""
+    reach: dict[str, float] = {}
+    for trial, own in zip(trials, ranges, strict=True):
+        if own.rating != "unusable":
+            reach[trial.specimen] = min(own.to_n, reach.get(trial.specimen, np.inf))
+    return tuple(
+        fit_range(trial.depth_mm, trial.force_n, (own.from_n, reach[trial.specimen]), trial.height_mm)
+        if own.rating != "unusable" and own.to_n > reach[trial.specimen]
+        else own
+        for trial, own in zip(trials, ranges, strict=True)
+    )
 
 
 def _laws(rubbers: Sequence[Rubber]) -> tuple[LawFit, ...]:

@@ -30,7 +30,9 @@ _UNIT = re.compile(r"(.*?)(?:\s*[\[(]([^\[\]()]*)[\])]|_([a-zµμ]+))?", re.IGNO
 _NUMBER = re.compile(r"[+-]?\d*[.,]?\d+(e[+-]?\d+)?", re.IGNORECASE)
 _STATED = re.compile(r'"?([^:;,\t="]+)"?[:;,\t=]"?([^"]*)"?')
 _SAMPLE = re.compile(r"(specimen|sample)( (name|id|label))?", re.IGNORECASE)
-_REPEAT = re.compile(r"(.+?)(?:[ _-](\w))?[ _-]sample[ _-]?(\w+)")
+_REPEAT = re.compile(r"(.+?)(?:[ _-]([A-Z]{1,2}|\w))?[ _-]sample[ _-]?(\w+)")
+_TOOL = re.compile(r"plate|platen|probe|punch|indenter", re.IGNORECASE)
+"""Whose diameter is not the specimen's."""
 _SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0}
 
 
@@ -152,6 +154,10 @@ def _factor(path: Path, header: Line, kind: str, name: str, unit: str) -> float:
     if factor is not None and (kind == "depth") == (canonical(unit) in _MM):
         return factor
     plain = {"depth": "indentation_mm", "force": "force_n"}[kind]
+    if canonical(unit) in ("kg", "g"):
+        do = "Convert it to newtons: 9.80665 N a kilogram."
+        where = f"{path}, line {header.number}, column {name!r}"
+        raise DataError(where, wanted="a unit of force, such as N", found=f"a mass, {unit!r}", do=do)
     raise DataError(
         f"{path}, line {header.number}, column {name!r}", wanted=f"a unit of {kind}, such as {example}",
         found=repr(unit) if unit else "none",
@@ -178,7 +184,8 @@ def _length(stated: Mapping[str, str], word: str) -> float | None:
     """Of ``Cylinder Height: 30mm`` or ``Height (mm): 30``, millimetres; None where number or unit is missing."""
     for key, value in stated.items():
         name, unit = _split(key)
-        match = re.fullmatch(r"([\d.]+)\s*([a-zµμ]*)", value.strip(), re.IGNORECASE)
-        if word in name.lower() and match and (factor := _MM.get(canonical(match[2] or unit))):
-            return float(match[1]) * factor
+        match = re.fullmatch(r"(\d+[.,]?\d*)\s*([a-zµμ]*)", value.strip(), re.IGNORECASE)
+        own = word in name.lower() and not _TOOL.search(name)
+        if own and match and (factor := _MM.get(canonical(match[2] or unit))):
+            return float(match[1].replace(",", ".")) * factor or None
     return None

@@ -72,8 +72,10 @@ def read_trials(path: Path, depth: str = "", force: str = "") -> Iterator[PlateT
     }  # fmt: skip
     columns = [table.texts(key) if key in table.names else [value] * x.size for key, value in stated.items()]
     of_rows = list(zip(*columns, strict=True))
-    for key in dict.fromkeys(of_rows):
-        mine = np.array([row == key for row in of_rows])
+    places: dict[tuple[str, ...], list[int]] = {}
+    for place, row in enumerate(of_rows):
+        places.setdefault(row, []).append(place)
+    for key, mine in places.items():
         specimen, trial, casting, mounting = key
         yield PlateTrial(
             specimen, trial, x[mine], y[mine], casting, mounting, found.diameter_mm, found.height_mm,
@@ -100,17 +102,28 @@ class Asked:
 
 def read_plates(files: Sequence[Path], asked: Asked) -> PlateTests:
     """Every trial and its fits. DataError for what is no log."""
-    trials = []
-    for trial in (trial for path in files for trial in read_trials(path, asked.depth, asked.force)):
-        stated = asked.cylinders.get(trial.specimen)
-        size = (stated.diameter_mm, stated.height_mm) if stated else (None, None)
-        trials.append(
-            replace(
-                trial, diameter_mm=trial.diameter_mm or size[0], height_mm=trial.height_mm or size[1],
-                ends=asked.ends or (stated.ends if stated else trial.ends),
-            )
-        )  # fmt: skip
+    trials: list[PlateTrial] = []
+    seen: dict[bytes, str] = {}
+    for file in files:
+        for trial in read_trials(file, asked.depth, asked.force):
+            press, data = f"{file}, {trial.specimen} {trial.trial}", trial.depth_mm.tobytes() + trial.force_n.tobytes()
+            if data in seen:
+                raise DataError(
+                    press, wanted="another press", found=f"that of {seen[data]}", do="Name each press once."
+                )
+            seen[data] = press
+            trials.append(_sized(trial, asked))
     return plate_tests(
         trials, asked.range_n, whole=asked.whole, window=asked.window, spread=asked.spread,
         simulated=any((path / EMULATED_FILE).is_file() for path in files),
+    )  # fmt: skip
+
+
+def _sized(trial: PlateTrial, asked: Asked) -> PlateTrial:
+    """With the size that its file does not say, and the ends that were asked for."""
+    stated = asked.cylinders.get(trial.specimen)
+    size = (stated.diameter_mm, stated.height_mm) if stated else (None, None)
+    return replace(
+        trial, diameter_mm=trial.diameter_mm or size[0], height_mm=trial.height_mm or size[1],
+        ends=asked.ends or (stated.ends if stated else trial.ends),
     )  # fmt: skip

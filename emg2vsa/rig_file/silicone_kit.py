@@ -146,6 +146,9 @@ def lines(recipes: Sequence[Recipe], range_n: tuple[float, float]) -> Iterator[s
 def _notes(recipes: Sequence[Recipe]) -> Iterator[str]:
     """What the castings will not tell apart, and what is not near."""
     for each in recipes:
+        if not _SHAPES[0] <= each.size.height_mm / each.size.diameter_mm <= _SHAPES[1]:
+            shapes = f"{_SHAPES[0]:g} to {_SHAPES[1]:g} times the diameter"
+            yield f"{each.specimen}: its height is not {shapes}: the ends decide, or it bends"
         if not each.low <= each.wanted_n_per_mm <= each.high:
             yield f"{each.specimen}: no silicone at this height is nearer to {each.wanted_n_per_mm:g} N/mm"
     for one, other in pairwise(sorted(recipes, key=lambda each: each.kappa_n_per_mm)):

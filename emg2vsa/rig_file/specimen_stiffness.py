@@ -19,6 +19,8 @@ from emg2vsa.settings import WindowSettings
 from emg2vsa.study_file.problems import shown
 from emg2vsa.study_file.toml_file import read_toml
 
+_MOST_CHANGE = 5
+"""That a study file takes, as a share."""
 _ONE = {"presses": "press", "mountings": "mounting", "castings": "casting"}
 Row = dict[str, Any]
 
@@ -148,7 +150,7 @@ def by_specimen(found: PlateTests) -> dict[str, dict[str, Any]]:
             "stiffness_n_per_mm": float(f"{of.kappa.mean:.4g}"),
             "stiffness_se_n_per_mm": float(f"{of.error:.2g}"),
             "stiffness_range_n": [of.range_n[0], float(f"{of.range_n[1]:.3g}")],
-            "stiffness_change": float(f"{of.change if 2 * of.nonlinear > of.trials else 0:.2g}"),
+            "stiffness_change": float(f"{of.change if 2 * of.nonlinear > of.trials else of.of_rubber:.2g}"),
         }
         if np.isfinite(of.adj_r2):
             keys[of.name]["plate_adjusted_r2"] = float(np.floor(1e4 * of.adj_r2) / 1e4)
@@ -195,6 +197,11 @@ def write_stiffness(path: Path, found: PlateTests) -> None:
             reasons = [note for row in trial_rows(found) if row["specimen"] == name for note in row["notes"]]
             do = "Measure it again."
             raise DataError(name, wanted="a press that gives a stiffness", found=reasons[0], do=do)
+        if not -1 < (change := values[name]["stiffness_change"]) <= _MOST_CHANGE:
+            found_change, do = f"one that changes by {100 * change:.0f} % of itself", "Choose a smaller range: --to."
+            raise DataError(
+                f"{name}, stiffness", wanted="a stiffness over the range of force", found=found_change, do=do
+            )
     write_values(
         path,
         {("specimens", names.index(name), key): value for name, keys in values.items() for key, value in keys.items()},

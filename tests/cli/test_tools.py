@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 import pkgutil
+import shutil
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -244,3 +245,51 @@ def test_real_silicone_is_told_with_its_modulus(
     assert "one casting: a stated SD of 3.5 % between castings enters, --castings says otherwise" in said
     assert "5 of 5 logs begin in contact: that the first force is zero is taken from the file." in said
     assert "note: pressed at 0.167 mm/s\n" in said  # 10 mm a minute
+
+
+def rubber_press(path: Path, deepest_mm: float, head: str = "", modulus_kpa: float = 20) -> str:
+    deep = np.arange(-0.5, deepest_mm, 0.0167)
+    force = rubber(modulus_kpa)(deep) + 0.002 * np.random.default_rng(int(100 * deepest_mm)).standard_normal(deep.size)
+    table = "".join(f"{x:.5f},{f:.5f}\n" for x, f in zip(deep, force, strict=True))
+    return str(write_log(path, f"{head}indentation_mm,force_n\n{table}"))
+
+
+def test_presses_of_different_reach_are_taken_over_the_forces_of_all(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    names = [f"X_A_sample_{trial}" for trial in (1, 2, 3)]
+    reach = (2.2, 6.0, 6.1)
+    logs = [rubber_press(tmp_path / f"{n}.csv", mm, f"{n}\n") for n, mm in zip(names, reach, strict=True)]
+    found = told(capsys, *logs)
+    deep = np.linspace(0, 8, 80001)
+    ends = np.interp([0.5, found["force_to_n"]], rubber(20)(deep), deep)
+    assert found["force_to_n"] < 3.5
+    assert found["stiffness_n_per_mm"] == pytest.approx((found["force_to_n"] - 0.5) / np.diff(ends)[0], rel=0.01)
+
+
+def test_a_press_counts_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    one = rubber_press(tmp_path / "a.csv", 6.0)
+    copied = shutil.copy(one, tmp_path / "b.csv")
+    for again in (one, str(copied)):
+        assert main(["tools", "stiffness", one, again]) == 2
+        assert "expected another press, but found that of" in capsys.readouterr().err
+
+
+def test_a_plate_s_diameter_is_not_the_specimen_s(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    head = "Plate diameter: 100 mm\nCylinder Diameter: 50,0mm\nCylinder Height: 30mm\n"
+    found = told(capsys, rubber_press(tmp_path / "a.csv", 6.0, head))
+    assert found["modulus"]["kpa"] == pytest.approx(21, rel=0.03)
+    this = told(capsys, str(tmp_path / "a.csv"), "--castings", "0")
+    assert (found["holds_for_further"], this["holds_for_further"]) == ("castings", "mountings")
+
+
+def test_a_stiffness_that_is_no_one_number_is_not_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("emg2vsa.rig_file.specimen_stiffness._MOST_CHANGE", 0.1)  # 5 takes a press that locks
+    log = rubber_press(tmp_path / "S1.csv", 6.0)
+    study = write_log(tmp_path / "study.toml", '[[specimens]]\nname = "S1"\n')
+    assert main(["tools", "stiffness", log, "--write", str(study)]) == 2
+    said = "S1, stiffness: expected one number for the range of force, but found one that changes by "
+    assert said in capsys.readouterr().err
+    assert study.read_text() == '[[specimens]]\nname = "S1"\n'

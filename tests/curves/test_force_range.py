@@ -169,3 +169,24 @@ def test_a_depth_in_the_wrong_unit_and_one_beyond_the_specimen_are_told() -> Non
     through = fit_range(x, force, RANGE_N, height_mm=3)
     assert through.rating == "unusable"
     assert "the specimen is 3 mm high" in through.reasons[0]
+
+
+@pytest.mark.parametrize("height_mm", [None, 30.0])
+def test_a_press_that_softens_is_nonlinear_and_says_by_how_much(height_mm: float | None) -> None:
+    def crust(depth: np.ndarray) -> np.ndarray:  # 12 N/mm at the touch, 3 N/mm deep down
+        deep = np.maximum(depth, 0)
+        return np.asarray(3 * deep + 9 * 0.2 * (1 - np.exp(-deep / 0.2)))
+
+    tangent = truth(crust, np.linspace(*RANGE_N, 9))[1]
+    for seed in range(5):
+        fit = fit_range(*press(crust, 0.01, seed)[:2], RANGE_N, height_mm)
+        assert fit.nonlinear
+        assert fit.change == pytest.approx((tangent[-1] - tangent[0]) / fit.secant, rel=0.25)
+
+
+def test_a_load_cell_that_ends_and_a_spike_are_told() -> None:
+    x, force, _ = press(line(2.0), 0.0, 0)
+    assert "does the load cell end there?" in fit_range(x, np.minimum(force, 5.0), RANGE_N).reasons[0]
+    spiked = force.copy()
+    spiked[len(spiked) // 2] = 1e6
+    assert fit_range(x, spiked, RANGE_N).rating == "unusable"

@@ -94,7 +94,7 @@ def test_columns_and_units_are_taken_as_asked_for(read: Callable[..., PressTable
         ("", "the first is 'an empty file'"),
         ("depth,force\n0,0\n1,2\n", "line 1, column 'depth': expected a unit of depth, such as mm, but found none"),
         ("depth (mm),force\n0,0\n1,2\n", "column 'force': expected a unit of force, such as N, but found none"),
-        ("depth (mm),force (kg)\n0,0\n1,2\n", "expected a unit of force, such as N, but found 'kg'"),
+        ("depth (mm),force (kg)\n0,0\n1,2\n", "found a mass, 'kg'. Convert it to newtons: 9.80665 N"),
         ("depth (N),force (N)\n0,0\n1,2\n", "expected a unit of depth, such as mm, but found 'N'"),
         ("Extension (mm),Position (mm),Load (N)\n0,0,0\n1,1,2\n", 'Say which: --depth "Extension (mm)".'),
         ("Depth (mm),Load (N)\n0,0\n1,two\n", "line 3, column 'Load (N)': expected a number"),

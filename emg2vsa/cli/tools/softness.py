@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -96,6 +97,11 @@ def cast(arguments: argparse.Namespace) -> int:
         value = getattr(arguments, key)
         if value is not None and not 0 < value < float("inf"):
             raise SettingError(f"--{key}", wanted="millimetres above 0", found=f"{value:g}", do="Correct it.")
+    names = [each.partition("=")[0] for each in arguments.stiffness]
+    for name in names:
+        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*", name) or names.count(name) > 1:
+            wanted = "names of letters, digits, - _ and dots, each once"
+            raise SettingError("--stiffness", wanted=wanted, found=repr(name), do="Correct this option.")
     range_n = (arguments.from_n, arguments.to_n)
     if not 0 < range_n[0] < range_n[1] < float("inf"):
         found, do = f"{range_n[0]:g} to {range_n[1]:g}", "Give the smaller force first."
