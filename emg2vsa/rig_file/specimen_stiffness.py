@@ -198,10 +198,8 @@ def write_stiffness(path: Path, found: PlateTests) -> None:
             do = "Measure it again."
             raise DataError(name, wanted="a press that gives a stiffness", found=reasons[0], do=do)
         if not -1 < (change := values[name]["stiffness_change"]) <= _MOST_CHANGE:
-            found_change, do = f"one that changes by {100 * change:.0f} % of itself", "Choose a smaller range: --to."
-            raise DataError(
-                f"{name}, stiffness", wanted="a stiffness over the range of force", found=found_change, do=do
-            )
+            found_change, do = f"one that changes by {100 * change:.0f} %", "Choose a smaller range of force: --to."
+            raise DataError(f"{name}, stiffness", wanted="one number for the range of force", found=found_change, do=do)
     write_values(
         path,
         {("specimens", names.index(name), key): value for name, keys in values.items() for key, value in keys.items()},
