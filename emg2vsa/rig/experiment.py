@@ -142,10 +142,12 @@ def plan_of(
     """
     other = experiment.schedule_of.get(run.specimen)
     schedule = None if run.condition == RIGID else schedule_for(schedules, other or run.specimen, run.condition)
+    known = dict(emulated_n_per_mm or {}) | experiment.stiffness_n_per_mm
+    own = known.pop(run.specimen, None)
     return RunPlan(
         run.specimen, run.angle_deg, run.condition, experiment.repetitions, schedule,
         mounting=run.mounting, schedule_from=other,
-        stiffness_n_per_mm=(dict(emulated_n_per_mm or {}) | experiment.stiffness_n_per_mm).get(run.specimen),
+        stiffness_n_per_mm=own, others_n_per_mm=known,
         **{name: getattr(experiment, name) for name in _OF_A_PRESS},
     )  # fmt: skip
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -47,6 +48,8 @@ class RunPlan:
     "Place of the run in the sequence of its experiment, from 1; None where it was asked for alone."
     stiffness_n_per_mm: float | None = None
     "Of the specimen, by plate indentation; None where it is not known."
+    others_n_per_mm: Mapping[str, float] = field(default_factory=dict)
+    "Of other specimens, by name: which one a press is like that is not like this one's."
 
     def step_at(self, force_n: float) -> int:
         """Index of the force step that ``force_n`` is in; below the first edge the first, above the last the last."""

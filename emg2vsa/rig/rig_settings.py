@@ -65,6 +65,9 @@ class GuardSettings:
     "Longest time without a frame."
     late_s: Annotated[float, Gt(0), Le(0.1)] = 0.05
     "How late a turn of the loop may begin; the probe goes 0.25 mm meanwhile."
+    specimen_share: Annotated[float, Gt(0), Le(1)] = 0.2
+    """From 1 N on: how far the stiffness of the contact, of dome and specimen in series, may be off that of the named
+    specimen, as a share. A dome of another dome_modulus_mpa, or a specimen that is no half-space, needs more."""
     motors_every_s: Annotated[float, Gt(0), Le(1)] = 0.1
     "How often the actuator is asked whether its motors are on; less than half of watchdog_s."
 
@@ -112,6 +115,11 @@ class RigSettings:
     "Turns of the control loop per second; four or more of them in watchdog_s."
     filter_samples: Annotated[int, Ge(1)] = 5
     "Moving average of the force that chooses phase and stiffness."
+    dome_modulus_mpa: Positive = 0.4
+    """Reduced modulus of the tactile sensor's dome, 20 mm in radius (guess). Every press tells the stiffness of its
+    specimen by it: set it so that presses of a specimen of known stiffness tell that one in presses.csv."""
+    dome_modulus_sd_percent: Annotated[float, Gt(0), Le(50)] = 3.0
+    "Standard deviation of that, percent (guess: batch, temperature)."
     max_mm_per_s: Annotated[float, Gt(0), Le(200)] = 40.0
     "Largest speed of any motion; a Maker Pro at this gear makes 43 mm/s."
     escape_mm_per_s: Annotated[float, Ge(5), Le(200)] = 20.0

@@ -16,6 +16,7 @@ from emg2vsa.rig.executor.guards import GUARDS, Check, Moment, tripped
 from emg2vsa.rig.executor.motion import Motion, MovingAverage, advance
 from emg2vsa.rig.executor.plan_limits import most_past_contact_mm
 from emg2vsa.rig.executor.safe_end import Start
+from emg2vsa.rig.executor.specimen_witness import SpecimenWitness
 from emg2vsa.rig.executor.witnesses import Witnesses, at_rest
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import EndRun
@@ -84,7 +85,7 @@ class ControlCycle:
             past_contact_mm=most_past_contact_mm(self._plan, self._rig),
         )
         joint = actuator.joint
-        self._witnesses = Witnesses(self._rig, joint, at)
+        self._witnesses, self._specimen = Witnesses(self._rig, joint, at), SpecimenWitness(self._plan, self._rig)
         if joint is not None:
             most = joint.preset_per_s * self._rig.period_s
             self._slew, self._stiffest = (
@@ -120,6 +121,7 @@ class ControlCycle:
                 self._turned_s, self._before = now_s, force
                 at, currents_a = self._devices.actuator.measurements(), self._devices.actuator.currents_a()
             self._witnesses.read(at, currents_a, force.raw_n, wanted, begins=wanted.phase != before.phase)
+            self._weigh(wanted, force, at, now_s)
             if (wanted.phase, before.phase) == ("retract", "load"):
                 self._compare()
             self._ask(now_s)
@@ -243,6 +245,18 @@ class ControlCycle:
         if gain is not None and not GAINS[0] - skin <= gain <= GAINS[1] + skin:
             why = f"the force sensor feels {gain:.2f} of what the springs bear: look at its calibration and at the gear"
             self._record.doubt_press(why, "doubtful")
+        self._record.press_kappa(self._specimen.kappa())
+        if why := self._specimen.doubt():
+            self._record.doubt_press(why, "doubtful")
+
+    def _weigh(self, motion: Motion, force: Force, at: Measurements, now_s: float) -> None:
+        """Let the specimen be a witness."""
+        off = None
+        if motion.phase in ("contact", "load"):
+            across_n = math.sqrt(max(0.0, force.sample.size_n**2 - force.raw_n**2))
+            loaded_s = now_s - motion.since_s if motion.phase == "load" else None
+            off = self._specimen.read(force.raw_n, across_n, self._rig.depth_at(at.shaft_deg), loaded_s)
+        self._witnesses.seen.off_specimen = off
 
     def _free(self, when: str) -> None:
         felt_n = self._witnesses.mean_n

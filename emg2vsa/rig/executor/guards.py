@@ -57,6 +57,8 @@ class Seen:
     "Depth of the shaft, before contact."
     past_contact_mm: float | None = None
     "How far the shaft has gone after contact."
+    off_specimen: float | None = None
+    "Stiffness of the contact over that of the named specimen, less 1."
     rise_n: float | None = None
     "On the way home: by how much the force has grown from its smallest there."
 
@@ -164,6 +166,15 @@ def following(moment: Moment, limits: GuardSettings) -> str | None:
     return unmoved or _above(moment.seen.astray_deg, limits.following_deg, "degrees off the way to its command")
 
 
+def specimen(moment: Moment, limits: GuardSettings) -> str | None:
+    """Force over depth is not that of the named specimen, or the force sensor or an encoder errs."""
+    off = moment.seen.off_specimen
+    if off is None or abs(off) <= limits.specimen_share:
+        return None
+    said = f"the contact is {1 + off:.2f} times as stiff as with the specimen of the plan, limit {limits.specimen_share:g} off"
+    return f"{said}: look at the specimen, the force sensor, the gear and rig.dome_modulus_mpa"
+
+
 def lost_device(moment: Moment, limits: GuardSettings) -> str | None:
     """The actuator answers, but has switched its motors off."""
     return None if moment.active else "the motors are off: reset, or watchdog"
@@ -212,6 +223,8 @@ GUARDS: dict[str, Check] = {
     "travel": _most("mm", lambda now, _: (now.depth_mm, now.travel_mm)),
     # the shaft is deeper than the specimen's surface can be, and no contact was felt
     "no contact": _most("mm without contact", lambda now, limits: (now.seen.approach_mm, limits.contact_mm)),
+    # force over depth is of another specimen, or a scale is wrong
+    "specimen": specimen,
     # the specimen gives way more than it can: it is gone, or its force is not felt
     "past contact": _most("mm past contact", lambda now, limits: (now.seen.past_contact_mm, limits.past_contact_mm)),
     # a motor stalls, or works against something that the force sensor does not bear

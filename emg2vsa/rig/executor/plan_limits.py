@@ -129,7 +129,7 @@ def largest_force_n(plan: RunPlan, rig: RigSettings) -> float | None:
     """
     if plan.stiffness_n_per_mm is None:
         return None
-    contact = ElasticDome().on(plan.stiffness_n_per_mm)
+    contact = ElasticDome(sensor_modulus_mpa=rig.dome_modulus_mpa).on(plan.stiffness_n_per_mm)
     # a skin that sticks takes a part of the force, and resists the way along the surface too
     slope_n_per_mm = max(_slope(contact, plan, sticks=sticks) for sticks in (False, True))
     # two lags in series, of motors and shaft, go on by less than half the time of the slow motors of the guard
@@ -145,7 +145,7 @@ def most_past_contact_mm(plan: RunPlan, rig: RigSettings) -> float:
     if plan.stiffness_n_per_mm is None:
         return most_mm
     across = math.cos(math.radians(plan.angle_deg))
-    contact = ElasticDome().on(plan.stiffness_n_per_mm)
+    contact = ElasticDome(sensor_modulus_mpa=rig.dome_modulus_mpa).on(plan.stiffness_n_per_mm)
     between_n = plan.f_contact_n, _BEYOND_LIMIT * rig.guards.force_n
     first_mm, last_mm = (contact.depth_mm(force_n / across) / across for force_n in between_n)
     return min(most_mm, last_mm - first_mm)

@@ -50,6 +50,11 @@ class PressCounts:
     "Largest force across it."
     stopped: str = ""
     "At which force and why a press was stopped before the force of a whole one; empty for a whole press."
+    kappa_n_per_mm: float = math.nan
+    "Stiffness of the specimen by force over depth of this press, with its 95 % interval; empty where it tells none."
+    kappa_low_n_per_mm: float = math.nan
+    kappa_high_n_per_mm: float = math.nan
+    "inf where the specimen may be rigid."
 
 
 HEADER = ",".join(field.name for field in fields(PressCounts))
@@ -58,7 +63,8 @@ HEADER = ",".join(field.name for field in fields(PressCounts))
 def line_of(counts: PressCounts) -> str:
     """A line of presses.csv."""
     text = io.StringIO()
-    values = (f"{value:.6f}" if isinstance(value, float) else value for value in asdict(counts).values())
+    values = ("" if value != value else f"{value:.6f}" if isinstance(value, float) else value
+              for value in asdict(counts).values())  # fmt: skip
     csv.writer(text, lineterminator="\n").writerow(values)
     return text.getvalue()
 
@@ -152,6 +158,11 @@ class PressTally:
     def stop(self, why: str) -> None:
         """It was stopped: at which force, and why."""
         self._now.stopped = why
+
+    def kappa(self, kappa: float, low: float, high: float) -> None:
+        """Of the specimen by this press, N/mm, and its interval."""
+        now = self._now
+        now.kappa_n_per_mm, now.kappa_low_n_per_mm, now.kappa_high_n_per_mm = kappa, low, high
 
     def doubt(self, why: str, verdict: Verdict = "rejected") -> None:
         """Somebody else has found the press ``verdict``."""

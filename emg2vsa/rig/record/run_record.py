@@ -147,6 +147,11 @@ class RunRecord:
         if self._forces is not None:
             self._forces.append(samples())
 
+    def press_kappa(self, kappa: tuple[float, float, float] | None) -> None:
+        """Stiffness of the specimen by the press that is going on, N/mm, with its interval."""
+        if self._tally is not None and kappa is not None:
+            self._tally.kappa(*kappa)
+
     def doubt_press(self, why: str, verdict: Verdict = "rejected") -> None:
         """The press that is going on is not to be trusted."""
         if self._tally is not None:

@@ -1,0 +1,145 @@
+"""The specimen as a witness: is force over depth of a press that of the specimen which the plan names?
+
+Depth is that of the shaft, behind springs and motors, and force that of the sensor, before the friction of the shaft.
+With the force N along the normal of the specimen's surface, the contact of `emg2vsa.dome_contact` makes N^(1 - n) a
+straight line over depth, whose slope tells the modulus of dome and specimen in series, wherever contact was.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from emg2vsa.dome_contact import ElasticDome, PowerLaw
+from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.rig_settings import RigSettings
+
+_FROM_N, _LEAST_TURNS, _LEAST_SPAN = 1.0, 20, 2.0
+"""Of a loading that tells kappa; the largest force over the smallest."""
+_CREEP = 0.025
+"""Power of time with which contacts of rubber relax: 11 % between 0.1 and 10 s, of silicone less and of the printed
+dome more (Petet et al. 2021). Stiffness is that after 1 s, and a press meets the bodies stiffer."""
+_RAMP = 1.13
+"""Times that power: what a force that grows with depth^(4/3) has not yet lost of that."""
+_PRESS_SD, _ANGLE_SD_RAD, _STATED_SD = 0.012, math.radians(0.5), 0.03
+"""Relative errors of a press's modulus by creep and timing, of the angle as it was set, and of a specimen's stiffness
+between mountings, a first press among them (guesses, as are those of the emulated rig)."""
+_OTHER_SDS = 3.0
+"""A press so many standard deviations away is of another specimen: 0.3 % of good ones."""
+_SLACK_S = 0.02
+"""Between force and depth of one turn, at most, with what the shaft goes on at first."""
+
+
+class PressKappa(NamedTuple):
+    """Stiffness of the specimen by one press, N/mm, with its 95 % interval; infinite where it may be rigid."""
+
+    kappa: float
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        return f"{self.kappa:.3g} N/mm, 95 %: {self.low:.3g} to {'rigid' if self.high == math.inf else f'{self.high:.3g}'}"
+
+
+class SpecimenWitness:
+    """Watches the loadings of one run; a plate measures the specimen, and has no witness in it."""
+
+    def __init__(self, plan: RunPlan, rig: RigSettings) -> None:
+        self._plan = plan
+        self._dome = ElasticDome(sensor_modulus_mpa=rig.dome_modulus_mpa)
+        self._dome_sd = rig.dome_modulus_sd_percent / 100
+        tilt_rad = math.radians(plan.angle_deg)
+        self._sin, self._cos = math.sin(tilt_rad), math.cos(tilt_rad)
+        self._power = 1 - self._dome.exponent
+        self._per_mm = PowerLaw(1.0, self._dome.tip_radius_mm, self._dome.exponent).per_mm
+        self._slack_mm = self._cos * plan.ramp_mm_per_s * _SLACK_S
+        self._named_mpa = plan.stiffness_n_per_mm and self._dome.modulus_mpa(plan.stiffness_n_per_mm)
+        self._rest: tuple[float, float] | None = None
+        self._turns: list[tuple[float, float]] = []
+        self._loaded_s = 0.0
+        self._enough = (_FROM_N * _LEAST_SPAN) ** self._power
+
+    def read(self, force_n: float, across_n: float, depth_mm: float, loaded_s: float | None) -> float | None:
+        """One turn in contact: force along and across the push axis, depth of the shaft, and for how long the probe has
+        been loading, None before. The modulus of this press so far over the named one's, less 1: 0 within the slack;
+        None where nothing is known to compare with."""
+        if self._plan.plate:
+            return None
+        # friction and elasticity of the skin change the direction of the force, not its part along the normal
+        normal = max(0.0, force_n * self._cos + across_n * self._sin) ** self._power
+        along_mm = depth_mm * self._cos
+        if loaded_s is None:
+            self._rest, self._loaded_s = (along_mm, normal), 0.0
+            self._turns.clear()
+            return None
+        self._loaded_s = loaded_s
+        if force_n < _FROM_N or self._rest is None:
+            return None
+        self._turns.append((along_mm, normal))
+        if self._named_mpa is None:
+            return None
+        gone_mm, grown = along_mm - self._rest[0], normal - self._rest[1]
+        named_mm = grown / (self._per_mm * (self._named_mpa * self._stiffer()) ** self._power)
+        nearest_mm = min(max(named_mm, gone_mm - self._slack_mm), gone_mm + self._slack_mm)
+        return math.inf if nearest_mm <= 0 else max(0.0, named_mm / nearest_mm) ** (1 / self._power) - 1
+
+    def kappa(self) -> PressKappa | None:
+        """By the loading that is over; None of one that is too short to tell."""
+        modulus_mpa = self._modulus_mpa()
+        if modulus_mpa is None:
+            return None
+        spread = 2 * self._sd(modulus_mpa)
+        return PressKappa(*(self._kappa(modulus_mpa * math.exp(at)) for at in (0.0, -spread, spread)))
+
+    def doubt(self) -> str | None:
+        """What the loading that is over presses like, where that is not the specimen of the plan."""
+        modulus_mpa, named = self._modulus_mpa(), self._plan.stiffness_n_per_mm
+        if modulus_mpa is None or named is None or self._far(modulus_mpa, named) <= _OTHER_SDS:
+            return None
+        like = _nearest({name: self._far(modulus_mpa, kappa) for name, kappa in self._plan.others_n_per_mm.items()})
+        own = f"{self._plan.specimen}, {named:g} N/mm"
+        return (
+            f"this presses like {like or 'another specimen'} ({self.kappa()}), not {own}: look at the specimen, then at "
+            "the calibration of the force sensor, the gear and rig.dome_modulus_mpa"
+        )
+
+    def _modulus_mpa(self) -> float | None:
+        """Of dome and specimen in series, after 1 s."""
+        turns = self._turns
+        if len(turns) < _LEAST_TURNS or turns[-1][1] < self._enough:
+            return None
+        along_mm, normal = np.array(turns).T
+        mm_per = float(np.polyfit(normal, along_mm, 1)[0])
+        if mm_per <= 0:
+            return math.inf
+        return float((1 / (self._per_mm * mm_per)) ** (1 / self._power) / self._stiffer())
+
+    def _stiffer(self) -> float:
+        """By how much the bodies are in a press of this length."""
+        return float((1 + _RAMP * _CREEP) * max(self._loaded_s, 0.05) ** -_CREEP)
+
+    def _sd(self, modulus_mpa: float, specimen_sd: float = 0.0) -> float:
+        """Relative error of the modulus of a press, with that of a specimen of this one."""
+        dome = min(1.0, modulus_mpa / self._dome.sensor_modulus_mpa)
+        angle = _ANGLE_SD_RAD * self._sin / self._cos / self._power
+        return math.hypot(self._dome_sd * dome, _PRESS_SD, angle, specimen_sd * (1 - dome))
+
+    def _far(self, modulus_mpa: float, kappa: float) -> float:
+        """From a specimen of this stiffness, standard deviations."""
+        named_mpa = self._dome.modulus_mpa(kappa)
+        return abs(math.log(modulus_mpa / named_mpa)) / self._sd(named_mpa, _STATED_SD)
+
+    def _kappa(self, modulus_mpa: float) -> float:
+        """Of the specimen under the dome."""
+        if modulus_mpa >= self._dome.sensor_modulus_mpa:
+            return math.inf
+        return 2 * self._dome.punch_radius_mm / (1 / modulus_mpa - 1 / self._dome.sensor_modulus_mpa)
+
+
+def _nearest(far: Mapping[str, float]) -> str:
+    """The name that is nearest, if it is near enough; of several as near, all."""
+    least = min(far.values(), default=math.inf)
+    return " or ".join(name for name, each in far.items() if each == least) if least <= _OTHER_SDS else ""
