@@ -87,7 +87,7 @@ RIG = RigSettings()
 MOST_N = 1.3 * RIG.guards.force_n
 """What a specimen may feel, whatever goes wrong."""
 STALL_N = 1.05 * MOTOR_TORQUE_NM / RIG.lever_m
-"""What it may feel of a rigid motor where only springs could have told."""
+"""What it may feel of a rigid motor where only springs could have told of a contact."""
 FREE_N = 0.05
 OFF_SURFACE_MM = 0.25 * GAP_MM
 

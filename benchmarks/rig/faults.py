@@ -25,7 +25,7 @@ class Fault:
     ends : of a run in which it strikes while the loop goes round; any of them tells the truth.
     activation : where it strikes before that.
     springs_only : a rigid motor has nothing that could go wrong so.
-    shown_by_springs : nothing else tells it from a softer specimen, so that a rigid motor presses until it stalls.
+    shown_by_springs : no contact is felt, so that a rigid motor goes on until it stalls.
     later : it shows only after a while, perhaps in a later phase.
     harmless_in : phases in which it touches nothing that the run needs.
     unseen_in : phases in which it may come too late to show.
@@ -69,15 +69,15 @@ LIMIT, RATE, TRAVEL, UNTRUSTED, PRELOAD = (
     End("guard", "force limit"), End("guard", "force rate"), End("guard", "travel"), End("guard", "untrusted force"),
     End("guard", "preload"),
 )  # fmt: skip
-FOLLOWING, CURRENT, LATERAL, SPRINGS, FROZEN, WAY_HOME, NO_CONTACT, PAST_CONTACT, OVERLOAD = (
+FOLLOWING, CURRENT, LATERAL, SPRINGS, FROZEN, WAY_HOME, NO_CONTACT, PAST_CONTACT, OVERLOAD, SPECIMEN = (
     End("guard", "following"), End("guard", "motor current"), End("guard", "lateral force"),
     End("guard", "spring limit"), End("guard", "frozen force"), End("guard", "way home"), End("guard", "no contact"),
-    End("guard", "past contact"), End("guard", "sensor overload"),
+    End("guard", "past contact"), End("guard", "sensor overload"), End("guard", "specimen"),
 )  # fmt: skip
 REJECTED, NOT_RETRACTED = End("rejected", "press"), End("rejected", "not retracted")
 MOTION = (FOLLOWING, CURRENT)
-JUMP = (*MOTION, SPRINGS, UNTRUSTED, PAST_CONTACT, NO_CONTACT, TRAVEL, WAY_HOME)
-BLIND = (LATERAL, SPRINGS, UNTRUSTED, RATE, LIMIT, NO_CONTACT, PAST_CONTACT, PRELOAD, WAY_HOME)
+JUMP = (*MOTION, SPRINGS, UNTRUSTED, SPECIMEN, PAST_CONTACT, NO_CONTACT, TRAVEL, WAY_HOME)
+BLIND = (LATERAL, SPRINGS, UNTRUSTED, SPECIMEN, RATE, LIMIT, NO_CONTACT, PAST_CONTACT, PRELOAD, WAY_HOME)
 AFTER = ("retract", "pause")
 """Of the one press of a case: nothing is measured any more."""
 FILES = ("log.csv", "force.csv", "frames.tif", "plan.json", "ended.json")
@@ -197,7 +197,7 @@ FORCE_FAULTS: dict[str, Fault] = {
     "force records doubled": Fault(words("twice"), (SURVIVED,)),
     "force records reordered": Fault(words("shuffled 4"), (SURVIVED, REJECTED)),
     "force records 20 ms late": Fault(words("delayed 20"), (SURVIVED, STALE), later=True),
-    "force records 100 ms late": Fault(words("delayed 100"), (STALE,), UNTRUSTED, later=True, probe="unsure"),
+    "force records 100 ms late": Fault(words("delayed 100"), (STALE, SPECIMEN, UNTRUSTED), later=True, probe="unsure"),
     "force lags 20 ms": Fault(words("lag 20"), (SURVIVED, *BLIND), later=True),
     "force lags 100 ms": Fault(words("lag 100"), (SURVIVED, *BLIND), later=True, probe="unsure"),
     "force records cut short": Fault(words("cut"), (STALE,), later=True),
@@ -212,7 +212,7 @@ FORCE_FAULTS: dict[str, Fault] = {
     "force has the wrong sign": Fault(words("turned"), BLIND, later=True, unseen_in=AFTER),
     "force has the wrong axis": Fault(words("swapped"), BLIND, later=True, unseen_in=AFTER),
     "force axis dead": Fault(words("dead"), BLIND, shown_by_springs=True, later=True, unseen_in=AFTER),
-    "force a fifth": Fault(words("gain 0.2"), (*BLIND, *MOTION), shown_by_springs=True, later=True, unseen_in=AFTER),
+    "force a fifth": Fault(words("gain 0.2"), (*BLIND, *MOTION), later=True, unseen_in=AFTER),
     "flood of strange sequences": Fault(words("garbage"), (SURVIVED, REJECTED, STALE, UNTRUSTED), later=True),
     "one strange record": Fault(words("trash"), (SURVIVED, LIMIT, RATE, LATERAL, UNTRUSTED, STALE), later=True),
 }
@@ -254,10 +254,10 @@ WRONG_RIGS: dict[str, tuple[Built, tuple[End, ...]]] = {
     "home 4 mm too deep": (Built(told=replace(_TRUE, home_deg=20.0)), (WAY_HOME, PRELOAD, SPRINGS)),
     "gear of 0.1 for 0.2": (Built(told=replace(_TRUE, gear_mm_per_degree=0.1)), (REFUSED_FILE, REFUSED_SCHEDULE)),
     "gear of 0.1 for 0.2 (rigid)": (
-        Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.1)), (SURVIVED, LIMIT, RATE, REFUSED_FILE),
+        Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.1)), (SPECIMEN, REFUSED_FILE),
     ),
     "gear of 0.4 for 0.2 (rigid)": (
-        Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.4)), (SURVIVED, NO_CONTACT, PAST_CONTACT),
+        Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.4)), (SPECIMEN, NO_CONTACT),
     ),
     "push_axis along x (rigid)": (Built(rigid=True, told=replace(_TRUE, push_axis=(1.0, 0.0, 0.0))), BLIND),
     "home 9 mm too deep (rigid)": (

@@ -246,8 +246,8 @@ class ControlCycle:
             why = f"the force sensor feels {gain:.2f} of what the springs bear: look at its calibration and at the gear"
             self._record.doubt_press(why, "doubtful")
         self._record.press_kappa(self._specimen.kappa())
-        if why := self._specimen.doubt():
-            self._record.doubt_press(why, "doubtful")
+        if doubt := self._specimen.doubt():
+            self._record.doubt_press(doubt, "doubtful")
 
     def _weigh(self, motion: Motion, force: Force, at: Measurements, now_s: float) -> None:
         """Let the specimen be a witness."""

@@ -171,7 +171,8 @@ def specimen(moment: Moment, limits: GuardSettings) -> str | None:
     off = moment.seen.off_specimen
     if off is None or abs(off) <= limits.specimen_share:
         return None
-    said = f"the contact is {1 + off:.2f} times as stiff as with the specimen of the plan, limit {limits.specimen_share:g} off"
+    times = "far more than as" if off > 8 else f"{1 + off:.2f} times as"  # on a short way no number says much
+    said = f"the contact is {times} stiff as on the specimen of the plan, limit {limits.specimen_share:g} off"
     return f"{said}: look at the specimen, the force sensor, the gear and rig.dome_modulus_mpa"
 
 

@@ -23,6 +23,8 @@ _STIFFENING_S = 0.1
 """How long the motors take to a new stiffness."""
 _BEYOND_LIMIT = 1.2
 """Of the force limit: a depth at which the specimen would bear so much is too deep."""
+UNWITNESSED_N = 2.0
+"""Largest F_max of a rigid motor on a specimen of unknown stiffness, whose force has no second witness."""
 _ROUNDED = 1e-9
 """Share of the full preset that rounding may make."""
 Rule = tuple[str, bool, str, object]
@@ -79,6 +81,13 @@ def _plan_rules(plan: RunPlan, rig: RigSettings) -> Iterator[Rule]:
         yield name, value <= rig.max_mm_per_s, f"at most rig.max_mm_per_s, {rig.max_mm_per_s:g}", value
     for name, value in (("pause_s", plan.pause_s), ("contact_s", plan.contact_s), ("lead_s", plan.lead_s)):
         yield name, 0 <= value < math.inf, "0 s or more", value
+    yield (
+        "stiffness_n_per_mm",
+        plan.schedule is not None or plan.plate or plan.stiffness_n_per_mm is not None or plan.f_max_n <= UNWITNESSED_N,
+        f"that of the specimen, where a rigid motor presses with more than {UNWITNESSED_N:g} N: nothing else tells a "
+        "wrong force; press it with the plate first",
+        "none",
+    )
     low, high = plan.f_contact_n, rig.guards.force_n
     yield (
         "f_max_n",

@@ -8,7 +8,8 @@ straight line over depth, whose slope tells the modulus of dome and specimen in 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -41,7 +42,8 @@ class PressKappa(NamedTuple):
     high: float
 
     def __str__(self) -> str:
-        return f"{self.kappa:.3g} N/mm, 95 %: {self.low:.3g} to {'rigid' if self.high == math.inf else f'{self.high:.3g}'}"
+        high = "rigid" if self.high == math.inf else f"{self.high:.3g}"
+        return f"{self.kappa:.3g} N/mm, 95 %: {self.low:.3g} to {high}"
 
 
 class SpecimenWitness:
@@ -57,7 +59,9 @@ class SpecimenWitness:
         self._per_mm = PowerLaw(1.0, self._dome.tip_radius_mm, self._dome.exponent).per_mm
         self._slack_mm = self._cos * plan.ramp_mm_per_s * _SLACK_S
         self._named_mpa = plan.stiffness_n_per_mm and self._dome.modulus_mpa(plan.stiffness_n_per_mm)
-        self._rest: tuple[float, float] | None = None
+        self._rest: list[tuple[float, float]] = []
+        self._mean_of = rig.filter_samples
+        self._newest: deque[tuple[float, float]] = deque(maxlen=self._mean_of)
         self._turns: list[tuple[float, float]] = []
         self._loaded_s = 0.0
         self._enough = (_FROM_N * _LEAST_SPAN) ** self._power
@@ -72,19 +76,25 @@ class SpecimenWitness:
         normal = max(0.0, force_n * self._cos + across_n * self._sin) ** self._power
         along_mm = depth_mm * self._cos
         if loaded_s is None:
-            self._rest, self._loaded_s = (along_mm, normal), 0.0
-            self._turns.clear()
+            if self._newest:  # of the press before
+                self._rest, self._turns = [], []
+                self._newest.clear()
+            self._rest.append((along_mm, normal))
             return None
         self._loaded_s = loaded_s
-        if force_n < _FROM_N or self._rest is None:
+        self._newest.append((along_mm, normal))
+        if force_n >= _FROM_N:
+            self._turns.append((along_mm, normal))
+        if self._named_mpa is None or not self._rest or len(self._newest) < self._mean_of:
             return None
-        self._turns.append((along_mm, normal))
-        if self._named_mpa is None:
-            return None
-        gone_mm, grown = along_mm - self._rest[0], normal - self._rest[1]
-        named_mm = grown / (self._per_mm * (self._named_mpa * self._stiffer()) ** self._power)
-        nearest_mm = min(max(named_mm, gone_mm - self._slack_mm), gone_mm + self._slack_mm)
-        return math.inf if nearest_mm <= 0 else max(0.0, named_mm / nearest_mm) ** (1 / self._power) - 1
+        # noise of one sample is no other specimen; means of depth and force of the same turns are of the same curve
+        (rest_mm, rest), (now_mm, now) = (map(_mean, zip(*each, strict=True)) for each in (self._rest, self._newest))
+        per_mm = self._per_mm * (self._named_mpa * self._stiffer()) ** self._power
+        gone_mm, named_mm = now_mm - rest_mm, (now - rest) / per_mm
+        least_mm = gone_mm - math.copysign(self._slack_mm, gone_mm - named_mm)
+        if abs(gone_mm - named_mm) <= self._slack_mm or max(now, rest + least_mm * per_mm) < _FROM_N**self._power:
+            return 0.0
+        return math.inf if least_mm <= 0 else max(0.0, named_mm / least_mm) ** (1 / self._power) - 1
 
     def kappa(self) -> PressKappa | None:
         """By the loading that is over; None of one that is too short to tell."""
@@ -102,8 +112,8 @@ class SpecimenWitness:
         like = _nearest({name: self._far(modulus_mpa, kappa) for name, kappa in self._plan.others_n_per_mm.items()})
         own = f"{self._plan.specimen}, {named:g} N/mm"
         return (
-            f"this presses like {like or 'another specimen'} ({self.kappa()}), not {own}: look at the specimen, then at "
-            "the calibration of the force sensor, the gear and rig.dome_modulus_mpa"
+            f"this presses like {like or 'another specimen'} ({self.kappa()}), not {own}: look at the specimen, "
+            "then at the calibration of the force sensor, the gear and rig.dome_modulus_mpa"
         )
 
     def _modulus_mpa(self) -> float | None:
@@ -121,16 +131,16 @@ class SpecimenWitness:
         """By how much the bodies are in a press of this length."""
         return float((1 + _RAMP * _CREEP) * max(self._loaded_s, 0.05) ** -_CREEP)
 
-    def _sd(self, modulus_mpa: float, specimen_sd: float = 0.0) -> float:
-        """Relative error of the modulus of a press, with that of a specimen of this one."""
+    def _sd(self, modulus_mpa: float) -> float:
+        """Relative error of the modulus of a press on a specimen of this one."""
         dome = min(1.0, modulus_mpa / self._dome.sensor_modulus_mpa)
         angle = _ANGLE_SD_RAD * self._sin / self._cos / self._power
-        return math.hypot(self._dome_sd * dome, _PRESS_SD, angle, specimen_sd * (1 - dome))
+        return math.hypot(self._dome_sd * dome, _PRESS_SD, angle, _STATED_SD * (1 - dome))
 
     def _far(self, modulus_mpa: float, kappa: float) -> float:
         """From a specimen of this stiffness, standard deviations."""
         named_mpa = self._dome.modulus_mpa(kappa)
-        return abs(math.log(modulus_mpa / named_mpa)) / self._sd(named_mpa, _STATED_SD)
+        return abs(math.log(modulus_mpa / named_mpa)) / self._sd(named_mpa)
 
     def _kappa(self, modulus_mpa: float) -> float:
         """Of the specimen under the dome."""
@@ -143,3 +153,7 @@ def _nearest(far: Mapping[str, float]) -> str:
     """The name that is nearest, if it is near enough; of several as near, all."""
     least = min(far.values(), default=math.inf)
     return " or ".join(name for name, each in far.items() if each == least) if least <= _OTHER_SDS else ""
+
+
+def _mean(values: Sequence[float]) -> float:
+    return sum(values) / len(values)

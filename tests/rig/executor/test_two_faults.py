@@ -159,7 +159,7 @@ def test_more_patience_with_the_motors_ends_no_healthy_run(
 def test_a_gain_that_no_guard_sees_makes_the_press_doubtful(
     condition: Any, gain: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pressed = Pressed(modular_plan(1, specimen="S1", condition=condition))
+    pressed = Pressed(modular_plan(1, specimen="S1", condition=condition, stiffness_n_per_mm=None))
     if gain != 1.0:
         put(pressed.bench, f"gain {gain}")
     ended = pressed.run(tmp_path / "run", monkeypatch)
