@@ -11,6 +11,7 @@ from emg2vsa.devices.clock import LoopTiming
 from emg2vsa.errors import RecordingError
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.new_folder import PLAN_FILE
+from emg2vsa.rig.record.press_counts import weighed
 from emg2vsa.rig.record.run_log import read_log
 from emg2vsa.rig.rig_settings import RigSettings, axis_of
 
@@ -66,6 +67,8 @@ def told(ended: Ended, repetitions: int, folder: Path, rig: RigSettings) -> str:
     probe = "probe retracted" if ended.retracted else "probe NOT retracted"
     lines.append(f"left: {probe}, motors {'off' if ended.deactivated else 'NOT confirmed off'}")
     lines += [f"note: {note}" for note in ended.notes]
+    for number, kappa in weighed(folder).items():
+        lines.append(f"press {number} by its depth: {kappa}")
     if ended.peak_force_n:
         lines.append(f"largest force: {ended.peak_force_n:.2f} N")
     lines.append(f"recorded: {folder / 'log.csv'} (rows: {ended.rows})")

@@ -16,7 +16,7 @@ from emg2vsa.live.run_facts import Ending, RunFacts, read_ending, read_run
 from emg2vsa.live.tails import Column, KappaTail, KappaView, LogTail
 from emg2vsa.rig.executor.stop_requests import stop_requested
 from emg2vsa.rig.record.new_folder import PLAN_FILE
-from emg2vsa.rig.record.press_counts import forces_of, largest_forces
+from emg2vsa.rig.record.press_counts import forces_of, largest_forces, weighed
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
 
@@ -68,6 +68,8 @@ class Snapshot:
     "Changes with every frame; empty when there is none."
     age_s: float | None = None
     "Since the log last grew; None without a log."
+    weighed: str = ""
+    "Stiffness of the specimen by force over depth of the last press that tells it."
     kappa: KappaView | None = None
     "None where presses are not judged while they go on."
     stop_requested: bool = False
@@ -168,6 +170,7 @@ class _Run:
         self._kappa = KappaTail(path)
         self._row: Row | None = None
         self._largest_n, self._across_n = largest_forces(path)
+        self._weighed, self._weighed_at = "", (-1, "")
         self._turns = self._late_turns = 0
         self._latest_s = 0.0
 
@@ -192,6 +195,7 @@ class _Run:
             latest_ms=round(1e3 * self._latest_s, 1),
             frame=f"{self._row.repetition}-{self._row.frame_index}" if self._row and self._row.frame_index >= 0 else "",
             age_s=None if modified_s is None else max(0.0, now_s - modified_s),
+            weighed=self._told(),
             kappa=self._kappa.look(),
             stop_requested=stop_requested(self.path),
             ended=ended,
@@ -204,6 +208,14 @@ class _Run:
             self._turns += 1
             self._late_turns += row.late_s >= LATE_PERIODS * self._rig.period_s
             self._latest_s = max(self._latest_s, row.late_s)
+
+    def _told(self) -> str:
+        at = (self._row.repetition, self._row.phase) if self._row else (-1, "")
+        if at != self._weighed_at:  # a line comes with the end of a press
+            self._weighed_at, found = at, weighed(self.path)
+            number = max(found, default=0)
+            self._weighed = f"press {number} by its depth: {found[number]}" if found else ""
+        return self._weighed
 
     def _done(self) -> int:
         if self._row is None:

@@ -107,3 +107,9 @@ def test_a_busy_computer_is_named(computed):
         "largest force 7.12 N, across 0.30 N · loop late in 0.10 % of turns, by up to 12.3 ms"
     )
     assert computed("healthOf", health | {"late_turns": 100}).endswith("by up to 12.3 ms: the computer is busy")
+
+
+def test_the_last_press_tells_its_specimen(computed):
+    health = {"largest_n": 7, "largest_across_n": 0, "turns": 0, "late_turns": 0, "latest_ms": 0}
+    told = computed("healthOf", health | {"weighed": "press 2 by its depth: 7.5 N/mm, 95 %: 6.6 to 8.7"})
+    assert told == "largest force 7.00 N, across 0.00 N · press 2 by its depth: 7.5 N/mm, 95 %: 6.6 to 8.7"

@@ -204,8 +204,8 @@ BAD: dict[tuple[str, str], list[str]] = {
         "position_deg = [0.010986328125].",
         "16: rig.following_ticks: expected a known key, but found 'following_ticks'. The keys are "
         "gear_mm_per_degree, travel_mm, home_deg, push_sign, position_deg, full_preset, stiffness_percent, "
-        "push_axis, rate_hz, filter_samples, max_mm_per_s, escape_mm_per_s, settle_s, record_full_rate_force, "
-        "losses, guards.",
+        "push_axis, rate_hz, filter_samples, dome_modulus_mpa, dome_modulus_sd_percent, max_mm_per_s, escape_mm_per_s, "
+        "settle_s, record_full_rate_force, losses, guards.",
         "18: rig.losses.home_ticks: expected a known key, but found 'home_ticks'. The keys are late_turns_percent, "
         "missing_turns_percent, lost_force_percent, missing_frames_percent.",
     ],
@@ -225,6 +225,11 @@ BAD: dict[tuple[str, str], list[str]] = {
     ("[emulated]", "[rig.guards]\nstale_s = 0.005\nforce = 3"): [
         "15: rig.guards.stale_s: expected more than a period of the loop, 0.005 s, but found 0.005.",
         "16: rig.guards.force: expected a known key, but found 'force'. Did you mean 'force_n'?",
+    ],
+    ("[emulated]", "[rig]\ndome_modulus_mpa = 0\ndome_modulus_sd_percent = 51\n[rig.guards]\nspecimen_share = 1.5"): [
+        "15: rig.dome_modulus_mpa: expected a number > 0, but found 0.",
+        "16: rig.dome_modulus_sd_percent: expected a number <= 50, but found 51.",
+        "18: rig.guards.specimen_share: expected a number <= 1, but found 1.5.",
     ],
     ("[emulated]", "[rig]\nrate_hz = 49"): ["15: rig.rate_hz: expected a number >= 50, but found 49."],
     ("[emulated]", "[rig]\nmax_mm_per_s = 15\n[rig.guards]\nmotors_every_s = 0.25"): [

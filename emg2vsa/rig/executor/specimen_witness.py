@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from emg2vsa.dome_contact import ElasticDome, PowerLaw
 from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.record.press_counts import PressKappa
 from emg2vsa.rig.rig_settings import RigSettings
 
 _FROM_N, _LEAST_TURNS, _LEAST_SPAN = 1.0, 20, 2.0
@@ -30,20 +30,8 @@ _PRESS_SD, _ANGLE_SD_RAD, _STATED_SD = 0.012, math.radians(0.5), 0.03
 between mountings, a first press among them (guesses, as are those of the emulated rig)."""
 _OTHER_SDS = 3.0
 """A press so many standard deviations away is of another specimen: 0.3 % of good ones."""
-_SLACK_S = 0.02
+_SLACK_S = 0.012
 """Between force and depth of one turn, at most, with what the shaft goes on at first."""
-
-
-class PressKappa(NamedTuple):
-    """Stiffness of the specimen by one press, N/mm, with its 95 % interval; infinite where it may be rigid."""
-
-    kappa: float
-    low: float
-    high: float
-
-    def __str__(self) -> str:
-        high = "rigid" if self.high == math.inf else f"{self.high:.3g}"
-        return f"{self.kappa:.3g} N/mm, 95 %: {self.low:.3g} to {high}"
 
 
 class SpecimenWitness:

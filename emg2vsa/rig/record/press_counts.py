@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from emg2vsa.devices.clock import LATE_PERIODS
 from emg2vsa.devices.protocols import ForceCounts, Frame
@@ -20,6 +20,18 @@ PRESSES_FILE = "presses.csv"
 Verdict = Literal["ok", "doubtful", "rejected"]
 _VERDICTS: dict[str, Verdict] = {"ok": "ok", "doubtful": "doubtful", "rejected": "rejected"}
 BUSY = "the computer was busy"
+
+
+class PressKappa(NamedTuple):
+    """Stiffness of the specimen by one press, N/mm, with its 95 % interval; infinite where it may be rigid."""
+
+    kappa: float
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        high = "rigid" if self.high == math.inf else f"{self.high:.3g}"
+        return f"{self.kappa:.3g} N/mm, 95 %: {self.low:.3g} to {high}"
 
 
 @dataclass
@@ -98,6 +110,16 @@ def stopped_presses(folder: Path) -> dict[int, str]:
     return {int(number): why for number, why in said.items() if number.isdecimal() and why}
 
 
+def weighed(folder: Path) -> dict[int, PressKappa]:
+    """Repetition to the stiffness of the specimen by that press alone; of those that tell it."""
+    found = {}
+    for row in _rows(folder):
+        with contextlib.suppress(ValueError, TypeError, KeyError):
+            three = (float(row[f"kappa_{name}n_per_mm"]) for name in ("", "low_", "high_"))
+            found[int(row["repetition"])] = PressKappa(*three)
+    return found
+
+
 def largest_forces(folder: Path) -> tuple[float, float]:
     """Largest force along and across the push axis of the presses that are over, N; 0 before the first."""
     try:
@@ -159,10 +181,10 @@ class PressTally:
         """It was stopped: at which force, and why."""
         self._now.stopped = why
 
-    def kappa(self, kappa: float, low: float, high: float) -> None:
-        """Of the specimen by this press, N/mm, and its interval."""
+    def kappa(self, kappa: PressKappa) -> None:
+        """Of the specimen by this press."""
         now = self._now
-        now.kappa_n_per_mm, now.kappa_low_n_per_mm, now.kappa_high_n_per_mm = kappa, low, high
+        now.kappa_n_per_mm, now.kappa_low_n_per_mm, now.kappa_high_n_per_mm = kappa
 
     def doubt(self, why: str, verdict: Verdict = "rejected") -> None:
         """Somebody else has found the press ``verdict``."""

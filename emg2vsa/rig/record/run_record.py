@@ -22,7 +22,7 @@ from emg2vsa.errors import DeviceError
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended, ended_bytes
 from emg2vsa.rig.record.new_folder import PLAN_FILE
-from emg2vsa.rig.record.press_counts import HEADER, PRESSES_FILE, PressTally, Verdict, line_of
+from emg2vsa.rig.record.press_counts import HEADER, PRESSES_FILE, PressKappa, PressTally, Verdict, line_of
 from emg2vsa.rig.record.press_recorder import PressRecorder
 from emg2vsa.rig.record.run_log import GOING_IN, ForceFile, Row, RunLog
 from emg2vsa.rig.rig_settings import RigSettings
@@ -147,10 +147,10 @@ class RunRecord:
         if self._forces is not None:
             self._forces.append(samples())
 
-    def press_kappa(self, kappa: tuple[float, float, float] | None) -> None:
-        """Stiffness of the specimen by the press that is going on, N/mm, with its interval."""
+    def press_kappa(self, kappa: PressKappa | None) -> None:
+        """Stiffness of the specimen by the press that is going on."""
         if self._tally is not None and kappa is not None:
-            self._tally.kappa(*kappa)
+            self._tally.kappa(kappa)
 
     def doubt_press(self, why: str, verdict: Verdict = "rejected") -> None:
         """The press that is going on is not to be trusted."""

@@ -96,7 +96,7 @@ def test_the_filtered_force_decides(bench: Any, rig: RigSettings, tmp_path: Path
 
 
 def test_a_rigid_motor_has_no_stiffness(bench: Any, plan_of: Callable[..., RunPlan], tmp_path: Path) -> None:
-    assert bench.run(tmp_path, plan_of(condition="high-stiffness")).how == "completed"
+    assert bench.run(tmp_path, plan_of(condition="high-stiffness", f_max_n=2.0)).how == "completed"
     assert {preset for _, preset in bench.sent} == {0}
 
 

@@ -32,6 +32,7 @@ from emg2vsa.rig.rig_settings import RigSettings
         ({"ramp_mm_per_s": 39.0, "stiffness_n_per_mm": 7.63}, {}, "ramp_mm_per_s"),
         ({}, {"escape_mm_per_s": 41.0}, "escape_mm_per_s"),
         ({"schedule": None}, {}, "schedule"),
+        ({"condition": "high-stiffness"}, {}, "stiffness_n_per_mm"),
         ({"specimen": "S9"}, {}, "specimen"),
         ({}, {"travel_mm": 14.0}, "travel_mm"),
         ({}, {"home_deg": 9000 * DEG_PER_TICK}, "position at 15 mm"),

@@ -30,11 +30,12 @@ export function frameToAsk(run, frame, shown) {
   return asked !== shown && (frame !== "" || !shown.startsWith(`${run.name}/`)) ? asked : "";
 }
 
-// Largest forces, and how late the control loop was.
-export function healthOf({ largest_n: along, largest_across_n: across, turns, late_turns: late, latest_ms: latest }) {
+// Largest forces, how late the control loop was, and what the last press tells of the specimen.
+export function healthOf({ largest_n: along, largest_across_n: across, turns, late_turns: late, latest_ms: latest, weighed }) {
   const percent = turns ? (100 * late) / turns : 0;
   const loop = turns ? ` · loop late in ${percent.toFixed(percent < 1 ? 2 : 0)} % of turns, by up to ${latest.toFixed(1)} ms` : "";
-  return `largest force ${along.toFixed(2)} N, across ${across.toFixed(2)} N${percent > 1 ? `${loop}: the computer is busy` : loop}`;
+  const specimen = weighed ? ` · ${weighed}` : "";
+  return `largest force ${along.toFixed(2)} N, across ${across.toFixed(2)} N${percent > 1 ? `${loop}: the computer is busy` : loop}${specimen}`;
 }
 
 // Kinds of the parts of the bar: one for each press, or one for each hundredth of many.
