@@ -189,7 +189,7 @@ LOOP_FAULTS: dict[str, Fault] = {
     "loop held up 2 s": Fault(_held_up(2.0), (OVERRUN, LOST_ACTUATOR), SURVIVED),
 }
 FORCE_FAULTS: dict[str, Fault] = {
-    "force stuck": Fault(words("stuck"), (FROZEN, STALE, UNTRUSTED), later=True, unseen_in=("pause",)),
+    "force stuck": Fault(words("stuck"), (FROZEN, STALE, UNTRUSTED, SPECIMEN), later=True, unseen_in=("pause",)),
     "ten force records lost": Fault(words("gap 10"), (SURVIVED, REJECTED)),
     "hundred force records lost": Fault(words("gap 100"), (STALE,), SURVIVED, later=True),
     "5 % of force records lost": Fault(words("thinned 5"), (SURVIVED, REJECTED)),
