@@ -20,6 +20,8 @@ from emg2vsa.rig.rig_settings import RigSettings
 
 _FROM_N, _LEAST_TURNS, _LEAST_SPAN = 1.0, 20, 2.0
 """Of a loading that tells kappa; the largest force over the smallest."""
+_LEAST_MM = 0.6
+"""Of a way after contact from which its stiffness is told: on less, noise of 0.1 N looks like another specimen."""
 _CREEP = 0.025
 """Power of time with which contacts of rubber relax: 11 % between 0.1 and 10 s, of silicone less and of the printed
 dome more (Petet et al. 2021). Stiffness is that after 1 s, and a press meets the bodies stiffer."""
@@ -80,7 +82,8 @@ class SpecimenWitness:
         per_mm = self._per_mm * (self._named_mpa * self._stiffer()) ** self._power
         gone_mm, named_mm = now_mm - rest_mm, (now - rest) / per_mm
         least_mm = gone_mm - math.copysign(self._slack_mm, gone_mm - named_mm)
-        if abs(gone_mm - named_mm) <= self._slack_mm or max(now, rest + least_mm * per_mm) < _FROM_N**self._power:
+        short = max(gone_mm, named_mm) < _LEAST_MM or max(now, rest + least_mm * per_mm) < _FROM_N**self._power
+        if short or abs(gone_mm - named_mm) <= self._slack_mm:
             return 0.0
         return math.inf if least_mm <= 0 else max(0.0, named_mm / least_mm) ** (1 / self._power) - 1
 

@@ -14,7 +14,7 @@ from benchmarks.rig.fault_case import MOST_N, run_case, run_wrong
 CASES = [
     ("commands ignored 2.1 s", False, "following", 13.0),
     ("force a fifth", False, "specimen", 13.0),
-    ("force axis dead", False, "specimen", 13.0),
+    ("force axis dead", False, "untrusted force", 13.0),
     ("both motors read 4096 less", False, "following", 13.0),
     ("both motors read 4096 less", True, "following", 13.0),
     ("force a fifth", True, "specimen", 13.0),
