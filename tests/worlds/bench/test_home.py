@@ -111,11 +111,23 @@ def test_a_probe_left_down_goes_home_from_where_it_stands(case: Case) -> None:
     assert stands_mm - case.turn_mm() <= first_mm <= stands_mm
 
 
-def test_motors_that_have_gone_off_are_not_called_retracted(case: Case) -> None:
+def test_motors_that_have_gone_off_are_led_away(case: Case) -> None:
     def cut_off() -> None:
-        if case.probe_mm() > 1.5:  # friction may hold a shaft on springs 1 mm off motors at home
+        if case.probe_mm() > 1.5:
             put(case.bench, "reset")
 
     ended, _ = case.run(stop=cut_off)
-    assert (ended.cause, ended.retracted, ended.deactivated) == ("lost device", False, True)
+    assert (ended.cause, ended.retracted, ended.deactivated) == ("lost device", True, True)
+    assert any("switched on where they stood" in note for note in ended.notes)
+    assert case.probe_mm() < 1.0  # friction may hold a shaft on springs so far off motors at home
+
+
+def test_motors_that_have_gone_off_and_hear_nothing_are_not_called_retracted(case: Case) -> None:
+    def cut_off() -> None:
+        if case.probe_mm() > 1.5:
+            put(case.bench, "reset")
+            put(case.bench, "deaf")
+
+    ended, _ = case.run(stop=cut_off)
+    assert (ended.cause, ended.retracted, ended.deactivated) == ("lost device", False, False)
     assert case.probe_mm() > 1.0
