@@ -1,0 +1,144 @@
+"""Contact of the dome's outside with the face of a specimen, by a penalty at points of the dome's edges.
+
+The gap of a point is its distance from the face along the axis. Its first variation is along the normal of the face, so
+that what pushes it apart does too and no friction comes in. The face is seen as r -> z of the deformed specimen, along
+quadratic edges. Where the skin sticks, the point of the face that it touched first stays the one that is opposite.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+POINTS = 4
+"Of an edge, at Gauss's places."
+
+
+def shapes(at: Array) -> Array:
+    """Quadratic functions of an edge, their first and second slopes: (3, 3, ...), at places from -1 to 1."""
+    one = np.ones_like(at)
+    return np.array(
+        [
+            [at * (at - 1) / 2, 1 - at**2, at * (at + 1) / 2],
+            [at - 0.5 * one, -2 * at, at + 0.5 * one],
+            [one, -2 * one, one],
+        ]
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Opposite:
+    """What lies opposite to points of the dome: P that have a face there.
+
+    own : which points. edge : (P,) of the face. at : (P,) place on it. gap : (P,) mm. slope (P, 12) of the gap and of
+    ``at`` over the displacements of three nodes of the dome and three of the face, r and z; bent (P, 12, 12).
+    """
+
+    own: Rows
+    edge: Rows
+    at: Array
+    gap: Array
+    gap_slope: Array
+    at_slope: Array
+    gap_bent: Array
+    at_bent: Array
+
+
+class Contact:
+    """skin, face : (n,) nodes of the dome's outside and of the specimen's face, from the axis on; every second one
+    begins an edge. place : (N, 2) of all nodes, undeformed. penalty : N/mm3, of a gap and of a slip."""
+
+    def __init__(self, skin: Rows, face: Rows, place: Array, penalty: float) -> None:
+        self._skin = np.stack([skin[:-2:2], skin[1:-1:2], skin[2::2]], axis=1)
+        self._face = np.stack([face[:-2:2], face[1:-1:2], face[2::2]], axis=1)
+        self._place, self.penalty = place, penalty
+        at, weight = np.polynomial.legendre.leggauss(POINTS)
+        value, slope, _ = shapes(at)
+        r, z = (place[self._skin, k] for k in (0, 1))
+        length = np.hypot(r @ slope, z @ slope)
+        self._weight = (2 * np.pi * (r @ value) * length * weight).ravel()
+        self._value = np.tile(value, len(self._skin))  # (3, points)
+        self._nodes = np.repeat(self._skin, POINTS, axis=0)
+        self.size = len(self._nodes)
+
+    def arcs(self, arc: Array) -> Array:
+        """Of the points, from that of the nodes of the skin (n,)."""
+        return np.asarray(np.stack([arc[:-2:2], arc[1:-1:2], arc[2::2]], axis=1) @ self._value[:, :POINTS]).ravel()
+
+    def opposite(self, moved: Array) -> Opposite:
+        now = self._place + moved.reshape(-1, 2)
+        r, z = ((self._value.T * now[self._nodes, k]).sum(axis=1) for k in (0, 1))
+        knots = now[self._face[:, 0], 0]
+        own = np.flatnonzero((r >= 0) & (r < now[self._face[-1, 2], 0]))
+        edge = np.clip(np.searchsorted(knots, r[own], side="right") - 1, 0, len(knots) - 1)
+        rr, zz = (now[self._face[edge], k].T for k in (0, 1))
+        at = np.zeros(own.size)
+        for _ in range(6):
+            value, first, _ = shapes(at)
+            at -= ((value * rr).sum(axis=0) - r[own]) / (first * rr).sum(axis=0)
+        value, first, second = shapes(at)
+        r1, r2 = (first * rr).sum(axis=0), (second * rr).sum(axis=0)
+        z1, z2 = (first * zz).sum(axis=0), (second * zz).sum(axis=0)
+        steep = z1 / r1
+        table = np.zeros((4, own.size, 6, 2))
+        gap_slope, at_slope, turn, pull = table
+        skin = self._value[:, own].T
+        at_slope[:, :3, 0], at_slope[:, 3:, 0] = skin / r1[:, None], -(value / r1).T
+        gap_slope[:, :3, 0], gap_slope[:, :3, 1] = steep[:, None] * skin, -skin
+        gap_slope[:, 3:, 0], gap_slope[:, 3:, 1] = -(steep * value).T, value.T
+        turn[:, 3:, 0], turn[:, 3:, 1] = -(steep * first).T, first.T
+        pull[:, 3:, 0] = first.T
+        gap_slope, at_slope, turn, pull = table.reshape(4, own.size, 12)
+        both = at_slope[:, :, None] * at_slope[:, None, :]
+        gap_bent = _with(at_slope, turn) + (z2 - steep * r2)[:, None, None] * both
+        at_bent = -(_with(at_slope, pull) + r2[:, None, None] * both) / r1[:, None, None]
+        gap = (value * zz).sum(axis=0) - z[own]
+        return Opposite(own, edge, at, gap, gap_slope, at_slope, gap_bent, at_bent)
+
+    def touched(self, of: Opposite) -> Array:
+        """Where on the undeformed face each point is, mm from the axis; NaN for those without a face."""
+        place = np.full(self.size, np.nan)
+        place[of.own] = (shapes(of.at)[0].T * self._place[self._face[of.edge], 0]).sum(axis=1)
+        return place
+
+    def resistance(self, of: Opposite, held: Array) -> tuple[float, Array, Array, Array]:
+        """Energy, the degrees of freedom (P, 12) of the points in touch, forces there (P, 12) and slopes (P, 12, 12).
+
+        held : (points,) place on the undeformed face that each point sticks to; NaN where it slides.
+        """
+        near = np.flatnonzero(of.gap < 0)
+        own, edge = of.own[near], of.edge[near]
+        weight = self.penalty * self._weight[own]
+        gap, slope = of.gap[near], of.gap_slope[near]
+        energy = float(weight @ gap**2) / 2
+        force = (weight * gap)[:, None] * slope
+        bent = weight[:, None, None] * (slope[:, :, None] * slope[:, None, :] + gap[:, None, None] * of.gap_bent[near])
+        sticks = np.isfinite(held[own])
+        if sticks.any():
+            near, edge_s, own_s = near[sticks], edge[sticks], own[sticks]
+            rest = self._place[self._face[edge_s], 0].T
+            value, first, second = (np.asarray((each * rest).sum(axis=0)) for each in shapes(of.at[near]))
+            slip, weight = value - held[own_s], weight[sticks]
+            energy += float(weight @ slip**2) / 2
+            along = of.at_slope[near]
+            force[sticks] += (weight * slip * first)[:, None] * along
+            stiff = weight * (first**2 + slip * second)
+            bent[sticks] += stiff[:, None, None] * along[:, :, None] * along[:, None, :]
+            bent[sticks] += (weight * slip * first)[:, None, None] * of.at_bent[near]
+        nodes = np.concatenate([self._nodes[own], self._face[edge]], axis=1)
+        dofs = np.stack([2 * nodes, 2 * nodes + 1], axis=-1).reshape(-1, 12)
+        return energy, dofs, force, bent
+
+    def pressure_n(self, of: Opposite) -> float:
+        """Force along the axis of all points, N."""
+        return float(-self.penalty * (self._weight[of.own] * np.minimum(of.gap, 0)).sum())
+
+
+def _with(one: Array, other: Array) -> Array:
+    product: Array = one[:, :, None] * other[:, None, :]
+    return product + product.transpose(0, 2, 1)

@@ -1,0 +1,264 @@
+"""One dome pressed on one specimen: meshes, Newton's steps along the depth, and the rows of its table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.dome.solver.bodies import Bodies, Inverted, Mesh, Rubber, block
+from casr.dome.solver.contact import Contact, Opposite
+from casr.errors import CasrError
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+PENALTY_N_PER_MM3 = 20.0
+FIRST_MM, LONGEST_MM, SHORTEST_MM, GROWTH = 0.05, 0.12, 1e-4, 1.15
+"Steps of the depth."
+_TURNS, _CLOSE = 14, 1e-8
+_FINE_TO, _EDGE_MM = 0.9, (0.15, 1.5)
+"""Arc, in radii, up to which the mesh is fine; distances from the edge of contact of what tells where it is."""
+DONE_SHARE = 1.02
+"Of the largest force, that the last step reaches."
+
+
+@dataclass(frozen=True)
+class Dome:
+    """A hemisphere, the skin's inside bonded to the gel, the base of both clamped to the flange; mm, MPa."""
+
+    radius_mm: float
+    skin_mm: float
+    skin: Rubber
+    gel: Rubber
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """A cylinder bonded to a rigid plate, or with no rubber that plate itself; mm, MPa."""
+
+    rubber: Rubber | None
+    radius_mm: float = 35.0
+    height_mm: float = 25.0
+
+
+@dataclass(frozen=True)
+class Pressing:
+    """mesh_mm : size of elements in the contact. force_n : to reach. friction : inf sticks, 0 slides."""
+
+    dome: Dome
+    specimen: Specimen
+    friction: float = 0.0
+    force_n: float = 5.0
+    mesh_mm: float = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Pressed:
+    """Rows of T steps, the first untouched, as in the file of a table; place_mm (P, 2) of the nodes of the skin's inside.
+
+    unbalance : force of contact against that of the base, share, worst of all steps. unstored : the same of work and
+    stored energy.
+    """
+
+    force_n: Array
+    depth_mm: Array
+    contact_radius_mm: Array
+    edge_arc_mm: Array
+    s_mm: Array
+    u_r_mm: Array
+    u_z_mm: Array
+    tilt_rad: Array
+    unbalance: float
+    unstored: float
+
+
+class Stopped(CasrError):
+    """The solution went no further."""
+
+
+def graded(end: float, fine: float, size: float, growth: float = 1.2) -> Array:
+    """From 0 to ``end``: steps of ``size`` up to ``fine``, growing ones beyond."""
+    steps = [size] * max(1, int(np.ceil(min(fine, end) / size)))
+    while sum(steps) < end:
+        steps.append(steps[-1] * growth)
+    return np.concatenate([[0.0], np.cumsum(steps)]) * (end / sum(steps))
+
+
+class _World:
+    """Meshes of a pressing, its degrees of freedom, and what is known of its solution."""
+
+    def __init__(self, pressing: Pressing) -> None:
+        dome, specimen, size = pressing.dome, pressing.specimen, pressing.mesh_mm
+        self.dome = dome
+        inner = dome.radius_mm - dome.skin_mm
+        arc = graded(np.pi / 2, _FINE_TO, size / dome.radius_mm)
+        layers = max(2, round(dome.skin_mm / size))
+        deep = inner - graded(inner, 0.0, max(size, 0.5) * 1.2, 1.15)[::-1]
+        radii = np.concatenate([deep, np.linspace(inner, dome.radius_mm, layers + 1)[1:]])
+        ball = block(radii, arc, lambda r, angle: (r * np.sin(angle), r * np.cos(angle)))
+        middle = ball.at[ball.nodes, 0].mean(axis=1)
+        rubbers = [dome.skin if r > inner else dome.gel for r in middle]
+        plate = block(
+            np.concatenate([graded(specimen.radius_mm, 0.9 * dome.radius_mm, size)]),
+            graded(specimen.height_mm, min(4 * size, specimen.height_mm), size, 1.3)
+            if specimen.rubber
+            else np.array([0, 1.0]),
+            lambda r, z: (r, dome.radius_mm + z),
+        )
+        parts = [(ball, rubbers), (plate, [specimen.rubber or Rubber(1.0)] * len(plate.nodes))]
+        self.bodies = Bodies(parts)
+        start = len(ball.place)
+        skin, self.inside = ball.line(0, dome.radius_mm), ball.line(0, inner)
+        face = plate.line(1, 0.0) + start
+        self.skin_arc = ball.at[skin, 1] * dome.radius_mm
+        self.inner_angle = ball.at[self.inside, 1]
+        self.skin, self.face = skin, face
+        self.contact = Contact(skin, face, self.bodies.place, PENALTY_N_PER_MM3)
+        self.arc_of_points = self.contact.arcs(self.skin_arc)
+        back = np.arange(start, len(self.bodies.place)) if specimen.rubber is None else plate.line(1, plate.at[:, 1].max()) + start
+        self.driven = 2 * back + 1
+        clamped = np.concatenate([ball.line(1, np.pi / 2), ball.line(0, 0.0)])
+        axis = np.flatnonzero(np.abs(self.bodies.place[:, 0]) < 1e-9)
+        fixed = np.concatenate([2 * clamped, 2 * clamped + 1, 2 * axis, 2 * back, self.driven])
+        self.free = np.setdiff1d(np.arange(self.bodies.size), fixed)
+        self.number = np.full(self.bodies.size, -1)
+        self.number[self.free] = np.arange(self.free.size)
+        kept = (self.number[self.bodies.rows] >= 0) & (self.number[self.bodies.columns] >= 0)
+        self.kept = np.flatnonzero(kept)
+        self.rows, self.columns = (self.number[each[self.kept]] for each in (self.bodies.rows, self.bodies.columns))
+
+    def forces(self, moved: Array, held: Array) -> tuple[Array, float, Opposite, Callable[[], Array]]:
+        """On all nodes (2 N,), of contact along the axis, what is opposite, and what solves for the free ones."""
+        force, values = self.bodies.resistance(moved)
+        of = self.contact.opposite(moved)
+        _, dofs, pushing, bent = self.contact.resistance(of, held)
+        force += np.bincount(dofs.ravel(), pushing.ravel(), force.size)
+
+        def step() -> Array:
+            from scipy.sparse import csc_matrix  # noqa: PLC0415  (an extra)
+            from scipy.sparse.linalg import splu  # noqa: PLC0415
+
+            rows, columns = (self.number[each] for each in (np.repeat(dofs, 12, 1).ravel(), np.tile(dofs, 12).ravel()))
+            there = (rows >= 0) & (columns >= 0)
+            entries = np.concatenate([values[self.kept], bent.ravel()[there]])
+            at = (np.concatenate([self.rows, rows[there]]), np.concatenate([self.columns, columns[there]]))
+            matrix = csc_matrix((entries, at), shape=(self.free.size,) * 2)
+            options = {"SymmetricMode": True}
+            factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+            return np.asarray(factors.solve(-force[self.free]))
+
+        return force, self.contact.pressure_n(of), of, step
+
+    def solved(self, guess: Array, held: Array) -> tuple[Array, float, float, Opposite] | None:
+        """Newton from a guess: displacements, forces of contact and of the back, what is opposite; None if it fails."""
+        moved = guess.copy()
+        try:
+            for _ in range(_TURNS):
+                force, pressure, of, step = self.forces(moved, held)
+                left = float(np.abs(force[self.free]).max())
+                if left < _CLOSE * max(pressure, 0.01):
+                    return moved, pressure, float(-force[self.driven].sum()), of
+                change = step()
+                change *= min(1.0, 1.0 / max(float(np.abs(change).max()), 1e-12))
+                moved[self.free] += change
+        except (Inverted, RuntimeError):
+            return None
+        return None
+
+    def energy(self, moved: Array, held: Array, of: Opposite) -> float:
+        return self.bodies.energy(moved) + self.contact.resistance(of, held)[0]
+
+    def edge(self, moved: Array) -> tuple[float, float]:
+        """Radius of the edge of contact seen along the axis, and its arc on the undeformed outside of the skin.
+
+        Outside a smooth edge the gap grows with the distance to the power of 3/2: its power 2/3 is followed back to 0.
+        """
+        of = self.contact.opposite(moved)
+        now = self.bodies.place + moved.reshape(-1, 2)
+        arc = self.arc_of_points[of.own]
+        r = np.interp(arc, self.skin_arc, now[self.skin, 0])
+        open_ = of.gap > 0
+        last = int(np.flatnonzero(~open_).max(initial=-1))
+        if last < 0:
+            return 0.0, 0.0
+        away = r - r[last]
+        size = max(_EDGE_MM[1], 0.0)
+        used = (np.arange(r.size) > last) & (away < max(size, 3 * (r[min(last + 4, r.size - 1)] - r[last])))
+        law = of.gap[used] ** (2 / 3)
+        curve = np.polynomial.Polynomial.fit(law, r[used], 2)
+        radius = float(curve(0.0))
+        return radius, float(np.interp(radius, r, arc))
+
+
+def press(pressing: Pressing, tell: Callable[[float], None] = lambda force_n: None) -> Pressed:
+    """Solve it up to its force. Stopped : a step failed however small. tell : hears the force of each step."""
+    world = _World(pressing)
+    rows = list(_steps(world, pressing, tell))
+    return _table(world, rows)
+
+
+_Row = tuple[float, Array, float, float, float, float]
+"""Depth, displacements, forces of contact and of the base, stored energy, and work."""
+
+
+def _steps(world: _World, pressing: Pressing, tell: Callable[[float], None]) -> Iterator[_Row]:
+    moved, held = np.zeros(world.bodies.size), np.full(world.contact.size, np.nan)
+    of = world.contact.opposite(moved)
+    before = moved
+    depth, length, last, force = 0.0, FIRST_MM, 0.0, 0.0
+    while force < DONE_SHARE * pressing.force_n:
+        guess = moved + (moved - before) * (length / last if last else 0.0)
+        guess[world.driven] = -(depth + length)
+        found = world.solved(guess, held)
+        if found is None and last:
+            guess = moved.copy()
+            guess[world.driven] = -(depth + length)
+            found = world.solved(guess, held)
+        if found is None:
+            length /= 2
+            if length < SHORTEST_MM:
+                raise Stopped(f"no step beyond {depth:.3f} mm and {force:.3g} N")
+            continue
+        before, (moved, force, base, now) = moved, found
+        depth, last = depth + length, length
+        if np.isinf(pressing.friction):
+            held = _held(world.contact, held, of, now)
+        of = now
+        tell(force)
+        yield depth, moved, force, base, world.energy(moved, held, now), 0.0
+        length = min(length * GROWTH, LONGEST_MM)
+
+
+def _held(contact: Contact, held: Array, before: Opposite, now: Opposite) -> Array:
+    """What each point sticks to after a step: where it was when its gap closed, along the line of the step."""
+    places = [contact.touched(each) for each in (before, now)]
+    gaps = np.full((2, contact.size), np.nan)
+    for gap, each in zip(gaps, (before, now), strict=True):
+        gap[each.own] = each.gap
+    share = np.clip(gaps[0] / np.where(gaps[0] > gaps[1], gaps[0] - gaps[1], 1.0), 0.0, 1.0)
+    first = np.where(np.isfinite(places[0]), places[0] + share * (places[1] - places[0]), places[1])
+    return np.where(gaps[1] < 0, np.where(np.isfinite(held), held, first), np.nan)
+
+
+def _table(world: _World, rows: list[_Row]) -> Pressed:
+    depth, moved, force, base, stored, _ = (np.array(each) for each in zip(*rows, strict=True))
+    edges = np.array([world.edge(each) for each in moved])
+    inside = moved.reshape(len(rows), -1, 2)[:, world.inside]
+    angle = world.inner_angle
+    inner = world.dome.radius_mm - world.dome.skin_mm
+    rest = inner * np.array([np.sin(angle), np.cos(angle)]).T
+    turned = np.gradient(rest + inside, angle * inner, axis=1, edge_order=2)
+    tilt = np.arctan2(turned[..., 1], turned[..., 0]) + angle
+    work = np.concatenate([[0.0], np.cumsum(np.diff(depth) * (force[1:] + force[:-1]) / 2)])
+
+    def with_rest(values: Array) -> Array:
+        return np.concatenate([np.zeros((1, *values.shape[1:])), values])
+
+    return Pressed(
+        with_rest(force), with_rest(depth), with_rest(edges[:, 0]), with_rest(edges[:, 1]), angle * inner,
+        with_rest(inside[..., 0]), with_rest(inside[..., 1]), with_rest(tilt),
+        float(np.abs(base / force - 1).max()), float(abs((stored[-1] - stored[0]) / work[-1] - 1)),
+    )  # fmt: skip
