@@ -17,6 +17,8 @@ Rows = NDArray[np.intp]
 
 POINTS = 4
 "Of an edge, at Gauss's places."
+SOFT_MM = 2e-4
+"""Over which a point's pressure begins to grow with the overlap: without it points touch and leave in turn for ever."""
 
 
 def shapes(at: Array) -> Array:
@@ -51,12 +53,14 @@ class Opposite:
 
 class Contact:
     """skin, face : (n,) nodes of the dome's outside and of the specimen's face, from the axis on; every second one
-    begins an edge. place : (N, 2) of all nodes, undeformed. penalty : N/mm3, of a gap and of a slip."""
+    begins an edge. place : (N, 2) of all nodes, undeformed. penalty : N/mm3, of a gap and of a slip. most_mpa : pressure
+    that is not to be expected; a larger one on the way to a solution does not turn with the face, so that its slope
+    stays that of a minimum."""
 
-    def __init__(self, skin: Rows, face: Rows, place: Array, penalty: float) -> None:
+    def __init__(self, skin: Rows, face: Rows, place: Array, penalty: float, most_mpa: float) -> None:
         self._skin = np.stack([skin[:-2:2], skin[1:-1:2], skin[2::2]], axis=1)
         self._face = np.stack([face[:-2:2], face[1:-1:2], face[2::2]], axis=1)
-        self._place, self.penalty = place, penalty
+        self._place, self.penalty, self._most_mm = place, penalty, most_mpa / penalty
         at, weight = np.polynomial.legendre.leggauss(POINTS)
         value, slope, _ = shapes(at)
         r, z = (place[self._skin, k] for k in (0, 1))
@@ -70,12 +74,14 @@ class Contact:
         """Of the points, from that of the nodes of the skin (n,)."""
         return np.asarray(np.stack([arc[:-2:2], arc[1:-1:2], arc[2::2]], axis=1) @ self._value[:, :POINTS]).ravel()
 
-    def opposite(self, moved: Array) -> Opposite:
+    def opposite(self, moved: Array, kept: Opposite | None = None) -> Opposite:
+        """kept : whose points and edges of the face to go on with, though points may leave them: Newton's method does
+        not end where points cross from edge to edge of a bent face in turn."""
         now = self._place + moved.reshape(-1, 2)
         r, z = ((self._value.T * now[self._nodes, k]).sum(axis=1) for k in (0, 1))
         knots = now[self._face[:, 0], 0]
-        own = np.flatnonzero((r >= 0) & (r < now[self._face[-1, 2], 0]))
-        edge = np.clip(np.searchsorted(knots, r[own], side="right") - 1, 0, len(knots) - 1)
+        own = kept.own if kept else np.flatnonzero((r >= 0) & (r < now[self._face[-1, 2], 0]))
+        edge = kept.edge if kept else np.clip(np.searchsorted(knots, r[own], side="right") - 1, 0, len(knots) - 1)
         rr, zz = (now[self._face[edge], k].T for k in (0, 1))
         at = np.zeros(own.size)
         for _ in range(6):
@@ -115,9 +121,10 @@ class Contact:
         own, edge = of.own[near], of.edge[near]
         weight = self.penalty * self._weight[own]
         gap, slope = of.gap[near], of.gap_slope[near]
-        energy = float(weight @ gap**2) / 2
-        force = (weight * gap)[:, None] * slope
-        bent = weight[:, None, None] * (slope[:, :, None] * slope[:, None, :] + gap[:, None, None] * of.gap_bent[near])
+        energy = float(weight @ _soft(gap, 0))
+        force = (weight * _soft(gap, 1))[:, None] * slope
+        bent = (weight * _soft(gap, 2))[:, None, None] * (slope[:, :, None] * slope[:, None, :])
+        bent += (weight * np.maximum(_soft(gap, 1), -self._most_mm))[:, None, None] * of.gap_bent[near]
         sticks = np.isfinite(held[own])
         if sticks.any():
             near, edge_s, own_s = near[sticks], edge[sticks], own[sticks]
@@ -136,7 +143,15 @@ class Contact:
 
     def pressure_n(self, of: Opposite) -> float:
         """Force along the axis of all points, N."""
-        return float(-self.penalty * (self._weight[of.own] * np.minimum(of.gap, 0)).sum())
+        return float(-self.penalty * self._weight[of.own] @ _soft(np.minimum(of.gap, 0), 1))
+
+
+def _soft(gap: Array, order: int) -> Array:
+    """Energy of an overlap -gap >= 0, its slope or second slope over the gap, for a penalty of 1."""
+    deep, soft = -gap, SOFT_MM
+    inside = (deep**3 / (6 * soft), -(deep**2) / (2 * soft), deep / soft)[order]
+    beyond = (deep**2 / 2 - soft * deep / 2 + soft**2 / 6, soft / 2 - deep, np.ones_like(deep))[order]
+    return np.where(deep < soft, inside, beyond)
 
 
 def _with(one: Array, other: Array) -> Array:

@@ -15,10 +15,14 @@ from casr.errors import CasrError
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-PENALTY_N_PER_MM3 = 20.0
+PENALTY_N_PER_MM3, PENALTY_SHARE = 20.0, 80.0
+"At most, and in moduli of the specimen over the size of an element."
 FIRST_MM, LONGEST_MM, SHORTEST_MM, GROWTH = 0.05, 0.12, 1e-4, 1.15
 "Steps of the depth."
-_TURNS, _CLOSE = 14, 1e-8
+_TURNS, _CLOSE = 30, 1e-8
+_FREE, _SHORTENED, _FLAT = 4, 8, 0.5
+_MOST = 0.6
+"Largest pressure that a face bears, in moduli of the specimen."
 _FINE_TO, _EDGE_MM = 0.9, (0.15, 1.5)
 """Arc, in radii, up to which the mesh is fine; distances from the edge of contact of what tells where it is."""
 DONE_SHARE = 1.02
@@ -116,11 +120,15 @@ class _World:
         self.skin_arc = ball.at[skin, 1] * dome.radius_mm
         self.inner_angle = ball.at[self.inside, 1]
         self.skin, self.face = skin, face
-        self.contact = Contact(skin, face, self.bodies.place, PENALTY_N_PER_MM3)
+        modulus = specimen.rubber.modulus_mpa if specimen.rubber else np.inf
+        penalty = min(PENALTY_N_PER_MM3, PENALTY_SHARE * modulus / size)
+        self.contact = Contact(skin, face, self.bodies.place, penalty, _MOST * modulus)
         self.arc_of_points = self.contact.arcs(self.skin_arc)
         back = np.arange(start, len(self.bodies.place)) if specimen.rubber is None else plate.line(1, plate.at[:, 1].max()) + start
         self.driven = 2 * back + 1
-        clamped = np.concatenate([ball.line(1, np.pi / 2), ball.line(0, 0.0)])
+        self.specimen = 2 * np.arange(start, len(self.bodies.place)) + 1
+        clamped = np.union1d(ball.line(1, np.pi / 2), ball.line(0, 0.0))
+        self.flange = 2 * clamped + 1
         axis = np.flatnonzero(np.abs(self.bodies.place[:, 0]) < 1e-9)
         fixed = np.concatenate([2 * clamped, 2 * clamped + 1, 2 * axis, 2 * back, self.driven])
         self.free = np.setdiff1d(np.arange(self.bodies.size), fixed)
@@ -130,10 +138,10 @@ class _World:
         self.kept = np.flatnonzero(kept)
         self.rows, self.columns = (self.number[each[self.kept]] for each in (self.bodies.rows, self.bodies.columns))
 
-    def forces(self, moved: Array, held: Array) -> tuple[Array, float, Opposite, Callable[[], Array]]:
+    def forces(self, moved: Array, held: Array, kept: Opposite | None = None) -> tuple[Array, float, Opposite, Callable[[], Array]]:
         """On all nodes (2 N,), of contact along the axis, what is opposite, and what solves for the free ones."""
         force, values = self.bodies.resistance(moved)
-        of = self.contact.opposite(moved)
+        of = self.contact.opposite(moved, kept)
         _, dofs, pushing, bent = self.contact.resistance(of, held)
         force += np.bincount(dofs.ravel(), pushing.ravel(), force.size)
 
@@ -153,17 +161,35 @@ class _World:
         return force, self.contact.pressure_n(of), of, step
 
     def solved(self, guess: Array, held: Array) -> tuple[Array, float, float, Opposite] | None:
-        """Newton from a guess: displacements, forces of contact and of the back, what is opposite; None if it fails."""
+        """Newton from a guess: displacements, forces of contact and of the flange, what is opposite; None if it fails.
+
+        A step is shortened where the energy falls along it no longer: points that touch and leave in turn would keep
+        it from an end.
+        """
         moved = guess.copy()
         try:
-            for _ in range(_TURNS):
-                force, pressure, of, step = self.forces(moved, held)
-                left = float(np.abs(force[self.free]).max())
-                if left < _CLOSE * max(pressure, 0.01):
-                    return moved, pressure, float(-force[self.driven].sum()), of
+            force, pressure, of, step = self.forces(moved, held)
+            for turn in range(_TURNS):
+                kept = of if turn >= _FREE else None
+                if float(np.abs(force[self.free]).max()) < _CLOSE * max(pressure, 0.01):
+                    return moved, pressure, float(force[self.flange].sum()), of
                 change = step()
-                change *= min(1.0, 1.0 / max(float(np.abs(change).max()), 1e-12))
-                moved[self.free] += change
+                falls, share = float(force[self.free] @ change), 1.0
+                for _ in range(_SHORTENED):
+                    trial = moved.copy()
+                    trial[self.free] += share * change
+                    try:
+                        force, pressure, of, step = self.forces(trial, held, kept)
+                    except Inverted:
+                        share /= 4
+                        continue
+                    rises = float(force[self.free] @ change)
+                    if abs(rises) <= _FLAT * abs(falls):
+                        break
+                    share *= min(max(falls / (falls - rises), 0.1), 0.7) if rises > 0 else 1.0
+                    if rises < 0:
+                        break
+                moved = trial
         except (Inverted, RuntimeError):
             return None
         return None
@@ -212,10 +238,10 @@ def _steps(world: _World, pressing: Pressing, tell: Callable[[float], None]) -> 
     while force < DONE_SHARE * pressing.force_n:
         guess = moved + (moved - before) * (length / last if last else 0.0)
         guess[world.driven] = -(depth + length)
-        found = world.solved(guess, held)
-        if found is None and last:
+        found = world.solved(guess, held) if last else None
+        if found is None:
             guess = moved.copy()
-            guess[world.driven] = -(depth + length)
+            guess[world.specimen] -= length
             found = world.solved(guess, held)
         if found is None:
             length /= 2
