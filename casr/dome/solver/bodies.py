@@ -88,6 +88,14 @@ def block(first: Array, second: Array, place: Callable[[Array, Array], tuple[Arr
     return Mesh(np.array(place(*at.T)).T, at, bases[0].element_dofs.T.astype(np.intp), tuple(points))
 
 
+def graded(end: float, fine: float, size: float, growth: float = 1.2) -> Array:
+    """From 0 to ``end``: steps of ``size`` up to ``fine``, growing ones beyond."""
+    steps = [size] * max(1, int(np.ceil(min(fine, end) / size)))
+    while sum(steps) < end:
+        steps.append(steps[-1] * growth)
+    return np.concatenate([[0.0], np.cumsum(steps)]) * (end / sum(steps))
+
+
 class Bodies:
     """Several meshes of rubber side by side in one vector of displacements, r and z of each node in turn.
 

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.dome.solver.bodies import Bodies, Inverted, Mesh, Rubber, block
+from casr.dome.solver.bodies import Bodies, Inverted, Rubber, block, graded
 from casr.dome.solver.contact import Contact, Opposite
-from casr.errors import CasrError
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -50,13 +49,14 @@ class Specimen:
 
 @dataclass(frozen=True)
 class Pressing:
-    """mesh_mm : size of elements in the contact. force_n : to reach. friction : inf sticks, 0 slides."""
+    """mesh_mm : size of elements in the contact. step_mm : longest, of the depth. force_n : to reach. friction : inf sticks, 0 slides."""
 
     dome: Dome
     specimen: Specimen
     friction: float = 0.0
     force_n: float = 5.0
     mesh_mm: float = 0.5
+    step_mm: float = LONGEST_MM
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,16 +79,8 @@ class Pressed:
     unstored: float
 
 
-class Stopped(CasrError):
+class Stopped(ArithmeticError):
     """The solution went no further."""
-
-
-def graded(end: float, fine: float, size: float, growth: float = 1.2) -> Array:
-    """From 0 to ``end``: steps of ``size`` up to ``fine``, growing ones beyond."""
-    steps = [size] * max(1, int(np.ceil(min(fine, end) / size)))
-    while sum(steps) < end:
-        steps.append(steps[-1] * growth)
-    return np.concatenate([[0.0], np.cumsum(steps)]) * (end / sum(steps))
 
 
 class _World:
@@ -255,7 +247,7 @@ def _steps(world: _World, pressing: Pressing, tell: Callable[[float], None]) -> 
         of = now
         tell(force)
         yield depth, moved, force, base, world.energy(moved, held, now), 0.0
-        length = min(length * GROWTH, LONGEST_MM)
+        length = min(length * GROWTH, pressing.step_mm)
 
 
 def _held(contact: Contact, held: Array, before: Opposite, now: Opposite) -> Array:

@@ -1,0 +1,61 @@
+"""``casr dome``: tables of a dome of your own, solved by finite elements."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from casr.command_line import JSON, Commands, add_command, answer, whole_number
+from casr.terminal import VOICE
+
+SUMMARY = "Solve the contact of a soft dome with specimens, and write the tables that --domes reads."
+EPILOG = """
+SENSOR.toml says radius, skin and gel of the dome, and the specimens; its keys are in docs/reference/dome-tables.md.
+Tables that are in the folder already, solved from the same numbers, stay: stopped work goes on where it was. Needs
+pip install "emg2vsa[solver]". Exit status 1: a case could not be solved. Example: casr dome sensor.toml
+--out mine, then casr score presses --domes mine
+"""
+OPTIONS = f"""
+sensor SENSOR.toml  the sensor's file
+-o --out FOLDER = domes  where to write (default %(default)s)
+--jobs N  cases at the same time (default: one for each core)
+{JSON}
+"""
+
+
+def add_to(commands: Commands) -> None:
+    types = {"SENSOR.toml": Path, "N": whole_number}
+    add_command(commands, "dome", run, SUMMARY, EPILOG, OPTIONS, types)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from casr.dome.solver.cases import AREA_AT_N, solve
+    from casr.dome.solver.sensor_file import read_sensor
+
+    cases = read_sensor(arguments.sensor)
+    found = []
+    for number, each in enumerate(solve(cases, arguments.out, arguments.jobs or os.cpu_count() or 1), start=1):
+        found.append(each)
+        if not VOICE.quiet and sys.stderr.isatty():
+            end = "\n" if number == len(cases) else ""
+            print(f"\rdome: {number} of {len(cases)} tables", end=end, file=sys.stderr, flush=True)
+    found.sort(key=lambda each: [case.name for case in cases].index(each.case.name))
+    rows: list[dict[str, Any]] = [
+        {"table": each.case.name, "was_there": each.before, "stopped": each.stopped or None, **each.said}
+        for each in found
+    ]
+    wide = max(len(case.name) for case in cases)
+    lines = [f"{'table':<{wide}}" + "".join(f"{f'A({n:g} N)':>10}" for n in AREA_AT_N) + "  error"]
+    for each in found:
+        if each.stopped:
+            lines.append(f"{each.case.name:<{wide}}  {each.stopped}")
+            continue
+        areas = "".join(f"{area:>10.1f}" for area in each.said["area_mm2"].values())
+        error = each.said["area_error_of_mesh_and_steps"]
+        lines.append(f"{each.case.name:<{wide}}{areas}  {100 * error:.1f} %")
+    lines.append(f"Areas in mm2, error that of mesh and steps. Use them: casr score PRESSES --domes {arguments.out}")
+    answer(arguments.json, {"folder": str(arguments.out), "tables": rows}, lines)
+    return int(any(each.stopped for each in found))

@@ -1,0 +1,103 @@
+"""Tables solved case by case on several processes; one that lies in the folder already is not solved again."""
+
+from __future__ import annotations
+
+import io
+import json
+import multiprocessing
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from casr.atomic import write_bytes_atomic
+from casr.dome.solver.press import LONGEST_MM, Pressed, Stopped, press
+from casr.dome.solver.sensor_file import Case
+from casr.one_thread import one_thread
+
+TABLE_RADIUS_MM = 20.0
+"Of the dome that tables are written of: another size is the same dome in other millimetres."
+AREA_AT_N = (0.5, 1.0, 2.0, 4.0)
+_LENGTHS = ("depth_mm", "contact_radius_mm", "edge_arc_mm", "s_mm", "u_r_mm", "u_z_mm")
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A case with what its file says of the solution; stopped : why there is no file."""
+
+    case: Case
+    said: dict[str, Any]
+    stopped: str = ""
+    before: bool = False
+
+
+def solve(cases: Sequence[Case], folder: Path, jobs: int) -> Iterator[Solved]:
+    """Each case as it ends, those that are there already first. OSError : the folder cannot be written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    left = []
+    for case in cases:
+        said = _said(folder / f"{case.name}.npz")
+        if said.get("digest") == case.digest:
+            yield Solved(case, said, before=True)
+        else:
+            left.append(case)
+    if jobs == 1 or len(left) < 2:
+        yield from (_solve(case, folder) for case in left)
+        return
+    with ProcessPoolExecutor(min(jobs, len(left)), multiprocessing.get_context("spawn"), one_thread) as pool:
+        calls = [pool.submit(_solve, case, folder) for case in left]
+        try:
+            yield from (call.result() for call in as_completed(calls))
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def _said(path: Path) -> dict[str, Any]:
+    """The metadata of a table of this solver; nothing where there is none."""
+    try:
+        with np.load(path, allow_pickle=False) as kept:
+            return dict(json.loads(str(kept["metadata"])))
+    except (OSError, EOFError, KeyError, TypeError, ValueError):
+        return {}
+
+
+def _solve(case: Case, folder: Path) -> Solved:
+    try:
+        fine = press(case.pressing)
+        coarse = press(replace(case.pressing, mesh_mm=2 * case.pressing.mesh_mm, step_mm=2 * LONGEST_MM))
+    except Stopped as error:
+        return Solved(case, {}, stopped=str(error))
+    said = _metadata(case, fine, coarse)
+    write_bytes_atomic(folder / f"{case.name}.npz", _file(case, fine, said))
+    return Solved(case, said)
+
+
+def areas_mm2(found: Pressed, at_n: Sequence[float]) -> list[float]:
+    """Area of contact seen along the axis at forces, mm^2; NaN beyond the last."""
+    radius = np.interp(at_n, found.force_n, found.contact_radius_mm, right=np.nan)
+    return list(map(float, np.pi * radius**2))
+
+
+def _metadata(case: Case, fine: Pressed, coarse: Pressed) -> dict[str, Any]:
+    areas, others = (areas_mm2(each, AREA_AT_N) for each in (fine, coarse))
+    off = [abs(b / a - 1) for a, b in zip(areas, others, strict=True) if a - a == 0 and b - b == 0]
+    pressing = asdict(case.pressing) | {"friction": case.name.rpartition("_")[2]}
+    return {
+        "digest": case.digest, "case": case.name, "solver": "casr dome", "pressing": pressing,
+        "stiffness": "N/mm under a rigid flat frictionless punch of 10 mm radius, 1 mm deep",
+        "area_mm2": dict(zip(map(str, AREA_AT_N), areas, strict=True)),
+        "area_error_of_mesh_and_steps": max(off, default=None),
+        "force_unbalance": fine.unbalance, "work_not_stored": fine.unstored,
+    }  # fmt: skip
+
+
+def _file(case: Case, found: Pressed, said: dict[str, Any]) -> bytes:
+    arrays: dict[str, Any] = {name: getattr(found, name) for name in ("force_n", "tilt_rad", *_LENGTHS)}
+    for name in _LENGTHS:
+        arrays[name] = arrays[name] * (TABLE_RADIUS_MM / case.pressing.dome.radius_mm)
+    file = io.BytesIO()
+    np.savez_compressed(file, metadata=np.array(json.dumps(said, sort_keys=True)), **arrays)
+    return file.getvalue()
