@@ -82,7 +82,7 @@ def block(first: Array, second: Array, place: Callable[[Array, Array], tuple[Arr
     points = []
     for basis in bases:
         radius = np.asarray(basis.global_coordinates())[0]
-        shapes = np.array([np.broadcast_to(each[0].value, radius.shape) for each in basis.basis])
+        shapes = np.array([np.broadcast_to(np.asarray(each[0]), radius.shape) for each in basis.basis])
         slopes = np.array([each[0].grad for each in basis.basis])
         points.append((shapes, slopes, np.array([radius, basis.dx])))
     return Mesh(np.array(place(*at.T)).T, at, bases[0].element_dofs.T.astype(np.intp), tuple(points))
@@ -152,7 +152,8 @@ def _points(shapes: Array, slopes: Array, at: Array, first: Array, second: Array
 
 def _deformed(points: _Points, own: Array) -> tuple[Array, Array, Array]:
     """F (E, Q, 5), its determinant J (E, Q) and the slope of J over F."""
-    f = np.einsum("eqik,ek->eqi", points.slopes, own, optimize=True)
+    elements, count = points.weight.shape
+    f = (points.slopes.reshape(elements, -1, 18) @ own[..., None]).reshape(elements, count, 5)
     f += np.array([1.0, 0, 0, 1.0, 1.0])
     rr, rz, zr, zz, around = np.moveaxis(f, -1, 0)
     plane = rr * zz - rz * zr
@@ -199,6 +200,6 @@ def _at_nodes(points: _Points, modulus: Array, stress: Array, bent: Array) -> tu
     weight = (points.weight * modulus[:, None])[..., None]
     elements = len(stress)
     table = points.slopes.reshape(elements, -1, 18)
-    force = np.einsum("ep,epk->ek", (weight * stress).reshape(elements, -1), table, optimize=True)
+    force = ((weight * stress).reshape(elements, 1, -1) @ table)[:, 0]
     rows = ((weight[..., None] * bent) @ points.slopes).reshape(elements, -1, 18)
     return force, table.transpose(0, 2, 1) @ rows

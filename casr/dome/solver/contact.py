@@ -2,7 +2,8 @@
 
 The gap of a point is its distance from the face along the axis. Its first variation is along the normal of the face, so
 that what pushes it apart does too and no friction comes in. The face is seen as r -> z of the deformed specimen, along
-quadratic edges. Where the skin sticks, the point of the face that it touched first stays the one that is opposite.
+quadratic edges. Where the skin sticks, the point of the face that it touched first stays the one that is opposite; with
+Coulomb's friction it is let go as far as the shear is more than its share of the pressure.
 """
 
 from __future__ import annotations
@@ -37,25 +38,38 @@ def shapes(at: Array) -> Array:
 class Opposite:
     """What lies opposite to points of the dome: P that have a face there.
 
-    own : which points. edge : (P,) of the face. at : (P,) place on it. gap : (P,) mm. slope (P, 12) of the gap and of
-    ``at`` over the displacements of three nodes of the dome and three of the face, r and z; bent (P, 12, 12).
+    own : which points. edge : (P,) of the face. at : (P,) place on it. gap : (P,) mm. steep : (P,) dz/dr of the face.
+    length : (P,) dr over ``at``. slope (P, 12) of the gap and of ``at`` over the displacements of three nodes of the
+    dome and three of the face, r and z; bent (P, 12, 12).
     """
 
     own: Rows
     edge: Rows
     at: Array
     gap: Array
+    steep: Array
+    length: Array
     gap_slope: Array
     at_slope: Array
     gap_bent: Array
     at_bent: Array
 
 
+@dataclass(frozen=True, eq=False)
+class Grip:
+    """What holds the skin. held : (points,) place on the undeformed face that each sticks to; NaN where it slides.
+    inward, outward : (points,) slip from there, mm, beyond which it holds no stronger."""
+
+    held: Array
+    inward: Array
+    outward: Array
+
+
 class Contact:
     """skin, face : (n,) nodes of the dome's outside and of the specimen's face, from the axis on; every second one
-    begins an edge. place : (N, 2) of all nodes, undeformed. penalty : N/mm3, of a gap and of a slip. most_mpa : pressure
-    that is not to be expected; a larger one on the way to a solution does not turn with the face, so that its slope
-    stays that of a minimum."""
+    begins an edge. place : (N, 2) of all nodes, undeformed. penalty : N/mm3, of a gap and of a slip. most_mpa : a
+    pressure that is not to be expected; a larger one on the way to a solution does not turn with the face, so that its
+    slope stays that of a minimum."""
 
     def __init__(self, skin: Rows, face: Rows, place: Array, penalty: float, most_mpa: float) -> None:
         self._skin = np.stack([skin[:-2:2], skin[1:-1:2], skin[2::2]], axis=1)
@@ -104,7 +118,7 @@ class Contact:
         gap_bent = _with(at_slope, turn) + (z2 - steep * r2)[:, None, None] * both
         at_bent = -(_with(at_slope, pull) + r2[:, None, None] * both) / r1[:, None, None]
         gap = (value * zz).sum(axis=0) - z[own]
-        return Opposite(own, edge, at, gap, gap_slope, at_slope, gap_bent, at_bent)
+        return Opposite(own, edge, at, gap, steep, r1, gap_slope, at_slope, gap_bent, at_bent)
 
     def touched(self, of: Opposite) -> Array:
         """Where on the undeformed face each point is, mm from the axis; NaN for those without a face."""
@@ -112,11 +126,24 @@ class Contact:
         place[of.own] = (shapes(of.at)[0].T * self._place[self._face[of.edge], 0]).sum(axis=1)
         return place
 
-    def resistance(self, of: Opposite, held: Array) -> tuple[float, Array, Array, Array]:
-        """Energy, the degrees of freedom (P, 12) of the points in touch, forces there (P, 12) and slopes (P, 12, 12).
+    def grip(self, of: Opposite, held: Array, friction: float) -> Grip:
+        """Where points are held, and how strongly at the pressures of now. friction : Coulomb's; inf sticks.
 
-        held : (points,) place on the undeformed face that each point sticks to; NaN where it slides.
+        Along the normal (s, -1) of a face of slope s, per unit of penalty, act the overlap times sqrt(1 + s^2) and a
+        part of the hold along r; both are in Coulomb's pressure.
         """
+        inward, outward = np.zeros((2, self.size))
+        if np.isinf(friction):
+            return Grip(held, inward + np.inf, outward + np.inf)
+        stretch = (shapes(of.at)[1].T * self._place[self._face[of.edge], 0]).sum(axis=1) / of.length
+        most = -friction * _soft(np.minimum(of.gap, 0), 1) * (1 + of.steep**2) / stretch
+        for limit, sign in ((inward, -1), (outward, 1)):
+            share = 1 + sign * friction * of.steep
+            limit[of.own] = np.where(share > 0, most / np.where(share > 0, share, 1.0), np.inf)
+        return Grip(held, inward, outward)
+
+    def resistance(self, of: Opposite, grip: Grip) -> tuple[float, Array, Array, Array]:
+        """Energy, degrees of freedom (P, 12) of the points in touch, forces there (P, 12) and slopes (P, 12, 12)."""
         near = np.flatnonzero(of.gap < 0)
         own, edge = of.own[near], of.edge[near]
         weight = self.penalty * self._weight[own]
@@ -125,18 +152,19 @@ class Contact:
         force = (weight * _soft(gap, 1))[:, None] * slope
         bent = (weight * _soft(gap, 2))[:, None, None] * (slope[:, :, None] * slope[:, None, :])
         bent += (weight * np.maximum(_soft(gap, 1), -self._most_mm))[:, None, None] * of.gap_bent[near]
-        sticks = np.isfinite(held[own])
+        sticks = np.isfinite(grip.held[own])
         if sticks.any():
-            near, edge_s, own_s = near[sticks], edge[sticks], own[sticks]
-            rest = self._place[self._face[edge_s], 0].T
+            near, own_s, weight = near[sticks], own[sticks], weight[sticks]
+            rest = self._place[self._face[edge[sticks]], 0].T
             value, first, second = (np.asarray((each * rest).sum(axis=0)) for each in shapes(of.at[near]))
-            slip, weight = value - held[own_s], weight[sticks]
-            energy += float(weight @ slip**2) / 2
+            slip = value - grip.held[own_s]
+            hold = np.clip(slip, -grip.inward[own_s], grip.outward[own_s])
+            energy += float(weight @ (hold * slip - hold**2 / 2))
             along = of.at_slope[near]
-            force[sticks] += (weight * slip * first)[:, None] * along
-            stiff = weight * (first**2 + slip * second)
+            force[sticks] += (weight * hold * first)[:, None] * along
+            stiff = weight * ((hold == slip) * first**2 + hold * second)
             bent[sticks] += stiff[:, None, None] * along[:, :, None] * along[:, None, :]
-            bent[sticks] += (weight * slip * first)[:, None, None] * of.at_bent[near]
+            bent[sticks] += (weight * hold * first)[:, None, None] * of.at_bent[near]
         nodes = np.concatenate([self._nodes[own], self._face[edge]], axis=1)
         dofs = np.stack([2 * nodes, 2 * nodes + 1], axis=-1).reshape(-1, 12)
         return energy, dofs, force, bent

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.dome.solver.bodies import Bodies, Inverted, Rubber, block, graded
-from casr.dome.solver.contact import Contact, Opposite
+from casr.dome.solver.contact import Contact, Grip, Opposite
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -22,8 +22,12 @@ _TURNS, _CLOSE = 30, 1e-8
 _FREE, _SHORTENED, _FLAT = 4, 8, 0.5
 _MOST = 0.6
 "Largest pressure that a face bears, in moduli of the specimen."
-_FINE_TO, _EDGE_MM = 0.9, (0.15, 1.5)
-"""Arc, in radii, up to which the mesh is fine; distances from the edge of contact of what tells where it is."""
+_FINE_TO, _EDGE_MM = 0.9, 1.5
+"""Arc, in radii, up to which the mesh is fine; distance from the edge of contact of what tells where it is."""
+_PRESSURES = 3
+"Times that a step is solved again with the pressures that it gave, which limit Coulomb's friction."
+DEEPEST = 0.6
+"Of the radius, that the flange moves."
 DONE_SHARE = 1.02
 "Of the largest force, that the last step reaches."
 
@@ -49,7 +53,8 @@ class Specimen:
 
 @dataclass(frozen=True)
 class Pressing:
-    """mesh_mm : size of elements in the contact. step_mm : longest, of the depth. force_n : to reach. friction : inf sticks, 0 slides."""
+    """mesh_mm : size of elements in the contact. step_mm : longest, of the depth. force_n : to reach. friction :
+    Coulomb's; 0 slides, inf sticks."""
 
     dome: Dome
     specimen: Specimen
@@ -61,10 +66,10 @@ class Pressing:
 
 @dataclass(frozen=True, eq=False)
 class Pressed:
-    """Rows of T steps, the first untouched, as in the file of a table; place_mm (P, 2) of the nodes of the skin's inside.
+    """Rows of T steps, the first untouched, as in the file of a table.
 
-    unbalance : force of contact against that of the base, share, worst of all steps. unstored : the same of work and
-    stored energy.
+    unbalance : force of contact against that on the flange, share, worst of all steps. unstored : work of the flange
+    less stored energy, share, by trapezoids of the steps; friction takes some.
     """
 
     force_n: Array
@@ -116,7 +121,8 @@ class _World:
         penalty = min(PENALTY_N_PER_MM3, PENALTY_SHARE * modulus / size)
         self.contact = Contact(skin, face, self.bodies.place, penalty, _MOST * modulus)
         self.arc_of_points = self.contact.arcs(self.skin_arc)
-        back = np.arange(start, len(self.bodies.place)) if specimen.rubber is None else plate.line(1, plate.at[:, 1].max()) + start
+        back = plate.line(1, plate.at[:, 1].max()) if specimen.rubber else np.arange(len(plate.place))
+        back += start
         self.driven = 2 * back + 1
         self.specimen = 2 * np.arange(start, len(self.bodies.place)) + 1
         clamped = np.union1d(ball.line(1, np.pi / 2), ball.line(0, 0.0))
@@ -130,11 +136,13 @@ class _World:
         self.kept = np.flatnonzero(kept)
         self.rows, self.columns = (self.number[each[self.kept]] for each in (self.bodies.rows, self.bodies.columns))
 
-    def forces(self, moved: Array, held: Array, kept: Opposite | None = None) -> tuple[Array, float, Opposite, Callable[[], Array]]:
+    def forces(
+        self, moved: Array, grip: Grip, kept: Opposite | None = None
+    ) -> tuple[Array, float, Opposite, Callable[[], Array]]:
         """On all nodes (2 N,), of contact along the axis, what is opposite, and what solves for the free ones."""
         force, values = self.bodies.resistance(moved)
         of = self.contact.opposite(moved, kept)
-        _, dofs, pushing, bent = self.contact.resistance(of, held)
+        _, dofs, pushing, bent = self.contact.resistance(of, grip)
         force += np.bincount(dofs.ravel(), pushing.ravel(), force.size)
 
         def step() -> Array:
@@ -152,7 +160,7 @@ class _World:
 
         return force, self.contact.pressure_n(of), of, step
 
-    def solved(self, guess: Array, held: Array) -> tuple[Array, float, float, Opposite] | None:
+    def solved(self, guess: Array, grip: Grip) -> tuple[Array, float, float, Opposite] | None:
         """Newton from a guess: displacements, forces of contact and of the flange, what is opposite; None if it fails.
 
         A step is shortened where the energy falls along it no longer: points that touch and leave in turn would keep
@@ -160,7 +168,7 @@ class _World:
         """
         moved = guess.copy()
         try:
-            force, pressure, of, step = self.forces(moved, held)
+            force, pressure, of, step = self.forces(moved, grip)
             for turn in range(_TURNS):
                 kept = of if turn >= _FREE else None
                 if float(np.abs(force[self.free]).max()) < _CLOSE * max(pressure, 0.01):
@@ -171,7 +179,7 @@ class _World:
                     trial = moved.copy()
                     trial[self.free] += share * change
                     try:
-                        force, pressure, of, step = self.forces(trial, held, kept)
+                        force, pressure, of, step = self.forces(trial, grip, kept)
                     except Inverted:
                         share /= 4
                         continue
@@ -186,8 +194,8 @@ class _World:
             return None
         return None
 
-    def energy(self, moved: Array, held: Array, of: Opposite) -> float:
-        return self.bodies.energy(moved) + self.contact.resistance(of, held)[0]
+    def energy(self, moved: Array, grip: Grip, of: Opposite) -> float:
+        return self.bodies.energy(moved) + self.contact.resistance(of, grip)[0]
 
     def edge(self, moved: Array) -> tuple[float, float]:
         """Radius of the edge of contact seen along the axis, and its arc on the undeformed outside of the skin.
@@ -203,8 +211,7 @@ class _World:
         if last < 0:
             return 0.0, 0.0
         away = r - r[last]
-        size = max(_EDGE_MM[1], 0.0)
-        used = (np.arange(r.size) > last) & (away < max(size, 3 * (r[min(last + 4, r.size - 1)] - r[last])))
+        used = (np.arange(r.size) > last) & (away < max(_EDGE_MM, 3 * (r[min(last + 4, r.size - 1)] - r[last])))
         law = of.gap[used] ** (2 / 3)
         curve = np.polynomial.Polynomial.fit(law, r[used], 2)
         radius = float(curve(0.0))
@@ -218,51 +225,61 @@ def press(pressing: Pressing, tell: Callable[[float], None] = lambda force_n: No
     return _table(world, rows)
 
 
-_Row = tuple[float, Array, float, float, float, float]
-"""Depth, displacements, forces of contact and of the base, stored energy, and work."""
+_Row = tuple[float, Array, float, float, float]
+"""Depth, displacements, forces of contact and of the flange, and stored energy."""
 
 
 def _steps(world: _World, pressing: Pressing, tell: Callable[[float], None]) -> Iterator[_Row]:
-    moved, held = np.zeros(world.bodies.size), np.full(world.contact.size, np.nan)
-    of = world.contact.opposite(moved)
+    contact, friction = world.contact, pressing.friction
+    moved, held = np.zeros(world.bodies.size), np.full(contact.size, np.nan)
+    of = contact.opposite(moved)
     before = moved
     depth, length, last, force = 0.0, FIRST_MM, 0.0, 0.0
     while force < DONE_SHARE * pressing.force_n:
         guess = moved + (moved - before) * (length / last if last else 0.0)
         guess[world.driven] = -(depth + length)
-        found = world.solved(guess, held) if last else None
+        grip = contact.grip(of, held, friction)
+        found = world.solved(guess, grip) if last else None
         if found is None:
             guess = moved.copy()
             guess[world.specimen] -= length
-            found = world.solved(guess, held)
+            found = world.solved(guess, grip)
+        for _ in range(_PRESSURES if 0 < friction < np.inf else 0):
+            if found is not None:
+                grip = contact.grip(found[3], held, friction)
+                found = world.solved(found[0], grip)
         if found is None:
             length /= 2
             if length < SHORTEST_MM:
-                raise Stopped(f"no step beyond {depth:.3f} mm and {force:.3g} N")
+                raise Stopped(f"no step beyond {depth:.3f} mm of depth and {force:.3g} N")
             continue
-        before, (moved, force, base, now) = moved, found
+        before, (moved, force, flange, now) = moved, found
         depth, last = depth + length, length
-        if np.isinf(pressing.friction):
-            held = _held(world.contact, held, of, now)
-        of = now
         tell(force)
-        yield depth, moved, force, base, world.energy(moved, held, now), 0.0
+        yield depth, moved, force, flange, world.energy(moved, grip, now)
+        if friction > 0:
+            held = _held(contact, grip, of, now)
+        of = now
         length = min(length * GROWTH, pressing.step_mm)
+        if depth > DEEPEST * pressing.dome.radius_mm:
+            raise Stopped(f"{force:.3g} N at {depth:.1f} mm of depth, and {pressing.force_n:g} N are wanted")
 
 
-def _held(contact: Contact, held: Array, before: Opposite, now: Opposite) -> Array:
-    """What each point sticks to after a step: where it was when its gap closed, along the line of the step."""
+def _held(contact: Contact, grip: Grip, before: Opposite, now: Opposite) -> Array:
+    """What each point sticks to after a step: where it was when its gap closed, along the line of the step; drawn along
+    as far as it slips."""
     places = [contact.touched(each) for each in (before, now)]
     gaps = np.full((2, contact.size), np.nan)
     for gap, each in zip(gaps, (before, now), strict=True):
         gap[each.own] = each.gap
     share = np.clip(gaps[0] / np.where(gaps[0] > gaps[1], gaps[0] - gaps[1], 1.0), 0.0, 1.0)
     first = np.where(np.isfinite(places[0]), places[0] + share * (places[1] - places[0]), places[1])
-    return np.where(gaps[1] < 0, np.where(np.isfinite(held), held, first), np.nan)
+    drawn = places[1] - np.clip(places[1] - grip.held, -grip.inward, grip.outward)
+    return np.where(gaps[1] < 0, np.where(np.isfinite(grip.held), drawn, first), np.nan)
 
 
 def _table(world: _World, rows: list[_Row]) -> Pressed:
-    depth, moved, force, base, stored, _ = (np.array(each) for each in zip(*rows, strict=True))
+    depth, moved, force, base, stored = (np.array(each) for each in zip(*rows, strict=True))
     edges = np.array([world.edge(each) for each in moved])
     inside = moved.reshape(len(rows), -1, 2)[:, world.inside]
     angle = world.inner_angle

@@ -168,6 +168,7 @@ def _cases(values: dict[str, dict[str, Any]]) -> Iterator[Case]:
             rubber = Rubber(stiffness / stiffness_over_modulus_mm(*size, float(s["poisson"])), float(s["poisson"]))
             called = f"{stiffness:g}"
         for friction in s["friction"]:
-            word, mu = (friction, FRICTIONS[friction]) if friction in FRICTIONS else (f"mu{friction:g}", float(friction))
+            mu = float(FRICTIONS.get(friction, friction))
+            word = friction if friction in FRICTIONS else f"mu{friction:g}"
             pressing = Pressing(dome, Specimen(rubber, *size), mu, float(solve["force_n"]), float(solve["mesh_mm"]))
             yield Case(f"{d['name']}_k{called}_{word}", pressing, stiffness)

@@ -1,0 +1,217 @@
+"""The solver of tables against Hertz, against other elements, against differences, and its command; coarse meshes."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from casr.cli import main
+from casr.dome.library import DEFAULT_WORLD, shipped
+from casr.dome.tables import read_table
+from casr.errors import SettingError
+
+pytest.importorskip("skfem", reason="needs the extra solver: scikit-fem")
+
+from casr.dome.solver.bodies import Bodies, Inverted, Rubber, block
+from casr.dome.solver.cases import areas_mm2
+from casr.dome.solver.contact import Contact, Grip
+from casr.dome.solver.press import Dome, Pressed, Pressing, Specimen, Stopped, press
+from casr.dome.solver.punch import stiffness_over_modulus_mm
+from casr.dome.solver.sensor_file import KEYS, read_sensor
+
+SKIN_OVER_GEL = Dome(20.0, 1.0, Rubber(0.8), Rubber(0.03))
+COARSE = Pressing(SKIN_OVER_GEL, Specimen(None), force_n=2.0, mesh_mm=1.0, step_mm=0.2)
+SOFT = replace(COARSE, specimen=Specimen(Rubber(5.3 / 41.8)))
+SENSOR = """
+[dome]
+name = "mine"
+radius_mm = 40
+skin_mm = 2
+skin_modulus_mpa = 0.8
+gel_modulus_mpa = 0.03
+[specimen]
+radius_mm = 70
+stiffness_n_per_mm = []
+friction = ["frictionless"]
+[solve]
+force_n = 8
+mesh_mm = 2
+"""
+
+
+@pytest.fixture(scope="module")
+def soft() -> Pressed:
+    return press(SOFT)
+
+
+def two_bodies() -> tuple[Bodies, Contact, np.ndarray]:
+    """A block on another, bent at random so that every term of the contact counts."""
+    lower = block(np.linspace(0, 3, 4), np.linspace(-1, 0, 2), lambda r, z: (r, z))
+    upper = block(np.linspace(0, 4, 4), np.linspace(0, 1, 2), lambda r, z: (r, z))
+    bodies = Bodies([(each, [Rubber(1.0)] * len(each.nodes)) for each in (lower, upper)])
+    face = upper.line(1, 0.0) + len(lower.place)
+    contact = Contact(lower.line(1, 0.0), face, bodies.place, 5.0, np.inf)
+    moved = np.random.default_rng(1).normal(0, 0.02, bodies.size)
+    moved[: 2 * len(lower.place)][1::2] += 0.05
+    return bodies, contact, moved
+
+
+def test_forces_and_their_slopes_are_those_of_the_energy() -> None:
+    bodies, contact, moved = two_bodies()
+    held = contact.touched(contact.opposite(moved)) + np.linspace(-0.01, 0.01, contact.size)
+    grip = Grip(held, np.full(contact.size, 0.004), np.full(contact.size, 0.006))  # some slip
+
+    def energy(at: np.ndarray) -> float:
+        return bodies.energy(at) + contact.resistance(contact.opposite(at), grip)[0]
+
+    def force(at: np.ndarray) -> np.ndarray:
+        _, dofs, own, _ = contact.resistance(contact.opposite(at), grip)
+        return bodies.resistance(at)[0] + np.bincount(dofs.ravel(), own.ravel(), at.size)
+
+    way = np.random.default_rng(2).normal(size=moved.size)
+    step = 1e-6 * way
+    assert (energy(moved + step) - energy(moved - step)) / 2e-6 == pytest.approx(force(moved) @ way, rel=1e-7)
+    _, values = bodies.resistance(moved)
+    _, dofs, _, bent = contact.resistance(contact.opposite(moved), grip)
+    assert len(dofs) == 12  # points in touch
+    slope = np.bincount(bodies.rows, values * way[bodies.columns], way.size)
+    slope += np.bincount(dofs.ravel(), np.einsum("pij,pj->pi", bent, way[dofs]).ravel(), way.size)
+    assert (force(moved + step) - force(moved - step)) / 2e-6 == pytest.approx(slope, rel=1e-6, abs=1e-6)
+
+
+def test_a_body_inside_out_is_refused() -> None:
+    bodies, _, moved = two_bodies()
+    moved[1::2] = -1.5 * bodies.place[:, 1]
+    with pytest.raises(Inverted):
+        bodies.resistance(moved)
+
+
+def test_a_ball_of_one_rubber_follows_hertz() -> None:
+    """Within 4 % of the radius at a / R < 0.1, where the mesh has some four elements in the contact."""
+    rubber = Rubber(0.5)
+    found = press(Pressing(Dome(20.0, 1.0, rubber, rubber), Specimen(None), force_n=0.5, mesh_mm=0.4))
+    at = found.force_n > 0.2
+    hertz = np.cbrt(0.75 * found.force_n[at] * 20.0 * (1 - rubber.poisson**2) / rubber.modulus_mpa)
+    assert found.contact_radius_mm[at] == pytest.approx(hertz, rel=0.04)
+
+
+def test_a_dome_on_a_plate_is_that_of_other_elements() -> None:
+    """Tables of four-node elements that came with casr."""
+    found = press(replace(COARSE, mesh_mm=0.6))
+    known = shipped(DEFAULT_WORLD)
+    row = int(np.flatnonzero(np.isinf(known.stiffness_n_per_mm) & (known.friction == "frictionless"))[0])
+    at_n = (1.0, 2.0)
+    radius = np.interp(at_n, known.force_n[row], known.radius_mm)
+    assert areas_mm2(found, at_n) == pytest.approx(np.pi * radius**2, rel=0.02)
+    step = int(np.argmin(np.abs(found.force_n - 2.0)))
+    mine = np.argmin(np.abs(known.radius_mm - found.contact_radius_mm[step]))
+    for axis, name in enumerate(("u_r_mm", "u_z_mm")):
+        other = np.interp(found.s_mm, known.arc_mm, known.motion[row, mine, :, axis])
+        assert np.abs(getattr(found, name)[step] - other)[found.s_mm < 25].max() < 0.2
+
+
+def test_forces_balance_and_all_work_is_stored(soft: Pressed) -> None:
+    assert soft.unbalance < 1e-6
+    assert soft.unstored < 1e-2  # by the trapezoids of the steps
+    finer = press(replace(SOFT, step_mm=0.05))
+    assert finer.unstored < 0.2 * soft.unstored
+
+
+@pytest.mark.slow
+def test_a_softer_specimen_and_a_finer_mesh(soft: Pressed) -> None:
+    (hard,) = areas_mm2(press(COARSE), [1.5])
+    (area,) = areas_mm2(soft, [1.5])
+    (fine,) = areas_mm2(press(replace(SOFT, mesh_mm=0.5)), [1.5])
+    assert area > 1.15 * hard
+    assert area == pytest.approx(fine, rel=0.05)
+
+
+def test_skin_that_sticks_takes_the_specimen_along(soft: Pressed) -> None:
+    stuck = press(replace(SOFT, friction=np.inf))
+    assert stuck.unbalance < 1e-6
+    assert stuck.force_n[-1] > 1.005 * np.interp(stuck.depth_mm[-1], soft.depth_mm, soft.force_n)
+    assert stuck.contact_radius_mm[-1] < np.interp(stuck.force_n[-1], soft.force_n, soft.contact_radius_mm)
+
+
+def test_a_thin_specimen_is_stiffer_under_the_punch() -> None:
+    block_mm, thin_mm = (stiffness_over_modulus_mm(35.0, height, 0.49) for height in (25.0, 5.0))
+    assert block_mm == pytest.approx(41.8, rel=0.01)  # three meshes of four-node elements, extrapolated
+    assert thin_mm > 2 * block_mm
+
+
+def test_an_unreachable_force_is_told() -> None:
+    with pytest.raises(Stopped, match=r"at 12\.\d mm of depth, and 50 N are wanted"):
+        press(replace(SOFT, specimen=Specimen(Rubber(1e-3)), force_n=50.0, mesh_mm=2.0, step_mm=1.0))
+
+
+def test_a_table_in_millimetres_of_20_is_read_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    sensor, out = tmp_path / "sensor.toml", tmp_path / "out"
+    sensor.write_text(SENSOR, encoding="utf-8")
+    words = ["dome", str(sensor), "--out", str(out), "--json"]
+    assert main(words) == 0
+    said = json.loads(capsys.readouterr().out)["tables"][0]
+    assert said["table"] == "mine_krigid_frictionless"
+    assert not said["was_there"]
+    table = read_table(out / "mine_krigid_frictionless.npz")
+    twin = press(replace(COARSE, force_n=2.0))  # the same dome of half the size bears a quarter of the force
+    at = np.array([0.5, 1.0, 1.5])
+    radius = np.interp(4 * at, table.force_n, table.contact_radius_mm)
+    assert radius == pytest.approx(np.interp(at, twin.force_n, twin.contact_radius_mm), rel=0.01)
+    before = (out / "mine_krigid_frictionless.npz").stat().st_mtime_ns
+    assert main(words) == 0
+    assert json.loads(capsys.readouterr().out)["tables"][0]["was_there"]
+    assert (out / "mine_krigid_frictionless.npz").stat().st_mtime_ns == before
+    digest = read_sensor(sensor)[0].digest
+    assert read_sensor(_changed(sensor, "skin_mm = 2", "skin_mm = 2.5"))[0].digest != digest
+
+
+def _changed(path: Path, old: str, new: str) -> Path:
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('name = "mine"', 'name = "my_dome"', "dome.name: expected a word without"),
+        ('name = "mine"', "", "dome.name: expected a word without '_' or '/', but found none"),
+        ("radius_mm = 40", "radius_mm = -1", "dome.radius_mm: expected a number from 2 to 200, but found -1"),
+        ("skin_mm = 2", "skin_mm = 21", "dome.skin_mm: expected a number from 0.05 to 20"),
+        ("skin_mm = 2", "skin_mm = 20", "dome.skin_mm: expected a skin thinner than half the radius"),
+        ("skin_modulus_mpa = 0.8", "skin_modulus_mpa = nan", "dome.skin_modulus_mpa: expected"),
+        ("gel_modulus_mpa = 0.03", "gel_modulus_kpa = 30", "Did you mean gel_modulus_mpa?"),
+        ("gel_modulus_mpa = 0.03", "gel_modulus_mpa = 0.03\ngel_poisson = 0.5", "dome.gel_poisson: expected"),
+        ("gel_modulus_mpa = 0.03", "gel_modulus_mpa = 0.03\nskin_poisson = true", "dome.skin_poisson: expected"),
+        ("radius_mm = 70", "radius_mm = 30", "specimen.radius_mm: expected at least the dome's radius, 40"),
+        ("radius_mm = 70", "height_mm = 0", "specimen.height_mm: expected"),
+        ("radius_mm = 70", "poisson = 0.5", "specimen.poisson: expected"),
+        ("stiffness_n_per_mm = []", "stiffness_n_per_mm = [1, 1]", "stiffness_n_per_mm: expected a list of numbers"),
+        ("stiffness_n_per_mm = []", "stiffness_n_per_mm = []\nrigid = false", "specimen: expected one stiffness"),
+        ("stiffness_n_per_mm = []", "rigid = 1", "specimen.rigid: expected true or false"),
+        ('["frictionless"]', '["sticky"]', "specimen.friction: expected a list of frictionless, stick"),
+        ("force_n = 8", "force_n = 0", "solve.force_n: expected a number from 0.5 to 50"),
+        ("mesh_mm = 2", "mesh_mm = 3", "solve.mesh_mm: expected a number from 0.05 to 2"),
+        ("[solve]", "[solver]", "expected only dome, specimen, solve, but found solver. Did you mean solve?"),
+        ("[solve]", "[[solve]]", "solve: expected a table [solve]"),
+        ("[solve]", "[solve", "expected a file in TOML"),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_told(tmp_path: Path, old: str, new: str, said: str) -> None:
+    sensor = tmp_path / "sensor.toml"
+    sensor.write_text(SENSOR, encoding="utf-8")
+    with pytest.raises(SettingError) as error:
+        read_sensor(_changed(sensor, old, new))
+    assert said in str(error.value)
+
+
+def test_the_module_shows_every_key() -> None:
+    import casr.dome.solver.sensor_file as module
+
+    shown = str(module.__doc__)
+    assert all(f"\n{key} = " in shown for keys in KEYS.values() for key in keys)
