@@ -32,7 +32,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from casr.dome.solver.cases import AREA_AT_N, solve
+    from casr.dome.solver.cases import AREA_AT_N, dome_radius_mm, solve
     from casr.dome.solver.sensor_file import read_sensor
 
     cases = read_sensor(arguments.sensor)
@@ -56,6 +56,10 @@ def run(arguments: argparse.Namespace) -> int:
         areas = "".join(f"{area:>10.1f}" for area in each.said["area_mm2"].values())
         error = each.said["area_error_of_mesh_and_steps"]
         lines.append(f"{each.case.name:<{wide}}{areas}  {100 * error:.1f} %")
-    lines.append(f"Areas in mm2, error that of mesh and steps. Use them: casr score PRESSES --domes {arguments.out}")
+    lines.append(
+        "Areas in mm2 at a force; error: the same on a mesh and with steps twice as coarse, the worst of them.\n"
+        f"Use them with dome_radius_mm = {dome_radius_mm(cases[0]):.4g} under [sensor] in camera.toml: "
+        f"casr score PRESSES --domes {arguments.out}"
+    )
     answer(arguments.json, {"folder": str(arguments.out), "tables": rows}, lines)
     return int(any(each.stopped for each in found))

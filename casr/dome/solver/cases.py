@@ -16,12 +16,11 @@ import numpy as np
 from casr.atomic import write_bytes_atomic
 from casr.dome.solver.press import LONGEST_MM, Pressed, Stopped, press
 from casr.dome.solver.sensor_file import Case
+from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM
 from casr.one_thread import one_thread
 
-TABLE_RADIUS_MM = 20.0
-"Of the dome that tables are written of: another size is the same dome in other millimetres."
 AREA_AT_N = (0.5, 1.0, 2.0, 4.0)
-_LENGTHS = ("depth_mm", "contact_radius_mm", "edge_arc_mm", "s_mm", "u_r_mm", "u_z_mm")
+_LENGTHS = ("depth_mm", "contact_radius_mm", "s_mm", "u_r_mm", "u_z_mm")
 
 
 @dataclass(frozen=True)
@@ -81,6 +80,16 @@ def areas_mm2(found: Pressed, at_n: Sequence[float]) -> list[float]:
     return list(map(float, np.pi * radius**2))
 
 
+def dome_radius_mm(case: Case) -> float:
+    """What camera.toml calls the sensor's radius when it is scored by these tables.
+
+    Who reads tables takes pins to stand on a sphere of 19 mm in a dome of 20. Tables are written in the millimetres in
+    which that is so; with a skin of another thickness this is not the radius outside.
+    """
+    dome = case.pressing.dome
+    return OUTER_RADIUS_MM / INNER_RADIUS_MM * (dome.radius_mm - dome.skin_mm)
+
+
 def _metadata(case: Case, fine: Pressed, coarse: Pressed) -> dict[str, Any]:
     areas, others = (areas_mm2(each, AREA_AT_N) for each in (fine, coarse))
     off = [abs(b / a - 1) for a, b in zip(areas, others, strict=True) if a - a == 0 and b - b == 0]
@@ -88,6 +97,7 @@ def _metadata(case: Case, fine: Pressed, coarse: Pressed) -> dict[str, Any]:
     return {
         "digest": case.digest, "case": case.name, "solver": "casr dome", "pressing": pressing,
         "stiffness": "N/mm under a rigid flat frictionless punch of 10 mm radius, 1 mm deep",
+        "dome_radius_mm": dome_radius_mm(case),
         "area_mm2": dict(zip(map(str, AREA_AT_N), areas, strict=True)),
         "area_error_of_mesh_and_steps": max(off, default=None),
         "force_unbalance": fine.unbalance, "work_not_stored": fine.unstored,
@@ -97,7 +107,8 @@ def _metadata(case: Case, fine: Pressed, coarse: Pressed) -> dict[str, Any]:
 def _file(case: Case, found: Pressed, said: dict[str, Any]) -> bytes:
     arrays: dict[str, Any] = {name: getattr(found, name) for name in ("force_n", "tilt_rad", *_LENGTHS)}
     for name in _LENGTHS:
-        arrays[name] = arrays[name] * (TABLE_RADIUS_MM / case.pressing.dome.radius_mm)
+        arrays[name] = arrays[name] * (OUTER_RADIUS_MM / dome_radius_mm(case))
+    arrays["edge_arc_mm"] = found.edge_arc_mm * (OUTER_RADIUS_MM / case.pressing.dome.radius_mm)  # keeps the angle
     file = io.BytesIO()
     np.savez_compressed(file, metadata=np.array(json.dumps(said, sort_keys=True)), **arrays)
     return file.getvalue()

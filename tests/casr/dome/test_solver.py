@@ -17,7 +17,7 @@ from casr.errors import SettingError
 pytest.importorskip("skfem", reason="needs the extra solver: scikit-fem")
 
 from casr.dome.solver.bodies import Bodies, Inverted, Rubber, block
-from casr.dome.solver.cases import areas_mm2
+from casr.dome.solver.cases import areas_mm2, dome_radius_mm, solve
 from casr.dome.solver.contact import Contact, Grip
 from casr.dome.solver.press import Dome, Pressed, Pressing, Specimen, Stopped, press
 from casr.dome.solver.punch import stiffness_over_modulus_mm
@@ -165,8 +165,23 @@ def test_a_table_in_millimetres_of_20_is_read_and_kept(tmp_path: Path, capsys: p
     assert main(words) == 0
     assert json.loads(capsys.readouterr().out)["tables"][0]["was_there"]
     assert (out / "mine_krigid_frictionless.npz").stat().st_mtime_ns == before
+    assert said["dome_radius_mm"] == pytest.approx(40.0)
     digest = read_sensor(sensor)[0].digest
     assert read_sensor(_changed(sensor, "skin_mm = 2", "skin_mm = 2.5"))[0].digest != digest
+
+
+def test_a_thick_skin_keeps_its_angles_and_its_area_in_the_millimetres_of_tables(tmp_path: Path) -> None:
+    sensor = tmp_path / "sensor.toml"
+    sensor.write_text(SENSOR.replace("skin_mm = 2", "skin_mm = 4"), encoding="utf-8")
+    (case,) = read_sensor(sensor)
+    (solved,) = solve([case], tmp_path, jobs=1)
+    table = read_table(tmp_path / f"{case.name}.npz")
+    assert dome_radius_mm(case) == pytest.approx(36 * 20 / 19)
+    assert table.s_mm[-1] == pytest.approx(19 * np.pi / 2)
+    scale = dome_radius_mm(case) / 20
+    area = np.pi * (scale * np.interp(4.0, table.force_n, table.contact_radius_mm)) ** 2
+    assert area == pytest.approx(solved.said["area_mm2"]["4.0"], rel=1e-3)
+    assert 0.9 < table.edge_arc_mm[-1] / (20 * np.arcsin(table.contact_radius_mm[-1] * scale / 40)) < 1.1
 
 
 def _changed(path: Path, old: str, new: str) -> Path:
