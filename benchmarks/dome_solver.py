@@ -22,24 +22,37 @@ from casr.dome.solver.punch import stiffness_over_modulus_mm
 from casr.dome.tables import ContactTable, read_table
 
 SKIN, GEL_SHARE = Rubber(0.8), {"A": 0.0375, "C": 0.0125, "E": 0.33, "G": 2.0}
-"""Modulus of the gel over that of the skin, of the tables' domes."""
-TABLES = ("A_k1.1", "A_k5.3", "A_k20", "A_krigid", "library/C_k5.3", "library/E_k5.3", "library/G_k1.1")
+"""Modulus of the gel over that of the skin, of the tables' domes. Of A both are told; of the others only this."""
+TABLES = ("A_k1.1", "A_k5.3", "A_k20", "A_krigid", "library/C_k5.3", "library/E_k5.3", "library/G_k5.3")
+BLOCK_MM = 41.8
+"Stiffness over modulus of the tables' block of 35 x 25 mm, 1 mm deep under a punch of 10 mm radius."
 STIFF = Rubber(1000.0, 0.3)
 LAYER = Rubber(0.1)
 LAYER_AT_N = (0.2, 0.4, 0.8)
 POINTS, SIDE_MM = 768, 36.0
 
 
-def dome_of(name: str) -> Dome:
-    return Dome(20.0, 1.0, SKIN, Rubber(GEL_SHARE[name] * SKIN.modulus_mpa))
+def dome_of(name: str, modulus_mpa: float = SKIN.modulus_mpa) -> Dome:
+    return Dome(20.0, 1.0, Rubber(modulus_mpa), Rubber(GEL_SHARE[name] * modulus_mpa))
+
+
+def scaled(name: str, folder: Path) -> Dome:
+    """With the modulus, to which force is proportional, that gives the force of its table on a rigid plate."""
+    if name == "A":
+        return dome_of(name)
+    found = press(Pressing(dome_of(name), Specimen(None), force_n=3.0))
+    with np.load(folder / "library" / f"{name}_krigid_frictionless.npz") as table:
+        depth = min(table["depth_mm"][-1], found.depth_mm[-1]) * np.linspace(0.5, 1.0, 20)
+        force = np.interp(depth, table["depth_mm"], table["force_n"]).mean()
+    mine = np.interp(depth, found.depth_mm, found.force_n).mean()
+    return dome_of(name, SKIN.modulus_mpa * float(force / mine))
 
 
 def specimen_of(stiffness_n_per_mm: float, height_mm: float = 25.0) -> Specimen:
     """By the modulus that a block of 25 mm of this stiffness has."""
     if np.isinf(stiffness_n_per_mm):
         return Specimen(None)
-    modulus = stiffness_n_per_mm / stiffness_over_modulus_mm(35.0, 25.0, 0.49)
-    return Specimen(Rubber(modulus), 35.0, height_mm)
+    return Specimen(Rubber(stiffness_n_per_mm / BLOCK_MM), 35.0, height_mm)
 
 
 def rate(found: Pressed) -> float:
@@ -53,14 +66,11 @@ def against_tables(folder: Path) -> Iterator[str]:
     yield f"| table | {head} | u_r off (% of R) | u_z off (% of R) | tilt off (mrad) | balance | rows | time (s) |"
     yield "|---|" + "---:|" * 10
     for start in TABLES:
+        dome = scaled(start.rpartition("/")[2][0], folder)
         for friction in ("frictionless", "stick"):
             table = read_table(folder / f"{start}_{friction}.npz")
             began = time.process_time()
-            found = press(
-                Pressing(
-                    dome_of(table.dome), specimen_of(table.stiffness_n_per_mm), np.inf if friction == "stick" else 0.0
-                )
-            )
+            found = press(Pressing(dome, specimen_of(table.stiffness_n_per_mm), np.inf if friction == "stick" else 0.0))
             took = time.process_time() - began
             theirs = np.pi * np.interp(AREA_AT_N, table.force_n, table.contact_radius_mm) ** 2
             off = 100 * (np.array(areas_mm2(found, AREA_AT_N)) / theirs - 1)
@@ -175,15 +185,17 @@ def main() -> None:
     parser.add_argument("contact_fem", type=Path)
     given = parser.parse_args()
     print("# The solver of domes against others\n")
-    print("Tables of four-node elements with one volume each, against nine-node elements of .5 mm in the contact:\n")
+    print("Tables of four-node elements with one volume each, .125 to .25 mm (dome A) and .5 mm (C, E, G) in the")
+    print("contact, against nine-node elements of .5 mm. Of C, E and G the ratio of the moduli is known; their size is")
+    print("taken from the force on a rigid plate.\n")
     print("\n".join(against_tables(given.contact_fem)), flush=True)
     print("\nA ball of one rubber (.5 MPa) on a wide specimen; Hertz's is the limit of a / R = 0:\n")
     print("\n".join(hertz()), flush=True)
     boussinesq = stiffness_over_modulus_mm(400.0, 400.0, 0.49) * (1 - 0.49**2) / 20
-    print(f"\nA rigid punch of 10 mm radius, 1 mm deep in a block of 400 mm, over Boussinesq's: {boussinesq:.3f}.")
+    print(f"\nA rigid punch of 10 mm radius on a block of 400 mm, over Boussinesq's half-space: {boussinesq:.3f}.")
     block = stiffness_over_modulus_mm(35.0, 25.0, 0.49)
     print(
-        f"Stiffness over modulus of the block of the tables (35 x 25 mm): {block:.2f} mm; four-node elements: 41.8 mm."
+        f"Stiffness over modulus of the tables' block at small depth: {block:.2f} mm; theirs, 1 mm deep: {BLOCK_MM} mm."
     )
     print("\nA rigid ball on a layer bonded to a rigid plate:\n")
     print("\n".join(layers()), flush=True)

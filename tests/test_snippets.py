@@ -20,7 +20,7 @@ PAGES = {
     if NOTEBOOKS not in path.parents and ROOT / "docs" / "_build" not in path.parents and blocks_of(path)
 }
 FAST = ("README.md", "docs/architecture.md", *(f"docs/how-to/{name}.md" for name in (
-    "add-a-device", "known-softness", "measured-runs", "tactile",
+    "add-a-device", "known-softness", "measured-runs", "own-dome", "tactile",
 )))  # fmt: skip
 PALPATION = ("docs/tutorial.md", *(f"docs/how-to/{name}.md" for name in (
     "coordinator", "dynamixel", "engineer", "session", "watch-a-run",

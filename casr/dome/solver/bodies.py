@@ -28,6 +28,10 @@ class Inverted(ArithmeticError):
     """An element is turned inside out: the step was too large."""
 
 
+class Stopped(ArithmeticError):
+    """A solution went no further."""
+
+
 @dataclass(frozen=True)
 class Rubber:
     """Young's modulus at small strain, MPa, and Poisson's ratio."""

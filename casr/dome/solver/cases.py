@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import multiprocessing
+import zipfile
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, replace
@@ -14,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from casr.atomic import write_bytes_atomic
-from casr.dome.solver.press import LONGEST_MM, Pressed, Stopped, press
+from casr.dome.solver.bodies import Stopped
+from casr.dome.solver.press import LONGEST_MM, Pressed, press
 from casr.dome.solver.sensor_file import Case
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM
 from casr.one_thread import one_thread
@@ -59,7 +61,7 @@ def _said(path: Path) -> dict[str, Any]:
     try:
         with np.load(path, allow_pickle=False) as kept:
             return dict(json.loads(str(kept["metadata"])))
-    except (OSError, EOFError, KeyError, TypeError, ValueError):
+    except (OSError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile):
         return {}
 
 
@@ -96,7 +98,7 @@ def _metadata(case: Case, fine: Pressed, coarse: Pressed) -> dict[str, Any]:
     pressing = asdict(case.pressing) | {"friction": case.name.rpartition("_")[2]}
     return {
         "digest": case.digest, "case": case.name, "solver": "casr dome", "pressing": pressing,
-        "stiffness": "N/mm under a rigid flat frictionless punch of 10 mm radius, 1 mm deep",
+        "stiffness": "N/mm under a rigid flat frictionless punch of 10 mm radius, at small depth",
         "dome_radius_mm": dome_radius_mm(case),
         "area_mm2": dict(zip(map(str, AREA_AT_N), areas, strict=True)),
         "area_error_of_mesh_and_steps": max(off, default=None),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.dome.solver.bodies import Bodies, Inverted, Rubber, block, graded
+from casr.dome.solver.bodies import Bodies, Inverted, Rubber, Stopped, block, graded
 from casr.dome.solver.contact import Contact, Grip, Opposite
 
 Array = NDArray[np.float64]
@@ -16,7 +16,7 @@ Rows = NDArray[np.intp]
 
 PENALTY_N_PER_MM3, PENALTY_SHARE = 20.0, 80.0
 "At most, and in moduli of the specimen over the size of an element."
-FIRST_MM, LONGEST_MM, SHORTEST_MM, GROWTH = 0.05, 0.12, 1e-4, 1.15
+FIRST_MM, LONGEST_MM, SHORTEST_MM, GROWTH = 0.05, 0.12, 1e-3, 1.15
 "Steps of the depth."
 _TURNS, _CLOSE = 30, 1e-8
 _FREE, _SHORTENED, _FLAT = 4, 8, 0.5
@@ -82,10 +82,6 @@ class Pressed:
     tilt_rad: Array
     unbalance: float
     unstored: float
-
-
-class Stopped(ArithmeticError):
-    """The solution went no further."""
 
 
 class _World:
@@ -218,18 +214,17 @@ class _World:
         return radius, float(np.interp(radius, r, arc))
 
 
-def press(pressing: Pressing, tell: Callable[[float], None] = lambda force_n: None) -> Pressed:
-    """Solve it up to its force. Stopped : a step failed however small. tell : hears the force of each step."""
+def press(pressing: Pressing) -> Pressed:
+    """Solve it up to its force. Stopped : a step failed however small, or the dome is pressed too deep."""
     world = _World(pressing)
-    rows = list(_steps(world, pressing, tell))
-    return _table(world, rows)
+    return _table(world, list(_steps(world, pressing)))
 
 
 _Row = tuple[float, Array, float, float, float]
 """Depth, displacements, forces of contact and of the flange, and stored energy."""
 
 
-def _steps(world: _World, pressing: Pressing, tell: Callable[[float], None]) -> Iterator[_Row]:
+def _steps(world: _World, pressing: Pressing) -> Iterator[_Row]:
     contact, friction = world.contact, pressing.friction
     moved, held = np.zeros(world.bodies.size), np.full(contact.size, np.nan)
     of = contact.opposite(moved)
@@ -255,7 +250,6 @@ def _steps(world: _World, pressing: Pressing, tell: Callable[[float], None]) -> 
             continue
         before, (moved, force, flange, now) = moved, found
         depth, last = depth + length, length
-        tell(force)
         yield depth, moved, force, flange, world.energy(moved, grip, now)
         if friction > 0:
             held = _held(contact, grip, of, now)

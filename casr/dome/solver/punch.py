@@ -1,7 +1,8 @@
-"""The stiffness that a specimen of a table is called by: that under a rigid flat punch without friction.
+"""The stiffness that a specimen of a table is called by: that under a rigid flat punch without friction, at first.
 
-The punch has a radius of 10 mm and presses 1 mm deep: kappa = F / 1 mm. As the force is proportional to the modulus,
-kappa over the modulus is a length that depends on the size of the cylinder and on Poisson's ratio alone.
+The punch has a radius of 10 mm. As the force is proportional to the modulus, kappa over the modulus is a length that
+depends on the size of the cylinder and on Poisson's ratio alone. One mm deep, as the tables
+that come with casr have it, a block of 35 x 25 mm is 1 % stiffer.
 """
 
 from __future__ import annotations
@@ -12,16 +13,14 @@ import numpy as np
 
 from casr.dome.solver.bodies import Bodies, Rubber, block, graded
 
-PUNCH_MM, DEPTH_MM = 10.0, 1.0
+PUNCH_MM = 10.0
 _ELEMENTS = (10, 20)
 "Under the punch, of the two meshes. The stress at its rim is singular, so that the error falls as the size does."
-
-_STEPS, _TURNS, _CLOSE = 10, 20, 1e-9
 
 
 @cache
 def stiffness_over_modulus_mm(radius_mm: float, height_mm: float, poisson: float) -> float:
-    """Of a cylinder bonded to a rigid plate. The punch is smaller, and shallower, in a smaller specimen."""
+    """Of a cylinder bonded to a rigid plate. The punch is half as wide as a specimen of less than 20 mm radius."""
     coarse, fine = (_on_mesh(radius_mm, height_mm, poisson, count) for count in _ELEMENTS)
     return 2 * fine - coarse
 
@@ -30,24 +29,18 @@ def _on_mesh(radius_mm: float, height_mm: float, poisson: float, count: int) -> 
     from scipy.sparse import csc_matrix  # noqa: PLC0415  (an extra)
     from scipy.sparse.linalg import splu  # noqa: PLC0415
 
-    punch, depth = min(PUNCH_MM, radius_mm / 2), min(DEPTH_MM, height_mm / 10)
+    punch = min(PUNCH_MM, radius_mm / 2)
     size = punch / count
-    under = np.linspace(0, punch, count + 1)
-    across = np.concatenate([under, punch + graded(radius_mm - punch, 2 * size, size)[1:]])
+    across = np.concatenate([np.linspace(0, punch, count + 1), punch + graded(radius_mm - punch, 2 * size, size)[1:]])
     mesh = block(across, graded(height_mm, 4 * size, size), lambda r, z: (r, z))
     body = Bodies([(mesh, [Rubber(1.0, poisson)] * len(mesh.nodes))])
     face, back = mesh.line(1, 0.0), mesh.line(1, height_mm)
     pressed = 2 * face[mesh.place[face, 0] <= punch + 1e-9] + 1
     axis = 2 * np.flatnonzero(mesh.place[:, 0] < 1e-9)
     free = np.setdiff1d(np.arange(body.size), np.concatenate([pressed, axis, 2 * back, 2 * back + 1]))
+    _, values = body.resistance(np.zeros(body.size))
+    matrix = csc_matrix((values, (body.rows, body.columns)), shape=(body.size,) * 2)
     moved = np.zeros(body.size)
-    moved[1::2] = 1 - mesh.place[:, 1] / height_mm
-    for share in np.arange(1, _STEPS + 1) / _STEPS:
-        moved *= depth * share / moved[pressed[0]]
-        for _ in range(_TURNS):
-            force, values = body.resistance(moved)
-            if np.abs(force[free]).max() < _CLOSE * force[pressed].sum():
-                break
-            matrix = csc_matrix((values, (body.rows, body.columns)), shape=(body.size,) * 2)[free][:, free]
-            moved[free] -= splu(matrix).solve(force[free])
-    return float(force[pressed].sum() / depth)
+    moved[pressed] = 1.0
+    moved[free] = -splu(matrix[free][:, free]).solve((matrix @ moved)[free])
+    return float((matrix @ moved)[pressed].sum())

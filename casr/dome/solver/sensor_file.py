@@ -63,9 +63,13 @@ _NAME: Check = (
 FRICTIONS = {"frictionless": 0.0, "stick": np.inf}
 
 
+def _is_word(value: Any) -> bool:
+    return isinstance(value, str) and value in FRICTIONS
+
+
 def _list_of(what: str, good: Callable[[Any], bool]) -> Check:
     def all_good(value: Any) -> bool:
-        return isinstance(value, list) and all(map(good, value)) and len(set(map(str, value))) == len(value)
+        return isinstance(value, list) and all(map(good, value)) and len(set(value)) == len(value)
 
     return f"a list of {what}, each once", all_good
 
@@ -82,7 +86,7 @@ KEYS: dict[str, dict[str, tuple[Any, Check]]] = {
         "rigid": (True, ("true or false", lambda value: isinstance(value, bool))),
         "friction": (
             ["frictionless", "stick"],
-            _list_of("frictionless, stick or numbers from 0.01 to 10", lambda x: x in FRICTIONS or _COULOMB[1](x)),
+            _list_of("frictionless, stick or numbers from 0.01 to 10", lambda x: _is_word(x) or _COULOMB[1](x)),
         ),
     },
     "solve": {"force_n": (5.0, _number(0.5, 50)), "mesh_mm": (0.5, _number(0.05, 2))},
