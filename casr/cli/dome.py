@@ -51,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
     lines = [f"{'table':<{wide}}" + "".join(f"{f'A({n:g} N)':>10}" for n in AREA_AT_N) + "  error"]
     for each in found:
         if each.stopped:
-            lines.append(f"{each.case.name:<{wide}}  {each.stopped}")
+            lines.append(f"{each.case.name:<{wide}}  not solved: {each.stopped}. Lower [solve] force_n.")
             continue
         areas = "".join(f"{area:>10.1f}" for area in each.said["area_mm2"].values())
         error = each.said["area_error_of_mesh_and_steps"]

@@ -142,14 +142,14 @@ class _World:
         force += np.bincount(dofs.ravel(), pushing.ravel(), force.size)
 
         def step() -> Array:
-            from scipy.sparse import csc_matrix  # noqa: PLC0415  (an extra)
+            from scipy.sparse import csc_array  # noqa: PLC0415  (an extra)
             from scipy.sparse.linalg import splu  # noqa: PLC0415
 
             rows, columns = (self.number[each] for each in (np.repeat(dofs, 12, 1).ravel(), np.tile(dofs, 12).ravel()))
             there = (rows >= 0) & (columns >= 0)
             entries = np.concatenate([values[self.kept], bent.ravel()[there]])
             at = (np.concatenate([self.rows, rows[there]]), np.concatenate([self.columns, columns[there]]))
-            matrix = csc_matrix((entries, at), shape=(self.free.size,) * 2)
+            matrix = csc_array((entries, at), shape=(self.free.size,) * 2)
             options = {"SymmetricMode": True}
             factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
             return np.asarray(factors.solve(-force[self.free]))

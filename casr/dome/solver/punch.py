@@ -26,7 +26,7 @@ def stiffness_over_modulus_mm(radius_mm: float, height_mm: float, poisson: float
 
 
 def _on_mesh(radius_mm: float, height_mm: float, poisson: float, count: int) -> float:
-    from scipy.sparse import csc_matrix  # noqa: PLC0415  (an extra)
+    from scipy.sparse import csc_array  # noqa: PLC0415  (an extra)
     from scipy.sparse.linalg import splu  # noqa: PLC0415
 
     punch = min(PUNCH_MM, radius_mm / 2)
@@ -39,8 +39,11 @@ def _on_mesh(radius_mm: float, height_mm: float, poisson: float, count: int) -> 
     axis = 2 * np.flatnonzero(mesh.place[:, 0] < 1e-9)
     free = np.setdiff1d(np.arange(body.size), np.concatenate([pressed, axis, 2 * back, 2 * back + 1]))
     _, values = body.resistance(np.zeros(body.size))
-    matrix = csc_matrix((values, (body.rows, body.columns)), shape=(body.size,) * 2)
-    moved = np.zeros(body.size)
-    moved[pressed] = 1.0
-    moved[free] = -splu(matrix[free][:, free]).solve((matrix @ moved)[free])
-    return float((matrix @ moved)[pressed].sum())
+    moved, number = np.zeros(body.size), np.full(body.size, -1)
+    moved[pressed], number[free] = 1.0, np.arange(free.size)
+    rows, columns = number[body.rows], number[body.columns]
+    kept = (rows >= 0) & (columns >= 0)
+    inner = csc_array((values[kept], (rows[kept], columns[kept])), shape=(free.size,) * 2)
+    force = np.bincount(body.rows, values * moved[body.columns], body.size)
+    moved[free] = -splu(inner).solve(force[free])
+    return float(np.bincount(body.rows, values * moved[body.columns], body.size)[pressed].sum())

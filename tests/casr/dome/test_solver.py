@@ -205,8 +205,8 @@ def test_a_case_that_stops_is_named_and_leaves_the_others(
     sensor.write_text(SENSOR.replace("= []", "= [1]"), encoding="utf-8")
     assert main(["dome", str(sensor), "--out", str(out), "--jobs", "1"]) == 1
     said = capsys.readouterr().out
-    assert "mine_k1_frictionless" in said
-    assert "mm of depth, and 8 N are wanted" in said
+    assert "mine_k1_frictionless      not solved: " in said
+    assert "mm of depth, and 8 N are wanted. Lower [solve] force_n." in said
     assert [path.name for path in out.iterdir()] == ["mine_krigid_frictionless.npz"]
 
 
