@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -178,9 +179,12 @@ def test_a_table_in_millimetres_of_20_is_read_and_kept(tmp_path: Path, capsys: p
 
 def test_a_thick_skin_keeps_its_angles_and_its_area_in_the_millimetres_of_tables(tmp_path: Path) -> None:
     sensor = tmp_path / "sensor.toml"
-    sensor.write_text(SENSOR.replace("skin_mm = 2", "skin_mm = 4"), encoding="utf-8")
-    (case,) = read_sensor(sensor)
-    (solved,) = solve([case], tmp_path, jobs=1)
+    text = SENSOR.replace("skin_mm = 2", "skin_mm = 4").replace('["frictionless"]', '["frictionless", 0.3]')
+    sensor.write_text(text, encoding="utf-8")
+    case, rough = read_sensor(sensor)
+    both = {each.case.name: each for each in solve([case, rough], tmp_path, jobs=2)}
+    solved = both[case.name]
+    assert both["mine_krigid_mu0.3"].said["area_mm2"]["4.0"] < solved.said["area_mm2"]["4.0"]
     table = read_table(tmp_path / f"{case.name}.npz")
     assert dome_radius_mm(case) == pytest.approx(36 * 20 / 19)
     assert table.s_mm[-1] == pytest.approx(19 * np.pi / 2)
@@ -195,6 +199,15 @@ def _changed(path: Path, old: str, new: str) -> Path:
     assert old in text
     path.write_text(text.replace(old, new), encoding="utf-8")
     return path
+
+
+def test_without_the_extra_its_name_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "skfem", None)
+    (tmp_path / "sensor.toml").write_text(SENSOR, encoding="utf-8")
+    assert main(["dome", str(tmp_path / "sensor.toml"), "--out", str(tmp_path / "out"), "--jobs", "1"]) == 2
+    assert 'pip install "emg2vsa[solver]"' in capsys.readouterr().err
 
 
 def test_a_case_that_stops_is_named_and_leaves_the_others(
