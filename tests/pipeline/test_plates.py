@@ -32,8 +32,8 @@ def log(folder: Path, specimen: str, kappa: float) -> Path:
 def test_logs_beside_the_runs_are_shown_and_the_claim_on_lines_is_tested(study: Path) -> None:
     folder = study.with_name("runs-virtual-plate")
     specimens = [name for name, _ in _stated(study)]
-    for name in specimens:
-        log(folder, name, 2.5)
+    for place, name in enumerate(specimens):
+        log(folder, name, 2.5 + place)
     found, page = report(study)
     assert found["claims.plate_r2.verdict"] == "holds"
     assert found[f"plates.{specimens[0]}.kappa_n_per_mm.mean"] == pytest.approx(2.5, rel=1e-3)
