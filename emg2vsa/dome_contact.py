@@ -103,6 +103,12 @@ class ElasticDome:
         specimen_mpa = stiffness_n_per_mm / (2 * self.punch_radius_mm)
         return 1 / (1 / self.sensor_modulus_mpa + 1 / specimen_mpa)
 
+    def stiffness_n_per_mm(self, modulus_mpa: float) -> float:
+        """Of the specimen with which dome and specimen in series have this modulus; infinite from the dome's own on."""
+        if modulus_mpa >= self.sensor_modulus_mpa:
+            return math.inf
+        return 2 * self.punch_radius_mm / (1 / modulus_mpa - 1 / self.sensor_modulus_mpa)
+
     def on(self, stiffness_n_per_mm: float) -> PowerLaw:
         """Its contact with a specimen."""
         return PowerLaw(self.modulus_mpa(stiffness_n_per_mm), self.tip_radius_mm, self.exponent)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from emg2vsa.arrays import Floats
+from emg2vsa.curves.first_contact import LEAST, MAD, REST, first_contact, force_at_start, left_over
 from emg2vsa.curves.line import fit_line
 from emg2vsa.errors import SettingError
 from emg2vsa.shown import shown
@@ -27,8 +28,6 @@ _UPPER = 0.4
 _STEPS = 9
 _AGAIN = 0.3
 """Share of its travel by which the plate goes back before a further press counts as one of its own."""
-_LEAST, _REST = 12, 5
-"""Fewest points between F0 and F1, and before contact."""
 _DRIFTS = (0.02, 0.1)
 """Slope before contact over kappa, from which on a press is doubtful, and unusable."""
 _STARTS = (0.1, 1.0)
@@ -45,14 +44,10 @@ _SPREAD = 0.5
 """Width of the interval of contact over the depth from contact to F1, from which on a press is doubtful."""
 _TRAVELS_MM = (0.01, 200)
 """From contact on; less or more is a mistake of units."""
-_NOISES = 15
-"""SDs of the noise over the rest, up to which force tells the contact."""
 _BREAKS = 0.1
 """The same, from which on a press says nothing."""
 _CLIPPED = 0.03
 """Share of points at the largest force, from which on it is the sensor's end."""
-_MAD = 0.6744897501960817
-_CHI2 = 3.841458820694124
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,14 +135,14 @@ def fit_range(
         return RangeFit(from_n, to_n, reasons=(reason,), told=told)
 
     x, y, told = loading(depth_mm, force_n)
-    if x.size < _LEAST:
-        return unusable(f"{x.size} points up to the deepest; {_LEAST} are needed")
+    if x.size < LEAST:
+        return unusable(f"{x.size} points up to the deepest; {LEAST} are needed")
     if told and told[-1].endswith("?"):
         reason, told = told[-1], told[:-1]
         return unusable(reason)
-    contact, level, rest_n = _contact(x, y, from_n)
+    contact, level, rest_n = first_contact(x, y, from_n)
     y = y - level
-    start, start_se = _start(x, y)
+    start, start_se = force_at_start(x, y)
     smooth = np.convolve(y, np.full(5, 0.2), mode="same")
     smooth[:2], smooth[-2:] = smooth[2], smooth[-3]
     highest = float(smooth.max())
@@ -162,8 +157,8 @@ def fit_range(
     inside = (x >= first - 0.03 * span) & (x <= last + 0.03 * span)
     inside[max(places[0] - 4, 0) : places[1] + 4] = True  # the noise of one sample may carry it past F0
     between = places[1] - places[0]
-    if not span > 0 or between < _LEAST:
-        return unusable(f"{between} points between {from_n:g} and {to_n:.3g} N; {_LEAST} are needed")
+    if not span > 0 or between < LEAST:
+        return unusable(f"{between} points between {from_n:g} and {to_n:.3g} N; {LEAST} are needed")
     u, forces = (x[inside] - first) / span, np.linspace(from_n, to_n, _STEPS)
     course = _course(u, y[inside], forces, (1, 2, 3, 4, 5), _DECAYS)
     if course is None:
@@ -191,7 +186,7 @@ def fit_range(
         if abs(start) - 2 * start_se > _STARTS[0] * from_n:
             doubts.append((False, f"it begins at {start:.3g} N, with no rest before contact: its zero is not known"))
         before = (x >= contact[0]) & (x <= (contact[0] + first) / 2)
-        if np.count_nonzero(before) >= _REST:
+        if np.count_nonzero(before) >= REST:
             creep = fit_line(x[None, before], y[None, before]).slope[0] * span / course.slope[0]
             long = (first - contact[0]) / 2 > _LONG * from_n * span / course.slope[0]
             if long and creep < _CREEPS:
@@ -206,12 +201,12 @@ def fit_range(
     if fall.max() > max(_FALLS * (to_n - from_n), 3 * course.noise_n):
         where = x[places[0] + int(np.argmax(fall))]
         doubts.append((True, f"the force falls by {fall.max():.2g} N at {where:.3g} mm"))
-    scatter = float(np.median(np.abs(np.diff(y[inside], 2)))) / (_MAD * np.sqrt(6))
+    scatter = float(np.median(np.abs(np.diff(y[inside], 2)))) / (MAD * np.sqrt(6))
     if course.noise_n > max(_KINKS * (to_n - from_n), 4 * scatter):
         hopeless = course.noise_n > _BREAKS * (to_n - from_n)
         doubts.append((hopeless, f"no smooth curve follows it: {course.noise_n:.2g} N are left"))
     at_most = np.count_nonzero(y == y.max())
-    if at_most >= max(_LEAST, _CLIPPED * y.size):
+    if at_most >= max(LEAST, _CLIPPED * y.size):
         doubts.append((False, f"{at_most} points have the same largest force: does the load cell end there?"))
     if contact[2] - contact[1] > _SPREAD * (last - contact[0]):
         doubts.append((False, f"contact lies anywhere from {contact[1]:.3g} to {contact[2]:.3g} mm"))
@@ -318,14 +313,6 @@ def _course(u: Floats, y: Floats, forces: Floats, degrees: Sequence[int], decays
     )  # fmt: skip
 
 
-def left_over(left: Floats, y: Floats, p: int) -> tuple[float, float]:
-    """Sum of squares of what p parameters leave of y, not below rounding, and by how much its autocorrelation (AR 1)
-    makes a variance larger."""
-    square = max(float(left @ left), np.finfo(np.float64).eps * float(y @ y), np.finfo(np.float64).tiny)
-    rho = min(max(float(left[1:] @ left[:-1]) / square + p / y.size, 0.0), 0.98)
-    return square, (1 + rho) / (1 - rho)
-
-
 def _basis(u: Floats, degree: int, decay: float) -> Floats:
     powers = [u**k for k in range(degree + 1)]
     return np.stack(powers + ([np.exp(-u / decay)] if decay else []), axis=-1)
@@ -346,67 +333,3 @@ def _change(u: Floats, y: Floats, secant: float, at_first: float) -> tuple[float
     change, high = per_bend * c[2], c[1] + 2 * c[2] * u.max()
     change_se = per_bend * np.sqrt(square / max(u.size - 3, 1) * longer * covariance[2, 2])
     return float(change / secant), float(change_se / secant), float((high - change - at_first) / secant)
-
-
-def _contact(x: Floats, y: Floats, from_n: float) -> tuple[tuple[float, float, float], float, int]:
-    """(depth of first touch, lower and upper end of its 95 % interval), force of rest, and points of rest: the first
-    ones, or 0.
-
-    Up to twice F0 the force is one level, and from the touch on a line and a parabola, neither of which falls; the
-    interval is that of the likelihood over the touch. With no rest the force is taken as zero where there is none.
-    """
-    noise = float(np.median(np.abs(np.diff(y, 2)))) / (_MAD * np.sqrt(6))
-    up_to = np.median(y[:_REST]) + min(2 * from_n, max(_NOISES * noise, 0.1 * from_n))
-    risen = y > up_to
-    near = min(max(int(np.argmax(risen)) + _REST, _LEAST), x.size) if risen.any() else x.size
-    x, y = x[:near], y[:near]
-    step = (x[-1] - x[0]) / 100
-    coarse = np.arange(100) * step + x[0]
-    gain, _ = _arms(x, y, coarse)
-    fine = coarse[int(np.argmax(gain))] + np.linspace(-3, 3, 121) * step
-    touch = np.unique(np.r_[coarse, fine[(fine >= x[0]) & (fine < x[-1])]])
-    gain, left = _arms(x, y, touch)
-    square, longer = left_over(left, y, 4)
-    slack = _CHI2 * square / max(x.size - 4, 1) * longer
-    likely = touch[gain >= gain.max() - slack]
-    low, high = float(likely[0]) - 0.1 * step, float(likely[-1]) + 0.1 * step
-    best = float(touch[int(np.argmax(gain))])
-    rest_n = int(np.argmax(x >= low))
-    if rest_n >= _REST:
-        return (best, low, high), float(np.mean(y[:rest_n])), rest_n
-    kappa = float(fit_line(x[None], y[None]).slope[0])
-    start, start_se = _start(x, y)
-    if not kappa > 0:
-        return (np.nan, np.nan, np.nan), 0.0, 0
-    wide = (abs(start) + 2 * start_se) / kappa
-    zero = float(x[0]) - start / kappa
-    return (zero, zero - wide, max(zero + wide, high)), 0.0, 0
-
-
-def _start(x: Floats, y: Floats) -> tuple[float, float]:
-    """Force at the first point and its standard error, by a line through the first ones."""
-    line = fit_line(x[None, :_REST] - x[0], y[None, :_REST])
-    return float(line.intercept[0]), float(line.intercept_se[0])
-
-
-def _arms(x: Floats, y: Floats, touch: Floats) -> tuple[Floats, Floats]:
-    """Sum of squares that level, line and parabola behind each touch (t,) explain, and what the best leaves (n,)."""
-    behind = np.maximum(x - touch[:, None], 0.0)
-    line, bow = (arm - arm.mean(axis=1, keepdims=True) for arm in (behind, behind * behind))
-    centred = y - y.mean()
-    ll, bb, lb = (np.sum(a * b, axis=1) for a, b in ((line, line), (bow, bow), (line, bow)))
-    ly, by = line @ centred, bow @ centred
-    with np.errstate(divide="ignore", invalid="ignore"):
-        of_line, of_bow, det = ly / ll, by / bb, ll * bb - lb * lb
-        both = np.stack([(bb * ly - lb * by) / det, (ll * by - lb * ly) / det])
-        ways = np.stack([
-            np.where(of_line > 0, of_line * ly, 0.0),
-            np.where(of_bow > 0, of_bow * by, 0.0),
-            np.where((both > 0).all(axis=0) & (det > 1e-9 * ll * bb), both[0] * ly + both[1] * by, 0.0),
-        ])  # fmt: skip
-    ways = np.nan_to_num(ways)
-    gain = ways.max(axis=0)
-    best = int(np.argmax(gain))
-    way = int(np.argmax(ways[:, best]))
-    slope = [(of_line[best], 0.0), (0.0, of_bow[best]), tuple(both[:, best])][way]
-    return gain, centred - slope[0] * line[best] - slope[1] * bow[best]

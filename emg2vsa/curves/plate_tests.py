@@ -178,17 +178,19 @@ def plate_tests(
 ) -> PlateTests:  # fmt: skip
     """The line of the paper ends where the range of force does. range_n, whole : as for ``fit_range``; window : as for
     ``fit_plate``; spread : between presses, mountings and castings where there is one."""
-    ranges = tuple(fit_range(each.depth_mm, each.force_n, range_n, each.height_mm, whole=whole) for each in trials)
-    ranges = _common(trials, ranges)
+    alone = tuple(fit_range(each.depth_mm, each.force_n, range_n, each.height_mm, whole=whole) for each in trials)
+    ranges = _common(trials, alone)
     pressed, rubbers, times = [], [], []
-    for each, of_range in zip(trials, ranges, strict=True):
+    for each, own, of_range in zip(trials, alone, ranges, strict=True):
         x, y, _ = loading(each.depth_mm, each.force_n)
-        beyond = np.flatnonzero((x > of_range.depth_to) & (of_range.to_n == range_n[1]))
+        beyond = np.flatnonzero((x > own.depth_to) & (own.to_n == range_n[1]))
         end = int(beyond[0]) if beyond.size else x.size
         pressed.append((x[:end], y[:end]))
         rubbers.append(fit_rubber(x, y, each.cylinder, of_range) if each.cylinder else None)
-        timed = each.time_s is not None and of_range.rating != "unusable"
-        times.append(press_time(each.depth_mm, each.force_n, each.time_s) if timed else None)  # type: ignore[arg-type]
+        told = None
+        if each.time_s is not None and of_range.rating != "unusable":
+            told = press_time(each.depth_mm, each.force_n, each.time_s)
+        times.append(told)
     return PlateTests(
         tuple(trials), fit_plate(pressed, window), tuple(smoothed(*each, window) for each in pressed), simulated,
         ranges, tuple(rubbers), tuple(times), spread or Spread(),

@@ -21,7 +21,8 @@ from typing import Literal
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.curves.force_range import RangeFit, left_over, t_975
+from emg2vsa.curves.first_contact import left_over
+from emg2vsa.curves.force_range import RangeFit, t_975
 from emg2vsa.curves.line import fit_line
 
 STRAIN = 0.05
@@ -88,30 +89,22 @@ class LawFit:
 @dataclass(frozen=True)
 class Rubber:
     """Of one press. modulus_kpa, modulus_se_kpa : by a line over the first 5 % of strain. laws : over the range of the
-    press, up to 40 % of strain. strain : there at F1. NaN, and no laws, where the press says none."""
+    press, up to 40 % of strain. NaN, and no laws, where the press says none."""
 
     modulus_kpa: float
     modulus_se_kpa: float
     laws: tuple[LawFit, ...]
-    strain: float
-
-    @property
-    def best(self) -> LawFit | None:
-        """The law that fits best for its number of constants."""
-        return min(self.laws, key=lambda each: each.aicc, default=None)
 
 
 def fit_rubber(depth_mm: Floats, force_n: Floats, cylinder: Cylinder, press: RangeFit) -> Rubber:
     """depth_mm, force_n : (n,) of the loading, as ``loading`` gives it. press : its fit over a range of force."""
     if press.rating == "unusable":
-        return Rubber(np.nan, np.nan, (), np.nan)
+        return Rubber(np.nan, np.nan, ())
     deepest = press.contact + _MOST_STRAIN * cylinder.height_mm
     near = (depth_mm >= press.contact_low) & (depth_mm <= min(press.depth_to, deepest))
     x, y = depth_mm[near], force_n[near] - press.level_n
     laws = tuple(_laws(x, y, cylinder, press)) if x.size >= _LEAST else ()
-    return Rubber(
-        *_modulus(depth_mm, force_n, cylinder, press), laws, (press.depth_to - press.contact) / cylinder.height_mm
-    )
+    return Rubber(*_modulus(depth_mm, force_n, cylinder, press), laws)
 
 
 def _modulus(x: Floats, y: Floats, cylinder: Cylinder, press: RangeFit) -> tuple[float, float]:

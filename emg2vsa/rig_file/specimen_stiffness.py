@@ -17,10 +17,9 @@ from emg2vsa.rig_file.edit import write_values
 from emg2vsa.rig_file.plate_logs import Asked
 from emg2vsa.settings import WindowSettings
 from emg2vsa.study_file.problems import shown
+from emg2vsa.study_file.tables import MOST_CHANGE
 from emg2vsa.study_file.toml_file import read_toml
 
-_MOST_CHANGE = 5
-"""That a study file takes, as a share."""
 _ONE = {"presses": "press", "mountings": "mounting", "castings": "casting"}
 Row = dict[str, Any]
 
@@ -197,7 +196,7 @@ def write_stiffness(path: Path, found: PlateTests) -> None:
             reasons = [note for row in trial_rows(found) if row["specimen"] == name for note in row["notes"]]
             do = "Measure it again."
             raise DataError(name, wanted="a press that gives a stiffness", found=reasons[0], do=do)
-        if not -1 < (change := values[name]["stiffness_change"]) <= _MOST_CHANGE:
+        if not -1 < (change := values[name]["stiffness_change"]) <= MOST_CHANGE:
             found_change, do = f"one that changes by {100 * change:.0f} %", "Choose a smaller range of force: --to."
             raise DataError(f"{name}, stiffness", wanted="one number for the range of force", found=found_change, do=do)
     write_values(

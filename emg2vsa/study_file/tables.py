@@ -28,6 +28,8 @@ _WANTED = "letters, digits, - _ and dots only, the first a letter or digit"
 Name = Annotated[str, Pattern(r"[A-Za-z0-9][A-Za-z0-9_.-]*", _WANTED)]
 """Names become parts of file names: ASCII letters, digits, and - _ . after the first."""
 Text = Annotated[str, MinLen(1)]
+MOST_CHANGE = 5
+"""Of a stiffness over its range of force, a share; one that changes by more is no one number."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,7 +72,7 @@ class SpecimenTable:
     "Its standard error, which the interval of a calibrated stiffness counts in (emg2vsa tools stiffness)."
     stiffness_range_n: tuple[Positive, Positive] | None = None
     "Forces over which it is that stiffness, newtons; omitted: not known (emg2vsa tools stiffness)."
-    stiffness_change: Annotated[float, Gt(-1), Le(5)] = 0.0
+    stiffness_change: Annotated[float, Gt(-1), Le(MOST_CHANGE)] = 0.0
     """By what share of it the stiffness grows from the first of these forces to the second; with it a calibration takes
     the stiffness over the forces of its spread rates (emg2vsa tools stiffness)."""
     plate_adjusted_r2: Annotated[float, Le(1)] | None = None

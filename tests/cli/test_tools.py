@@ -267,6 +267,19 @@ def test_presses_of_different_reach_are_taken_over_the_forces_of_all(
     assert found["stiffness_n_per_mm"] == pytest.approx((found["force_to_n"] - 0.5) / np.diff(ends)[0], rel=0.01)
 
 
+def test_the_paper_s_line_ends_where_the_range_does_whatever_other_presses_reach(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    short, deep = (
+        rubber_press(tmp_path / f"{trial}.csv", mm, f"X_A_sample_{trial}\n") for trial, mm in ((1, 2.2), (2, 14.0))
+    )
+    lines = []
+    for logs in ([deep], [short, deep]):
+        assert main(["tools", "stiffness", "--json", *logs]) == 0
+        lines.append(json.loads(capsys.readouterr().out)["trials"][-1]["line_n_per_mm"])
+    assert lines[0] == lines[1]
+
+
 def test_a_press_counts_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     one = rubber_press(tmp_path / "a.csv", 6.0)
     copied = shutil.copy(one, tmp_path / "b.csv")
@@ -286,7 +299,7 @@ def test_a_plate_s_diameter_is_not_the_specimen_s(tmp_path: Path, capsys: pytest
 def test_a_stiffness_that_is_no_one_number_is_not_written(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("emg2vsa.rig_file.specimen_stiffness._MOST_CHANGE", 0.1)  # 5 takes a press that locks
+    monkeypatch.setattr("emg2vsa.rig_file.specimen_stiffness.MOST_CHANGE", 0.1)  # 5 takes a press that locks
     log = rubber_press(tmp_path / "S1.csv", 6.0)
     study = write_log(tmp_path / "study.toml", '[[specimens]]\nname = "S1"\n')
     assert main(["tools", "stiffness", log, "--write", str(study)]) == 2

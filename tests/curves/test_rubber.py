@@ -60,8 +60,8 @@ def test_moduli_are_found_again_and_intervals_hold_them(law: str, modulus_kpa: f
 
 @pytest.mark.parametrize("law", ["line", "neo-hooke", "yeoh"])
 def test_the_law_that_made_a_soft_press_fits_best(law: str) -> None:
-    best = [pressed(law, 10.0, seed=seed).best for seed in range(20)]
-    assert [each.law if each else "" for each in best].count(law) > 14
+    best = [min(pressed(law, 10.0, seed=seed).laws, key=lambda each: each.aicc) for seed in range(20)]
+    assert [each.law for each in best].count(law) > 14
 
 
 def test_a_press_that_is_too_shallow_has_no_modulus() -> None:
@@ -69,7 +69,7 @@ def test_a_press_that_is_too_shallow_has_no_modulus() -> None:
     force = SIZE.force_n(np.maximum(depth, 0), 60.0)
     found = fit_rubber(depth, force, SIZE, fit_range(depth, force, (0.5, 7.0)))
     assert np.isnan(found.modulus_kpa)
-    assert fit_rubber(depth, -force, SIZE, fit_range(depth, -force, (0.5, 7.0))).best is None
+    assert fit_rubber(depth, -force, SIZE, fit_range(depth, -force, (0.5, 7.0))).laws == ()
 
 
 def test_moduli_of_real_silicone_are_the_published_ones(shared_data: Callable[[str], Path]) -> None:

@@ -93,7 +93,7 @@ class SpecimenWitness:
         if modulus_mpa is None:
             return None
         spread = 2 * self._sd(modulus_mpa)
-        return PressKappa(*(self._kappa(modulus_mpa * math.exp(at)) for at in (0.0, -spread, spread)))
+        return PressKappa(*(self._dome.stiffness_n_per_mm(modulus_mpa * math.exp(at)) for at in (0.0, -spread, spread)))
 
     def doubt(self) -> str | None:
         """What the loading that is over presses like, where that is not the specimen of the plan."""
@@ -132,12 +132,6 @@ class SpecimenWitness:
         """From a specimen of this stiffness, standard deviations."""
         named_mpa = self._dome.modulus_mpa(kappa)
         return abs(math.log(modulus_mpa / named_mpa)) / self._sd(named_mpa)
-
-    def _kappa(self, modulus_mpa: float) -> float:
-        """Of the specimen under the dome."""
-        if modulus_mpa >= self._dome.sensor_modulus_mpa:
-            return math.inf
-        return 2 * self._dome.punch_radius_mm / (1 / modulus_mpa - 1 / self._dome.sensor_modulus_mpa)
 
 
 def _nearest(far: Mapping[str, float]) -> str:

@@ -216,10 +216,8 @@ class PressTally:
         ):  # fmt: skip
             percent = 100 * count / whole if whole else 0.0
             if percent > limits[0]:
-                yield (
-                    "rejected" if percent > limits[1] else "doubtful",
-                    f"{percent:{'.0f' if percent >= 10 else '.2g'}} % of its {of}",
-                )
+                share = f"{percent:.0f}" if percent >= 10 else f"{percent:.2g}"
+                yield "rejected" if percent > limits[1] else "doubtful", f"{share} % of its {of}"
 
 
 def forces_of(row: Row) -> tuple[float, float]:
