@@ -7,7 +7,7 @@ import json
 import threading
 import time
 from collections.abc import Iterator
-from dataclasses import asdict, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Self
@@ -126,7 +126,7 @@ def _mark_emulated(file: RigFile, folder: Path) -> None:
     """No run of emulated devices ever passes as a measured one."""
     if file.emulated and file.leads_to_emulated:
         folder.mkdir(parents=True, exist_ok=True)
-        write_text_atomic(folder / EMULATED_FILE, json.dumps(asdict(file.emulated), indent=2) + "\n")
+        write_text_atomic(folder / EMULATED_FILE, json.dumps(file.emulated.document(), indent=2) + "\n")
 
 
 def _introduce(

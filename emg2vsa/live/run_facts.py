@@ -11,7 +11,7 @@ from typing import Any, Literal
 from emg2vsa.devices.joints import joint_of
 from emg2vsa.devices.qbmove.ticks import in_degrees
 from emg2vsa.errors import RecordingError, ScheduleError
-from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
+from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE, over_bytes
 from emg2vsa.rig.rig_settings import RigSettings, axis_of
 
 
@@ -38,6 +38,8 @@ class RunFacts:
     "The study's range, percent of the maximum preset."
     emulated: bool
     "No hardware takes part."
+    over_bytes: bool
+    "As a driver of hardware speaks; False where those of an emulated rig skip the wire."
 
 
 def read_run(folder: Path) -> tuple[RunFacts, RigSettings]:
@@ -57,6 +59,7 @@ def read_run(folder: Path) -> tuple[RunFacts, RigSettings]:
             stiffness_nm_per_rad=_stiffness(plan["schedule"], in_degrees(rig)["full_preset"]),
             stiffness_percent=(low, high),
             emulated=(folder / EMULATED_FILE).is_file(),
+            over_bytes=over_bytes(folder),
         )
     except (OSError, ValueError, TypeError, KeyError, ScheduleError) as error:
         found, do = f"{type(error).__name__}: {error}", "Choose the folder of a run, or of runs."

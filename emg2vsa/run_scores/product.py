@@ -94,9 +94,9 @@ class RunScores:
     (R,) mm2, NaN unless simulated.
     indent_n_per_mm : (R,) slope of force over shaft travel, the kinesthetic cue; NaN without a log. peak_n : (R,)
     largest force along the push axis, N, beyond the force of turning back too; NaN without presses.csv. curves : R.
-    simulated : the run was emulated. setup : how its folders say that it was made, such as ``f_max_n``, ``rate_hz`` of
-    the control loop, ``frame_rate_hz``: each value once. first_contact : of the first press in which Algorithm 1 finds
-    pins. notes : once each.
+    simulated : the run was emulated. over_bytes : False where drivers of an emulated rig skipped the wire. setup : how
+    its folders say that it was made, such as ``f_max_n``, ``rate_hz`` of the control loop, ``frame_rate_hz``: each
+    value once. first_contact : of the first press in which Algorithm 1 finds pins. notes : once each.
     """
 
     specimen: str
@@ -124,6 +124,7 @@ class RunScores:
     first_contact: FirstContact | None
     notes: tuple[str, ...]
     setup: dict[str, tuple[float, ...]] = field(default_factory=dict)
+    over_bytes: bool = True
 
     def __repr__(self) -> str:
         usable = self.verdicts.count("ok")

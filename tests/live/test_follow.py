@@ -32,9 +32,12 @@ def test_facts_of_the_run(follower, begin, runs):
     assert (run.name, run.specimen, run.angle_deg) == ("S1_30_high-stiffness", "S1", 30.0)
     assert (run.repetitions, run.f_contact_n, run.f_max_n, run.force_limit_n) == (3, 0.5, 7.0, 10.0)
     assert (run.full_preset, run.stiffness_percent, run.emulated) == (3000 * DEG_PER_TICK, (20.0, 80.0), False)
+    assert run.over_bytes
     assert run.stiffness_nm_per_rad == ()
-    (runs / run.name / "emulated.json").write_text("{}")
-    assert Follower(runs).look().run.emulated
+    for told, over_bytes in (("{}", False), ('{"over_bytes": true}', True)):
+        (runs / run.name / "emulated.json").write_text(told)
+        run = Follower(runs).look().run
+        assert (run.emulated, run.over_bytes) == (True, over_bytes)
 
 
 def test_curves_in_their_units(follower, begin, row):

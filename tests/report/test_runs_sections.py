@@ -423,6 +423,12 @@ def test_without_an_estimate_the_reason_is_told(whole, calibration, content):
     assert "No stiffness was estimated: no new specimen." in rendered(RUNS, results, content)
 
 
+def test_runs_without_bytes_are_counted(run_of, report_of, results):
+    runs = [replace(run_of(name, 0.0, "high-stiffness"), over_bytes=name != "S1") for name in KNOWN]
+    body = rendered(RUNS, replace(results, runs=Runs(tuple(runs))), report_of(runs, contents))
+    assert "come from a simulated rig (1 run emulated, not over bytes).</strong>" in body
+
+
 def test_measured_runs_are_not_called_simulated_and_a_rejected_press_is_counted_with_its_reason(
     run_of, report_of, results
 ):

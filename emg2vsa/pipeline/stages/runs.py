@@ -70,6 +70,7 @@ def takes(campaign: Campaign, item: str) -> list[tuple[str, str]]:
 
 def run(given: Given) -> RunScores:
     from emg2vsa.errors import DataError
+    from emg2vsa.rig.record.new_folder import over_bytes
     from emg2vsa.run_folders.presses import is_simulated, read_presses, run_notes, run_setup
     from emg2vsa.run_scores.score_run import score_run
 
@@ -87,7 +88,8 @@ def run(given: Given) -> RunScores:
     if not scores.verdicts:
         do = "See that its folder holds the presses' frames."
         raise DataError(given.item, wanted="one press or more", found="none", do=do)
-    scores = replace(scores, setup=run_setup(used["folders"], used["camera"]))
+    spoken = all(map(over_bytes, used["folders"]))
+    scores = replace(scores, setup=run_setup(used["folders"], used["camera"]), over_bytes=spoken)
     return replace(scores, true_a_c0=_true_a_c0(given, scores)) if "emulated" in used else scores
 
 

@@ -94,6 +94,7 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     change = [q.get(f"runs.drift_percent{end}", np.nan) for end in ("", ".low", ".high")]
     drift = "{} % [{}, {}]".format(*(signed(float(each)) for each in change))
     return {
+        "skipped": sum(not run.over_bytes for run in runs),
         "emulated": "" if n == 0 else "These runs" if n == len(runs) else f"{n} of {len(runs)} runs",
         "notes": [_note(told) for told in _kinds((note, run.name) for run in runs for note in run.notes)],
         "absent": absent if found else [results.why_absent("discrimination")],
@@ -112,7 +113,8 @@ def _note(told: Sequence[tuple[str, str]]) -> str:
 
 _TEXT = """
 <p>{{ q["runs.presses"] }} presses in {{ q["runs.count"] }} runs were scored; {{ q["runs.rejected"] }} were rejected.
-<strong>{{ emulated }} {{ "come from a simulated rig" if emulated else "These runs were measured" }}.</strong>
+<strong>{{ emulated }} {{ "come from a simulated rig" if emulated else "These runs were measured" }}
+{%- if skipped %} ({{ skipped | count("run") }} emulated, not over bytes){% endif %}.</strong>
 {% if "runs.largest_force_n" in q %}
 The largest force, {{ q["runs.largest_force_n"] | number }} N, passes F_max, as filter, bus and motors are late.
 {% endif %}

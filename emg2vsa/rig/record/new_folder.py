@@ -74,6 +74,17 @@ def _ended(folder: Path, key: str) -> object:
     return value
 
 
+def over_bytes(folder: Path) -> bool:
+    """False where drivers of an emulated rig skipped the wire, or an older emulated.json does not tell."""
+    try:
+        text = (folder / EMULATED_FILE).read_text(encoding="utf-8")
+        return json.loads(text)["over_bytes"] is True
+    except FileNotFoundError:
+        return True
+    except (OSError, ValueError, TypeError, KeyError):
+        return False
+
+
 def folders_of(runs: Path, name: str) -> Iterator[Path]:
     """Where run ``name`` is, or would be: endless, and used in this order without a gap."""
     return (runs / (name if number == 1 else f"{name}-{number}") for number in count(1))

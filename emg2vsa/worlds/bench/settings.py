@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
@@ -113,6 +113,10 @@ class EmulatedSettings:
     without bytes. Guards look at every turn either way, and the same run comes out; a test compares the two."""
     behind_ports: bool = False
     "Set by emg2vsa rig emulate in the file it writes: the ports lead to emulated devices, and runs are marked so."
+
+    def document(self) -> dict[str, Any]:
+        """For emulated.json. over_bytes : actuator and force sensor were spoken to byte for byte in every turn."""
+        return asdict(self) | {"over_bytes": self.exact or self.behind_ports}
 
     def of(self, specimen: str) -> Self:
         """What matters for the runs of one specimen."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -75,7 +75,7 @@ def run_virtual(
         actuator=actuator,
     )
     folder.mkdir(parents=True, exist_ok=True)
-    write_text_atomic(folder / EMULATED_FILE, json.dumps(asdict(emulated), indent=2) + "\n")
+    write_text_atomic(folder / EMULATED_FILE, json.dumps(emulated.document(), indent=2) + "\n")
     devices = bench.devices(exact=emulated.exact)
     if plan.plate:
         devices = replace(devices, camera=None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -17,6 +18,8 @@ from casr.frame_files import open_frames, read_force_log
 from casr.scoring import score
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.protocols import Frame
+from emg2vsa.devices.qbmove import packets
+from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
 from emg2vsa.errors import DeviceError, ScheduleError, SettingError
 from emg2vsa.rig.plan import RunPlan
@@ -77,6 +80,24 @@ def test_with_bytes_and_without_the_same_run_comes_out(
         assert found[exact].pop("emulated.json")
     assert found[True] == found[False]
     assert b",approach," in found[True]["log.csv"]
+
+
+def motors_exchanged(board: Qbmove, command: packets.Command, first: int, second: int) -> None:
+    board._talk.tell(packets.frame(board.device_id, command, struct.pack(">hh", second, first)))
+
+
+def little_endian(board: Qbmove, command: packets.Command, count: int) -> tuple[int, ...]:
+    return struct.unpack(f"<{count}h", board._ask(command, 2 * count))
+
+
+@pytest.mark.parametrize(("place", "wrong"), [("_tell_ticks", motors_exchanged), ("_ask_words", little_endian)])
+def test_a_wrong_order_of_bytes_in_the_driver_is_seen_with_bytes_alone(
+    plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, wrong: Callable[..., object]
+) -> None:
+    monkeypatch.setattr(Qbmove, place, wrong)
+    for exact, how in ((False, "completed"), (True, "guard")):
+        emulated, folder = EmulatedSettings(exact=exact), tmp_path / str(exact)
+        assert run_virtual(plan(repetitions=1, f_max_n=2.0), RIG, emulated, folder, started=STARTED).how == how
 
 
 @pytest.mark.parametrize("condition", ["high-stiffness", "modular"])
@@ -209,9 +230,12 @@ def test_a_press_is_kept_up_to_its_turning_point(plan: Plan, tmp_path: Path) -> 
     assert {row.frame_index for row in after if row.filtered_n is not None and row.filtered_n < 7} == {-1}
 
 
-def test_it_says_that_no_hardware_made_it(plan: Plan, tmp_path: Path) -> None:
-    run_virtual(plan(repetitions=1), RIG, EmulatedSettings(seed=5), tmp_path / "run", started=STARTED)
-    assert json.loads((tmp_path / "run" / "emulated.json").read_text())["seed"] == 5
+@pytest.mark.parametrize("exact", [True, False])
+def test_it_says_that_no_hardware_made_it_and_whether_bytes_were_sent(plan: Plan, tmp_path: Path, exact: bool) -> None:
+    emulated = EmulatedSettings(seed=5, exact=exact)
+    run_virtual(plan(repetitions=1, f_max_n=1.0), RIG, emulated, tmp_path / "run", started=STARTED)
+    told = json.loads((tmp_path / "run" / "emulated.json").read_text())
+    assert (told["seed"], told["over_bytes"]) == (5, exact)
 
 
 def test_another_run_is_neither_overwritten_nor_marked(plan: Plan, tmp_path: Path) -> None:

@@ -75,7 +75,7 @@ function showRun({ run, phase, repetition, frame, ended, presses_done: done, ...
 }
 
 function factsOf(run) {
-  const emulated = run.emulated ? " · emulated, no hardware" : "";
+  const emulated = !run.emulated ? "" : run.over_bytes ? " · emulated, no hardware" : " · emulated, not over bytes";
   return `${run.specimen} at ${run.angle_deg}° · ${run.condition} · to ${run.f_max_n} N${emulated}`;
 }
 
