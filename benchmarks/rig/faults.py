@@ -155,6 +155,7 @@ LINE_FAULTS: dict[str, Fault] = {
     "replies 4 ms late": Fault(words("late 4"), (SURVIVED, REJECTED, OVERRUN, SLOW_LINE, *MOTION), later=True),
     "replies 30 ms late": Fault(words("late 30"), (LOST_ACTUATOR, OVERRUN, SLOW_LINE), probe="unsure"),
     "answers of another id": Fault(words("stranger"), (LOST_ACTUATOR,), REFUSED, probe="unsure"),
+    "actuator's line flooded": Fault(words("flood"), (LOST_ACTUATOR,), REFUSED, probe="unsure"),
     "actuator mute": Fault(words("mute"), (LOST_ACTUATOR,), REFUSED, probe="unsure"),
     "actuator deaf": Fault(words("deaf"), (LOST_ACTUATOR,), REFUSED, probe="left"),
     "serial line gone": Fault(_line("gone", True), (LOST_ACTUATOR,), REFUSED, probe="left"),
@@ -213,6 +214,7 @@ FORCE_FAULTS: dict[str, Fault] = {
     "force has the wrong axis": Fault(words("swapped"), BLIND, later=True, unseen_in=AFTER),
     "force axis dead": Fault(words("dead"), BLIND, shown_by_springs=True, later=True, unseen_in=AFTER),
     "force a fifth": Fault(words("gain 0.2"), (*BLIND, *MOTION), later=True, unseen_in=AFTER),
+    "force sensor's line flooded": Fault(words("swamp"), (STALE,)),
     "flood of strange sequences": Fault(words("garbage"), (SURVIVED, REJECTED, STALE, UNTRUSTED), later=True),
     "one strange record": Fault(words("trash"), (SURVIVED, LIMIT, RATE, LATERAL, UNTRUSTED, STALE), later=True),
 }

@@ -66,8 +66,10 @@ class SdkPort:
         return self.silent
 
     def readPort(self, length: int) -> bytes:
-        """Up to ``length`` bytes."""
-        heard = self._line.read(length, max(self._until_s - self._clock.now_s(), 0.0))
+        """Up to ``length`` bytes; none from a line that is still heard a whole reply's time too late: noise has no
+        end, and the SDK would read it for ever."""
+        left_s = self._until_s - self._clock.now_s()
+        heard = self._line.read(length, max(left_s, 0.0)) if left_s > -self._reply_s else b""
         self.silent = len(heard) < length
         return heard
 

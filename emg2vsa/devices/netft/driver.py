@@ -98,8 +98,9 @@ class NetFt:
     def start(self) -> None:
         self.stop()
         self._clock.sleep_until(self._clock.now_s() + QUIET_S)
-        while self._line.receive() is not None:
-            pass
+        for _ in range(MOST_DATAGRAMS):  # more come faster than they can be taken
+            if self._line.receive() is None:
+                break
         self._forget()
         self._line.send(request_bytes(self._command))
         if not awaited(self._clock, FIRST_S, _POLL_S, self._arrived):

@@ -13,7 +13,8 @@ from emg2vsa.devices.qbmove.packets import Command, Reply, Wanted, find_reply, f
 from emg2vsa.devices.serial_line import ByteLine, LineCounts
 
 _QUIET_S = 0.05
-_TEXT_BYTES = 4096
+_TEXT_BYTES, _LONGEST_TEXT, _TEXT_S = 4096, 16384, 0.5
+"""Read at once; the longest text, of which 2000 are used, and the time it may take: more is noise without an end."""
 _FTDI_VENDOR, _MANUFACTURER = 0x0403, "QB Robotics"
 _SCAN_ATTEMPTS = 2
 
@@ -43,13 +44,15 @@ class Conversation:
         return None
 
     def ask_text(self, request: bytes, *, timeout_s: float, again: bool) -> str:
-        """The bare text that follows ``request``, until the line falls silent. ``again``: the last may be cut short."""
+        """The bare text that follows ``request``, until the line falls silent, or longer than any text.
+        ``again``: the last may be cut short."""
         if again:
             self.line.write(flushing(request))
         self.line.drop_input()
         self.tell(request)
+        end_s = self.clock.now_s() + timeout_s + _TEXT_S
         heard = part = self.line.read(1, timeout_s)
-        while part:
+        while part and len(heard) < _LONGEST_TEXT and self.clock.now_s() < end_s:
             part = self.line.read(_TEXT_BYTES, _QUIET_S)
             heard += part
         return heard.decode("ascii", "replace")

@@ -22,6 +22,8 @@ Spoil = Callable[[bytes], bytes]
 Strike = Callable[[Any, float], None]
 """Of the bench and a number."""
 Action = Callable[[], None]
+_FLOOD_BYTES, _FLOOD_BYTES_PER_S = 64, 200_000
+"""At once, and of a line of 2 Mbaud."""
 
 
 @dataclass(frozen=True)
@@ -177,13 +179,16 @@ class FaultyWire:
         self._chance = random.Random(seed)
         self._faults: list[tuple[Way, Spoil]] = []
         self._coming: deque[tuple[float, bytes]] = deque()
-        self.mute = self.deaf = self.noisy = self.doubled = False
+        self.mute = self.deaf = self.noisy = self.doubled = self.flooded = False
         """While True: mute, the device hears but nothing of it comes back; deaf, nothing reaches it; noisy, one byte of
-        every answer is wrong; doubled, every answer comes twice."""
+        every answer is wrong; doubled, every answer comes twice; flooded, random bytes without an end come in place of
+        answers."""
         self.ignored: frozenset[int] = frozenset()
         "Commands of which no frame reaches the device, while all others do."
         self.id_shift = 0
         "Added to the id of every answer."
+        self._flood_s = 0.0
+        "When more of it comes."
         self.late_s = self.lost_share = self.wrong_share = 0.0
         "How late answers come; which share of the bytes of both ways gets lost, or has a wrong bit."
 
@@ -205,6 +210,9 @@ class FaultyWire:
         if self._clock is None:
             return answer
         now_s = self._clock.now_s()
+        if self.flooded:
+            self._flood_s = now_s + _FLOOD_BYTES / _FLOOD_BYTES_PER_S
+            return self._chance.randbytes(_FLOOD_BYTES)
         if answer:
             self._coming.append((now_s + self.late_s, answer))
         arrived = b""
@@ -216,12 +224,14 @@ class FaultyWire:
     def _failing(self) -> bool:
         return bool(
             self._faults or self._coming or self.deaf or self.mute or self.noisy or self.doubled or self.ignored
-            or self.id_shift or self.late_s or self.lost_share or self.wrong_share
+            or self.flooded or self.id_shift or self.late_s or self.lost_share or self.wrong_share
         )  # fmt: skip
 
     @property
     def due_s(self) -> float:
-        """When the next late answer comes; inf when none is on its way."""
+        """When the next late answer comes, or more of a flood; inf when none is on its way."""
+        if self.flooded:
+            return self._flood_s
         own_s = self._coming[0][0] if self._coming else math.inf
         return min(own_s, self._device.due_s)
 
@@ -307,6 +317,7 @@ WIRE_FAULTS = {
         "N % of the bytes of both ways have a wrong bit", _of_wire("wrong_share", percent), "amount", 1, 0, 0, 100
     ),
     "doubled": Fault("every reply of the actuator comes twice", _of_wire("doubled"), "switch"),
+    "flood": Fault("random bytes without an end come in place of replies", _of_wire("flooded"), "switch"),
     "stranger": Fault("the actuator answers with the next id", _of_wire("id_shift", int), "switch"),
 }
 """By the name that is typed."""

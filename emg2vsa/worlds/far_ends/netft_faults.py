@@ -29,6 +29,7 @@ class BoxFaults:
     skip: int = count("skip", "the force sensor leaves out N internal samples")
     trash: int = count("trash", "the next N datagrams are each followed by one of random numbers")
     garbage: bool = switch("garbage", "every datagram is followed by one of a random sequence")
+    swamped: bool = switch("swamp", "a hundred datagrams of random bytes follow each of the force sensor")
     thinned: float = amount("thinned", "N % of the datagrams are lost", 50, 0, 0, 100, percent)
     doubled: bool = switch("twice", "every datagram comes twice")
     shuffled: int = amount("shuffled", "of N datagrams the oldest comes last", 4, 0, 2, 100, int)
@@ -128,6 +129,8 @@ def _copies(data: bytes, faults: BoxFaults) -> Iterator[bytes]:
         yield data
     if faults.garbage:
         yield faults.chance.randbytes(_SEQUENCE_BYTES) + data[_SEQUENCE_BYTES:]
+    if faults.swamped:
+        yield from (faults.chance.randbytes(len(data)) for _ in range(100))
     if faults.trash:
         faults.trash -= 1
         counts = [faults.chance.randrange(-(2**31), 2**31) for _ in range(6)]

@@ -61,8 +61,10 @@ class VirtualSerialPort(Serving):
             asked = select.select([self._device_end], [], [], max(0.0, min(IDLE_S, self._waits_s())))[0]
             if asked or self._waits_s() <= 0:
                 answer = self._device(os.read(self._device_end, _CHUNK_BYTES) if asked else b"")
-                while answer:
-                    answer = answer[os.write(self._device_end, answer) :]
+                # a host that does not read must not hold up the end of this thread
+                while answer and not self._ended.is_set():
+                    if select.select([], [self._device_end], [], IDLE_S)[1]:
+                        answer = answer[os.write(self._device_end, answer) :]
 
     def _close(self) -> None:
         # the host's end stays open until here, so that clients may come and go
@@ -76,6 +78,7 @@ def _pseudo_terminal() -> tuple[int, int, str]:
     if sys.platform != "win32":
         device_end, host_end = pty.openpty()
         tty.setraw(host_end)
+        os.set_blocking(device_end, False)
         return device_end, host_end, os.ttyname(host_end)
     do = "Use emg2vsa rig run --virtual."
     raise SettingError("rig emulate", wanted="a system with virtual serial ports", found="Windows", do=do)
