@@ -54,10 +54,11 @@ def run(arguments: argparse.Namespace) -> int:
             lines.append(f"{each.case.name:<{wide}}  not solved: {each.stopped}. Lower [solve] force_n.")
             continue
         areas = "".join(f"{area:>10.1f}" for area in each.said["area_mm2"].values())
-        error = each.said["area_error_of_mesh_and_steps"]
+        error = each.said["area_error"]
         lines.append(f"{each.case.name:<{wide}}{areas}  {100 * error:.1f} %")
     lines.append(
-        "Areas in mm2 at a force; error: the same on a mesh and with steps twice as coarse, the worst of them.\n"
+        "Areas in mm2 at a force; error: their largest change with a mesh and steps twice as coarse, plus that with\n"
+        "half the penalty of contact.\n"
         f"Use them with dome_radius_mm = {dome_radius_mm(cases[0]):.4g} under [sensor] in camera.toml: "
         f"casr score PRESSES --domes {arguments.out}"
     )

@@ -54,7 +54,7 @@ class Specimen:
 @dataclass(frozen=True)
 class Pressing:
     """mesh_mm : size of elements in the contact. step_mm : longest, of the depth. force_n : to reach. friction :
-    Coulomb's; 0 slides, inf sticks."""
+    Coulomb's; 0 slides, inf sticks. penalty : of the contact, in usual ones."""
 
     dome: Dome
     specimen: Specimen
@@ -62,6 +62,7 @@ class Pressing:
     force_n: float = 5.0
     mesh_mm: float = 0.5
     step_mm: float = LONGEST_MM
+    penalty: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +115,7 @@ class _World:
         self.inner_angle = ball.at[self.inside, 1]
         self.skin, self.face = skin, face
         modulus = specimen.rubber.modulus_mpa if specimen.rubber else np.inf
-        penalty = min(PENALTY_N_PER_MM3, PENALTY_SHARE * modulus / size)
+        penalty = pressing.penalty * min(PENALTY_N_PER_MM3, PENALTY_SHARE * modulus / size)
         self.contact = Contact(skin, face, self.bodies.place, penalty, _MOST * modulus)
         self.arc_of_points = self.contact.arcs(self.skin_arc)
         back = plate.line(1, plate.at[:, 1].max()) if specimen.rubber else np.arange(len(plate.place))

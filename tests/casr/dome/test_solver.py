@@ -18,7 +18,7 @@ from casr.errors import SettingError
 pytest.importorskip("skfem", reason="needs the extra solver: scikit-fem")
 
 from casr.dome.solver.bodies import Bodies, Inverted, Rubber, Stopped, block
-from casr.dome.solver.cases import areas_mm2, dome_radius_mm, solve
+from casr.dome.solver.cases import AREA_AT_N, areas_mm2, dome_radius_mm, solve
 from casr.dome.solver.contact import Contact, Grip
 from casr.dome.solver.press import Dome, Pressed, Pressing, Specimen, press
 from casr.dome.solver.punch import stiffness_over_modulus_mm
@@ -122,6 +122,15 @@ def test_forces_balance_and_all_work_is_stored(soft: Pressed) -> None:
     assert finer.unstored < 0.2 * soft.unstored
 
 
+def test_a_rigid_ball_on_a_layer_is_that_of_another_program() -> None:
+    """ContactMechanics: linear, by FFT. Both are coarse here; finer ones agree to 1.2 % (benchmarks.dome_solver)."""
+    pytest.importorskip("ContactMechanics", reason="is in the test extra, on Linux")
+    from benchmarks.dome_solver import layer_area_mm2, others_area_mm2
+
+    (area,) = layer_area_mm2(4.0, [0.8], mesh_mm=0.5)
+    assert area == pytest.approx(others_area_mm2(0.8, 4.0, points=192), rel=0.02)
+
+
 @pytest.mark.slow
 def test_a_softer_specimen_and_a_finer_mesh(soft: Pressed) -> None:
     (hard,) = areas_mm2(press(COARSE), [1.5])
@@ -187,6 +196,10 @@ def test_a_thick_skin_keeps_its_angles_and_its_area_in_the_millimetres_of_tables
     assert both["mine_krigid_mu0.3"].said["area_mm2"]["4.0"] < solved.said["area_mm2"]["4.0"]
     table = read_table(tmp_path / f"{case.name}.npz")
     assert dome_radius_mm(case) == pytest.approx(36 * 20 / 19)
+    said = solved.said
+    assert said["area_error"] == sum(said["area_error_of"].values()) > min(said["area_error_of"].values()) > 0
+    hard = areas_mm2(press(replace(case.pressing, penalty=8.0)), AREA_AT_N)
+    assert list(said["area_mm2"].values()) == pytest.approx(hard, rel=said["area_error"])
     assert table.s_mm[-1] == pytest.approx(19 * np.pi / 2)
     scale = dome_radius_mm(case) / 20
     area = np.pi * (scale * np.interp(4.0, table.force_n, table.contact_radius_mm)) ** 2
