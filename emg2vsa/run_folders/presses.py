@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
-import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from datetime import datetime
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -25,6 +22,7 @@ from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
 from emg2vsa.rig.record.press_counts import peak_forces_n, stopped_presses, verdicts
 from emg2vsa.rig.record.run_log import GOING_IN, read_log
 from emg2vsa.rig.rig_settings import axis_of
+from emg2vsa.run_folders.documents import document
 from emg2vsa.run_scores.press import Press
 
 _LOG = "log.csv"
@@ -41,7 +39,7 @@ def run_notes(folders: Sequence[Path]) -> tuple[str, ...]:
     """What a reader of the scores should know of runs that were not completed, and of presses that lost something."""
     notes = []
     for folder in folders:
-        ended = _document(folder / "ended.json")
+        ended = document(folder / "ended.json")
         if ended and ended.get("how") != "completed":
             cause = ended.get("cause") or ended.get("why") or "unknown"
             notes.append(f"{folder.name} ended early: {ended.get('how')}, {cause}")
@@ -69,7 +67,7 @@ def run_setup(folders: Sequence[Path], camera: Path | None = None) -> dict[str, 
         own = folder / CAMERA_FILE
         files = {PLAN_FILE: folder / PLAN_FILE, CAMERA_FILE: own if own.is_file() or camera is None else camera}
         for kind, path in files.items():
-            tables = [table for table in _document(path).values() if isinstance(table, dict)]
+            tables = [table for table in document(path).values() if isinstance(table, dict)]
             for key in _SETUP[kind]:
                 values = [table[key] for table in tables if isinstance(table.get(key), (int, float))]
                 found.setdefault(key, []).extend(map(float, values[:1]))
@@ -122,7 +120,7 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None, order: Seq
 
 def _mountings(folders: Sequence[Path]) -> list[int]:
     """Number of each folder's mounting, from 1: the rig continues a mounting in a further folder, as its plan tells."""
-    plans = [_document(folder / PLAN_FILE).get("plan") for folder in folders]
+    plans = [document(folder / PLAN_FILE).get("plan") for folder in folders]
     told = [plan.get("mounting") if isinstance(plan, dict) else None for plan in plans]
     own = [m if isinstance(m, int) else folder for folder, m in zip(folders, told, strict=True)]
     return [list(dict.fromkeys(own)).index(one) + 1 for one in own]
@@ -130,11 +128,11 @@ def _mountings(folders: Sequence[Path]) -> list[int]:
 
 def _pressed_at(folder: Path) -> float:
     """See ``RunScores``. All runs of an emulated rig begin at the same date."""
-    document = _document(folder / PLAN_FILE)
+    told = document(folder / PLAN_FILE)
     try:
         if is_simulated([folder]):
-            return float(document["plan"]["order"])
-        return datetime.fromisoformat(document["clock"]["zero_utc"]).timestamp()
+            return float(told["plan"]["order"])
+        return datetime.fromisoformat(told["clock"]["zero_utc"]).timestamp()
     except (KeyError, TypeError, ValueError):
         return math.nan
 
@@ -180,7 +178,7 @@ def _camera(path: Path | None) -> tuple[Camera | None, CasrError | None]:
 def _travel(folder: Path) -> dict[int, tuple[Floats, Floats, int]]:
     """Repetition to force, N, and depth of the shaft, mm, on its way in, and how many of these rows come before the
     loading phase; empty without the rig's own log."""
-    plan = _document(folder / PLAN_FILE)
+    plan = document(folder / PLAN_FILE)
     try:
         log = read_log(folder / _LOG, ["repetition", "phase", "force_n"])
         axis = axis_of(plan["rig"])
@@ -195,13 +193,3 @@ def _travel(folder: Path) -> dict[int, tuple[Floats, Floats, int]]:
         for r in np.unique(number[~before])
         for own in [number == r]
     }
-
-
-def _document(path: Path) -> dict[str, Any]:
-    """A JSON or TOML file; empty where it is missing or no such thing."""
-    try:
-        text = path.read_text(encoding="utf-8")
-        found = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
-    except (OSError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, field
 
@@ -75,6 +76,34 @@ class FirstContact:
     selected: Ints
 
 
+@dataclass(frozen=True)
+class WeighedPress:
+    """Press number ``press`` in the folder of a run, and the stiffness of its specimen by force over depth of it alone.
+
+    specimen, stated_n_per_mm : the plan's; NaN where it states none. kappa_n_per_mm : with its 95 % interval; NaN where
+    the press tells none, high inf where the specimen may be rigid. verdict : ok, doubtful, rejected, or ended.
+    """
+
+    folder: str
+    press: int
+    specimen: str
+    stated_n_per_mm: float
+    kappa_n_per_mm: float
+    low_n_per_mm: float
+    high_n_per_mm: float
+    verdict: str
+    why: str
+
+    @property
+    def said(self) -> str:
+        """In plain words."""
+        if self.why:
+            return self.why
+        if math.isnan(self.kappa_n_per_mm):
+            return "too short to tell the specimen"
+        return "nothing stated to compare with" if math.isnan(self.stated_n_per_mm) else f"presses like {self.specimen}"
+
+
 @dataclass(frozen=True, eq=False)
 class RunScores:
     """R presses of one run; a press that could not be scored has NaN numbers and its reason.
@@ -96,7 +125,8 @@ class RunScores:
     largest force along the push axis, N, beyond the force of turning back too; NaN without presses.csv. curves : R.
     simulated : the run was emulated. over_bytes : False where drivers of an emulated rig skipped the wire. setup : how
     its folders say that it was made, such as ``f_max_n``, ``rate_hz`` of the control loop, ``frame_rate_hz``: each
-    value once. first_contact : of the first press in which Algorithm 1 finds pins. notes : once each.
+    value once. first_contact : of the first press in which Algorithm 1 finds pins. notes : once each. weighed : presses of
+    the rig by their own files, those without a score among them.
     """
 
     specimen: str
@@ -125,6 +155,7 @@ class RunScores:
     notes: tuple[str, ...]
     setup: dict[str, tuple[float, ...]] = field(default_factory=dict)
     over_bytes: bool = True
+    weighed: tuple[WeighedPress, ...] = ()
 
     def __repr__(self) -> str:
         usable = self.verdicts.count("ok")

@@ -23,6 +23,7 @@ from emg2vsa.report.sections.kappa import holds, span
 from emg2vsa.report.sections.profiles import SCHEDULES
 from emg2vsa.report.sections.rig_runs import RUNS
 from emg2vsa.report.study_report import contents, numbers_and_tables, write_figure_pdfs, write_study_report
+from emg2vsa.run_scores.product import WeighedPress
 from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import PAPER, CalibrationSettings, DiscriminationSettings, RunSettings
 from emg2vsa.statistics.kruskal import dunn, kruskal
@@ -510,6 +511,25 @@ def test_areas_in_pixels_are_not_called_mm2(run_of, report_of):
     heads = "".join(c.head for name in ("area_by_specimen", "casr_by_specimen") for c in content.tables[name].columns)
     assert "px²" in heads
     assert "mm²" not in heads
+
+
+def test_which_specimen_each_press_tells_stands_in_the_report_those_that_are_not_ok_first(run_of, report_of, results):
+    plain = run_of("S1", 0.0, "modular")
+    good = WeighedPress("S1_0_modular", 1, "S1", 7.63, 7.5, 6.5, np.inf, "ok", "")
+    other = replace(good, press=2, kappa_n_per_mm=3.4, verdict="doubtful", why="this presses like S3, not S1")
+    runs = (replace(plain, weighed=(good, other)), run_of("S3", 0.0, "modular"), run_of("S5", 0.0, "modular"))
+    content = report_of(runs)
+    (table,) = [each for name, each in content.tables.items() if name == "runs_weighed"]
+    assert [(row["press"], row["verdict"], row["said"]) for row in table.rows] == [
+        (2, "doubtful", "this presses like S3, not S1"), (1, "ok", "presses like S1"),
+    ]  # fmt: skip
+    assert (content.quantities["runs.weighed"], content.quantities["runs.weighed_not_ok"]) == (2, 1)
+    page = rendered(RUNS, replace(results, runs=Runs(runs)), content)
+    assert "<strong>1</strong> of them is\ndoubtful" in page
+    assert "∞" in page
+    without = report_of([replace(run, weighed=()) for run in runs])
+    assert "runs.weighed" not in without.quantities
+    assert "which specimen lay there" not in rendered(RUNS, replace(results, runs=Runs(runs)), without)
 
 
 def test_notes_that_differ_by_numbers_are_one_kind(run_of, results):

@@ -5,20 +5,25 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, astuple
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from emg2vsa.cli.rig.choice import finish
 from emg2vsa.lab.pressed import Pressed
 from emg2vsa.lab.sequence import DONE_BEFORE, RunsDone
-from emg2vsa.rig.record.new_folder import how_ended, presses_left
+from emg2vsa.rig.record.new_folder import folders_of, how_ended, presses_left
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run
 from emg2vsa.run_folders.find import left_by_emulator
+from emg2vsa.run_folders.weighed import weighed_presses
+from emg2vsa.run_scores.product import WeighedPress
 
 if TYPE_CHECKING:
     from emg2vsa.lab.adaptive_runs import AdaptiveRuns
+
+_MOST_PRESSES = 30  # of more, those that are ok are counted
 
 
 def tell_left(file: RigFile, root: Path) -> None:
@@ -61,9 +66,11 @@ def plates(arguments: argparse.Namespace, pressed: Sequence[Pressed], root: Path
 def in_order(arguments: argparse.Namespace, done: RunsDone) -> int:
     """A sequence on the devices."""
     pressed = [each.document() for _, each in done.pressed]
+    weighed = _weighed(done)
     result = {"order": done.order.order, "seed": done.order.seed, "runs": pressed, "left": done.left}
+    result["presses"] = list(map(asdict, weighed))
     whole = f"{len(done.runs) - done.left} of {len(done.runs)} runs are done; folder {done.folder}"
-    return finish(arguments, result, whole, good=done.good)
+    return finish(arguments, result, *_specimens(weighed), whole, good=done.good)
 
 
 def adaptive(arguments: argparse.Namespace, done: AdaptiveRuns) -> int:
@@ -82,7 +89,9 @@ def side_by_side(arguments: argparse.Namespace, done: RunsDone, file: RigFile) -
     """Runs on the emulated rig."""
     ended: dict[Run, dict[str, Any]] = {run: {"ended": asdict(each.ended)} for run, each in done.pressed}
     ended |= {run: {"ended": None, "note": why} for run, why in done.not_pressed.items()}
+    weighed = _weighed(done)
     result = {"folder": str(done.folder), "runs": [run._asdict() | ended[run] for run in done.runs]}
+    result["presses"] = list(map(asdict, weighed))
     cells = {run: why if why == DONE_BEFORE else "not run" for run, why in done.not_pressed.items()}
     for run, each in done.pressed:
         cells[run] = f"{each.ended.repetitions_done}" + ("" if each.completed else f", {each.ended.cause}")
@@ -90,7 +99,27 @@ def side_by_side(arguments: argparse.Namespace, done: RunsDone, file: RigFile) -
     times = f"{rig_min:.1f} min of the rig's time in {took_min:.1f} min"
     whole = f"runs done: {len(done.pressed)}, {times}; folder {done.folder}"
     table = _table({run: cells[run] for run in file.experiment.all_runs() if run in cells})
-    return finish(arguments, result, *table, whole, good=done.good)
+    return finish(arguments, result, *table, *_specimens(weighed), whole, good=done.good)
+
+
+def _weighed(done: RunsDone) -> list[WeighedPress]:
+    """All presses of the runs that were asked for, those of former days too."""
+    return [*weighed_presses(f for run in done.runs for f in takewhile(Path.exists, folders_of(done.folder, run.name)))]
+
+
+def _specimens(presses: Sequence[WeighedPress]) -> Iterator[str]:
+    """Which specimen each press tells; of many presses those that are not ok."""
+    shown = [each for each in presses if len(presses) <= _MOST_PRESSES or each.verdict != "ok"]
+    width = 2 + max((len(each.folder) for each in shown), default=0)
+    if shown:
+        yield f"{'run':<{width}}{'press':>5}  {'specimen':<10}{'stated':>8}  {'kappa, N/mm (95 %)':<24}verdict"
+    for each in shown:
+        stated, kappa, *interval = ("" if value != value else f"{value:.3g}" for value in astuple(each)[3:7])
+        kappa += f" ({' to '.join(interval)})" if kappa else ""
+        where = f"{each.folder:<{width}}{each.press:>5}  {each.specimen:<10}"
+        yield f"{where}{stated:>8}  {kappa:<24}{each.verdict}: {each.said}"
+    if len(shown) < len(presses):
+        yield f"specimens: {len(presses) - len(shown)} of {len(presses)} presses are ok"
 
 
 def _table(cells: dict[Run, str]) -> Iterator[str]:

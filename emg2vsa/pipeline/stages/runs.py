@@ -72,6 +72,7 @@ def run(given: Given) -> RunScores:
     from emg2vsa.errors import DataError
     from emg2vsa.rig.record.new_folder import over_bytes
     from emg2vsa.run_folders.presses import is_simulated, read_presses, run_notes, run_setup
+    from emg2vsa.run_folders.weighed import weighed_presses
     from emg2vsa.run_scores.score_run import score_run
 
     used = given.settings
@@ -88,8 +89,9 @@ def run(given: Given) -> RunScores:
     if not scores.verdicts:
         do = "See that its folder holds the presses' frames."
         raise DataError(given.item, wanted="one press or more", found="none", do=do)
-    spoken = all(map(over_bytes, used["folders"]))
-    scores = replace(scores, setup=run_setup(used["folders"], used["camera"]), over_bytes=spoken)
+    spoken, weighed = all(map(over_bytes, used["folders"])), tuple(weighed_presses(used["folders"]))
+    setup = run_setup(used["folders"], used["camera"])
+    scores = replace(scores, setup=setup, over_bytes=spoken, weighed=weighed)
     return replace(scores, true_a_c0=_true_a_c0(given, scores)) if "emulated" in used else scores
 
 
@@ -107,6 +109,6 @@ def says(scores: RunScores) -> str:
 
 STAGE = Stage(
     per="run", of="runs", needs=("emulation",), run=run,
-    loads=("emg2vsa.run_folders.presses", "emg2vsa.run_scores.score_run"), settings=settings, files=files, takes=takes,
-    says=says,
+    loads=("emg2vsa.run_folders.presses", "emg2vsa.run_folders.weighed", "emg2vsa.run_scores.score_run"),
+    settings=settings, files=files, takes=takes, says=says,
 )  # fmt: skip

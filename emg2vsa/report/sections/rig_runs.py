@@ -14,9 +14,9 @@ from emg2vsa.discrimination.run_table import CONDITIONS
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, most, with_interval
 from emg2vsa.report.section import Quantities, Section, of_runs
-from emg2vsa.report.table import Column, Columns, Table, table_of
+from emg2vsa.report.table import Column, Columns, Table, records, table_of
 from emg2vsa.report.wording import count, listed, signed
-from emg2vsa.run_scores import RunScores
+from emg2vsa.run_scores.product import RunScores, WeighedPress
 from emg2vsa.statistics.drift import Order
 
 _NUMBER = re.compile(r"-?\b\d+(\.\d+)?(e[-+]?\d+)?\b")
@@ -33,6 +33,9 @@ def _quantities(results: StudyResults) -> Items:
     yield "runs.rejected", sum(run.verdicts.count("rejected") for run in runs)
     if math.isfinite(largest_n := _largest_n(runs)):
         yield "runs.largest_force_n", largest_n
+    if weighed := _weighed(runs):
+        yield "runs.weighed", len(weighed)
+        yield "runs.weighed_not_ok", sum(press.verdict != "ok" for press in weighed)
     if found := results.pressed.discrimination:
         yield "runs.order", found.drift.order
         session = found.drift.session
@@ -65,6 +68,22 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         Column("reasons", "Reasons"): ["; ".join(f"{of[0][0]} ({len(of)})" for of in kinds) for kinds in rejected],
     }
     yield table_of("runs", "Presses of every condition and angle", columns)
+    weighed = _weighed(results.pressed.scores)
+    kinds = tuple("holds" if press.verdict == "ok" else "fails" for press in weighed)
+    caption = "κ by force over depth of each press, with its 95 % interval, from presses.csv of its run; not ok first"
+    yield Table("runs_weighed", caption, _OF_A_PRESS, records(weighed, _OF_A_PRESS), kinds=kinds)
+
+
+_OF_A_PRESS = (
+    Column("folder", "Run"), Column("press", "Press"), Column("specimen", "Specimen named"),
+    Column("stated_n_per_mm", "κ stated (N/mm)"), Column("kappa_n_per_mm", "κ of the press (N/mm)"),
+    Column("low_n_per_mm", "Low"), Column("high_n_per_mm", "High"), Column("verdict", "Verdict"),
+    Column("said", "In words"),
+)  # fmt: skip
+
+
+def _weighed(runs: Sequence[RunScores]) -> list[WeighedPress]:
+    return sorted((press for run in runs for press in run.weighed), key=lambda press: press.verdict == "ok")
 
 
 def _kinds(told: Iterable[tuple[str, str]]) -> list[list[tuple[str, str]]]:
@@ -124,6 +143,12 @@ The largest force, {{ q["runs.largest_force_n"] | number }} N, passes F_max, as 
 {% endif %}
 Boxes in figures are Hazen's quartiles.</p>
 {{ folded("runs", "Presses of every condition and angle") }}
+{% if "runs.weighed" in q %}
+<p>{{ q["runs.weighed"] }} presses tell by force over depth which specimen lay there;
+<strong>{{ q["runs.weighed_not_ok"] or "none" }}</strong> of them {{ "is" if q["runs.weighed_not_ok"] == 1 else "are" }}
+doubtful, rejected or ended.</p>
+{{ folded("runs_weighed", "Which specimen each press tells") }}
+{% endif %}
 {% if notes %}
 <details><summary>{{ notes | length | count("kind") }} of notes about the runs</summary>{{ notes | bullets }}</details>
 {% endif %}

@@ -53,7 +53,9 @@ def test_all_runs_are_done_once(rig: Rig, rig_file: RigFile, tmp_path: Path) -> 
         "modular, 0 degrees                    1",
         "modular, 30 degrees                   1",
     ]
-    assert table[3].startswith("runs done: 2, ")
+    assert sorted(line.split()[:3] for line in table[4:6]) == [[name, "1", "S3"] for name in names]
+    assert table[4].endswith("ok: presses like S3")
+    assert table[6].startswith("runs done: 2, ")
     logs = [(runs / name / "log.csv").read_bytes() for name in names]
 
     status, out, err = rig("run", path, *options, "--jobs", 1)
