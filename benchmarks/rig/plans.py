@@ -87,7 +87,7 @@ def main() -> None:
 
 
 SPECIMEN = "S3"
-CONTACT_N, F_MAX_N = 0.5, 7.0
+CONTACT_N, F_MAX_N, SPEED_MM_PER_S = 0.5, 7.0, 5.0
 
 
 def modular_plan(
@@ -109,21 +109,22 @@ def dynamixel_plan(
     assert actuator.full_stiffness_nm_per_rad
     settings = ScheduleSettings(
         conditions=("modular",), actuator="dynamixel", full_stiffness_nm_per_rad=actuator.full_stiffness_nm_per_rad,
-        gear_mm_per_degree=gear_mm_per_degree,
+        gear_mm_per_degree=gear_mm_per_degree, probe_speed_mm_per_s=changes.get("ramp_mm_per_s", SPEED_MM_PER_S),
     )  # fmt: skip
     plan = RunPlan(specimen, 0.0, "modular", repetitions, _built(specimen, settings), F_MAX_N)
     return replace(plan, stiffness_n_per_mm=SPECIMENS[specimen], **changes)
 
 
 def _plan(repetitions: int, specimen: str, condition: Condition, changes: dict[str, Any]) -> RunPlan:
-    schedule = None if condition == RIGID else _schedule(specimen, condition)
+    speed_mm_per_s = changes.get("ramp_mm_per_s", SPEED_MM_PER_S)
+    schedule = None if condition == RIGID else _schedule(specimen, condition, speed_mm_per_s)
     known = SPECIMENS[specimen]
     plan = RunPlan(specimen, 0.0, condition, repetitions, schedule, F_MAX_N, stiffness_n_per_mm=known)
     return replace(plan, **changes)
 
 
-def _schedule(specimen: str, condition: Any) -> Schedule:
-    return _built(specimen, ScheduleSettings(conditions=(condition,)))
+def _schedule(specimen: str, condition: Any, speed_mm_per_s: float) -> Schedule:
+    return _built(specimen, ScheduleSettings(conditions=(condition,), probe_speed_mm_per_s=speed_mm_per_s))
 
 
 @cache

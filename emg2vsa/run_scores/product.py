@@ -125,8 +125,8 @@ class RunScores:
     largest force along the push axis, N, beyond the force of turning back too; NaN without presses.csv. curves : R.
     simulated : the run was emulated. over_bytes : False where drivers of an emulated rig skipped the wire. setup : how
     its folders say that it was made, such as ``f_max_n``, ``rate_hz`` of the control loop, ``frame_rate_hz``: each
-    value once. first_contact : of the first press in which Algorithm 1 finds pins. notes : once each. weighed : presses of
-    the rig by their own files, those without a score among them.
+    value once. first_contact : of the first press in which Algorithm 1 finds pins. notes : once each. weighed :
+    presses of the rig by their own files, those without a score among them.
     """
 
     specimen: str

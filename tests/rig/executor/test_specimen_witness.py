@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from benchmarks.rig.plans import modular_plan, rigid_plan
-from benchmarks.specimen_witness import press
+from benchmarks.specimen_witness import Case, press
 from casr.specimens import SPECIMENS
 from emg2vsa.dome_contact import ElasticDome
 from emg2vsa.rig.executor.specimen_witness import SpecimenWitness
@@ -112,7 +112,7 @@ def test_a_press_too_weak_to_tell_tells_nothing() -> None:
 @pytest.mark.parametrize("actuator", ["qbmove", "rigid", "dynamixel"])
 @pytest.mark.parametrize(("told", "on"), [("S1", "S1"), ("S5", "S5"), ("S1", "S2"), ("S2", "S1"), ("S5", "S1")])
 def test_on_the_emulated_rig(actuator: Any, told: str, on: str, tmp_path: Path) -> None:
-    ended = press(actuator, told, on, 0.0, 1, tmp_path / "run")
+    ended = press(Case(actuator, told, on, 0.0, 1), tmp_path / "run")
     (row,) = csv.DictReader((tmp_path / "run" / "presses.csv").read_text().splitlines())
     if told == on:
         assert (ended.how, row["verdict"]) == ("completed", "ok")
