@@ -3,6 +3,8 @@
 ``python -m benchmarks.fault_search [--runs 400] [--seconds 60] [--seed 1] | python -m benchmarks.bench.record
 fault_search``. Half of the runs have one fault, half two. Then the worst are changed by chance and kept where the
 specimen feels more, for so many seconds an actuator.
+
+``python -m benchmarks.fault_search --plots FOLDER`` draws the worst cases of the record, and searches nothing.
 """
 
 from __future__ import annotations
@@ -12,13 +14,14 @@ import json
 import math
 import random
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from benchmarks.bench.record import RESULTS
 from benchmarks.dynamixel_faults import built as dynamixel_bench
 from benchmarks.rig.fault_bench import Built, FaultBench
 from benchmarks.rig.fault_case import plan_of
@@ -91,14 +94,18 @@ def changed(rng: random.Random, lines: tuple[str, ...], names: Names) -> tuple[s
     return tuple(found)
 
 
-def carry_out(lines: tuple[str, ...], actuator: str) -> Result:
-    """One run with these faults, on a bench of its own."""
+def carry_out(
+    lines: tuple[str, ...], actuator: str, see: Callable[[FaultBench], None] | None = None, run: Path | None = None
+) -> Result:
+    """One run with these faults, on a bench of its own. see : called every 5 ms. run : its folder, else one for now."""
     bench = FaultBench(BENCHES[actuator])
     most_n = 0.0
 
     def look() -> None:
         nonlocal most_n
         most_n = max(most_n, bench.true_force_n())
+        if see:
+            see(bench)
 
     bench.clock.strike_s, bench.clock.watch = bench.clock.now_s(), look
     try:
@@ -108,8 +115,8 @@ def carry_out(lines: tuple[str, ...], actuator: str) -> Result:
         return Result(actuator, lines, "no fault", error.found, 0.0, 0.0)
     with TemporaryDirectory() as folder:
         try:
-            bench.run(plan_of(bench.built), Path(folder) / "run")
-            told = json.loads((Path(folder) / "run" / "ended.json").read_text())
+            bench.run(plan_of(bench.built), run := run or Path(folder) / "run")
+            told = json.loads((run / "ended.json").read_text())
         except Emg2vsaError as error:
             told = {"how": "refused", "cause": str(error)[:60]}
         except Exception as error:  # an error of the program is a finding
@@ -181,7 +188,13 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=400)
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--plots", type=Path, metavar="FOLDER", help="draw the worst cases of the record there")
     given = parser.parse_args()
+    if given.plots:
+        from benchmarks.fault_plots import draw
+
+        print(*draw(RESULTS / "fault_search.json", given.plots), sep="\n")
+        return
     for line in tables(given.runs, given.seconds, given.seed):
         print(line, flush=True)
 
