@@ -94,6 +94,10 @@ def test_a_run_that_ends_early_is_told_and_done_again(rig: Rig, rig_file: RigFil
     assert "high-stiffness, 0 degrees     0, travel\n" in out
     assert rig("run", rig_file(), *options)[0] == 0
     assert how_ended(tmp_path / "runs-virtual" / "S1_0_high-stiffness-2") == "completed"
+    status, out, _ = rig("run", rig_file(), *options, "--json")
+    (press,) = json.loads(out)["presses"]  # the first run told no kappa
+    assert (press["folder"], press["press"], press["verdict"]) == ("S1_0_high-stiffness-2", 1, "ok")
+    assert press["low_n_per_mm"] < press["stated_n_per_mm"] == 7.63 < press["high_n_per_mm"]
 
 
 def test_measured_runs_are_none_of_its_own(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
