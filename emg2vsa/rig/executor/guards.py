@@ -18,6 +18,10 @@ from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
 _GAP_AT_REST_N, _GAP_SHARE = 2.5, 0.3
 """Of a gap between springs and sensor while the probe goes in; without a fault it is at most 1.9 N and that share."""
+_JUMP_DEG = 0.5
+"""By which springs let the shaft go ahead or stay behind in one turn; without a fault two encoder steps, 0.18."""
+_UNFELT_SHARE = 0.2
+"""Of guards.current_a: 0.3 A, at which the emulated rigid motor presses with 5 N; in free motion it draws 0.05 A."""
 _UNMOVED_N = 2.0
 """One step of the encoder is far less on any specimen that a motor of such steps can press."""
 _STEEPEST_RAD = math.radians(85)
@@ -53,6 +57,10 @@ class Seen:
     "Force along the push axis in the turn of that reading."
     current_a: float = 0.0
     "Mean over the last turns, of the motor that draws more."
+    unfelt_a: float | None = None
+    "How much more than in free motion a rigid motor draws before contact."
+    jumped_deg: float = 0.0
+    "On the way in: how far the shaft went in the last turn beyond what the motors went."
     approach_mm: float | None = None
     "Depth of the shaft, before contact."
     past_contact_mm: float | None = None
@@ -161,9 +169,13 @@ def frozen_force(moment: Moment, limits: GuardSettings) -> str | None:
 
 def following(moment: Moment, limits: GuardSettings) -> str | None:
     """A motor is not where its commands lead: jammed, without power or deaf, or its encoder is wrong. The encoder of
-    one that gives way itself moves while it presses; a specimen too stiff to show that looks like a frozen one."""
+    one that gives way itself moves while it presses; a specimen too stiff to show that looks like a frozen one. A shaft
+    behind springs goes as evenly as its motors."""
     unmoved = _above(moment.seen.unmoved_n, _UNMOVED_N, "N more while the shaft's encoder stays the same")
-    return unmoved or _above(moment.seen.astray_deg, limits.following_deg, "degrees off the way to its command")
+    most_deg = _JUMP_DEG * max(1.0, moment.seen.between_s / moment.period_s)
+    jumped = _above(moment.seen.jumped_deg, most_deg, "degrees that the shaft jumped beyond its motors in one turn")
+    astray = _above(moment.seen.astray_deg, limits.following_deg, "degrees off the way to its command")
+    return unmoved or jumped or astray
 
 
 def specimen(moment: Moment, limits: GuardSettings) -> str | None:
@@ -222,6 +234,10 @@ GUARDS: dict[str, Check] = {
     "way home": _most("N more on the way home", lambda now, _: (now.seen.rise_n, now.contact_n)),
     # the ramp is over, and neither contact nor F_max has come
     "travel": _most("mm", lambda now, _: (now.depth_mm, now.travel_mm)),
+    # the probe has met something that the force sensor does not feel
+    "unfelt contact": _most("A more than in free motion, and no contact felt", lambda now, limits: (
+        now.seen.unfelt_a, _UNFELT_SHARE * limits.current_a
+    )),
     # the shaft is deeper than the specimen's surface can be, and no contact was felt
     "no contact": _most("mm without contact", lambda now, limits: (now.seen.approach_mm, limits.contact_mm)),
     # force over depth is of another specimen, or a scale is wrong

@@ -15,6 +15,8 @@ from emg2vsa.rig.rig_settings import RigSettings
 
 _OFF_ATTEMPTS = 3
 _SEND_ATTEMPTS = 3
+_HEALS_S = 5.0
+"""How long an actuator that takes no commands is asked whether it answers again; it has been told to go off."""
 _THERE_MM = 0.2
 """Motors so close to the retracted position have reached it."""
 _RISE_N = 1.0
@@ -104,35 +106,61 @@ class _Escape:
         self._preset, self._softest, self._contact_n = start.preset, start.softest, start.contact_n
         # the last steps of the encoders behind the retracted position are not worth a motion
         self._depth_mm = max(start.depth_mm, 0.0) if start.depth_mm > -_THERE_MM else start.depth_mm
-        goal_mm = self._goal_mm = min(self._depth_mm, 0.0)
-        try:
-            self._wake()
-            self._ramp(goal_mm)
-            before_mm = self._from_home_mm()
-            self._rest(self._rig.settle_s)
-            if not self._there() and self._wake():  # gone off on the way
-                self._ramp(goal_mm)
-                self._rest(self._rig.settle_s)
-            if self._touches(start.contact_n):
-                self._come_to_rest()
-            end_s = self._clock.now_s() + _STUCK_S
-            while not self._there() and self._clock.now_s() < end_s:
-                at_mm = self._from_home_mm()
-                if not (self._touches(start.contact_n) or at_mm < before_mm - _NEARER_MM):
-                    break
-                before_mm = at_mm
-                self._rest(_REST_S)
-                if self._wake():
-                    self._ramp(goal_mm)
-                if not self._touches(start.contact_n):
-                    self._rest(self._rig.settle_s)
-            if not start.home_is_free or goal_mm < 0:
-                self._leave()
-        except _Pressing as why:
-            self.notes.append(f"the probe was not taken away further: {why}")
-            if self._failures:  # it may hear without answering
-                self.tried(lambda: self._actuator.command(self._rig.position_at(goal_mm), self._preset))
+        self._goal_mm = min(self._depth_mm, 0.0)
+        end_s = self._clock.now_s() + _HEALS_S
+        while True:
+            try:
+                self._take_away(start)
+                break
+            except _Pressing as why:
+                if self._failures and self._answers_again(end_s):
+                    continue
+                self.notes.append(f"the probe was not taken away further: {why}")
+                break
         return self.tried(lambda: self._check(start.contact_n))
+
+    def _take_away(self, start: Start) -> None:
+        """From where the probe is. _Pressing : it presses harder, or leads nowhere."""
+        low_deg, high_deg = self._rig.position_deg
+        if not low_deg <= self._rig.position_at(self._depth_mm) <= high_deg:
+            # the device would take no command, and go by that encoder with all its force
+            raise _Pressing(f"the encoder reads {self._depth_mm:.1f} mm, where position_deg does not reach")
+        self._wake()
+        self._ramp(self._goal_mm)
+        before_mm = self._from_home_mm()
+        self._rest(self._rig.settle_s)
+        if not self._there() and self._wake():  # gone off on the way
+            self._ramp(self._goal_mm)
+            self._rest(self._rig.settle_s)
+        if self._touches(start.contact_n):
+            self._come_to_rest()
+        end_s = self._clock.now_s() + _STUCK_S
+        while not self._there() and self._clock.now_s() < end_s:
+            at_mm = self._from_home_mm()
+            if not (self._touches(start.contact_n) or at_mm < before_mm - _NEARER_MM):
+                break
+            before_mm = at_mm
+            self._rest(_REST_S)
+            if self._wake():
+                self._ramp(self._goal_mm)
+            if not self._touches(start.contact_n):
+                self._rest(self._rig.settle_s)
+        if not start.home_is_free or self._goal_mm < 0:
+            self._leave()
+
+    def _answers_again(self, end_s: float) -> bool:
+        """After commands that failed: whether the actuator answers before ``end_s``. Meanwhile it is told to go to the
+        end of the way, and then off, for it may hear without answering."""
+        self.tried(lambda: self._actuator.command(self._rig.position_at(self._goal_mm), self._preset))
+        self._wait(self._rig.settle_s)
+        self.tried(self._actuator.deactivate)
+        while self._clock.now_s() < end_s:
+            if self.tried(self._actuator.is_active):
+                self._failures, self._woken = 0, False
+                return True
+            self.tried(lambda: self._feel(self._rig.position_at(self._depth_mm)))
+            self._wait(_REST_S)
+        return False
 
     def _wake(self) -> bool:
         """Whether motors that had gone off by themselves, and answer, are on again where they stand: once. A reset or a
@@ -149,7 +177,7 @@ class _Escape:
             self._depth_mm = max(at_mm[0], self._goal_mm)
         return True
 
-    def tried(self, action: Callable[[], None]) -> bool:
+    def tried(self, action: Callable[[], object]) -> bool:
         """Whether ``action`` came to its end; what kept it from that is noted."""
         try:
             action()
@@ -289,7 +317,9 @@ class _Escape:
         if at[0].shaft_deg != self._shaft_deg:
             self._shaft_deg, self._shaft_from_mm = at[0].shaft_deg, self._depth_mm
         unmoved = self._shaft_from_mm - self._depth_mm > _UNMOVED_MM and not self._touches(self._contact_n)
-        if unmoved and -pressing_n > self._rig.guards.spring_rest_n:
+        # without a force sensor nobody knows whether it is the specimen that holds it
+        most_n = self._rig.guards.spring_rest_n * (1 if self.felt_n is not None else 2)
+        if unmoved and -pressing_n > most_n:
             raise _Pressing(f"the motor pulls away with {-pressing_n:.1f} N by its encoder, which does not move")
 
     def _check(self, contact_n: float) -> None:

@@ -33,6 +33,7 @@ class Witnesses:
         self._rig, self._joint = rig, joint
         self._motors, self._stillness, self._current = SlowMotors(at, joint, rig.guards), Stillness(), MeanCurrent()
         self._at, self._contact_mm, self._lowest_n = at, math.inf, math.inf
+        self._free_a = math.inf
         self._gives_way = gives_way(joint)
         self._unmoved_from_n: float | None = None
         self._sent = at.motors_deg[0], 0.0
@@ -45,8 +46,10 @@ class Witnesses:
     @property
     def depth_mm(self) -> float:
         """Depth of the probe that the motors stand for, when they were last read."""
-        at = self._at
-        return self._rig.depth_at(at.motors_deg[0] if self._joint is None else self._joint.position_deg(at))
+        return self._rig.depth_at(self._motors_deg(self._at))
+
+    def _motors_deg(self, at: Measurements) -> float:
+        return at.motors_deg[0] if self._joint is None else self._joint.position_deg(at)
 
     @property
     def mean_n(self) -> float:
@@ -108,6 +111,13 @@ class Witnesses:
         seen.spring_n, seen.felt_n = spring_n, felt_n
         seen.spring_rest_n = spring_n if motion.stiff and at_rest(motion, self._sent_s or 0.0) else None
         seen.current_a = self._current.see(currents_a)
+        seen.jumped_deg, seen.unfelt_a = 0.0, None
+        if seen.at_before is not None and motion.phase in ("approach", "contact", "load"):
+            of_motors = self._motors_deg(at) - self._motors_deg(seen.at_before)
+            seen.jumped_deg = abs(at.shaft_deg - seen.at_before.shaft_deg - of_motors)
+        if motion.phase == "approach" and not seen.starting and self._joint is None and seen.current_a:
+            self._free_a = min(self._free_a, seen.current_a)
+            seen.unfelt_a = seen.current_a - self._free_a
         seen.approach_mm = shaft_mm if motion.phase == "approach" else None
         seen.past_contact_mm = shaft_mm - self._contact_mm if motion.phase in ("contact", "load") else None
 
