@@ -17,7 +17,7 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from benchmarks.bench.record import keep
-from benchmarks.rig.fault_case import MOST_N, PHASES, STALL_N, WHOLE_RUN, Outcome, run_case, run_wrong
+from benchmarks.rig.fault_case import MOST_N, PHASES, WHOLE_RUN, Outcome, run_case, run_wrong
 from benchmarks.rig.faults import FAULTS, FORCE_FAULTS, MOTOR_FAULTS, WRONG_RIGS
 
 PROCESSES = 2
@@ -137,9 +137,8 @@ def _page(rows: list[tuple[Case, Outcome]]) -> Iterator[str]:
     yield f"One press on S1 to 7 N, limit 10 N; no fault may put more than {MOST_N:g} N on the specimen. Force is the"
     yield "world's own, not the sensor's. A case fails also when what ended.json says of the probe or the motors is not"
     yield "true, when a completed run has not retracted, when the cause is not one that fits, when data from before the"
-    yield "fault are lost, or when the next run does not work. Where no contact is felt, a rigid motor may press"
-    yield f"until it stalls: {STALL_N:.0f} N on this bench. Before is what the same fault did to version 0.1.0, where"
-    yield "that was more than 10 N (fault_matrix_before.csv)."
+    yield "fault are lost, or when the next run does not work. Before is what the same fault did to version 0.1.0,"
+    yield "where that was more than 10 N (fault_matrix_before.csv)."
     yield ""
     yield from _sums(rows)
     with BEFORE.open(encoding="utf-8") as table:

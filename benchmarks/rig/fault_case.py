@@ -27,7 +27,6 @@ from emg2vsa.live.tails import LogTail
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.worlds.far_ends.qbmove.far_end import MOTOR_TORQUE_NM
 
 LOADING = ("approach", "contact", "load")
 
@@ -86,8 +85,6 @@ WATCHDOG_S = 1.0
 RIG = RigSettings()
 MOST_N = 1.3 * RIG.guards.force_n
 """What a specimen may feel, whatever goes wrong."""
-STALL_N = 1.05 * MOTOR_TORQUE_NM / RIG.lever_m
-"""What it may feel of a rigid motor where only springs could have told of a contact."""
 FREE_N = 0.05
 OFF_SURFACE_MM = 0.25 * GAP_MM
 
@@ -148,8 +145,7 @@ class Outcome:
 def run_case(name: str, phase: str, folder: Path, *, rigid: bool = False) -> Outcome:
     """Carry it out in ``folder``: a run with the fault, then one without, on the same devices."""
     fault = FAULTS[name]
-    most_n = STALL_N if rigid and fault.shown_by_springs else MOST_N
-    return run_fault(fault, phase, Built(rigid=rigid), folder, fault.ends_in(phase), most_n, BEFORE.get(name))
+    return run_fault(fault, phase, Built(rigid=rigid), folder, fault.ends_in(phase), MOST_N, BEFORE.get(name))
 
 
 def run_fault(

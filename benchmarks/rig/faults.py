@@ -25,7 +25,6 @@ class Fault:
     ends : of a run in which it strikes while the loop goes round; any of them tells the truth.
     activation : where it strikes before that.
     springs_only : a rigid motor has nothing that could go wrong so.
-    shown_by_springs : no contact is felt, so that a rigid motor goes on until it stalls.
     later : it shows only after a while, perhaps in a later phase.
     harmless_in : phases in which it touches nothing that the run needs.
     unseen_in : phases in which it may come too late to show.
@@ -37,7 +36,6 @@ class Fault:
     ends: tuple[End, ...]
     activation: End | None = None
     springs_only: bool = False
-    shown_by_springs: bool = False
     later: bool = False
     harmless_in: tuple[str, ...] = ()
     unseen_in: tuple[str, ...] = ()
@@ -69,15 +67,16 @@ LIMIT, RATE, TRAVEL, UNTRUSTED, PRELOAD = (
     End("guard", "force limit"), End("guard", "force rate"), End("guard", "travel"), End("guard", "untrusted force"),
     End("guard", "preload"),
 )  # fmt: skip
-FOLLOWING, CURRENT, LATERAL, SPRINGS, FROZEN, WAY_HOME, NO_CONTACT, PAST_CONTACT, OVERLOAD, SPECIMEN = (
+FOLLOWING, CURRENT, LATERAL, SPRINGS, FROZEN, WAY_HOME, NO_CONTACT, PAST_CONTACT, OVERLOAD, SPECIMEN, UNFELT = (
     End("guard", "following"), End("guard", "motor current"), End("guard", "lateral force"),
     End("guard", "spring limit"), End("guard", "frozen force"), End("guard", "way home"), End("guard", "no contact"),
     End("guard", "past contact"), End("guard", "sensor overload"), End("guard", "specimen"),
+    End("guard", "unfelt contact"),
 )  # fmt: skip
 REJECTED, NOT_RETRACTED = End("rejected", "press"), End("rejected", "not retracted")
 MOTION = (FOLLOWING, CURRENT)
 JUMP = (*MOTION, SPRINGS, UNTRUSTED, SPECIMEN, PAST_CONTACT, NO_CONTACT, TRAVEL, WAY_HOME)
-BLIND = (LATERAL, SPRINGS, UNTRUSTED, SPECIMEN, RATE, LIMIT, NO_CONTACT, PAST_CONTACT, PRELOAD, WAY_HOME)
+BLIND = (LATERAL, SPRINGS, UNTRUSTED, SPECIMEN, RATE, LIMIT, NO_CONTACT, PAST_CONTACT, PRELOAD, WAY_HOME, UNFELT)
 AFTER = ("retract", "pause")
 """Of the one press of a case: nothing is measured any more."""
 FILES = ("log.csv", "force.csv", "frames.tif", "plan.json", "ended.json")
@@ -198,7 +197,9 @@ FORCE_FAULTS: dict[str, Fault] = {
     "force records doubled": Fault(words("twice"), (SURVIVED,)),
     "force records reordered": Fault(words("shuffled 4"), (SURVIVED, REJECTED)),
     "force records 20 ms late": Fault(words("delayed 20"), (SURVIVED, STALE), later=True),
-    "force records 100 ms late": Fault(words("delayed 100"), (STALE, SPECIMEN, UNTRUSTED), later=True, probe="unsure"),
+    "force records 100 ms late": Fault(
+        words("delayed 100"), (STALE, SPECIMEN, UNTRUSTED, UNFELT, LIMIT), later=True, probe="unsure"
+    ),
     "force lags 20 ms": Fault(words("lag 20"), (SURVIVED, *BLIND), later=True),
     "force lags 100 ms": Fault(words("lag 100"), (SURVIVED, *BLIND), later=True, probe="unsure"),
     "force records cut short": Fault(words("cut"), (STALE,), later=True),
@@ -212,7 +213,7 @@ FORCE_FAULTS: dict[str, Fault] = {
     "force drifts down": Fault(words("drift -2"), (SURVIVED, NOT_RETRACTED, *BLIND), later=True, probe="unsure"),
     "force has the wrong sign": Fault(words("turned"), BLIND, later=True, unseen_in=AFTER),
     "force has the wrong axis": Fault(words("swapped"), BLIND, later=True, unseen_in=AFTER),
-    "force axis dead": Fault(words("dead"), BLIND, shown_by_springs=True, later=True, unseen_in=AFTER),
+    "force axis dead": Fault(words("dead"), BLIND, later=True, unseen_in=AFTER),
     "force a fifth": Fault(words("gain 0.2"), (*BLIND, *MOTION), later=True, unseen_in=AFTER),
     "force sensor's line flooded": Fault(words("swamp"), (STALE,)),
     "flood of strange sequences": Fault(words("garbage"), (SURVIVED, REJECTED, STALE, UNTRUSTED), later=True),

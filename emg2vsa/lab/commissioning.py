@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 from emg2vsa.devices.clock import VirtualClock
+from emg2vsa.devices.protocols import Identity
 from emg2vsa.errors import SettingError
 from emg2vsa.lab.by_hand import hand_rig
 from emg2vsa.lab.person import NOBODY, TRIES, Person
 from emg2vsa.lab.pressing import emulated_of
+from emg2vsa.lab.real_press import force_sequence
 from emg2vsa.rig.commissioning.checks import REACH_DEG, Check, check_rig
 from emg2vsa.rig.commissioning.hand_motion import HandMotion
+from emg2vsa.rig.commissioning.reference import MOST_N, ReferenceProof, press_reference, write_reference
 from emg2vsa.rig.record.new_folder import PLAN_FILE
+from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig_file import RigFile, load_rig
 from emg2vsa.rig_file.edit import write_values
 from emg2vsa.rig_file.older_keys import spelled
@@ -27,6 +32,12 @@ The probe must be free, 3 to 5 mm above it. It moves slowly, 5 degrees of the sh
 Any force of 0.5 N ends a move. Keep a hand on the switch of the power supply."""
 
 
+_SPRING = """\
+Put the flat plate on the probe, and a reference of {stated:g} N/mm on the force sensor: a spring, or a specimen whose
+stiffness was measured elsewhere. The probe must be free, 3 to 5 mm above it. It presses until {most:g} N are felt.
+Keep a hand on the switch of the power supply."""
+
+
 def check_settings(
     file: RigFile, *, reach_deg: float = REACH_DEG, motor: bool = False, virtual: bool = False, person: Person = NOBODY
 ) -> tuple[Check, ...] | None:
@@ -37,9 +48,7 @@ def check_settings(
     the gear, which needs a calliper, is not checked. SettingError : a reach that cannot be. DeviceError : as `hand_rig`
     and `check_rig`.
     """
-    if not 0 < reach_deg <= 180:
-        do = "Choose another."
-        raise SettingError("--reach-deg", wanted="above 0 and at most 180", found=f"{reach_deg:g}", do=do)
+    _check_reach(reach_deg)
     if virtual:
         bench = EmulatedRig(
             emulated_of(file), file.experiment.specimens[0], 0.0, motor, VirtualClock(), rig=file.rig,
@@ -53,6 +62,60 @@ def check_settings(
     with hand_rig(file, motor=motor) as (opened, hand):
         said = getattr(file.devices.actuator, joint.measured_key or "", None) if (joint := hand.joint) else None
         return check_rig(hand, opened.rig, AtThePad(person), person.say, reach_deg, said)
+
+
+def _check_reach(reach_deg: float) -> None:
+    if not 0 < reach_deg <= 180:
+        do = "Choose another."
+        raise SettingError("--reach-deg", wanted="above 0 and at most 180", found=f"{reach_deg:g}", do=do)
+
+
+_REFERENCE = "reference"
+
+
+def check_reference(
+    file: RigFile, stated_n_per_mm: float, *, reach_deg: float = REACH_DEG, motor: bool = False, virtual: bool = False,
+    person: Person = NOBODY,
+) -> ReferenceProof | None:  # fmt: skip
+    """Press a reference of this stiffness with the flat plate, and keep what was found beside the rig file; None where
+    nobody is ready.
+
+    Runs of the rigid motor take its current as their second witness, for 12 hours, until the force sensor is switched
+    off. virtual : on the emulated rig, for runs on that. SettingError : a reach or a stiffness that cannot be.
+    DeviceError : as `hand_rig` and `press_reference`.
+    """
+    _check_reach(reach_deg)
+    most = 10.0 if motor else 200.0  # a motor that presses fast goes too far before it is stopped
+    if not 0.1 <= stated_n_per_mm <= most:
+        do = "Take another reference, and give its stiffness in N/mm."
+        raise SettingError("--reference", wanted=f"0.1 to {most:g} N/mm", found=f"{stated_n_per_mm:g}", do=do)
+
+    def pressed(hand: HandMotion, rig: RigSettings, info: Identity | None, sequence: int | None) -> ReferenceProof:
+        speeds = sorted({file.plate.ramp_mm_per_s, file.experiment.ramp_mm_per_s} if motor else {1.0})
+        found = press_reference(hand, rig, speeds, reach_deg, person.say)
+        slowest, who = found[speeds[0]], (info.device_id, info.firmware) if info else (0, "emulated")
+        of_motor = tuple((speed, each.motor_a_per_n) for speed, each in found.items() if each.motor_a_per_n is not None)
+        proof = ReferenceProof(
+            datetime.now(UTC).isoformat(timespec="seconds"), stated_n_per_mm, slowest.n_per_mm, slowest.se_n_per_mm,
+            of_motor, *who, rig.gear_mm_per_degree, rig.push_axis, sequence,
+        )  # fmt: skip
+        person.say(f"written: {write_reference(file.path, proof, virtual=virtual)}")
+        return proof
+
+    if virtual:
+        spring = replace(
+            emulated_of(file), stiffness_n_per_mm={_REFERENCE: stated_n_per_mm}, height_mm={},
+            relaxation={_REFERENCE: 0.0}, stiffness_sd=0.0, mounting_stiffness_sd=0.0,
+        )  # fmt: skip
+        bench = EmulatedRig(
+            spring, _REFERENCE, 0.0, motor, VirtualClock(), rig=file.rig, plate=True, actuator=file.devices.actuator
+        )
+        return pressed(HandMotion(bench.devices(), file.rig, bench.clock), file.rig, None, None)
+    person.say(_SPRING.format(stated=stated_n_per_mm, most=min(MOST_N, file.rig.guards.force_n / 2)))
+    if not person.agrees("Ready?"):
+        return None
+    with hand_rig(file, motor=motor) as (opened, hand):
+        return pressed(hand, opened.rig, opened.info, force_sequence(file, opened))
 
 
 def mend_settings(file: RigFile, checks: Sequence[Check], person: Person = NOBODY) -> bool:

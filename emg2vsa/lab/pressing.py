@@ -13,7 +13,7 @@ from emg2vsa.errors import DataError, Emg2vsaError, InputError, SettingError
 from emg2vsa.lab.judging import WHOLE_PRESSES, Judging
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.pressed import Pressed
-from emg2vsa.lab.real_press import press_for_real
+from emg2vsa.lab.real_press import press_for_real, with_reference
 from emg2vsa.process_pool import ProcessPool, WorkerDied
 from emg2vsa.rig.executor.guards import changed_guards
 from emg2vsa.rig.executor.plan_limits import DryRun, check_plan, is_count
@@ -130,10 +130,14 @@ class Pressing:
         """
         if self.virtual:
             emulated_of(self.file)
-        plans = dict(zip(runs, plans_of(self.file, runs, presses), strict=True))
+        plans = dict(zip(runs, map(self.witnessed, plans_of(self.file, runs, presses)), strict=True))
         for plan in plans.values():
             check_plan(plan, self.file.rig)
         return plans
+
+    def witnessed(self, plan: RunPlan) -> RunPlan:
+        """With the current of a rigid motor, by a reference that holds still."""
+        return with_reference(self.file, plan, virtual=self.virtual)
 
     def check_same(self, name: str, plan: RunPlan) -> None:
         """DataError where earlier presses of the run ``name`` were made in another way."""
@@ -261,7 +265,7 @@ def dry_run(file: RigFile, runs: Sequence[Run] = ()) -> dict[Run, DryRun | str]:
     runs : none: all of the experiment. ScheduleError : a schedule is absent, or for another actuator.
     """
     runs = runs or file.experiment.all_runs()
-    plans = dict(zip(runs, plans_of(file, runs), strict=True))
+    plans = {run: with_reference(file, plan) for run, plan in zip(runs, plans_of(file, runs), strict=True)}
     told: dict[Run, DryRun | str] = {}
     for run in ordered(file.experiment).runs:
         if run in plans:

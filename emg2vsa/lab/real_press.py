@@ -22,6 +22,7 @@ from emg2vsa.lab.judging import say_kappa, say_reachable
 from emg2vsa.lab.person import Person, Say
 from emg2vsa.lab.pressed import told
 from emg2vsa.lab.rig_lock import rig_lock
+from emg2vsa.rig.commissioning.reference import read_reference
 from emg2vsa.rig.commissioning.watchdog import WatchdogProof, proof_document, read_proofs
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.guards import laxer_guards
@@ -60,6 +61,7 @@ def press_for_real(file: RigFile, plan: RunPlan, folder: Path, person: Person, k
             StopRequests(folder) as stop,
             open_rig(file.devices, file.rig, plan.condition, clock) as opened,
         ):
+            plan = _with_these_devices(file, plan, opened, person.say)
             check_plan(plan, opened.rig)
             _mark_emulated(file, folder)
             proof, columns = _proof(file, plan.condition, opened), opened.devices.actuator.columns
@@ -106,6 +108,29 @@ def _judge(
             write_about(folder, kappa, judge.tally)
             if kappa.camera is not None and not (folder / CAMERA_FILE).exists():
                 write_camera(folder / CAMERA_FILE, kappa.camera)
+
+
+def with_reference(file: RigFile, plan: RunPlan, *, virtual: bool = False) -> RunPlan:
+    """The plan with the current of the rigid motor, where a reference was pressed that holds for this rig file."""
+    proof = read_reference(file.path, virtual=virtual) if plan.condition == RIGID else None
+    holds = proof is not None and not proof.refused(datetime.now(UTC), file.rig)
+    return replace(plan, motor_a_per_n=proof.a_per_n(plan.ramp_mm_per_s)) if proof and holds else plan
+
+
+def _with_these_devices(file: RigFile, plan: RunPlan, opened: OpenRig, say: Say) -> RunPlan:
+    """The plan without that current, where the reference was pressed by other devices, or before they were off."""
+    proof = read_reference(file.path) if plan.motor_a_per_n is not None else None
+    if proof is None:
+        return plan
+    why = proof.refused_by(opened.info, force_sequence(file, opened))
+    if why:
+        say(f"reference: it holds no more: {why}")
+    return replace(plan, motor_a_per_n=None) if why else plan
+
+
+def force_sequence(file: RigFile, opened: OpenRig) -> int | None:
+    """The number of the newest sample of a force sensor that counts from when its power was switched on."""
+    return opened.devices.force.read().sequence if file.devices.force.kind == "net-ft" else None
 
 
 def _proof(file: RigFile, condition: Condition, opened: OpenRig) -> WatchdogProof | None:

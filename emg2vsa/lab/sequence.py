@@ -93,7 +93,7 @@ def plates(
             (*file.experiment.specimens, *(file.emulated.stiffness_n_per_mm if virtual and file.emulated else ()))
         )
     )
-    plans = {name: plate_plan(file.plate, file.experiment, name) for name in specimens}
+    plans = {name: pressing.witnessed(plate_plan(file.plate, file.experiment, name)) for name in specimens}
     for name, plan in plans.items():
         if name not in known:
             do = nearest(name, known, "Add it to [experiment], or choose another.")

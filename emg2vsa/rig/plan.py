@@ -48,8 +48,17 @@ class RunPlan:
     "Place of the run in the sequence of its experiment, from 1; None where it was asked for alone."
     stiffness_n_per_mm: float | None = None
     "Of the specimen, by plate indentation; None where it is not known."
+    motor_a_per_n: float | None = None
+    "Current that a rigid motor draws for a newton, by a reference that was pressed; None where none holds."
     others_n_per_mm: Mapping[str, float] = field(default_factory=dict)
     "Of other specimens, by name: which one a press is like that is not like this one's."
+
+    @property
+    def witnessed(self) -> bool:
+        """Whether anything but the sensor tells its force: springs, the motor's current, or the named specimen under
+        the dome."""
+        specimen = not self.plate and self.stiffness_n_per_mm is not None
+        return self.condition != RIGID or self.motor_a_per_n is not None or specimen
 
     def step_at(self, force_n: float) -> int:
         """Index of the force step that ``force_n`` is in; below the first edge the first, above the last the last."""

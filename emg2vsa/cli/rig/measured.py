@@ -12,13 +12,16 @@ from emg2vsa.cli.rig.choice import add_rig_command, file_of, finish, person_of
 
 if TYPE_CHECKING:
     from emg2vsa.rig.commissioning.checks import Check
+    from emg2vsa.rig.commissioning.reference import ReferenceProof
 
 COMMISSION = """
 What is wrong is written into the rig file after a question; comments stay. With --yes nobody looks: the direction is
-searched, and the gear, which needs a calliper, is not checked. Exit status 0: all right, or written; 1: something is
-wrong and not written; 2: not finished.
+searched, and the gear, which needs a calliper, is not checked. With --reference and --motor the motor's current becomes
+the second witness of the force of later runs. Exit status 0: all right, or written; 1: something is wrong and not
+written, or the reference is more than 10 % off; 2: not finished.
 """
 REACH = """
+--reference N_PER_MM  press a spring, or another reference of this stiffness, with the flat plate instead, and compare
 --reach-deg DEG = 45  farthest that the shaft may turn to reach the pad (default 45)
 --virtual  on the emulated rig, which is built as the rig file says; no device is opened
 """
@@ -33,16 +36,19 @@ def add_to(commands: Commands) -> None:
     summary = (
         "Check push_axis, push_sign, gear, home and depth by a touch of 0.5 N on a soft pad, and correct the rig file."
     )
-    add_rig_command(commands, "commission", commission, summary, COMMISSION, ASKS + REACH)
+    add_rig_command(commands, "commission", commission, summary, COMMISSION, ASKS + REACH, {"N_PER_MM": float})
     summary = "Measure the delay of the camera from presses, and print the line delay_s for the rig file."
     add_rig_command(commands, "camera-delay", camera_delay, summary, CAMERA_DELAY, RUNS)
 
 
 def commission(arguments: argparse.Namespace) -> int:
-    from emg2vsa.lab.commissioning import check_settings, mend_settings
+    from emg2vsa.lab.commissioning import check_reference, check_settings, mend_settings
 
     file, person = file_of(arguments), person_of(arguments)
     how = {"reach_deg": arguments.reach_deg, "motor": arguments.motor, "virtual": arguments.virtual}
+    if arguments.reference is not None:
+        proof = check_reference(file, arguments.reference, **how, person=person)
+        return 1 if proof is None else finish(arguments, proof, *_reference_lines(proof), good=proof.good)
     checks = check_settings(file, **how, person=person)
     if checks is None:
         return 1
@@ -52,6 +58,16 @@ def commission(arguments: argparse.Namespace) -> int:
         person.say(_row(check, width))
     good = mend_settings(file, checks, person)
     return finish(arguments, {"checks": [asdict(check) for check in checks], "good": good}, good=good)
+
+
+def _reference_lines(proof: ReferenceProof) -> list[str]:
+    found = f"found {proof.found_n_per_mm:.3g} +- {1.96 * proof.se_n_per_mm:.2g} N/mm"
+    lines = [f"reference: stated {proof.stated_n_per_mm:g} N/mm, {found}: {'they agree' if proof.good else 'WRONG'}"]
+    if not proof.good:
+        lines.append("more than 10 % off: check the calibration of the force sensor, the gear and the reference")
+    lines += [f"at {speed:g} mm/s the motor draws {1e3 * value:.3g} mA for a newton"
+              for speed, value in proof.motor_a_per_n if proof.good]  # fmt: skip
+    return lines
 
 
 def _row(check: Check, width: int) -> str:

@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -59,6 +60,14 @@ class Place:
     def size_n(self) -> float:
         """Length of the force."""
         return float(np.linalg.norm(self.force_n))
+
+
+class Turn(NamedTuple):
+    """Of a move: shaft, force above the zero, and current of the motor that draws more."""
+
+    shaft_deg: float
+    felt_n: float
+    current_a: float
 
 
 class HandMotion:
@@ -137,12 +146,13 @@ class HandMotion:
         return self._actuator.measurements().shaft_deg
 
     def go(
-        self, to_deg: float, *, until_n: float = LIMIT_N, deg_per_s: float = DEG_PER_S, from_zero: bool = True
-    ) -> Place:
+        self, to_deg: float, *, until_n: float = LIMIT_N, deg_per_s: float = DEG_PER_S, from_zero: bool = True,
+        turns: list[Turn] | None = None,
+    ) -> Place:  # fmt: skip
         """Move evenly to the position ``to_deg``, and end as soon as the force is ``until_n`` above the zero.
 
         from_zero : False compares lengths of the whole force instead, for a probe that may stand pressed: moving it
-        away changes the force, and must only not raise it.
+        away changes the force, and must only not raise it. turns : to be filled with what was read on the way.
         """
         low, high = self._rig.position_deg
         if not low <= to_deg <= high:
@@ -151,13 +161,15 @@ class HandMotion:
             raise DeviceError("probe", wanted=wanted, found=f"{to_deg:.2f}", do=do)
         begin = self.at_deg
         try:
-            return self._go(to_deg, until_n, deg_per_s, from_zero=from_zero)
+            return self._go(to_deg, until_n, deg_per_s, turns, from_zero=from_zero)
         except DeviceError:
             if from_zero:  # else it may have begun pressed
                 self._retreat(begin)
             raise
 
-    def _go(self, to_deg: float, until_n: float, deg_per_s: float, *, from_zero: bool) -> Place:
+    def _go(
+        self, to_deg: float, until_n: float, deg_per_s: float, turns: list[Turn] | None, *, from_zero: bool
+    ) -> Place:
         step = self._step_deg(deg_per_s)
         self._limit_n = math.inf
         before_n = float(np.linalg.norm(self.felt_n() + self._zero_n))
@@ -172,7 +184,10 @@ class HandMotion:
             size_n = felt_n if from_zero else float(np.linalg.norm(mean_n)) - before_n
             if len(recent) == _AVERAGED and size_n >= until_n:
                 return self.place(touched=True)
-            self._judge(felt_n, relaxing=not from_zero)
+            currents_a = self._actuator.currents_a()
+            self._judge(felt_n, currents_a, relaxing=not from_zero)
+            if turns is not None:
+                turns.append(Turn(self.shaft_deg(), felt_n, max(map(abs, currents_a))))
             self.at_deg += math.copysign(min(step, abs(to_deg - self.at_deg)), to_deg - self.at_deg)
             self._hold()
         return self.place()
@@ -243,7 +258,7 @@ class HandMotion:
         except DeviceError:
             return 0.0
 
-    def _judge(self, felt_n: float, *, relaxing: bool) -> None:
+    def _judge(self, felt_n: float, currents_a: tuple[float, ...], *, relaxing: bool) -> None:
         """``relaxing`` : springs may bear less than at the zero, and the motors draw what a pressed probe needs."""
         joint = self._actuator.joint
         # of a motor that gives way its torque tells it
@@ -258,7 +273,7 @@ class HandMotion:
         if borne_n > felt_n + _GAP_N:
             found = f"springs that press with {borne_n:.1f} N or more, and {felt_n:.2f} N felt"
             raise DeviceError("probe", wanted="a force felt where the springs give way", found=found, do=do)
-        mean_a = self._current.see(self._actuator.currents_a())
+        mean_a = self._current.see(currents_a)
         most_a = (1.0 if relaxing else _CURRENT_SHARE) * self._rig.guards.current_a
         if mean_a > most_a:
             found = f"{mean_a:.2f} A, and {felt_n:.2f} N felt"

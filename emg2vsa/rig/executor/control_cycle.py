@@ -35,6 +35,11 @@ _QUESTIONS = 50
 """To the actuator before its motors go on, to time its line."""
 
 
+_UNWITNESSED = (
+    "nothing but the sensor tells its force: press a reference first, emg2vsa rig commission --motor --reference"
+)
+
+
 class Force(NamedTuple):
     """Force of one sample along the rig's push axis, N, and its arrival."""
 
@@ -85,7 +90,8 @@ class ControlCycle:
             past_contact_mm=most_past_contact_mm(self._plan, self._rig),
         )
         joint = actuator.joint
-        self._witnesses, self._specimen = Witnesses(self._rig, joint, at), SpecimenWitness(self._plan, self._rig)
+        self._witnesses = Witnesses(self._rig, joint, at, self._plan.motor_a_per_n)
+        self._specimen = SpecimenWitness(self._plan, self._rig)
         if joint is not None:
             most = joint.preset_per_s * self._rig.period_s
             self._slew, self._stiffest = (
@@ -243,8 +249,11 @@ class ControlCycle:
         gain = self._witnesses.gain()
         skin = self._limits.skin_friction * math.sin(math.radians(self._plan.angle_deg))
         if gain is not None and not GAINS[0] - skin <= gain <= GAINS[1] + skin:
-            why = f"the force sensor feels {gain:.2f} of what the springs bear: look at its calibration and at the gear"
+            of = f"of the force by {self._witnesses.seen.told_by}"
+            why = f"the force sensor feels {gain:.2f} {of}: look at its calibration and at the gear"
             self._record.doubt_press(why, "doubtful")
+        if not self._plan.witnessed:
+            self._record.doubt_press(_UNWITNESSED, "doubtful")
         self._record.press_kappa(self._specimen.kappa())
         if doubt := self._specimen.doubt():
             self._record.doubt_press(doubt, "doubtful")

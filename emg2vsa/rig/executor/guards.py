@@ -48,13 +48,15 @@ class Seen:
     unmoved_n: float = 0.0
     "How much the felt force has grown while the encoder of a motor that gives way itself has stayed the same."
     spring_n: float | None = None
-    "Force on the probe by the springs, when the motors were last read."
+    "Force on the probe by the springs, or by a rigid motor's current, when the motors were last read."
+    told_by: str = "the springs"
+    "Or the motor's current."
     starting: bool = False
     "The approach has just begun: inertia is part of that force."
     spring_rest_n: float | None = None
     "The same, with the probe retracted and at rest."
     felt_n: float = 0.0
-    "Force along the push axis in the turn of that reading."
+    "Force along the push axis in the turn of that reading, or of the turns of that current."
     current_a: float = 0.0
     "Mean over the last turns, of the motor that draws more."
     unfelt_a: float | None = None
@@ -155,8 +157,14 @@ def untrusted_force(moment: Moment, limits: GuardSettings) -> str | None:
     gap_n = abs(moment.seen.spring_n - moment.seen.felt_n)
     if not gap_n > limit_n:
         return None
-    text = f"N between {moment.seen.spring_n:.1f} N by the springs and {moment.seen.felt_n:.1f} N felt"
+    text = f"N between {moment.seen.spring_n:.1f} N by {moment.seen.told_by} and {moment.seen.felt_n:.1f} N felt"
     return _above(gap_n, limit_n, text)
+
+
+def spring_limit(moment: Moment, limits: GuardSettings) -> str | None:
+    """The springs, or a rigid motor, press harder than any press does, whatever the force sensor says."""
+    spring_n = _size(moment.seen.spring_n)
+    return None if spring_n is None else _above(spring_n, limits.spring_n, f"N by {moment.seen.told_by}")
 
 
 def frozen_force(moment: Moment, limits: GuardSettings) -> str | None:
@@ -175,7 +183,7 @@ def following(moment: Moment, limits: GuardSettings) -> str | None:
     most_deg = _JUMP_DEG * max(1.0, moment.seen.between_s / moment.period_s)
     jumped = _above(moment.seen.jumped_deg, most_deg, "degrees that the shaft jumped beyond its motors in one turn")
     astray = _above(moment.seen.astray_deg, limits.following_deg, "degrees off the way to its command")
-    return unmoved or jumped or astray
+    return unmoved or astray or jumped
 
 
 def specimen(moment: Moment, limits: GuardSettings) -> str | None:
@@ -228,7 +236,7 @@ GUARDS: dict[str, Check] = {
         _size(now.seen.spring_rest_n), limits.spring_rest_n
     )),
     # the springs are bent further than the largest force bends them, whatever the force sensor says
-    "spring limit": _most("N by the springs", lambda now, limits: (_size(now.seen.spring_n), limits.spring_n)),
+    "spring limit": spring_limit,
     "frozen force": frozen_force,
     # the way to the retracted position leads into something: home_deg or the encoders' zeros are wrong
     "way home": _most("N more on the way home", lambda now, _: (now.seen.rise_n, now.contact_n)),

@@ -83,9 +83,9 @@ def _plan_rules(plan: RunPlan, rig: RigSettings) -> Iterator[Rule]:
         yield name, 0 <= value < math.inf, "0 s or more", value
     yield (
         "stiffness_n_per_mm",
-        plan.schedule is not None or plan.plate or plan.stiffness_n_per_mm is not None or plan.f_max_n <= UNWITNESSED_N,
+        plan.witnessed or plan.plate or plan.f_max_n <= UNWITNESSED_N,
         f"that of the specimen, where a rigid motor presses with more than {UNWITNESSED_N:g} N: nothing else tells a "
-        "wrong force; press it with the plate first",
+        "wrong force; press it with the plate first, or a reference with emg2vsa rig commission --motor --reference",
         "none",
     )
     low, high = plan.f_contact_n, rig.guards.force_n

@@ -28,9 +28,11 @@ DEAD_S = 0.02
 class Witnesses:
     """All of them, for one run."""
 
-    def __init__(self, rig: RigSettings, joint: Joint | None, at: Measurements) -> None:
-        """``at`` : encoders when the motors have just been switched on."""
-        self._rig, self._joint = rig, joint
+    def __init__(
+        self, rig: RigSettings, joint: Joint | None, at: Measurements, motor_a_per_n: float | None = None
+    ) -> None:
+        """``at`` : encoders when the motors have just been switched on. motor_a_per_n : of a rigid motor, if known."""
+        self._rig, self._joint, self._a_per_n = rig, joint, motor_a_per_n
         self._motors, self._stillness, self._current = SlowMotors(at, joint, rig.guards), Stillness(), MeanCurrent()
         self._at, self._contact_mm, self._lowest_n = at, math.inf, math.inf
         self._free_a = math.inf
@@ -41,7 +43,8 @@ class Witnesses:
         self._read_s = 0.0
         self._forces: deque[tuple[float, ...]] = deque(maxlen=rig.filter_samples)
         self._loads: list[tuple[float, float]] = []
-        self.seen = Seen()
+        self._felt: deque[float] = deque(maxlen=_CURRENT_TURNS)
+        self.seen = Seen(told_by="the springs" if joint else "the motor's current")
 
     @property
     def depth_mm(self) -> float:
@@ -57,8 +60,8 @@ class Witnesses:
         return mean_size(self._forces)
 
     def gain(self) -> float | None:
-        """Growth of the felt force over that of the springs in the last loading; None without springs or of a short
-        one. A wrong zero does not change it, nor does the friction of the shaft."""
+        """Growth of the felt force over that of the springs, or of the motor's current, in the last loading; None
+        without either or of a short one. A wrong zero does not change it, nor does the friction of the shaft."""
         if len(self._loads) < _LEAST_TURNS:
             return None
         felt_n, spring_n = np.array(self._loads).T
@@ -100,6 +103,9 @@ class Witnesses:
             seen.starting = motion.phase == "approach" and begun_s < self._joint.settles_s
             # pressing is positive; friction of the shaft over the lever is part of it, and so is the shaft's motion
             spring_n = -self._rig.push_sign * self._joint.torque_nm(at, *self._sent) / self._rig.lever_m
+        seen.current_a = self._current.see(currents_a)
+        if self._joint is None:
+            spring_n, felt_n = self._by_current(motion, felt_n, begins=begins)
         if motion.phase == "load" and begins:
             self._loads.clear()
         if motion.phase == "load" and spring_n is not None and felt_n >= _LEAST_N:
@@ -110,16 +116,29 @@ class Witnesses:
         seen.astray_deg = self._motors.astray_deg(at)
         seen.spring_n, seen.felt_n = spring_n, felt_n
         seen.spring_rest_n = spring_n if motion.stiff and at_rest(motion, self._sent_s or 0.0) else None
-        seen.current_a = self._current.see(currents_a)
-        seen.jumped_deg, seen.unfelt_a = 0.0, None
+        seen.jumped_deg = 0.0
         if seen.at_before is not None and motion.phase in ("approach", "contact", "load"):
             of_motors = self._motors_deg(at) - self._motors_deg(seen.at_before)
             seen.jumped_deg = abs(at.shaft_deg - seen.at_before.shaft_deg - of_motors)
-        if motion.phase == "approach" and not seen.starting and self._joint is None and seen.current_a:
-            self._free_a = min(self._free_a, seen.current_a)
-            seen.unfelt_a = seen.current_a - self._free_a
         seen.approach_mm = shaft_mm if motion.phase == "approach" else None
         seen.past_contact_mm = shaft_mm - self._contact_mm if motion.phase in ("contact", "load") else None
+
+    def _by_current(self, motion: Motion, felt_n: float, *, begins: bool) -> tuple[float | None, float]:
+        """Force of a rigid motor by the current that it draws more than in free motion, and the felt one, both means
+        over the same turns; the first None where it is not known. In a rest the gear holds, and no current tells."""
+        if begins:
+            self._felt.clear()
+        self._felt.append(felt_n)
+        seen = self.seen
+        seen.unfelt_a = None
+        if len(self._felt) < _CURRENT_TURNS or motion.phase not in ("approach", "load"):
+            return None, felt_n
+        if motion.phase == "approach":
+            self._free_a = min(self._free_a, seen.current_a)
+            seen.unfelt_a = seen.current_a - self._free_a
+        if self._a_per_n is None:
+            return None, felt_n
+        return (seen.current_a - self._free_a) / self._a_per_n, sum(self._felt) / _CURRENT_TURNS
 
 
 def at_rest(motion: Motion, now_s: float) -> bool:

@@ -1,0 +1,178 @@
+"""A reference of stated stiffness, pressed: are force and depth to scale, and what does a motor draw for a newton?
+
+A flat plate presses a spring, or a specimen whose stiffness was measured elsewhere, from its touch to 5 N at one
+speed. The slope of depth over force is its stiffness; that of current over force makes a rigid motor's current the
+second witness of its force. Friction at one speed, and what filters are late, shift both lines and do not turn them.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Collection
+from dataclasses import asdict, dataclass
+from datetime import datetime, timedelta
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from casr.atomic import write_text_atomic
+from emg2vsa.arrays import Floats
+from emg2vsa.devices.protocols import Identity
+from emg2vsa.errors import DeviceError
+from emg2vsa.rig.commissioning.hand_motion import TOUCH_N, HandMotion, Place, Turn
+from emg2vsa.rig.rig_settings import RigSettings
+
+AGREES = 0.1
+"""Share by which the stiffness that was found may differ from the stated one."""
+_FROM_N, MOST_N = 1.0, 5.0
+"""Of the line; never more than half of the force limit."""
+_LEAST_TURNS = 15
+_ABOVE_MM = 1.0
+"""Where a press begins, above the touch, so that the motor runs evenly when it comes."""
+_HOLDS = timedelta(hours=12)
+"""For so long a proof holds: a working day."""
+
+
+@dataclass(frozen=True)
+class ReferenceProof:
+    """What was found, and with what.
+
+    date : of the press, ISO 8601 with its zone.
+    stated_n_per_mm, found_n_per_mm, se_n_per_mm : stiffness as stated, as found, and its standard error.
+    motor_a_per_n : speed, mm/s, and current for a newton of a rigid motor, A/N; empty with springs.
+    device_id, firmware : of the actuator. gear_mm_per_degree, push_axis : of the rig file.
+    force_sequence : the force sensor's number of its newest sample, which begins anew with its power; None where it
+    counts none.
+    """
+
+    date: str
+    stated_n_per_mm: float
+    found_n_per_mm: float
+    se_n_per_mm: float
+    motor_a_per_n: tuple[tuple[float, float], ...]
+    device_id: int
+    firmware: str
+    gear_mm_per_degree: float
+    push_axis: tuple[float, ...]
+    force_sequence: int | None
+
+    @property
+    def good(self) -> bool:
+        """Whether the two stiffnesses agree within `AGREES`."""
+        return math.isclose(self.found_n_per_mm, self.stated_n_per_mm, rel_tol=AGREES, abs_tol=0.0)
+
+    def a_per_n(self, mm_per_s: float) -> float | None:
+        """Current for a newton of a motor that presses at this speed; None where that was not tried."""
+        return next((value for speed, value in self.motor_a_per_n if math.isclose(speed, mm_per_s)), None)
+
+    def refused(self, now: datetime, rig: RigSettings) -> str:
+        """Why it does not hold for a run with ``rig``, before any device is asked; "" where it does."""
+        if not self.good:
+            return f"{self.found_n_per_mm:.3g} N/mm were found, {self.stated_n_per_mm:g} stated"
+        if not timedelta(0) <= now - datetime.fromisoformat(self.date) <= _HOLDS:
+            return f"it was pressed at {self.date}, more than {_HOLDS.total_seconds() / 3600:g} h ago"
+        if (self.gear_mm_per_degree, self.push_axis) != (rig.gear_mm_per_degree, rig.push_axis):
+            return "gear_mm_per_degree or push_axis has been changed since"
+        return ""
+
+    def refused_by(self, info: Identity, force_sequence: int | None) -> str:
+        """Why it does not hold for these devices; "" where it does. A force sensor whose samples count from less than
+        before has been switched off since."""
+        if (self.device_id, self.firmware) != (info.device_id, info.firmware):
+            return f"it was pressed with another device: {self.firmware}, id {self.device_id}"
+        if None not in (self.force_sequence, force_sequence) and force_sequence < self.force_sequence:  # type: ignore[operator]
+            return "the force sensor has been switched off since"
+        return ""
+
+
+class Pressed(NamedTuple):
+    """Stiffness and its standard error, N/mm; current for a newton of a rigid motor, A/N, None with springs."""
+
+    n_per_mm: float
+    se_n_per_mm: float
+    motor_a_per_n: float | None
+
+
+def press_reference(
+    hand: HandMotion, rig: RigSettings, speeds_mm_per_s: Collection[float], reach_deg: float, say: Callable[[str], None]
+) -> dict[float, Pressed]:
+    """Press the reference once at each speed, and leave it. DeviceError : as `HandMotion`; no touch, or too little
+    force, within ``reach_deg``."""
+    start = hand.start()
+    say(f"start: shaft at {start.shaft_deg:.2f} degrees; the force of now counts as zero")
+    low, high = rig.position_deg
+    to_deg = min(max(start.shaft_deg + rig.push_sign * reach_deg, low), high)
+    touch = hand.go(to_deg, until_n=TOUCH_N)
+    above_deg = touch.shaft_deg - rig.push_sign * _ABOVE_MM / rig.gear_mm_per_degree
+    found = {}
+    try:
+        for speed in speeds_mm_per_s if touch.touched else ():
+            hand.go(above_deg, from_zero=False)
+            found[speed] = _pressed(hand, rig, speed, to_deg)
+            stiffness = f"{found[speed].n_per_mm:.3g} +- {1.96 * found[speed].se_n_per_mm:.2g} N/mm"
+            say(f"pressed at {speed:g} mm/s: {stiffness}")
+    finally:
+        hand.go(start.shaft_deg, from_zero=False)
+    if not found:
+        raise _too_little(touch, TOUCH_N)
+    return found
+
+
+def _pressed(hand: HandMotion, rig: RigSettings, mm_per_s: float, to_deg: float) -> Pressed:
+    most_n, turns = min(MOST_N, rig.guards.force_n / 2), list[Turn]()
+    place = hand.go(to_deg, until_n=most_n, deg_per_s=mm_per_s / rig.gear_mm_per_degree, turns=turns)
+    if not place.touched:
+        raise _too_little(place, most_n)
+    used = [turn for turn in turns if turn.felt_n >= _FROM_N]
+    if len(used) < _LEAST_TURNS:
+        do = "Take a softer reference, up to 8 N/mm."
+        wanted = f"{_LEAST_TURNS} readings between {_FROM_N:g} and {most_n:g} N at {mm_per_s:g} mm/s"
+        raise DeviceError("reference", wanted=wanted, found=str(len(used)), do=do)
+    depth_mm, felt_n, current_a = np.array([(rig.depth_at(t.shaft_deg), t.felt_n, t.current_a) for t in used]).T
+    mm_per_n, se = _slope(felt_n, depth_mm)
+    if mm_per_n <= 0:
+        do = "Look at the reference, the gear and the zero of the force sensor."
+        raise DeviceError("reference", wanted="depth that grows with force", found=f"{mm_per_n:.3g} mm/N", do=do)
+    return Pressed(1 / mm_per_n, se / mm_per_n**2, _slope(felt_n, current_a)[0] if hand.joint is None else None)
+
+
+def _too_little(place: Place, wanted_n: float) -> DeviceError:
+    do = "Put the reference 3 to 5 mm below the plate, or give more with --reach-deg."
+    wanted, found = f"{wanted_n:g} N within its reach", f"{place.size_n:.2f} N at {place.shaft_deg:.1f} degrees"
+    return DeviceError("reference", wanted=wanted, found=found, do=do)
+
+
+def _slope(x: Floats, y: Floats) -> tuple[float, float]:
+    """Of y over x, and its standard error."""
+    (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
+    return float(slope), math.sqrt(float(covariance[0, 0]))
+
+
+def _file(rig_file: Path, virtual: bool) -> Path:
+    """Where the proof of a rig file is kept: beside it; that of the emulated rig apart."""
+    return rig_file.with_name(f"{rig_file.stem}.{'virtual-' if virtual else ''}reference.json")
+
+
+def read_reference(rig_file: Path, *, virtual: bool = False) -> ReferenceProof | None:
+    """The proof that is kept; None without a file. DeviceError for another form."""
+    path = _file(rig_file, virtual)
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        of_motor = tuple((float(speed), float(value)) for speed, value in found["motor_a_per_n"])
+        return ReferenceProof(**found | {"push_axis": tuple(found["push_axis"]), "motor_a_per_n": of_motor})
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        do = "Delete it, and press the reference again."
+        raise DeviceError(
+            path, wanted="a proof as emg2vsa rig commission --reference writes it", found=str(error), do=do
+        ) from error
+
+
+def write_reference(rig_file: Path, proof: ReferenceProof, *, virtual: bool = False) -> Path:
+    """Keep the proof in place of an older one; the file."""
+    path = _file(rig_file, virtual)
+    write_text_atomic(path, json.dumps(asdict(proof), indent=2) + "\n")
+    return path
