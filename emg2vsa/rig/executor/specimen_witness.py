@@ -92,8 +92,6 @@ class SpecimenWitness:
         modulus_mpa = self._modulus_mpa()
         if modulus_mpa is None:
             return None
-        if self._named_mpa is None and math.isfinite(modulus_mpa):
-            self._named_mpa = modulus_mpa  # of an unknown specimen the first press names what the others must be
         spread = 2 * self._sd(modulus_mpa)
         return PressKappa(*(self._dome.stiffness_n_per_mm(modulus_mpa * math.exp(at)) for at in (0.0, -spread, spread)))
 
