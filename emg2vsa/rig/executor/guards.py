@@ -49,6 +49,8 @@ class Seen:
     "How much the felt force has grown while the encoder of a motor that gives way itself has stayed the same."
     spring_n: float | None = None
     "Force on the probe by the springs, or by a rigid motor's current, when the motors were last read."
+    lag_n: float = 0.0
+    "What of that a motor that gives way itself seems to bear at the speed of the ramp, because it lags."
     told_by: str = "the springs"
     "Or the motor's current."
     starting: bool = False
@@ -152,6 +154,8 @@ def untrusted_force(moment: Moment, limits: GuardSettings) -> str | None:
     limit_n = limits.spring_gap_n
     if moment.phase in _INWARDS and not moment.seen.starting:
         limit_n = min(limit_n, _GAP_AT_REST_N + _GAP_SHARE * larger_n)
+    elif moment.phase not in _INWARDS:
+        limit_n += abs(moment.seen.lag_n)  # it turns round with the motion
     # the skin's friction holds probe and shaft, and the sensor feels it
     limit_n += limits.skin_friction * larger_n * math.sin(math.radians(moment.angle_deg))
     gap_n = abs(moment.seen.spring_n - moment.seen.felt_n)

@@ -44,6 +44,7 @@ class Witnesses:
         self._forces: deque[tuple[float, ...]] = deque(maxlen=rig.filter_samples)
         self._loads: list[tuple[float, float]] = []
         self._felt: deque[float] = deque(maxlen=_CURRENT_TURNS)
+        self._lags_n: list[float] = []
         self.seen = Seen(told_by="the springs" if joint else "the motor's current")
 
     @property
@@ -103,6 +104,9 @@ class Witnesses:
             seen.starting = motion.phase == "approach" and begun_s < self._joint.settles_s
             # pressing is positive; friction of the shaft over the lever is part of it, and so is the shaft's motion
             spring_n = -self._rig.push_sign * self._joint.torque_nm(at, *self._sent) / self._rig.lever_m
+            if self._gives_way:
+                seen.lag_n = self._lag_n(motion, spring_n)
+                spring_n -= seen.lag_n if motion.phase in ("approach", "load") else 0.0
         seen.current_a = self._current.see(currents_a)
         if self._joint is None:
             spring_n, felt_n = self._by_current(motion, felt_n, begins=begins)
@@ -122,6 +126,13 @@ class Witnesses:
             seen.jumped_deg = abs(at.shaft_deg - seen.at_before.shaft_deg - of_motors)
         seen.approach_mm = shaft_mm if motion.phase == "approach" else None
         seen.past_contact_mm = shaft_mm - self._contact_mm if motion.phase in ("contact", "load") else None
+
+    def _lag_n(self, motion: Motion, spring_n: float) -> float:
+        """What a motor that gives way itself seems to bear because it lags its command at this speed: the mean of the
+        first turns of the approach in which it runs evenly. Force that comes later, felt or not, is none of that."""
+        if motion.phase == "approach" and not self.seen.starting and len(self._lags_n) < _CURRENT_TURNS:
+            self._lags_n.append(spring_n)
+        return sum(self._lags_n) / len(self._lags_n) if self._lags_n else 0.0
 
     def _by_current(self, motion: Motion, felt_n: float, *, begins: bool) -> tuple[float | None, float]:
         """Force of a rigid motor by the current that it draws more than in free motion, and the felt one, both means

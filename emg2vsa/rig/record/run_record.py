@@ -183,6 +183,8 @@ class RunRecord:
         """Write ended.json and close everything; ``ended`` with what only the record knows."""
         at = (self._started + timedelta(seconds=ended.time_s)).isoformat()
         refused: list[str] = []
+        if ended.how != "completed":
+            self.doubt_press(f"the run ended in it: {ended.cause}", "doubtful")
         steps = [self._close_press, lambda: self._close_tally(ended.time_s), self._writer.finish]
         if self._tally is None and not ended.retracted:  # stuck after its last press
             steps.insert(0, self._reject_last)
