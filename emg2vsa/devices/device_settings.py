@@ -40,6 +40,9 @@ class ActuatorSettings:
     "Of the device; each kind has keys of its own."
     port: Text | None = None
     "Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3. Omitted: only the emulated rig can run."
+    serial_number: Text | None = None
+    """As emg2vsa rig info prints it; another device on the port is refused before anything moves. Of a device that
+    tells none: that of its USB adapter."""
     id: Annotated[int, Ge(0), Le(255)] = 1
     "Device id, as emg2vsa rig scan lists it."
     baud: Annotated[int, Gt(0)] = 2_000_000
@@ -70,6 +73,8 @@ class ForceSettings:
 
     kind: str
     "Of the device; each kind has keys of its own."
+    serial_number: Text | None = None
+    "As emg2vsa rig info prints it, of a Net F/T box its calibration's; another sensor is refused."
     bias: bool = False
     "true: the load on the sensor when a run begins becomes its zero; needed where the sensor has no zero of its own."
 
@@ -80,6 +85,8 @@ class CameraSettings:
 
     kind: str
     "Of the device; each kind has keys of its own."
+    serial_number: Text | None = None
+    "As emg2vsa rig info prints it, where the kind tells one; another camera is refused."
     height: Annotated[int, Gt(0)] = SHAPE[0]
     "Rows of the frames that are kept, pixels."
     width: Annotated[int, Gt(0)] = SHAPE[1]

@@ -101,6 +101,7 @@ class Kind:
     check : of settings, what is `Wrong` with them that their types and limits do not say.
     about : of an opened device, lines on it for ``emg2vsa rig info``.
     facts : of a started device and its settings, plain values for the record of a run.
+    serial_number : of an opened force sensor or camera; empty: this one tells none.
     scan : of a line, a clock, ids (none: all) and the time for each answer, s, a line of text for each who answers.
     joints : of an actuator, names of the joints for which schedules are made. full_key : of the full preset, in the
         table [schedule] of a study and in schedules. export : how these schedules are written, an `Export` of
@@ -114,6 +115,7 @@ class Kind:
     check: Callable[[Any], Iterator[Wrong]] | None = None
     about: str | Callable[[Any], Iterator[str]] | None = None
     facts: str | Callable[[Any, Any], dict[str, Any]] | None = None
+    serial_number: str | Callable[[Any], str] | None = None
     scan: str | Callable[[Any, Clock, Sequence[int], float], Iterator[str]] | None = None
     joints: tuple[str, ...] = ()
     full_key: str = ""
@@ -161,7 +163,7 @@ def _wrong(found: Any) -> Wrong:
 
 _GIVES: dict[str, Callable[[Any], Any]] = {
     "check": lambda found: tuple(map(_wrong, found)), "about": lambda lines: tuple(map(str, lines)), "facts": dict,
-    "scan": tuple,
+    "scan": tuple, "serial_number": lambda told: str(told or ""),
 }  # fmt: skip
 
 

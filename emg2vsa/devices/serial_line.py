@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import Protocol, TypeVar
 
 import serial
+from serial.tools import list_ports
 
 from emg2vsa.devices.clock import Clock
 from emg2vsa.errors import DeviceError
@@ -106,6 +107,13 @@ class SerialLine:
             raise DeviceError(
                 self.name, wanted="a line that answers", found=str(error), do="Check the cable."
             ) from error
+
+
+def adapter_number(port: str) -> str:
+    """Serial number of the USB adapter behind a port; empty where it has none, or the port is no adapter's."""
+    place = os.path.realpath(port)
+    found = (each.serial_number for each in list_ports.comports() if os.path.realpath(each.device) == place)
+    return next(found, None) or ""
 
 
 def _not_opened(port: str, error: Exception) -> DeviceError:

@@ -29,7 +29,7 @@ from emg2vsa.rig.commissioning.hand_motion import (
     HandMotion,
 )
 from emg2vsa.rig.commissioning.watchdog import WatchdogProof, prove_watchdog, write_proof
-from emg2vsa.rig.open_rig import OpenRig, board_settings, open_board, open_force, open_rig
+from emg2vsa.rig.open_rig import OpenRig, board_settings, open_board, open_force, open_own_board, open_rig
 from emg2vsa.rig.plan import RIGID, Condition
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig_file import RigFile, load_rig
@@ -139,8 +139,8 @@ def signals_interrupt(*names: str) -> Iterator[None]:
 @contextmanager
 def _held_board(file: RigFile, motor: bool, clock: WallClock | None = None) -> Iterator[Board]:
     """The actuator that is asked for, the rig held."""
-    settings = board_settings(file.devices, _condition(motor))
-    with rig_lock(file.path), closing(open_board(settings, file.rig, clock or WallClock())) as board:
+    own = file.devices, _condition(motor), file.rig, clock or WallClock()
+    with rig_lock(file.path), closing(open_own_board(*own)) as board:
         yield board
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -17,6 +17,7 @@ from emg2vsa.lab.real_press import force_sequence
 from emg2vsa.rig.commissioning.checks import REACH_DEG, Check, check_rig
 from emg2vsa.rig.commissioning.hand_motion import HandMotion
 from emg2vsa.rig.commissioning.reference import MOST_N, ReferenceProof, press_reference, write_reference
+from emg2vsa.rig.open_rig import OpenRig
 from emg2vsa.rig.record.new_folder import PLAN_FILE
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig_file import RigFile, load_rig
@@ -61,7 +62,16 @@ def check_settings(
         return None
     with hand_rig(file, motor=motor) as (opened, hand):
         said = getattr(file.devices.actuator, joint.measured_key or "", None) if (joint := hand.joint) else None
-        return check_rig(hand, opened.rig, AtThePad(person), person.say, reach_deg, said)
+        checks = check_rig(hand, opened.rig, AtThePad(person), person.say, reach_deg, said)
+        return (*checks, *_numbers(opened, file))
+
+
+def _numbers(opened: OpenRig, file: RigFile) -> Iterator[Check]:
+    """Serial numbers that are told; one that is not as the file says has been refused before."""
+    for table, told in opened.numbers.items():
+        if told.number:
+            said = getattr(file.devices, table).serial_number
+            yield Check("serial_number", said, told.number, True, f"of [{table}], told by {told.by}", table)
 
 
 def _check_reach(reach_deg: float) -> None:
@@ -119,15 +129,18 @@ def check_reference(
 
 
 def mend_settings(file: RigFile, checks: Sequence[Check], person: Person = NOBODY) -> bool:
-    """Write what is wrong in ``checks`` into the rig file, in the units that it has; comments stay. Whether all is
-    right now."""
-    wrong: dict[KeyPath, object] = {(check.table, check.key): check.found for check in checks if not check.good}
+    """Write what is wrong or new in ``checks`` into the rig file, in the units that it has; comments stay. Whether
+    nothing is wrong now."""
+    good = all(check.good for check in checks)
+    wrong: dict[KeyPath, object] = {
+        (check.table, check.key): check.found for check in checks if not check.good or check.new
+    }
     if not wrong:
         person.say(f"{file.path}: these settings are right")
         return True
     wrong = spelled(file.path, wrong)
     if not person.agrees(f"Write {', '.join(str(key[-1]) for key in wrong)} into {file.path}?"):
-        return False
+        return good
     write_values(file.path, wrong)
     person.say(f"written: {file.path}; run emg2vsa rig commission once more to confirm it")
     return True

@@ -10,21 +10,32 @@ from typing import Any
 
 from casr.errors import PluginError
 from emg2vsa.devices.clock import Clock, WallClock
-from emg2vsa.devices.device_settings import ActuatorSettings, CameraSettings, ForceSettings
+from emg2vsa.devices.device_settings import CameraSettings, ForceSettings
 from emg2vsa.devices.protocols import Measurements, Parameter
-from emg2vsa.devices.qbmove import MotorSettings
 from emg2vsa.devices.qbmove.conversation import qbmove_ports
 from emg2vsa.devices.registry import Kind, kinds, known
 from emg2vsa.devices.serial_line import SerialLine
 from emg2vsa.errors import DeviceError, InputError, SettingError
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.lab.rig_lock import rig_lock
-from emg2vsa.rig.open_rig import about_board, open_board, open_camera, open_force, with_full_preset, within_device
-from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
+from emg2vsa.rig.identities import Told, told_by, told_by_board
+from emg2vsa.rig.open_rig import (
+    about_board,
+    board_settings,
+    open_camera,
+    open_force,
+    open_own_board,
+    with_full_preset,
+    within_device,
+)
+from emg2vsa.rig.plan import RIGID, Condition
+from emg2vsa.rig.rig_settings import GuardSettings
 from emg2vsa.rig_file import RigFile
 
 _WATCH_S = 1.0
 "How long frames are counted."
+_CONDITIONS: dict[str, Condition] = {"actuator": "modular", "motor": RIGID}
+"""Table to a condition in which its device presses."""
 Lines = Iterator[str]
 
 
@@ -43,9 +54,9 @@ def info(file: RigFile, person: Person = NOBODY) -> tuple[DeviceState, ...]:
     """Every device of the rig file: firmware, limits, parameters and readings. DeviceError where the rig is in use."""
     clock, devices = WallClock(), file.devices
     titled: dict[str, Callable[[], Lines]] = {
-        f"[{name}] {board.port or 'without a port'}, id {board.id}": partial(_board, board, file.rig, clock)
-        for name, board in (("actuator", devices.actuator), ("motor", devices.motor))
-        if board
+        f"[{name}] {board.port or 'without a port'}, id {board.id}": partial(_board, file, condition, clock)
+        for name, condition in _CONDITIONS.items()
+        if (board := getattr(devices, name))
     }
     with rig_lock(file.path):
         return tuple(_told(titled | _sensors(file, clock), person))
@@ -124,18 +135,25 @@ def _answers(port: str, kind: str, baud: int, ids: Sequence[int], wait_s: float,
     yield from found
 
 
-def _board(settings: ActuatorSettings | MotorSettings, rig: RigSettings, clock: Clock) -> Lines:
-    """Info text, state, what a run may use, and parameters. DeviceError when the board is absent."""
-    with closing(open_board(settings, rig, clock)) as board:
+def _board(file: RigFile, condition: Condition, clock: Clock) -> Lines:
+    """Info text, state, what a run may use, and parameters. DeviceError when the board is absent, or another's."""
+    settings = board_settings(file.devices, condition)
+    with closing(open_own_board(file.devices, condition, file.rig, clock)) as board:
         yield from about_board(board, settings)
+        yield from _number(told_by_board(board, settings))
         says = board.usable(board.identify())
-        usable = within_device(with_full_preset(rig, says, settings), says)
+        usable = within_device(with_full_preset(file.rig, says, settings), says)
         yield "a run may use: positions {:.6g} to {:.6g} degrees".format(*usable.position_deg) + (
             "" if board.rigid else ", {:.3g} to {:.3g} % of full stiffness".format(*usable.stiffness_percent)
         )
         yield "parameters:"
         for parameter in board.parameters().values():
             yield f"  {parameter_line(parameter)}"
+
+
+def _number(told: Told) -> Lines:
+    if told.number:
+        yield told.text
 
 
 def angles(at: Measurements) -> str:
@@ -160,6 +178,7 @@ def _force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> Line
     try:
         yield sensor.name
         yield from known("force", settings).call("about", sensor)
+        yield from _number(told_by("force", sensor, settings))
         sensor.start()
         sample = sensor.read()
         yield "force {:.3f}, {:.3f}, {:.3f} N".format(*sample.force_n)
@@ -174,6 +193,7 @@ def _camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Li
     camera = open_camera(settings, guards, clock)
     try:
         yield from known("camera", settings).call("about", camera)
+        yield from _number(told_by("camera", camera, settings))
         camera.start()
         clock.sleep_until(clock.now_s() + _WATCH_S)
         frames = camera.frames()

@@ -78,9 +78,11 @@ def emulation(
         do = "Choose an angle in this range."
         raise SettingError("--angle", wanted="0 to below 90 degrees", found=f"{angle_deg:g}", do=do)
     specimen = specimen or file.experiment.specimens[0]
+    tables = {name: getattr(file.devices, name) for name in ("actuator", "motor", "force")}
     bench = EmulatedRig(
-        file.emulated, specimen, angle_deg, rigid, WallClock(), rig=file.rig, actuator=file.devices.actuator
-    )
+        file.emulated, specimen, angle_deg, rigid, WallClock(), rig=file.rig, actuator=file.devices.actuator,
+        numbers={name: each.serial_number for name, each in tables.items() if each and each.serial_number},
+    )  # fmt: skip
     # a busy computer keeps no real device waiting
     with undisturbed(), EmulatedServers(bench) as servers:
         put_on = tuple(put(bench, line) for line in faults)
@@ -97,12 +99,17 @@ def served_tables(servers: EmulatedServers) -> dict[str, dict[str, Any]]:
     ends = (bench.end, bench.place), (bench.idle_end, bench.idle_place)
     tables = [{"port": port} | end.table(place) for port, (end, place) in zip(ports, ends, strict=True)]
     motor, actuator = tables if bench.rigid else reversed(tables)
-    return {
+    served = {
         "actuator": actuator,
         "motor": motor,
         "force": {"kind": "net-ft", "host": force.host, "rdt_port": force.rdt_port, "http_port": force.http_port},
         "camera": {"source": servers.camera_url} | ({"delay_s": delay_s} if (delay_s := bench.camera.delay_s) else {}),
     }
+    return {name: each | _number(bench.numbers.get(name)) for name, each in served.items()}
+
+
+def _number(told: str | None) -> dict[str, Any]:
+    return {"serial_number": told} if told else {}
 
 
 def served_file(file: RigFile, servers: EmulatedServers, folder: Path) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import asdict, dataclass, replace
-from typing import Any, cast
+from typing import Any, TypeVar, cast
 
 from emg2vsa.devices.board import Board
 from emg2vsa.devices.clock import Clock
@@ -15,9 +15,12 @@ from emg2vsa.devices.qbmove import MotorSettings
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.opening import about, open_qbmove
 from emg2vsa.devices.registry import Around, known
-from emg2vsa.errors import SettingError
+from emg2vsa.errors import DeviceError, InputError, SettingError
+from emg2vsa.rig.identities import EXCHANGED, BoardSettings, Told, check_board, check_number, told_by, told_by_board
 from emg2vsa.rig.plan import RIGID, Condition
 from emg2vsa.rig.rig_settings import DeviceSettings, GuardSettings, RigSettings
+
+D = TypeVar("D", ForceSensor, Camera)
 
 
 @dataclass(frozen=True)
@@ -29,6 +32,8 @@ class OpenRig:
     info: Identity
     facts: dict[str, Any]
     "What the devices say of themselves, for the record of the run."
+    numbers: dict[str, Told]
+    "Serial numbers by table."
 
 
 @contextmanager
@@ -45,13 +50,18 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
     """
     with ExitStack() as stack:
         actuator = board_settings(settings, condition)
-        board = stack.enter_context(closing(open_board(actuator, rig, clock)))
+        board = stack.enter_context(closing(open_own_board(settings, condition, rig, clock)))
         stack.enter_context(board)
         info = board.identify()
         force = open_force(settings.force, rig.guards, clock)
         stack.callback(force.close)
         force.start()
+        numbers = {
+            "motor" if condition == RIGID else "actuator": told_by_board(board, actuator),
+            "force": told_by("force", force, settings.force),
+        }
         facts = {"board": asdict(info), "force": _force_facts(force, settings.force)}
+        facts["serial_numbers"] = {table: told._asdict() for table, told in numbers.items()}
         if settings.force.bias:
             force.bias()
         camera = None
@@ -62,7 +72,7 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
             said = known("camera", settings.camera).call("facts", camera, settings.camera)
             facts["camera"] = said | {"name": camera.name}
         devices, usable = Devices(board.pressing(), force, camera), board.usable(info)
-        yield OpenRig(devices, within_device(with_full_preset(rig, usable, actuator), usable), info, facts)
+        yield OpenRig(devices, within_device(with_full_preset(rig, usable, actuator), usable), info, facts, numbers)
 
 
 def _force_facts(force: ForceSensor, settings: ForceSettings) -> dict[str, Any]:
@@ -73,7 +83,7 @@ def _force_facts(force: ForceSensor, settings: ForceSettings) -> dict[str, Any]:
     return {"name": force.name, "status": sample.status.code, "biased_by": load if settings.bias else None} | said
 
 
-def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSettings | MotorSettings:
+def board_settings(settings: DeviceSettings, condition: Condition) -> BoardSettings:
     """The actuator of a condition. SettingError where the rig has none."""
     if condition != RIGID:
         return settings.actuator
@@ -83,7 +93,7 @@ def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSe
     return settings.motor
 
 
-def open_board(settings: ActuatorSettings | MotorSettings, rig: RigSettings, clock: Clock) -> Board:
+def open_board(settings: BoardSettings, rig: RigSettings, clock: Clock) -> Board:
     """An actuator that answers; nothing is switched, and its user closes it. DeviceError, SettingError as its kind."""
     around = Around(clock, stiffness_percent=rig.stiffness_percent)
     if isinstance(settings, MotorSettings):
@@ -92,7 +102,39 @@ def open_board(settings: ActuatorSettings | MotorSettings, rig: RigSettings, clo
     return board
 
 
-def about_board(board: Board, settings: ActuatorSettings | MotorSettings) -> Iterator[str]:
+def open_own_board(settings: DeviceSettings, condition: Condition, rig: RigSettings, clock: Clock) -> Board:
+    """The actuator of a condition, and no other: by its serial number, where the file has one, and by what it says.
+
+    DeviceError, SettingError as `open_board` and `Board.identify`; it tells of exchanged ports, where these explain it.
+    """
+    own, name = board_settings(settings, condition), "motor" if condition == RIGID else "actuator"
+    other = settings.actuator if condition == RIGID else settings.motor
+    with ExitStack() as stack:
+        try:
+            board = stack.enter_context(closing(open_board(own, rig, clock)))
+            check_board(name, board.where, own, other, told_by_board(board, own))
+            board.identify()
+        except DeviceError as error:
+            stack.close()
+            if other and own.port != other.port and EXCHANGED not in error.do and _answers_on(other, own, rig, clock):
+                do = f"{error.do} Or t{EXCHANGED}"
+                raise DeviceError(error.where, wanted=error.wanted, found=error.found, do=do) from error
+            raise
+        stack.pop_all()
+        return board
+
+
+def _answers_on(other: BoardSettings, own: BoardSettings, rig: RigSettings, clock: Clock) -> bool:
+    """Does the device of the other table answer on the port of this one, in the other's words?"""
+    try:
+        with closing(open_board(replace(other, port=own.port), rig, clock)) as board:
+            board.identify()
+            return True
+    except InputError:
+        return False
+
+
+def about_board(board: Board, settings: BoardSettings) -> Iterator[str]:
     """What an actuator says of itself, in lines. DeviceError: it is silent, or not as the rig file describes it."""
     if isinstance(settings, MotorSettings):
         yield from about(cast(Qbmove, board))
@@ -104,16 +146,25 @@ def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> 
     """The force sensor, not yet started. DeviceError when it is absent; SettingError when the rig file has no host."""
     # the sensor gives up later than the guard, which tells a late sample from a late loop
     sensor: ForceSensor = known("force", settings).opened(settings, Around(clock, lost_s=2 * guards.stale_s))
-    return sensor
+    return _own("force", sensor, settings)
 
 
 def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Camera:
     """The camera, not yet started."""
     camera: Camera = known("camera", settings).opened(settings, Around(clock, lost_s=guards.camera_s))
-    return camera
+    return _own("camera", camera, settings)
 
 
-def with_full_preset(rig: RigSettings, usable: Usable, settings: ActuatorSettings | MotorSettings) -> RigSettings:
+def _own(role: str, device: D, settings: ForceSettings | CameraSettings) -> D:
+    try:
+        check_number(role, device.name, settings.serial_number, told_by(role, device, settings))
+    except BaseException:
+        device.close()
+        raise
+    return device
+
+
+def with_full_preset(rig: RigSettings, usable: Usable, settings: BoardSettings) -> RigSettings:
     """``rig`` with the full preset of the device, where none has been measured: nothing else says how much it is."""
     unmeasured = isinstance(settings, ActuatorSettings) and settings.unmeasured
     return replace(rig, full_preset=usable.full_preset) if unmeasured else rig

@@ -10,7 +10,7 @@ from emg2vsa.errors import SettingError
 from emg2vsa.lab.commissioning import AtThePad, mend_settings
 from emg2vsa.lab.person import NOBODY, Person
 from emg2vsa.rig.commissioning.checks import Check
-from emg2vsa.rig_file import RigFile
+from emg2vsa.rig_file import RigFile, load_rig
 
 
 def answering(said: list[str], heard: list[str] | None = None) -> tuple[AtThePad, Iterator[str]]:
@@ -45,6 +45,16 @@ def test_settings_that_are_wrong_are_written_where_the_person_agrees(file: RigFi
     assert file.path.read_text() == before
     assert mend_settings(file, wrong, Person(yes=True))
     assert file.path.read_text() == f"{before}\n[rig]\npush_sign = -1\n"
+
+
+def test_a_serial_number_is_offered_and_nothing_is_wrong_without_it(file: RigFile) -> None:
+    offered, before = [Check("serial_number", None, "FT1", True, "", "force")], file.path.read_text()
+    assert mend_settings(file, offered, Person(ask=lambda question: "n"))
+    assert file.path.read_text() == before
+    assert mend_settings(file, offered, Person(yes=True))
+    assert load_rig(file.path).devices.force.serial_number == "FT1"
+    known = [Check("serial_number", "FT1", "FT1", True, "", "force")]
+    assert mend_settings(file, known, Person(ask=lambda question: pytest.fail(question)))
 
 
 def test_who_says_yes_beforehand_is_not_asked() -> None:

@@ -346,7 +346,7 @@ def force_table(table: str) -> str:
                                                      "'net-ft'), but found 'host' with kind = 'lab-box'."),
         ('kind = "net-ft"\nport = "x"', "force.port: expected keys of this kind only ('port' is of 'lab-box'), but"),
         ('kind = "lab-box"\nport = "x"\nsize = 9', "force.size: expected a known key, but found 'size'. The keys are "
-                                                   "kind, bias, port."),
+                                                   "kind, serial_number, bias, port."),
         ("kind = 3", "force.kind: expected 'net-ft', 'ni-daq' or 'lab-box', but found 3."),
         ("bias = true", "force.kind: expected a key 'kind', but found nothing."),
     ],

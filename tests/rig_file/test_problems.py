@@ -43,8 +43,8 @@ BAD: dict[tuple[str, str], list[str]] = {
         "14: experiment.lead_s: expected a number <= 0.1, but found 0.2.",
     ],
     (FORCE, FORCE + "rate_hz = 1000\n"): [
-        "10: force.rate_hz: expected a known key, but found 'rate_hz'. The keys are kind, bias, host, rdt_port, "
-        "http_port, buffered. [rig] has a key of that name.",
+        "10: force.rate_hz: expected a known key, but found 'rate_hz'. The keys are kind, serial_number, bias, host, "
+        "rdt_port, http_port, buffered. [rig] has a key of that name.",
     ],
     ('["S1", "S3"]', '["S1", "S1", "S 3"]'): [
         "12: experiment.specimens[1]: expected every name once, but found 'S1' again.",

@@ -71,14 +71,14 @@ def _reference_lines(proof: ReferenceProof) -> list[str]:
 
 
 def _row(check: Check, width: int) -> str:
-    verdict = "-" if check.found is None else "right" if check.good else "WRONG"
+    verdict = "-" if check.found is None else "new" if check.new else "right" if check.good else "WRONG"
     return f"{check.key:<{width}}{_text(check.said):<18}{_text(check.found):<18}{verdict:<8}{check.remark}"
 
 
 def _text(value: object) -> str:
     if isinstance(value, tuple):
         return ", ".join(f"{part:g}" for part in value)
-    return "" if value is None else f"{value:g}"
+    return "" if value is None else value if isinstance(value, str) else f"{value:g}"
 
 
 def camera_delay(arguments: argparse.Namespace) -> int:

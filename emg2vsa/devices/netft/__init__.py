@@ -30,5 +30,6 @@ class NetFtSettings(ForceSettings):
 
 
 NET_FT = Kind(
-    "force", NetFtSettings, open="netft.driver:open_net_ft", about="netft.driver:about", facts="netft.driver:facts"
-)
+    "force", NetFtSettings, open="netft.driver:open_net_ft", about="netft.driver:about", facts="netft.driver:facts",
+    serial_number=lambda sensor: sensor.config.calibration_serial,
+)  # fmt: skip

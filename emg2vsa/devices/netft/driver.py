@@ -57,7 +57,7 @@ def about(sensor: NetFt) -> Iterator[str]:
     """What the box says of its scales and rate."""
     config = sensor.config
     yield f"{1 / config.n_per_count:g} counts/N, {1 / config.nm_per_count:g} counts/(N m)"
-    yield f"{config.rate_hz:g} records a second, calibration {config.calibration_serial or 'not told'}"
+    yield f"{config.rate_hz:g} records a second"
 
 
 def facts(sensor: NetFt, settings: NetFtSettings) -> dict[str, Any]:

@@ -218,7 +218,7 @@ def open_camera(settings: OpenCvSettings, around: Around) -> OpenCvCamera:
 def facts(camera: OpenCvCamera, settings: OpenCvSettings) -> dict[str, Any]:
     """Its settings, in the order of the runs before there were kinds, and what stays as it is."""
     known = asdict(settings)
-    del known["kind"]
+    del known["kind"], known["serial_number"]
     return {"source": known.pop("source"), **known, "name": camera.name, "set": camera.locked}
 
 

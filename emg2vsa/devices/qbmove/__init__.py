@@ -30,6 +30,9 @@ class _Board:
     port: Text | None = None
     """Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3; actuator and motor may share one where their ids
     differ. Omitted: only the emulated rig can run."""
+    serial_number: Text | None = None
+    """As emg2vsa rig info prints it; another device on the port is refused before anything moves. Firmware before 7.1
+    tells none: then that of the USB adapter."""
     id: DeviceId = 1
     "Device id, as emg2vsa rig scan lists it."
     baud: Baud = BAUD

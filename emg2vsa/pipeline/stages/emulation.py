@@ -57,7 +57,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
 
 def _other_actuator(settings: ActuatorSettings) -> dict[str, Any]:
     """Of the emulated qbmove [emulated] says all; addresses say nothing of any."""
-    return {} if settings.kind == "qbmove" else {"actuator": replace(settings, port=None)}
+    return {} if settings.kind == "qbmove" else {"actuator": replace(settings, port=None, serial_number=None)}
 
 
 def _changed_guards() -> tuple[str, ...]:

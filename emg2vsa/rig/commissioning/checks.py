@@ -66,6 +66,11 @@ class Check:
     remark: str
     table: str = "rig"
 
+    @property
+    def new(self) -> bool:
+        """Found, and the file says nothing of it, nor must it."""
+        return self.good and self.said is None and self.found is not None
+
 
 def check_rig(
     hand: HandMotion, rig: RigSettings, person: Person, say: Callable[[str], None], reach_deg: float = REACH_DEG,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from typing import Any, Self
@@ -36,6 +36,7 @@ from emg2vsa.worlds.tactile import ContactState
 
 ACTUATORS = {"qbmove": QBMOVE, "dynamixel": DYNAMIXEL}
 "By kind."
+_TABLES, _DIGITS = ("actuator", "motor"), 10
 _AWAY_MM = 1e6
 TORQUE_NOISE_NM_PER_N = 0.02
 "Noise of the torque over that of the force (guess)."
@@ -47,7 +48,7 @@ class EmulatedRig:
     Parameters
     ----------
     emulated : the bench. specimen, angle_deg : what is on it. rigid : under the rigid motor, else under the actuator.
-    actuator : its settings; a qbmove where none are given.
+    actuator : its settings; a qbmove where none are given. numbers : serial numbers by table of the rig file.
     rig : as the drivers are told, and as the bench is built; both actuators begin retracted, at its ``home_deg``.
     run : name of the run; other names, other draws. plate : a flat plate presses, in place of the dome.
     mounting : from 1; each has draws of its own. effect : artificial, of a control world.
@@ -57,7 +58,7 @@ class EmulatedRig:
     world : what is pressed. firmware : of the actuator. idle : of the other one, whose probe is not over the specimen.
     end, idle_end : kinds of both. wire, box, camera : the ends that fail on demand: `FaultyWire`, and ``faults`` of the
     two others.
-    plan : of faults that begin or end later.
+    plan : of faults that begin or end later. numbers : those that its devices tell: a box, and qbmoves of digits.
 
     Raises
     ------
@@ -79,6 +80,7 @@ class EmulatedRig:
         effect: ArtificialEffect | None = None,
         mounted: str = "",
         actuator: Any = None,
+        numbers: Mapping[str, str] | None = None,
     ) -> None:
         self.rigid, self.clock, self.rig = rigid, clock, rig or RigSettings()
         ends = RIGID_MOTOR, _far_end_of("qbmove" if actuator is None else actuator.kind)
@@ -93,13 +95,16 @@ class EmulatedRig:
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
         away = World(clock, replace(self._draws.world(0), gap_mm=_AWAY_MM, springs=idle_springs))
         latency_s = self._draws.preset_latency_s
-        self.place = Place(actuator, emulated.springs, self.rig, self.world, clock, latency_s)
-        self.idle_place = self.place._replace(world=away)
+        self.numbers = {table: each for table, each in (numbers or {}).items() if _tells(table, each, actuator)}
+        number, idle_number = (self.numbers.get(each, "") for each in _TABLES[:: -1 if rigid else 1])
+        self.place = Place(actuator, emulated.springs, self.rig, self.world, clock, latency_s, number)
+        self.idle_place = self.place._replace(world=away, serial_number=idle_number)
         self.firmware, self.idle = self.end.device(self.place), self.idle_end.device(self.idle_place)
         self.plan = FaultPlan()
         self.wire = FaultyWire(self.firmware, self.end.frames, clock, seed=self._draws.sensor_seed)
         noise = emulated.force_noise_n, emulated.force_noise_n * TORQUE_NOISE_NM_PER_N
         box = BoxSettings(rate_hz=emulated.force_rate_hz, noise=noise, seed=self._draws.sensor_seed)
+        box = replace(box, serial=self.numbers.get("force", box.serial))
         self._force_zero_n = 0.0
         self._mounting = _turned_to(self.rig.push_axis)
         self._rotation = self._mounting.tolist()
@@ -210,6 +215,12 @@ class EmulatedServers:
 
     def __exit__(self, *error: object) -> None:
         self._open.close()
+
+
+def _tells(table: str, number: str, actuator: Any) -> bool:
+    """Whether a device of this table can tell such a number: that of an adapter it cannot."""
+    qbmove = table == "motor" or (table == "actuator" and (actuator is None or actuator.kind == "qbmove"))
+    return table == "force" or (qbmove and len(number) == _DIGITS and number.isdecimal() and int(number) < 2**32)
 
 
 def _far_end_of(kind: str) -> FarEnd:

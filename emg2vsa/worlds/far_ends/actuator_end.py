@@ -46,7 +46,7 @@ class ActuatorEnd(Device, Protocol):
 
 class Place(NamedTuple):
     """Where a far end is. settings : of the actuator, as its driver has them. springs : name of a qbmove's, whatever
-    stands here. latency_s : from a command until it is obeyed."""
+    stands here. latency_s : from a command until it is obeyed. serial_number : that it tells; "" for none."""
 
     settings: Any
     springs: str
@@ -54,6 +54,7 @@ class Place(NamedTuple):
     world: World
     clock: Clock
     latency_s: float
+    serial_number: str = ""
 
 
 @dataclass(frozen=True)

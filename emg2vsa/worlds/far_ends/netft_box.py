@@ -41,7 +41,7 @@ class BoxSettings:
     buffer : records a datagram in buffered mode, 1 to 40.
     rating : largest force and torque along x, y, z in these units; beyond, the status says so. Mini45 SI-145-5.
     noise : standard deviation of force and torque in these units.
-    axia : an Ethernet Axia, else a Net F/T box.
+    axia : an Ethernet Axia, else a Net F/T box. serial : number of its calibration.
     """
 
     rate_hz: float = 1000.0
@@ -55,6 +55,7 @@ class BoxSettings:
     rating: tuple[float, ...] = (145.0, 145.0, 290.0, 5.0, 5.0, 5.0)
     noise: tuple[float, float] = (0.005, 0.0001)
     axia: bool = False
+    serial: str = "FT00000"
     seed: int = 0
 
     @cached_property
@@ -265,7 +266,7 @@ def configuration_page(box: RdtBox) -> bytes:
         "runrate": INTERNAL_RATE_HZ,
         "cfgnam": "emulated",
         "cfgcalsel": 0,
-        "cfgcalsn": "FT00000",
+        "cfgcalsn": s.serial,
         "scfgfu": s.force_unit,
         "scfgtu": s.torque_unit,
         "cfgcpf": s.counts_per_force,

@@ -18,7 +18,7 @@ from types import SimpleNamespace
 import pytest
 
 from emg2vsa.errors import SettingError
-from emg2vsa.lab.emulation import check_replaceable, served_file
+from emg2vsa.lab.emulation import check_replaceable, emulation, served_file
 from emg2vsa.lab.rig_lock import rig_lock
 from emg2vsa.rig_file import load_rig
 from emg2vsa.run_folders.presses import is_simulated
@@ -209,3 +209,26 @@ def use_from_here(emulation: subprocess.Popen[str], rig: Rig, written: Path) -> 
     assert emulation.stdout.readline() == "dark on: the camera gives no frames\n"
     emulation.terminate()
     assert emulation.wait() == 0
+
+
+NUMBERS = {"[actuator]": "0000000017", "[motor]": "0000000018", "[force]": "FT12345"}
+
+
+def test_serial_numbers_of_the_file_are_told_by_the_emulated_devices_and_show_exchanged_ports(
+    rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
+) -> None:
+    path, written = rig_file(), tmp_path / "emulated.toml"
+    text = path.read_text()
+    for table, number in NUMBERS.items():
+        text = text.replace(f"{table}\n", f'{table}\nserial_number = "{number}"\n')
+    path.write_text(text)
+    with emulation(load_rig(path), write=written) as served:
+        status, out, _ = rig("info", written)
+        assert (status, out.count(", told by the device\n")) == (0, 3)
+        assert all(f"\n  serial number {number}, told by the device\n" in out for number in NUMBERS.values())
+        ports = served.servers.port, served.servers.idle_port
+        swapped = written.read_text().replace(ports[0], "here").replace(ports[1], ports[0]).replace("here", ports[1])
+        written.write_text(swapped)
+        status, out, _ = rig("info", written)
+    exchanged = ", told by the device. The ports of [actuator] and [motor] are exchanged: exchange them in rig.toml.\n"
+    assert (status, out.count(exchanged)) == (1, 2)

@@ -64,7 +64,8 @@ def _begun(switches: Switches, place: Place, *, motors: int) -> QbmoveFirmware:
     memory = switches.factory((home_ticks, home_ticks if motors == 2 else 0, home_ticks))
     world = place.world
     return QbmoveFirmware(
-        switches, world, place.clock, memory=memory, loads=world.loads_nm, latency_s=place.latency_s
+        switches, world, place.clock, memory=memory, loads=world.loads_nm, latency_s=place.latency_s,
+        serial_number=place.serial_number,
     )  # fmt: skip
 
 

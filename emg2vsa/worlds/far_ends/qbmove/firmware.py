@@ -107,9 +107,12 @@ class QbmoveFirmware:
         motors_rad: Torques = (0.0, 0.0),
         loads: Loads = no_loads,
         latency_s: float = 0.0,
+        serial_number: str = "",
     ) -> None:
         """``memory``: what is stored at the start, instead of the factory's settings. ``loads``: on the motors.
-        ``latency_s``: from a command to the motors until their loop knows of it."""
+        ``latency_s``: from a command to the motors until their loop knows of it. ``serial_number``: decimal
+        digits, told with a ping as by firmware from 7.1 on."""
+        self._number = int(serial_number).to_bytes(4) if serial_number else b""
         self._switches, self._clock = switches, clock
         self._stored = memory or switches.factory()
         self._loop = Loop(switches, shaft, clock, motors_rad, loads, latency_s)
@@ -222,7 +225,7 @@ class QbmoveFirmware:
         return frame(device_id, DONE)
 
     def _ping(self) -> bytes:
-        return self._reply(Command.PING, b"")
+        return self._reply(Command.PING, self._number)
 
     def _measured(self) -> list[int]:
         ticks = self._loop.motors.measured(self._shadow)
