@@ -8,7 +8,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from emg2vsa.devices.clock import VirtualClock
-from emg2vsa.devices.protocols import Identity
 from emg2vsa.errors import SettingError
 from emg2vsa.lab.by_hand import hand_rig
 from emg2vsa.lab.person import NOBODY, TRIES, Person
@@ -100,14 +99,15 @@ def check_reference(
         do = "Take another reference, and give its stiffness in N/mm."
         raise SettingError("--reference", wanted=f"0.1 to {most:g} N/mm", found=f"{stated_n_per_mm:g}", do=do)
 
-    def pressed(hand: HandMotion, rig: RigSettings, info: Identity | None, sequence: int | None) -> ReferenceProof:
+    def pressed(hand: HandMotion, rig: RigSettings, opened: OpenRig | None = None) -> ReferenceProof:
         speeds = sorted({file.plate.ramp_mm_per_s, file.experiment.ramp_mm_per_s} if motor else {1.0})
         found = press_reference(hand, rig, speeds, reach_deg, person.say)
-        slowest, who = found[speeds[0]], (info.device_id, info.firmware) if info else (0, "emulated")
+        slowest = found[speeds[0]]
+        who = (opened.info.device_id, opened.info.firmware, opened.serial_numbers) if opened else (0, "emulated", {})
         of_motor = tuple((speed, each.motor_a_per_n) for speed, each in found.items() if each.motor_a_per_n is not None)
         proof = ReferenceProof(
             datetime.now(UTC).isoformat(timespec="seconds"), stated_n_per_mm, slowest.n_per_mm, slowest.se_n_per_mm,
-            of_motor, *who, rig.gear_mm_per_degree, rig.push_axis, sequence,
+            of_motor, *who, rig.gear_mm_per_degree, rig.push_axis, force_sequence(file, opened) if opened else None,
         )  # fmt: skip
         person.say(f"written: {write_reference(file.path, proof, virtual=virtual)}")
         return proof
@@ -120,12 +120,12 @@ def check_reference(
         bench = EmulatedRig(
             spring, _REFERENCE, 0.0, motor, VirtualClock(), rig=file.rig, plate=True, actuator=file.devices.actuator
         )
-        return pressed(HandMotion(bench.devices(), file.rig, bench.clock), file.rig, None, None)
+        return pressed(HandMotion(bench.devices(), file.rig, bench.clock), file.rig)
     person.say(_SPRING.format(stated=stated_n_per_mm, most=min(MOST_N, file.rig.guards.force_n / 2)))
     if not person.agrees("Ready?"):
         return None
     with hand_rig(file, motor=motor) as (opened, hand):
-        return pressed(hand, opened.rig, opened.info, force_sequence(file, opened))
+        return pressed(hand, opened.rig, opened)
 
 
 def mend_settings(file: RigFile, checks: Sequence[Check], person: Person = NOBODY) -> bool:

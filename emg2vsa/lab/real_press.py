@@ -122,7 +122,7 @@ def _with_these_devices(file: RigFile, plan: RunPlan, opened: OpenRig, say: Say)
     proof = read_reference(file.path) if plan.motor_a_per_n is not None else None
     if proof is None:
         return plan
-    why = proof.refused_by(opened.info, force_sequence(file, opened))
+    why = proof.refused_by(opened.info, opened.serial_numbers, force_sequence(file, opened))
     if why:
         say(f"reference: it holds no more: {why}")
     return replace(plan, motor_a_per_n=None) if why else plan

@@ -35,6 +35,11 @@ class OpenRig:
     numbers: dict[str, Told]
     "Serial numbers by table."
 
+    @property
+    def serial_numbers(self) -> dict[str, str]:
+        """By table; empty where a device tells none."""
+        return {table: told.number for table, told in self.numbers.items()}
+
 
 @contextmanager
 def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, clock: Clock) -> Iterator[OpenRig]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import asdict, dataclass
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -42,7 +42,8 @@ class ReferenceProof:
     date : of the press, ISO 8601 with its zone.
     stated_n_per_mm, found_n_per_mm, se_n_per_mm : stiffness as stated, as found, and its standard error.
     motor_a_per_n : speed, mm/s, and current for a newton of a rigid motor, A/N; empty with springs.
-    device_id, firmware : of the actuator. gear_mm_per_degree, push_axis : of the rig file.
+    device_id, firmware : of the actuator. serial_numbers : by table, empty where a device tells none.
+    gear_mm_per_degree, push_axis : of the rig file.
     force_sequence : the force sensor's number of its newest sample, which begins anew with its power; None where it
     counts none.
     """
@@ -54,6 +55,7 @@ class ReferenceProof:
     motor_a_per_n: tuple[tuple[float, float], ...]
     device_id: int
     firmware: str
+    serial_numbers: dict[str, str]
     gear_mm_per_degree: float
     push_axis: tuple[float, ...]
     force_sequence: int | None
@@ -77,11 +79,14 @@ class ReferenceProof:
             return "gear_mm_per_degree or push_axis has been changed since"
         return ""
 
-    def refused_by(self, info: Identity, force_sequence: int | None) -> str:
+    def refused_by(self, info: Identity, serial_numbers: Mapping[str, str], force_sequence: int | None) -> str:
         """Why it does not hold for these devices; "" where it does. A force sensor whose samples count from less than
         before has been switched off since."""
         if (self.device_id, self.firmware) != (info.device_id, info.firmware):
             return f"it was pressed with another device: {self.firmware}, id {self.device_id}"
+        for table, number in self.serial_numbers.items():
+            if serial_numbers.get(table, number) != number:
+                return f"it was pressed with another [{table}]: serial number {number}"
         if None not in (self.force_sequence, force_sequence) and force_sequence < self.force_sequence:  # type: ignore[operator]
             return "the force sensor has been switched off since"
         return ""

@@ -30,8 +30,9 @@ RIG = RigSettings()
 A_PER_N = MOTOR_CURRENT_MA / 1000 / MOTOR_TORQUE_NM * RIG.lever_m
 NOW = datetime(2026, 3, 1, 12, tzinfo=UTC)
 PROOF = ReferenceProof(
-    NOW.isoformat(), 5.0, 5.2, 0.02, ((2.0, 0.05), (5.0, 0.06)), 1, "QBMMP v6.1.0", 0.2, RIG.push_axis, 700
-)
+    NOW.isoformat(), 5.0, 5.2, 0.02, ((2.0, 0.05), (5.0, 0.06)), 1, "QBMMP v6.1.0", {"force": "FT1"}, 0.2,
+    RIG.push_axis, 700,
+)  # fmt: skip
 
 
 def pressed(stated: float = 5.0, *, rigid: bool = True, fault: str = "", reach_deg: float = 45.0) -> Pressed:
@@ -80,15 +81,18 @@ def test_what_a_proof_holds_for() -> None:
 
 
 @pytest.mark.parametrize(
-    ("device_id", "sequence", "why"),
-    [(1, 800, ""), (1, None, ""), (1, 699, "switched off"), (2, 800, "another device")],
-)
-def test_which_devices_a_proof_holds_for(device_id: int, sequence: int | None, why: str) -> None:
+    ("device_id", "sensor", "sequence", "why"),
+    [
+        (1, "FT1", 800, ""), (1, "FT1", None, ""), (1, "FT1", 699, "switched off"), (2, "FT1", 800, "another device"),
+        (1, "FT2", 800, "another [force]"),
+    ],
+)  # fmt: skip
+def test_which_devices_a_proof_holds_for(device_id: int, sensor: str, sequence: int | None, why: str) -> None:
     class Info:
         firmware = "QBMMP v6.1.0"
 
     Info.device_id = device_id  # type: ignore[attr-defined]
-    said = PROOF.refused_by(Info(), sequence)  # type: ignore[arg-type]
+    said = PROOF.refused_by(Info(), {"force": sensor}, sequence)  # type: ignore[arg-type]
     assert why in said
     assert bool(why) == bool(said)
 
