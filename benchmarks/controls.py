@@ -89,7 +89,7 @@ def area_mm2(name: str, force_n: Floats) -> Floats:
 
 
 def stiffness_mpa(name: str) -> float:
-    return SPECIMENS[name] / (2 * WORLD.punch_radius_mm)
+    return WORLD.specimen_mpa(SPECIMENS[name])
 
 
 def effects(material: Material, errors: FrameErrors, *, swapped: bool = False) -> StiffnessEffect:

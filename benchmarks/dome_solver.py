@@ -18,7 +18,7 @@ import numpy as np
 from casr.dome.solver.bodies import Rubber
 from casr.dome.solver.cases import AREA_AT_N, area_error, areas_mm2
 from casr.dome.solver.press import Dome, Pressed, Pressing, Specimen, press
-from casr.dome.solver.punch import stiffness_over_modulus_mm
+from casr.dome.solver.punch import punch_on_block_mm
 from casr.dome.tables import ContactTable, read_table
 
 SKIN, GEL_SHARE = Rubber(0.8), {"A": 0.0375, "C": 0.0125, "E": 0.33, "G": 2.0}
@@ -206,9 +206,9 @@ def main() -> None:
     print("\n".join(against_tables(given.contact_fem)), flush=True)
     print("\nA ball of one rubber (.5 MPa) on a wide specimen; Hertz's is the limit of a / R = 0:\n")
     print("\n".join(hertz()), flush=True)
-    boussinesq = stiffness_over_modulus_mm(400.0, 400.0, 0.49) * (1 - 0.49**2) / 20
+    boussinesq = punch_on_block_mm(400.0, 400.0, 0.49) * (1 - 0.49**2) / 20
     print(f"\nA rigid punch of 10 mm radius on a block of 400 mm, over Boussinesq's half-space: {boussinesq:.3f}.")
-    block = stiffness_over_modulus_mm(35.0, 25.0, 0.49)
+    block = punch_on_block_mm(35.0, 25.0, 0.49)
     print(
         f"Stiffness over modulus of the tables' block at small depth: {block:.2f} mm; theirs, 1 mm deep: {BLOCK_MM} mm."
     )

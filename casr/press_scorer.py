@@ -13,9 +13,10 @@ from casr.camera import Camera, undistorted
 from casr.contact_area import InitialArea, initial_area
 from casr.contact_area.follow import FrontSoFar, contact_front
 from casr.contact_area.front import ContactFront
+from casr.contact_area.library_front import dome_scale
 from casr.contact_area.motion import check_area
 from casr.counts import count
-from casr.dome.library import worlds
+from casr.dome.library import Library, worlds
 from casr.errors import FramesError, PinsError
 from casr.flow.estimate import FlowStep, FlowTracker
 from casr.flow.pin_engine import need_pins_inside
@@ -156,7 +157,11 @@ class PressScorer:
 
     @cached_property
     def _front_so_far(self) -> FrontSoFar:
-        return FrontSoFar(self._camera, worlds(self._settings.domes))
+        return FrontSoFar(self._camera, self._worlds())
+
+    def _worlds(self) -> Library:
+        height_mm = self._settings.specimen_height_mm
+        return worlds(self._settings.domes, height_mm and height_mm / dome_scale(self._camera))
 
     @property
     def _first_area(self) -> float:
@@ -180,7 +185,7 @@ class PressScorer:
         if not by_front:
             self._check(skin.area)
         pins_px = np.array(self.pins_px[: len(frames)])
-        front = contact_front(self._rest.centroids_px, pins_px, self._camera, worlds(self._settings.domes))
+        front = contact_front(self._rest.centroids_px, pins_px, self._camera, self._worlds())
         doubt, spread = self._front_spread(front, np.arange(len(frames)), force_n, force_zero_sd_n)
         notes = (*self._notes_on(phase, frames), *(front.notes if by_front else ()))
         return Score(

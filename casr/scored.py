@@ -89,6 +89,8 @@ class ScoreSettings:
     quantity : which area is the result: ``front``, the contact whose edge is followed in every frame, or ``skin``, the
         first contact's skin as the flow stretches it (the paper's). Both are always there.
     domes : folder of a lab's own tables of domes, beside those that come with casr.
+    specimen_height_mm : thickness of the specimen, for tables of this height or between two; None: of any height. Those
+        that come with casr are of 25 mm.
     flow : how growth of skin is measured.
     area_rule : one of ``casr.contact_area.RULES``, for the initial area.
     area_law, rate_rule : of ``casr.spread``: eq. (1) and eq. (2). rate_window_n : forces between which rule ``power``
@@ -103,6 +105,7 @@ class ScoreSettings:
 
     quantity: str = "front"
     domes: str | None = None
+    specimen_height_mm: float | None = None
     flow: FlowSettings = field(default_factory=FlowSettings)
     area_rule: str = "edge"
     area_law: str = "ode"
@@ -134,6 +137,11 @@ class ScoreSettings:
             raise SettingError(
                 "threshold_px", wanted="a distance above 0 px", found=repr(self.threshold_px), do="The paper uses 2."
             )
+        if self.specimen_height_mm is not None and not 0 < self.specimen_height_mm < np.inf:
+            raise SettingError(
+                "specimen_height_mm", wanted="a height above 0 mm", found=repr(self.specimen_height_mm),
+                do="Measure the specimen, or leave it out.",
+            )  # fmt: skip
         if not abs(self.camera_lag_s) <= MOST_LAG_S:
             raise SettingError(
                 "camera_lag_s", wanted=f"seconds from {-MOST_LAG_S:g} to {MOST_LAG_S:g}", found=repr(self.camera_lag_s),

@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import ArrayLike
 
+from casr.dome.kappa import punch_on_half_space_mm
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import SettingError
 
@@ -83,8 +84,7 @@ class ElasticDome:
     exponent : of the contact radius over force. 1/4 lies inside the range of a nonlinear soft finger, n/(2n+1) <= 1/3
         (source: Xydas and Kao 1999); 1/3 is Hertz.
     sensor_modulus_mpa : reduced modulus of the dome (guess).
-    punch_radius_mm : radius of the flat plate that measured the specimen's stiffness (guess), for E* = kappa/(2 a)
-        (source: Sneddon 1965).
+    punch_radius_mm : radius of the flat punch that measured the specimen's stiffness, as on a half-space (guess).
     """
 
     tip_radius_mm: float = 20.0
@@ -98,16 +98,19 @@ class ElasticDome:
             if not (math.isfinite(value) and value > 0):
                 raise SettingError(field.name, wanted="a number above 0", found=repr(value), do="Correct the contact.")
 
+    def specimen_mpa(self, stiffness_n_per_mm: float) -> float:
+        """Reduced modulus of a specimen, MPa."""
+        return stiffness_n_per_mm / punch_on_half_space_mm(self.punch_radius_mm)
+
     def modulus_mpa(self, stiffness_n_per_mm: float) -> float:
         """Reduced modulus of dome and specimen in series, MPa."""
-        specimen_mpa = stiffness_n_per_mm / (2 * self.punch_radius_mm)
-        return 1 / (1 / self.sensor_modulus_mpa + 1 / specimen_mpa)
+        return 1 / (1 / self.sensor_modulus_mpa + 1 / self.specimen_mpa(stiffness_n_per_mm))
 
     def stiffness_n_per_mm(self, modulus_mpa: float) -> float:
         """Of the specimen with which dome and specimen in series have this modulus; infinite from the dome's own on."""
         if modulus_mpa >= self.sensor_modulus_mpa:
             return math.inf
-        return 2 * self.punch_radius_mm / (1 / modulus_mpa - 1 / self.sensor_modulus_mpa)
+        return punch_on_half_space_mm(self.punch_radius_mm) / (1 / modulus_mpa - 1 / self.sensor_modulus_mpa)
 
     def on(self, stiffness_n_per_mm: float) -> PowerLaw:
         """Its contact with a specimen."""

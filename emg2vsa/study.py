@@ -41,10 +41,16 @@ class Specimen:
     "Forces over which the stiffness holds."
     stiffness_change: float = 0.0
     "By what share of it the stiffness grows over these forces."
-    size_mm: tuple[float, float] | None = None
-    "Diameter and height of a cylinder between the plates."
+    diameter_mm: float | None = None
+    height_mm: float | None = None
+    "Of the cylinder between the plates; the height is that under the sensor, too."
     ends: Literal["frictionless", "bonded"] = "frictionless"
     "Whether its ends slide there, or cannot."
+
+    @property
+    def size_mm(self) -> tuple[float, float] | None:
+        """Diameter and height, where both are known."""
+        return (self.diameter_mm, self.height_mm) if self.diameter_mm and self.height_mm else None
 
     def stiffness_over(self, force_n: tuple[float, float]) -> tuple[float, float]:
         """Stiffness over other forces and its standard error; 95 % reach from no change to twice that of its course."""
@@ -135,7 +141,8 @@ class RunEntry:
 class RunsSource:
     """Where the runs of a study come from. ``rig``: the rig file whose emulated rig makes them; None: measured runs.
 
-    root : folder of the runs. camera : camera file of measured runs that have none of their own. plates : folder of
+    root : folder of the runs. camera : camera file of measured runs that have none of their own. domes : folder of the
+    sensor's own tables of domes. plates : folder of
     plate indentations, which stays where it is when emulated runs are made elsewhere.
     """
 
@@ -143,6 +150,7 @@ class RunsSource:
     rig: Path | None
     camera: Path | None
     plates: Path
+    domes: Path | None = None
 
 
 def plates_beside(runs: Path) -> Path:

@@ -126,6 +126,7 @@ METHOD = f"""
     or skin, that of the first contact as the flow stretches it, as in the paper; the other stands beside it
     (default %(default)s)
 --domes FOLDER  tables of your own domes, beside those that come with casr
+--specimen-height-mm MM  thickness of the specimen, for tables of it; those that come with casr are of 25 mm
 {ENGINE}--area {{edge,hexagon,circle,paper}} = edge  initial area (default %(default)s)
 --law {{ode,paper}} = ode  area growth: ode, exp(sum of log growth), or paper, eq. (1) as printed (default %(default)s)
 --rate {{power,slope,paper}} = power  CASR: power, the mean rate from --start-n to --stop-n on a power law through the

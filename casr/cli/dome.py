@@ -21,13 +21,14 @@ pip install "emg2vsa[solver]". Exit status 1: a case could not be solved. Exampl
 OPTIONS = f"""
 sensor SENSOR.toml  the sensor's file
 -o --out FOLDER = domes  where to write (default %(default)s)
+--page FILE  a page of the dome: section and pins, how they move, areas, how unlike it is to the domes of casr
 --jobs N  cases at the same time (default: one for each core)
 {JSON}
 """
 
 
 def add_to(commands: Commands) -> None:
-    types = {"SENSOR.toml": Path, "N": whole_number}
+    types = {"SENSOR.toml": Path, "FILE": Path, "N": whole_number}
     add_command(commands, "dome", run, SUMMARY, EPILOG, OPTIONS, types)
 
 
@@ -62,5 +63,19 @@ def run(arguments: argparse.Namespace) -> int:
         f"Use them with dome_radius_mm = {dome_radius_mm(cases[0]):.4g} under [sensor] in camera.toml: "
         f"casr score PRESSES --domes {arguments.out}"
     )
+    if arguments.page and (there := [each.case.name for each in found if not each.stopped]):
+        _write_page(arguments.page, arguments.out, there)
     answer(arguments.json, {"folder": str(arguments.out), "tables": rows}, lines)
     return int(any(each.stopped for each in found))
+
+
+def _write_page(path: Path, folder: Path, names: list[str]) -> None:
+    from casr.atomic import write_text_atomic
+    from casr.dome.library import worlds
+    from casr.dome.solver.cases import said_of
+    from casr.dome.tables import read_table
+    from casr.page.dome_page import SolvedTable, dome_page
+
+    files = [folder / f"{name}.npz" for name in names]
+    solved = [SolvedTable(file.stem, read_table(file), said_of(file)) for file in files]
+    write_text_atomic(path, dome_page(solved, worlds()))

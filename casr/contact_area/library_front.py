@@ -144,7 +144,9 @@ def library_front(
     ranked = sorted(every, key=lambda each: each[0])[:_KEPT]
     # what one mm^2 of the dome of 20 mm is in the unit of areas
     unit = [
-        fit.view.focal_px[0] * fit.view.focal_px[1] / fit.view.depth_mm**2 if camera is None else _scale(camera) ** 2
+        fit.view.focal_px[0] * fit.view.focal_px[1] / fit.view.depth_mm**2
+        if camera is None
+        else dome_scale(camera) ** 2
         for _, fit, _ in ranked
     ]
     candidates = np.pi * np.array([fit.radius_mm[row] for _, fit, row in ranked]) ** 2 * np.array(unit)[:, None]
@@ -168,7 +170,7 @@ def library_front(
         # radii differ by s, areas by 2 s: the logarithms of areas are compared here, twice their spread as for radii
         "dome": np.hypot(2 * np.sqrt(spread_weight @ (log_area - np.log(area)) ** 2), DOME_SD),
         "misfit": np.full(length, SD_PER_MISFIT * max(misfit - FREE_MISFIT, 0.0)),
-        "pin length": moved(pin_length_mm=best.view.pin_length_mm + PIN_LENGTH_SD_MM / _scale(camera)),
+        "pin length": moved(pin_length_mm=best.view.pin_length_mm + PIN_LENGTH_SD_MM / dome_scale(camera)),
         "depth": moved(depth_mm=best.view.depth_mm * (1 + DEPTH_SHARE_SD)),
     }
     edge = FrontEdge(best, library, flat_rest)
@@ -189,7 +191,7 @@ def _views(rest_px: Array, camera: Camera | None) -> tuple[list[DomeView], tuple
     pole = rest_px.mean(axis=0)
     pole_px = (float(pole[0]), float(pole[1]))
     sensor = camera.sensor if camera is not None else None
-    scale = _scale(camera)
+    scale = dome_scale(camera)
     known_mm = None if sensor is None else sensor.pin_length_mm
     lengths = USUAL_PIN_LENGTHS_MM if known_mm is None else (known_mm / scale,)
     said: tuple[str, ...] = ()
@@ -230,7 +232,7 @@ def _unscaled(pole_px: tuple[float, float], reach_px: float, pin_length_mm: floa
     return DomeView(focal_px=(focal, focal), pole_px=pole_px, depth_mm=_UNKNOWN_DEPTH_MM, pin_length_mm=pin_length_mm)
 
 
-def _scale(camera: Camera | None) -> float:
+def dome_scale(camera: Camera | None) -> float:
     """Millimetres of this sensor in one of the dome of 20 mm."""
     radius = None if camera is None else camera.sensor.dome_radius_mm
     return 1.0 if radius is None else radius / OUTER_RADIUS_MM

@@ -1,6 +1,7 @@
 """Finite-element solutions of a dome pressed on a specimen: the documented file of one solution.
 
-A file is named ``<dome>_k<stiffness, N/mm, or rigid>_<friction>.npz``. Row 0 is the untouched state; arrays of T steps
+A file is named ``<dome>_k<stiffness, N/mm, or rigid>_<friction>.npz``, or ``<dome>_k<stiffness>_h<mm>_<friction>.npz``
+where specimens of several heights are told apart. Row 0 is the untouched state; arrays of T steps
 and P nodes along the inside of the skin, from the pole outwards, in a frame that moves with the flange:
 
 | key | shape | unit | meaning |
@@ -11,6 +12,8 @@ and P nodes along the inside of the skin, from the pole outwards, in a frame tha
 | s_mm | P | mm | arc from the pole to each node on the undeformed inside |
 | u_r_mm, u_z_mm | T, P | mm | displacement away from the axis, and along it towards the tip |
 | tilt_rad | T, P | rad | rotation of the skin; positive turns the tips of pins away from the axis |
+
+A number ``specimen_height_mm`` beside them is the thickness of the specimen; without it 25 mm.
 
 The dome is a sphere of 20 mm radius with a skin of 1 mm; another size is the same dome in other millimetres.
 """
@@ -32,6 +35,7 @@ Array = NDArray[np.float64]
 
 OF_STEPS = ("force_n", "contact_radius_mm", "edge_arc_mm")
 OF_NODES = ("u_r_mm", "u_z_mm", "tilt_rad")
+HEIGHT, USUAL_HEIGHT_MM = "specimen_height_mm", 25.0
 LEAST_RADIUS_MM = 4.0
 "That a contact reaches at its last force: smaller ones tell nothing of a press."
 RANGES = {
@@ -40,7 +44,7 @@ RANGES = {
 }  # fmt: skip
 "Values that a table can hold."
 FALL_MM, FIRST_ARC_MM = 0.5, 0.5
-_NAME = re.compile(r"(?P<dome>[^_]+)_k(?P<stiffness>rigid|\d+(\.\d+)?)_(?P<friction>[^_]+)")
+_NAME = re.compile(r"(?P<dome>[^_]+)_k(?P<stiffness>rigid|\d+(\.\d+)?)(_h[^_]+)?_(?P<friction>[^_]+)")
 _DO = "See the layout in docs/reference/dome-tables.md."
 
 
@@ -48,13 +52,14 @@ _DO = "See the layout in docs/reference/dome-tables.md."
 class ContactTable:
     """One dome pressed on one specimen: T steps, P nodes; see the layout of the file.
 
-    dome, friction : names. stiffness_n_per_mm : of the specimen; inf for a rigid plate.
+    dome, friction : names. stiffness_n_per_mm, height_mm : of the specimen; inf and whatever for a rigid plate.
     motion : (T, P, 3) of u_r_mm, u_z_mm and tilt_rad.
     """
 
     dome: str
     stiffness_n_per_mm: float
     friction: str
+    height_mm: float
     force_n: Array
     contact_radius_mm: Array
     edge_arc_mm: Array
@@ -74,15 +79,19 @@ def read_table(path: Path) -> ContactTable:
             raise ValueError("one array, and no archive of several")
         with kept:
             arrays = {key: _real(kept[key]) for key in (*OF_STEPS, "s_mm", *OF_NODES)}
+            height_mm = float(kept[HEIGHT]) if HEIGHT in kept else USUAL_HEIGHT_MM
     except (OSError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
         raise SettingError(str(path), wanted="a table of a dome's contact", found=str(error), do=_DO) from error
     _check(path, arrays)
+    if not 0 < height_mm < np.inf:
+        raise SettingError(f"{path}, {HEIGHT}", wanted="a height above 0 mm", found=f"{height_mm:g}", do=_DO)
     stiffness = np.inf if named["stiffness"] == "rigid" else float(named["stiffness"])
     if not stiffness > 0:
         raise SettingError(str(path), wanted="a stiffness above 0 in its name", found=named["stiffness"], do=_DO)
     return ContactTable(
-        dome=named["dome"], stiffness_n_per_mm=stiffness, friction=named["friction"], force_n=arrays["force_n"],
-        contact_radius_mm=arrays["contact_radius_mm"], edge_arc_mm=arrays["edge_arc_mm"], s_mm=arrays["s_mm"],
+        dome=named["dome"], stiffness_n_per_mm=stiffness, friction=named["friction"], height_mm=height_mm,
+        force_n=arrays["force_n"], contact_radius_mm=arrays["contact_radius_mm"], edge_arc_mm=arrays["edge_arc_mm"],
+        s_mm=arrays["s_mm"],
         motion=np.stack([arrays[key] for key in OF_NODES], axis=-1),
     )  # fmt: skip
 

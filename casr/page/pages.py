@@ -42,7 +42,7 @@ def press_page(
         html.statement(*verdict(score))
         + html.tiles(headline(score))
         + notes
-        + html.section("pictures", "Pictures", html.pictures(map(_picture, pictures)))
+        + html.section("pictures", "Pictures", html.pictures(map(picture_figure, pictures)))
         + html.section(
             "numbers",
             "Numbers and settings",
@@ -61,7 +61,8 @@ def whole_page(title: str, sub: str, body: str) -> str:
     return html.page(title, header, (), body, f'<p class="small">casr {casr.__version__}</p>')
 
 
-def _picture(picture: Picture) -> str:
+def picture_figure(picture: Picture) -> str:
+    """A drawing with its title and caption, as HTML."""
     drawn, caption = picture.inline(), escape(picture.caption)
     return f"<figure><h3>{escape(picture.title)}</h3>{drawn}<figcaption>{caption}</figcaption></figure>\n"
 

@@ -8,8 +8,7 @@ Rubber Elasticity), E the initial Young's modulus:
     yeoh        (s^-2 - s) (E / 3 + c (2 / s + s^2 - 3))
     ogden       2 E / (3 a) (s^(-a/2 - 1) - s^(a - 1))
 
-Ends that cannot slide make the cylinder stiffer by 1 + 2 S^2, S = diameter / (4 height) (Gent and Lindley 1959,
-Proceedings of the Institution of Mechanical Engineers 173, 111): right at small strains, less so at large ones.
+Ends that cannot slide make the cylinder stiffer (casr.dome.kappa): right at small strains, less so at large ones.
 """
 
 from __future__ import annotations
@@ -20,6 +19,7 @@ from typing import Literal
 
 import numpy as np
 
+from casr.dome.kappa import plate_on_cylinder_mm
 from emg2vsa.arrays import Floats
 from emg2vsa.curves.first_contact import left_over
 from emg2vsa.curves.force_range import RangeFit, t_975
@@ -44,13 +44,14 @@ class Cylinder:
     @property
     def bonding(self) -> float:
         """By how much ends that cannot slide make it stiffer."""
-        return 1 + 2 * (self.diameter_mm / (4 * self.height_mm)) ** 2
+        radius_mm = self.diameter_mm / 2
+        sliding_mm = plate_on_cylinder_mm(radius_mm, self.height_mm)
+        return plate_on_cylinder_mm(radius_mm, self.height_mm, bonded=True) / sliding_mm
 
     @property
     def n_per_mm_per_kpa(self) -> float:
         """Stiffness at small depth over Young's modulus."""
-        area_mm2 = np.pi / 4 * self.diameter_mm**2
-        return float(1e-3 * area_mm2 / self.height_mm * (self.bonding if self.ends == "bonded" else 1.0))
+        return 1e-3 * plate_on_cylinder_mm(self.diameter_mm / 2, self.height_mm, bonded=self.ends == "bonded")
 
     def force_n(self, depth_mm: Floats, modulus_kpa: float, second: float = 1.0, law: str = "neo-hooke") -> Floats:
         """Of this depth past contact, below the height."""

@@ -76,11 +76,15 @@ def campaign(study: Study) -> Campaign:
 
     Raises
     ------
-    As `rig_of`. DataError : the measured runs have problems, or there is nothing else in the study and none was found.
+    As `rig_of`. casr.errors.SettingError : tables of domes that are none.
+    DataError : the measured runs have problems, or there is nothing else in the study and none was found.
     """
     source = study.runs_source
     if source is None:
         return Campaign(study)
+    if source.domes is not None:
+        # nor without tables for all that reads them
+        importlib.import_module("casr.dome.library").read_library(source.domes)
     if source.rig is None:
         return _measured(study, source)
     rig = rig_of(study, source.rig)

@@ -39,7 +39,7 @@ def plan_of(study: Study, rig: Plain, runs: Mapping[str, Run]) -> Plain:
     """The plan of ``study``. rig : tables of the rig file of its runs, empty where there is none. runs : by name."""
     names = [each.name for each in fields(StageSettings) if each.name not in LEFT_OUT]
     tables = {name: asdict(getattr(study, name)) for name in names}
-    tables |= {"runs": asdict(study.scoring) | {"source": _source(study)}} if study.runs_source else {}
+    tables |= {"runs": asdict(study.scoring) | _source(study)} if study.runs_source else {}
     tables |= {"session": session_plan(asdict(study.session))} if study.session else {}
     return plain(
         {
@@ -59,10 +59,12 @@ def plan_of(study: Study, rig: Plain, runs: Mapping[str, Run]) -> Plain:
     )  # fmt: skip
 
 
-def _source(study: Study) -> str:
-    """Where runs come from. The folder of those that an emulated rig makes is no part of a plan."""
+def _source(study: Study) -> Plain:
+    """Where runs come from, and tables of domes. The folder of runs that an emulated rig makes is no part of a plan."""
     source = study.runs_source
-    return EMULATED if source is None or source.rig else f"measured runs in {_spelled(study, source.root)}"
+    domes = {"domes": _spelled(study, source.domes)} if source and source.domes else {}
+    measured = source and not source.rig
+    return domes | {"source": f"measured runs in {_spelled(study, source.root)}" if source and measured else EMULATED}
 
 
 def plain(value: Plain) -> Plain:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,6 +41,17 @@ class Numbers:
     over_array: float = np.nan
 
 
+class Domes(NamedTuple):
+    """Whose tables the front is found by: a sensor's own, on specimens of this height; see ``casr.ScoreSettings``."""
+
+    domes: str | None = None
+    specimen_height_mm: float | None = None
+
+
+NO_DOMES = Domes()
+"Those that come with casr."
+
+
 class Measured:
     """A press, by its pins and by what else the recipes ask for.
 
@@ -56,8 +68,8 @@ class Measured:
     CasrError : the algorithm of the settings finds nothing.
     """
 
-    def __init__(self, frames: FrameSequence, settings: RunSettings) -> None:
-        self._frames, self._settings, own = frames, settings, settings.recipe
+    def __init__(self, frames: FrameSequence, settings: RunSettings, domes: Domes = NO_DOMES) -> None:
+        self._frames, self._settings, self._domes, own = frames, settings, domes, settings.recipe
         is_front = settings.algorithm == "front"
         self._by_pins = own if is_front or _growth(own) == _growth(RECIPES["front"]) else RECIPES["front"]
         self._skins: dict[Recipe, SkinScore] = {}
@@ -169,7 +181,8 @@ class Measured:
         return self._skins[key]
 
     def _asked(self, recipe: Recipe, quantity: str) -> tuple[FrameSequence, ScoreSettings]:
-        return asked_of(self._frames, self._settings, recipe, quantity)
+        frames, asked = asked_of(self._frames, self._settings, recipe, quantity)
+        return frames, replace(asked, **self._domes._asdict())
 
 
 def asked_of(

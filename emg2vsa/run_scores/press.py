@@ -11,7 +11,7 @@ from casr.errors import CasrError
 from casr.frames import FrameSequence
 from casr.scored import SkinScore
 from emg2vsa.arrays import Floats
-from emg2vsa.run_scores.measured import Measured, Numbers
+from emg2vsa.run_scores.measured import NO_DOMES, Domes, Measured, Numbers
 from emg2vsa.run_scores.product import ALGORITHMS, PICTURED_N, ContactPicture, PressCurve
 from emg2vsa.settings import RunSettings
 
@@ -62,7 +62,7 @@ class ScoredPress:
     by_paper: SkinScore | None
 
 
-def score_press(press: Press, settings: RunSettings) -> ScoredPress:
+def score_press(press: Press, settings: RunSettings, domes: Domes = NO_DOMES) -> ScoredPress:
     """Score a press whose frames are there. CasrError where the algorithm of the settings cannot."""
     assert press.frames is not None
     if press.frames.force_n is None:
@@ -72,7 +72,7 @@ def score_press(press: Press, settings: RunSettings) -> ScoredPress:
             found="no force log",
             do="Put the force log beside the frames as force.csv: a spread rate is an area per newton.",
         )
-    measured = Measured(press.frames, settings)
+    measured = Measured(press.frames, settings, domes)
     by, skin = {name: measured.numbers(name) for name in ALGORITHMS}, measured.skin
     own = by[settings.algorithm]
     # the rig's log is of the same sensor

@@ -10,6 +10,7 @@ import numpy as np
 from casr.errors import CasrError
 from emg2vsa.arrays import Floats
 from emg2vsa.run_scores.counted_pins import counted_pins
+from emg2vsa.run_scores.measured import NO_DOMES, Domes
 from emg2vsa.run_scores.press import Press, ScoredPress, score_press
 from emg2vsa.run_scores.product import ALGORITHMS, PICTURED_N, FirstContact, PressCurve, RunScores
 from emg2vsa.settings import RunSettings
@@ -26,6 +27,7 @@ def score_run(
     condition: str,
     simulated: bool,
     notes: tuple[str, ...] = (),
+    domes: Domes = NO_DOMES,
 ) -> RunScores:
     """Scores of all presses, in their order; ``notes`` of the run go before those of its presses."""
     repetitions: list[int] = []
@@ -39,7 +41,7 @@ def score_run(
     first_contact: FirstContact | None = None
     unit_of_rejected = "mm2"
     for press in map(_decoded_once, presses):
-        found, reason = _tried(press, settings)
+        found, reason = _tried(press, settings, domes)
         if not found:
             unit_of_rejected = press.area_unit
         repetitions.append(press.repetition)
@@ -98,11 +100,11 @@ def _by_algorithm(numbers: Sequence[dict[str, float] | None]) -> dict[str, Float
     return {name: np.array([own[name] if own else np.nan for own in numbers]) for name in ALGORITHMS}
 
 
-def _tried(press: Press, settings: RunSettings) -> tuple[ScoredPress | None, str]:
+def _tried(press: Press, settings: RunSettings, domes: Domes) -> tuple[ScoredPress | None, str]:
     if press.frames is None:
         return None, press.problem
     try:
-        return score_press(press, settings), ""
+        return score_press(press, settings, domes), ""
     except CasrError as error:
         return None, str(error)
 

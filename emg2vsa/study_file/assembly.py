@@ -53,7 +53,8 @@ def study_of(path: str, file: StudyFile, people: tuple[Person, ...], raw: Mappin
                 s.plate_adjusted_r2,
                 s.stiffness_range_n,
                 s.stiffness_change,
-                (s.diameter_mm, s.height_mm) if s.diameter_mm and s.height_mm else None,
+                s.diameter_mm,
+                s.height_mm,
                 s.ends,
             )
             for s in file.specimens
@@ -90,6 +91,7 @@ def _runs_source(folder: Path, table: RunsTable) -> RunsSource:
         plates=plates_beside(root),
         rig=beside(folder, table.rig) if table.rig else None,
         camera=beside(folder, table.camera) if table.camera else None,
+        domes=beside(folder, table.domes) if table.domes else None,
     )
 
 

@@ -172,9 +172,8 @@ def _plates(specimens: tuple[SpecimenTable, ...]) -> Iterator[Problem]:
         elif of.stiffness_change:
             wanted = "stiffness_range_n too, the forces over which it changes so"
             yield Problem((*at, "stiffness_change"), wanted, "none")
-        if (of.diameter_mm is None) != (of.height_mm is None):
-            key = "height_mm" if of.height_mm is None else "diameter_mm"
-            yield Problem((*at, key), "both diameter_mm and height_mm of a cylinder, or neither", "nothing")
+        if of.diameter_mm and not of.height_mm:
+            yield Problem((*at, "height_mm"), "height_mm beside diameter_mm of a cylinder", "nothing")
 
 
 def _full_preset(schedule: ScheduleSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:

@@ -80,7 +80,7 @@ class SpecimenTable:
     diameter_mm: Positive | None = None
     "Of a cylinder that plates press, mm; with its height its modulus can be told (emg2vsa tools stiffness)."
     height_mm: Positive | None = None
-    "Likewise."
+    "Its height, mm; with [runs] domes also the thickness that tables of domes are taken for."
     ends: Literal["frictionless", "bonded"] = "frictionless"
     "Whether the ends of the cylinder slide between the plates, as lubricated ones do, or cannot."
 
@@ -148,6 +148,9 @@ class RunsTable(RunSettings):
     "Rig file whose emulated rig makes the runs; omitted: the runs in root were measured."
     camera: Text | None = None
     "Camera file (camera.toml) of measured runs that have none of their own; without one areas are in pixels."
+    domes: Text | None = None
+    """Folder of tables of the sensor's own dome (casr dome), beside those that come with casr. With it presses on a
+    specimen of known height_mm are scored by tables of that height, or between two of them."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,6 +23,7 @@ from casr.scored import ScoreSettings
 from casr.scoring import score
 from casr.specimens import SPECIMENS
 from emg2vsa.run_scores import ALGORITHMS, PICTURED_N, RunScores
+from emg2vsa.run_scores.measured import NO_DOMES, Domes
 from emg2vsa.run_scores.press import Press, indentation_slope
 from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import RunSettings
@@ -46,8 +47,8 @@ def press(frames: FrameSequence | None, repetition: int = 1, problem: str = "") 
     return Press(repetition, frames, problem, force, 5 + force / 2)
 
 
-def scored(*presses: Press, settings: RunSettings = SETTINGS) -> RunScores:
-    return score_run(presses, settings, specimen="S3", angle_deg=30.0, condition="modular", simulated=True)
+def scored(*presses: Press, settings: RunSettings = SETTINGS, domes: Domes = NO_DOMES) -> RunScores:
+    return score_run(presses, settings, specimen="S3", angle_deg=30.0, condition="modular", simulated=True, domes=domes)
 
 
 @pytest.fixture(scope="module")
@@ -72,6 +73,13 @@ def test_an_offset_of_the_force_is_taken_off_once(run, sequence):
     np.testing.assert_allclose(found.curves[0].force_n, run.curves[0].force_n, atol=1e-9)
     assert found.indent_n_per_mm[0] == pytest.approx(run.indent_n_per_mm[0])
     assert any("which is taken off" in note for note in found.notes)
+
+
+def test_a_specimen_of_a_height_without_tables_is_refused(run, sequence):
+    usual, thin = (scored(press(sequence), domes=Domes(None, height)) for height in (25.0, 10.0))
+    assert usual.casr["front"][0] == run.casr["front"][0]
+    assert thin.verdicts == ("rejected",)
+    assert "expected a height that tables of specimens enclose (25 mm), but found 10 mm" in thin.reasons[0]
 
 
 def test_a_press_to_check_is_named_in_the_notes(simulated, sequence):

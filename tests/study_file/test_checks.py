@@ -150,7 +150,7 @@ CASES = [
     ),
     ('name = "S1"', 'name = "S1"\nstiffness_change = 0.2', "specimens[0].stiffness_change", "stiffness_range_n too"),
     ('name = "S1"', 'name = "S1"\nstiffness_change = 9', "specimens[0].stiffness_change", "a number <= 5"),
-    ('name = "S1"', 'name = "S1"\ndiameter_mm = 50', "specimens[0].height_mm", "both diameter_mm and height_mm"),
+    ('name = "S1"', 'name = "S1"\ndiameter_mm = 50', "specimens[0].height_mm", "height_mm beside diameter_mm"),
     ('name = "S1"', 'name = "S1"\nheight_mm = 0', "specimens[0].height_mm", "a number > 0"),
     ('name = "S1"', 'name = "S1"\nends = "glued"', "specimens[0].ends", "frictionless"),
     ("+", "[schedule]\nstiffness_percent = [80, 20]", "schedule.stiffness_percent", "smaller number first"),

@@ -18,6 +18,7 @@ from casr.atomic import write_bytes_atomic
 from casr.dome.solver.bodies import Stopped
 from casr.dome.solver.press import LONGEST_MM, Pressed, press
 from casr.dome.solver.sensor_file import Case
+from casr.dome.tables import HEIGHT
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM
 from casr.one_thread import one_thread
 
@@ -40,7 +41,7 @@ def solve(cases: Sequence[Case], folder: Path, jobs: int) -> Iterator[Solved]:
     folder.mkdir(parents=True, exist_ok=True)
     left = []
     for case in cases:
-        said = _said(folder / f"{case.name}.npz")
+        said = said_of(folder / f"{case.name}.npz")
         if said.get("digest") == case.digest:
             yield Solved(case, said, before=True)
         else:
@@ -56,7 +57,7 @@ def solve(cases: Sequence[Case], folder: Path, jobs: int) -> Iterator[Solved]:
             pool.shutdown(cancel_futures=True)
 
 
-def _said(path: Path) -> dict[str, Any]:
+def said_of(path: Path) -> dict[str, Any]:
     """The metadata of a table of this solver; nothing where there is none."""
     try:
         with np.load(path, allow_pickle=False) as kept:
@@ -108,7 +109,8 @@ def _metadata(case: Case, fine: Pressed, errors: dict[str, float]) -> dict[str, 
     pressing = asdict(case.pressing) | {"friction": case.name.rpartition("_")[2]}
     return {
         "digest": case.digest, "case": case.name, "solver": "casr dome", "pressing": pressing,
-        "stiffness": "N/mm under a rigid flat frictionless punch of 10 mm radius, at small depth",
+        "stiffness_n_per_mm": case.stiffness_n_per_mm if case.stiffness_n_per_mm < np.inf else None,
+        "stiffness_by": case.stiffness_by,
         "dome_radius_mm": dome_radius_mm(case),
         "area_mm2": dict(zip(map(str, AREA_AT_N), areas, strict=True)),
         "area_error": sum(errors.values()), "area_error_of": errors,
@@ -121,6 +123,7 @@ def _file(case: Case, found: Pressed, said: dict[str, Any]) -> bytes:
     for name in _LENGTHS:
         arrays[name] = arrays[name] * (OUTER_RADIUS_MM / dome_radius_mm(case))
     arrays["edge_arc_mm"] = found.edge_arc_mm * (OUTER_RADIUS_MM / case.pressing.dome.radius_mm)  # keeps the angle
+    arrays[HEIGHT] = np.array(case.pressing.specimen.height_mm * (OUTER_RADIUS_MM / dome_radius_mm(case)))
     file = io.BytesIO()
     np.savez_compressed(file, metadata=np.array(json.dumps(said, sort_keys=True)), **arrays)
     return file.getvalue()

@@ -1,8 +1,7 @@
-"""The stiffness that a specimen of a table is called by: that under a rigid flat punch without friction, at first.
+"""The kappa that a specimen of a table is called by: that under a rigid flat punch without friction, at small depth.
 
-The punch has a radius of 10 mm. As the force is proportional to the modulus, kappa over the modulus is a length that
-depends on the size of the cylinder and on Poisson's ratio alone. One mm deep, as the tables
-that come with casr have it, a block of 35 x 25 mm is 1 % stiffer.
+Kappa over the modulus is a length (casr.dome.kappa) that depends on the size of the cylinder and on Poisson's ratio
+alone. One mm deep, as the tables that come with casr have it, a block of 35 x 25 mm is 1 % stiffer.
 """
 
 from __future__ import annotations
@@ -11,15 +10,15 @@ from functools import cache
 
 import numpy as np
 
+from casr.dome.kappa import PUNCH_MM
 from casr.dome.solver.bodies import Bodies, Rubber, block, graded
 
-PUNCH_MM = 10.0
 _ELEMENTS = (10, 20)
 "Under the punch, of the two meshes. The stress at its rim is singular, so that the error falls as the size does."
 
 
 @cache
-def stiffness_over_modulus_mm(radius_mm: float, height_mm: float, poisson: float) -> float:
+def punch_on_block_mm(radius_mm: float, height_mm: float, poisson: float) -> float:
     """Of a cylinder bonded to a rigid plate. The punch is half as wide as a specimen of less than 20 mm radius."""
     coarse, fine = (_on_mesh(radius_mm, height_mm, poisson, count) for count in _ELEMENTS)
     return 2 * fine - coarse

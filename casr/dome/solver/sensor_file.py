@@ -12,9 +12,10 @@ gel_poisson = 0.49
 
 [specimen]              # a cylinder bonded to a rigid plate
 radius_mm = 35.0
-height_mm = 25.0
+height_mm = 25.0        # or several: [10.0, 25.0]
 poisson = 0.49
 stiffness_n_per_mm = [1.1, 2.4, 5.3, 20.0]
+stiffness_by = "punch"  # or "plate", "bonded plate": what they were measured with
 rigid = true            # also a rigid plate
 friction = ["frictionless", "stick"]  # or a number: Coulomb's
 
@@ -33,14 +34,16 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from difflib import get_close_matches
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from casr.dome.kappa import plate_on_cylinder_mm
 from casr.dome.solver.bodies import Rubber
 from casr.dome.solver.press import Dome, Pressing, Specimen
-from casr.dome.solver.punch import stiffness_over_modulus_mm
+from casr.dome.solver.punch import punch_on_block_mm
 from casr.errors import SettingError
 
 Check = tuple[str, Callable[[Any], bool]]
@@ -74,6 +77,17 @@ def _list_of(what: str, good: Callable[[Any], bool]) -> Check:
     return f"a list of {what}, each once", all_good
 
 
+_HEIGHT = _number(0.5, 1000)[1]
+_HEIGHTS: Check = (
+    "a number from 0.5 to 1000, or a list of such, each once",
+    lambda x: _HEIGHT(x) or (bool(x) and _list_of("", _HEIGHT)[1](x)),
+)
+LENGTHS: dict[str, Callable[[float, float, float], float]] = {
+    "punch": punch_on_block_mm,
+    "plate": lambda radius_mm, height_mm, _: plate_on_cylinder_mm(radius_mm, height_mm),
+    "bonded plate": lambda radius_mm, height_mm, _: plate_on_cylinder_mm(radius_mm, height_mm, bonded=True),
+}
+"""Kappa over the modulus, mm, of a cylinder of this radius, height and Poisson's ratio, by what pressed it."""
 KEYS: dict[str, dict[str, tuple[Any, Check]]] = {
     "dome": {
         "name": (None, _NAME), "radius_mm": (None, _number(2, 200)), "skin_mm": (None, _number(0.05, 20)),
@@ -81,8 +95,9 @@ KEYS: dict[str, dict[str, tuple[Any, Check]]] = {
         "skin_poisson": (0.49, _POISSON), "gel_poisson": (0.49, _POISSON),
     },
     "specimen": {
-        "radius_mm": (35.0, _number(5, 1000)), "height_mm": (25.0, _number(0.5, 1000)), "poisson": (0.49, _POISSON),
+        "radius_mm": (35.0, _number(5, 1000)), "height_mm": (25.0, _HEIGHTS), "poisson": (0.49, _POISSON),
         "stiffness_n_per_mm": ([1.1, 2.4, 5.3, 20.0], _list_of(f"numbers from {0.05:g} to {1000:g}", _STIFF[1])),
+        "stiffness_by": ("punch", (f"one of {', '.join(LENGTHS)}", lambda x: isinstance(x, str) and x in LENGTHS)),
         "rigid": (True, ("true or false", lambda value: isinstance(value, bool))),
         "friction": (
             ["frictionless", "stick"],
@@ -96,16 +111,18 @@ KEYS: dict[str, dict[str, tuple[Any, Check]]] = {
 
 @dataclass(frozen=True)
 class Case:
-    """A table to be solved. name : of its file, less the suffix. stiffness_n_per_mm : inf for a rigid plate."""
+    """A table to be solved. name : of its file, less the suffix. stiffness_n_per_mm : inf for a rigid plate;
+    stiffness_by : what it is measured with, of ``LENGTHS``."""
 
     name: str
     pressing: Pressing
     stiffness_n_per_mm: float
+    stiffness_by: str
 
     @property
     def digest(self) -> str:
         """Of all that the solution depends on, and of the solver."""
-        said = json.dumps([asdict(self.pressing), self.stiffness_n_per_mm], sort_keys=True)
+        said = json.dumps([asdict(self.pressing), self.stiffness_n_per_mm, self.stiffness_by], sort_keys=True)
         return hashlib.sha256(said.encode() + _solver()).hexdigest()
 
 
@@ -165,14 +182,17 @@ def _cases(values: dict[str, dict[str, Any]]) -> Iterator[Case]:
         float(d["radius_mm"]), float(d["skin_mm"]), Rubber(float(d["skin_modulus_mpa"]), float(d["skin_poisson"])),
         Rubber(float(d["gel_modulus_mpa"]), float(d["gel_poisson"])),
     )  # fmt: skip
-    size = (float(s["radius_mm"]), float(s["height_mm"]))
-    for stiffness in [*sorted(map(float, s["stiffness_n_per_mm"])), *([np.inf] if s["rigid"] else [])]:
-        rubber, called = None, "rigid"
+    several = isinstance(s["height_mm"], list)
+    heights = sorted(map(float, s["height_mm"] if several else [s["height_mm"]]))
+    soft = list(product(sorted(map(float, s["stiffness_n_per_mm"])), heights))
+    for stiffness, height in [*soft, *([(np.inf, heights[-1])] if s["rigid"] else [])]:
+        size, rubber, called = (float(s["radius_mm"]), height), None, "rigid"
         if stiffness < np.inf:
-            rubber = Rubber(stiffness / stiffness_over_modulus_mm(*size, float(s["poisson"])), float(s["poisson"]))
-            called = f"{stiffness:g}"
+            poisson = float(s["poisson"])
+            rubber = Rubber(stiffness / LENGTHS[s["stiffness_by"]](*size, poisson), poisson)
+            called = f"{stiffness:g}" + f"_h{height:g}" * several
         for friction in s["friction"]:
             mu = float(FRICTIONS.get(friction, friction))
             word = friction if friction in FRICTIONS else f"mu{friction:g}"
             pressing = Pressing(dome, Specimen(rubber, *size), mu, float(solve["force_n"]), float(solve["mesh_mm"]))
-            yield Case(f"{d['name']}_k{called}_{word}", pressing, stiffness)
+            yield Case(f"{d['name']}_k{called}_{word}", pressing, stiffness, s["stiffness_by"])

@@ -24,6 +24,10 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     entry, source = campaign.runs[item], campaign.study.runs_source
     assert source is not None
     used = {"scoring": campaign.study.scoring, "run": (entry.specimen, entry.angle_deg, entry.condition)}
+    if source.domes:
+        heights = {each.name: each.height_mm for each in campaign.study.specimens}
+        used["domes"] = Keyed(str(source.domes), None)
+        used["specimen_height_mm"] = heights.get(entry.specimen)
     if campaign.rig is None:
         inside = [_folders_in(folder) for folder in entry.folders]
         more = {"folders": Keyed(entry.folders, inside), "camera": Keyed(source.camera, None), "order": entry.order}
@@ -45,7 +49,8 @@ def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
     source = campaign.study.runs_source
     assert source is not None
     inside = [] if campaign.rig else [path for folder in campaign.runs[item].folders for path in _files_in(folder)]
-    return {"camera": [source.camera] if source.camera else [], "run": inside}
+    tables = sorted(source.domes.glob("*.npz")) if source.domes else []
+    return {"camera": [source.camera] if source.camera else [], "run": inside, "domes": tables}
 
 
 def _folders_in(folder: Path) -> list[str]:
@@ -73,6 +78,7 @@ def run(given: Given) -> RunScores:
     from emg2vsa.rig.record.new_folder import over_bytes
     from emg2vsa.run_folders.presses import is_simulated, read_presses, run_notes, run_setup
     from emg2vsa.run_folders.weighed import weighed_presses
+    from emg2vsa.run_scores.measured import Domes
     from emg2vsa.run_scores.score_run import score_run
 
     used = given.settings
@@ -85,6 +91,7 @@ def run(given: Given) -> RunScores:
         condition=condition,
         simulated=is_simulated(used["folders"]),
         notes=run_notes(used["folders"]),
+        domes=Domes(used.get("domes"), used.get("specimen_height_mm")),
     )
     if not scores.verdicts:
         do = "See that its folder holds the presses' frames."

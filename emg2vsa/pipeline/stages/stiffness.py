@@ -66,7 +66,7 @@ def run(given: Given) -> StiffnessEffect | None:
         steps[f"all-{percent:g}"] = dict.fromkeys(stiffness, StiffnessSteps.constant(preset_rad))
     skin = TabulatedWorld() if used["skin"] == "finite-elements" else world
     bench = Bench(
-        stiffness_mpa={name: each / (2 * world.punch_radius_mm) for name, each in stiffness.items()},
+        stiffness_mpa={name: world.specimen_mpa(each) for name, each in stiffness.items()},
         sensor_mpa=world.sensor_modulus_mpa,
         tip_radius_mm=world.tip_radius_mm,
         exponent=world.exponent,

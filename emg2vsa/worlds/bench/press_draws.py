@@ -270,4 +270,4 @@ class PressDraws:
 
 def _specimen_share(stiffness_n_per_mm: float, contact: ContactWorld) -> float:
     """In the compliance of sensor and specimen."""
-    return specimen_share(stiffness_n_per_mm / (2 * contact.punch_radius_mm), contact.sensor_modulus_mpa)
+    return specimen_share(contact.specimen_mpa(stiffness_n_per_mm), contact.sensor_modulus_mpa)

@@ -182,7 +182,33 @@ def test_a_lab_adds_its_own_dome(lab: Path) -> None:
     both, ours = worlds(lab), worlds()
     assert both.n_worlds == ours.n_worlds + 5, "three stiffnesses, and two halfway between them"
     assert (both.dome == "mine").sum() == 5
-    np.testing.assert_array_equal(both.motion[: ours.n_worlds], ours.motion)
+    np.testing.assert_array_equal(both.motion[both.dome != "mine"], ours.motion)
+
+
+def test_a_specimen_has_the_tables_of_its_height(tmp_path: Path) -> None:
+    """Of tables on 5 and 20 mm that on 80/9 mm lies halfway over height^(-1/2); shipped ones are on 25 mm."""
+    for height, of in ((5, 5.3), (20, 1.1)):  # the softer one stands for a thicker specimen
+        np.savez(tmp_path / f"mine_k3_h{height}_stick.npz", **arrays_of(of), specimen_height_mm=np.array(height))
+    np.savez(tmp_path / "mine_krigid_stick.npz", **arrays_of(np.inf))
+    folder = str(tmp_path)
+    own = {height: worlds(folder, height) for height in (5.0, 80 / 9, 20.3, 24.8)}
+    soft = {height: np.flatnonzero(np.isfinite(each.stiffness_n_per_mm)) for height, each in own.items()}
+    low, mid, high = (own[height].only(soft[height][:1]) for height in (5.0, 80 / 9, 20.3))
+    assert mid.dome.tolist() == ["mine"]
+    assert mid.height_mm.tolist() == [80 / 9]
+    np.testing.assert_allclose(mid.motion, (low.motion + high.motion) / 2, atol=1e-5)
+    np.testing.assert_allclose(mid.force_n, np.sqrt(low.force_n * high.force_n), rtol=1e-9)
+    assert {"C", "mine"} <= set(own[80 / 9].dome.tolist()), "rigid plates have every height"
+    assert set(own[24.8].dome[soft[24.8]].tolist()) == set(worlds().dome.tolist())
+    for height in (4.0, 26.0):
+        with pytest.raises(SettingError, match=r"specimen_height_mm: expected .* enclose \(5, 20, 25 mm\), but found"):
+            worlds(folder, height)
+
+
+def test_a_height_that_is_none_is_refused(tmp_path: Path) -> None:
+    np.savez(tmp_path / "mine_k3_h0_stick.npz", **arrays_of(5.3), specimen_height_mm=np.array(0.0))
+    with pytest.raises(SettingError, match="specimen_height_mm: expected a height above 0 mm, but found 0"):
+        worlds(str(tmp_path))
 
 
 def test_a_folder_without_tables_and_one_that_ends_too_early_are_refused(tmp_path: Path) -> None:

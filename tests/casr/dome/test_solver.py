@@ -17,11 +17,12 @@ from casr.errors import SettingError
 
 pytest.importorskip("skfem", reason="needs the extra solver: scikit-fem")
 
+from casr.dome.kappa import PUNCH_MM, punch_on_half_space_mm, punch_on_thin_layer_mm
 from casr.dome.solver.bodies import Bodies, Inverted, Rubber, Stopped, block
 from casr.dome.solver.cases import AREA_AT_N, areas_mm2, dome_radius_mm, solve
 from casr.dome.solver.contact import Contact, Grip
 from casr.dome.solver.press import Dome, Pressed, Pressing, Specimen, press
-from casr.dome.solver.punch import stiffness_over_modulus_mm
+from casr.dome.solver.punch import punch_on_block_mm
 from casr.dome.solver.sensor_file import KEYS, read_sensor
 
 SKIN_OVER_GEL = Dome(20.0, 1.0, Rubber(0.8), Rubber(0.03))
@@ -147,11 +148,44 @@ def test_skin_that_sticks_takes_the_specimen_along(soft: Pressed) -> None:
     assert stuck.contact_radius_mm[-1] < np.interp(stuck.force_n[-1], soft.force_n, soft.contact_radius_mm)
 
 
-def test_a_thin_specimen_is_stiffer_under_the_punch() -> None:
-    block_mm, thin_mm = (stiffness_over_modulus_mm(35.0, height, 0.49) for height in (25.0, 5.0))
+def test_kappa_over_the_modulus_under_the_punch() -> None:
+    block_mm, thin_mm = (punch_on_block_mm(35.0, height, 0.49) for height in (25.0, 5.0))
     assert block_mm == pytest.approx(41.8, rel=0.02)  # of four-node elements, 1 mm deep
-    assert stiffness_over_modulus_mm(1000.0, 1000.0, 0.0) == pytest.approx(20.0, rel=0.01)  # Boussinesq
+    assert punch_on_block_mm(1000.0, 1000.0, 0.0) == pytest.approx(punch_on_half_space_mm(PUNCH_MM), rel=0.01)
+    assert punch_on_block_mm(35.0, 2.5, 0.4995) == pytest.approx(punch_on_thin_layer_mm(PUNCH_MM, 2.5), rel=0.02)
     assert thin_mm > 2 * block_mm
+
+
+def test_kappa_by_each_way_is_that_of_the_same_rubber(tmp_path: Path) -> None:
+    sensor = tmp_path / "sensor.toml"
+    moduli = []
+    for way, kappa in (("punch", 4.129), ("plate", 15.394), ("bonded plate", 30.48)):
+        said = SENSOR.replace("radius_mm = 70", f'radius_mm = 35\nstiffness_by = "{way}"')
+        said = said.replace("radius_mm = 40\n", "radius_mm = 20\n").replace("skin_mm = 2", "skin_mm = 1")
+        sensor.write_text(said.replace("= []", f"= [{kappa}]"), encoding="utf-8")
+        case, _ = read_sensor(sensor)
+        rubber = case.pressing.specimen.rubber
+        assert rubber is not None
+        moduli.append(rubber.modulus_mpa)
+    assert moduli == pytest.approx([0.1] * 3, rel=1e-3)
+
+
+def test_specimens_of_several_heights_have_their_tables(tmp_path: Path) -> None:
+    sensor = tmp_path / "sensor.toml"
+    text = SENSOR.replace("radius_mm = 70", "radius_mm = 70\nheight_mm = [50, 20]").replace("= []", "= [20]")
+    sensor.write_text(text.replace("force_n = 8", "force_n = 1.5"), encoding="utf-8")
+    cases = read_sensor(sensor)
+    assert [each.name.removesuffix("_frictionless") for each in cases] == [
+        "mine_k20_h20",
+        "mine_k20_h50",
+        "mine_krigid",
+    ]
+    thin_mpa, thick_mpa = (each.modulus_mpa for case in cases if (each := case.pressing.specimen.rubber))
+    assert thin_mpa < 0.8 * thick_mpa
+    (solved,) = solve(cases[:1], tmp_path, jobs=1)
+    assert not solved.stopped
+    with np.load(tmp_path / "mine_k20_h20_frictionless.npz") as table:
+        assert table["specimen_height_mm"] == pytest.approx(10.0)  # of a dome of 20 mm
 
 
 def test_an_unreachable_force_is_told() -> None:
@@ -162,11 +196,15 @@ def test_an_unreachable_force_is_told() -> None:
 def test_a_table_in_millimetres_of_20_is_read_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     sensor, out = tmp_path / "sensor.toml", tmp_path / "out"
     sensor.write_text(SENSOR, encoding="utf-8")
-    words = ["dome", str(sensor), "--out", str(out), "--json"]
+    page = tmp_path / "page.html"
+    words = ["dome", str(sensor), "--out", str(out), "--page", str(page), "--json"]
     assert main(words) == 0
     said = json.loads(capsys.readouterr().out)["tables"][0]
     assert said["table"] == "mine_krigid_frictionless"
     assert not said["was_there"]
+    drawn = page.read_text(encoding="utf-8")
+    assert drawn.count("<svg") == 4
+    assert f"<td>{said['table']}</td>" in drawn
     table = read_table(out / "mine_krigid_frictionless.npz")
     twin = press(replace(COARSE, force_n=2.0))  # the same dome of half the size bears a quarter of the force
     at = np.array([0.5, 1.0, 1.5])
@@ -250,6 +288,9 @@ def test_a_case_that_stops_is_named_and_leaves_the_others(
         ("gel_modulus_mpa = 0.03", "gel_modulus_mpa = 0.03\nskin_poisson = true", "dome.skin_poisson: expected"),
         ("radius_mm = 70", "radius_mm = 30", "specimen.radius_mm: expected at least the dome's radius, 40"),
         ("radius_mm = 70", "height_mm = 0", "specimen.height_mm: expected"),
+        ("radius_mm = 70", "height_mm = []", "specimen.height_mm: expected a number from 0.5 to 1000, or a list"),
+        ("radius_mm = 70", "height_mm = [10, 10]", "specimen.height_mm: expected"),
+        ("radius_mm = 70", 'stiffness_by = "thumb"', "stiffness_by: expected one of punch, plate, bonded plate, but"),
         ("radius_mm = 70", "poisson = 0.5", "specimen.poisson: expected"),
         ("stiffness_n_per_mm = []", "stiffness_n_per_mm = [1, 1]", "stiffness_n_per_mm: expected a list of numbers"),
         ("stiffness_n_per_mm = []", "stiffness_n_per_mm = []\nrigid = false", "specimen: expected one stiffness"),
