@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from emg2vsa.rig.commissioning.reference import ReferenceProof
 
 COMMISSION = """
-What is wrong is written into the rig file after a question; comments stay. With --yes nobody looks: the direction is
-searched, and the gear, which needs a calliper, is not checked. With --reference and --motor the motor's current becomes
-the second witness of the force of later runs. Exit status 0: all right, or written; 1: something is wrong and not
-written, or the reference is more than 10 % off; 2: not finished.
+What is wrong is written into the rig file after a question, and serial numbers that it lacks; comments stay. With --yes
+nobody looks: the direction is searched, and the gear, which needs a calliper, is not checked. With --reference and
+--motor the motor's current becomes the second witness of the force of later runs. Exit status 0: all right, or written;
+1: something is wrong and not written, or the reference is more than 10 % off; 2: not finished.
 """
 REACH = """
 --reference N_PER_MM  press a spring, or another reference of this stiffness, with the flat plate instead, and compare
