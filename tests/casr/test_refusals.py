@@ -234,7 +234,8 @@ RATES: list[Row] = [
 ]  # fmt: skip
 SCORES: list[Row] = [
     *settings(ScoreSettings, SettingError, area_rule=["square", AS_PRINTED], area_law="pde", rate_rule="median",
-              threshold_px=0.0, camera_lag_s=[11.0, NAN], quantity="both", region="image"),
+              threshold_px=0.0, camera_lag_s=[11.0, NAN], specimen_height_mm=[0.0, NAN], quantity="both",
+              region="image"),
     (lambda: ScoreSettings(camera_lag_s=0.1, correct_lag=True), SettingError, "camera_lag_s"),
     (lambda: ScoreSettings(region="frame", flow=FlowSettings(engine="dis")), SettingError,
      "region: expected a region, or 'image' with a dense engine"),

@@ -1,0 +1,56 @@
+"""Tables of the sensor's own dome, and the thickness of specimens, in a study."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from casr.errors import SettingError
+from emg2vsa.pipeline.campaign import Campaign, campaign
+from emg2vsa.pipeline.stage import value_of
+from emg2vsa.pipeline.stages import runs
+from emg2vsa.study import RunEntry, Study
+from emg2vsa.study_file import load_study
+
+STUDY = """
+[study]
+name = "thin"
+[[specimens]]
+name = "S1"
+stiffness_n_per_mm = 5.3
+height_mm = 12
+[[specimens]]
+name = "S2"
+stiffness_n_per_mm = 3
+[runs]
+domes = "mine"
+"""
+
+
+def thin(folder: Path, text: str = STUDY) -> Study:
+    (folder / "mine").mkdir(exist_ok=True)
+    (folder / "study.toml").write_text(text)
+    entries = tuple(RunEntry(name, 0.0, "modular", (folder / name,)) for name in ("S1", "S2"))
+    return replace(load_study(folder / "study.toml"), runs=entries)
+
+
+def test_a_run_is_scored_by_the_tables_of_its_specimens_height(tmp_path: Path) -> None:
+    study = thin(tmp_path)
+    table = tmp_path / "mine" / "mine_k5.3_h10_stick.npz"
+    table.touch()
+    of = {entry.specimen: runs.settings(Campaign(study), entry.key) for entry in study.runs}
+    assert value_of(of["S1"]["domes"]) == str(tmp_path / "mine")
+    assert (of["S1"]["specimen_height_mm"], of["S2"]["specimen_height_mm"]) == (12, None)
+    assert runs.files(Campaign(study), study.runs[0].key)["domes"] == [table]
+
+
+def test_without_tables_of_its_own_the_height_is_of_no_account(tmp_path: Path) -> None:
+    study = thin(tmp_path, STUDY.replace('domes = "mine"', ""))
+    assert not {"domes", "specimen_height_mm"} & runs.settings(Campaign(study), study.runs[0].key).keys()
+
+
+def test_a_folder_without_tables_is_told_before_anything_is_scored(tmp_path: Path) -> None:
+    with pytest.raises(SettingError, match=r"mine: expected tables of domes, .*, but found none"):
+        campaign(thin(tmp_path))
