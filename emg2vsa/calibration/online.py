@@ -91,6 +91,11 @@ class OnlineCalibration:
     simulated: bool = False
     provenance: Mapping[str, str] = field(default_factory=dict)
 
+    @property
+    def domes(self) -> str:
+        """Name of the folder of a sensor's own tables of domes, by which areas were found; empty without one."""
+        return self.provenance.get("domes", "")
+
     @cached_property
     def calibration(self) -> Calibration:
         """From CASR, at every force: d = G."""

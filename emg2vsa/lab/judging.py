@@ -32,11 +32,15 @@ class Judging:
     stop_at : a press ends its loading when the 95 % interval of kappa reaches no more than this share of kappa to
     either side, or when the rest of the press would narrow it by less than a tenth; None: presses go on to F_max.
     camera : camera.toml of the tactile camera; None: the one beside the rig file, or that of the emulated rig.
+    domes, specimen_height_mm : folder of the sensor's own tables of domes, as the calibration's study has it, and the
+    thickness of the specimen; see casr.ScoreSettings.
     """
 
     calibrations: tuple[Path, ...] = ()
     stop_at: float | None = None
     camera: Path | None = None
+    domes: Path | None = None
+    specimen_height_mm: float | None = None
 
     def plans(self, file: RigFile, plans: Mapping[Run, RunPlan], *, emulated: bool) -> Mapping[Run, KappaPlan | None]:
         """How the presses of each run are judged; None where no calibration was asked for.
@@ -44,7 +48,11 @@ class Judging:
         SettingError, DataError, CameraError : a calibration, an option or a camera file that does not fit; nothing has
         moved.
         """
-        for option, value in (("--stop-at", self.stop_at), ("--camera", self.camera)):
+        asked = {
+            "--stop-at": self.stop_at, "--camera": self.camera, "--domes": self.domes,
+            "--specimen-height-mm": self.specimen_height_mm,
+        }  # fmt: skip
+        for option, value in asked.items():
             if value is not None and not self.calibrations:
                 do = "Add --calibration FILE, or leave it out."
                 raise SettingError(option, wanted="--calibration beside this option", found="none", do=do)
@@ -67,8 +75,15 @@ class Judging:
                 file.path, wanted=f"presses beyond {calibration.forces_n[0]:g} N, where {path.name} begins",
                 found=f"f_max_n = {plan.f_max_n:g}", do="Press harder, or calibrate from a smaller force on.",
             )  # fmt: skip
+        if bool(known := calibration.domes) != bool(self.domes):
+            wanted = f"the tables of domes that {path.name} was made with, {known}" if known else "no tables of domes"
+            do = "Give their folder." if known else f"Leave it out: {path.name} was made with those of casr."
+            raise SettingError("--domes", wanted=wanted, found=str(self.domes or "none"), do=do)
         camera = self._camera(file, run, calibration, emulated=emulated)
-        return KappaPlan(path.name, calibration, camera, self.stop_at)
+        domes = str(self.domes) if self.domes else None
+        found = KappaPlan(path.name, calibration, camera, self.stop_at, domes, self.specimen_height_mm)
+        found.worlds()  # an error in them is told before anything moves
+        return found
 
     def _camera(self, file: RigFile, run: Run, calibration: OnlineCalibration, *, emulated: bool) -> Camera | None:
         if calibration.area_unit == "px2":

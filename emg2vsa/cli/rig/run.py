@@ -47,12 +47,14 @@ KAPPA = """
   by hand
 --camera FILE  with --calibration: camera.toml of the tactile camera (default: camera.toml beside the rig file; an
   emulated rig has its own)
+--domes FOLDER  with --calibration of a study with [runs] domes: the same tables
+--specimen-height-mm MM  with --calibration: thickness of the specimen, for tables of it
 """
 
 
 def add_to(commands: Commands) -> None:
     parser = add_rig_command(commands, "run", run, SUMMARY, EPILOG, OPTIONS, seed={"type": int})
-    add_options(parser.add_argument_group("kappa while the finger presses"), KAPPA, {"PERCENT": width})
+    add_options(parser.add_argument_group("kappa while the finger presses"), KAPPA, {"PERCENT": width, "MM": float})
     add_options(parser, JOBS + JSON, COUNT)
 
 
@@ -73,7 +75,8 @@ def run(arguments: argparse.Namespace) -> int:
 
         where["folder"] = root = arguments.out or plates_beside(root)
         return words.plates(arguments, plates(file, arguments.plate, **where), root)
-    where["judging"] = Judging(tuple(arguments.calibration), arguments.stop_at, arguments.camera)
+    of_tables = {"domes": arguments.domes, "specimen_height_mm": arguments.specimen_height_mm}
+    where["judging"] = Judging(tuple(arguments.calibration), arguments.stop_at, arguments.camera, **of_tables)
     if arguments.adaptive:
         from emg2vsa.lab.adaptive_runs import adaptive
 

@@ -22,6 +22,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
         "force_n": study.scoring.force_n,
         "study": study.name,
         "mode": study.mode,
+        **({"domes": study.runs_source.domes.name} if study.runs_source and study.runs_source.domes else {}),
     }
 
 
@@ -36,6 +37,7 @@ def run(given: Given) -> CalibrationResults:
         used[name] for name in ("specimens", "new_specimen", "calibration", "standard errors")
     )
     provenance = {"study": used["study"], "mode": used["mode"], "emg2vsa": emg2vsa.__version__}
+    provenance |= {"domes": used["domes"]} if "domes" in used else {}
     online = online_calibrations(
         scores, specimens, new, used["force_n"], settings, kappa_se=errors, provenance=provenance
     )  # fmt: skip

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.camera import Camera
-from casr.dome.library import worlds
+from casr.contact_area.library_front import dome_scale
+from casr.dome.library import Library, worlds
 from casr.errors import CasrError
 from casr.flow.estimate import FlowSettings
 from casr.frames.force import force_at_exposure
@@ -131,13 +132,20 @@ class KappaPlan:
     """What presses are judged by.
 
     name : of the calibration's file. camera : in mm2; None for a calibration in px2. stop_at : half width, as a share
-    of kappa, at which a press stops; None never stops one.
+    of kappa, at which a press stops; None never stops one. domes, specimen_height_mm : of ``casr.ScoreSettings``.
     """
 
     name: str
     calibration: OnlineCalibration
     camera: Camera | None
     stop_at: float | None
+    domes: str | None = None
+    specimen_height_mm: float | None = None
+
+    def worlds(self) -> Library:
+        """Those that areas are found by. casr.errors.SettingError : there are none."""
+        height_mm = self.specimen_height_mm
+        return worlds(self.domes, height_mm and height_mm / dome_scale(self.camera))
 
 
 class LiveKappa:
@@ -156,11 +164,13 @@ class LiveKappa:
             area_law=recipe.law,
             force_start_n=calibration.start_n,
             rate_window_n=(calibration.start_n, last_n),
+            domes=plan.domes,
+            specimen_height_mm=plan.specimen_height_mm,
         )
         self._press: _Press | None = None
         self._stop, self._presses = "", 0
         # what is made once is made before the first frame waits for it
-        worlds(self._settings.domes)
+        plan.worlds()
         self._prepare(1)
         force_n = np.linspace(calibration.start_n, last_n, 20)
         OnlineEstimator(calibration).follow(force_n, force_n**HERTZ)

@@ -6,6 +6,7 @@ import json
 import os
 import shlex
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -47,6 +48,11 @@ run ONE --calibration other.json                          | --calibration: expec
 run ONE --calibration good.json --calibration twice.json  | expected one calibration for 0 degrees
 run ONE --calibration pixels.json --camera c.toml         | --camera: expected a calibration in mm2
 run ONE --calibration good.json --camera c.toml           | c.toml
+run ONE --domes mine                                      | --domes: expected --calibration beside this option, but found none.
+run ONE --calibration good.json --domes mine              | --domes: expected no tables of domes, but found mine.
+run ONE --calibration own.json                            | --domes: expected the tables of domes that own.json was made with, mine, but found none.
+run ONE --calibration own.json --domes none               | none: expected tables of domes
+run ONE --calibration good.json --specimen-height-mm 9    | specimen_height_mm: expected a height that tables of specimens enclose (25 mm), but found 9 mm
 run ONE --calibration quantity.json                       | quantity.json, quantity: expected front or edge
 run ONE --calibration unit.json                           | unit.json, area_unit: expected mm2 or px2
 run ADAPTIVE --specimen S3                                | --adaptive: expected --calibration beside this option, but found none.
@@ -118,6 +124,7 @@ def lab(rig_file: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.Monke
     write_calibration(tmp_path / "twice.json", known_calibration())
     write_calibration(tmp_path / "pixels.json", known_calibration(area_unit="px2"))
     write_calibration(tmp_path / "quantity.json", known_calibration(quantity="hexagons"))
+    write_calibration(tmp_path / "own.json", replace(known_calibration(), provenance={"domes": "mine"}))
     write_calibration(tmp_path / "unit.json", known_calibration(area_unit="in2"))
     return tmp_path
 
