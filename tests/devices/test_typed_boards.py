@@ -18,9 +18,9 @@ from emg2vsa.devices.protocols import Actuator, Measurements
 from emg2vsa.devices.qbmove.driver import Qbmove
 from emg2vsa.devices.qbmove.opening import open_qbmove
 from emg2vsa.devices.qbmove.driver import RigidMotor
-from emg2vsa.worlds.far_ends.dynamixel.far_end import FAR_END as dynamixel
-from emg2vsa.worlds.far_ends.qbmove.far_end import FAR_END as qbmove
-from emg2vsa.worlds.far_ends.qbmove.far_end import FAR_END as motor
+from emg2vsa.worlds.far_ends.dynamixel.far_end import DYNAMIXEL as dynamixel
+from emg2vsa.worlds.far_ends.qbmove.far_end import QBMOVE as qbmove
+from emg2vsa.worlds.far_ends.qbmove.far_end import RIGID_MOTOR as motor
 
 factories: list[Callable[..., Board]] = [
     open_qbmove, open_dynamixel, Qbmove, Dynamixel, qbmove.driver, motor.driver, dynamixel.driver,
