@@ -37,7 +37,8 @@ _STUCK_S = 2.5
 _NEARER_MM = 0.02
 """In a rest, by which free motors are still on their way."""
 _REST_S = 0.05
-"""Between commands at rest; each of them keeps the watchdog of the motors from running out."""
+_JUMP_MM, _FASTEST = 0.5, 1.5
+"""Beyond the largest speed of the rig times that, by which motors have not gone but their encoder has jumped."""
 
 Log = Callable[[float, float, list[str]], ForceSample | None]
 
@@ -90,6 +91,10 @@ class _Pressing(Exception):
     """The way out presses harder, or leads nowhere."""
 
 
+class _Jumped(Exception):
+    """An encoder of the motors reads another place than they can have gone to."""
+
+
 class _Escape:
     def __init__(self, actuator: Actuator, rig: RigSettings, clock: Clock, log: Log) -> None:
         self._actuator, self._rig, self._clock, self._log = actuator, rig, clock, log
@@ -98,6 +103,8 @@ class _Escape:
         self._depth_mm, self._preset, self._lowest_n = 0.0, 0.0, math.inf
         self._held = self._tried = self._woken = False
         self._failures, self._off_mm = 0, math.inf
+        self._seen: tuple[float, float] | None = None
+        self._jumped = False
         self._shaft_deg, self._shaft_from_mm, self._contact_n = math.nan, 0.0, math.inf
         self._vectors: deque[tuple[float, ...]] = deque(maxlen=max(1, round(2 * _REST_S * rig.rate_hz)))
 
@@ -117,6 +124,13 @@ class _Escape:
                     continue
                 self.notes.append(f"the probe was not taken away further: {why}")
                 break
+            except _Jumped as why:
+                self.notes.append(str(why))
+                self.tried(self._actuator.deactivate)
+                if self._jumped:  # one that goes on jumping leads nowhere
+                    break
+                self._jumped, self._woken = True, False
+                self._goal_mm = min(self._depth_mm, 0.0)
         return self.tried(lambda: self._check(start.contact_n))
 
     def _take_away(self, start: Start) -> None:
@@ -145,7 +159,8 @@ class _Escape:
                 self._ramp(self._goal_mm)
             if not self._touches(start.contact_n):
                 self._rest(self._rig.settle_s)
-        if not start.home_is_free or self._goal_mm < 0:
+        pressed_there = self._there() and self._touches(start.contact_n)
+        if not start.home_is_free or self._goal_mm < 0 or pressed_there:
             self._leave()
 
     def _answers_again(self, end_s: float) -> bool:
@@ -194,10 +209,10 @@ class _Escape:
                 return
             self._wait(self._rig.period_s)
 
-    def _rest(self, duration_s: float, step_s: float = _REST_S) -> None:
+    def _rest(self, duration_s: float) -> None:
         end_s = self._clock.now_s() + duration_s
         while (left_s := end_s - self._clock.now_s()) > 0:
-            self._wait(min(left_s, step_s))
+            self._wait(min(left_s, self._rig.period_s))
             self._step(self._depth_mm)
 
     def _leave(self) -> None:
@@ -212,7 +227,7 @@ class _Escape:
             if not low_deg <= self._rig.position_at(self._depth_mm - _PIECE_MM) <= high_deg:
                 raise _Pressing("position_deg ends there")
             self._step(self._depth_mm - _PIECE_MM)
-            self._rest(2 * _REST_S, self._rig.period_s)
+            self._rest(2 * _REST_S)
             unfelt_mm += _PIECE_MM
             if (now_n := self._mean_n()) is not None and now_n < fallen_n - _FALL_N:
                 unfelt_mm, fallen_n = 0.0, now_n
@@ -227,6 +242,7 @@ class _Escape:
             if self._failures == _SEND_ATTEMPTS:
                 raise _Pressing("the actuator takes no commands")
         self.tried(lambda: self._feel(position_deg))
+        self._see_jump()
         self._judge_motor(position_deg)
         if self.felt_n is not None and self.felt_n > self._lowest_n + _RISE_N:
             if self._held and (self._tried or not self._obeys()):
@@ -235,11 +251,27 @@ class _Escape:
             if not self._held:
                 self._hold()
 
+    def _see_jump(self) -> None:
+        """_Jumped where the motors read further from where they were than they can have gone: the device goes by that
+        reading, with all its force. They are to go off, and on again where they read to be."""
+        at_mm: list[float] = []
+        if not self.tried(lambda: at_mm.append(self._rig.depth_at(self._actuator.position_deg()))):
+            self._seen = None
+            return
+        before, now_s = self._seen, self._clock.now_s()
+        self._seen = at_mm[0], now_s
+        if before is None:
+            return
+        most_mm = _JUMP_MM + _FASTEST * self._rig.max_mm_per_s * (now_s - before[1])
+        if abs(at_mm[0] - before[0]) > most_mm:
+            self._depth_mm = at_mm[0]
+            raise _Jumped(f"the encoder jumped by {at_mm[0] - before[0]:.1f} mm on the way out")
+
     def _hold(self) -> None:
         """Stop, and find out with one piece of the way whether the force really grows: a sensor that lags tells of the
         way in for some time yet. Motors that do not obey meanwhile, as with an encoder that has jumped, go off."""
         self._held, self._preset = True, self._softest
-        self._rest(_HOLD_S, self._rig.period_s)
+        self._rest(_HOLD_S)
         self._come_to_rest()
         before_n = self._mean_n()
         self._step(max(self._depth_mm - _PIECE_MM, self._goal_mm - _THERE_MM / 2))
@@ -252,7 +284,7 @@ class _Escape:
     def _come_to_rest(self) -> None:
         end_s, level_n = self._clock.now_s() + _LAG_S, self._mean_n()
         while level_n is not None and self._clock.now_s() < end_s:
-            self._rest(_STEADY_S, self._rig.period_s)
+            self._rest(_STEADY_S)
             before_n, level_n = level_n, self._mean_n()
             if level_n is not None and abs(level_n - before_n) < _STEADY_N:
                 return
