@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -42,6 +43,7 @@ schedules = "."
 specimens = ["S1"]
 repetitions = 3
 f_max_n = 7
+lead_s = 0.04
 pause_s = 0.5
 stiffness_n_per_mm = { S1 = 7.63 }
 angles_deg = { modular = [0], high-stiffness = [0] }
@@ -59,6 +61,7 @@ class Broken:
     bench: EmulatedRig
     process: subprocess.Popen[bytes]
     unplug: Callable[[], None]
+    folder: Path
 
     def say(self, *lines: str) -> None:
         """Faults of the emulated rig."""
@@ -77,6 +80,11 @@ def _stopped(broken: Broken) -> None:
     broken.send(signal.SIGCONT)
 
 
+def _full(broken: Broken) -> None:
+    largest = max(path.stat().st_size for path in broken.folder.rglob("frames.tif"))
+    resource.prlimit(broken.process.pid, resource.RLIMIT_FSIZE, (largest, largest))
+
+
 STATES: dict[str, Callable[[Broken], None]] = {
     "line dead for 1 s": lambda at: at.say("deaf for 1 s"),
     "line dead for 3 s": lambda at: at.say("deaf for 3 s"),
@@ -87,11 +95,9 @@ STATES: dict[str, Callable[[Broken], None]] = {
     "Ctrl-C three times": lambda at: at.send(signal.SIGINT, signal.SIGINT, signal.SIGINT),
     "program stopped for 5 s": _stopped,
     "force sensor mute": lambda at: at.say("silent"),
-    "disk full": lambda at: None,
+    "disk full": _full,
     "everything unplugged": lambda at: at.unplug(),
 }
-_ROOM_KB = 1750
-"""Of a file, on the full disk: frames of a second and a half."""
 
 
 @dataclass(frozen=True)
@@ -116,8 +122,6 @@ def break_it(state: str, actuator: str, folder: Path) -> Left:
     write_schedule(folder, schedule)
     command = [sys.executable, "-m", "emg2vsa.cli", "rig", "run", str(folder / "served.toml"), "--specimen", "S1"]
     command += ["--angle", "0", "--condition", CONDITIONS[actuator], "--out", str(folder / "runs")]
-    if state == "disk full":
-        command = ["bash", "-c", f'ulimit -f {_ROOM_KB}; exec "$@"', "bash", *command]
     most_n = 0.0
     with ExitStack() as plugged:
         file, write = load_rig(folder / "rig.toml"), folder / "served.toml"
@@ -128,7 +132,7 @@ def break_it(state: str, actuator: str, folder: Path) -> Left:
             while bench.probe()[1] < BREAKS_N and process.poll() is None and time.monotonic() < end_s:
                 time.sleep(0.002)
             broken_s = time.monotonic()
-            breaking = threading.Thread(target=STATES[state], args=[Broken(bench, process, plugged.close)])
+            breaking = threading.Thread(target=STATES[state], args=[Broken(bench, process, plugged.close, folder)])
             breaking.start()
             while process.poll() is None and time.monotonic() < end_s:
                 most_n = max(most_n, bench.probe()[1])
