@@ -146,7 +146,7 @@ class _Escape:
         if not self._there() and self._wake():  # gone off on the way
             self._ramp(self._goal_mm)
             self._rest(self._rig.settle_s)
-        if self._touches(start.contact_n):
+        if self._there() and self._touches(start.contact_n):
             self._come_to_rest()
         end_s = self._clock.now_s() + _STUCK_S
         while not self._there() and self._clock.now_s() < end_s:
@@ -185,12 +185,7 @@ class _Escape:
             return False
         self._woken = True
         self.notes.append("the motors had gone off; they were switched on where they stood, to take the probe away")
-        if not self.tried(self._actuator.activate):
-            return False
-        at_mm: list[float] = []
-        if self.tried(lambda: at_mm.append(self._rig.depth_at(self._actuator.position_deg()))):
-            self._depth_mm = max(at_mm[0], self._goal_mm)
-        return True
+        return self._on_where_they_stand()
 
     def tried(self, action: Callable[[], object]) -> bool:
         """Whether ``action`` came to its end; what kept it from that is noted."""
@@ -229,6 +224,8 @@ class _Escape:
             self._step(self._depth_mm - _PIECE_MM)
             self._rest(2 * _REST_S)
             unfelt_mm += _PIECE_MM
+            if (self._mean_n() or 0.0) > left_n + _RISEN_N:
+                raise _Pressing(f"the force grew to {self._mean_n() or 0.0:.2f} N")
             if (now_n := self._mean_n()) is not None and now_n < fallen_n - _FALL_N:
                 unfelt_mm, fallen_n = 0.0, now_n
 
@@ -270,8 +267,10 @@ class _Escape:
     def _hold(self) -> None:
         """Stop, and find out with one piece of the way whether the force really grows: a sensor that lags tells of the
         way in for some time yet. Motors that do not obey meanwhile, as with an encoder that has jumped, go off."""
-        self._held, self._preset = True, self._softest
-        self._rest(_HOLD_S)
+        self._held = True
+        if self._preset != self._softest:
+            self._preset = self._softest
+            self._rest(_HOLD_S)
         self._come_to_rest()
         before_n = self._mean_n()
         self._step(max(self._depth_mm - _PIECE_MM, self._goal_mm - _THERE_MM / 2))
@@ -282,12 +281,31 @@ class _Escape:
         self._lowest_n = math.inf if after_n is None else after_n
 
     def _come_to_rest(self) -> None:
+        """Motors off until the force has come to rest, so that no encoder that errs drives them on meanwhile; then on
+        again where they stand."""
         end_s, level_n = self._clock.now_s() + _LAG_S, self._mean_n()
+        if level_n is None or not self.tried(self._actuator.deactivate):
+            return
         while level_n is not None and self._clock.now_s() < end_s:
-            self._rest(_STEADY_S)
+            until_s = self._clock.now_s() + _STEADY_S
+            while self._clock.now_s() < until_s:
+                self._wait(self._rig.period_s)
+                self.tried(lambda: self._feel(self._rig.position_at(self._depth_mm)))
             before_n, level_n = level_n, self._mean_n()
             if level_n is not None and abs(level_n - before_n) < _STEADY_N:
-                return
+                break
+        self._on_where_they_stand()
+
+    def _on_where_they_stand(self) -> bool:
+        """Whether they go on."""
+        at_mm: list[float] = []
+        if not self.tried(self._actuator.activate):
+            return False
+        if self.tried(lambda: at_mm.append(self._rig.depth_at(self._actuator.position_deg()))):
+            self._depth_mm, self._seen = at_mm[0], None
+            if at_mm[0] < self._goal_mm - _THERE_MM:  # no way leads back towards the specimen
+                self._goal_mm = at_mm[0]
+        return True
 
     def _obeys(self) -> bool:
         depths_mm: list[float] = []
