@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -12,7 +13,7 @@ from emg2vsa.errors import SettingError
 from emg2vsa.lab.by_hand import hand_rig
 from emg2vsa.lab.person import NOBODY, TRIES, Person
 from emg2vsa.lab.pressing import emulated_of
-from emg2vsa.lab.real_press import force_sequence
+from emg2vsa.lab.real_press import force_count
 from emg2vsa.rig.commissioning.checks import REACH_DEG, Check, check_rig
 from emg2vsa.rig.commissioning.hand_motion import HandMotion
 from emg2vsa.rig.commissioning.reference import MOST_N, ReferenceProof, press_reference, write_reference
@@ -80,6 +81,8 @@ def _check_reach(reach_deg: float) -> None:
 
 
 _REFERENCE = "reference"
+_SOFTEST, _STIFFEST = 1.0, 6.0
+"""A softer one takes too long a way to 5 N, of a stiffer one too few readings are had."""
 
 
 def check_reference(
@@ -94,20 +97,23 @@ def check_reference(
     DeviceError : as `hand_rig` and `press_reference`.
     """
     _check_reach(reach_deg)
-    most = 10.0 if motor else 200.0  # a motor that presses fast goes too far before it is stopped
-    if not 0.1 <= stated_n_per_mm <= most:
+    if not _SOFTEST <= stated_n_per_mm <= _STIFFEST:
         do = "Take another reference, and give its stiffness in N/mm."
-        raise SettingError("--reference", wanted=f"0.1 to {most:g} N/mm", found=f"{stated_n_per_mm:g}", do=do)
+        wanted = f"{_SOFTEST:g} to {_STIFFEST:g} N/mm"
+        raise SettingError("--reference", wanted=wanted, found=f"{stated_n_per_mm:g}", do=do)
 
     def pressed(hand: HandMotion, rig: RigSettings, opened: OpenRig | None = None) -> ReferenceProof:
-        speeds = sorted({file.plate.ramp_mm_per_s, file.experiment.ramp_mm_per_s} if motor else {1.0})
-        found = press_reference(hand, rig, speeds, reach_deg, person.say)
-        slowest = found[speeds[0]]
-        who = (opened.info.device_id, opened.info.firmware, opened.serial_numbers) if opened else (0, "emulated", {})
-        of_motor = tuple((speed, each.motor_a_per_n) for speed, each in found.items() if each.motor_a_per_n is not None)
+        first = opened and (force_count(file, opened), time.monotonic())
+        speeds = sorted({file.plate.ramp_mm_per_s, file.experiment.ramp_mm_per_s})
+        found, a_per_n = press_reference(hand, rig, speeds, reach_deg, person.say)
+        counted, per_s, who = None, None, (0, "emulated", dict[str, str]())
+        if opened and first:
+            who = opened.info.device_id, opened.info.firmware, opened.serial_numbers
+            counted, took_s = force_count(file, opened), time.monotonic() - first[1]
+            per_s = None if counted is None or first[0] is None else (counted - first[0]) / took_s
         proof = ReferenceProof(
-            datetime.now(UTC).isoformat(timespec="seconds"), stated_n_per_mm, slowest.n_per_mm, slowest.se_n_per_mm,
-            of_motor, *who, rig.gear_mm_per_degree, rig.push_axis, force_sequence(file, opened) if opened else None,
+            datetime.now(UTC).isoformat(timespec="seconds"), stated_n_per_mm, found.n_per_mm, found.se_n_per_mm,
+            tuple(a_per_n.items()), *who, rig.gear_mm_per_degree, rig.push_axis, counted, per_s,
         )  # fmt: skip
         person.say(f"written: {write_reference(file.path, proof, virtual=virtual)}")
         return proof

@@ -122,13 +122,13 @@ def _with_these_devices(file: RigFile, plan: RunPlan, opened: OpenRig, say: Say)
     proof = read_reference(file.path) if plan.motor_a_per_n is not None else None
     if proof is None:
         return plan
-    why = proof.refused_by(opened.info, opened.serial_numbers, force_sequence(file, opened))
+    why = proof.refused_by(opened.info, opened.serial_numbers, force_count(file, opened), datetime.now(UTC))
     if why:
         say(f"reference: it holds no more: {why}")
     return replace(plan, motor_a_per_n=None) if why else plan
 
 
-def force_sequence(file: RigFile, opened: OpenRig) -> int | None:
+def force_count(file: RigFile, opened: OpenRig) -> int | None:
     """The number of the newest sample of a force sensor that counts from when its power was switched on."""
     return opened.devices.force.read().sequence if file.devices.force.kind == "net-ft" else None
 

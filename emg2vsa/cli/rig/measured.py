@@ -16,9 +16,10 @@ if TYPE_CHECKING:
 
 COMMISSION = """
 What is wrong is written into the rig file after a question, and serial numbers that it lacks; comments stay. With --yes
-nobody looks: the direction is searched, and the gear, which needs a calliper, is not checked. With --reference and
---motor the motor's current becomes the second witness of the force of later runs. Exit status 0: all right, or written;
-1: something is wrong and not written, or the reference is more than 10 % off; 2: not finished.
+nobody looks: the direction is searched, and the gear, which needs a calliper, is not checked. A reference, a spring of 1
+to 6 N/mm, is pressed to 5 N; with --motor the motor's current becomes the second witness of the force of runs, for 12
+hours. Exit status 0: all right, or written; 1: something is wrong and not written, or the reference is more than 10 %
+off; 2: not finished.
 """
 REACH = """
 --reference N_PER_MM  press a spring, or another reference of this stiffness, with the flat plate instead, and compare
@@ -61,7 +62,7 @@ def commission(arguments: argparse.Namespace) -> int:
 
 
 def _reference_lines(proof: ReferenceProof) -> list[str]:
-    found = f"found {proof.found_n_per_mm:.3g} +- {1.96 * proof.se_n_per_mm:.2g} N/mm"
+    found = f"found {proof.found_n_per_mm:.3g} +- {1.96 * proof.se_n_per_mm:.2g} N/mm (95 %)"
     lines = [f"reference: stated {proof.stated_n_per_mm:g} N/mm, {found}: {'they agree' if proof.good else 'WRONG'}"]
     if not proof.good:
         lines.append("more than 10 % off: check the calibration of the force sensor, the gear and the reference")

@@ -30,8 +30,13 @@ LIMIT_N = 2.0
 """Force, above that at the start, at which a move that is to stay free ends."""
 _AVERAGED = 5
 _LOOK_S = 0.2
-_FOLLOWING_DEG = 3.3
-"""Motors so far behind their references do not follow; on their way at 25 degrees a second they are 1.1 behind."""
+_FOLLOWING_DEG, _FOLLOWING_S = 0.8, 0.1
+"""Motors so far behind their references, and so long times their speed, do not follow, or their encoder errs; on their
+way at 25 degrees a second they are 1.1 behind."""
+_FROZEN_DEG = 0.4
+"""Of a command, over which a motor's encoder that stays the same is frozen: four of its steps."""
+_RESTS_DEG = 5.0
+"""That the shaft may turn as the motors go on: springs that were bent by hand."""
 _BACK_DEG = 20.0
 _FRICTION_NM = 0.03
 """Of shaft and guide together: three times the shaft's (guess)."""
@@ -96,10 +101,25 @@ class HandMotion:
         self._rest_n = 0.0
         self._limit_n = math.inf
         self._current = MeanCurrent()
+        self._currents_a: tuple[float, ...] = ()
+        self._behind_deg = 0.0
+        self._moves, self._seen = True, dict[int, tuple[float, float]]()
 
     def start(self) -> Place:
-        """Motors on where they are; the force at this moment is the zero of all moves."""
+        """Motors on where they are; the force at this moment is the zero of all moves. DeviceError, and motors off,
+        where it does not rest meanwhile: an encoder that is frozen or has another zero drives them."""
+        first_n, first_deg = self._read().force_n, self.shaft_deg()
         self._begin()
+        end_s = self._clock.now_s() + _LOOK_S
+        while self._clock.now_s() < end_s:
+            grown_n = float(np.linalg.norm(self._read().force_n - first_n))
+            turned_deg = abs(self.shaft_deg() - first_deg)
+            if grown_n > LIMIT_N or turned_deg > _RESTS_DEG:
+                self._actuator.deactivate()
+                do = "Check the encoders with emg2vsa rig info; the probe may still press."
+                found = f"{turned_deg:.1f} degrees and {grown_n:.2f} N more"
+                raise DeviceError("probe", wanted="a shaft that rests as the motors go on", found=found, do=do)
+            self._hold()
         self.zero()
         return self.place()
 
@@ -147,12 +167,13 @@ class HandMotion:
 
     def go(
         self, to_deg: float, *, until_n: float = LIMIT_N, deg_per_s: float = DEG_PER_S, from_zero: bool = True,
-        turns: list[Turn] | None = None,
+        turns: list[Turn] | None = None, until_deg: float = math.inf,
     ) -> Place:  # fmt: skip
         """Move evenly to the position ``to_deg``, and end as soon as the force is ``until_n`` above the zero.
 
         from_zero : False compares lengths of the whole force instead, for a probe that may stand pressed: moving it
         away changes the force, and must only not raise it. turns : to be filled with what was read on the way.
+        until_deg : the shaft ends the move there, too, wherever the command is by then.
         """
         low, high = self._rig.position_deg
         if not low <= to_deg <= high:
@@ -161,22 +182,25 @@ class HandMotion:
             raise DeviceError("probe", wanted=wanted, found=f"{to_deg:.2f}", do=do)
         begin = self.at_deg
         try:
-            return self._go(to_deg, until_n, deg_per_s, turns, from_zero=from_zero)
+            return self._go(to_deg, until_n, deg_per_s, turns, until_deg, from_zero=from_zero)
         except DeviceError:
-            if from_zero:  # else it may have begun pressed
+            if from_zero and self._moves:  # else it may have begun pressed, or drives on without end
                 self._retreat(begin)
             raise
 
     def _go(
-        self, to_deg: float, until_n: float, deg_per_s: float, turns: list[Turn] | None, *, from_zero: bool
-    ) -> Place:
+        self, to_deg: float, until_n: float, deg_per_s: float, turns: list[Turn] | None, until_deg: float, *,
+        from_zero: bool,
+    ) -> Place:  # fmt: skip
         step = self._step_deg(deg_per_s)
         self._limit_n = math.inf
         before_n = float(np.linalg.norm(self.felt_n() + self._zero_n))
         force_n = self._rig.guards.force_n
         self._limit_n = force_n if from_zero else max(force_n, before_n + LIMIT_N)
         recent: deque[Floats] = deque(maxlen=_AVERAGED)
-        self._current = MeanCurrent()
+        self._current, self._currents_a = MeanCurrent(), self._actuator.currents_a()
+        self._behind_deg = _FOLLOWING_DEG + _FOLLOWING_S * step / self._rig.period_s
+        self._moves, self._seen, begin_deg = True, {}, self.at_deg
         while self.at_deg != to_deg:
             recent.append(self._read().force_n)
             mean_n = np.mean(recent, axis=0)
@@ -184,10 +208,11 @@ class HandMotion:
             size_n = felt_n if from_zero else float(np.linalg.norm(mean_n)) - before_n
             if len(recent) == _AVERAGED and size_n >= until_n:
                 return self.place(touched=True)
-            currents_a = self._actuator.currents_a()
-            self._judge(felt_n, currents_a, relaxing=not from_zero)
+            self._judge(felt_n, relaxing=not from_zero)
             if turns is not None:
-                turns.append(Turn(self.shaft_deg(), felt_n, max(map(abs, currents_a))))
+                turns.append(Turn(self.shaft_deg(), felt_n, max(map(abs, self._currents_a))))
+                if abs(turns[-1].shaft_deg - begin_deg) >= abs(until_deg - begin_deg):
+                    return self.place(touched=True)
             self.at_deg += math.copysign(min(step, abs(to_deg - self.at_deg)), to_deg - self.at_deg)
             self._hold()
         return self.place()
@@ -209,6 +234,13 @@ class HandMotion:
         step, begin_s = self._step_deg(FASTEST_DEG_PER_S), self._clock.now_s()
         first_n: float | None = None
         self._limit_n = math.inf
+        with suppress(DeviceError):
+            off_deg = self._actuator.position_deg() - self.at_deg
+            if not gives_way(self._actuator.joint) and abs(off_deg) > self._behind_deg:
+                # an encoder that jumped, and not the motors: these go off, and on again where they read to be
+                self._actuator.deactivate()
+                self._begin()
+                end += off_deg
         with suppress(DeviceError):  # the error that began it is the one to tell
             while self.at_deg != end:
                 load_n = max(self._borne_n(), self._felt_anyhow_n())
@@ -231,8 +263,10 @@ class HandMotion:
         return min(deg_per_s, fastest) * self._rig.period_s
 
     def _hold(self) -> None:
-        """One turn of the loop: command, ask, wait."""
+        """One turn of the loop: command, ask, wait. Currents are those right after a command, as in a run: they fall as
+        the motors come to it."""
         self._command(self.at_deg)
+        self._currents_a = self._actuator.currents_a()
         if not self._actuator.is_active():
             do = "Check its supply; prove the watchdog with emg2vsa rig prove-watchdog."
             raise DeviceError("probe", wanted="motors on", found="motors off: reset, or watchdog", do=do)
@@ -258,26 +292,43 @@ class HandMotion:
         except DeviceError:
             return 0.0
 
-    def _judge(self, felt_n: float, currents_a: tuple[float, ...], *, relaxing: bool) -> None:
+    def _judge(self, felt_n: float, *, relaxing: bool) -> None:
         """``relaxing`` : springs may bear less than at the zero, and the motors draw what a pressed probe needs."""
         joint = self._actuator.joint
         # of a motor that gives way its torque tells it
+        if not gives_way(joint):
+            self._judge_encoders()
         behind_deg = 0.0 if gives_way(joint) else abs(self._actuator.position_deg() - self.at_deg)
-        if behind_deg > _FOLLOWING_DEG:
-            do = "Look for what holds the gear or the probe, and check the supply."
-            found = f"{behind_deg:.1f} degrees behind"
-            wanted = f"motors within {_FOLLOWING_DEG:g} degrees of their command"
+        if behind_deg > self._behind_deg:
+            do = "Look for what holds the gear or the probe, and check supply and encoders."
+            found = f"{behind_deg:.1f} degrees off"
+            wanted = f"motors within {self._behind_deg:.2g} degrees of their command"
             raise DeviceError("probe", wanted=wanted, found=found, do=do)
         do = "Check the force sensor, its calibration, and what the probe stands against."
         borne_n = self._borne_n(relaxing=relaxing)
         if borne_n > felt_n + _GAP_N:
             found = f"springs that press with {borne_n:.1f} N or more, and {felt_n:.2f} N felt"
             raise DeviceError("probe", wanted="a force felt where the springs give way", found=found, do=do)
-        mean_a = self._current.see(currents_a)
+        mean_a = self._current.see(self._currents_a)
         most_a = (1.0 if relaxing else _CURRENT_SHARE) * self._rig.guards.current_a
         if mean_a > most_a:
-            found = f"{mean_a:.2f} A, and {felt_n:.2f} N felt"
-            raise DeviceError("probe", wanted=f"motors that draw at most {most_a:.2f} A", found=found, do=do)
+            found = f"{mean_a:.3f} A, and {felt_n:.2f} N felt"
+            raise DeviceError("probe", wanted=f"motors that draw at most {most_a:.3g} A", found=found, do=do)
+
+    def _judge_encoders(self) -> None:
+        """DeviceError, and motors off, where a motor's encoder stays the same while the motors are told to go."""
+        joint = self._actuator.joint
+        many = 1 if joint is None else len(joint.targets_deg(0.0, 0.0))
+        for motor, now_deg in enumerate(self._actuator.measurements().motors_deg[:many], 1):
+            seen_deg, from_deg = self._seen.get(motor, (math.nan, 0.0))
+            if now_deg != seen_deg:
+                self._seen[motor] = now_deg, self.at_deg
+            elif abs(self.at_deg - from_deg) > max(_FROZEN_DEG, self._behind_deg / 2):
+                self._moves = False
+                self._actuator.deactivate()
+                do = "Look for what holds the gear, and at the encoder; the probe may still press."
+                found = f"{now_deg:.2f} degrees of motor {motor} all the time"
+                raise DeviceError("probe", wanted="motors whose encoders move with them", found=found, do=do)
 
     def _borne_n(self, *, relaxing: bool = False) -> float:
         """By how much the force of the springs on the probe has changed since the zero beyond friction, N."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -18,19 +18,24 @@ from typing import NamedTuple
 import numpy as np
 
 from casr.atomic import write_text_atomic
-from emg2vsa.arrays import Floats
 from emg2vsa.devices.protocols import Identity
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.commissioning.hand_motion import TOUCH_N, HandMotion, Place, Turn
+from emg2vsa.rig.commissioning.hand_motion import LIMIT_N, TOUCH_N, HandMotion, Turn
 from emg2vsa.rig.rig_settings import RigSettings
 
 AGREES = 0.1
 """Share by which the stiffness that was found may differ from the stated one."""
 _FROM_N, MOST_N = 1.0, 5.0
 """Of the line; never more than half of the force limit."""
-_LEAST_TURNS = 15
-_ABOVE_MM = 1.0
-"""Where a press begins, above the touch, so that the motor runs evenly when it comes."""
+_LEAST_TURNS = 10
+_DEEP = 0.75
+"""Of the largest force of the slow press: as deep go the others, that end later than they are told to."""
+SLOW_MM_PER_S = 0.5
+"""At which a reference that turns out to be stiff goes little beyond 5 N."""
+_ALONG, _LEFT_N = 0.94, 0.3
+"""Of the force, that must lie along push_axis: 20 degrees off; and what may be felt when the probe is free again."""
+_COUNTS, _COUNT_S, _COUNT_SHARE = 1 << 32, 3.0, 0.005
+"""Of the force sensor: its numbers begin anew there; what its count may be off by, and share of the time since."""
 _HOLDS = timedelta(hours=12)
 """For so long a proof holds: a working day."""
 
@@ -44,8 +49,8 @@ class ReferenceProof:
     motor_a_per_n : speed, mm/s, and current for a newton of a rigid motor, A/N; empty with springs.
     device_id, firmware : of the actuator. serial_numbers : by table, empty where a device tells none.
     gear_mm_per_degree, push_axis : of the rig file.
-    force_sequence : the force sensor's number of its newest sample, which begins anew with its power; None where it
-    counts none.
+    force_sequence, force_per_s : the force sensor's number of its newest sample, which begins anew with its power, and
+    by how much it grows in a second; None where it counts none.
     """
 
     date: str
@@ -59,6 +64,7 @@ class ReferenceProof:
     gear_mm_per_degree: float
     push_axis: tuple[float, ...]
     force_sequence: int | None
+    force_per_s: float | None
 
     @property
     def good(self) -> bool:
@@ -79,77 +85,98 @@ class ReferenceProof:
             return "gear_mm_per_degree or push_axis has been changed since"
         return ""
 
-    def refused_by(self, info: Identity, serial_numbers: Mapping[str, str], force_sequence: int | None) -> str:
-        """Why it does not hold for these devices; "" where it does. A force sensor whose samples count from less than
-        before has been switched off since."""
+    def refused_by(
+        self, info: Identity, serial_numbers: Mapping[str, str], force_sequence: int | None, now: datetime
+    ) -> str:
+        """Why it does not hold for these devices; "" where it does. A force sensor that has not counted on as fast as
+        at the reference has been switched off since."""
         if (self.device_id, self.firmware) != (info.device_id, info.firmware):
             return f"it was pressed with another device: {self.firmware}, id {self.device_id}"
         for table, number in self.serial_numbers.items():
             if serial_numbers.get(table, number) != number:
                 return f"it was pressed with another [{table}]: serial number {number}"
-        if None not in (self.force_sequence, force_sequence) and force_sequence < self.force_sequence:  # type: ignore[operator]
+        if force_sequence is None:
+            return ""
+        if self.force_sequence is None or not self.force_per_s:
+            return "it does not tell how far the force sensor had counted"
+        elapsed_s = (now - datetime.fromisoformat(self.date)).total_seconds()
+        counted_s = (force_sequence - self.force_sequence) % _COUNTS / self.force_per_s
+        if abs(counted_s - elapsed_s) > _COUNT_S + _COUNT_SHARE * elapsed_s:
             return "the force sensor has been switched off since"
         return ""
 
 
 class Pressed(NamedTuple):
-    """Stiffness and its standard error, N/mm; current for a newton of a rigid motor, A/N, None with springs."""
+    """Stiffness and its standard error, N/mm."""
 
     n_per_mm: float
     se_n_per_mm: float
-    motor_a_per_n: float | None
 
 
 def press_reference(
     hand: HandMotion, rig: RigSettings, speeds_mm_per_s: Collection[float], reach_deg: float, say: Callable[[str], None]
-) -> dict[float, Pressed]:
-    """Press the reference once at each speed, and leave it. DeviceError : as `HandMotion`; no touch, or too little
-    force, within ``reach_deg``."""
+) -> tuple[Pressed, dict[float, float]]:
+    """Press the reference slowly to 5 N, then as deep at each speed, and leave it; what the slow press tells, and speed
+    to current for a newton of a rigid motor, A/N.
+
+    DeviceError : as `HandMotion`; no touch, or too little force, within ``reach_deg``; a force across push_axis, or one
+    that is left when the probe is free again.
+    """
     start = hand.start()
     say(f"start: shaft at {start.shaft_deg:.2f} degrees; the force of now counts as zero")
-    low, high = rig.position_deg
+    most_n, (low, high) = min(MOST_N, rig.guards.force_n / 2), rig.position_deg
     to_deg = min(max(start.shaft_deg + rig.push_sign * reach_deg, low), high)
-    touch = hand.go(to_deg, until_n=TOUCH_N)
-    above_deg = touch.shaft_deg - rig.push_sign * _ABOVE_MM / rig.gear_mm_per_degree
-    found = {}
-    try:
-        for speed in speeds_mm_per_s if touch.touched else ():
-            hand.go(above_deg, from_zero=False)
-            found[speed] = _pressed(hand, rig, speed, to_deg)
-            stiffness = f"{found[speed].n_per_mm:.3g} +- {1.96 * found[speed].se_n_per_mm:.2g} N/mm"
-            say(f"pressed at {speed:g} mm/s: {stiffness}")
-    finally:
-        hand.go(start.shaft_deg, from_zero=False)
-    if not found:
-        raise _too_little(touch, TOUCH_N)
-    return found
-
-
-def _pressed(hand: HandMotion, rig: RigSettings, mm_per_s: float, to_deg: float) -> Pressed:
-    most_n, turns = min(MOST_N, rig.guards.force_n / 2), list[Turn]()
-    place = hand.go(to_deg, until_n=most_n, deg_per_s=mm_per_s / rig.gear_mm_per_degree, turns=turns)
+    turns: list[Turn] = []
+    place = hand.go(to_deg, until_n=most_n, deg_per_s=SLOW_MM_PER_S / rig.gear_mm_per_degree, turns=turns)
+    left = hand.go(start.shaft_deg, from_zero=False)
     if not place.touched:
-        raise _too_little(place, most_n)
-    used = [turn for turn in turns if turn.felt_n >= _FROM_N]
+        do = "Put the reference 3 to 5 mm below the plate, or give more with --reach-deg."
+        wanted, found = f"{most_n:g} N within its reach", f"{place.size_n:.2f} N at {place.shaft_deg:.1f} degrees"
+        raise DeviceError("reference", wanted=wanted, found=found, do=do)
+    along_n = float(place.force_n @ np.array(rig.push_axis))
+    if along_n < _ALONG * place.size_n:
+        do = "Check push_axis with emg2vsa rig commission, and the sensor's sign."
+        wanted, found = "a force along push_axis", f"{along_n:.2f} N along it of {place.size_n:.2f} N"
+        raise DeviceError("reference", wanted=wanted, found=found, do=do)
+    if left.size_n > _LEFT_N:
+        do = "Look at the zero of the force sensor, and whether the probe is free at the start."
+        wanted = "no force when the probe is free again"
+        raise DeviceError("reference", wanted=wanted, found=f"{left.size_n:.2f} N", do=do)
+    used = _used(turns, _FROM_N)
+    slow, deep_deg = (
+        _stiffness(rig, used),
+        next(turn.shaft_deg for turn in used if turn.felt_n >= _DEEP * used[-1].felt_n),
+    )
+    say(f"pressed: {slow.n_per_mm:.3g} +- {1.96 * slow.se_n_per_mm:.2g} N/mm (95 %)")
+    a_per_n = {}
+    for speed in speeds_mm_per_s if hand.joint is None else ():
+        turns = []
+        deg_per_s = speed / rig.gear_mm_per_degree
+        hand.go(to_deg, until_n=most_n + LIMIT_N, deg_per_s=deg_per_s, turns=turns, until_deg=deep_deg)
+        hand.go(start.shaft_deg, from_zero=False)
+        used = _used(turns, TOUCH_N)
+        a_per_n[speed] = _slope([turn.felt_n for turn in used], [turn.current_a for turn in used])[0]
+    return slow, a_per_n
+
+
+def _used(turns: Sequence[Turn], from_n: float) -> list[Turn]:
+    """Those that feel so much. DeviceError where they are too few."""
+    used = [turn for turn in turns if turn.felt_n >= from_n]
     if len(used) < _LEAST_TURNS:
-        do = "Take a softer reference, up to 8 N/mm."
-        wanted = f"{_LEAST_TURNS} readings between {_FROM_N:g} and {most_n:g} N at {mm_per_s:g} mm/s"
-        raise DeviceError("reference", wanted=wanted, found=str(len(used)), do=do)
-    depth_mm, felt_n, current_a = np.array([(rig.depth_at(t.shaft_deg), t.felt_n, t.current_a) for t in used]).T
-    mm_per_n, se = _slope(felt_n, depth_mm)
+        wanted = f"{_LEAST_TURNS} readings from {from_n:g} N on"
+        raise DeviceError("reference", wanted=wanted, found=str(len(used)), do="Take a softer reference.")
+    return used
+
+
+def _stiffness(rig: RigSettings, used: Sequence[Turn]) -> Pressed:
+    mm_per_n, se = _slope([turn.felt_n for turn in used], [rig.depth_at(turn.shaft_deg) for turn in used])
     if mm_per_n <= 0:
         do = "Look at the reference, the gear and the zero of the force sensor."
         raise DeviceError("reference", wanted="depth that grows with force", found=f"{mm_per_n:.3g} mm/N", do=do)
-    return Pressed(1 / mm_per_n, se / mm_per_n**2, _slope(felt_n, current_a)[0] if hand.joint is None else None)
+    return Pressed(1 / mm_per_n, se / mm_per_n**2)
 
 
-def _too_little(place: Place, wanted_n: float) -> DeviceError:
-    do = "Put the reference 3 to 5 mm below the plate, or give more with --reach-deg."
-    wanted, found = f"{wanted_n:g} N within its reach", f"{place.size_n:.2f} N at {place.shaft_deg:.1f} degrees"
-    return DeviceError("reference", wanted=wanted, found=found, do=do)
-
-
-def _slope(x: Floats, y: Floats) -> tuple[float, float]:
+def _slope(x: Sequence[float], y: Sequence[float]) -> tuple[float, float]:
     """Of y over x, and its standard error."""
     (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
     return float(slope), math.sqrt(float(covariance[0, 0]))

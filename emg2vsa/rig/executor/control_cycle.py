@@ -18,7 +18,7 @@ from emg2vsa.rig.executor.plan_limits import most_past_contact_mm
 from emg2vsa.rig.executor.safe_end import Start
 from emg2vsa.rig.executor.specimen_witness import SpecimenWitness
 from emg2vsa.rig.executor.witnesses import Witnesses, at_rest
-from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.record.ended import EndRun
 from emg2vsa.rig.record.run_log import Row, loads_of
 from emg2vsa.rig.record.run_record import RunRecord
@@ -36,7 +36,8 @@ _QUESTIONS = 50
 
 
 _UNWITNESSED = (
-    "nothing but the sensor tells its force: press a reference first, emg2vsa rig commission --motor --reference"
+    "nothing but the sensor tells its force, for the specimen is not known or the press too short to tell it: press a "
+    "reference first, emg2vsa rig commission --motor --reference"
 )
 
 
@@ -252,9 +253,11 @@ class ControlCycle:
             of = f"of the force by {self._witnesses.seen.told_by}"
             why = f"the force sensor feels {gain:.2f} {of}: look at its calibration and at the gear"
             self._record.doubt_press(why, "doubtful")
-        if not self._plan.witnessed:
+        kappa = self._specimen.kappa()
+        self._record.press_kappa(kappa)
+        short = self._plan.condition == RIGID and self._plan.motor_a_per_n is None and kappa is None
+        if short or not self._plan.witnessed:
             self._record.doubt_press(_UNWITNESSED, "doubtful")
-        self._record.press_kappa(self._specimen.kappa())
         if doubt := self._specimen.doubt():
             self._record.doubt_press(doubt, "doubtful")
 

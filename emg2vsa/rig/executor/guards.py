@@ -22,6 +22,8 @@ _JUMP_DEG = 0.5
 """By which springs let the shaft go ahead or stay behind in one turn; without a fault two encoder steps, 0.18."""
 _UNFELT_SHARE = 0.2
 """Of guards.current_a: 0.3 A, at which the emulated rigid motor presses with 5 N; in free motion it draws 0.05 A."""
+UNFELT_N = 2.5
+"""While less is felt, a rigid motor that draws so much presses with what the sensor does not feel."""
 _UNMOVED_N = 2.0
 """One step of the encoder is far less on any specimen that a motor of such steps can press."""
 _STEEPEST_RAD = math.radians(85)
@@ -62,7 +64,7 @@ class Seen:
     current_a: float = 0.0
     "Mean over the last turns, of the motor that draws more."
     unfelt_a: float | None = None
-    "How much more than in free motion a rigid motor draws before contact."
+    "How much more than in free motion a rigid motor draws while little is felt."
     jumped_deg: float = 0.0
     "On the way in: how far the shaft went in the last turn beyond what the motors went."
     approach_mm: float | None = None
@@ -195,8 +197,9 @@ def specimen(moment: Moment, limits: GuardSettings) -> str | None:
     off = moment.seen.off_specimen
     if off is None or abs(off) <= limits.specimen_share:
         return None
-    times = "far more than as" if off > 8 else f"{1 + off:.2f} times as"  # on a short way no number says much
-    said = f"the contact is {times} stiff as on the specimen of the plan, limit {limits.specimen_share:g} off"
+    # on a short way no number says much
+    times = "far stiffer than" if off > 8 else f"{1 + off:.2f} times as stiff as"
+    said = f"the contact is {times} on the specimen of the plan, limit {limits.specimen_share:g} off"
     return f"{said}: look at the specimen, the force sensor, the gear and rig.dome_modulus_mpa"
 
 
@@ -247,7 +250,7 @@ GUARDS: dict[str, Check] = {
     # the ramp is over, and neither contact nor F_max has come
     "travel": _most("mm", lambda now, _: (now.depth_mm, now.travel_mm)),
     # the probe has met something that the force sensor does not feel
-    "unfelt contact": _most("A more than in free motion, and no contact felt", lambda now, limits: (
+    "unfelt contact": _most(f"A more than in free motion, and less than {UNFELT_N:g} N felt", lambda now, limits: (
         now.seen.unfelt_a, _UNFELT_SHARE * limits.current_a
     )),
     # the shaft is deeper than the specimen's surface can be, and no contact was felt

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from emg2vsa.devices.protocols import ForceSample, Joint, Measurements, gives_way
-from emg2vsa.rig.executor.guards import Seen
+from emg2vsa.rig.executor.guards import UNFELT_N, Seen
 from emg2vsa.rig.executor.motion import Motion, Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
@@ -146,10 +146,10 @@ class Witnesses:
             return None, felt_n
         if motion.phase == "approach":
             self._free_a = min(self._free_a, seen.current_a)
+        felt_n = sum(self._felt) / _CURRENT_TURNS
+        if felt_n < UNFELT_N:
             seen.unfelt_a = seen.current_a - self._free_a
-        if self._a_per_n is None:
-            return None, felt_n
-        return (seen.current_a - self._free_a) / self._a_per_n, sum(self._felt) / _CURRENT_TURNS
+        return None if self._a_per_n is None else (seen.current_a - self._free_a) / self._a_per_n, felt_n
 
 
 def at_rest(motion: Motion, now_s: float) -> bool:

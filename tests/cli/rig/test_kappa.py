@@ -47,6 +47,7 @@ def table(path: Path) -> list[dict[str, str]]:
 
 
 def test_presses_are_judged_and_end_early(rig: Rig, slow_rig: Path, known: Path, tmp_path: Path) -> None:
+    assert rig("commission", slow_rig, "--motor", "--reference", 5, "--virtual")[0] == 0  # a witness of short presses
     status, out, err = rig("run", slow_rig, *ONE, "--calibration", known, "--stop-at", "40%")
     assert status == 0, err
     folder = tmp_path / "runs-virtual" / "S3_0_high-stiffness"
