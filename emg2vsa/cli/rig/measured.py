@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 COMMISSION = """
 What is wrong is written into the rig file after a question, and serial numbers that it lacks; comments stay. With --yes
-nobody looks: the direction is searched, and the gear, which needs a calliper, is not checked. A reference, a spring of 1
-to 6 N/mm, is pressed to 5 N; with --motor the motor's current becomes the second witness of the force of runs, for 12
-hours. Exit status 0: all right, or written; 1: something is wrong and not written, or the reference is more than 10 %
-off; 2: not finished.
+nobody looks: the direction is searched, and the gear, which needs a calliper, is not checked. A reference, a spring of
+1 to 6 N/mm, is pressed to 5 N; with --motor the motor's current becomes the second witness of the force of runs, for
+12 hours. Exit status 0: all right, or written; 1: something is wrong and not written, or the reference is more than
+10 % off; 2: not finished.
 """
 REACH = """
 --reference N_PER_MM  press a spring, or another reference of this stiffness, with the flat plate instead, and compare
