@@ -108,11 +108,12 @@ class HandMotion:
     def start(self) -> Place:
         """Motors on where they are; the force at this moment is the zero of all moves. DeviceError, and motors off,
         where it does not rest meanwhile: an encoder that is frozen or has another zero drives them."""
-        first_n, first_deg = self._read().force_n, self.shaft_deg()
+        first_deg, forces = self.shaft_deg(), list[Floats]()
         self._begin()
         end_s = self._clock.now_s() + _LOOK_S
-        while self._clock.now_s() < end_s:
-            grown_n = float(np.linalg.norm(self._read().force_n - first_n))
+        while self._clock.now_s() < end_s or not forces:
+            forces.append(self._read().force_n)
+            grown_n = float(np.linalg.norm(forces[-1] - forces[0]))
             turned_deg = abs(self.shaft_deg() - first_deg)
             if grown_n > LIMIT_N or turned_deg > _RESTS_DEG:
                 self._actuator.deactivate()
@@ -120,7 +121,7 @@ class HandMotion:
                 found = f"{turned_deg:.1f} degrees and {grown_n:.2f} N more"
                 raise DeviceError("probe", wanted="a shaft that rests as the motors go on", found=found, do=do)
             self._hold()
-        self.zero()
+        self._zero_n, self._rest_n = np.asarray(np.mean(forces, axis=0)), self._springs_n()
         return self.place()
 
     @property
@@ -141,12 +142,6 @@ class HandMotion:
         self._actuator.deactivate()
         yield
         self._begin()
-
-    def zero(self) -> None:
-        """The present force is the zero from now on, felt and borne by the springs."""
-        self._zero_n = np.zeros(3)
-        self._zero_n = self.felt_n()
-        self._rest_n = self._springs_n()
 
     def felt_n(self) -> Floats:
         """(3,) mean force above the zero, over 0.2 s."""
@@ -214,7 +209,7 @@ class HandMotion:
                 if abs(turns[-1].shaft_deg - begin_deg) >= abs(until_deg - begin_deg):
                     return self.place(touched=True)
             self.at_deg += math.copysign(min(step, abs(to_deg - self.at_deg)), to_deg - self.at_deg)
-            self._hold()
+            self._hold(look=True)
         return self.place()
 
     def away(self, from_deg: float) -> Place:
@@ -262,11 +257,12 @@ class HandMotion:
         fastest = min(FASTEST_DEG_PER_S, self._rig.max_mm_per_s / self._rig.gear_mm_per_degree)
         return min(deg_per_s, fastest) * self._rig.period_s
 
-    def _hold(self) -> None:
-        """One turn of the loop: command, ask, wait. Currents are those right after a command, as in a run: they fall as
-        the motors come to it."""
+    def _hold(self, *, look: bool = False) -> None:
+        """One turn of the loop: command, ask, wait. look : at the currents, too, right after the command as in a run:
+        they fall as the motors come to it."""
         self._command(self.at_deg)
-        self._currents_a = self._actuator.currents_a()
+        if look:
+            self._currents_a = self._actuator.currents_a()
         if not self._actuator.is_active():
             do = "Check its supply; prove the watchdog with emg2vsa rig prove-watchdog."
             raise DeviceError("probe", wanted="motors on", found="motors off: reset, or watchdog", do=do)

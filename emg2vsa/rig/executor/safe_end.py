@@ -374,7 +374,8 @@ class _Escape:
 
     def _check(self, contact_n: float) -> None:
         depth_mm = self._rig.depth_at(self._actuator.position_deg())
-        if abs(depth_mm) > self._there_mm():
+        pulled = depth_mm < 0 and self._touches(contact_n)  # as far as the force would have fallen
+        if abs(depth_mm) > self._there_mm() and not pulled:
             do = "Take it away from the specimen by hand, or by the next run."
             found = f"{depth_mm:.1f} mm from it"
             raise DeviceError("probe", wanted="motors at the retracted position", found=found, do=do)
