@@ -36,6 +36,8 @@ _STUCK_S = 2.5
 """How much longer motors that have not obeyed while the probe presses are told to; then they go off where they are."""
 _NEARER_MM = 0.02
 """In a rest, by which free motors are still on their way."""
+_SPREAD = 0.4
+"""Share of the full preset by which motors may stand off the last one that was commanded."""
 _REST_S = 0.05
 _JUMP_MM, _FASTEST = 0.5, 1.5
 """Beyond the largest speed of the rig times that, by which motors have not gone but their encoder has jumped."""
@@ -139,6 +141,7 @@ class _Escape:
         if not low_deg <= self._rig.position_at(self._depth_mm) <= high_deg:
             # the device would take no command, and go by that encoder with all its force
             raise _Pressing(f"the encoder reads {self._depth_mm:.1f} mm, where position_deg does not reach")
+        self._check_spread()
         self._wake()
         self._ramp(self._goal_mm)
         before_mm = self._from_home_mm()
@@ -162,6 +165,15 @@ class _Escape:
         pressed_there = self._there() and self._touches(start.contact_n)
         if not start.home_is_free or self._goal_mm < 0 or pressed_there:
             self._leave()
+
+    def _check_spread(self) -> None:
+        """_Pressing where the two motors of springs are further apart, or nearer, than any command has sent them: one
+        encoder has jumped, and no command for both takes the probe away."""
+        joint, at = self._actuator.joint, list[Measurements]()
+        if joint is None or gives_way(joint) or not self.tried(lambda: at.append(self._actuator.measurements())):
+            return
+        if abs((spread := joint.preset_at(at[0])) - self._preset) > _SPREAD:
+            raise _Pressing(f"the motors stand as for a preset of {100 * spread:.0f} %: an encoder has jumped")
 
     def _answers_again(self, end_s: float) -> bool:
         """After commands that failed: whether the actuator answers before ``end_s``. Meanwhile it is told to go to the

@@ -26,6 +26,7 @@ STAYS = [
     ("rigid", "dead at 1.80 s for 1.11 s; jumped-motor-1 -20000 at 7.4 N"),
     ("qbmove", "replayed at 6.88 N for 0.05 s; jumped-motor-1 -3300 at 2.13 s"),
     ("qbmove", "jumped-motor-2 -19900 at 6.88 N"),
+    ("qbmove", "replayed at 3.69 N; jumped-motor-2 -20000 at 4.40 N"),  # one of two motors: 67 N before
     ("dynamixel", "frozen-shaft at 1.92 s; lose at 4.21 N"),
 ]
 """Nothing takes these away: the motors are off, and that is told."""
