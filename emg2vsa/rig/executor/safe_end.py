@@ -141,7 +141,8 @@ class _Escape:
         if not low_deg <= self._rig.position_at(self._depth_mm) <= high_deg:
             # the device would take no command, and go by that encoder with all its force
             raise _Pressing(f"the encoder reads {self._depth_mm:.1f} mm, where position_deg does not reach")
-        self._check_spread()
+        if not self._held:  # else the motors are on their way to the softest preset
+            self._check_spread()
         self._wake()
         self._ramp(self._goal_mm)
         before_mm = self._from_home_mm()
