@@ -36,6 +36,7 @@ _STUCK_S = 2.5
 """How much longer motors that have not obeyed while the probe presses are told to; then they go off where they are."""
 _NEARER_MM = 0.02
 """In a rest, by which free motors are still on their way."""
+_PACE_S = 0.02
 _SPREAD = 0.4
 """Share of the full preset by which motors may stand off the last one that was commanded."""
 _REST_S = 0.05
@@ -219,9 +220,15 @@ class _Escape:
 
     def _rest(self, duration_s: float) -> None:
         end_s = self._clock.now_s() + duration_s
+        told_s = self._clock.now_s()
         while (left_s := end_s - self._clock.now_s()) > 0:
             self._wait(min(left_s, self._rig.period_s))
-            self._step(self._depth_mm)
+            # seldom, for on a line that loses bytes each frame may become another command; not too seldom to see a jump
+            if (now_s := self._clock.now_s()) - told_s >= _PACE_S - 1e-6 or now_s >= end_s:
+                self._step(self._depth_mm)
+                told_s = now_s
+            else:
+                self.tried(lambda: self._feel(self._rig.position_at(self._depth_mm)))
 
     def _leave(self) -> None:
         end_mm, unfelt_mm, fallen_n = self._depth_mm - _BEYOND_MM, 0.0, self._mean_n() or 0.0
