@@ -116,8 +116,8 @@ class Pressed(NamedTuple):
 def press_reference(
     hand: HandMotion, rig: RigSettings, speeds_mm_per_s: Collection[float], reach_deg: float, say: Callable[[str], None]
 ) -> tuple[Pressed, dict[float, float]]:
-    """Press the reference slowly to 5 N, then as deep at each speed, and leave it; what the slow press tells, and speed
-    to current for a newton of a rigid motor, A/N.
+    """Press the reference slowly to 5 N, then with a rigid motor three quarters as deep at each speed, and leave it;
+    what the slow press tells, and speed to current for a newton of a rigid motor, A/N.
 
     DeviceError : as `HandMotion`; no touch, or too little force, within ``reach_deg``; a force across push_axis, or one
     that is left when the probe is free again.
@@ -142,11 +142,8 @@ def press_reference(
         do = "Look at the zero of the force sensor, and whether the probe is free at the start."
         wanted = "no force when the probe is free again"
         raise DeviceError("reference", wanted=wanted, found=f"{left.size_n:.2f} N", do=do)
-    used = _used(turns, _FROM_N)
-    slow, deep_deg = (
-        _stiffness(rig, used),
-        next(turn.shaft_deg for turn in used if turn.felt_n >= _DEEP * used[-1].felt_n),
-    )
+    slow = _stiffness(rig, used := _used(turns, _FROM_N))
+    deep_deg = next(turn.shaft_deg for turn in used if turn.felt_n >= _DEEP * used[-1].felt_n)
     say(f"pressed: {slow.n_per_mm:.3g} +- {1.96 * slow.se_n_per_mm:.2g} N/mm (95 %)")
     a_per_n = {}
     for speed in speeds_mm_per_s if hand.joint is None else ():
@@ -193,7 +190,10 @@ def read_reference(rig_file: Path, *, virtual: bool = False) -> ReferenceProof |
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
         of_motor = tuple((float(speed), float(value)) for speed, value in found["motor_a_per_n"])
-        return ReferenceProof(**found | {"push_axis": tuple(found["push_axis"]), "motor_a_per_n": of_motor})
+        proof = ReferenceProof(**found | {"push_axis": tuple(found["push_axis"]), "motor_a_per_n": of_motor})
+        if datetime.fromisoformat(proof.date).tzinfo is None or not all(0 < value < math.inf for _, value in of_motor):
+            raise ValueError("a date without its zone, or a current that is not above 0")
+        return proof
     except FileNotFoundError:
         return None
     except (OSError, ValueError, TypeError, KeyError) as error:

@@ -36,10 +36,10 @@ _STUCK_S = 2.5
 """How much longer motors that have not obeyed while the probe presses are told to; then they go off where they are."""
 _NEARER_MM = 0.02
 """In a rest, by which free motors are still on their way."""
-_PACE_S = 0.02
+_REST_S, _PACE_S = 0.05, 0.02
+"""A short rest; and between commands at rest, each of which keeps the watchdog of the motors from running out."""
 _SPREAD = 0.4
 """Share of the full preset by which motors may stand off the last one that was commanded."""
-_REST_S = 0.05
 _JUMP_MM, _FASTEST = 0.5, 1.5
 """Beyond the largest speed of the rig times that, by which motors have not gone but their encoder has jumped."""
 
@@ -219,11 +219,11 @@ class _Escape:
             self._wait(self._rig.period_s)
 
     def _rest(self, duration_s: float) -> None:
-        end_s = self._clock.now_s() + duration_s
         told_s = self._clock.now_s()
+        end_s = told_s + duration_s
         while (left_s := end_s - self._clock.now_s()) > 0:
             self._wait(min(left_s, self._rig.period_s))
-            # seldom, for on a line that loses bytes each frame may become another command; not too seldom to see a jump
+            # few commands: on a line that loses bytes each may become another one; yet enough to see a jump
             if (now_s := self._clock.now_s()) - told_s >= _PACE_S - 1e-6 or now_s >= end_s:
                 self._step(self._depth_mm)
                 told_s = now_s

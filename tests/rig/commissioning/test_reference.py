@@ -125,9 +125,11 @@ def test_a_proof_is_kept_and_read_back(tmp_path: Path) -> None:
     path = write_reference(file, PROOF)
     assert read_reference(file) == PROOF
     assert read_reference(file, virtual=True) is None
-    path.write_text("{}")
-    with pytest.raises(DeviceError, match=r"rig\.reference\.json.*Delete it"):
-        read_reference(file)
+    whole = path.read_text()
+    for spoilt in ("{}", whole.replace("+00:00", ""), whole.replace("2026-", "x"), whole.replace("0.06", "0.0")):
+        path.write_text(spoilt)
+        with pytest.raises(DeviceError, match=r"rig\.reference\.json.*Delete it"):
+            read_reference(file)
 
 
 def test_a_plate_press_is_ok_only_with_the_reference(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
