@@ -20,6 +20,9 @@ PRESSES = """
     (default); tabulated-frictionless: it slides; stick: the contact grows over the skin up to --stick-force-n, then
     stretches it; front: it never stretches it
 --stick-force-n N  with --world stick: force from which on the contact is a piece of skin (default 0.43)
+--domes FOLDER  tables of one dome of your own (casr dome), which is pressed in place of that of the default world
+--dome-radius-mm MM = 20  with --domes: radius of the sensor, for camera.toml; casr dome names it (default %(default)s)
+--specimen-height-mm MM  with --domes: thickness of the specimens, where the tables have several
 --scatter {realistic,none} = realistic  how presses of one kind differ: depth, stiffness and angle of a mounting; area,
     resting force and delay of a press (default %(default)s)
 --mounting N = 0  another mounting of sensor and specimens (default %(default)s)

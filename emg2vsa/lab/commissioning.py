@@ -120,7 +120,7 @@ def check_reference(
 
     if virtual:
         spring = replace(
-            emulated_of(file), stiffness_n_per_mm={_REFERENCE: stated_n_per_mm}, height_mm={},
+            emulated_of(file), stiffness_n_per_mm={_REFERENCE: stated_n_per_mm}, height_mm={}, domes=None,
             relaxation={_REFERENCE: 0.0}, stiffness_sd=0.0, mounting_stiffness_sd=0.0,
         )  # fmt: skip
         bench = EmulatedRig(

@@ -120,7 +120,8 @@ def served_file(file: RigFile, servers: EmulatedServers, folder: Path) -> str:
         "runs": os.path.relpath(file.emulated_runs, folder),
     }
     tables = raw | served_tables(servers) | {"experiment": raw["experiment"] | places}
-    tables |= {"emulated": raw.get("emulated", {}) | {"behind_ports": True}}
+    domes = file.emulated and file.emulated.domes
+    tables |= {"emulated": raw.get("emulated", {}) | {"behind_ports": True} | ({"domes": domes} if domes else {})}
     return f"{_HEAD} From {file.path.name}.\n" + "\n".join(toml_lines(tables)) + "\n"
 
 

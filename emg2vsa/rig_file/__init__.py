@@ -57,6 +57,8 @@ def _rig_file(path: Path, tables: RigTables, raw: Mapping[str, Any]) -> RigFile:
     settings, emulated = ExperimentSettings(**experiment), tables.emulated and controlled(tables.emulated)
     if emulated and "springs" not in raw["emulated"] and isinstance(tables.actuator, QbmoveSettings):
         emulated = replace(emulated, springs=tables.actuator.joint)  # type: ignore[arg-type]
+    if emulated and emulated.domes:
+        emulated = replace(emulated, domes=str(beside(folder, emulated.domes)))
     if emulated and emulated.control == "N3":
         swapped = counterparts(settings.specimens, emulated.stiffness_n_per_mm)
         settings = replace(settings, schedule_of=swapped)

@@ -173,6 +173,12 @@ def _emulated(experiment: ExperimentSettings, tables: Mapping[str, Any], raw: Ma
             if (found := getattr(emulated, key)) != getattr(usual, key):
                 do = 'Remove the key, or set world to "viscoelastic".'
                 yield Problem(("emulated", key), 'a key that world = "elastic" has', shown(found), do)
+    if emulated.dome_radius_mm != EmulatedSettings.dome_radius_mm and not emulated.domes:
+        do = "Give domes, or leave dome_radius_mm out."
+        yield Problem(("emulated", "dome_radius_mm"), "it beside domes", shown(emulated.dome_radius_mm), do)
+    if emulated.domes and emulated.skin != "finite-elements":
+        wanted, do = 'skin = "finite-elements" beside it', "Leave one of the two out."
+        yield Problem(("emulated", "domes"), wanted, shown(emulated.skin), do)
     parts = INTERNAL_RATE_HZ / emulated.force_rate_hz
     if not math.isclose(parts, round(parts), rel_tol=1e-9):
         near = INTERNAL_RATE_HZ / max(1, math.floor(parts))

@@ -151,6 +151,14 @@ BAD: dict[tuple[str, str], list[str]] = {
         "'S1'?",
         "17: emulated.friction_drop: expected at most half of emulated.friction, 0.3, but found 0.2.",
     ],
+    ("[emulated]", "[emulated]\ndome_radius_mm = 25"): [
+        "15: emulated.dome_radius_mm: expected it beside domes, but found 25.0. Give domes, or leave dome_radius_mm "
+        "out."
+    ],
+    ("[emulated]", '[emulated]\ndomes = "mine"\nskin = "sticking"'): [
+        '15: emulated.domes: expected skin = "finite-elements" beside it, but found "sticking". Leave one of the two '
+        "out."
+    ],
     ("[emulated]", "[emulated]\nheight_mm = { S11 = 10 }"): [
         '15: emulated.height_mm.S11: expected a specimen of stiffness_n_per_mm, but found "S11". Did you mean '
         "'S1'?",

@@ -77,7 +77,7 @@ def _solve(case: Case, folder: Path) -> Solved:
     except Stopped as error:
         return Solved(case, {}, stopped=str(error))
     said = _metadata(case, fine, errors)
-    write_bytes_atomic(folder / f"{case.name}.npz", _file(case, fine, said))
+    write_bytes_atomic(folder / f"{case.name}.npz", table_file(case, fine, said))
     return Solved(case, said)
 
 
@@ -118,7 +118,8 @@ def _metadata(case: Case, fine: Pressed, errors: dict[str, float]) -> dict[str, 
     }  # fmt: skip
 
 
-def _file(case: Case, found: Pressed, said: dict[str, Any]) -> bytes:
+def table_file(case: Case, found: Pressed, said: dict[str, Any]) -> bytes:
+    """The file of a table (casr.dome.tables), in millimetres of a dome of 20 mm."""
     arrays: dict[str, Any] = {name: getattr(found, name) for name in ("force_n", "tilt_rad", *_LENGTHS)}
     for name in _LENGTHS:
         arrays[name] = arrays[name] * (OUTER_RADIUS_MM / dome_radius_mm(case))

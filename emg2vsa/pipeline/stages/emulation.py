@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from emg2vsa.pipeline.stage import Given, Input, Stage
+from emg2vsa.pipeline.stage import Given, Input, Keyed, Stage
 from emg2vsa.settings import RIGID
 
 if TYPE_CHECKING:
@@ -48,11 +49,22 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
                 seed=0,
             ),
             "rig": rig.rig,
-            "emulated": emulated.of(run.specimen),
+            "emulated": _keyed(emulated.of(run.specimen)),
         }
         | ({"changed_guards": changed} if changed else {})
         | _other_actuator(rig.devices.actuator)
     )
+
+
+def _keyed(emulated: EmulatedSettings) -> EmulatedSettings | Keyed:
+    """Where tables lie is no part of the key: they are files."""
+    return Keyed(emulated, replace(emulated, domes=None)) if emulated.domes else emulated
+
+
+def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
+    """Tables of the emulated dome."""
+    domes = campaign.rig and campaign.rig.emulated and campaign.rig.emulated.domes
+    return {"emulated domes": sorted(Path(domes).glob("*.npz"))} if domes else {}
 
 
 def _other_actuator(settings: ActuatorSettings) -> dict[str, Any]:
@@ -142,5 +154,5 @@ def _record(
 
 STAGE = Stage(
     per="mounting", of="emulated rig", needs=("schedules",), run=run, loads=("emg2vsa.worlds.bench.virtual_run",),
-    settings=settings, takes=takes, folder=folder, alone_in=alone_in,
+    settings=settings, files=files, takes=takes, folder=folder, alone_in=alone_in,
 )  # fmt: skip

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from emg2vsa.pipeline.stage import Given, Stage
+from emg2vsa.pipeline.stage import Given, Keyed, Stage
+from emg2vsa.pipeline.stages.emulation import files
 from emg2vsa.settings import RIGID
 
 if TYPE_CHECKING:
+    from emg2vsa.arrays import Floats
     from emg2vsa.pipeline.campaign import Campaign
     from emg2vsa.stiffness_effect import StiffnessEffect
 
@@ -25,6 +27,9 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
         "relaxation": {name: emulated.relaxation_of(name) for name in known},
         "sensor_relaxation": emulated.sensor_relaxation,
         "skin": emulated.skin,
+        **({"domes": Keyed(emulated.domes, True)} if emulated.domes else {}),
+        "dome_radius_mm": emulated.dome_radius_mm,
+        "height_mm": {name: emulated.height_mm.get(name) for name in known if emulated.domes},
         "springs": emulated.springs,
         "preset_latency_s": emulated.preset_latency_s,
         "camera": (emulated.camera_latency_sd_s, emulated.camera_jitter_s, emulated.force_noise_n),
@@ -41,6 +46,8 @@ def run(given: Given) -> StiffnessEffect | None:
     """None where fewer than two specimens have all schedules."""
     import numpy as np
 
+    from casr.dome.library import DEFAULT_WORLD
+    from casr.dome.view import OUTER_RADIUS_MM
     from emg2vsa.devices.qbmove.springs import SPRINGS, SpringJoint
     from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
     from emg2vsa.schedules import Schedule
@@ -64,13 +71,21 @@ def run(given: Given) -> StiffnessEffect | None:
     for percent in used["percent"]:
         preset_rad = float(springs.preset_rad(springs.rounded(percent / 100)))
         steps[f"all-{percent:g}"] = dict.fromkeys(stiffness, StiffnessSteps.constant(preset_rad))
-    skin = TabulatedWorld() if used["skin"] == "finite-elements" else world
+
+    def area_mm2(name: str, force_n: Floats) -> Floats:
+        if used["skin"] != "finite-elements":
+            return world.area_mm2(force_n, stiffness[name])
+        scale, height_mm = used["dome_radius_mm"] / OUTER_RADIUS_MM, used["height_mm"].get(name)
+        skin = TabulatedWorld(tables=used.get("domes", DEFAULT_WORLD))
+        radius_mm = scale * skin.radius_mm(force_n, stiffness[name], height_mm and height_mm / scale)
+        return np.asarray(np.pi * radius_mm**2)
+
     bench = Bench(
         stiffness_mpa={name: world.specimen_mpa(each) for name, each in stiffness.items()},
         sensor_mpa=world.sensor_modulus_mpa,
         tip_radius_mm=world.tip_radius_mm,
         exponent=world.exponent,
-        area_mm2=lambda name, force: np.pi * skin.radius_mm(force, stiffness[name]) ** 2,
+        area_mm2=area_mm2,
         drive=Drive(
             springs=SPRINGS[used["springs"]], speed_mm_per_s=used["ramp_mm_per_s"],
             mm_per_degree=used["gear_mm_per_degree"], preset_latency_s=used["preset_latency_s"],
@@ -89,6 +104,6 @@ def says(effect: StiffnessEffect | None) -> str:
 
 
 STAGE = Stage(
-    per="study", of="emulated rig", needs=("schedules",), run=run, settings=settings, says=says,
+    per="study", of="emulated rig", needs=("schedules",), run=run, settings=settings, files=files, says=says,
     gives="What stiffness can do is",
 )  # fmt: skip

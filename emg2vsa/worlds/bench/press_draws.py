@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from casr.camera import Camera
+from casr.dome.library import DEFAULT_WORLD
 from casr.errors import SettingError as NoScene
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.qbmove.springs import Springs
@@ -20,6 +22,7 @@ from emg2vsa.worlds.bench.settings import EmulatedSettings
 from emg2vsa.worlds.contact import Relaxation, adhesive_force_n, area_share, in_series, specimen_share
 from emg2vsa.worlds.far_ends.camera import FrameTiming
 from emg2vsa.worlds.tactile import Appearance, ContactState, ContactWorld, Drawn, PressSettings, Scene, TabulatedWorld
+from emg2vsa.worlds.tactile.settings import SIMULATED_SENSOR
 
 _OF_SENSOR, _OF_MOUNTING, _OF_FIRST_PRESS = range(3)
 _LEAST_N, _MOST_N, _FORCES = 0.01, 400.0, 600
@@ -196,7 +199,9 @@ class PressDraws:
                 depth=math.exp(e.depth_sd * self._mounting.depth), area=math.exp(e.area_sd * self._press(press).area)
             ),
             centre_sd_mm=e.landing_sd_mm,
-            world=TabulatedWorld() if e.skin == "finite-elements" else ContactWorld(),
+            specimen_height_mm=e.height_mm.get(self.specimen) if e.domes else None,
+            world=TabulatedWorld(tables=e.domes or DEFAULT_WORLD) if e.skin == "finite-elements" else ContactWorld(),
+            camera=Camera(sensor=replace(SIMULATED_SENSOR, dome_radius_mm=e.dome_radius_mm)),
             appearance=replace(Appearance(), noise_grey=e.camera_noise_grey),
         )
         try:

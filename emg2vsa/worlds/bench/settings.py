@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 from casr.specimens import SPECIMENS
+from emg2vsa.devices.device_settings import Text
 from emg2vsa.settings import Ge, Gt, Le, Positive
 
 Share = Annotated[float, Ge(0), Le(0.75)]
@@ -26,9 +28,9 @@ class EmulatedSettings:
     height_mm: dict[str, Annotated[float, Ge(1), Le(1000)]] = field(default_factory=dict)
     """Specimen to its height, mm: under the plate it is a Neo-Hookean cylinder between ends that slide, its stiffness
     above that at first contact, and kappa over a range of forces is larger. One not named here is as stiff at any
-    depth. Under the dome height changes nothing: its force over depth stays that of a linear specimen, and finite
-    elements of the skin have Neo-Hookean ones of 25 mm. A press on a part of the face stiffens a specimen far less: by
-    finite elements a punch of 20 mm width a third as much as the plate."""
+    depth. Under the dome its force over depth stays that of a linear specimen, and finite elements of the skin have
+    Neo-Hookean ones of 25 mm, or with ``domes`` of this height. A press on a part of the face stiffens a specimen far
+    less: by finite elements a punch of 20 mm width a third as much as the plate."""
     springs: Literal["qbmove-maker-pro", "qbmove-advanced"] = "qbmove-maker-pro"
     """Whose springs and firmware the actuator has (docs/decisions/0013-emulated-rig.md). Omitted in a rig file: those
     of the model in [actuator], which no other may contradict."""
@@ -46,6 +48,11 @@ class EmulatedSettings:
     skin: Literal["finite-elements", "sticking"] = "finite-elements"
     """How area and skin follow the force: tabulated finite elements of a dome, or a contact that sticks and then
     stretches, whose radius grows like force^(1/4). The force over depth is that of the second with both."""
+    domes: Text | None = None
+    """Folder of tables of one other dome (casr dome), whose skin is pressed in place of that of the finite elements
+    that come with casr. Tables of several heights take a specimen by its height_mm."""
+    dome_radius_mm: Annotated[float, Ge(1), Le(1000)] = 20.0
+    "With domes: radius of the sensor, for the camera file; casr dome names it. Tables are of 20 mm, and are scaled."
     landing_sd_mm: Annotated[float, Ge(0), Le(2)] = 0.2
     "Standard deviation of where a press meets the specimen, along each axis of the image, mm (guess: guide's play)."
     gap_sd_mm: Annotated[float, Ge(0), Le(0.2)] = 0.1
@@ -116,7 +123,8 @@ class EmulatedSettings:
 
     def document(self) -> dict[str, Any]:
         """For emulated.json. over_bytes : actuator and force sensor were spoken to byte for byte in every turn."""
-        return asdict(self) | {"over_bytes": self.exact or self.behind_ports}
+        domes = self.domes and os.path.basename(self.domes)
+        return asdict(self) | {"domes": domes, "over_bytes": self.exact or self.behind_ports}
 
     def of(self, specimen: str) -> Self:
         """What matters for the runs of one specimen."""

@@ -6,18 +6,21 @@ import itertools
 import json
 import tempfile
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import tifffile
 
+from casr.camera import Camera
+from casr.dome.library import DEFAULT_WORLD
+from casr.dome.view import OUTER_RADIUS_MM
 from casr.errors import FramesError, SettingError
 from casr.specimens import SPECIMENS
 from emg2vsa.worlds.tactile.appearance import Appearance
 from emg2vsa.worlds.tactile.contact import ContactWorld
 from emg2vsa.worlds.tactile.press import SimulatedPress, Timeline, simulate_press
-from emg2vsa.worlds.tactile.settings import REALISTIC, PressSettings, Scatter, TimelineSettings
+from emg2vsa.worlds.tactile.settings import REALISTIC, SIMULATED_SENSOR, PressSettings, Scatter, TimelineSettings
 from emg2vsa.worlds.tactile.tabulated import TabulatedWorld
 from emg2vsa.worlds.tactile.world import World, check
 
@@ -30,7 +33,8 @@ class PressPlan:
 
     Raises
     ------
-    SettingError : no such specimen; an angle, a peak force or a stick force that cannot be.
+    SettingError : no such specimen; an angle, a peak force or a stick force that cannot be; what tables of domes have
+    to do with, without any.
     """
 
     specimens: tuple[str, ...] = ("S1", "S3", "S5", "S2")
@@ -39,6 +43,9 @@ class PressPlan:
     force_max_n: float = 7.0
     world: str = "tabulated"
     stick_force_n: float | None = None
+    domes: str | None = None
+    dome_radius_mm: float = OUTER_RADIUS_MM
+    specimen_height_mm: float | None = None
     scatter: str = "realistic"
     mounting: int = 0
     seed: int = 0
@@ -61,16 +68,24 @@ class PressPlan:
         found, do = f"--world {self.world}", "Leave it out, or simulate that world."
         fits = self.stick_force_n is None or self.world == "stick"
         check(fits, "--stick-force-n", "it with --world stick", found, do)
+        fits = self.domes is None or self.world.startswith("tabulated")
+        check(fits, "--domes", "them with --world tabulated or tabulated-frictionless", found, "Leave one of them out.")
+        of_domes = {"--dome-radius-mm": self.dome_radius_mm, "--specimen-height-mm": self.specimen_height_mm}
+        for option, value in of_domes.items():
+            if value not in (None, OUTER_RADIUS_MM):
+                check(self.domes is not None, option, "it with --domes", f"{value:g} without", "Give the tables.")
+                check(1 <= value <= 1000, option, "1 to 1000 mm", f"{value:g}", "Correct it.")
 
     def presses(self) -> dict[str, PressSettings]:
         """Name to settings of every press."""
         world, timeline = self._world(), TimelineSettings(peak_n=self.force_max_n)
+        camera = Camera(sensor=replace(SIMULATED_SENSOR, dome_radius_mm=self.dome_radius_mm))
         every = itertools.product(self.specimens, self.angles, range(self.repetitions))
         return {
             f"{specimen}_{angle:02g}deg_{repetition + 1:02d}": PressSettings(
                 stiffness_n_per_mm=SPECIMENS[specimen], angle_deg=angle, repetition=repetition, seed=self.seed,
                 mounting=self.mounting, world=world, scatter=SCATTERS[self.scatter], appearance=self.appearance,
-                timeline=timeline,
+                timeline=timeline, camera=camera, specimen_height_mm=self.specimen_height_mm,
             )
             for specimen, angle, repetition in every
         }  # fmt: skip
@@ -80,7 +95,8 @@ class PressPlan:
             return ContactWorld(stick_force_n=self.force_max_n)
         if self.world == "stick":
             return ContactWorld(stick_force_n=self.stick_force_n or ContactWorld.stick_force_n)
-        return TabulatedWorld(friction="frictionless" if self.world == "tabulated-frictionless" else "stick")
+        friction = "frictionless" if self.world == "tabulated-frictionless" else "stick"
+        return TabulatedWorld(friction=friction, tables=self.domes or DEFAULT_WORLD)
 
 
 def write_presses(

@@ -50,6 +50,7 @@ class Scene:
             start_n=settings.timeline.start_n,
             peak_n=settings.timeline.peak_n,
             area_factor=drawn.area,
+            specimen_height_mm=settings.specimen_height_mm,
         )
         self.skin = settings.world.press(pressing)
         self._still: tuple[ContactState, NDArray[np.float32]] | None = None

@@ -139,6 +139,7 @@ class PressSettings:
     Parameters
     ----------
     stiffness_n_per_mm : of the specimen by plate indentation; see ``SPECIMENS``.
+    specimen_height_mm : where the tables of the world are of several heights.
     angle_deg : between the sensor's axis and the normal of the specimen's surface; the contact moves along +x.
     repetition, seed : which of the presses of the sensor ``seed``.
     mounting : which of the times that sensor and specimens were mounted.
@@ -154,6 +155,7 @@ class PressSettings:
     scatter: Scatter = field(default_factory=Scatter)
     drawn: Drawn | None = None
     centre_sd_mm: float = 0.5
+    specimen_height_mm: float | None = None
     world: World = field(default_factory=TabulatedWorld)
     skin: Skin = TACTIP_127
     camera: Camera = field(default_factory=lambda: Camera(sensor=SIMULATED_SENSOR))

@@ -9,11 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
-from casr.dome.library import DEFAULT_WORLD, SHIPPED, Library, read_library, shipped
+from casr.contact_area.library_front import dome_scale
+from casr.dome.library import DEFAULT_WORLD, SHIPPED, Library, of_height, read_library, shipped
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView, PinsAroundAxis
 from casr.errors import SettingError
 from emg2vsa.worlds.tactile.world import Array, ContactEllipse, ContactState, Points, Pressing, sheared
 
+_SHIPPED = (SHIPPED, DEFAULT_WORLD)
 _OUTLINE = 360
 _SOFTER = 0.8
 "Of the softest table: the scatter of specimens."
@@ -22,13 +24,14 @@ _SOFTER = 0.8
 @cache
 def tabulated(tables: str) -> Library:
     """A shipped library by its name, or the tables of a folder. SettingError where there are none."""
-    return shipped(tables) if tables in (SHIPPED, DEFAULT_WORLD) else read_library(Path(tables))
+    return shipped(tables) if tables in _SHIPPED else read_library(Path(tables))
 
 
 @dataclass(frozen=True, kw_only=True)
 class TabulatedWorld:
-    """A dome of 20 mm (skin 0.8 MPa over gel 0.03 MPa) on cylinders of 35 mm radius and 25 mm height.
+    """Dome A of 20 mm (skin 0.8 MPa over gel 0.03 MPa) on cylinders of 35 mm radius and 25 mm height, or own tables.
 
+    Tables are of a dome of 20 mm; the sensor's dome_radius_mm says how large the dome is that they stand for.
     Between tables the motion and the logarithm of the force at a radius are interpolated along compliance^(1/2), which
     is within 7 % of the force for a table left out; above the 5 N of the tables both are continued (casr.dome.library).
     At a tilt the axisymmetric field is turned about the centre of the dome: the clamped base is taken for as far away
@@ -37,15 +40,18 @@ class TabulatedWorld:
     Parameters
     ----------
     friction : ``stick`` or ``frictionless``.
-    dome : of ``tables``. tables : name of a shipped library, or a folder of a lab's own tables (casr.dome.tables).
+    dome : of ``tables``; empty: the only one there. tables : name of a shipped library, or a folder of a lab's own
+        tables (casr.dome.tables).
     """
 
     friction: str = "stick"
-    dome: str = "A"
+    dome: str = ""
     tables: str = DEFAULT_WORLD
 
     def __post_init__(self) -> None:
         library = tabulated(self.tables)
+        if not self.dome and len(domes := set(library.dome.tolist())) == 1:
+            object.__setattr__(self, "dome", *domes)
         known = sorted(set(zip(library.dome.tolist(), library.friction.tolist(), strict=True)))
         if (self.dome, self.friction) not in known:
             raise SettingError(
@@ -68,9 +74,12 @@ class TabulatedWorld:
         """The skin of one press."""
         return TabulatedSkin(self, pressing)
 
-    def solution(self, stiffness_n_per_mm: float) -> tuple[Array, Array, Array]:
-        """(R,) force, (R,) edge on the inside of the skin and (R, S, 3) motion, for each radius of the tables."""
-        library = tabulated(self.tables)
+    def solution(self, stiffness_n_per_mm: float, height_mm: float | None = None) -> tuple[Array, Array, Array]:
+        """(R,) force, (R,) edge on the inside of the skin and (R, S, 3) motion, for each radius of the tables.
+
+        height_mm : of the specimen, mm of a dome of 20 mm; None: the only one of the tables.
+        """
+        library = self._of_height(height_mm)
         rows = np.flatnonzero((library.dome == self.dome) & (library.friction == self.friction))
         rows = rows[np.argsort(-library.stiffness_n_per_mm[rows])]
         softness = library.stiffness_n_per_mm[rows] ** -0.5
@@ -81,6 +90,13 @@ class TabulatedWorld:
                 "stiffness_n_per_mm", wanted=f"{softest:.3g} N/mm or more, as the tables reach",
                 found=f"{stiffness_n_per_mm:g}", do="Take a stiffer specimen, or another world.",
             )  # fmt: skip
+        if rows.size == 1:
+            if not math.isclose(stiffness_n_per_mm, float(library.stiffness_n_per_mm[rows[0]]), rel_tol=1e-6):
+                raise SettingError(
+                    "stiffness_n_per_mm", wanted=f"{library.stiffness_n_per_mm[rows[0]]:g} N/mm, as the only table has",
+                    found=f"{stiffness_n_per_mm:g}", do="Solve tables of several stiffnesses.",
+                )  # fmt: skip
+            rows, softness = np.repeat(rows, 2), np.array([0.0, at])
         high = int(np.clip(np.searchsorted(softness, at), 1, rows.size - 1))
         share = (at - softness[high - 1]) / (softness[high] - softness[high - 1])
         stiff, soft = rows[high - 1], rows[high]
@@ -89,9 +105,22 @@ class TabulatedWorld:
         motion = (1 - share) * library.motion[stiff] + share * library.motion[soft]
         return np.exp(log_force), edge * INNER_RADIUS_MM / OUTER_RADIUS_MM, motion.astype(np.float64)
 
-    def radius_mm(self, force_n: Array | float, stiffness_n_per_mm: float) -> Array:
-        """Contact radius at forces."""
-        log_force, log_radius = np.log(self.solution(stiffness_n_per_mm)[0]), np.log(tabulated(self.tables).radius_mm)
+    def _of_height(self, height_mm: float | None) -> Library:
+        library = tabulated(self.tables)
+        if height_mm is not None:
+            return of_height(library, height_mm)
+        soft = (library.dome == self.dome) & np.isfinite(library.stiffness_n_per_mm)
+        if (heights := np.unique(library.height_mm[soft].round(2))).size > 1:
+            raise SettingError(
+                "specimen_height_mm", wanted="the height of the specimen, as the tables have several",
+                found=f"none, and tables of {', '.join(f'{each:g}' for each in heights)} mm", do="Give it.",
+            )  # fmt: skip
+        return library
+
+    def radius_mm(self, force_n: Array | float, stiffness_n_per_mm: float, height_mm: float | None = None) -> Array:
+        """Contact radius at forces, mm of a dome of 20 mm; arguments and errors of ``solution``."""
+        log_force = np.log(self.solution(stiffness_n_per_mm, height_mm)[0])
+        log_radius = np.log(tabulated(self.tables).radius_mm)
         forces = np.asarray(force_n, dtype=np.float64)
         return np.array([_radius(log_force, log_radius, each) for each in forces.ravel().tolist()]).reshape(
             forces.shape
@@ -115,20 +144,25 @@ class TabulatedSkin:
     def __init__(self, world: TabulatedWorld, pressing: Pressing) -> None:
         camera, centre_mm = pressing.camera, pressing.centre_mm
         pin_length_mm = camera.sensor.pin_length_mm
-        if pin_length_mm is None or camera.sensor.dome_radius_mm not in (None, OUTER_RADIUS_MM):
+        fits = camera.sensor.dome_radius_mm in (None, OUTER_RADIUS_MM) or world.tables not in _SHIPPED
+        if pin_length_mm is None or not fits:
             raise SettingError(
-                "camera.sensor", wanted=f"pin_length_mm, on a dome of {OUTER_RADIUS_MM:g} mm",
+                "camera.sensor", wanted=f"pin_length_mm, on a dome of {OUTER_RADIUS_MM:g} mm or with tables of its own",
                 found=repr(camera.sensor), do="Give the sensor that is simulated.",
             )  # fmt: skip
+        self._scale = scale = dome_scale(camera)
+        "Millimetres of the sensor in one of the tables, whose dome is of 20 mm."
+        height_mm = pressing.specimen_height_mm
         self._library, self._radius_factor = tabulated(world.tables), math.sqrt(pressing.area_factor)
-        force_n, self._edge_mm, self._motion = world.solution(pressing.stiffness_n_per_mm)
+        solution = world.solution(pressing.stiffness_n_per_mm, height_mm and height_mm / scale)
+        force_n, self._edge_mm, self._motion = solution
         self._log_force, self._log_radius = np.log(force_n), np.log(self._library.radius_mm)
         self._view = DomeView(
-            focal_px=(camera.fx_px, camera.fy_px), pole_px=(camera.cx_px, camera.cy_px), depth_mm=camera.depth_mm,
-            pin_length_mm=pin_length_mm,
+            focal_px=(camera.fx_px, camera.fy_px), pole_px=(camera.cx_px, camera.cy_px),
+            depth_mm=camera.depth_mm / scale, pin_length_mm=pin_length_mm / scale,
         )  # fmt: skip
-        x = math.radians(pressing.angle_deg) + centre_mm[0] / OUTER_RADIUS_MM
-        y = centre_mm[1] / OUTER_RADIUS_MM
+        x = math.radians(pressing.angle_deg) + centre_mm[0] / (scale * OUTER_RADIUS_MM)
+        y = centre_mm[1] / (scale * OUTER_RADIUS_MM)
         self._axis = np.array([math.sin(x) * math.cos(y), math.sin(y), math.cos(x) * math.cos(y)])
         self._climbs = np.array([math.cos(x), 0.0, -math.sin(x)])
         self._newest: tuple[Points, PinsAroundAxis] | None = None
@@ -136,7 +170,7 @@ class TabulatedSkin:
         self._first = self.state(pressing.start_n)
 
     def state(self, force_n: float) -> ContactState:
-        radius_mm = _radius(self._log_force, self._log_radius, force_n)
+        radius_mm = self._scale * _radius(self._log_force, self._log_radius, force_n)
         return ContactState(radius_mm=self._radius_factor * radius_mm, normal_n=force_n)
 
     def area_mm2(self, state: ContactState) -> float:
@@ -166,8 +200,8 @@ class TabulatedSkin:
         return math.log(areas[1] / areas[0])
 
     def _edge_at(self, state: ContactState) -> float:
-        radius = self._library.radius_mm
-        return float(np.interp(state.radius_mm, radius, self._edge_mm) * min(state.radius_mm / radius[0], 1.0))
+        radius, of_state = self._library.radius_mm, state.radius_mm / self._scale
+        return float(np.interp(of_state, radius, self._edge_mm) * min(of_state / radius[0], 1.0))
 
     def _ring_px(self, arc_mm: float, state: ContactState) -> Points:
         turn = np.linspace(0, 2 * np.pi, _OUTLINE, endpoint=False)
@@ -178,11 +212,11 @@ class TabulatedSkin:
         return self._view.rest_px(directions) + self._moved(self._view.around(directions, self._axis), state)
 
     def _moved(self, around: PinsAroundAxis, state: ContactState) -> Points:
-        radius = self._library.radius_mm
-        low = int(np.clip(np.searchsorted(radius, state.radius_mm) - 1, 0, radius.size - 2))
-        share = min((state.radius_mm - radius[low]) / (radius[low + 1] - radius[low]), 1.0)
+        radius, of_state = self._library.radius_mm, state.radius_mm / self._scale
+        low = int(np.clip(np.searchsorted(radius, of_state) - 1, 0, radius.size - 2))
+        share = min((of_state - radius[low]) / (radius[low + 1] - radius[low]), 1.0)
         if share < 0:  # smaller than the first table: as much less as the contact is
-            motion = self._motion[0] * (state.radius_mm / radius[0])
+            motion = self._motion[0] * (of_state / radius[0])
         else:
             motion = (1 - share) * self._motion[low] + share * self._motion[low + 1]
         arc_mm = self._library.arc_mm
@@ -191,7 +225,7 @@ class TabulatedSkin:
             return around.moved_px(across, along, tilt)
         edge_mm = self._edge_at(state)
         left = (arc_mm[-1] - around.arc_mm) / (arc_mm[-1] - edge_mm)
-        pulled_mm = state.tangential_mm * sheared(around.arc_mm / edge_mm, left)
+        pulled_mm = state.tangential_mm / self._scale * sheared(around.arc_mm / edge_mm, left)
         return around.moved_px(across, along, tilt, pulled_mm[:, None] * self._climbs)
 
 

@@ -93,7 +93,8 @@ class ContactState:
 class Pressing:
     """Where and on what a sensor presses.
 
-    stiffness_n_per_mm : of the specimen. angle_deg : of the sensor's axis from the normal, towards +x. centre_mm : how
+    stiffness_n_per_mm : of the specimen. specimen_height_mm : of it, which tells tables of several heights apart; None
+    where they are of one. angle_deg : of the sensor's axis from the normal, towards +x. centre_mm : how
     far along x and y the contact lands from where it was meant to. camera, mask_radius_px : what sees it. start_n,
     peak_n : forces between which the press counts as loading. area_factor : of the contact in this press against that
     of the world.
@@ -107,6 +108,7 @@ class Pressing:
     start_n: float
     peak_n: float
     area_factor: float
+    specimen_height_mm: float | None = None
 
 
 class PressedSkin(Protocol):

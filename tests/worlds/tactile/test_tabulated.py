@@ -9,7 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from casr.dome.library import SHIPPED
+from casr.camera import Camera, Sensor
+from casr.contact_area.follow import contact_front
+from casr.dome.library import DEFAULT_WORLD, SHIPPED, shipped, worlds
 from casr.dome.tables import read_table
 from casr.errors import SettingError
 from emg2vsa.worlds.tactile import PressSettings, Scene, TabulatedWorld, simulate_press
@@ -102,3 +104,68 @@ def test_another_dome_is_pressed_by_its_name_and_a_labs_own_by_its_folder(shared
     assert soft > stiff
     full = TabulatedWorld(tables=str(shared_data("contact_fem")))
     assert full.radius_mm(2.0, 3.35) == pytest.approx(TabulatedWorld().radius_mm(2.0, 3.35), rel=0.002)
+
+
+@pytest.fixture(scope="module")
+def own(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Tables of a dome on specimens of 8 and 16 mm: dome A, whose contacts need 1.3 and 1.1 times the force."""
+    folder, library = tmp_path_factory.mktemp("own"), shipped(DEFAULT_WORLD)
+    for height_mm, force in ((8.0, 1.3), (16.0, 1.1)):
+        for kappa in (1.1, 5.3):
+            of_kappa = library.stiffness_n_per_mm == kappa
+            (row,) = np.flatnonzero(of_kappa & (library.friction == "stick"))
+            motion = library.motion[row].astype(np.float64)
+            np.savez(
+                folder / f"own_k{kappa:g}_h{height_mm:g}_stick.npz", force_n=force * library.force_n[row],
+                contact_radius_mm=library.radius_mm, edge_arc_mm=library.edge_arc_mm[row], s_mm=library.arc_mm,
+                u_r_mm=motion[..., 0], u_z_mm=motion[..., 1], tilt_rad=motion[..., 2], specimen_height_mm=height_mm,
+            )  # fmt: skip
+    return folder
+
+
+def test_own_tables_are_pressed_on_the_specimens_height(own: Path) -> None:
+    world = TabulatedWorld(tables=str(own))
+    assert world.dome == "own"
+    usual = TabulatedWorld().radius_mm(2.0, 5.3)
+    assert world.radius_mm(1.3 * 2.0, 5.3, 8.0) == pytest.approx(usual, rel=0.01)
+    assert world.radius_mm(1.1 * 2.0, 5.3, 16.0) == pytest.approx(usual, rel=0.01)
+    shallow, between, high = (float(world.radius_mm(2.0, 5.3, height)) for height in (8.0, 12.0, 16.0))
+    assert shallow < between < high
+    assert scene(world, stiffness_n_per_mm=5.3, specimen_height_mm=12.0).area_mm2(2.0) == pytest.approx(
+        np.pi * between**2, rel=1e-9
+    )
+    with pytest.raises(SettingError, match=r"the height of the specimen, .* none, and tables of 8, 16 mm"):
+        scene(world)
+    with pytest.raises(SettingError, match=r"specimen_height_mm: expected a height that .* but found 25 mm"):
+        scene(world, specimen_height_mm=25.0)
+
+
+def test_a_single_table_is_pressed_at_its_stiffness_alone(own: Path, tmp_path: Path) -> None:
+    name = "own_k5.3_h8_stick.npz"
+    (tmp_path / name).write_bytes((own / name).read_bytes())
+    alone = TabulatedWorld(tables=str(tmp_path))
+    assert alone.radius_mm(2.0, 5.3) == pytest.approx(TabulatedWorld(tables=str(own)).radius_mm(2.0, 5.3, 8.0))
+    with pytest.raises(SettingError, match=r"5\.3 N/mm, as the only table has, but found 6"):
+        scene(alone, stiffness_n_per_mm=6.0)
+
+
+def test_own_tables_stand_for_a_dome_of_the_sensors_radius(own: Path) -> None:
+    """A sensor larger by a fourth in everything shows the same picture of an area larger by its square, and is scored
+    so."""
+    small, large = (
+        Scene(
+            PressSettings(
+                world=TabulatedWorld(tables=str(own)), stiffness_n_per_mm=5.3, centre_sd_mm=0.0,
+                specimen_height_mm=8.0 * size,
+                camera=Camera(depth_mm=50.0 * size, sensor=Sensor(3.0 * size, 20.0 * size)),
+            )
+        )
+        for size in (1.0, 1.25)
+    )  # fmt: skip
+    np.testing.assert_allclose(large.pins_px(2.0), small.pins_px(2.0), rtol=0, atol=1e-9)
+    assert large.area_mm2(2.0) == pytest.approx(1.25**2 * small.area_mm2(2.0), rel=1e-9)
+    assert large.contact(2.0).semi_axes_px == pytest.approx(small.contact(2.0).semi_axes_px)
+    forces = np.linspace(1.0, 4.5, 8).tolist()
+    pins_px = np.array([large.pins_px(force) for force in forces])
+    front = contact_front(large.rest_px, pins_px, large.settings.camera, worlds(str(own), 8.0))
+    np.testing.assert_allclose(front.area, [large.area_mm2(force) for force in forces], rtol=0.02)
