@@ -14,7 +14,7 @@ from benchmarks.tactile.table import Table
 from casr.atomic import write_text_atomic
 from casr.errors import SettingError
 
-KINDS = ("presses", "numerics")
+KINDS = ("presses", "kappa", "numerics")
 
 
 def run(
@@ -34,8 +34,8 @@ def run(
     what : one of ``KINDS``.
     out : folder, made where it is absent.
     n_seeds : pairs of frames (``numerics``).
-    n_repetitions : presses of each specimen and angle (``presses``); 10 in the paper.
-    n_jobs : processes (``presses``).
+    n_repetitions : presses of each specimen and angle (``presses``), 10 in the paper; of each design (``kappa``).
+    n_jobs : processes (``presses``, ``kappa``).
     worlds : areas, CASR and kappa by world instead of by chain (``presses``); names of ``worlds.GROUPS``.
     show : False: nothing is printed.
 
@@ -63,6 +63,8 @@ def run(
 
 def _measured(what: str, n_seeds: int, n_repetitions: int, n_jobs: int, worlds: Sequence[str]) -> list[Table]:
     # each loads other libraries, some of them slowly
+    if what == "kappa":
+        return list(import_module("benchmarks.kappa").kappa_tables(n_repetitions, n_jobs))
     module = import_module(f"benchmarks.tactile.{'world_tables' if worlds else what}")
     tables: list[Table]
     if worlds:

@@ -12,7 +12,7 @@ PROGRAM = Program(
     version=casr.__version__,
     description="From tactile frames and force to the contact area spread rate (CASR) of a soft specimen.",
     epilog="Try: casr simulate presses, then casr score presses --page scores.html.",
-    commands=("score", "stream", "area", "flow", "calibrate", "simulate", "dome", "bench", "completion"),
+    commands=("score", "kappa", "stream", "area", "flow", "calibrate", "simulate", "dome", "bench", "completion"),
     stopped="Files that were finished are kept.",
     extras={"skfem": "solver", "scipy": "solver"},
 )

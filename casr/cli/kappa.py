@@ -1,0 +1,146 @@
+"""``casr kappa``: stiffness of specimens from presses of one sensor, some of them of known specimens."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from casr.cli import arguments as shared
+from casr.command_line import JSON, Commands, add_command, answer
+from casr.errors import CasrError, SettingError
+
+if TYPE_CHECKING:
+    from casr.kappa.estimate import SensorKappa
+
+COLUMNS = ("press", "specimen", "stiffness_n_per_mm", "stiffness_sd_percent", "mounting")
+OPTIONS = f"""
+--specimens FILE  CSV: {", ".join(COLUMNS)}; a line for each press, named as casr score names it; stiffness is empty
+    where it is asked for, the last two columns may be left out (default: specimens.csv in PATH)
+"""
+SUMMARY = "Stiffness kappa of specimens, N/mm, from presses of one sensor on known and unknown specimens."
+EPILOG = """
+All presses are held against one dome, between those of the tables; the known specimens tell how this sensor differs
+from it. Two known specimens or more, softer and stiffer than the unknown one, are best. The line of a known specimen is
+what the others say of it. bound: the standard error that noise of the pins alone would leave. Needs camera.toml. Exit
+status 1: a press could not be used. Example: casr kappa presses --specimens specimens.csv
+"""
+
+
+def add_to(commands: Commands) -> None:
+    parser = add_command(commands, "kappa", run, SUMMARY, EPILOG)
+    shared.add_frames(parser, "a folder of presses")
+    shared.add_shared(shared.add_method(parser), shared.LAG)
+    shared.add_shared(parser.add_argument_group("output"), OPTIONS, JSON)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    shared.check_forces(arguments)
+    from casr.dome.library import read_library, shipped
+    from casr.frame_files import find_presses
+    from casr.kappa.estimate import estimate_kappa
+    from casr.kappa.presses import KappaPress
+    from casr.press_files import named_presses
+    from casr.scoring import score
+
+    root = arguments.path
+    presses, table = named_presses(root, find_presses(root)), arguments.specimens or root / "specimens.csv"
+    stated = _specimens(table, presses)
+    settings, open_press = shared.score_settings(arguments), partial(shared.open_sequence, arguments)
+    used, unused, cameras = [], {}, {}
+    for name, of_specimen in stated.items():
+        try:
+            sequence = open_press(presses[name])
+            scored = score(sequence, settings)
+            used.append(KappaPress.of_score(scored, name=name, **of_specimen))
+            cameras[name] = sequence.camera
+        except CasrError as error:
+            unused[name] = str(error)
+    camera = next(iter(cameras.values()), None)
+    if camera is None or any(each != camera for each in cameras.values()):
+        found = "none" if camera is None else "several that differ"
+        why = f" ({'; '.join(unused.values())})" if unused else ""
+        raise SettingError(
+            "camera.toml", wanted="one camera of all presses", found=found + why,
+            do="Put one camera.toml into the folder of the presses (casr calibrate makes it).",
+        )  # fmt: skip
+    library = shipped() if arguments.domes is None else shipped().beside(read_library(Path(arguments.domes)))
+    found_kappa = estimate_kappa(used, camera, library=library)
+    answer(arguments.json, {**_plain(found_kappa), "not_used": unused}, _lines(found_kappa, unused))
+    return int(bool(unused))
+
+
+def _specimens(path: Path, presses: dict[str, Path]) -> dict[str, dict[str, Any]]:
+    """What is stated of each press. SettingError : no such file, column or press, or a number that is none."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = csv.DictReader(file)
+            heads = rows.fieldnames or []
+            lines = list(rows)
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise SettingError(
+            str(path), wanted=f"a table of {', '.join(COLUMNS[:3])}", found=str(error), do="Give --specimens FILE."
+        ) from error
+    if missing := [name for name in COLUMNS[:3] if name not in heads]:
+        raise SettingError(
+            str(path), wanted=f"columns {', '.join(COLUMNS[:3])}", found=f"no {', '.join(missing)}", do="Add it."
+        )
+    stated: dict[str, dict[str, Any]] = {}
+    for number, row in enumerate(lines, start=2):
+        name, where = (row["press"] or "").strip(), f"{path}, line {number}"
+        if name not in presses or name in stated:
+            raise SettingError(
+                f"{where}, press", wanted=f"one of {', '.join(presses)}, each once", found=repr(name),
+                do="Name presses by their folders, with dashes between folder and folder.",
+            )  # fmt: skip
+        known = _number(row["stiffness_n_per_mm"], f"{where}, stiffness_n_per_mm")
+        error_percent = _number(row.get("stiffness_sd_percent"), f"{where}, stiffness_sd_percent")
+        stated[name] = {
+            "specimen": (row["specimen"] or "").strip() or name, "stiffness_n_per_mm": known,
+            "stiffness_sd": (error_percent or 0.0) / 100, "mounting": (row.get("mounting") or "").strip(),
+        }  # fmt: skip
+    return stated
+
+
+def _number(text: str | None, where: str) -> float | None:
+    if text is None or not text.strip():
+        return None
+    try:
+        number = float(text)
+    except ValueError:
+        number = float("nan")
+    if not 0 < number < float("inf"):
+        raise SettingError(where, wanted="a number above 0, or nothing", found=repr(text), do="Correct the table.")
+    return number
+
+
+def _lines(found: SensorKappa, unused: dict[str, str]) -> list[str]:
+    width = max([8, *map(len, found.kappas)])
+    lines = [f"{'specimen':<{width}}  kappa N/mm  95 % interval        known  determined  bound %  efficiency  by"]
+    for name, each in found.kappas.items():
+        cues = ", ".join(f"{cue} {value:.3g} ± {100 * sd:.0f} %" for cue, (value, sd) in each.by_cue.items())
+        known = "-" if each.known is None else f"{each.known:.3g}"
+        lines.append(
+            f"{name:<{width}}  {each.value:>10.3g}  {f'[{each.low:.3g}, {each.high:.3g}]':<18}  {known:>6}  "
+            f"{'yes' if each.determined else 'no':>10}  {100 * each.bound_sd:>7.1f}  {each.efficiency:>10.2f}  {cues}"
+        )
+    lines += [f"not used: {name}: {reason}" for name, reason in unused.items()]
+    return lines + [f"note: {each}" for each in found.notes]
+
+
+def _plain(found: SensorKappa) -> dict[str, Any]:
+    specimens = {
+        name: {
+            "kappa_n_per_mm": each.value, "low": each.low, "high": each.high, "known_n_per_mm": each.known,
+            "expected_half_width": each.expected, "determined": each.determined, "bound_sd": each.bound_sd,
+            "efficiency": each.efficiency, "stick": each.stick, "presses": each.n_presses,
+            "by_cue": {cue: {"kappa_n_per_mm": value, "sd": sd} for cue, (value, sd) in each.by_cue.items()},
+        }
+        for name, each in found.kappas.items()
+    }  # fmt: skip
+    return {
+        "specimens": specimens, "dome_place": found.dome_place, "pin_length_mm": found.pin_length_mm,
+        "depth_mm": found.depth_mm, "misfit": found.misfit, "noise_px": found.noise_px, "notes": list(found.notes),
+    }  # fmt: skip

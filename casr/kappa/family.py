@@ -1,0 +1,191 @@
+"""Domes of a library as one continuous family: motion and force at any dome, specimen and friction between the tables.
+
+Motion at a contact radius depends on the ratio of gel to skin, on the specimen's stiffness over that of the dome, and
+on friction; no modulus of its own enters. A dome's stiffness kappa0 is measured on its own table: that of a Hertz
+contact, 3/2 F R / a^2, which has the same force on a rigid plate at the radius ``REFERENCE_MM``. So a world lies at
+
+    place (of the dome in its family),  z = 1 / (1 + kappa / kappa0),  stick (share of friction),
+
+z = 0 on a rigid plate, z = 1 on a specimen so soft that the dome keeps its shape. Between tables motion and the
+logarithm of force / (kappa0 (1 - z)) run along cubic splines, in z and from dome to dome. Only the tables' numbers
+enter: domes stand as far apart as their motions on a rigid plate are.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.dome.library import FAMILY, Library, Rows
+from casr.dome.view import OUTER_RADIUS_MM
+from casr.errors import SettingError
+
+Array = NDArray[np.float64]
+
+REFERENCE_MM = 6.0
+"Contact radius at which domes are compared: the stiffest reaches it at 8 N."
+_MATTERS = 0.1
+"Weight of a table."
+_COMPARED_MM = (3.0, 9.0)
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """Weights of the K tables of a family at one place, and what the force is scaled with.
+
+    motion, force : (K,) weights. log_scale : ln of what the mixed force is to be multiplied with.
+    """
+
+    motion: Array
+    force: Array
+    log_scale: float
+
+
+class Family:
+    """Domes that differ in one way, each on specimens of the same S stiffnesses and in two frictions.
+
+    bends : (B, D) weights of domes, see ``_bends``.
+    names : (D,) of the domes. place : (D,) from 0 to 1. log_kappa0 : (D,) ln of their stiffness, N/mm.
+    radius_mm, arc_mm : grids of the library.
+    """
+
+    def __init__(self, library: Library, names: tuple[str, ...]) -> None:
+        self.names, self.radius_mm, self.arc_mm = names, library.radius_mm, library.arc_mm
+        rows = [[_rows(library, dome, friction) for friction in ("frictionless", "stick")] for dome in names]
+        self._rows = np.array([pair[0] + pair[1] for pair in rows], dtype=np.intp).reshape(len(names), 2, -1)
+        compliance = 1 / library.stiffness_n_per_mm[self._rows[:, 0]]
+        rigid = self._rows[:, :, 0]
+        reference = np.array([[_force_at(library, row, REFERENCE_MM) for row in pair] for pair in rigid])
+        self.log_kappa0 = np.log(1.5 * reference * OUTER_RADIUS_MM / REFERENCE_MM**2).mean(axis=1)
+        kappa0 = np.exp(self.log_kappa0)[:, None]
+        self._z = kappa0 * compliance / (1 + kappa0 * compliance)  # (D, S), rising from 0
+        self._spline = [Spline(np.append(z, 1.0)) for z in self._z]
+        self._force_spline = [Spline(z) for z in self._z]
+        motion = library.motion[self._rows].astype(np.float64)
+        self.place = _places(motion[:, :, 0], library.radius_mm)
+        self._between = Spline(self.place)
+        self.bends = _bends(self.place)
+        flat = self._rows.ravel()
+        self._computed_mm = library.computed_mm[flat]
+        self._motion = library.motion[flat].reshape(flat.size, -1)
+        soft = np.log1p(-self._z)[:, None, :, None] + self.log_kappa0[:, None, None, None]
+        self._log_force = (np.log(library.force_n[self._rows]) - soft).reshape(flat.size, -1)
+        self.softest_z = float(self._z[:, -1].min())
+
+    def log_kappa0_at(self, place: float) -> float:
+        """ln kappa0 that the library's own moduli give a dome at a place."""
+        return float(self._between.weights(place) @ self.log_kappa0)
+
+    def world(self, place: float, z: float, stick: float, log_kappa0: float, bend: Array | None = None) -> World:
+        """The world at a place of the family, and off it by shares of its ``bends``."""
+        between = self._between.weights(place) + (0.0 if bend is None else bend @ self.bends)
+        friction = np.array([1 - stick, stick])
+        motion = [b * np.outer(friction, s.weights(z)[:-1]) for b, s in zip(between, self._spline, strict=True)]
+        force = [b * np.outer(friction, s.weights(z)) for b, s in zip(between, self._force_spline, strict=True)]
+        return World(np.ravel(motion), np.ravel(force), float(np.log1p(-z)) + log_kappa0)
+
+    def motion(self, weights: Array) -> Array:
+        """(R, S, 3) motion of a world, or (K, R, S, 3) of several weights (K, ...)."""
+        mixed = weights.astype(np.float32) @ self._motion
+        return np.asarray(mixed.reshape(*weights.shape[:-1], self.radius_mm.size, self.arc_mm.size, 3), np.float64)
+
+    def computed_mm(self, world: World) -> float:
+        """Contact radius up to which the tables that matter to a world were computed; beyond it they are continued."""
+        return float(self._computed_mm[np.abs(world.motion) >= _MATTERS].min())
+
+    def log_force(self, world: World) -> Array:
+        """(R,) ln of the force, N, at each radius."""
+        return np.asarray(world.force @ self._log_force + world.log_scale)
+
+
+class Spline:
+    """Natural cubic spline through K rising nodes, as weights of the values there; straight beyond the ends."""
+
+    def __init__(self, nodes: Array) -> None:
+        n = len(nodes)
+        self._nodes, h = nodes.tolist(), np.diff(nodes)
+        bend = np.zeros((n, n))
+        if n > 2:
+            inner = np.arange(n - 2)
+            left, right = np.zeros((n - 2, n - 2)), np.zeros((n - 2, n))
+            left[inner, inner] = 2 * (h[:-1] + h[1:])
+            left[inner[1:], inner[:-1]] = left[inner[:-1], inner[1:]] = h[1:-1]
+            right[inner, inner], right[inner, inner + 2] = 6 / h[:-1], 6 / h[1:]
+            right[inner, inner + 1] = -6 / h[:-1] - 6 / h[1:]
+            bend[1:-1] = np.linalg.solve(left, right)
+        at_nodes, wide = np.eye(n), h[:, None]
+        slope = (at_nodes[1:] - at_nodes[:-1]) / wide - wide * (2 * bend[:-1] + bend[1:]) / 6
+        self._powers = np.stack([at_nodes[:-1], slope, bend[:-1] / 2, (bend[1:] - bend[:-1]) / (6 * wide)], axis=1)
+        """(K - 1, 4, K) of the powers of the distance from the node below."""
+        self._last_slope = np.zeros(n)
+        if n > 1:
+            self._last_slope = (at_nodes[-1] - at_nodes[-2]) / h[-1] + h[-1] * bend[-2] / 6
+
+    def weights(self, at: float) -> Array:
+        """(K,) of the nodes' values in the value at ``at``."""
+        x = self._nodes
+        if len(x) == 1:
+            return np.ones(1)
+        k = min(max(bisect_right(x, at) - 1, 0), len(x) - 2)
+        far = at - x[k]
+        if far < 0:
+            return np.asarray(self._powers[k, 0] + far * self._powers[k, 1])
+        near = min(far, x[k + 1] - x[k])
+        weights = np.array([1.0, near, near * near, near**3]) @ self._powers[k]
+        return np.asarray(weights + (far - near) * self._last_slope if far > near else weights)
+
+
+def families(library: Library) -> list[Family]:
+    """The domes that come with casr as one family, and each dome of a lab's own as another.
+
+    SettingError : no dome of the library has tables of both frictions on the same specimens, rigid among them.
+    """
+    known = set(library.dome.tolist())
+    groups = [tuple(dome for dome in FAMILY if dome in known)]
+    groups += [(dome,) for dome in sorted(known - set(FAMILY)) if "+" not in dome]
+    found = [Family(library, group) for group in groups if group and _complete(library, group)]
+    if not found:
+        raise SettingError(
+            "tables of domes", wanted="a dome on a rigid plate and two specimens, in both frictions", found="none",
+            do="Solve the tables that are missing with casr dome.",
+        )  # fmt: skip
+    return found
+
+
+def _complete(library: Library, group: tuple[str, ...]) -> bool:
+    kinds = {
+        tuple(library.stiffness_n_per_mm[_rows(library, dome, friction)].round(6).tolist())
+        for dome in group for friction in ("frictionless", "stick")
+    }  # fmt: skip
+    return len(kinds) == 1 and len(first := kinds.pop()) >= 3 and np.isinf(first[0])
+
+
+def _rows(library: Library, dome: str, friction: str) -> list[int]:
+    """Rows of a dome, the stiffest specimen first."""
+    rows: Rows = np.flatnonzero((library.dome == dome) & (library.friction == friction))
+    return [int(row) for row in rows[np.argsort(-library.stiffness_n_per_mm[rows])]]
+
+
+def _force_at(library: Library, row: int, radius_mm: float) -> float:
+    return float(np.exp(np.interp(np.log(radius_mm), np.log(library.radius_mm), np.log(library.force_n[row]))))
+
+
+def _bends(place: Array) -> Array:
+    """(B, D) ways in which a dome may lie beside the family: as each inner dome lies beside what the others tell."""
+    bends = np.zeros((max(place.size - 2, 0), place.size))
+    for row, dome in enumerate(range(1, place.size - 1)):
+        others = np.delete(np.arange(place.size), dome)
+        bends[row, dome] = 1
+        bends[row, others] = -Spline(place[others]).weights(place[dome])
+    return bends
+
+
+def _places(rigid: Array, radius_mm: Array) -> Array:
+    """(D,) places from 0 to 1 of motions (D, F, R, S, 3) on a rigid plate, by how far neighbours are apart."""
+    compared = rigid[:, :, (radius_mm >= _COMPARED_MM[0]) & (radius_mm <= _COMPARED_MM[1])]
+    steps = np.sqrt(((compared[1:] - compared[:-1]) ** 2).sum(axis=(1, 2, 3, 4)))
+    place = np.append(0.0, np.cumsum(steps))
+    return np.asarray(place / max(place[-1], 1e-12))

@@ -1,0 +1,213 @@
+"""All presses of a sensor under one dome: for each press z of its specimen by the pins, with the joint covariance.
+
+Gauss-Newton with damping on all parameters at once. The contact radii, and what one press alone knows, are eliminated
+press by press, so that the work grows with the number of presses only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.kappa.family import Family
+from casr.kappa.field import BENDS, LEAST_RADIUS_MM, OWN, SHARED, PressField, State
+
+Array = NDArray[np.float64]
+
+DEPTH_SD_OF_SENSOR, DEPTH_SD_OF_MOUNTING = 0.01, 0.007
+"Relative, of what camera.toml says, and of one mounting about it."
+BEND_SD = 0.3
+"Of a share of ``Family.bends``: a dome that is left out differs by 1, with neighbours twice as far away."
+_PLACE, _PLACE_SD = 0.5, 0.6
+_STICK_SD = 0.5
+_ACROSS_SD_RAD = 0.5
+_STARTS = ((0.05, 0.25, 0.45, 0.65, 0.85), (0.08, 0.25, 0.5))
+_ROUNDS, _FOUND = 12, 2e-3
+_OF_SENSOR = ("place", "pin_length_mm", "log_depth", "pole_x_px", "pole_y_px")
+_RESTLESS = 0.4549 * 6
+"Median of a squared second difference of white noise, over its variance."
+
+
+@dataclass(frozen=True)
+class SensorErrors:
+    """Standard errors of what is stated of a sensor. pin_length_mm. pole_px : of where the dome's axis meets the image.
+
+    In millimetres of a dome of 20 mm.
+    """
+
+    pin_length_mm: float = 0.1
+    pole_px: float = 1.0
+    depth: float = DEPTH_SD_OF_SENSOR
+
+
+@dataclass(frozen=True, eq=False)
+class Labels:
+    """P presses of a sensor under one dome.
+
+    sensor : values of ``SHARED`` for the sensor. states : of each press. fields : of each press.
+    mean, precision : (G,), (G, G) of all parameters but the radii: those of the sensor, depths of mountings, then
+        ``OWN`` of each press. own_at : (P,) where those of each press begin.
+    radius_by : of each press (T, G), derivative of its radii by these parameters.
+    noise_px : white noise of a pin. misfit_px : root mean square left over, noise in it.
+    white_precision : (G, G) were white noise all that is left over.
+    """
+
+    family: Family
+    fields: tuple[PressField, ...]
+    states: tuple[State, ...]
+    mean: Array
+    precision: Array
+    own_at: NDArray[np.intp]
+    radius_by: tuple[Array, ...]
+    noise_px: float
+    misfit_px: float
+    misfit_share: float
+    white_precision: Array
+
+    @property
+    def z(self) -> Array:
+        """(P,) label of each press."""
+        return np.asarray(self.mean[self.own_at])
+
+
+def labelled(fields: Sequence[PressField], family: Family, errors: SensorErrors) -> Labels:
+    """Fit all presses of a sensor by the worlds of one family."""
+    return _Fit(fields, family, errors).result()
+
+
+class _Fit:
+    def __init__(self, fields: Sequence[PressField], family: Family, errors: SensorErrors) -> None:
+        self._fields, self._family = fields, family
+        self._mountings = sorted({field.press.mounting for field in fields})
+        n_sensor, n_mount = len(SHARED), len(self._mountings)
+        self._own_at = n_sensor + n_mount + len(OWN) * np.arange(len(fields))
+        pole = errors.pole_px
+        own = ([0.5, 0.5, 0.0, 0.0], [1.0, _STICK_SD, _ACROSS_SD_RAD, _ACROSS_SD_RAD])
+        prior = [
+            [_PLACE, *[0.0] * (n_sensor - 1 + n_mount), *own[0] * len(fields)],
+            [_PLACE_SD, errors.pin_length_mm, errors.depth, pole, pole, *[BEND_SD] * len(BENDS),
+             *[DEPTH_SD_OF_MOUNTING] * n_mount, *own[1] * len(fields)],
+        ]  # fmt: skip
+        self._prior, sd = (np.array(each, dtype=np.float64) for each in prior)
+        self._prior_precision = 1 / sd**2
+        self._maps = [self._map(k) for k in range(len(fields))]
+
+    def _map(self, press: int) -> Array:
+        """(9, G) from all parameters to those of ``SHARED`` and ``OWN`` of a press."""
+        into = np.zeros((len(SHARED) + len(OWN), self._prior.size))
+        into[np.arange(len(SHARED)), np.arange(len(SHARED))] = 1
+        mounting = self._mountings.index(self._fields[press].press.mounting)
+        into[SHARED.index("log_depth"), len(SHARED) + mounting] = 1
+        rows = len(SHARED) + np.arange(len(OWN))
+        into[rows, self._own_at[press] + np.arange(len(OWN))] = 1
+        return into
+
+    def _start(self) -> tuple[Array, list[Array]]:
+        places, zs = _STARTS
+        tried = [[min((field.started(p, z) for z in zs), key=lambda each: each[1]) for field in self._fields]
+                 for p in places]  # fmt: skip
+        best = min(tried, key=lambda each: sum(cost for _, cost in each))
+        at = self._prior.copy()
+        at[0] = best[0][0].shared[0]
+        for where, (state, _) in zip(self._own_at, best, strict=True):
+            at[where : where + len(OWN)] = state.own
+        return at, [state.radius_mm for state, _ in best]
+
+    def _states(self, at: Array, radii: Sequence[Array]) -> list[State]:
+        values = [into @ at for into in self._maps]
+        return [State(v[: len(SHARED)], v[len(SHARED) :], r) for v, r in zip(values, radii, strict=True)]
+
+    def _cost(self, at: Array, radii: Sequence[Array], noise_px: float) -> float:
+        squares = 0.0
+        for field, state in zip(self._fields, self._states(at, radii), strict=True):
+            squares += float(((field.seen - field.whitened(field.predicted(state))) ** 2).sum())
+        return squares / noise_px**2 + float(self._prior_precision @ (at - self._prior) ** 2)
+
+    def result(self) -> Labels:
+        at, radii = self._start()
+        pairs = [f.within_tables(state) for f, state in zip(self._fields, self._states(at, radii), strict=True)]
+        self._fields, radii = [field for field, _ in pairs], [state.radius_mm for _, state in pairs]
+        damping, noise_px = 1e-2, 0.1
+        count = sum(field.seen.size for field in self._fields)
+        for round_ in range(_ROUNDS):
+            states = self._states(at, radii)
+            lines = [field.linearised(state) for field, state in zip(self._fields, states, strict=True)]
+            noise_px = float(np.sqrt(sum(float(r @ r) for r, _ in lines) / count))
+            sums = [_reduced(*line) for line in lines]
+            before = self._cost(at, radii, noise_px)
+            for _ in range(6):
+                precision, gradient = self._normal(sums, at, noise_px)
+                step = np.linalg.solve(precision + damping * np.diag(np.diag(precision)), gradient)
+                new_at = self._bounded(at + step)
+                new_radii = [
+                    np.clip(radius + given + by @ into @ (new_at - at), LEAST_RADIUS_MM, self._family.radius_mm[-1])
+                    for radius, (_, _, given, by), into in zip(radii, sums, self._maps, strict=True)
+                ]
+                after = self._cost(new_at, new_radii, noise_px)
+                if after <= before:
+                    break
+                damping *= 10
+            else:
+                break
+            moved = float(np.abs(new_at - at)[[0, *self._own_at]].max())
+            at, radii, damping = new_at, new_radii, max(damping / 10, 1e-7)
+            if moved < _FOUND and round_ > 1:
+                break
+        return self._labels(at, radii)
+
+    def _bounded(self, at: Array) -> Array:
+        at = at.copy()
+        at[0] = np.clip(at[0], -0.25, 1.35)
+        at[self._own_at] = np.clip(at[self._own_at], 1e-3, 0.97)
+        at[self._own_at + 1] = np.clip(at[self._own_at + 1], 0.0, 1.0)
+        return at
+
+    def _normal(self, sums: Sequence[Reduced], at: Array, noise_px: float) -> tuple[Array, Array]:
+        precision, gradient = np.diag(self._prior_precision), self._prior_precision * (self._prior - at)
+        for (own, slope, _, _), into in zip(sums, self._maps, strict=True):
+            precision += into.T @ own @ into / noise_px**2
+            gradient += into.T @ slope / noise_px**2
+        return precision, gradient
+
+    def _labels(self, at: Array, radii: Sequence[Array]) -> Labels:
+        states = self._states(at, radii)
+        lines = [field.linearised(state) for field, state in zip(self._fields, states, strict=True)]
+        squares = sum(float(r @ r) for r, _ in lines)
+        count = sum(r.size - field.n_frames for (r, _), field in zip(lines, self._fields, strict=True))
+        misfit_px = float(np.sqrt(squares / count))
+        noise_px = min(_noise(lines, self._fields), misfit_px)
+        sums = [_reduced(*line) for line in lines]
+        precision, _ = self._normal(sums, at, misfit_px)
+        moved = float(np.sqrt(np.mean([field.moved_px**2 for field in self._fields])))
+        return Labels(
+            family=self._family, fields=tuple(self._fields), states=tuple(states), mean=at, precision=precision,
+            own_at=self._own_at,
+            radius_by=tuple(by @ into for (_, _, _, by), into in zip(sums, self._maps, strict=True)),
+            noise_px=noise_px, misfit_px=misfit_px, misfit_share=misfit_px / moved,
+            white_precision=self._normal(sums, at, noise_px)[0],
+        )  # fmt: skip
+
+
+Reduced = tuple[Array, Array, Array, Array]
+"""Of one press of K parameters: (K, K) squares and (K,) products of derivatives after the radii are eliminated; (T,)
+change of the radii where the parameters stay, and (T, K) by the parameters."""
+
+
+def _reduced(residual: Array, by: Array) -> Reduced:
+    n = len(SHARED) + len(OWN)
+    squares, products = by.T @ by, by.T @ residual
+    of_radii = squares[n:, n:] + 1e-9 * np.trace(squares[n:, n:]) * np.eye(len(squares) - n)
+    solved = np.linalg.solve(of_radii, np.column_stack([squares[n:, :n], products[n:]]))
+    across, given = solved[:, :-1], solved[:, -1]
+    return squares[:n, :n] - squares[:n, n:] @ across, products[:n] - squares[:n, n:] @ given, given, -across
+
+
+def _noise(lines: Sequence[tuple[Array, Array]], fields: Sequence[PressField]) -> float:
+    """White noise of a pin, px, by second differences of residuals from frame to frame."""
+    bends = [
+        np.diff(r.reshape(field.n_frames, -1), 2, axis=0).ravel() for (r, _), field in zip(lines, fields, strict=True)
+    ]
+    return float(np.sqrt(np.median(np.concatenate(bends) ** 2) / _RESTLESS))
