@@ -27,7 +27,8 @@ from casr.kappa.estimate import estimate_kappa
 from casr.kappa.family import Family
 from casr.kappa.posterior import CUES, Discrepancy, Kappa
 from casr.kappa.presses import KappaPress
-from emg2vsa.worlds.tactile.settings import SIMULATED_SENSOR, TACTIP_127
+from emg2vsa.worlds.tactile import TACTIP_127
+from emg2vsa.worlds.tactile.settings import SIMULATED_SENSOR
 
 Array = NDArray[np.float64]
 
@@ -39,7 +40,7 @@ DESIGNS = (
 )
 "Stiffness of three known specimens and of the unknown one, N/mm."
 FRICTIONS, NOISES_PX, SCATTERS = {"stick": 1.0, "frictionless": 0.0}, (0.05, 0.2), (0.0, 0.025, 0.043)
-N_PRESSES = 2
+N_PRESSES, REPETITIONS = 2, 2
 "Of each specimen, in one mounting of it."
 FORCES_N, N_FRAMES, N_REST = (0.4, 4.5), 40, 4
 PIN_LENGTH_SD_MM, DEPTH_SD, TILT_SD_DEG, LATTICE_SD_MM, LANDING_SD_MM = 0.05, 0.01, 2.0, 0.3, 0.5
@@ -145,7 +146,7 @@ def _pressed(
     profile = family.motion(world.motion)
     of_frames = profile[row] * (1 - share) + profile[row + 1] * share
     motion = np.array([[np.interp(around.arc_mm, family.arc_mm, each[:, k]) for each in of_frames] for k in range(3)])
-    return rest_px + around.moved_px(*motion.transpose(0, 2, 1)).transpose(2, 0, 1)
+    return np.asarray(rest_px + around.moved_px(*motion.transpose(0, 2, 1)).transpose(2, 0, 1))
 
 
 def tried(trial: Trial) -> Outcome:
@@ -191,6 +192,20 @@ NOTES = (
 )
 
 
+def page() -> Iterator[str]:
+    """Markdown of the table, for ``benchmarks/results/kappa.json``."""
+    (table,) = kappa_tables(REPETITIONS, os.cpu_count() or 1)
+    yield f"# {table.title}"
+    yield ""
+    yield " ".join(note.strip() for note in NOTES)
+    yield ""
+    yield f"| {' | '.join(heading for heading, _ in COLUMNS)} |"
+    yield f"|---|{'---:|' * (len(COLUMNS) - 1)}"
+    for row in table.rows:
+        cells = zip(row, COLUMNS, strict=True)
+        yield f"| {' | '.join('-' if cell is None else format(cell, form) for cell, (_, form) in cells)} |"
+
+
 def kappa_tables(n_repetitions: int, n_jobs: int) -> list[Table]:
     """Bias, width, coverage and efficiency, by what differs."""
     found = list(outcomes(trials(n_repetitions), n_jobs))
@@ -224,3 +239,7 @@ def _row(name: str, every: Sequence[Outcome]) -> list[Cell]:
         *(100 * np.median(each) for each in by_cue), 1000 * np.median([each.cpu_s for each in told]),
     ]  # fmt: skip
     return [name, float(len(every)), refused, *(float(each) if np.isfinite(each) else None for each in numbers)]
+
+
+if __name__ == "__main__":
+    print("\n".join(page()))

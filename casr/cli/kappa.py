@@ -101,6 +101,8 @@ def _specimens(path: Path, presses: dict[str, Path]) -> dict[str, dict[str, Any]
             "specimen": (row["specimen"] or "").strip() or name, "stiffness_n_per_mm": known,
             "stiffness_sd": (error_percent or 0.0) / 100, "mounting": (row.get("mounting") or "").strip(),
         }  # fmt: skip
+    if not stated:
+        raise SettingError(str(path), wanted="a line for each press", found="no press", do="Add presses.")
     return stated
 
 

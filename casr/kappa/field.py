@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.dome.library import FAMILY
 from casr.dome.view import DomeView
 from casr.kappa.family import Family
 from casr.kappa.presses import FEWEST_FRAMES, KappaPress
@@ -22,8 +23,7 @@ Rows = NDArray[np.intp]
 MOST_FRAMES = 14
 
 OF_VIEW = ("place", "pin_length_mm", "log_depth", "pole_x_px", "pole_y_px")
-MOST_BENDS = 6
-BENDS = tuple(f"bend_{k}" for k in range(MOST_BENDS))
+BENDS = tuple(f"bend_{k}" for k in range(len(FAMILY) - 2))
 "Shares of the ways in which a dome may lie beside its family; those that a family does not have stay 0."
 SHARED = (*OF_VIEW, *BENDS)
 OWN = ("z", "stick", "across_1_rad", "across_2_rad")
@@ -66,7 +66,7 @@ class PressField:
         """The same press in frames whose contact was computed, not continued, in the tables that make up the state's
         world; where they are few, in those of the smallest contacts."""
         good, _ = self.press.seen()
-        limit_mm = self._family.computed_mm(self._family.world(state.shared[0], *state.own[:2], 0.0))
+        limit_mm = self._family.computed_mm(self._family.world(state.shared[0], state.own[0], state.own[1], 0.0))
         radius_mm = np.interp(good, self.frames, state.radius_mm)
         frames = good[radius_mm <= max(limit_mm, np.partition(radius_mm, FEWEST_FRAMES - 1)[FEWEST_FRAMES - 1])]
         frames = _spread(frames)

@@ -81,7 +81,8 @@ class KappaPress:
     def seen(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Frames in which most pins are seen, and pins that are seen in all of them. PinsError : too few of either."""
         seen = np.isfinite(self.pins_px[..., 0])
-        frames = np.flatnonzero(seen.mean(axis=1) >= MOST_SEEN * seen.mean(axis=1).max())
+        count = seen.sum(axis=1)
+        frames = np.flatnonzero(count >= MOST_SEEN * np.median(count))
         pins = np.flatnonzero(seen[frames].all(axis=0))
         if pins.size < FEWEST_PINS or frames.size < FEWEST_FRAMES:
             raise PinsError(

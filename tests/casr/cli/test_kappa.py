@@ -1,0 +1,52 @@
+"""``casr kappa`` on simulated presses, and what it says of bad tables of specimens."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from casr.cli import main
+
+HEAD = "press,specimen,stiffness_n_per_mm\n"
+
+
+def _table(folder: Path, text: str) -> str:
+    file = folder / "specimens.csv"
+    file.write_text(text, encoding="utf-8")
+    return str(file)
+
+
+def test_kappa_of_an_unknown_specimen(presses: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = _table(tmp_path, f"{HEAD}S1_00deg_01,S1,7.63\nS5_00deg_01,S5,\n")
+    assert main(["kappa", str(presses), "--specimens", table, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    soft = found["specimens"]["S5"]
+    assert soft["low"] < 1.11 < soft["high"]
+    assert soft["kappa_n_per_mm"] == pytest.approx(1.11, rel=0.35)
+    assert list(found["specimens"]) == ["S5"]
+    assert "S1 " not in json.dumps(found["notes"])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("press,specimen\n", "no stiffness_n_per_mm"),
+        (f"{HEAD}S9_00deg_01,S9,\n", "'S9_00deg_01'"),
+        (f"{HEAD}S1_00deg_01,S1,7\nS1_00deg_01,S1,7\n", "each once"),
+        (f"{HEAD}S1_00deg_01,S1,soft\n", "'soft'"),
+        (f"{HEAD}S1_00deg_01,S1,-2\n", "a number above 0"),
+        (HEAD, "no press"),
+    ],
+)
+def test_a_bad_table_is_refused(
+    text: str, words: str, presses: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["kappa", str(presses), "--specimens", _table(tmp_path, text)]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_table_that_is_not_there_is_asked_for(presses: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["kappa", str(presses)]) == 2
+    assert "specimens.csv" in capsys.readouterr().err

@@ -1,0 +1,155 @@
+"""Kappa from presses of one sensor, the dome left out of the tables."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.kappa import CAMERA, Trial, library_without, presses_of
+from casr.camera import Camera, Sensor
+from casr.dome.library import shipped
+from casr.dome.view import DomeView
+from casr.errors import CameraError, CasrError, FramesError, PinsError, SettingError
+from casr.kappa.estimate import SensorKappa, estimate_kappa
+from casr.kappa.family import families
+from casr.kappa.field import OWN, SHARED, PressField, State
+from casr.kappa.posterior import Discrepancy
+from casr.kappa.presses import KappaPress
+
+TRIAL = Trial("H", 1.0, 0.05, 0.0, (1.1, 3.35, 7.63), 5.32, seed=3)
+
+
+@pytest.fixture(scope="module")
+def presses() -> list[KappaPress]:
+    return presses_of(TRIAL)
+
+
+@pytest.fixture(scope="module")
+def found(presses: list[KappaPress]) -> SensorKappa:
+    return estimate_kappa(presses, CAMERA, library=library_without("H"))
+
+
+def test_kappa_is_right_and_its_interval_narrow(found: SensorKappa) -> None:
+    kappa = found.kappas["5.32"]
+    assert kappa.value == pytest.approx(5.32, rel=0.06)
+    assert kappa.low < 5.32 < kappa.high
+    assert kappa.high / kappa.low < 1.3
+    assert kappa.determined
+    assert kappa.known is None
+    assert found.noise_px == pytest.approx(0.05, rel=0.15)
+    assert found.notes == ()
+
+
+def test_known_specimens_are_told_by_the_others(found: SensorKappa) -> None:
+    assert {name: found.kappas[name].known for name in ("1.1", "3.35", "7.63")} == {
+        "1.1": 1.1,
+        "3.35": 3.35,
+        "7.63": 7.63,
+    }
+    assert found.kappas["3.35"].value == pytest.approx(3.35, rel=0.1)
+    assert found.kappas["3.35"].value != pytest.approx(3.35, rel=1e-4)
+
+
+def test_the_bound_is_below_what_is_reached(found: SensorKappa) -> None:
+    kappa = found.kappas["5.32"]
+    assert 0 < kappa.bound_sd < kappa.log_sd
+    assert kappa.efficiency == pytest.approx(kappa.bound_sd / kappa.log_sd)
+
+
+def test_the_sensor_is_found_within_its_stated_errors(found: SensorKappa) -> None:
+    assert found.pin_length_mm == pytest.approx(3.0, abs=0.3)
+    assert found.depth_mm == pytest.approx(50.0, rel=0.03)
+    whole = families(shipped())[0]
+    assert found.dome_place == pytest.approx(float(whole.place[whole.names.index("H")]), abs=0.1)
+
+
+def test_a_wrong_stiffness_widens_the_interval(presses: list[KappaPress], found: SensorKappa) -> None:
+    wrong = [replace(each, stiffness_n_per_mm=2.0) if each.specimen == "3.35" else each for each in presses]
+    kappa = estimate_kappa(wrong, CAMERA, library=library_without("H")).kappas["5.32"]
+    usual = found.kappas["5.32"]
+    assert np.log(kappa.high / kappa.low) > 1.5 * np.log(usual.high / usual.low)
+    assert kappa.low < 5.32 < kappa.high
+    assert kappa.expected == pytest.approx(found.kappas["5.32"].expected, rel=0.2)
+
+
+def test_without_a_known_specimen_kappa_is_wide_but_holds(presses: list[KappaPress]) -> None:
+    unknown = [replace(each, stiffness_n_per_mm=None) for each in presses if each.specimen == "5.32"]
+    result = estimate_kappa(unknown, CAMERA, library=library_without("H"))
+    kappa = result.kappas["5.32"]
+    assert kappa.low < 5.32 < kappa.high
+    assert kappa.value == pytest.approx(5.32, rel=0.4)
+    assert any("0 specimen" in note for note in result.notes)
+
+
+def test_mountings_of_the_specimen_narrow_what_scatters_between_them(presses: list[KappaPress]) -> None:
+    apart = [replace(each, mounting=f"{each.mounting}-{k % 2}") for k, each in enumerate(presses)]
+    together, two = (
+        estimate_kappa(each, CAMERA, library=library_without("H"), discrepancy=Discrepancy(stiffness=0.1)).kappas[
+            "5.32"
+        ]
+        for each in (presses, apart)
+    )
+    assert two.expected < 0.85 * together.expected
+
+
+def test_derivatives_are_those_of_the_motion(presses: list[KappaPress]) -> None:
+    camera_view = estimate_view()
+    field = PressField(presses[4], camera_view, families(shipped())[0])
+    state, _ = field.started(0.3, 0.2)
+    state = State(state.shared, np.array([0.2, 0.4, 0.01, -0.02]), state.radius_mm + 0.1)
+    residual, by = field.linearised(state)
+    change = np.zeros(by.shape[1])
+    change[[0, 1, 2, 3]] = 0.004, 0.01, 0.002, 0.1
+    change[len(SHARED)], change[len(SHARED) + 2] = 0.004, 0.002
+    change[len(SHARED) + len(OWN) :] = 0.01
+    values = np.concatenate([state.shared, state.own]) + change[: len(SHARED) + len(OWN)]
+    moved = State(values[: len(SHARED)], values[len(SHARED) :], state.radius_mm + change[len(SHARED) + len(OWN) :])
+    true = residual - (field.seen - field.whitened(field.predicted(moved))).ravel()
+    assert np.linalg.norm(by @ change - true) < 0.03 * np.linalg.norm(true)
+
+
+def estimate_view() -> DomeView:
+    focal, pole = (CAMERA.fx_px, CAMERA.fy_px), (CAMERA.cx_px, CAMERA.cy_px)
+    return DomeView(focal_px=focal, pole_px=pole, depth_mm=CAMERA.depth_mm, pin_length_mm=3.0)
+
+
+def test_a_sensor_of_unknown_pin_length_says_so(presses: list[KappaPress]) -> None:
+    camera = replace(CAMERA, sensor=Sensor(dome_radius_mm=20.0))
+    assert any("pin_length_mm" in note for note in estimate_kappa(presses[-4:], camera).notes)
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "words"),
+    [
+        ({"pins_px": np.zeros((8, 3, 2))}, PinsError, "the same pins"),
+        ({"pins_px": np.zeros((3, 127, 2)), "force_n": None}, FramesError, "5 loaded frames"),
+        ({"force_n": np.ones(7)}, FramesError, "force_n"),
+        ({"force_n": np.full(40, np.nan)}, FramesError, "force_n"),
+        ({"stiffness_n_per_mm": -1.0}, SettingError, "stiffness_n_per_mm"),
+        ({"stiffness_n_per_mm": float("nan")}, SettingError, "stiffness_n_per_mm"),
+    ],
+)  # fmt: skip
+def test_a_bad_press_is_refused(
+    presses: list[KappaPress], change: dict[str, object], error: type[CasrError], words: str
+) -> None:
+    with pytest.raises(error, match=words):
+        replace(presses[0], **change)  # type: ignore[arg-type]
+
+
+def test_lost_pins_are_left_out_and_too_many_are_refused(presses: list[KappaPress]) -> None:
+    lost = presses[0].pins_px.copy()
+    lost[3:, :90] = np.nan
+    few = replace(presses[0], pins_px=lost)
+    assert PressField(few, estimate_view(), families(shipped())[0]).n_pins == 37
+    lost[3:, :110] = np.nan
+    with pytest.raises(PinsError, match="30 pins"):
+        PressField(replace(presses[0], pins_px=lost), estimate_view(), families(shipped())[0])
+
+
+def test_no_press_and_a_camera_inside_the_dome_are_refused(presses: list[KappaPress]) -> None:
+    with pytest.raises(SettingError, match="one press"):
+        estimate_kappa([], CAMERA)
+    with pytest.raises(CameraError, match="depth_mm"):
+        estimate_kappa(presses, Camera(depth_mm=10.0, sensor=CAMERA.sensor))
