@@ -61,10 +61,19 @@ def estimate_kappa(
     Specimens of known stiffness calibrate the sensor; without any, the forces and the moduli of the tables' domes do,
     and intervals are wide. library : tables of domes (default: those of casr).
 
-    CameraError : lengths that cannot be. SettingError : no press, or no tables. PinsError, FramesError : of a press.
+    CameraError : lengths that cannot be. SettingError : no press, no tables, or two stiffnesses of one specimen.
+    PinsError, FramesError : of a press.
     """
     if not presses:
         raise SettingError("presses", wanted="one press or more", found="none", do="Give presses of one sensor.")
+    stated: dict[str, float | None] = {}
+    for press in presses:
+        known = press.stiffness_n_per_mm
+        if stated.setdefault(press.specimen, known) != known:
+            raise SettingError(
+                f"specimen {press.specimen}, stiffness_n_per_mm", wanted="one stiffness, or none, for all its presses",
+                found=f"{stated[press.specimen]} and {known}", do="Give another specimen another name.",
+            )  # fmt: skip
     scale = (camera.sensor.dome_radius_mm or OUTER_RADIUS_MM) / OUTER_RADIUS_MM
     view, sensor_errors = _view(camera, scale)
     flat = [_undistorted(press, camera) for press in presses]

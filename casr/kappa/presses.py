@@ -1,4 +1,4 @@
-"""A press as kappa is estimated from it: pins in a few loaded frames, forces, and what is known of the specimen."""
+"""A press as kappa is estimated from it: pins in loaded frames, forces, and what is known of the specimen."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ FORCE_ZERO_SD_N, LEAST_FORCE_ZERO_SD_N = 0.02, 0.005
 class KappaPress:
     """One press of T loaded frames, force rising.
 
-    rest_px : (N, 2) pins at rest, without distortion of the camera. pins_px : (T, N, 2) in contact; NaN where lost.
-    force_n : (T,) N, or None. travel_mm : (T,) of the flange from any zero, or None.
+    rest_px : (N, 2) pins at rest as the camera sees them. pins_px : (T, N, 2) in contact; NaN where lost.
+    force_n : (T,) N, or None.
     specimen : name; presses of one specimen have one stiffness. mounting : name; what was mounted once.
     stiffness_n_per_mm : known kappa of the specimen, or None; stiffness_sd : relative standard error of it.
     rest_frames : that ``rest_px`` is the mean of. force_zero_sd_n : standard error of the force's zero, N.
@@ -33,7 +33,6 @@ class KappaPress:
     rest_px: Array
     pins_px: Array
     force_n: Array | None = None
-    travel_mm: Array | None = None
     specimen: str = ""
     mounting: str = ""
     stiffness_n_per_mm: float | None = None
@@ -55,12 +54,12 @@ class KappaPress:
                 f"{where}, pins_px", wanted=f"{FEWEST_FRAMES} loaded frames or more", found=str(n_frames),
                 do="Press more slowly, or take more frames a second.",
             )  # fmt: skip
-        for key, values in (("force_n", self.force_n), ("travel_mm", self.travel_mm)):
-            if values is not None and (values.shape != (n_frames,) or not np.isfinite(values).all()):
-                raise FramesError(
-                    f"{where}, {key}", wanted=f"a finite number for each of {n_frames} frames",
-                    found=f"shape {values.shape}", do="Leave it out where it is not known.",
-                )  # fmt: skip
+        force_n = self.force_n
+        if force_n is not None and (force_n.shape != (n_frames,) or not np.isfinite(force_n).all()):
+            raise FramesError(
+                f"{where}, force_n", wanted=f"a finite number for each of {n_frames} frames",
+                found=f"shape {force_n.shape}", do="Leave it out where it is not known.",
+            )  # fmt: skip
         known = self.stiffness_n_per_mm
         if known is not None and not 0 < known < np.inf:
             raise SettingError(

@@ -148,6 +148,11 @@ def test_lost_pins_are_left_out_and_too_many_are_refused(presses: list[KappaPres
         PressField(replace(presses[0], pins_px=lost), estimate_view(), families(shipped())[0])
 
 
+def test_two_stiffnesses_of_one_specimen_are_refused(presses: list[KappaPress]) -> None:
+    with pytest.raises(SettingError, match=r"1\.1 and 2"):
+        estimate_kappa([presses[0], replace(presses[1], stiffness_n_per_mm=2.0)], CAMERA)
+
+
 def test_no_press_and_a_camera_inside_the_dome_are_refused(presses: list[KappaPress]) -> None:
     with pytest.raises(SettingError, match="one press"):
         estimate_kappa([], CAMERA)
