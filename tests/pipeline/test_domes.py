@@ -7,10 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.small_study import small_rig
 from casr.errors import SettingError
 from emg2vsa.pipeline.campaign import Campaign, campaign
 from emg2vsa.pipeline.stage import value_of
-from emg2vsa.pipeline.stages import runs
+from emg2vsa.pipeline.stages import emulation, runs
+from emg2vsa.rig_file import load_rig
 from emg2vsa.study import RunEntry, Study
 from emg2vsa.study_file import load_study
 
@@ -54,3 +56,15 @@ def test_without_tables_of_its_own_the_height_is_of_no_account(tmp_path: Path) -
 def test_a_folder_without_tables_is_told_before_anything_is_scored(tmp_path: Path) -> None:
     with pytest.raises(SettingError, match=r"mine: expected tables of domes, .*, but found none"):
         campaign(thin(tmp_path))
+
+
+def test_an_emulated_run_is_known_by_its_tables_and_not_by_where_they_lie(tmp_path: Path) -> None:
+    study, table = thin(tmp_path), tmp_path / "mine" / "mine_k5.3_h10_stick.npz"
+    table.touch()
+    (tmp_path / "rig.toml").write_text(small_rig("high-stiffness = [0]\n") + 'domes = "mine"\n')
+    pressed = Campaign(study, load_rig(tmp_path / "rig.toml"))
+    item = next(iter(pressed.mountings))
+    of_world = emulation.settings(pressed, item)["emulated"]
+    assert value_of(of_world).domes == str(tmp_path / "mine")
+    assert of_world.key.domes is None
+    assert emulation.files(pressed, item) == {"emulated domes": [table]}

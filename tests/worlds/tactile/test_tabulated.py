@@ -14,6 +14,9 @@ from casr.contact_area.follow import contact_front
 from casr.dome.library import DEFAULT_WORLD, SHIPPED, shipped, worlds
 from casr.dome.tables import read_table
 from casr.errors import SettingError
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.worlds.bench.press_draws import PressDraws
+from emg2vsa.worlds.bench.settings import EmulatedSettings
 from emg2vsa.worlds.tactile import PressSettings, Scene, TabulatedWorld, simulate_press
 
 FORCES_N = np.array([0.3, 0.5, 1.0, 2.0, 3.0, 4.5])
@@ -169,3 +172,12 @@ def test_own_tables_stand_for_a_dome_of_the_sensors_radius(own: Path) -> None:
     pins_px = np.array([large.pins_px(force) for force in forces])
     front = contact_front(large.rest_px, pins_px, large.settings.camera, worlds(str(own), 8.0))
     np.testing.assert_allclose(front.area, [large.area_mm2(force) for force in forces], rtol=0.02)
+
+
+def test_the_emulated_rig_presses_own_tables_by_the_height_of_its_specimens(own: Path) -> None:
+    bench = EmulatedSettings(world="elastic", domes=str(own), dome_radius_mm=25.0, height_mm={"S2": 12.0})
+    pressed = PressDraws(bench, "S2", 0.0, None, RigSettings()).scene(0)
+    assert pressed.settings.camera.sensor.dome_radius_mm == 25
+    radius_mm = TabulatedWorld(tables=str(own)).radius_mm(2.0, pressed.settings.stiffness_n_per_mm, 12.0 / 1.25)
+    assert pressed.area_mm2(2.0) == pytest.approx(np.pi * (1.25 * float(radius_mm)) ** 2, rel=1e-9)
+    assert bench.document()["domes"] == own.name
