@@ -6,6 +6,7 @@ that explains them. Between its stiffnesses a dome's own tables are joined by cu
 
 from __future__ import annotations
 
+import argparse
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -40,7 +41,7 @@ DESIGNS = (
 )
 "Stiffness of three known specimens and of the unknown one, N/mm."
 FRICTIONS, NOISES_PX, SCATTERS = {"stick": 1.0, "frictionless": 0.0}, (0.05, 0.2), (0.0, 0.025, 0.043)
-N_PRESSES, REPETITIONS = 2, 2
+N_PRESSES = 2
 "Of each specimen, in one mounting of it."
 FORCES_N, N_FRAMES, N_REST = (0.4, 4.5), 40, 4
 PIN_LENGTH_SD_MM, DEPTH_SD, TILT_SD_DEG, LATTICE_SD_MM, LANDING_SD_MM = 0.05, 0.01, 2.0, 0.3, 0.5
@@ -192,12 +193,12 @@ NOTES = (
 )
 
 
-def page() -> Iterator[str]:
-    """Markdown of the table, for ``benchmarks/results/kappa.json``."""
-    (table,) = kappa_tables(REPETITIONS, os.cpu_count() or 1)
+def page(every: int, n_jobs: int) -> Iterator[str]:
+    """Markdown of the table, for ``benchmarks/results/kappa.json``, by each so-manieth trial."""
+    table = _table(list(outcomes(trials(1)[::every], n_jobs)))
     yield f"# {table.title}"
     yield ""
-    yield " ".join(note.strip() for note in NOTES)
+    yield f"{' '.join(note.strip() for note in NOTES)} Of {len(trials(1))} trials each {every}th was made."
     yield ""
     yield f"| {' | '.join(heading for heading, _ in COLUMNS)} |"
     yield f"|---|{'---:|' * (len(COLUMNS) - 1)}"
@@ -208,7 +209,10 @@ def page() -> Iterator[str]:
 
 def kappa_tables(n_repetitions: int, n_jobs: int) -> list[Table]:
     """Bias, width, coverage and efficiency, by what differs."""
-    found = list(outcomes(trials(n_repetitions), n_jobs))
+    return [_table(list(outcomes(trials(n_repetitions), n_jobs)))]
+
+
+def _table(found: Sequence[Outcome]) -> Table:
     groups: dict[str, list[Outcome]] = {}
     for each in found:
         t = each.trial
@@ -219,7 +223,7 @@ def kappa_tables(n_repetitions: int, n_jobs: int) -> list[Table]:
     order = sorted(groups, key=lambda name: (name == "(all)", "->" in name, "px" in name, not name.startswith("dome")))
     groups = {name: groups[name] for name in order}
     rows = [_row(name, each) for name, each in groups.items()]
-    return [Table("kappa", "Kappa by the pins, one dome left out at a time", COLUMNS, rows, NOTES)]
+    return Table("kappa", "Kappa by the pins, one dome left out at a time", COLUMNS, rows, NOTES)
 
 
 def _row(name: str, every: Sequence[Outcome]) -> list[Cell]:
@@ -242,4 +246,8 @@ def _row(name: str, every: Sequence[Outcome]) -> list[Cell]:
 
 
 if __name__ == "__main__":
-    print("\n".join(page()))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--every", type=int, default=1, metavar="N")
+    parser.add_argument("--jobs", type=int, default=1, metavar="N")
+    asked = parser.parse_args()
+    print("\n".join(page(asked.every, asked.jobs)))

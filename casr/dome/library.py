@@ -306,13 +306,15 @@ def worlds(folder: str | None = None, height_mm: float | None = None) -> Library
 
     height_mm : of the specimen, mm of a dome of 20 mm; None: tables of all heights. SettingError : see ``of_height``.
     """
-    every = _all_worlds(folder)
-    return with_between(every if height_mm is None else of_height(every, height_mm))
+    return with_between(tables(folder, height_mm))
 
 
 @cache
-def _all_worlds(folder: str | None) -> Library:
+def tables(folder: str | None = None, height_mm: float | None = None) -> Library:
+    """The same without what lies between the tables."""
     ours = shipped()
+    if height_mm is not None:
+        return of_height(tables(folder), height_mm)
     if folder is None:
         return ours
     own = read_library(Path(folder))

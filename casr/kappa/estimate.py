@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from casr.camera import Camera, undistorted
+from casr.contact_area.library_front import dome_scale
 from casr.dome.library import Library, shipped
-from casr.dome.view import OUTER_RADIUS_MM, DomeView
+from casr.dome.view import DomeView
 from casr.errors import CameraError, SettingError
 from casr.kappa.family import families
 from casr.kappa.field import PressField
@@ -74,7 +75,7 @@ def estimate_kappa(
                 f"specimen {press.specimen}, stiffness_n_per_mm", wanted="one stiffness, or none, for all its presses",
                 found=f"{stated[press.specimen]} and {known}", do="Give another specimen another name.",
             )  # fmt: skip
-    scale = (camera.sensor.dome_radius_mm or OUTER_RADIUS_MM) / OUTER_RADIUS_MM
+    scale = dome_scale(camera)
     view, sensor_errors = _view(camera, scale)
     flat = [_undistorted(press, camera) for press in presses]
     tried = [

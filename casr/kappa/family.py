@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.dome.library import FAMILY, Library, Rows
+from casr.dome.tables import USUAL_HEIGHT_MM
 from casr.dome.view import OUTER_RADIUS_MM
 from casr.errors import SettingError
 
@@ -164,9 +165,12 @@ def _complete(library: Library, group: tuple[str, ...]) -> bool:
 
 
 def _rows(library: Library, dome: str, friction: str) -> list[int]:
-    """Rows of a dome, the stiffest specimen first."""
+    """Rows of a dome, the stiffest specimen first; of specimens of several heights the one nearest to the usual."""
     rows: Rows = np.flatnonzero((library.dome == dome) & (library.friction == friction))
-    return [int(row) for row in rows[np.argsort(-library.stiffness_n_per_mm[rows])]]
+    unusual = np.abs(np.log(library.height_mm[rows] / USUAL_HEIGHT_MM))
+    rows = rows[np.lexsort((unusual, -library.stiffness_n_per_mm[rows]))]
+    first = np.unique(library.stiffness_n_per_mm[rows].round(6), return_index=True)[1]
+    return [int(row) for row in rows[first[::-1]]]
 
 
 def _force_at(library: Library, row: int, radius_mm: float) -> float:

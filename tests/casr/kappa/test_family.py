@@ -69,6 +69,15 @@ def test_tables_without_a_rigid_plate_are_refused() -> None:
         families(library.only(np.flatnonzero(np.isfinite(library.stiffness_n_per_mm))))
 
 
+def test_of_several_heights_of_specimens_that_nearest_to_the_usual_counts() -> None:
+    library = shipped()
+    soft = library.only(np.flatnonzero(np.isfinite(library.stiffness_n_per_mm)))
+    thin = replace(soft, height_mm=np.full(soft.n_worlds, 10.0), motion=2 * soft.motion)
+    family, usual = (families(each)[0] for each in (thin.beside(library), library))
+    weights = usual.world(0.4, 0.3, 1.0, 0.0).motion
+    assert family.motion(weights) == pytest.approx(usual.motion(weights), abs=1e-6)
+
+
 def test_a_lab_s_own_dome_is_a_family_of_one() -> None:
     library = shipped()
     own = library.only(np.flatnonzero(library.dome == FAMILY[1]))
