@@ -13,10 +13,10 @@ from casr.camera import Camera, undistorted
 from casr.contact_area import InitialArea, initial_area
 from casr.contact_area.follow import FrontSoFar, contact_front
 from casr.contact_area.front import ContactFront
-from casr.contact_area.library_front import dome_scale
+from casr.contact_area.library_front import worlds_for
 from casr.contact_area.motion import check_area
 from casr.counts import count
-from casr.dome.library import Library, worlds
+from casr.dome.library import Library
 from casr.errors import FramesError, PinsError
 from casr.flow.estimate import FlowStep, FlowTracker
 from casr.flow.pin_engine import need_pins_inside
@@ -160,8 +160,7 @@ class PressScorer:
         return FrontSoFar(self._camera, self._worlds())
 
     def _worlds(self) -> Library:
-        height_mm = self._settings.specimen_height_mm
-        return worlds(self._settings.domes, height_mm and height_mm / dome_scale(self._camera))
+        return worlds_for(self._camera, self._settings.domes, self._settings.specimen_height_mm)
 
     @property
     def _first_area(self) -> float:

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import asdict
+from math import inf
 
 from casr.cli.arguments import TYPES, of_fields, say_notes
 from casr.command_line import Commands, add_command, add_json, add_options, print_json
 from casr.errors import SettingError
 
+OWN_TABLES = "Give tables of this sensor's own: casr dome, then casr score --domes."
+
 
 def check_plate(arguments: argparse.Namespace) -> int:
     """Exit status 1: the sensor is none of the library's."""
+    from casr.contact_area.library_front import worlds_for
     from casr.contact_area.plate import check_on_plate
-    from casr.dome.library import worlds
+    from casr.dome.library import tables_of
     from casr.errors import CameraError
     from casr.frame_files import open_frames, read_camera
     from casr.scoring import score
@@ -24,8 +28,11 @@ def check_plate(arguments: argparse.Namespace) -> int:
     if camera is None:
         wanted, do = "a camera file beside the press, or one given with --out", "Calibrate the camera first."
         raise CameraError(arguments.plate, wanted=wanted, found="none", do=do)
+    if arguments.domes and all(table.stiffness_n_per_mm < inf for table in tables_of(str(arguments.domes))):
+        wanted, do = "a table of a rigid plate among these", "Solve one: rigid = true in the file for casr dome."
+        raise SettingError("--domes", wanted=wanted, found="tables of soft specimens alone", do=do)
     scored = score(sequence)
-    found = check_on_plate(scored.rest.centroids_px, scored.pins_px, camera, worlds(arguments.domes))
+    found = check_on_plate(scored.rest.centroids_px, scored.pins_px, camera, worlds_for(camera, arguments.domes, None))
     if arguments.json:
         print_json(asdict(found))
         return int(not found.fits)
@@ -35,7 +42,8 @@ def check_plate(arguments: argparse.Namespace) -> int:
         print(f"  with pins of {length:.2g} mm: {misfit:.1%}")
     print("  (the length is not told by this: measure it)")
     if not found.fits:
-        print("  Areas by the front depend on the dome assumed. Give tables of this sensor's own: casr score --domes")
+        do = "Are radius, skin and moduli in the file for casr dome right?" if arguments.domes else OWN_TABLES
+        print(f"  Areas by the front depend on the dome assumed. {do}")
     return int(not found.fits)
 
 

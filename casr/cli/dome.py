@@ -9,14 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from casr.command_line import JSON, Commands, add_command, answer, whole_number
+from casr.errors import SettingError
 from casr.terminal import VOICE
 
 SUMMARY = "Solve the contact of a soft dome with specimens, and write the tables that --domes reads."
 EPILOG = """
 SENSOR.toml says radius, skin and gel of the dome, and the specimens; its keys are in docs/reference/dome-tables.md.
 Tables that are in the folder already, solved from the same numbers, stay: stopped work goes on where it was. Needs
-pip install "emg2vsa[solver]". Exit status 1: a case could not be solved. Example: casr dome sensor.toml
---out mine, then casr score presses --domes mine
+pip install "emg2vsa[solver]". Exit status 1: a case could not be solved, or its error is too large for any use.
+Example: casr dome sensor.toml --out mine, then casr score presses --domes mine
 """
 OPTIONS = f"""
 sensor SENSOR.toml  the sensor's file
@@ -32,11 +33,19 @@ def add_to(commands: Commands) -> None:
     add_command(commands, "dome", run, SUMMARY, EPILOG, OPTIONS, types)
 
 
+USELESS = 0.2
+"Of the area: a table with a larger error tells nothing of a press."
+
+
 def run(arguments: argparse.Namespace) -> int:
     from casr.dome.solver.cases import AREA_AT_N, dome_radius_mm, solve
     from casr.dome.solver.sensor_file import read_sensor
 
     cases = read_sensor(arguments.sensor)
+    if arguments.page and arguments.page.is_dir():
+        raise SettingError("--page", wanted="a file", found=f"{arguments.page}, a folder", do="Name a file in it.")
+    if arguments.out.is_file():
+        raise SettingError("--out", wanted="a folder", found=f"{arguments.out}, a file", do="Name a folder.")
     found = []
     for number, each in enumerate(solve(cases, arguments.out, arguments.jobs or os.cpu_count() or 1), start=1):
         found.append(each)
@@ -52,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     lines = [f"{'table':<{wide}}" + "".join(f"{f'A({n:g} N)':>10}" for n in AREA_AT_N) + "  error"]
     for each in found:
         if each.stopped:
-            lines.append(f"{each.case.name:<{wide}}  not solved: {each.stopped}. Lower [solve] force_n.")
+            lines.append(f"{each.case.name:<{wide}}  not solved: {each.stopped}.")
             continue
         areas = "".join(f"{area:>10.1f}" for area in each.said["area_mm2"].values())
         error = each.said["area_error"]
@@ -63,10 +72,16 @@ def run(arguments: argparse.Namespace) -> int:
         f"Use them with dome_radius_mm = {dome_radius_mm(cases[0]):.4g} under [sensor] in camera.toml: "
         f"casr score PRESSES --domes {arguments.out}"
     )
+    useless = [each.case.name for each in found if each.said.get("area_error", 0.0) > USELESS]
+    if useless:
+        lines.append(
+            f"Of no use, with an error above {USELESS:.0%}: {', '.join(useless)}.\n"
+            "Check the units, mm and MPa, or halve mesh_mm."
+        )
     if arguments.page and (there := [each.case.name for each in found if not each.stopped]):
         _write_page(arguments.page, arguments.out, there)
     answer(arguments.json, {"folder": str(arguments.out), "tables": rows}, lines)
-    return int(any(each.stopped for each in found))
+    return int(bool(useless) or any(each.stopped for each in found))
 
 
 def _write_page(path: Path, folder: Path, names: list[str]) -> None:

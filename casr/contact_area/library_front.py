@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from casr.camera import Camera, distorted, undistorted
 from casr.contact_area.front import LEAST_PINS, ContactFront
 from casr.contact_area.front_fit import FrontFit, fit_front
-from casr.dome.library import Library
+from casr.dome.library import Library, tables_of, worlds
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView
 from casr.errors import CameraError
 
@@ -87,6 +87,8 @@ SD_PER_MISFIT = 4.0
 "Relative standard error of an area per misfit above that: 0.05 more came with areas 20 % off on a wrong dome."
 PIN_LENGTH_SD_MM, DEPTH_SHARE_SD = 0.1, 0.01
 "Of a length that is known to 0.2 mm, and of a depth."
+SAME_RADIUS = 0.005
+"Share by which the radius in a camera file may differ from that of the tables: it is written with four digits."
 BEYOND_COMPUTED = 1.25
 "Times the largest radius of a table: presses to 7 N reach 1.15 of it."
 USUAL_PIN_LENGTHS_MM = (1.5, 2.5, 3.5, 4.5)
@@ -236,6 +238,22 @@ def dome_scale(camera: Camera | None) -> float:
     """Millimetres of this sensor in one of the dome of 20 mm."""
     radius = None if camera is None else camera.sensor.dome_radius_mm
     return 1.0 if radius is None else radius / OUTER_RADIUS_MM
+
+
+def worlds_for(camera: Camera | None, domes: str | None, specimen_height_mm: float | None) -> Library:
+    """What a press of this sensor is held against; arguments as in ``casr.ScoreSettings``.
+
+    SettingError : see ``casr.dome.library.worlds``. CameraError : the tables were solved for another radius.
+    """
+    scale = dome_scale(camera)
+    for table in tables_of(domes) if domes and camera else ():
+        if abs(OUTER_RADIUS_MM * scale / table.dome_radius_mm - 1) > SAME_RADIUS:  # not where the table does not say
+            raise CameraError(
+                "sensor.dome_radius_mm", wanted=f"{table.dome_radius_mm:.4g} mm, as the tables in {domes} were solved",
+                found=f"{OUTER_RADIUS_MM * scale:.4g} mm",
+                do="Give that radius under [sensor] in camera.toml, or the tables of this sensor.",
+            )  # fmt: skip
+    return worlds(domes, specimen_height_mm and specimen_height_mm / scale)
 
 
 def _misfit(fit: FrontFit, pins_px: Array) -> float:

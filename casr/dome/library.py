@@ -15,7 +15,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.dome.tables import USUAL_HEIGHT_MM, ContactTable, read_table
+from casr.dome.tables import SMOOTH_FROM_N, USUAL_HEIGHT_MM, ContactTable, read_table
 from casr.errors import SettingError
 
 Array = NDArray[np.float64]
@@ -34,7 +34,7 @@ DIGESTS = {
 LAST_RADIUS_MM = 18.0
 _QUANTUM = 2e-4
 "Of the motion in the file, mm or rad: a fiftieth of a pixel at 10 px/mm would be 2e-3."
-_SMOOTH_FROM_N, _SMOOTH_DEGREE = 0.02, 6
+_SMOOTH_DEGREE = 6
 _TREND_FROM = 0.6
 "A table is continued along the lines through its steps from this share of its largest radius on."
 
@@ -146,7 +146,7 @@ def _by_radius(table: ContactTable, radius: Array, arc: Array) -> tuple[Array, A
 
 def _smooth_radius(table: ContactTable) -> Array:
     """(T,) radius without the steps that the edge makes from node to node of the mesh (0.5 % of it)."""
-    smoothed = table.force_n >= _SMOOTH_FROM_N
+    smoothed = table.force_n >= SMOOTH_FROM_N
     log_force = np.log(table.force_n[smoothed])
     weights = np.sqrt(np.gradient(log_force))  # so that all forces count alike
     law = np.polynomial.Polynomial.fit(log_force, np.log(table.contact_radius_mm[smoothed]), _SMOOTH_DEGREE, w=weights)
@@ -216,9 +216,9 @@ def of_height(library: Library, height_mm: float) -> Library:
         known = np.unique(library.height_mm[np.isfinite(library.stiffness_n_per_mm)].round(2))
         raise SettingError(
             "specimen_height_mm",
-            wanted=f"a height that tables of specimens enclose ({', '.join(f'{each:g}' for each in known)} mm)",
-            found=f"{height_mm:.4g} mm, in millimetres of a dome of 20 mm",
-            do="Solve tables of a lower and a higher one: height_mm under [specimen] of the file for casr dome.",
+            wanted=f"tables of one dome, stiffness and friction on both sides of {height_mm:.4g} mm",
+            found=f"heights of {', '.join(f'{each:g}' for each in known)} mm in all tables, in mm of a dome of 20 mm",
+            do="Solve them: height_mm = [lower, higher] under [specimen] of the file for casr dome.",
         )  # fmt: skip
     first, second = (np.array([pair[k] for pair in pairs], dtype=np.intp) for k in (0, 1))
     share = np.array([pair[2] for pair in pairs])
@@ -273,15 +273,21 @@ def _next_in_family(library: Library) -> list[Between]:
     ]
 
 
-def read_library(folder: Path) -> Library:
+@cache
+def tables_of(folder: str) -> tuple[ContactTable, ...]:
     """The tables of a folder (layout: ``casr.dome.tables``). SettingError where there are none."""
-    paths = sorted(folder.glob("*.npz"))
+    paths = sorted(Path(folder).glob("*.npz"))
     if not paths:
         raise SettingError(
-            str(folder), wanted="tables of domes, <dome>_k<stiffness>_<friction>.npz", found="none",
+            folder, wanted="tables of domes, <dome>_k<stiffness>_<friction>.npz", found="none",
             do="Give the folder that holds them.",
         )  # fmt: skip
-    return gather([read_table(path) for path in paths], radius_step_mm=0.25, arc_step_mm=0.5)
+    return tuple(map(read_table, paths))
+
+
+def read_library(folder: Path) -> Library:
+    """The tables of a folder on the grid of those that are shipped; errors as ``tables_of``."""
+    return gather(tables_of(str(folder)), radius_step_mm=0.25, arc_step_mm=0.5)
 
 
 @cache

@@ -13,15 +13,19 @@ and P nodes along the inside of the skin, from the pole outwards, in a frame tha
 | u_r_mm, u_z_mm | T, P | mm | displacement away from the axis, and along it towards the tip |
 | tilt_rad | T, P | rad | rotation of the skin; positive turns the tips of pins away from the axis |
 
-A number ``specimen_height_mm`` beside them is the thickness of the specimen; without it 25 mm.
+A number ``specimen_height_mm`` beside them is the thickness of the specimen; without it 25 mm. ``metadata`` is JSON:
+that of ``casr dome`` names the table, the sensor's ``dome_radius_mm`` and the SHA-256 of the arrays.
 
 The dome is a sphere of 20 mm radius with a skin of 1 mm; another size is the same dome in other millimetres.
 """
 
 from __future__ import annotations
 
+import hashlib
+import json
 import re
 import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -35,9 +39,11 @@ Array = NDArray[np.float64]
 
 OF_STEPS = ("force_n", "contact_radius_mm", "edge_arc_mm")
 OF_NODES = ("u_r_mm", "u_z_mm", "tilt_rad")
+SOLVER = "casr dome"
 HEIGHT, USUAL_HEIGHT_MM = "specimen_height_mm", 25.0
-LEAST_RADIUS_MM = 4.0
-"That a contact reaches at its last force: smaller ones tell nothing of a press."
+SMOOTH_FROM_N = 0.02
+LEAST_RADIUS_MM, LEAST_FORCE_N, LEAST_STEPS = 4.0, 0.5, 10
+"That a contact reaches at its last step, and its steps from ``SMOOTH_FROM_N`` on: less tells nothing of a press."
 RANGES = {
     "force_n": (0.0, 1000.0), "contact_radius_mm": (0.0, 20.0), "edge_arc_mm": (0.0, 32.0), "s_mm": (0.0, 30.0),
     "u_r_mm": (-20.0, 20.0), "u_z_mm": (-20.0, 20.0), "tilt_rad": (-3.2, 3.2),
@@ -53,7 +59,8 @@ class ContactTable:
     """One dome pressed on one specimen: T steps, P nodes; see the layout of the file.
 
     dome, friction : names. stiffness_n_per_mm, height_mm : of the specimen; inf and whatever for a rigid plate.
-    motion : (T, P, 3) of u_r_mm, u_z_mm and tilt_rad.
+    motion : (T, P, 3) of u_r_mm, u_z_mm and tilt_rad. dome_radius_mm : of the sensor that it was solved for; NaN where
+    the file does not say.
     """
 
     dome: str
@@ -65,6 +72,7 @@ class ContactTable:
     edge_arc_mm: Array
     s_mm: Array
     motion: Array
+    dome_radius_mm: float = float("nan")
 
 
 def read_table(path: Path) -> ContactTable:
@@ -74,14 +82,22 @@ def read_table(path: Path) -> ContactTable:
         wanted = "a name like A_k5.3_stick.npz: dome, stiffness in N/mm or 'rigid', friction"
         raise SettingError(str(path), wanted=wanted, found=path.name, do=_DO)
     try:
-        kept = np.load(path, allow_pickle=False)
-        if not isinstance(kept, np.lib.npyio.NpzFile):
-            raise ValueError("one array, and no archive of several")
-        with kept:
+        if not zipfile.is_zipfile(path):
+            raise ValueError("no archive of arrays")
+        with np.load(path, allow_pickle=False) as kept:
             arrays = {key: _real(kept[key]) for key in (*OF_STEPS, "s_mm", *OF_NODES)}
             height_mm = float(kept[HEIGHT]) if HEIGHT in kept else USUAL_HEIGHT_MM
+            said = json.loads(str(kept["metadata"])) if "metadata" in kept else {}
+            ours = isinstance(said, dict) and said.get("solver") == SOLVER
+            changed = ours and said.get("arrays") != digest(dict(kept))
     except (OSError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
         raise SettingError(str(path), wanted="a table of a dome's contact", found=str(error), do=_DO) from error
+    if changed or (ours and said.get("case") != path.stem):
+        wanted, found = (
+            "the table as casr dome wrote it",
+            "changed arrays" if changed else f"that of {said.get('case')}",
+        )
+        raise SettingError(str(path), wanted=wanted, found=found, do="Solve it again, or give it its name again.")
     _check(path, arrays)
     if not 0 < height_mm < np.inf:
         raise SettingError(f"{path}, {HEIGHT}", wanted="a height above 0 mm", found=f"{height_mm:g}", do=_DO)
@@ -93,7 +109,16 @@ def read_table(path: Path) -> ContactTable:
         force_n=arrays["force_n"], contact_radius_mm=arrays["contact_radius_mm"], edge_arc_mm=arrays["edge_arc_mm"],
         s_mm=arrays["s_mm"],
         motion=np.stack([arrays[key] for key in OF_NODES], axis=-1),
+        dome_radius_mm=float(said["dome_radius_mm"]) if ours else float("nan"),
     )  # fmt: skip
+
+
+def digest(arrays: Mapping[str, Any]) -> str:
+    """SHA-256 of all arrays of a file but its metadata."""
+    told = hashlib.sha256()
+    for name in sorted(set(arrays) - {"metadata"}):
+        told.update(name.encode() + np.ascontiguousarray(arrays[name], dtype=np.float64).tobytes())
+    return told.hexdigest()
 
 
 def _real(array: NDArray[Any]) -> Array:
@@ -109,7 +134,8 @@ def _check(path: Path, arrays: dict[str, Array]) -> None:
         array = arrays[key]
         if array.shape != shape or not np.isfinite(array).all() or min(array.shape, default=0) < 5:
             found = f"shape {array.shape}" + ("" if np.isfinite(array).all() else " with values that are not finite")
-            raise SettingError(f"{path}, {key}", wanted=f"finite numbers of shape {shape}", found=found, do=_DO)
+            wanted = f"finite numbers of shape {shape}, five steps and nodes at least"
+            raise SettingError(f"{path}, {key}", wanted=wanted, found=found, do=_DO)
     for key in ("force_n", "s_mm"):
         if not (np.diff(arrays[key]) > 0).all():
             raise SettingError(f"{path}, {key}", wanted="rising values", found="values that do not rise", do=_DO)
@@ -124,6 +150,11 @@ def _check(path: Path, arrays: dict[str, Array]) -> None:
     if arrays["s_mm"][0] > FIRST_ARC_MM:
         wanted = f"arcs from the pole on, {FIRST_ARC_MM:g} mm at most"
         raise SettingError(f"{path}, s_mm", wanted=wanted, found=f"{arrays['s_mm'][0]:.3g}", do=_DO)
+    force_n = arrays["force_n"]
+    if force_n[-1] < LEAST_FORCE_N or (count := int((force_n >= SMOOTH_FROM_N).sum())) < LEAST_STEPS:
+        wanted = f"a press to {LEAST_FORCE_N:g} N at least, in {LEAST_STEPS} steps above {SMOOTH_FROM_N:g} N"
+        found = f"{force_n[-1]:.3g} N" if force_n[-1] < LEAST_FORCE_N else f"{count} steps"
+        raise SettingError(f"{path}, force_n", wanted=wanted, found=found, do=_DO)
     reached_mm = float(arrays["contact_radius_mm"].max())
     if reached_mm < LEAST_RADIUS_MM:
         wanted = f"a contact that reaches {LEAST_RADIUS_MM:g} mm"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from casr import html
 from casr.contact_area.library_front import FREE_MISFIT
 from casr.dome.library import Library, gather
-from casr.dome.tables import USUAL_HEIGHT_MM, ContactTable
+from casr.dome.tables import ContactTable
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM
 from casr.page.pages import picture_figure, whole_page
 from casr.palette import BLUE, FAINT, GREEN, PURPLE, RED, SKY, YELLOW
@@ -110,10 +110,10 @@ def _ends(solved: Sequence[SolvedTable]) -> list[SolvedTable]:
 
 def _looks(solved: Sequence[SolvedTable]) -> list[tuple[SolvedTable, dict[str, Any]]]:
     """Colour by specimen, which is told once, and dashes where nothing sticks."""
-    specimens = list(dict.fromkeys(_specimen(each.table) for each in solved))
+    specimens = list(dict.fromkeys(_specimen(each) for each in solved))
     looks, told = [], set()
     for each in solved:
-        name = _specimen(each.table)
+        name = _specimen(each)
         dash = "10 8" if each.table.friction == "frictionless" else ""
         colour = _COLOURS[specimens.index(name) % len(_COLOURS)]
         looks.append((each, {"colour": colour, "dash": dash, "label": "" if name in told else name}))
@@ -134,12 +134,13 @@ def _section(solved: Sequence[SolvedTable], scale: float) -> Picture:
         table, moved = each.table, _at(each.table, _AT_N[2])
         angle = table.s_mm / INNER_RADIUS_MM
         at = INNER_RADIUS_MM * np.array([np.sin(angle), np.cos(angle)]).T + moved[:, :2]
-        axes.line(scale * at, colour, label=f"inside at {_AT_N[2]:g} N on {_specimen(table)}")
+        axes.line(scale * at, colour, label=f"inside at {_AT_N[2]:g} N on {_specimen(each)}")
         for root in roots:
             foot = np.array([np.interp(root, table.s_mm, column) for column in at.T])
             turn = root / INNER_RADIUS_MM - float(np.interp(root, table.s_mm, moved[:, 2]))
             axes.line(scale * np.array([foot, foot - PIN_MM * np.array([np.sin(turn), np.cos(turn)])]), colour)
-    caption = f"Half of it, flange below. Pins of {scale * PIN_MM:.2g} mm every {scale * PITCH_MM:.2g} mm are drawn."
+    pins = f"pins of {scale * PIN_MM:.2g} mm every {scale * PITCH_MM:.2g} mm"
+    caption = f"Half of it, flange below. The sensor's file says nothing of pins: {pins} are drawn."
     return Picture("section", "Dome and pins", caption, axes)
 
 
@@ -157,7 +158,7 @@ def _field(solved: Sequence[SolvedTable], scale: float) -> Picture:
     for force, curve, colour in zip(forces, curves, _COLOURS, strict=False):
         axes.line(curve, colour, label=f"{force:g} N")
     caption = (
-        f"How far tips of pins move away from the axis on {_specimen(table)}; the fold is near the edge of contact."
+        f"How far tips of pins move away from the axis on {_specimen(each)}; the fold is near the edge of contact."
     )
     return Picture("field", "Motion of pins", caption, axes)
 
@@ -202,8 +203,7 @@ def _table(solved: Sequence[SolvedTable], unlike: Sequence[Unlike]) -> str:
     return html.table("Balance: force of contact against that on the flange.", heads, rows)
 
 
-def _specimen(table: ContactTable) -> str:
-    if np.isinf(table.stiffness_n_per_mm):
+def _specimen(each: SolvedTable) -> str:
+    if np.isinf(each.table.stiffness_n_per_mm):
         return "a rigid plate"
-    height = f", {table.height_mm:.3g} mm" if table.height_mm != USUAL_HEIGHT_MM else ""
-    return f"{table.stiffness_n_per_mm:g} N/mm{height}"
+    return f"{each.table.stiffness_n_per_mm:g} N/mm, {each.said['pressing']['specimen']['height_mm']:.3g} mm high"

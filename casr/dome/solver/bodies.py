@@ -29,7 +29,11 @@ class Inverted(ArithmeticError):
 
 
 class Stopped(ArithmeticError):
-    """A solution went no further."""
+    """A solution went no further. reached_n : the force there."""
+
+    def __init__(self, why: str, reached_n: float = 0.0) -> None:
+        super().__init__(why)
+        self.reached_n = reached_n
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,15 @@ from casr.dome.solver.contact import Contact, Grip, Opposite
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-PENALTY_N_PER_MM3, PENALTY_SHARE = 20.0, 80.0
+USUAL_RADIUS_MM, USUAL_MODULUS_MPA = 20.0, 0.07
+"""All is solved in the units in which the dome has this radius, and its gel with the skin's share of it this modulus:
+lengths below are of that dome, and domes that differ in size or modulus alone have one solution."""
+PENALTY_N_PER_MM3, PENALTY_SHARE = 28.0, 80.0
 "At most, and in moduli of the specimen over the size of an element."
-FIRST_MM, LONGEST_MM, SHORTEST_MM, GROWTH = 0.05, 0.12, 1e-3, 1.15
-"Steps of the depth."
+LONGEST_MM, SHORTEST_MM, FIRST_SHARE, GROWTH = 0.12, 1e-3, 1 / 12, 1.1
+"Steps of the depth; the first, as a share of the longest."
+MOST_RISE = 0.1
+"Of the force that is to be reached, in one step."
 _TURNS, _CLOSE = 30, 1e-8
 _FREE, _SHORTENED, _FLAT = 4, 8, 0.5
 _MOST = 0.6
@@ -53,8 +58,8 @@ class Specimen:
 
 @dataclass(frozen=True)
 class Pressing:
-    """mesh_mm : size of elements in the contact. step_mm : longest, of the depth. force_n : to reach. friction :
-    Coulomb's; 0 slides, inf sticks. penalty : of the contact, in usual ones."""
+    """mesh_mm : size of elements in the contact. step_mm : longest, of the depth, in a dome of 20 mm. force_n : to
+    reach. friction : Coulomb's; 0 slides, inf sticks. penalty : of the contact, in usual ones."""
 
     dome: Dome
     specimen: Specimen
@@ -63,6 +68,10 @@ class Pressing:
     mesh_mm: float = 0.5
     step_mm: float = LONGEST_MM
     penalty: float = 1.0
+
+
+LENGTHS = ("depth_mm", "contact_radius_mm", "edge_arc_mm", "s_mm", "u_r_mm", "u_z_mm")
+"Of ``Pressed``."
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,8 +226,37 @@ class _World:
 
 def press(pressing: Pressing) -> Pressed:
     """Solve it up to its force. Stopped : a step failed however small, or the dome is pressed too deep."""
-    world = _World(pressing)
-    return _table(world, list(_steps(world, pressing)))
+    dome = pressing.dome
+    length_mm = dome.radius_mm / USUAL_RADIUS_MM
+    skin_mpa = dome.skin.modulus_mpa * dome.skin_mm / dome.radius_mm
+    modulus_mpa = (dome.gel.modulus_mpa + skin_mpa) / USUAL_MODULUS_MPA
+    usual = _in_units(pressing, length_mm, modulus_mpa)
+    world, one_n = _World(usual), modulus_mpa * length_mm**2
+    rows: list[_Row] = []
+    try:
+        rows.extend(_steps(world, usual))
+    except Stopped as error:
+        reached_mm, reached_n = (rows[-1][0] * length_mm, rows[-1][2] * one_n) if rows else (0.0, 0.0)
+        raise Stopped(f"{reached_n:.3g} N at {reached_mm:.3g} mm of depth: {error}", reached_n) from error
+    found = _table(world, rows)
+    lengths = {name: getattr(found, name) * length_mm for name in LENGTHS}
+    return replace(found, force_n=found.force_n * one_n, **lengths)
+
+
+def _in_units(pressing: Pressing, length_mm: float, modulus_mpa: float) -> Pressing:
+    """The same contact with lengths and moduli counted in others."""
+    dome, specimen = pressing.dome, pressing.specimen
+
+    def of(rubber: Rubber) -> Rubber:
+        return replace(rubber, modulus_mpa=rubber.modulus_mpa / modulus_mpa)
+
+    return replace(
+        pressing, force_n=pressing.force_n / (modulus_mpa * length_mm**2), mesh_mm=pressing.mesh_mm / length_mm,
+        dome=Dome(dome.radius_mm / length_mm, dome.skin_mm / length_mm, of(dome.skin), of(dome.gel)),
+        specimen=Specimen(
+            specimen.rubber and of(specimen.rubber), specimen.radius_mm / length_mm, specimen.height_mm / length_mm
+        ),
+    )  # fmt: skip
 
 
 _Row = tuple[float, Array, float, float, float]
@@ -230,7 +268,7 @@ def _steps(world: _World, pressing: Pressing) -> Iterator[_Row]:
     moved, held = np.zeros(world.bodies.size), np.full(contact.size, np.nan)
     of = contact.opposite(moved)
     before = moved
-    depth, length, last, force = 0.0, FIRST_MM, 0.0, 0.0
+    depth, length, last, force = 0.0, FIRST_SHARE * pressing.step_mm, 0.0, 0.0
     while force < DONE_SHARE * pressing.force_n:
         guess = moved + (moved - before) * (length / last if last else 0.0)
         guess[world.driven] = -(depth + length)
@@ -244,10 +282,10 @@ def _steps(world: _World, pressing: Pressing) -> Iterator[_Row]:
             if found is not None:
                 grip = contact.grip(found[3], held, friction)
                 found = world.solved(found[0], grip)
-        if found is None:
+        if found is None or (found[1] - force > MOST_RISE * pressing.force_n and length >= 2 * SHORTEST_MM):
             length /= 2
             if length < SHORTEST_MM:
-                raise Stopped(f"no step beyond {depth:.3f} mm of depth and {force:.3g} N")
+                raise Stopped("no further step is solved, however small")
             continue
         before, (moved, force, flange, now) = moved, found
         depth, last = depth + length, length
@@ -257,7 +295,7 @@ def _steps(world: _World, pressing: Pressing) -> Iterator[_Row]:
         of = now
         length = min(length * GROWTH, pressing.step_mm)
         if depth > DEEPEST * pressing.dome.radius_mm:
-            raise Stopped(f"{force:.3g} N at {depth:.1f} mm of depth, and {pressing.force_n:g} N are wanted")
+            raise Stopped(f"the flange has moved {DEEPEST:.0%} of the dome's radius")
 
 
 def _held(contact: Contact, grip: Grip, before: Opposite, now: Opposite) -> Array:

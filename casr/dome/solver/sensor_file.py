@@ -60,8 +60,10 @@ _POISSON = _number(0.0, 0.4995)
 _STIFF = _number(0.05, 1000.0)
 _COULOMB = _number(0.01, 10.0)
 _NAME: Check = (
-    "a word without '_' or '/'",
-    lambda value: isinstance(value, str) and bool(value) and value.isprintable() and not set(value) & set("_/\\ ."),
+    "a word of at most 40 letters without spaces, '_', '.', '/' and '\\'",
+    lambda value: (
+        isinstance(value, str) and 0 < len(value) <= 40 and value.isprintable() and not set(value) & set("_/\\ .")
+    ),
 )
 FRICTIONS = {"frictionless": 0.0, "stick": np.inf}
 
@@ -70,9 +72,14 @@ def _is_word(value: Any) -> bool:
     return isinstance(value, str) and value in FRICTIONS
 
 
+def _called(value: Any) -> str:
+    """In the name of a table."""
+    return value if isinstance(value, str) else f"{value:g}"
+
+
 def _list_of(what: str, good: Callable[[Any], bool]) -> Check:
     def all_good(value: Any) -> bool:
-        return isinstance(value, list) and all(map(good, value)) and len(set(value)) == len(value)
+        return isinstance(value, list) and all(map(good, value)) and len(set(map(_called, value))) == len(value)
 
     return f"a list of {what}, each once", all_good
 
@@ -190,9 +197,9 @@ def _cases(values: dict[str, dict[str, Any]]) -> Iterator[Case]:
         if stiffness < np.inf:
             poisson = float(s["poisson"])
             rubber = Rubber(stiffness / LENGTHS[s["stiffness_by"]](*size, poisson), poisson)
-            called = f"{stiffness:g}" + f"_h{height:g}" * several
+            called = _called(stiffness) + f"_h{height:g}" * several
         for friction in s["friction"]:
             mu = float(FRICTIONS.get(friction, friction))
-            word = friction if friction in FRICTIONS else f"mu{friction:g}"
+            word = "mu" * (friction not in FRICTIONS) + _called(friction)
             pressing = Pressing(dome, Specimen(rubber, *size), mu, float(solve["force_n"]), float(solve["mesh_mm"]))
             yield Case(f"{d['name']}_k{called}_{word}", pressing, stiffness, s["stiffness_by"])

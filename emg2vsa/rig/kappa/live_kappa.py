@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.camera import Camera
-from casr.contact_area.library_front import dome_scale
-from casr.dome.library import Library, worlds
+from casr.contact_area.library_front import worlds_for
+from casr.dome.library import Library
 from casr.errors import CasrError
 from casr.flow.estimate import FlowSettings
 from casr.frames.force import force_at_exposure
@@ -143,9 +143,8 @@ class KappaPlan:
     specimen_height_mm: float | None = None
 
     def worlds(self) -> Library:
-        """Those that areas are found by. casr.errors.SettingError : there are none."""
-        height_mm = self.specimen_height_mm
-        return worlds(self.domes, height_mm and height_mm / dome_scale(self.camera))
+        """Those that areas are found by. casr.errors.CasrError : there are none for this sensor."""
+        return worlds_for(self.camera, self.domes, self.specimen_height_mm)
 
 
 class LiveKappa:

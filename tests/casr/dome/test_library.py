@@ -73,6 +73,14 @@ SPOILT: dict[str, tuple[str, Callable[[Arrays], object]]] = {
     "no pole": ("s_mm", lambda arrays: arrays.update(s_mm=np.linspace(5, 29, arrays["s_mm"].size))),
     "huge": ("u_r_mm", lambda arrays: arrays.update(u_r_mm=arrays["u_r_mm"] + 1e30)),
     "negative force": ("force_n", lambda arrays: arrays.update(force_n=arrays["force_n"] - 1)),
+    "a press to milliNewtons": (
+        "force_n: expected a press to 0.5 N",
+        lambda arrays: arrays.update(force_n=arrays["force_n"] / 1000),
+    ),
+    "few steps": (
+        "in 10 steps above",
+        lambda arrays: arrays.update({key: arrays[key][::10] for key in arrays if key != "s_mm"}),
+    ),
     "complex": ("complex numbers", lambda arrays: arrays.update(tilt_rad=arrays["tilt_rad"] + 1j)),
     "never touches": ("contact_radius_mm", _set("contact_radius_mm", slice(None), 0.0)),
 }
@@ -91,7 +99,7 @@ def test_a_table_that_cannot_be_is_refused_by_its_key(tmp_path: Path, what: str)
 def test_one_array_is_no_table_and_no_specimen_has_no_stiffness(tmp_path: Path) -> None:
     np.save(tmp_path / "one.npy", np.zeros(9))
     (tmp_path / "one.npy").rename(tmp_path / "mine_k5.3_stick.npz")
-    with pytest.raises(SettingError, match="one array, and no archive"):
+    with pytest.raises(SettingError, match="no archive of arrays"):
         read_table(tmp_path / "mine_k5.3_stick.npz")
     with pytest.raises(SettingError, match="a stiffness above 0 in its name"):
         read_table(write(tmp_path, arrays_of(5.3), "mine_k0_stick.npz"))
@@ -201,7 +209,7 @@ def test_a_specimen_has_the_tables_of_its_height(tmp_path: Path) -> None:
     assert {"C", "mine"} <= set(own[80 / 9].dome.tolist()), "rigid plates have every height"
     assert set(own[24.8].dome[soft[24.8]].tolist()) == set(worlds().dome.tolist())
     for height in (4.0, 26.0):
-        with pytest.raises(SettingError, match=r"specimen_height_mm: expected .* enclose \(5, 20, 25 mm\), but found"):
+        with pytest.raises(SettingError, match=r"on both sides of \d+ mm, but found heights of 5, 20, 25 mm"):
             worlds(folder, height)
 
 

@@ -10,10 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from casr.camera import Camera
 from casr.cli import main
+from casr.contact_area.library_front import worlds_for
 from casr.dome.library import DEFAULT_WORLD, shipped
 from casr.dome.tables import read_table
-from casr.errors import SettingError
+from casr.errors import CameraError, SettingError
 
 pytest.importorskip("skfem", reason="needs the extra solver: scikit-fem")
 
@@ -118,9 +120,8 @@ def test_a_dome_on_a_plate_is_that_of_other_elements() -> None:
 
 def test_forces_balance_and_all_work_is_stored(soft: Pressed) -> None:
     assert soft.unbalance < 1e-6
-    assert soft.unstored < 1e-2  # by the trapezoids of the steps
-    finer = press(replace(SOFT, step_mm=0.05))
-    assert finer.unstored < 0.2 * soft.unstored
+    assert soft.unstored < 5e-5  # points that touch within a step
+    assert press(replace(SOFT, step_mm=0.025)).unstored < 5e-6
 
 
 def test_a_rigid_ball_on_a_layer_is_that_of_another_program() -> None:
@@ -188,8 +189,18 @@ def test_specimens_of_several_heights_have_their_tables(tmp_path: Path) -> None:
         assert table["specimen_height_mm"] == pytest.approx(10.0)  # of a dome of 20 mm
 
 
+def test_one_dome_in_other_lengths_and_moduli_has_one_solution() -> None:
+    """A quarter of the size and 16 times as stiff: the same forces, a 16th of the areas."""
+    known = press(replace(COARSE, mesh_mm=2.0))
+    small = Dome(5.0, 0.25, Rubber(12.8), Rubber(0.48))
+    found = press(replace(COARSE, dome=small, mesh_mm=0.5))
+    np.testing.assert_allclose(found.force_n, known.force_n, rtol=1e-9)
+    np.testing.assert_allclose(4 * found.contact_radius_mm, known.contact_radius_mm, rtol=1e-7)
+    np.testing.assert_allclose(4 * found.u_r_mm, known.u_r_mm, rtol=0, atol=1e-8)
+
+
 def test_an_unreachable_force_is_told() -> None:
-    with pytest.raises(Stopped, match=r"at 12\.\d mm of depth, and 50 N are wanted"):
+    with pytest.raises(Stopped, match=r"N at 12\.\d mm of depth: the flange has moved 60% of the dome's radius"):
         press(replace(SOFT, specimen=Specimen(Rubber(1e-3)), force_n=50.0, mesh_mm=2.0, step_mm=1.0))
 
 
@@ -217,11 +228,25 @@ def test_a_table_in_millimetres_of_20_is_read_and_kept(tmp_path: Path, capsys: p
     whole = (out / "mine_krigid_frictionless.npz").read_bytes()
     (out / "mine_krigid_frictionless.npz").write_bytes(whole[: len(whole) // 2])
     assert main(words) == 0  # half a file is none
-    capsys.readouterr()
+    with np.load(out / "mine_krigid_frictionless.npz") as kept:
+        arrays = dict(kept)
+    np.savez_compressed(out / "mine_krigid_frictionless.npz", **arrays | {"u_z_mm": -arrays["u_z_mm"]})
+    with pytest.raises(SettingError, match="as casr dome wrote it, but found changed arrays"):
+        read_table(out / "mine_krigid_frictionless.npz")
+    assert main(words) == 0  # nor is a changed one
     assert (out / "mine_krigid_frictionless.npz").read_bytes() == whole
+    (out / "mine_k20_frictionless.npz").write_bytes(whole)
+    with pytest.raises(SettingError, match="but found that of mine_krigid_frictionless"):
+        read_table(out / "mine_k20_frictionless.npz")
+    (out / "mine_k20_frictionless.npz").unlink()
+    with pytest.raises(CameraError, match=r"dome_radius_mm: expected 40 mm, as the tables in .* but found 20 mm"):
+        worlds_for(Camera(), str(out), None)
+    capsys.readouterr()
     assert said["dome_radius_mm"] == pytest.approx(40.0)
     digest = read_sensor(sensor)[0].digest
     assert read_sensor(_changed(sensor, "skin_mm = 2", "skin_mm = 2.5"))[0].digest != digest
+    assert main(words) == 2
+    assert "tables of one dome by the name mine, but found another, skin_mm 2.0" in capsys.readouterr().err
 
 
 def test_a_thick_skin_keeps_its_angles_and_its_area_in_the_millimetres_of_tables(tmp_path: Path) -> None:
@@ -270,15 +295,30 @@ def test_a_case_that_stops_is_named_and_leaves_the_others(
     assert main(["dome", str(sensor), "--out", str(out), "--jobs", "1"]) == 1
     said = capsys.readouterr().out
     assert "mine_k1_frictionless      not solved: " in said
-    assert "mm of depth, and 8 N are wanted. Lower [solve] force_n." in said
+    assert "mm of depth: the flange has moved 16% of the dome's radius. Set [solve] force_n to " in said
     assert [path.name for path in out.iterdir()] == ["mine_krigid_frictionless.npz"]
+
+
+def test_a_table_of_no_use_and_names_that_cannot_be_written_are_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sensor, out = tmp_path / "sensor.toml", tmp_path / "out"
+    kilopascals = SENSOR.replace("_mpa = 0.8", "_mpa = 800").replace("_mpa = 0.03", "_mpa = 30")
+    sensor.write_text(kilopascals, encoding="utf-8")
+    assert main(["dome", str(sensor), "--out", str(out), "--jobs", "1"]) == 1
+    assert "Of no use, with an error above 20%: mine_krigid_frictionless.\nCheck the units" in capsys.readouterr().out
+    assert main(["dome", str(sensor), "--out", str(sensor)]) == 2
+    assert "--out: expected a folder, but found" in capsys.readouterr().err
+    assert main(["dome", str(sensor), "--page", str(tmp_path)]) == 2
+    assert "--page: expected a file, but found" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('name = "mine"', 'name = "my_dome"', "dome.name: expected a word without"),
-        ('name = "mine"', "", "dome.name: expected a word without '_' or '/', but found none"),
+        ('name = "mine"', 'name = "my_dome"', "dome.name: expected a word of"),
+        ('name = "mine"', "", "dome.name: expected a word of at most 40 letters without spaces, '_', '.', '/'"),
+        ('name = "mine"', f'name = "{"m" * 41}"', "dome.name: expected a word of at most 40 letters"),
         ("radius_mm = 40", "radius_mm = -1", "dome.radius_mm: expected a number from 2 to 200, but found -1"),
         ("skin_mm = 2", "skin_mm = 21", "dome.skin_mm: expected a number from 0.05 to 20"),
         ("skin_mm = 2", "skin_mm = 20", "dome.skin_mm: expected a skin thinner than half the radius"),
@@ -298,6 +338,7 @@ def test_a_case_that_stops_is_named_and_leaves_the_others(
         ('["frictionless"]', '["sticky"]', "specimen.friction: expected a list of frictionless, stick"),
         ('["frictionless"]', '[["stick"]]', "specimen.friction: expected a list of frictionless, stick"),
         ("stiffness_n_per_mm = []", "stiffness_n_per_mm = [1, 1.0]", "each once, but found [1, 1.0]"),
+        ("stiffness_n_per_mm = []", "stiffness_n_per_mm = [5.3, 5.30000001]", "each once, but found [5.3, 5.3"),
         ("stiffness_n_per_mm = []", "stiffness_n_per_mm = [inf]", "a list of numbers from 0.05 to 1000"),
         ("force_n = 8", "force_n = 0", "solve.force_n: expected a number from 0.5 to 50"),
         ("mesh_mm = 2", "mesh_mm = 3", "solve.mesh_mm: expected a number from 0.05 to 2"),
