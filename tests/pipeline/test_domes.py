@@ -48,9 +48,11 @@ def test_a_run_is_scored_by_the_tables_of_its_specimens_height(tmp_path: Path) -
     assert runs.files(Campaign(study), study.runs[0].key)["domes"] == [table]
 
 
-def test_without_tables_of_its_own_the_height_is_of_no_account(tmp_path: Path) -> None:
+def test_without_tables_of_its_own_the_height_is_told_alone(tmp_path: Path) -> None:
     study = thin(tmp_path, STUDY.replace('domes = "mine"', ""))
-    assert not {"domes", "specimen_height_mm"} & runs.settings(Campaign(study), study.runs[0].key).keys()
+    used = runs.settings(Campaign(study), study.runs[0].key)
+    assert "domes" not in used
+    assert used["specimen_height_mm"] == 12
 
 
 def test_a_folder_without_tables_is_told_before_anything_is_scored(tmp_path: Path) -> None:

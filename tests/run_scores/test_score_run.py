@@ -23,7 +23,7 @@ from casr.scored import ScoreSettings
 from casr.scoring import score
 from casr.specimens import SPECIMENS
 from emg2vsa.run_scores import ALGORITHMS, PICTURED_N, RunScores
-from emg2vsa.run_scores.measured import NO_DOMES, Domes
+from emg2vsa.run_scores.measured import NO_DOMES, Domes, notes_on_height
 from emg2vsa.run_scores.press import Press, indentation_slope
 from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import RunSettings
@@ -79,7 +79,7 @@ def test_a_specimen_of_a_height_without_tables_is_refused(run, sequence):
     usual, thin = (scored(press(sequence), domes=Domes(None, height)) for height in (25.0, 10.0))
     assert usual.casr["front"][0] == run.casr["front"][0]
     assert thin.verdicts == ("rejected",)
-    assert "expected a height that tables of specimens enclose (25 mm), but found 10 mm" in thin.reasons[0]
+    assert "expected tables of one dome, stiffness and friction on both sides of 10 mm" in thin.reasons[0]
 
 
 def test_a_press_to_check_is_named_in_the_notes(simulated, sequence):
@@ -259,3 +259,10 @@ def test_pins_that_move_by_more_than_half_a_pitch_find_no_other_partner() -> Non
     rest = np.array([[10.0, 10.0], [30.0, 10.0], [50.0, 10.0]])
     moved = rest + np.array([[0.0, 2.0], [0.0, 3.0], [12.0, 0.0]])
     assert selected_pins(rest, moved[::-1]) == 2
+
+
+def test_a_specimen_of_another_height_than_the_tables_is_told() -> None:
+    assert notes_on_height(None) == notes_on_height(25.0) == notes_on_height(23.0) == ()
+    (note,) = notes_on_height(10.0)
+    assert "10 mm high" in note
+    assert "domes under [runs]" in note

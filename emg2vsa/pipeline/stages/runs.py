@@ -24,10 +24,10 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     entry, source = campaign.runs[item], campaign.study.runs_source
     assert source is not None
     used = {"scoring": campaign.study.scoring, "run": (entry.specimen, entry.angle_deg, entry.condition)}
+    heights = {each.name: each.height_mm for each in campaign.study.specimens}
+    used["specimen_height_mm"] = heights.get(entry.specimen)
     if source.domes:
-        heights = {each.name: each.height_mm for each in campaign.study.specimens}
         used["domes"] = Keyed(str(source.domes), None)
-        used["specimen_height_mm"] = heights.get(entry.specimen)
     if campaign.rig is None:
         inside = [_folders_in(folder) for folder in entry.folders]
         more = {"folders": Keyed(entry.folders, inside), "camera": Keyed(source.camera, None), "order": entry.order}
@@ -78,11 +78,13 @@ def run(given: Given) -> RunScores:
     from emg2vsa.rig.record.new_folder import over_bytes
     from emg2vsa.run_folders.presses import is_simulated, read_presses, run_notes, run_setup
     from emg2vsa.run_folders.weighed import weighed_presses
-    from emg2vsa.run_scores.measured import Domes
+    from emg2vsa.run_scores.measured import NO_DOMES, Domes, notes_on_height
     from emg2vsa.run_scores.score_run import score_run
 
     used = given.settings
     specimen, angle_deg, condition = used["run"]
+    height_mm = used["specimen_height_mm"]
+    notes = () if "domes" in used else notes_on_height(height_mm)
     scores = score_run(
         read_presses(used["folders"], used["camera"], used["order"]),
         used["scoring"],
@@ -90,8 +92,8 @@ def run(given: Given) -> RunScores:
         angle_deg=angle_deg,
         condition=condition,
         simulated=is_simulated(used["folders"]),
-        notes=run_notes(used["folders"]),
-        domes=Domes(used.get("domes"), used.get("specimen_height_mm")),
+        notes=(*run_notes(used["folders"]), *notes),
+        domes=Domes(used["domes"], height_mm) if "domes" in used else NO_DOMES,
     )
     if not scores.verdicts:
         do = "See that its folder holds the presses' frames."
