@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from casr.contact_area.library_front import FREE_MISFIT
 from casr.scored import Score
 from casr.spread.intervals import normal_quantile
 
@@ -134,11 +133,11 @@ def doubts_on_score(score: Score) -> tuple[str, ...]:
         score.settings.quantity == "front"
         and score.area_unit == "mm2"
         and not score.front_doubt
-        and front.off_library > FREE_MISFIT
+        and front.off_library > front.usual_misfit
     ):
         found.append(
             f"{front.off_library:.0%} of the motion of the pins is left over by every dome of the library, "
-            f"{FREE_MISFIT:.0%} would be usual: another sensor (pin_length_mm, --domes), or not one contact"
+            f"{front.usual_misfit:.0%} would be usual: another sensor (pin_length_mm, --domes), or not one contact"
         )
     rate = score.rate
     if rate is not None and rate.scatter_low is not None and rate.scatter_high is not None:

@@ -18,6 +18,7 @@ import numpy as np
 
 from benchmarks.tactile.flow_scores import percent_error
 from benchmarks.tactile.press_scores import rendered
+from casr.camera import Camera
 from casr.dome.library import FAMILY, SHIPPED, Library, shipped, with_between
 from casr.dome.library import worlds as all_domes
 from casr.dome.view import INNER_RADIUS_MM
@@ -117,9 +118,9 @@ class WorldScore:
     """What was found on one press.
 
     world : name. stiffness_n_mm, angle_deg, repetition : which press. refused : why there is no front; empty else.
-    area_error_percent : by force, N, where the true radius is ``LEAST_PITCHES`` pitches or more.
+    area_error_percent : by force, N, where the true radius is large enough.
     true_casr : mm^2/N. front, skin : found. stretch : of skin over front.
-    model, misfit : of the front.
+    model, misfit : of the front. notes : of the score. doubts : reasons to check it.
     """
 
     world: str
@@ -134,10 +135,18 @@ class WorldScore:
     stretch: Stretch | None = None
     model: str = ""
     misfit: float = nan
+    notes: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
 
 
-def world_scored(name: str, settings: PressSettings) -> WorldScore:
-    """Render this press in the world of that name, and score its frames as ``casr score`` does."""
+def world_scored(
+    name: str, settings: PressSettings, camera: Camera | None = None, least_pitches: float = LEAST_PITCHES
+) -> WorldScore:
+    """Render this press in the world of that name, and score its frames as ``casr score`` does.
+
+    camera : what camera.toml says, if it is not what the frames were taken with. least_pitches : of the true radius,
+    from which on an error of the area counts.
+    """
     cv2.setNumThreads(1)
     bench = world_named(name)
     assert bench.world is not None
@@ -147,19 +156,21 @@ def world_scored(name: str, settings: PressSettings) -> WorldScore:
     )
     try:
         with patch("casr.press_scorer.worlds", return_value=bench.library):  # a dome may be left out
-            found = score(rendered(press))
+            found = score(replace(rendered(press), camera=camera or settings.camera))
     except CasrError as error:
         return replace(result, refused=str(error))
     spread = found.front_spread
     return replace(
         result,
         refused=found.front_doubt or ("" if spread and spread.rate else "no rate"),
-        area_error_percent=_area_errors(found, press) if not found.front_doubt else {},
+        area_error_percent=_area_errors(found, press, least_pitches) if not found.front_doubt else {},
         front=_found(spread) if spread else Found(),
         skin=_found(found.skin),
         stretch=stretch_of(found),
         model=found.front.model,
         misfit=found.front.misfit,
+        notes=found.notes,
+        doubts=found.doubts,
     )
 
 
@@ -170,7 +181,7 @@ def _found(spread: FrontSpread | SkinSpread) -> Found:
     return Found(spread.rate.value, interval.low, interval.high) if interval else Found(spread.rate.value)
 
 
-def _area_errors(found: Score, press: SimulatedPress) -> dict[float, float]:
+def _area_errors(found: Score, press: SimulatedPress, least_pitches: float) -> dict[float, float]:
     truth, s = press.truth, press.settings
     tip_mm = INNER_RADIUS_MM - (s.camera.sensor.pin_length_mm or 0.0)
     pitch_mm = s.skin.pitch_px * s.camera.mm_per_px[0] * INNER_RADIUS_MM / tip_mm
@@ -178,6 +189,6 @@ def _area_errors(found: Score, press: SimulatedPress) -> dict[float, float]:
     for force_n in FORCES_N:
         row = int(np.argmin(np.abs(truth.force_n[found.frames] - force_n)))
         true_mm2 = float(truth.area_mm2[found.frames[row]])
-        if np.sqrt(true_mm2 / np.pi) >= LEAST_PITCHES * pitch_mm:
+        if np.sqrt(true_mm2 / np.pi) >= least_pitches * pitch_mm:
             errors[force_n] = float(percent_error(found.front.area[row], true_mm2))
     return errors

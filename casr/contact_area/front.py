@@ -27,9 +27,9 @@ class ContactFront:
     inside : (T, N) whether the root of each pin is inside the edge. pins_inside : (T,) how many are.
     pitches : (T,) radius of the contact over the pins' pitch.
     misfit : share of the motion that the best world leaves over beyond the scatter of the pins. off_library : the same
-    of the library's best world, whatever model is taken.
+    of the library's best world, whatever model is taken. usual_misfit : up to which the latter is no reason to doubt.
     model_sd : relative standard error of an area although the model explains the motion; within "dome".
-    model : ``finite elements``, ``analytic`` or ``both``. dome, stiffness_n_per_mm : of the best world.
+    model : ``finite elements`` or ``analytic``. dome, stiffness_n_per_mm : of the best world.
     log_misfit : name of each dome to the logarithm of its least misfit.
     shear_px, torsion_deg : (T, 2) and (T,) motion of the pins inside as a whole, and their turn about the centre.
     notes : what a reader should know.
@@ -47,6 +47,7 @@ class ContactFront:
     pitches: Array
     misfit: float
     off_library: float
+    usual_misfit: float
     model: str
     model_sd: float
     dome: str

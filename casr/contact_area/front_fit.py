@@ -1,13 +1,14 @@
 """The contact front of every frame: the finite-element contact whose pins move as the pins of this press do.
 
 A library holds how the skin of several domes moves when a contact of any radius lies on it. Per press one centre is
-fitted, and for each world of the library the radius in every frame: least squares after the common shift, with an
-amplitude that is free but drawn to 1. Force is not used: area over force and its rate follow afterwards.
+fitted, on request the pole, where the axis of the dome meets the image, and for each world of the library the radius
+in every frame: least squares after the common shift, with an amplitude that is free but drawn to 1. Force is not used:
+area over force and its rate follow afterwards.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.dome.library import Library, Rows
+from casr.dome.pull import share_pulled
 from casr.dome.view import OUTER_RADIUS_MM, DomeView, PinsAroundAxis
 
 Array = NDArray[np.float64]
@@ -30,17 +32,22 @@ _CENTRED_BY = 4
 _BLOCK = 2**16
 "Numbers of one array while pins are moved: so many stay in the processor's cache."
 _CENTRE_ROUNDS = 5
-_CENTRE_STEP_RAD, _CENTRE_REACH_RAD, _CENTRE_FOUND_RAD = 0.02, 0.1, 1e-3
+_SMALL_RAD, _CENTRE_REACH_RAD, _CENTRE_FOUND_RAD = 1e-3, 0.1, 1e-3
+POLE_SD_MM = 1.0
+"""Of the pole about where the view has it before a press is seen: half a millimetre beside it leaves over 1.5 % of the
+motion of a good press, which knows it to 0.05 mm."""
+_POLE_MM_PER_RAD = 25.0
+"Steps of the pole in mm are those of the centre in rad times this."
 
 
 @dataclass(frozen=True, eq=False)
 class FrontFit:
     """Contact radius of T frames by K worlds, best first.
 
-    view : of the sensor. worlds : (K,) rows of the library. axis : (3,) direction of the contact's middle from the
-    centre of the dome. radius_mm : (K, T). scatter : (K, T) standard error of ln radius for the scatter of pins.
-    misfit_px2 : (K,) squared motion left over in all frames, of ``moved_px2`` in all. sheared : whether the contact
-    might be pulled along the surface.
+    view : of the sensor, with the pole that was found. worlds : (K,) rows of the library. axis : (3,) direction of the
+    contact's middle from the centre of the dome. radius_mm : (K, T). scatter : (K, T) standard error of ln radius for
+    the scatter of pins. misfit_px2 : (K,) squared motion left over in all frames, of ``moved_px2`` in all. sheared :
+    whether the contact might be pulled along the surface.
     """
 
     view: DomeView
@@ -63,24 +70,29 @@ def fit_front(
     looks: int = 2,
     *,
     sheared: bool = False,
+    free_pole: bool = False,
 ) -> FrontFit:
     """Fit the places of pins.
 
     rest_px : (N, 2) at rest, without distortion. pins_px : (T, N, 2) in contact; NaN where a pin is lost.
     like : take centre and worlds of this fit instead of finding them.
-    near : find them, and begin at the centre of this fit.
+    near : find them, and begin at centre and pole of this fit.
     looks : at all worlds, 1 or 2: one is half the work, and enough where the centre is nearly known.
     sheared : the contact may also be pulled along the surface, by any way in any direction in each frame.
+    free_pole : the pole is found, too, drawn to that of the view with a standard error of ``POLE_SD_MM``.
     """
     moved_px, seen = _moved(rest_px, pins_px)
     sheared = sheared or (like is not None and like.sheared)
-    search = _Search(view, library, view.directions(rest_px), moved_px, seen, sheared=sheared)
+    search = _Search(view, library, rest_px, moved_px, seen, sheared=sheared)
     if like is not None:
-        axis, worlds = view.directions(like.view.rest_px(like.axis[None]))[0], like.worlds
+        axis, worlds = _through(like.view.rest_px(like.axis), view), like.worlds
     else:
         some = np.unique(np.linspace(0, len(moved_px) - 1, _CHOICE_FRAMES).astype(np.intp))
-        start = None if near is None else view.directions(near.view.rest_px(near.axis[None]))[0]
-        axis, worlds = search.of(some).chosen(start, looks)
+        begun, stated_px = search.of(some), np.array(view.pole_px) if free_pole else None
+        if near is not None:
+            begun = begun.seen_by(near.view)
+        view, axis, worlds = begun.chosen(None if near is None else near.axis, looks, stated_px)
+        search = search.seen_by(view)
     radius, cost, bend = (each[0] for each in search.fit(axis[None], library.only(worlds)))
     misfit = cost.sum(axis=1)
     order = np.argsort(misfit, kind="stable")
@@ -104,28 +116,35 @@ class _Search:
     """One press held against worlds."""
 
     def __init__(
-        self, view: DomeView, library: Library, directions: Array, moved_px: Array, seen: Mask, *, sheared: bool
+        self, view: DomeView, library: Library, rest_px: Array, moved_px: Array, seen: Mask, *, sheared: bool
     ) -> None:
-        self._view, self._library, self._directions = view, library, directions
+        self._view, self._library, self._rest_px = view, library, rest_px
+        self._directions = view.directions(rest_px)
         self._moved_px, self._seen, self._sheared = moved_px, seen, sheared
         self._power = (moved_px**2).sum(axis=(1, 2))
 
     def of(self, frames: Rows) -> _Search:
         """The same press in fewer frames."""
         return _Search(
-            self._view, self._library, self._directions, self._moved_px[frames], self._seen[frames],
-            sheared=self._sheared,
-        )  # fmt: skip
+            self._view, self._library, self._rest_px, self._moved_px[frames], self._seen[frames], sheared=self._sheared
+        )
 
-    def chosen(self, start: Array | None, looks: int) -> tuple[Array, Rows]:
-        """(3,) direction of the contact's middle, and the worlds that explain the press best. start : where it nearly
-        is; None where nobody knows."""
+    def seen_by(self, view: DomeView) -> _Search:
+        """The same press in another view."""
+        return _Search(view, self._library, self._rest_px, self._moved_px, self._seen, sheared=self._sheared)
+
+    def chosen(self, start: Array | None, looks: int, stated_px: Array | None) -> tuple[DomeView, Array, Rows]:
+        """The view, (3,) direction of the contact's middle, and the worlds that explain the press best.
+
+        start : where it nearly is; None where nobody knows. stated_px : of ``_posed``.
+        """
+        search = self
         weight = (self._moved_px[-1] ** 2).sum(axis=-1) ** 1.5 + 1e-12
         axis = _unit(weight @ self._directions) if start is None else start
         for kept in _KEPT[-looks:]:
-            worlds = np.argsort(self._misfit_of_all(axis), kind="stable")[:kept]
-            axis = self._centred(axis, worlds[:_CENTRED_BY])
-        return axis, worlds
+            worlds = np.argsort(search._misfit_of_all(axis), kind="stable")[:kept]
+            search, axis = search._posed(axis, worlds[:_CENTRED_BY], stated_px)
+        return search._view, axis, worlds
 
     def _misfit_of_all(self, axis: Array) -> Array32:
         """(W,) squared motion that each world of the coarse library leaves over, in single precision."""
@@ -201,7 +220,7 @@ class _Search:
         cost: Array = _cost(shared, size, power, PULL * full)
         return cost
 
-    def _motion(self, axes: Array, library: Library) -> tuple[PinsAroundAxis, Array32]:
+    def _motion(self, axes: Array, library: Library, directions: Array | None = None) -> tuple[PinsAroundAxis, Array32]:
         """All pins about each of the axes (A, 3), and how they move by a library, (A, 2 N, R, W) of x, y, x, y."""
         directions = np.tile(self._directions, (len(axes), 1))
         around = self._view.around(directions, np.repeat(axes, len(self._directions), axis=0))
@@ -214,15 +233,15 @@ class _Search:
 
     def _along(self, around: PinsAroundAxis, radius_mm: Array) -> Array:
         """(A, R, 2, 2 N) unit motions of pins, without the common shift, whose contact of each radius is pulled along
-        the surface in either direction; outside it the skin goes along as about a sheared disc (Johnson 1985, 3.7)."""
-        view, directions = self._view, self._directions
-        axes, angle = around.axis[:: len(directions)], around.angle.reshape(-1, 1, len(directions))
-        tips = view.tip_radius_mm * directions
-        away = tips[:, 2:] + view.behind_mm
+        the surface in either direction, as skin that sticks goes along (``share_pulled``)."""
+        view, n_pins = self._view, len(self._rest_px)
+        axes, arc_mm = around.axis[::n_pins], around.arc_mm.reshape(-1, 1, n_pins)
+        tips = view.tip_radius_mm * around.directions.reshape(-1, 1, n_pins, 3)
+        away = tips[..., 2:] + view.behind_mm
         across = np.linalg.svd(axes[:, None])[2][:, 1:, None]  # (A, 2, 1, 3)
-        moves = view.focal_px * (across[..., :2] - tips[:, :2] * across[..., 2:] / away) / away
-        edge_rad = np.arcsin(np.clip(radius_mm / OUTER_RADIUS_MM, 0.0, 1.0))[:, None]
-        share = 2 / np.pi * np.arcsin(np.minimum(edge_rad / np.maximum(angle, 1e-9), 1.0))
+        moves = view.focal_px * (across[..., :2] - tips[..., :2] * across[..., 2:] / away) / away
+        edge_mm = view.inner_radius_mm * np.arcsin(np.clip(radius_mm / OUTER_RADIUS_MM, 0.0, 1.0))[:, None]
+        share = share_pulled(arc_mm, edge_mm, float(self._library.arc_mm[-1]))
         pulled = share[:, :, None, :, None] * moves[:, None]
         pulled = (pulled - pulled.mean(axis=3, keepdims=True)).reshape(*share.shape[:2], 2, -1)
         one, other = (pulled[:, :, k, :] for k in range(2))
@@ -231,26 +250,78 @@ class _Search:
         other /= np.linalg.norm(other, axis=-1, keepdims=True)
         return np.asarray(pulled)
 
-    def _centred(self, axis: Array, worlds: Rows) -> Array:
-        """The direction of least cost near ``axis``, by Newton's method with numerical derivatives."""
-        few = self._library.coarse.only(worlds)
-        across = np.linalg.svd(axis[None])[2][1:]
-        h = _CENTRE_STEP_RAD
-        around = h * np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1)], dtype=np.float64)
-        place = np.zeros(2)
+    def _posed(self, axis: Array, worlds: Rows, stated_px: Array | None) -> tuple[_Search, Array]:
+        """The direction of least cost near ``axis``, in the view with the pole of least cost near that of this one.
+
+        stated_px : (2,) pole that others are drawn to; None keeps that of the view.
+        """
+        search, coarse = self, self._library.coarse.only(worlds)
         for _ in range(_CENTRE_ROUNDS):
-            axes = np.array([_unit(axis + each @ across) for each in place + around])
-            c = self.fit(axes, few)[1].sum(axis=2).min(axis=1)
-            gradient = np.array([c[1] - c[2], c[3] - c[4]]) / (2 * h)
-            mixed = c[5] - c[1] - c[3] + c[0]
-            curve = np.array([[c[1] - 2 * c[0] + c[2], mixed], [mixed, c[3] - 2 * c[0] + c[4]]]) / h**2
-            if np.linalg.eigvalsh(curve)[0] <= 0:
-                curve = np.diag(np.maximum(np.abs(np.diag(curve)), 1e-6))
-            step = np.clip(-np.linalg.solve(curve, gradient), -_CENTRE_REACH_RAD, _CENTRE_REACH_RAD)
-            place = place + step
-            if np.abs(step).max() < _CENTRE_FOUND_RAD:
+            search, axis, moved_rad = search._nearer(axis, coarse, stated_px)
+            if moved_rad < _CENTRE_FOUND_RAD:
                 break
-        return _unit(axis + place @ across)
+        return search, axis
+
+    def _nearer(self, axis: Array, coarse: Library, stated_px: Array | None) -> tuple[_Search, Array, float]:
+        """One step of ``_posed``, and its size: by Gauss and Newton, in the world of least cost, with what every frame
+        has of its own taken out of the residuals (variable projection; Golub and Pereyra 1973)."""
+        view, across = self._view, np.linalg.svd(axis[None])[2][1:]
+        middle_px, px_per_mm = view.rest_px(axis), np.array(view.focal_px) / view.depth_mm
+        radius, cost, _ = (each[0] for each in self.fit(axis[None], coarse))
+        best = int(np.argmin(cost.sum(axis=1)))
+        world = coarse.only(np.array([best]))
+        drawn = np.sqrt(cost[best].sum() / (2 * max(int(self._seen.sum()), 1))) / POLE_SD_MM
+
+        def at(place: Array) -> tuple[DomeView, Array]:
+            """The middle of the contact stays where it is in the image when the pole moves."""
+            if stated_px is None:
+                return view, _unit(axis + place @ across)
+            x, y = (view.pole_px + _POLE_MM_PER_RAD * place[2:] * px_per_mm).tolist()
+            other = replace(view, pole_px=(x, y))
+            return other, _unit(_through(middle_px, other) + place[:2] @ across)
+
+        def left(place: Array) -> Array:
+            other, middle = at(place)
+            of_pins = self._left(other, middle, world, radius[best])
+            return (
+                of_pins
+                if stated_px is None
+                else np.append(of_pins, drawn * np.subtract(other.pole_px, stated_px) / px_per_mm)
+            )
+
+        unknown = np.eye(2 if stated_px is None else 4)
+        here = left(0 * unknown[0])
+        slopes = np.array([left(_SMALL_RAD * each) - here for each in unknown]) / _SMALL_RAD
+        move = -np.linalg.lstsq(slopes.T, here, rcond=None)[0].clip(-_CENTRE_REACH_RAD, _CENTRE_REACH_RAD)
+        found, middle = at(move)
+        return self.seen_by(found), middle, float(np.abs(move).max())
+
+    def _left(self, view: DomeView, axis: Array, world: Library, radius_mm: Array) -> Array:
+        """Residuals of all frames near radii (T,) in a view, by the best radius, amplitude and pull of each frame."""
+        around = view.around(view.directions(self._rest_px), np.tile(axis, (len(self._rest_px), 1)))
+        motion = around.moved_px(*world.motion_at(around.arc_mm))[..., 0].astype(np.float64)  # (N, 2, R)
+        step = world.radius_mm[1] - world.radius_mm[0]
+        place = np.clip((radius_mm - world.radius_mm[0]) / step, 0, world.radius_mm.size - 1.000001)
+        low = place.astype(np.intp)
+        by_radius = motion[..., low + 1] - motion[..., low]
+        columns = [motion[..., low] + (place - low) * by_radius, by_radius]
+        if self._sheared:
+            columns += list(self._along(around, radius_mm)[0].reshape(len(low), 2, -1, 2).transpose(1, 2, 3, 0))
+        seen = self._seen[..., None, None]
+        basis = np.array(columns).transpose(3, 1, 2, 0)  # (T, N, 2, C)
+        basis = seen * (basis - (seen * basis).sum(axis=1, keepdims=True) / seen.sum(axis=1, keepdims=True))
+        drawn = np.sqrt(PULL * self._power)[:, None]  # of the amplitude to 1
+        basis = np.concatenate(
+            [basis.reshape(len(low), -1, len(columns)), drawn[..., None] * np.eye(len(columns))[:1]], axis=1
+        )
+        moved = np.concatenate([self._moved_px.reshape(len(low), -1), drawn], axis=1)[..., None]
+        own = np.linalg.qr(basis)[0]
+        return np.asarray((moved - own @ (own.transpose(0, 2, 1) @ moved)).ravel())
+
+
+def _through(at_px: Array, view: DomeView) -> Array:
+    """(3,) direction of the pin that is seen at a place (2,) at rest."""
+    return np.asarray(view.directions(at_px[None])[0])
 
 
 def _cost(shared: Any, size: Any, power: Any, pull: Any) -> Any:

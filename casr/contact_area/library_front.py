@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from casr.camera import Camera, distorted, undistorted
 from casr.contact_area.front import LEAST_PINS, ContactFront
-from casr.contact_area.front_fit import FrontFit, fit_front
+from casr.contact_area.front_fit import POLE_SD_MM, FrontFit, fit_front
 from casr.dome.library import Library, tables_of, worlds
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView
 from casr.errors import CameraError
@@ -78,10 +78,12 @@ DOME_SD = 0.025
 "Relative standard error of an area although all worlds agree: domes left out of the library are 2 % off (median)."
 FREE_MISFIT = 0.03
 "Share of the motion that a dome of the library leaves over; more, and the sensor is none of them."
-SHEARED_MISFIT = 0.06
+PULLED_FREE_MISFIT = 0.04
+"The same where friction pulls the contact along the surface: presses of the emulated rig leave 1.6 to 3.6 %."
+SHEARED_MISFIT = FREE_MISFIT
 """From here on friction on a slope is asked whether it pulls the contact along the surface, and believed where that
-halves the misfit. Presses of the emulated rig at 0 degrees stay below; at 45 degrees 0.09 to 0.15 become 0.04 to 0.06,
-and CASR is then within 5 % of the true mean rate. Where nothing pulls it has never acted
+halves the misfit about the same pole, as one that is free follows a pull: presses of the emulated rig at 30 and 45
+degrees go from 0.09 to 0.13 to 0.02 to 0.04. Where nothing pulls it has never acted
 (benchmarks/results/sheared_contacts)."""
 SD_PER_MISFIT = 4.0
 "Relative standard error of an area per misfit above that: 0.05 more came with areas 20 % off on a wrong dome."
@@ -119,9 +121,12 @@ def library_fits(
     flat_rest, flat_pins = undistorted(rest_px, camera), undistorted(pins_px, camera)
     if like is not None:
         return [fit_front(fit.view, library, flat_rest, flat_pins, like=fit) for fit in like]
-    if near is not None:
-        return [fit_front(fit.view, library, flat_rest, flat_pins, near=fit, looks=looks) for fit in near]
-    return [fit_front(view, library, flat_rest, flat_pins, looks=looks) for view in _views(flat_rest, camera)[0]]
+    views, free = _views(flat_rest, camera)[0], camera is not None
+    begun: Sequence[FrontFit | None] = near or [None] * len(views)
+    return [
+        fit_front(view, library, flat_rest, flat_pins, near=fit, looks=looks, free_pole=free)
+        for view, fit in zip(views, begun, strict=True)
+    ]
 
 
 def library_front(
@@ -137,10 +142,16 @@ def library_front(
     views, said = _views(flat_rest, camera)
     fits = library_fits(rest_px, pins_px, camera, library) if fits is None else fits
     best = min(fits, key=lambda fit: fit.misfit_px2[0])
-    if (plain := _misfit(best, flat_pins)) > SHEARED_MISFIT:
-        sheared = [fit_front(view, library, flat_rest, flat_pins, sheared=True) for view in views]
+    if _misfit(best, flat_pins) > SHEARED_MISFIT:
+        sheared = [
+            fit_front(
+                view, library, flat_rest, flat_pins, near=fit, looks=1, sheared=True, free_pole=camera is not None
+            )
+            for view, fit in zip(views, fits, strict=True)
+        ]
         pulled = min(sheared, key=lambda fit: fit.misfit_px2[0])
-        if _misfit(pulled, flat_pins) < plain / 2:
+        still = fit_front(pulled.view, library, flat_rest, flat_pins, near=pulled, looks=1)
+        if _misfit(pulled, flat_pins) < _misfit(still, flat_pins) / 2:
             fits, best = sheared, pulled
     every = ((misfit, fit, row) for fit in fits for row, misfit in enumerate(fit.misfit_px2.tolist()))
     ranked = sorted(every, key=lambda each: each[0])[:_KEPT]
@@ -156,7 +167,7 @@ def library_front(
     weight, spread_weight = (_softmax(-power * log_misfit) for power in (SHARPNESS, SPREAD_SHARPNESS))
     log_area = np.log(candidates)
     area = np.exp(weight @ log_area)
-    misfit = _misfit(best, flat_pins)
+    misfit, usual = _misfit(best, flat_pins), PULLED_FREE_MISFIT if best.sheared else FREE_MISFIT
     length = len(area)
 
     def moved(**of_view: Any) -> Array:
@@ -171,7 +182,7 @@ def library_front(
         "pins": 2 * best.scatter[0],
         # radii differ by s, areas by 2 s: the logarithms of areas are compared here, twice their spread as for radii
         "dome": np.hypot(2 * np.sqrt(spread_weight @ (log_area - np.log(area)) ** 2), DOME_SD),
-        "misfit": np.full(length, SD_PER_MISFIT * max(misfit - FREE_MISFIT, 0.0)),
+        "misfit": np.full(length, SD_PER_MISFIT * max(misfit - usual, 0.0)),
         "pin length": moved(pin_length_mm=best.view.pin_length_mm + PIN_LENGTH_SD_MM / dome_scale(camera)),
         "depth": moved(depth_mm=best.view.depth_mm * (1 + DEPTH_SHARE_SD)),
     }
@@ -181,16 +192,19 @@ def library_front(
         area=area, candidates=candidates, weight=weight, spread_weight=spread_weight, parts=parts,
         centre_px=distorted(best.view.rest_px(best.axis[None]), camera)[0],
         edge_px=distorted(edge.outline_px(), camera), inside=edge.inside, pins_inside=edge.pins_inside,
-        pitches=edge.pitches, misfit=misfit, off_library=misfit, model="finite elements", model_sd=DOME_SD,
-        dome=str(library.dome[best.worlds[0]]),
+        pitches=edge.pitches, misfit=misfit, off_library=misfit, usual_misfit=usual,
+        model="finite elements", model_sd=DOME_SD, dome=str(library.dome[best.worlds[0]]),
         stiffness_n_per_mm=float(library.stiffness_n_per_mm[best.worlds[0]]), log_misfit=_by_dome(ranked, library),
-        shear_px=shear, torsion_deg=torsion, notes=(*said, *_notes(misfit, best, library)),
+        shear_px=shear, torsion_deg=torsion, notes=(*said, *_notes(misfit, usual, best, library, views[0].pole_px)),
     )  # fmt: skip
 
 
 def _views(rest_px: Array, camera: Camera | None) -> tuple[list[DomeView], tuple[str, ...]]:
-    """What the sensor may be, and what is not known of it. Millimetres are those of a dome of 20 mm outer radius."""
-    pole = rest_px.mean(axis=0)
+    """What the sensor may be, and what is not known of it. Millimetres are those of a dome of 20 mm outer radius.
+
+    The pole is the principal point, from which a press may find another one; without a camera the mean of the pins.
+    """
+    pole = rest_px.mean(axis=0) if camera is None else np.array([camera.cx_px, camera.cy_px])
     pole_px = (float(pole[0]), float(pole[1]))
     sensor = camera.sensor if camera is not None else None
     scale = dome_scale(camera)
@@ -266,12 +280,20 @@ def _misfit(fit: FrontFit, pins_px: Array) -> float:
     return float(np.sqrt(max(left, 0.0) / max(fit.moved_px2, 1e-12)))
 
 
-def _notes(misfit: float, fit: FrontFit, library: Library) -> tuple[str, ...]:
+def _notes(
+    misfit: float, usual: float, fit: FrontFit, library: Library, stated_px: tuple[float, float]
+) -> tuple[str, ...]:
     notes: list[str] = []
-    if misfit > FREE_MISFIT:
+    (x, y), (stated_x, stated_y) = fit.view.pole_px, stated_px
+    if np.hypot(x - stated_x, y - stated_y) > POLE_SD_MM * fit.view.focal_px[0] / fit.view.depth_mm:
+        notes.append(
+            f"By the pins the axis of the dome meets the image at ({x:.0f}, {y:.0f}) px, not at cx_px and cy_px of "
+            f"camera.toml, ({stated_x:.0f}, {stated_y:.0f}): the place by the pins is taken."
+        )
+    if misfit > usual:
         notes.append(
             f"The pins do not move as on any dome of the library: {misfit:.0%} of the motion is left over "
-            f"({FREE_MISFIT:.0%} would be usual), so the size of the contact depends on the dome assumed."
+            f"({usual:.0%} would be usual), so the size of the contact depends on the dome assumed."
         )
     beyond = int((fit.radius_mm[0] > BEYOND_COMPUTED * library.computed_mm[fit.worlds[0]]).sum())
     if beyond:

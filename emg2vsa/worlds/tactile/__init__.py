@@ -23,7 +23,7 @@ from emg2vsa.worlds.tactile.press import (
 )
 from emg2vsa.worlds.tactile.settings import REALISTIC, Drawn, PressSettings, Scatter, TimelineSettings
 from emg2vsa.worlds.tactile.tabulated import TabulatedWorld, tabulated
-from emg2vsa.worlds.tactile.world import ContactEllipse, ContactState, Points, Rim, World, sheared
+from emg2vsa.worlds.tactile.world import ContactEllipse, ContactState, Points, Rim, World
 
 __all__ = [
     "REALISTIC",
@@ -56,7 +56,6 @@ __all__ = [
     "lever",
     "make_timeline",
     "read_noise",
-    "sheared",
     "simulate_press",
     "spread",
     "tabulated",

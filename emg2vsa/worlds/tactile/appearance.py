@@ -46,7 +46,7 @@ class Skin:
     rings : hexagonal rings around the central pin: 6 give 127 pins, 10 give 331.
     pitch_px : distance of neighbouring pins; 19.84 in frames of a real 127-pin sensor.
     pin_radius_px, edge_px : radius of a pin at half brightness, and the standard deviation of its blurred edge.
-    mask_radius_px : beyond it the camera sees black.
+    mask_radius_px : beyond it the camera sees black. off_px : of the central pin from the axis of the dome, (x, y).
     """
 
     rings: int = 6
@@ -54,12 +54,13 @@ class Skin:
     pin_radius_px: float = 4.5
     edge_px: float = 1.0
     mask_radius_px: float = 140.0
+    off_px: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         sizes = (self.pitch_px, self.pin_radius_px, self.edge_px, self.mask_radius_px)
         fits = self.rings >= 1 and all(0 < size < math.inf for size in sizes)
         check(fits, "skin", "sizes above 0, a ring or more", repr(self), "Correct the skin.")
-        outermost_px = self.rings * self.pitch_px
+        outermost_px = self.rings * self.pitch_px + math.hypot(*self.off_px)
         check(
             outermost_px + self.pin_radius_px <= self.mask_radius_px, "skin.pitch_px",
             f"{self.rings} rings of pins inside the mask of {self.mask_radius_px:g} px",
@@ -72,10 +73,11 @@ class Skin:
         return 1 + 3 * self.rings * (self.rings + 1)
 
     def pins_px(self, centre_px: tuple[float, float]) -> NDArray[np.float64]:
-        """(n_pins, 2) positions at rest, row by row from the top, the central pin at ``centre_px``."""
+        """(n_pins, 2) positions at rest, row by row from the top, about the axis of the dome at ``centre_px``."""
         reach = range(-self.rings, self.rings + 1)
         grid = [(column + row / 2, row) for row in reach for column in reach if abs(row + column) <= self.rings]
-        return np.array(grid) * (self.pitch_px, self.pitch_px * math.sqrt(3) / 2) + centre_px
+        middle = np.add(centre_px, self.off_px)
+        return np.array(grid) * (self.pitch_px, self.pitch_px * math.sqrt(3) / 2) + middle
 
 
 TACTIP_127 = Skin()

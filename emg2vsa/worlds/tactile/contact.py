@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from casr.dome.pull import share_pulled
 from emg2vsa.dome_contact import ElasticDome
 from emg2vsa.worlds.tactile.world import (
     ContactEllipse,
@@ -20,7 +21,6 @@ from emg2vsa.worlds.tactile.world import (
     Rim,
     check,
     rim_distance,
-    sheared,
 )
 
 
@@ -143,7 +143,7 @@ class StickSkin:
         from_centre, depth = points_px - contact.centre_px, contact.depth(points_px)
         distance = np.hypot(*from_centre.T)
         edge_px, rim_px = distance / np.maximum(depth, 1e-9), rim_distance(from_centre, contact, self._rim)
-        share = sheared(depth, (rim_px - distance) / (rim_px - edge_px))
+        share = share_pulled(distance, edge_px, rim_px)
         along_px = state.tangential_mm * self._cos / self._pressing.camera.mm_per_px[0]
         return np.asarray(share[:, None] * (along_px, 0.0))
 

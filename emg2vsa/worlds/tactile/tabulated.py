@@ -11,9 +11,10 @@ import numpy as np
 
 from casr.contact_area.library_front import dome_scale
 from casr.dome.library import DEFAULT_WORLD, SHIPPED, Library, of_height, read_library, shipped
+from casr.dome.pull import share_pulled
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView, PinsAroundAxis
 from casr.errors import SettingError
-from emg2vsa.worlds.tactile.world import Array, ContactEllipse, ContactState, Points, Pressing, sheared
+from emg2vsa.worlds.tactile.world import Array, ContactEllipse, ContactState, Points, Pressing
 
 _SHIPPED = (SHIPPED, DEFAULT_WORLD)
 _OUTLINE = 360
@@ -224,8 +225,7 @@ class TabulatedSkin:
         if not state.tangential_mm:
             return around.moved_px(across, along, tilt)
         edge_mm = self._edge_at(state)
-        left = (arc_mm[-1] - around.arc_mm) / (arc_mm[-1] - edge_mm)
-        pulled_mm = state.tangential_mm / self._scale * sheared(around.arc_mm / edge_mm, left)
+        pulled_mm = state.tangential_mm / self._scale * share_pulled(around.arc_mm, edge_mm, arc_mm[-1])
         return around.moved_px(across, along, tilt, pulled_mm[:, None] * self._climbs)
 
 

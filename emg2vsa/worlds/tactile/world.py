@@ -151,24 +151,6 @@ class World(Protocol):
         """The skin of one press."""
 
 
-def sheared(depth: Points, left: Points) -> Points:
-    """Share of a contact's sideways way that the skin at a distance from its middle goes along.
-
-    Skin that sticks goes along from when it touched, and by (2/pi) asin(a/r) before, as an elastic half-space about a
-    sheared disc of radius a (Johnson 1985, section 3.7). The way grows like a^3, as the depth does where a grows like
-    the force^(1/4); integrated over the growth that is 1 - 4 x^3 / (3 pi) inside, with x the distance over the radius.
-
-    Parameters
-    ----------
-    depth : (N,) x. left : (N,) what is left of the way from the contact's edge to where the skin is clamped; the skin
-        goes along by so much less.
-    """
-    inside, x = np.minimum(depth, 1.0), np.maximum(depth, 1.0)
-    missed = (2 * x**3 - (2 * x**2 + 1) * np.sqrt(x**2 - 1)) / 3
-    outside = (2 / np.pi) * (np.arcsin(1 / x) - missed) * np.clip(left, 0.0, 1.0)
-    return np.asarray(np.where(depth > 1, outside, 1 - 4 * inside**3 / (3 * np.pi)))
-
-
 def check(fits: bool, what: str, wanted: str, found: str, do: str) -> None:
     """SettingError unless it fits."""
     if not fits:

@@ -22,6 +22,7 @@ from casr.front_spread import FORCE_ZERO_SD_N, front_doubt, front_spread
 from casr.scoring import score
 from casr.spread import SpreadRate, spread_rate
 from emg2vsa.worlds.tactile import (
+    TACTIP_127,
     ContactWorld,
     PressSettings,
     Scene,
@@ -57,8 +58,13 @@ class Pressed:
 
 
 @cache
-def pressed(world: World, kappa: float = 3.35, angle_deg: float = 0.0, seed: int = 0) -> Pressed:
-    press = simulate_press(PressSettings(world=world, stiffness_n_per_mm=kappa, angle_deg=angle_deg, seed=seed))
+def pressed(
+    world: World, kappa: float = 3.35, angle_deg: float = 0.0, seed: int = 0, off_px: tuple[float, float] = (0.0, 0.0)
+) -> Pressed:
+    skin = replace(TACTIP_127, off_px=off_px, mask_radius_px=149.0)
+    press = simulate_press(
+        PressSettings(world=world, stiffness_n_per_mm=kappa, angle_deg=angle_deg, seed=seed, skin=skin)
+    )
     truth, rng = press.truth, np.random.default_rng(seed)
     force = truth.force_n[truth.loading_frames]
     pins = np.array([press.scene.pins_px(each) for each in force.tolist()])
@@ -103,6 +109,46 @@ def test_a_dome_left_out_of_the_library(dome: str) -> None:
     with_it = front_of(press)
     assert with_it.misfit < front.misfit
     assert with_it.dome == dome
+
+
+@pytest.mark.parametrize(("off_px", "angle_deg"), [((3.0, -2.0), 0.0), ((-14.0, 11.0), 0.0), ((10.0, 6.0), 30.0)])
+def test_pins_that_do_not_stand_about_the_axis_of_their_dome(off_px: tuple[float, float], angle_deg: float) -> None:
+    press = pressed(TabulatedWorld(), 3.35, angle_deg, off_px=off_px)
+    front = front_of(press)
+    np.testing.assert_allclose(front.area[press.wide], press.area_mm2[press.wide], rtol=0.08)
+    assert front.misfit < 0.02
+    assert not any("axis of the dome" in note for note in front.notes)
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 45.0])
+@pytest.mark.parametrize("kappa", [1.11, 7.63])
+def test_a_wrong_principal_point_is_told_and_not_followed(kappa: float, angle_deg: float) -> None:
+    press = pressed(TabulatedWorld(), kappa, angle_deg)
+    wrong = replace(CAMERA, cx_px=CAMERA.cx_px - 16, cy_px=CAMERA.cy_px + 12)
+    told, right = front_of(press, wrong), front_of(press)
+    np.testing.assert_allclose(told.area[press.wide], right.area[press.wide], rtol=0.03)
+    assert told.misfit < 1.2 * right.misfit
+    (note,) = [note for note in told.notes if "axis of the dome" in note]
+    assert "not at cx_px and cy_px of camera.toml, (134, 162)" in note
+    near = replace(CAMERA, cx_px=CAMERA.cx_px + 4)
+    assert not any("axis of the dome" in note for note in front_of(press, near).notes)
+
+
+def test_a_press_that_goes_on_finds_the_pole_when_it_has_more_frames() -> None:
+    press = pressed(TabulatedWorld())
+    wrong = replace(CAMERA, cx_px=CAMERA.cx_px + 20)
+    so_far = follow.FrontSoFar(wrong, worlds())
+    for n in (2, 8, len(press.pins_px)):
+        front = so_far.of(press.rest_px, press.pins_px[:n])
+    np.testing.assert_allclose(front.area[press.wide], front_of(press).area[press.wide], rtol=0.02)
+
+
+@pytest.mark.parametrize("length_mm", [1.5, 4.5])
+def test_a_wrong_length_of_pins_does_not_make_the_analytic_field_right(length_mm: float) -> None:
+    camera = replace(CAMERA, sensor=Sensor(pin_length_mm=length_mm, dome_radius_mm=20.0))
+    front = front_of(pressed(TabulatedWorld(), 1.11), camera)
+    assert front.misfit > 0.06
+    assert front.model == "finite elements"
 
 
 def test_a_labs_own_dome_explains_its_presses(lab: Path) -> None:
@@ -348,6 +394,6 @@ def test_friction_on_a_slope_does_not_move_the_front() -> None:
     fronts = [library_front(scene.rest_px, each, CAMERA, worlds()) for each in pins_px]
     true = np.array([scene.area_mm2(state) for state in states])
     free, held = (np.diff(np.log(front.area[[2, -1]]))[0] / np.diff(np.log(true[[2, -1]]))[0] for front in fronts)
-    assert fronts[1].misfit < 0.08
-    assert held == pytest.approx(free, abs=0.12)
+    assert fronts[1].misfit < fronts[1].usual_misfit
+    assert held == pytest.approx(free, abs=0.05)
     assert front_doubt(fronts[1], pins_px[1], CAMERA) == ""

@@ -19,7 +19,6 @@ from emg2vsa.worlds.tactile import (
     Scene,
     TabulatedWorld,
     lever,
-    sheared,
     spread,
 )
 
@@ -128,15 +127,6 @@ def test_friction_pulls_the_skin_of_the_contact_the_way_the_surface_climbs(world
     farthest = np.hypot(*(free_px - contact.centre_px).T).argmax()
     assert np.hypot(*moved_px[farthest]) < 0.2 * along_px
     assert scene.area_mm2(replace(state, tangential_mm=0.5)) == scene.area_mm2(state)
-
-
-def test_skin_goes_along_with_a_contact_that_grows() -> None:
-    """Against the sum over growing discs, each of which takes the skin inside along and pulls at that around it."""
-    radii = (np.arange(200_000) + 0.5) / 200_000
-    for x in (0.1, 0.7, 1.0, 1.3, 4.0):
-        along = np.where(radii >= x, 1.0, 2 / np.pi * np.arcsin(np.minimum(radii / x, 1.0)))
-        expected = float(np.mean(3 * radii**2 * along))
-        assert sheared(np.array([x]), np.ones(1))[0] == pytest.approx(expected, rel=1e-5)
 
 
 @settings(max_examples=50, deadline=None)
