@@ -155,7 +155,7 @@ def world_scored(
         name, settings.stiffness_n_per_mm, settings.angle_deg, settings.repetition, press.truth.casr_power_mm2_per_n
     )
     try:
-        with patch("casr.press_scorer.worlds", return_value=bench.library):  # a dome may be left out
+        with patch("casr.press_scorer.worlds_for", return_value=bench.library):  # a dome may be left out
             found = score(replace(rendered(press), camera=camera or settings.camera))
     except CasrError as error:
         return replace(result, refused=str(error))
