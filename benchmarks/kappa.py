@@ -162,10 +162,10 @@ def tried(trial: Trial) -> Outcome:
     return Outcome(trial, found.kappas[f"{trial.unknown:g}"], (process_time() - start) / len(presses))
 
 
-def trials(n_repetitions: int, domes: Sequence[str] = FAMILY) -> list[Trial]:
-    """All of the benchmark."""
-    ways = product(domes, FRICTIONS.values(), NOISES_PX, SCATTERS, DESIGNS, range(n_repetitions))
-    return [Trial(dome, stick, noise, scatter, *design, seed) for dome, stick, noise, scatter, design, seed in ways]
+def trials(n_repetitions: int, seed: int = 0) -> list[Trial]:
+    """All of the benchmark; seed : of the first repetition."""
+    ways = product(FAMILY, FRICTIONS.values(), NOISES_PX, SCATTERS, DESIGNS, range(n_repetitions))
+    return [Trial(dome, stick, noise, scatter, *design, seed + n) for dome, stick, noise, scatter, design, n in ways]
 
 
 def outcomes(every: Sequence[Trial], n_jobs: int) -> Iterator[Outcome]:
@@ -189,16 +189,17 @@ NOTES = (
     "median, bias, sd: of ln(kappa / true). half: median half width of the 95 % interval. held: it holds the truth.",
     "told: called determined, by the design. bound: Cramer and Rao's for white noise of pins with the same quantities",
     "  free; efficiency: bound over standard error stated, median. scatter: of CASR, from mounting to mounting.",
+    "With scatter 0 the estimate is told that mountings do not differ; else it takes 3.5 % of kappa, its default.",
     "pins sd, force sd: median standard error by one cue alone; - where it tells nothing.",
 )
 
 
-def page(every: int, n_jobs: int) -> Iterator[str]:
+def page(every: int, n_jobs: int, seed: int) -> Iterator[str]:
     """Markdown of the table, for ``benchmarks/results/kappa.json``, by each so-manieth trial."""
-    table = _table(list(outcomes(trials(1)[::every], n_jobs)))
+    table = _table(list(outcomes(trials(1, seed)[::every], n_jobs)))
     yield f"# {table.title}"
     yield ""
-    yield f"{' '.join(note.strip() for note in NOTES)} Of {len(trials(1))} trials each {every}th was made."
+    yield f"{' '.join(note.strip() for note in NOTES)} Of {len(trials(1))} trials each {every}th was made, seed {seed}."
     yield ""
     yield f"| {' | '.join(heading for heading, _ in COLUMNS)} |"
     yield f"|---|{'---:|' * (len(COLUMNS) - 1)}"
@@ -248,6 +249,7 @@ def _row(name: str, every: Sequence[Outcome]) -> list[Cell]:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--every", type=int, default=1, metavar="N")
+    parser.add_argument("--seed", type=int, default=0, metavar="N")
     parser.add_argument("--jobs", type=int, default=1, metavar="N")
     asked = parser.parse_args()
-    print("\n".join(page(asked.every, asked.jobs)))
+    print("\n".join(page(asked.every, asked.jobs, asked.seed)))
