@@ -83,7 +83,7 @@ def run(given: Given) -> RunScores:
 
     used = given.settings
     specimen, angle_deg, condition = used["run"]
-    height_mm = used["specimen_height_mm"]
+    height_mm = used.get("specimen_height_mm")
     notes = () if "domes" in used else notes_on_height(height_mm)
     scores = score_run(
         read_presses(used["folders"], used["camera"], used["order"]),
