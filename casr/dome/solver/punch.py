@@ -1,7 +1,7 @@
 """The kappa that a specimen of a table is called by: that under a rigid flat punch without friction, at small depth.
 
 Kappa over the modulus is a length (casr.dome.kappa) that depends on the size of the cylinder and on Poisson's ratio
-alone. One mm deep, as the tables that come with casr have it, a block of 35 x 25 mm is 1 % stiffer.
+alone. One mm deep a block of 35 x 25 mm is 1 % stiffer.
 """
 
 from __future__ import annotations
