@@ -17,7 +17,7 @@ from casr.contact_area.library_front import worlds_for
 from casr.contact_area.motion import check_area
 from casr.counts import count
 from casr.dome.library import Library
-from casr.errors import FramesError, PinsError
+from casr.errors import FramesError, NoContactError, PinsError
 from casr.flow.estimate import FlowStep, FlowTracker
 from casr.flow.pin_engine import need_pins_inside
 from casr.flow.region import Region
@@ -31,6 +31,8 @@ from casr.spread import SpreadRate, contact_areas, spread_rate
 Array = NDArray[np.float64]
 
 LOST = "See why pins are lost: are the frames one press, in order?"
+LEAST_MOVED_PX = 0.5
+"Of the pin that moved farthest at first contact: less is the camera's noise."
 MOST_FOLLOWED = 48
 "Frames that a front is fitted to while the press goes on: a frame has to be answered before the next one comes."
 
@@ -153,7 +155,7 @@ class PressScorer:
 
     def _rate_of(self, area: Array, force_n: Array) -> SpreadRate:
         s = self._settings
-        return spread_rate(area, force_n, rule=s.rate_rule, area_unit=self.area_unit, window_n=s.rate_window_n)
+        return spread_rate(area, force_n, rule=s.rate_rule, area_unit=self.area_unit, window_n=s.window_n)
 
     @cached_property
     def _front_so_far(self) -> FrontSoFar:
@@ -314,9 +316,22 @@ class PressScorer:
         return asked, Region(outline.polygon_px), notes
 
     def _area_by(self, rule: str) -> InitialArea:
-        return initial_area(
-            self._rest, self._contact_px, camera=self._camera, rule=rule, threshold_px=self._settings.threshold_px
+        """Where the result is the front, skin that has hardly moved at first contact refuses no press."""
+        threshold_px = self._settings.threshold_px
+        try:
+            return self._area_over(threshold_px, rule)
+        except NoContactError:
+            farthest_px = float(np.nanmax(np.hypot(*(self._contact_px - self._rest.centroids_px).T)))
+            if self._settings.quantity != "front" or farthest_px < LEAST_MOVED_PX:
+                raise
+        found = self._area_over(farthest_px / 2, rule)
+        said = (
+            f"skin: no pin moved {threshold_px:g} px at first contact; those that moved {farthest_px / 2:.2g} px count"
         )
+        return replace(found, notes=(*found.notes, said))
+
+    def _area_over(self, threshold_px: float, rule: str) -> InitialArea:
+        return initial_area(self._rest, self._contact_px, camera=self._camera, rule=rule, threshold_px=threshold_px)
 
     def _given(self, region: Region) -> InitialArea:
         area_px2 = _flat(region, self._camera).area_px2

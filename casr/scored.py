@@ -94,7 +94,7 @@ class ScoreSettings:
     flow : how growth of skin is measured.
     area_rule : one of ``casr.contact_area.RULES``, for the initial area.
     area_law, rate_rule : of ``casr.spread``: eq. (1) and eq. (2). rate_window_n : forces between which rule ``power``
-        takes the mean rate, N, wherever scoring starts and stops.
+        takes the mean rate, N; None: from ``force_start_n`` to ``force_stop_n``, or 7 N where that is None.
     threshold_px : a pin that moved further than this from rest is in contact.
     force_start_n : force of first contact, N. force_stop_n : force to stop at, N, None for the largest.
     region : the contact in the first scored frame, instead of the one found from the pins; all of it is measured, not
@@ -110,7 +110,7 @@ class ScoreSettings:
     area_rule: str = "edge"
     area_law: str = "ode"
     rate_rule: str = "power"
-    rate_window_n: tuple[float, float] = WINDOW_N
+    rate_window_n: tuple[float, float] | None = None
     threshold_px: float = 2.0
     force_start_n: float = 0.5
     force_stop_n: float | None = None
@@ -118,6 +118,11 @@ class ScoreSettings:
     tare: bool = True
     camera_lag_s: float = 0.0
     correct_lag: bool = False
+
+    @property
+    def window_n(self) -> tuple[float, float]:
+        """The forces between which rule ``power`` takes the mean rate."""
+        return self.rate_window_n or (self.force_start_n, self.force_stop_n or WINDOW_N[1])
 
     def __post_init__(self) -> None:
         choices = {"quantity": QUANTITIES, "area_rule": RULES, "area_law": AREA_LAWS, "rate_rule": RATE_RULES}

@@ -15,6 +15,7 @@ from casr.camera import Camera
 from casr.doubts import doubts_on_motion, doubts_on_score, note_on_repeats
 from casr.errors import FramesError, NoContactError, PinsError
 from casr.frames import LoadingPhase, RestingForce, check_newtons, loading_phase, notes_on_zero, spikes
+from casr.frames.loading import NEARLY
 from casr.images import Grey, as_grey
 from casr.press_scorer import PressScorer
 from casr.scored import Score, ScoreSettings, Spread
@@ -108,7 +109,8 @@ class StreamScorer:
     chatter of a touch too: scoring then starts anew with the next contact. Forces count from the level at rest before
     the first contact (``RestingForce``), unless the settings say otherwise. Which contact was the press is known only
     at the end (``loading_phase``); until then those that can still be it keep their numbers. With ``force_stop_n`` the
-    first contact that reaches it is the press, and frames after that are ignored.
+    first contact that reaches it is the press, and frames after that are ignored; where none does, the first that
+    nearly does.
 
     Parameters
     ----------
@@ -199,8 +201,8 @@ class StreamScorer:
         if self._phase == "rest":
             return
         self._phase = "rest"
-        if self._settings.force_stop_n is not None:
-            self._contacts.clear()
+        if (stop_n := self._settings.force_stop_n) is not None:
+            self._contacts = [contact for contact in self._contacts if contact.peak_n >= NEARLY * stop_n][:1]
             return
         largest_n = max(contact.peak_n for contact in self._contacts)
         kept: list[_Contact] = []

@@ -134,7 +134,8 @@ METHOD = f"""
 {THRESHOLD.strip()}
 --region X,Y,R  contact circle, px, or image, for dense engines: growth of skin is the mean divergence of the whole
     image (default: found from the pins that moved)
-{START}--stop-n N  force to stop at, N (default: the highest; the mean rate goes to {PAPER_STOP_N:g})
+{START}--stop-n N  force to stop at, N; a press that turns back at 80 %% of it or more ends at its highest (default: the
+    highest; the mean rate goes to {PAPER_STOP_N:g})
 {TARE}"""
 PINS = """
 --dark-pins  pins are darker than the skin (default: brighter)
@@ -206,13 +207,13 @@ def check_forces(arguments: argparse.Namespace) -> tuple[float, float]:
 
 def score_settings(arguments: argparse.Namespace) -> ScoreSettings:
     """The settings that the options ask for. SettingError as `check_forces`."""
-    window_n = check_forces(arguments)
+    check_forces(arguments)
     from casr.flow.estimate import FlowSettings
     from casr.scored import WHOLE_IMAGE, ScoreSettings
 
     flow = FlowSettings(engine=arguments.engine, pins=pin_settings(arguments))
     region = arguments.region if arguments.region == WHOLE_IMAGE else region_of(arguments)
-    asked = of_fields(arguments, ScoreSettings) | {"flow": flow, "region": region, "rate_window_n": window_n}
+    asked = of_fields(arguments, ScoreSettings) | {"flow": flow, "region": region}
     return ScoreSettings(**asked)
 
 

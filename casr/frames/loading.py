@@ -133,12 +133,17 @@ class LoadingPhase:
     notes: tuple[str, ...] = ()
 
 
+NEARLY = 0.8
+"Of the force to stop at: at 16 N/s and 20 frames a second the last frame of a press lies up to 0.8 N below its peak."
+
+
 def loading_phase(force_n: ArrayLike, *, start_n: float = 0.5, stop_n: float | None = None) -> LoadingPhase:
     """The part of a press that CASR is computed on: from first contact to the largest force, never the unloading.
 
     A press is an unbroken stretch of frames at or above ``start_n`` that reaches ``stop_n``, or half of the largest
     force when there is none; shorter touches are chatter. The first press counts. Loading starts at its first frame
-    and ends at the first frame that reaches ``stop_n``, or at its largest force. Frames without a force are skipped.
+    and ends at the first frame that reaches ``stop_n``, or at its largest force; a press that turns back at ``stop_n``
+    between two frames counts from ``NEARLY`` of it on, where none reaches it. Frames without a force are skipped.
 
     The rest frame comes before it. The resting band, 0.1 ``start_n`` wide, is the one
     that holds most of these frames (the lowest on a tie); the last frame at or below the median of the band is
@@ -156,7 +161,8 @@ def loading_phase(force_n: ArrayLike, *, start_n: float = 0.5, stop_n: float | N
     load = force[known]
     presses = _presses(load, start_n, stop_n)
     first, last = presses[0]
-    end = first + (np.argmax(load[first:last]) if stop_n is None else np.argmax(load[first:last] >= stop_n))
+    reached = load[first:last] >= (np.inf if stop_n is None else stop_n)
+    end = first + int(np.argmax(reached if reached.any() else load[first:last]))
     rest = _rest_frame(known[:first], load[:first], start_n)
     frames = known[first : end + 1]
     if len(frames) < 2:
@@ -190,13 +196,16 @@ def _presses(load: NDArray[np.float64], start_n: float, stop_n: float | None) ->
             "force", wanted=f"contact, a force of {start_n:g} N or more", found=f"at most {peak:.3g} N",
             do="Lower start_n (--start-n), or check the sign and unit of the force log.",
         )  # fmt: skip
-    if stop_n is not None and peak < stop_n:
+    if stop_n is not None and peak < NEARLY * stop_n:
         raise FramesError(
-            "force", wanted=f"a load up to stop_n (--stop-n), {stop_n:g} N", found=f"at most {peak:.3g} N",
-            do="Lower it, or leave it out to end at the largest force.",
+            "force", wanted=f"a load up to stop_n (--stop-n), {stop_n:g} N, or {NEARLY:.0%} of it",
+            found=f"at most {peak:.3g} N",
+            do="Press again, lower it, or leave it out to end at the largest force.",
         )  # fmt: skip
     edges = np.flatnonzero(np.diff(load >= start_n, prepend=False, append=False))
-    reached = stop_n if stop_n is not None else max(start_n, peak / 2)
+    reached = max(start_n, peak / 2)
+    if stop_n is not None:
+        reached = stop_n if peak >= stop_n else NEARLY * stop_n
     return [(a, b) for a, b in edges.reshape(-1, 2).tolist() if load[a:b].max() >= reached]
 
 

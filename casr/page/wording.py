@@ -96,7 +96,7 @@ def scatter_only(spread: Spread) -> str:
 
 def mean_over(score: Score) -> str:
     """The forces that the rates are the mean over."""
-    window = score.settings.rate_window_n if score.settings.rate_rule == "power" else None
+    window = score.settings.window_n if score.settings.rate_rule == "power" else None
     return f"{window[0]:g} to {window[1]:g} N" if window else "those of the frames"
 
 

@@ -15,14 +15,10 @@ from casr.doubts import Stretch, stretch_of
 from casr.errors import CasrError
 from casr.flow.estimate import FlowSettings
 from casr.frames import FrameSequence
-from casr.press_forces import press_forces
 from casr.scored import WHOLE_IMAGE, Score, ScoreSettings, SkinScore
 from casr.scoring import score, score_skin
 from emg2vsa.arrays import Floats
 from emg2vsa.settings import RECIPES, Recipe, RunSettings
-
-_REACH = 0.8
-"""At 16 N/s and 20 frames a second the last frame of a press lies up to 0.8 N below its peak."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,11 +197,7 @@ class Measured:
 def asked_of(
     frames: FrameSequence, settings: RunSettings, recipe: Recipe, quantity: str
 ) -> tuple[FrameSequence, ScoreSettings]:
-    """The frames with their forces, and a recipe in casr's terms.
-
-    Loading ends at the largest force where no frame was taken at F_max: the press turns back between two. CasrError
-    where that is far below: a law through the first newtons says little of the others.
-    """
+    """The frames with their forces, and a recipe in casr's terms."""
     frames = frames.by_mean() if recipe.force_rule == "mean" else frames
     start_n, stop_n = settings.force_n
     asked = ScoreSettings(
@@ -217,18 +209,9 @@ def asked_of(
         threshold_px=settings.threshold_px,
         force_start_n=start_n,
         force_stop_n=stop_n,
-        rate_window_n=(start_n, stop_n),
         region=WHOLE_IMAGE if recipe.region == "image" else None,
     )
-    peak_n = float(np.nanmax(press_forces(frames, asked).force_n, initial=0.0))
-    if peak_n < _REACH * stop_n:
-        raise CasrError(
-            frames.name,
-            wanted=f"a press that reaches {_REACH * stop_n:.3g} N, {_REACH:.0%} of the force to score to",
-            found=f"{peak_n:.3g} N at most",
-            do="Press again, or lower force_n under [runs].",
-        )
-    return frames, asked if peak_n >= stop_n else replace(asked, force_stop_n=None)
+    return frames, asked
 
 
 def _growth(recipe: Recipe) -> Recipe:

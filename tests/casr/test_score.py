@@ -16,7 +16,7 @@ from benchmarks.tactile.press_scores import ArrayFrames
 from casr.camera import Camera
 from casr.contact_area import initial_area
 from casr.counts import counting
-from casr.errors import PinsError
+from casr.errors import NoContactError, PinsError
 from casr.flow.dense_engine import SUPPORT_PX, Dis
 from casr.flow.estimate import FlowSettings
 from casr.flow.horn_schunck import HornSchunck
@@ -119,6 +119,25 @@ def test_growth_does_not_depend_on_the_rule_of_the_initial_area() -> None:
     ]
     np.testing.assert_array_equal(growths[0], growths[1])
     np.testing.assert_array_equal(growths[0], growths[2])
+
+
+def test_skin_that_hardly_moved_refuses_no_press_whose_result_is_the_front() -> None:
+    frames, far = sequence(simulated("S5")), ScoreSettings(area_rule="hexagon", threshold_px=20.0)
+    found, usual = score(frames, far), score(frames, replace(far, threshold_px=2.0))
+    assert found.rate == usual.rate
+    assert "skin: no pin moved 20 px at first contact; those that moved 1.4 px count" in " ".join(found.notes)
+    assert "no pin moved" not in " ".join(usual.notes)
+    with pytest.raises(NoContactError, match="pins that moved more than 20 px"):
+        score(frames, replace(far, quantity="skin"))
+
+
+def test_the_mean_rate_is_over_the_forces_of_the_phase() -> None:
+    assert ScoreSettings().window_n == (0.5, 7.0)
+    assert ScoreSettings(force_start_n=1.0).window_n == (1.0, 7.0)
+    assert ScoreSettings(rate_window_n=(0.5, 3.0), force_stop_n=4.0).window_n == (0.5, 3.0)
+    found = score(sequence(simulated()), ScoreSettings(force_start_n=0.8, force_stop_n=4.0))
+    assert found.rate is not None
+    assert found.rate.window_n == (0.8, 4.0)
 
 
 def test_only_the_rest_frame_and_the_loading_phase_are_read() -> None:

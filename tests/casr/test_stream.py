@@ -71,6 +71,14 @@ def test_to_a_force_and_with_either_law(press: Frames, law: str) -> None:
     assert states[-1].area == pytest.approx(found.skin.area[-1], rel=1e-12)
 
 
+def test_a_press_that_turns_back_before_the_force_to_stop_at(press: Frames) -> None:
+    images, force = chattering(press)
+    settings = ScoreSettings(quantity="skin", force_stop_n=1.1 * float(np.nanmax(force)))
+    found, states = streamed(images, force, settings)
+    assert_same(found, score(FrameSequence(ArrayFrames(images), None, force), settings))
+    assert "done" not in {state.phase for state in states}
+
+
 def chattering(press: Frames) -> Frames:
     """The touch bounces, the first press is a light one, two frames have no force; then the press."""
     images, force = press

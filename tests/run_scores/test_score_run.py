@@ -165,7 +165,7 @@ def test_a_press_that_turned_back_early_is_not_scored(sequence):
     short = replace(sequence, force_n=np.where(sequence.force_n > 5, np.nan, sequence.force_n))
     found = scored(press(short))
     assert found.verdicts == ("rejected",)
-    assert "reaches 5.6 N" in found.reasons[0]
+    assert "a load up to stop_n (--stop-n), 7 N, or 80% of it, but found at most 5 N" in found.reasons[0]
 
 
 def test_where_no_edge_is_found_hexagons_are_no_stand_in(sequence, monkeypatch):

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from casr.errors import CasrError
 from casr.frames import ForceZero, RestingForce, force_zero, loading_phase, notes_on_zero
 
 
@@ -105,6 +106,23 @@ def test_a_recording_without_rest_uses_the_lightest_touch_and_says_so():
 
 def test_loading_ends_where_stop_n_is_first_reached():
     np.testing.assert_array_equal(loading_phase(PRESS, stop_n=3.0).frames, [6, 7, 8])
+
+
+def test_a_press_that_turns_back_at_stop_n_between_two_frames_is_one():
+    press = [0, 0, 0, 0.1, 0.3, 1.0, 2.5, 4.4, 2.0, 0.0]
+    np.testing.assert_array_equal(loading_phase(press, stop_n=5.0).frames, [5, 6, 7])
+    with pytest.raises(CasrError, match=r"5.6 N, or 80% of it, but found at most 4.4 N"):
+        loading_phase(press, stop_n=5.6)
+
+
+def test_of_presses_that_nearly_reach_stop_n_the_first_counts():
+    press = [0, 0, 0, 0.1, 1.0, 4.4, 0.0, 0.1, 1.0, 3.0, 4.7, 0.0]
+    np.testing.assert_array_equal(loading_phase(press, stop_n=5.0).frames, [4, 5])
+
+
+def test_a_press_that_reaches_stop_n_goes_before_one_that_nearly_does():
+    press = [0, 0, 0, 0.1, 1.0, 4.4, 0.0, 0.1, 1.0, 3.0, 5.1, 0.0]
+    np.testing.assert_array_equal(loading_phase(press, stop_n=5.0).frames, [8, 9, 10])
 
 
 def test_chatter_before_contact_is_not_the_press():
