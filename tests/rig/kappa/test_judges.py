@@ -85,14 +85,14 @@ def test_kappa_of_a_known_specimen_lies_in_its_interval_all_along(
     assert told[0].judged_at_n < 2
     assert told[-1].force_n == pytest.approx(press.peak_n, abs=0.05)
     assert all(row.low_n_per_mm < KAPPA < row.high_n_per_mm for row in told)
-    assert told[-1].half_width < 0.4
+    assert told[-1].half_width < 0.45
     (last,) = last_rows(tmp_path / "kappa.csv")
     np.testing.assert_equal(vars(last), vars(told[-1]))
     assert "N/mm, 95 %: " in last.told()
 
 
 def test_a_process_of_its_own_says_the_same_and_asks_to_stop(press: Press, plan: KappaPlan, tmp_path: Path) -> None:
-    plan = KappaPlan(plan.name, plan.calibration, plan.camera, stop_at=0.4)
+    plan = KappaPlan(plan.name, plan.calibration, plan.camera, stop_at=0.45)
     here = SameProcess(plan, tmp_path / "here.csv")
     said = press.shown_to(here)
     here.close()
@@ -112,7 +112,7 @@ def test_a_process_of_its_own_says_the_same_and_asks_to_stop(press: Press, plan:
     np.testing.assert_allclose([r.area or 0 for r in mine], [r.area or 0 for r in theirs], rtol=0.01)
     stopped = next(row for row in mine if row.stop)
     assert stopped.stop in (WIDTH_REACHED, NO_GAIN)
-    assert stopped.half_width <= 0.4
+    assert stopped.half_width <= 0.45
     assert said[-1].startswith(stopped.stop)
 
 
