@@ -56,9 +56,9 @@ def notes_on_height(height_mm: float | None) -> tuple[str, ...]:
     if height_mm is None or abs(height_mm / USUAL_HEIGHT_MM - 1) <= ALIKE:
         return ()
     return (
-        f"The specimen is {height_mm:g} mm high, tables that come with casr are of {USUAL_HEIGHT_MM:g} mm: on 10 mm areas "
-        "and CASR are up to 5 % off at 1.8 to 7.6 N/mm, and more on softer ones. Solve tables (casr dome) and name them: "
-        "domes under [runs].",
+        f"The specimen is {height_mm:g} mm high, tables that come with casr are of {USUAL_HEIGHT_MM:g} mm: on 10 mm "
+        "areas and CASR are up to 5 % off at 1.8 to 7.6 N/mm, and more on softer ones. Solve tables (casr dome) and "
+        "name them: domes under [runs].",
     )
 
 
