@@ -107,7 +107,7 @@ def test_domes_of_a_lab_are_taken(
 def test_a_specimen_of_a_height_without_tables_is_refused(presses: Path, capsys: Captured) -> None:
     assert main(["score", str(presses / "S5_00deg_01"), "--specimen-height-mm", "10"]) == 2
     said = capsys.readouterr().err
-    assert "specimen_height_mm: expected a height that tables of specimens enclose (25 mm), but found 10 mm" in said
+    assert "specimen_height_mm: expected tables of one dome, stiffness and friction on both sides of 10 mm" in said
 
 
 def test_the_papers_force_of_a_frame_is_that_of_half_a_frame_later(presses: Path, capsys: Captured) -> None:
