@@ -52,7 +52,7 @@ run ONE --domes mine                                      | --domes: expected --
 run ONE --calibration good.json --domes mine              | --domes: expected no tables of domes, but found mine.
 run ONE --calibration own.json                            | --domes: expected the tables of domes that own.json was made with, mine, but found none.
 run ONE --calibration own.json --domes none               | none: expected tables of domes
-run ONE --calibration good.json --specimen-height-mm 9    | specimen_height_mm: expected a height that tables of specimens enclose (25 mm), but found 9 mm
+run ONE --calibration good.json --specimen-height-mm 9    | specimen_height_mm: expected tables of one dome, stiffness and friction on both sides of 9 mm, but found heights of 25 mm
 run ONE --calibration quantity.json                       | quantity.json, quantity: expected front or edge
 run ONE --calibration unit.json                           | unit.json, area_unit: expected mm2 or px2
 run ADAPTIVE --specimen S3                                | --adaptive: expected --calibration beside this option, but found none.
