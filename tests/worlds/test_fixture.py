@@ -1,8 +1,8 @@
-"""The made worlds still make what they made: recordings of the demo study as at commit 4a6cfa7a, its runs as of world 3.
+"""The made worlds still make what they made: recordings of the demo study as at commit 4a6cfa7a, runs as of world 3.
 
 ``fixture`` holds that study, the schedules of its runs, the SHA-256 of each recording, log and stack of frames, and two
-presses of world 1 whole, on which estimators are tried without making them. Where a world is meant to change, its version goes up
-and the digests are made anew; where an estimator changes, it is judged on the stored presses.
+presses of world 1 whole, on which estimators are tried without making them. Where a world is meant to change, its
+version goes up and the digests are made anew; where an estimator changes, it is judged on the stored presses.
 """
 
 from __future__ import annotations
