@@ -38,7 +38,7 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     shared.check_forces(arguments)
-    from casr.contact_area.library_front import dome_scale
+    from casr.contact_area.library_front import height_in_tables
     from casr.dome.library import tables
     from casr.frame_files import find_presses
     from casr.kappa.estimate import estimate_kappa
@@ -67,8 +67,8 @@ def run(arguments: argparse.Namespace) -> int:
             "camera.toml", wanted="one camera of all presses", found=found + why,
             do="Put one camera.toml into the folder of the presses (casr calibrate makes it).",
         )  # fmt: skip
-    height_mm = arguments.specimen_height_mm
-    library = tables(arguments.domes, height_mm and height_mm / dome_scale(camera))
+    domes = arguments.domes
+    library = tables(domes, height_in_tables(camera, domes, arguments.specimen_height_mm))
     found_kappa = estimate_kappa(used, camera, library=library)
     answer(arguments.json, {**_plain(found_kappa), "not_used": unused}, _lines(found_kappa, unused))
     return int(bool(unused))

@@ -220,7 +220,7 @@ class _Search:
         cost: Array = _cost(shared, size, power, PULL * full)
         return cost
 
-    def _motion(self, axes: Array, library: Library, directions: Array | None = None) -> tuple[PinsAroundAxis, Array32]:
+    def _motion(self, axes: Array, library: Library) -> tuple[PinsAroundAxis, Array32]:
         """All pins about each of the axes (A, 3), and how they move by a library, (A, 2 N, R, W) of x, y, x, y."""
         directions = np.tile(self._directions, (len(axes), 1))
         around = self._view.around(directions, np.repeat(axes, len(self._directions), axis=0))

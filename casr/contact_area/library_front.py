@@ -255,10 +255,13 @@ def dome_scale(camera: Camera | None) -> float:
 
 
 def worlds_for(camera: Camera | None, domes: str | None, specimen_height_mm: float | None) -> Library:
-    """What a press of this sensor is held against; arguments as in ``casr.ScoreSettings``.
+    """What the front of a press of this sensor is held against; arguments as in ``casr.ScoreSettings``, errors of
+    ``casr.dome.library.worlds`` and ``height_in_tables``."""
+    return worlds(domes, height_in_tables(camera, domes, specimen_height_mm))
 
-    SettingError : see ``casr.dome.library.worlds``. CameraError : the tables were solved for another radius.
-    """
+
+def height_in_tables(camera: Camera | None, domes: str | None, specimen_height_mm: float | None) -> float | None:
+    """The height in millimetres of tables of domes. CameraError : they were solved for a sensor of another radius."""
     scale = dome_scale(camera)
     for table in tables_of(domes) if domes and camera else ():
         if abs(OUTER_RADIUS_MM * scale / table.dome_radius_mm - 1) > SAME_RADIUS:  # not where the table does not say
@@ -267,7 +270,7 @@ def worlds_for(camera: Camera | None, domes: str | None, specimen_height_mm: flo
                 found=f"{OUTER_RADIUS_MM * scale:.4g} mm",
                 do="Give that radius under [sensor] in camera.toml, or the tables of this sensor.",
             )  # fmt: skip
-    return worlds(domes, specimen_height_mm and specimen_height_mm / scale)
+    return specimen_height_mm and specimen_height_mm / scale
 
 
 def _misfit(fit: FrontFit, pins_px: Array) -> float:
