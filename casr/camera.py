@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from casr.errors import CameraError
 
 _COUNTS = ("width_px", "height_px")
-_ABOVE_ZERO = (*_COUNTS, "fx_px", "fy_px", "depth_mm", "frame_rate_hz")
+_ABOVE_ZERO = (*_COUNTS, "fx_px", "fy_px", "depth_mm", "frame_rate_hz", "depth_sd_mm")
 # cv2 stops after 5 rounds by default, which leaves hundredths of a pixel near the rim
 _UNDISTORT_TO_THE_END = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-12)
 
@@ -22,12 +22,14 @@ _UNDISTORT_TO_THE_END = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1
 class Sensor:
     """What is known of the sensor before the camera; None where it is not.
 
-    pin_length_mm : from the inner face of the skin to the tip of a pin. dome_radius_mm : outer radius of the dome.
+    pin_length_mm : from the inner face of the skin to the tip of a pin; pin_length_sd_mm : its standard error.
+    dome_radius_mm : outer radius of the dome.
     CameraError : a value of another type, not finite, or not above 0 where it must be.
     """
 
     pin_length_mm: float | None = None
     dome_radius_mm: float | None = None
+    pin_length_sd_mm: float | None = None
 
     def __post_init__(self) -> None:
         for name, value in self.known().items():
@@ -47,6 +49,7 @@ class Camera:
     depth_mm : distance from camera to pins, from the depth sensor, used in eq. (5).
     distortion : OpenCV's (k1, k2, p1, p2[, k3, ...]); empty when the frames are already undistorted.
     frame_rate_hz : frames per second. sensor : what lies before the camera, as far as it is known.
+    depth_sd_mm : standard error of depth_mm, or None.
     CameraError : a value of another type, not finite, or not above 0 where it must be.
     """
 
@@ -60,12 +63,14 @@ class Camera:
     distortion: tuple[float, ...] = ()
     frame_rate_hz: float = 20.0
     sensor: Sensor = Sensor()
+    depth_sd_mm: float | None = None
 
     def __post_init__(self) -> None:
         for name in KEYS:
             # plain Python numbers, so that cameras compare, print and are written alike
-            if name != "distortion":
-                value = _number(f"camera.{name}", getattr(self, name), name in _ABOVE_ZERO, name in _COUNTS)
+            value = getattr(self, name)
+            if name != "distortion" and (name, value) != ("depth_sd_mm", None):
+                value = _number(f"camera.{name}", value, name in _ABOVE_ZERO, name in _COUNTS)
                 object.__setattr__(self, name, value)
         object.__setattr__(self, "distortion", _coefficients(self.distortion))
         if not isinstance(self.sensor, Sensor):
@@ -76,7 +81,8 @@ class Camera:
     def to_toml(self) -> str:
         """A camera.toml: the table ``[camera]``, and ``[sensor]`` if anything is known of it; reading it gives back
         the very same camera."""
-        values = {name: getattr(self, name) for name in KEYS} | {"distortion": list(self.distortion)}
+        every = {name: getattr(self, name) for name in KEYS} | {"distortion": list(self.distortion)}
+        values = {name: value for name, value in every.items() if value is not None}
         sensor = self.sensor.known()
         return _table("camera", values) + (f"\n{_table('sensor', sensor)}" if sensor else "")
 

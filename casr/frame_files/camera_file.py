@@ -13,8 +13,8 @@ from casr.atomic import write_text_atomic
 from casr.camera import KEYS, Camera, Sensor
 from casr.errors import CameraError, said_of
 
-# what may be left out: undistorted frames need no coefficients, and areas no frame rate
-_OPTIONAL = {"distortion", "frame_rate_hz"}
+# what may be left out: undistorted frames need no coefficients, areas no frame rate, and depth no standard error
+_OPTIONAL = {"distortion", "frame_rate_hz", "depth_sd_mm"}
 _SENSOR_KEYS = tuple(field.name for field in fields(Sensor))
 
 
@@ -22,8 +22,8 @@ def read_camera(path: Path | str) -> Camera:
     """A camera from the table ``[camera]`` of a TOML file, whose keys are the fields of `Camera`, and from its table
     ``[sensor]``, whose keys are those of `Sensor`.
 
-    ``distortion`` and ``frame_rate_hz`` may be left out, and so may ``[sensor]`` and each of its keys. Other tables of
-    the file are not looked at.
+    ``distortion``, ``frame_rate_hz`` and ``depth_sd_mm`` may be left out, and so may ``[sensor]`` and each of its keys.
+    Other tables of the file are not looked at.
 
     Raises
     ------

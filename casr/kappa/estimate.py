@@ -107,7 +107,10 @@ def _view(camera: Camera, scale: float) -> tuple[DomeView, SensorErrors]:
             found=f"{camera.depth_mm:g} mm and {pin_mm * scale:g} mm", do="Measure both, in millimetres.",
         )  # fmt: skip
     errors = SensorErrors(pole_px=POLE_SD_MM * camera.fx_px / view.depth_mm)
-    return view, errors if known_mm is not None else replace(errors, pin_length_mm=UNKNOWN_PIN_SD_MM)
+    if (depth_sd_mm := camera.depth_sd_mm) is not None:
+        errors = replace(errors, depth=depth_sd_mm / camera.depth_mm)
+    pin_sd_mm = UNKNOWN_PIN_SD_MM if known_mm is None else camera.sensor.pin_length_sd_mm
+    return view, errors if pin_sd_mm is None else replace(errors, pin_length_mm=pin_sd_mm / scale)
 
 
 def _undistorted(press: KappaPress, camera: Camera) -> KappaPress:

@@ -107,7 +107,13 @@ ANY = st.floats(allow_nan=False, allow_infinity=False)
         depth_mm=ABOVE_ZERO,
         distortion=st.sampled_from([0, 4, 5, 8]).flatmap(lambda n: st.tuples(*[ANY] * n)),
         frame_rate_hz=ABOVE_ZERO,
-        sensor=st.builds(Sensor, pin_length_mm=st.none() | ABOVE_ZERO, dome_radius_mm=st.none() | ABOVE_ZERO),
+        sensor=st.builds(
+            Sensor,
+            pin_length_mm=st.none() | ABOVE_ZERO,
+            dome_radius_mm=st.none() | ABOVE_ZERO,
+            pin_length_sd_mm=st.none() | ABOVE_ZERO,
+        ),
+        depth_sd_mm=st.none() | ABOVE_ZERO,
     )
 )
 def test_what_is_written_is_read_back_exactly(tmp_path, camera):
@@ -145,6 +151,8 @@ def test_a_table_sensor_is_written_only_when_something_is_known():
         (REQUIRED + "distortion = 'none'\n", r"camera.distortion: .* found 'none'"),
         (REQUIRED + "sensor = 2\n", r"\[camera\] sensor: .* found the unknown key sensor"),
         ("sensor = 2\n" + REQUIRED, r"expected a table \[sensor\], but found sensor = 2"),
+        (REQUIRED + "depth_sd_mm = 0\n", r"camera.toml, camera.depth_sd_mm: expected a number above 0, but found 0"),
+        (REQUIRED + "[sensor]\npin_length_sd_mm = 'small'\n", r"sensor.pin_length_sd_mm: .* found 'small'"),
         (REQUIRED + "[sensor]\npin_length = 2\n", r"\[sensor\] pin_length: .* Did you mean pin_length_mm\?"),
         (REQUIRED + "[sensor]\npin_length_mm = 0\n", r"camera.toml, sensor.pin_length_mm: expected a number above 0"),
         (

@@ -121,6 +121,19 @@ def test_a_sensor_of_unknown_pin_length_says_so(presses: list[KappaPress]) -> No
     assert any("pin_length_mm" in note for note in estimate_kappa(presses[-4:], camera).notes)
 
 
+def test_errors_that_camera_toml_states_take_the_place_of_the_usual_ones(presses: list[KappaPress]) -> None:
+    usual, sharp = (
+        estimate_kappa(presses[-2:], camera).labels
+        for camera in (
+            CAMERA,
+            replace(CAMERA, depth_sd_mm=1e-3, sensor=replace(CAMERA.sensor, pin_length_sd_mm=1e-3)),
+        )
+    )
+    sds = [np.sqrt(np.diag(np.linalg.inv(each.precision)))[1:3] for each in (usual, sharp)]
+    assert (sds[1] <= [1e-3, 2e-5]).all()
+    assert (sds[0] > 10 * sds[1]).all()
+
+
 @pytest.mark.parametrize(
     ("change", "error", "words"),
     [
