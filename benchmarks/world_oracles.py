@@ -31,7 +31,7 @@ from emg2vsa.worlds.contact import (
     simulate_presses,
 )
 from emg2vsa.worlds.contact.press_path import PressPaths
-from emg2vsa.worlds.contact.stiffness_effect import FrameErrors, frames_of, power_rates
+from emg2vsa.worlds.contact.stiffness_effect import FrameErrors, frames_of
 
 mp.mp.dps = 30
 NAMES = ("S1", "S2", "S3", "S5")
@@ -362,8 +362,10 @@ def timing() -> None:
     for condition in CONDITIONS:
         logs = []
         for name in ("S1", "S2"):
-            frames = frames_of(runs[name, condition], 0, rng.uniform(0, 0.05, draws), errors, rng)
-            logs.append(np.log(power_rates(*frames, by_force=False)))
+            force, area = frames_of(runs[name, condition], 0, rng.uniform(0, 0.05, draws), errors, rng)
+            lines = [np.polyfit(np.log(f[f > 0]), np.log(a[f > 0]), 1) for f, a in zip(force, area, strict=True)]
+            power, level = np.transpose(lines)
+            logs.append(np.log(np.exp(level) * (7**power - 0.5**power)))
         sd = [float(each.std()) for each in logs]
         d = float((logs[1].mean() - logs[0].mean()) / math.sqrt((sd[0] ** 2 + sd[1] ** 2) / 2))
         pair, _, of_d = texts[condition].partition(" ")

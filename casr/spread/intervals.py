@@ -15,23 +15,34 @@ CONFIDENCE = 0.95
 "Of the intervals."
 
 
-def standard_error(values: Vector, trend: NDArray[np.float64], weights: Vector) -> tuple[float, float]:
+FEW_POINTS = 5
+"Of fewer areas on a law of three parameters the errors do not tell alone how far they scatter."
+
+
+def standard_error(
+    values: Vector, trend: NDArray[np.float64], weights: Vector, thought_sd: float = 0.0
+) -> tuple[float, float]:
     """Standard error of ``weights @ values`` for errors that follow a first-order autoregression, and its freedom.
 
     The errors are what ``trend``, (n, k) columns, leaves over; the degrees of freedom it takes are given back to both
-    the correlation and the variance.
+    the correlation and the variance. The correlation is drawn to 0 as far as so few errors do not tell it.
+
+    thought_sd : of an error, before it is seen; it counts for as many as are missing to ``FEW_POINTS``.
     """
     n = values.size
     trend = np.linalg.qr(trend)[0]
     error = values - trend @ (trend.T @ values)
     power = float(error @ error)
-    lost = trend.shape[1]
-    if power <= (1e-12 * float(np.abs(values).max())) ** 2 * n:
+    lost, thought = trend.shape[1], max(FEW_POINTS - n, 0) if thought_sd else 0
+    if not thought and power <= (1e-12 * float(np.abs(values).max())) ** 2 * n:
         return 0.0, float(n - lost)
-    correlation = (n * float(error[1:] @ error[:-1]) / power + lost) / (n - lost - 1)
+    told = max(n - lost - 1, 0)
+    correlation = (n * float(error[1:] @ error[:-1]) / max(power, 1e-300) + lost) * told / (told**2 + n)
     correlation = min(max(correlation, 0.0), 0.95)
     left = max(n - sum(float(column @ _correlated(column, correlation)) for column in trend.T), 1.0)
-    return float(np.sqrt(power / left * (weights @ _correlated(weights, correlation)))), left
+    freedom = left + thought
+    variance = (power + thought * thought_sd**2) / freedom
+    return float(np.sqrt(variance * (weights @ _correlated(weights, correlation)))), freedom
 
 
 def _correlated(values: Vector, correlation: float) -> Vector:

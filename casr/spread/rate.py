@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import FramesError, SettingError
-from casr.spread.curves import PowerLaw, fit_power_law, force_slope
+from casr.spread.curves import PowerLaw, fit_power_laws, force_slope
 from casr.spread.intervals import CONFIDENCE, normal_quantile, student_quantile
 
 Points = tuple[NDArray[np.float64], NDArray[np.float64], tuple[str, ...]]
@@ -124,7 +124,7 @@ def spread_rate(
 
     area : (T,) contact areas, the first one A_c0. force_n : (T,) force per frame, N; frames with NaN are left out.
     rule : ``power``: mean rate from the lower to the higher force of ``window_n`` on the power law through the areas
-        (``fit_power_law``), wherever between or near them the first and the last frame fell. ``slope``: slope of the
+        (``fit_power_laws``), wherever between or near them the first and the last frame fell. ``slope``: slope of the
         line through A(F) over the forces that were reached; where the force does not rise, neighbouring frames are
         pooled (``pooled``). Both leave out dips of the force (``outside_dips``). ``paper``: eq. (2) as printed, the sum
         over frames of dA/dF with F_0 = 0.
@@ -165,7 +165,7 @@ def _power(
             found=f"{int((area <= 0).sum())} of {area.size} at {area.min():.3g} or so",
             do="Check the growth of these frames, or use rule 'slope'.",
         )  # fmt: skip
-    fit = fit_power_law(area, force_n)
+    fit = fit_power_laws(area, force_n)
     value, error = fit.law.mean_rate(*window_n), fit.standard_error(*window_n)
     if not (force_n[0] <= FAR * window_n[0] and force_n.max() >= window_n[1] / FAR):
         seen = f"{force_n[0]:.2g} to {force_n.max():.2g} N"

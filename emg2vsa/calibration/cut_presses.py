@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from casr.spread import fit_power_laws
 from emg2vsa.arrays import Floats, Ints
 
 STEP_N = 0.2
@@ -44,19 +45,17 @@ def cut_all(cut: Cut, curves: Sequence[Sequence[tuple[Floats, Floats]]], start_n
 def cut_rates(force_n: ArrayLike, area: ArrayLike, start_n: float, stop_n: Floats) -> Floats:
     """Mean rate (G,) from ``start_n`` to each of ``stop_n`` (G,) of the power law through the frames up to there.
 
-    Frames weigh their force, as in ``casr.spread``. NaN where there are fewer than three frames, or none near the
+    NaN where there are fewer than three frames, or none near the
     force. Frames below an earlier force are left out: going down, a contact keeps more of its area than it had.
     """
     force, areas = rising(np.asarray(force_n, dtype=np.float64), np.asarray(area, dtype=np.float64))
     used = (force >= start_n) & (areas > 0)
     force, areas = force[used], areas[used]
     count = np.asarray(np.searchsorted(force, stop_n + ROUNDING_N, side="right"), dtype=np.int64)
-    x, y = np.log(force), np.log(areas)
     rates = np.full(stop_n.shape, np.nan)
-    good = _near(force, count, stop_n, LEAST_FRAMES)
-    exponent, level = _lines(force, x, y, count[good])
-    stop = stop_n[good]
-    rates[good] = np.exp(level) * (stop**exponent - start_n**exponent) / (stop - start_n)
+    if (good := _near(force, count, stop_n, LEAST_FRAMES)).any():
+        up_to = np.where(np.arange(force.size) < count[good][:, None], areas, np.nan)
+        rates[good] = fit_power_laws(up_to, force).mean_rates(start_n, stop_n[good])
     return rates
 
 
@@ -85,16 +84,6 @@ def _near(force: Floats, count: Ints, stop_n: Floats, least: int) -> NDArray[np.
     good = np.asarray(count >= least)
     good[good] = force[count[good] - 1] >= REACH * stop_n[good]
     return good
-
-
-def _lines(weight: Floats, x: Floats, y: Floats, count: Ints) -> tuple[Floats, Floats]:
-    """Slopes and levels at x = 0 of the lines through the first ``count`` points, weighted."""
-    middle = x.mean() if x.size else 0.0
-    x = x - middle
-    sums = np.cumsum(np.stack([weight, weight * x, weight * y, weight * x * x, weight * x * y]), axis=1)
-    w, wx, wy, wxx, wxy = sums[:, count - 1]
-    slope = (w * wxy - wx * wy) / (w * wxx - wx**2)
-    return slope, (wy - slope * wx) / w - slope * middle
 
 
 def rising(force_n: Floats, values: Floats) -> tuple[Floats, Floats]:

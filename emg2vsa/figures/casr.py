@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from casr.spread.curves import fit_power_law
+from casr.spread import fit_power_laws
 from casr.spread.rate import MIN_STEP_N
 from emg2vsa.arrays import Floats, mean_of
 from emg2vsa.calibration.forms import kappa_of, x_of
@@ -108,8 +108,7 @@ class RateSeries:
         if self.exponential:
             rate, level = np.polyfit(force_n, np.log(area), 1)
             return at, rate * np.exp(level + rate * at)
-        law = fit_power_law(area, force_n).law
-        return at, law.exponent * law.area(at) / at
+        return at, fit_power_laws(area, force_n).law.rate(at)
 
 
 def draw_rates(rows: Sequence[tuple[str, Sequence[RateSeries]]], unit: str) -> Figure:

@@ -67,7 +67,7 @@ region, contact: its divergence over the contact
 region, image: its mean divergence over the whole image
 area_law, ode: the exponential of its sum
 area_law, paper: equation (1) as printed, which multiplies its sum over the whole press by force
-rate, power: the mean slope of a power law A = k Fᵐ through area and force from {low:g} to {high:g} N
+rate, power: the mean slope of a power law that bends, A = k F^(m + c ln F), from {low:g} to {high:g} N
 rate, slope: the slope of the line through area and force
 rate, paper: the sum of the quotients of area and force differences, equation (2) as printed
 law, compliance: 1/κ = a + b CASR^1.5 (sensor and specimen in series, contact after Hertz [@hertz])

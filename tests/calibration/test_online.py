@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from casr.spread.curves import fit_power_law
+from casr.spread import spread_rate
 from emg2vsa.calibration.cut_presses import cut_all, cut_forces, cut_rates, cut_travel, rising
 from emg2vsa.calibration.online import (
     BOTH,
@@ -75,8 +75,12 @@ def test_rates_are_those_of_the_power_law_between_the_two_forces():
 def test_a_whole_press_has_the_rate_that_casr_gives_it():
     rng = np.random.default_rng(5)
     area = 30 * FORCES_N**0.4 * (1 + 0.01 * rng.standard_normal(FORCES_N.size))
-    whole = fit_power_law(area, FORCES_N).law.mean_rate(0.5, 7.0)
-    assert cut_rates(FORCES_N, area, 0.5, np.array([7.0]))[0] == pytest.approx(whole, rel=2e-3)
+    area[3] *= 1.4
+    for n in (3, 4, 7, FORCES_N.size):
+        whole = spread_rate(area[:n], FORCES_N[:n], window_n=(0.5, FORCES_N[n - 1])).value
+        cut = cut_rates(FORCES_N, area, 0.5, np.array([FORCES_N[n - 1], 99.0]))
+        assert cut[0] == pytest.approx(whole, rel=1e-9)
+        assert np.isnan(cut[1])
 
 
 def test_frames_below_an_earlier_force_are_left_out():

@@ -90,9 +90,8 @@ def test_all_runs_are_made_as_they_were(run: str, tmp_path: Path) -> None:
     assert digest(tmp_path / "run" / "log.csv") == DIGESTS["runs"][run]["log.csv"]
 
 
-@pytest.mark.parametrize(("run", "rate"), [("S1_0_modular", 60.11), ("S5_0_modular", 89.89)])
+@pytest.mark.parametrize(("run", "rate"), [("S1_0_modular", 60.73), ("S5_0_modular", 90.84)])
 def test_stored_presses_are_scored_as_before_and_near_their_truth(run: str, rate: float, tmp_path: Path) -> None:
-    """The camera's delay is not corrected here: it makes the rates 7 % too large."""
     for name in ("force.csv", "camera.toml"):
         shutil.copy(FIXTURE / run / name, tmp_path / name)
     frames = tmp_path / "frames.tif"
@@ -101,4 +100,4 @@ def test_stored_presses_are_scored_as_before_and_near_their_truth(run: str, rate
     truth, found = json.loads((FIXTURE / run / "truth.json").read_text()), score(open_frames(tmp_path))
     assert found.rate is not None
     assert found.rate.value == pytest.approx(rate, rel=2e-3)
-    assert found.rate.value == pytest.approx(truth["casr_mm2_per_n"], rel=0.1)
+    assert found.rate.value == pytest.approx(truth["casr_mm2_per_n"], rel=0.03)

@@ -16,7 +16,6 @@ from emg2vsa.errors import DataError
 from emg2vsa.worlds import VERSION
 
 TRUTH_FILE = "truth.json"
-_EVEN_FORCES = 1001
 _DO = "Emulate the run again."
 
 
@@ -48,10 +47,9 @@ class TrueLoading:
 
     @property
     def casr_mm2_per_n(self) -> float:
-        """Slope of the least-squares line through the curve over the force axis, where CASR is defined."""
-        force_n = np.linspace(*WINDOW_N, _EVEN_FORCES)
-        centred = force_n - force_n.mean()
-        return float(centred @ self.area_at(force_n) / (centred @ centred))
+        """Mean rate from the lower to the higher force over which CASR is defined, as scores have it."""
+        first, last = self.area_at(WINDOW_N).tolist()
+        return float(last - first) / (WINDOW_N[1] - WINDOW_N[0])
 
 
 _NONE = TrueLoading(np.empty(0), np.empty(0))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from casr.spread import spread_rate
+from casr.spread import fit_power_laws, spread_rate
 from emg2vsa.arrays import Floats
 from emg2vsa.dome_contact import PowerLaw
 from emg2vsa.errors import DataError
@@ -168,8 +168,8 @@ class _Pressed:
             for p in range(_presses(run)):
                 if p % self._count < specimens:
                     firsts = rng.uniform(0, 1 / self._bench.rate_hz, _DRAWS)
-                    frames = self._frames(run, p, firsts, errors, rng)
-                    found.append(power_rates(*frames, self._bench.window_n))
+                    force_n, area_mm2 = self._frames(run, p, firsts, errors, rng)
+                    found.append(fit_power_laws(area_mm2, force_n).mean_rates(*self._bench.window_n))
         return np.array(found).reshape(-1, specimens, _DRAWS).swapaxes(0, 1)
 
     def _frames(
@@ -219,24 +219,3 @@ def frames_of(
     areas = np.interp(stamps_s - late_s, time_s, area) * (1 + rng.normal(0, errors.area_share, stamps_s.shape))
     seen = (stamps_s <= time_s[-1]) & (forces >= window_n[0]) & (forces <= window_n[1]) & (areas > 0)
     return np.where(seen, forces, np.nan), np.where(seen, areas, np.nan)
-
-
-def power_rates(
-    force_n: Floats, area_mm2: Floats, window_n: tuple[float, float] = (0.5, 7.0), *, by_force: bool = True
-) -> Floats:
-    """(D,) mean rate over the window, mm2/N, of the power law through each press: a line of ln area on ln force.
-
-    A frame weighs its force, as in ``casr.spread`` (which also draws areas far off towards the line), or all frames
-    weigh alike. force_n, area_mm2 : (D, T) as of `frames_of`. NaN with fewer than two frames.
-    """
-    seen = np.isfinite(force_n)
-    x, y = np.log(np.where(seen, force_n, 1.0)), np.log(np.where(seen, area_mm2, 1.0))
-    weights = np.where(seen, force_n if by_force else 1.0, 0.0)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        weights = weights / weights.sum(axis=1, keepdims=True)
-        middle_x, middle_y = (weights * x).sum(axis=1), (weights * y).sum(axis=1)
-        off = x - middle_x[:, None]
-        power = (weights * off * y).sum(axis=1) / (weights * off**2).sum(axis=1)
-        level = np.exp(middle_y - power * middle_x)
-        low, high = window_n
-        return np.asarray(level * (high**power - low**power) / (high - low))

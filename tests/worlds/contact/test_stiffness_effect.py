@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from casr.specimens import SPECIMENS
-from casr.spread import spread_rate
+from casr.spread import fit_power_laws
 from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS
 from emg2vsa.dome_contact import PowerLaw
 from emg2vsa.errors import DataError
@@ -17,7 +17,6 @@ from emg2vsa.worlds.contact.stiffness_effect import (
     FrameErrors,
     frames_of,
     materials_of,
-    power_rates,
     stiffness_effect,
 )
 
@@ -124,7 +123,9 @@ def test_frames_without_errors_lie_on_the_press() -> None:
     assert force[seen].max() <= 7.0
     assert seen.sum(axis=1).mean() == pytest.approx(20 * float(ONE_PRESS.duration_s()[0]), rel=0.02)
     assert area[seen] == pytest.approx(ONE_LAW.area_mm2(force[seen]), rel=1e-4)
-    assert power_rates(force, area) == pytest.approx((ONE_LAW.area_mm2(7.0) - ONE_LAW.area_mm2(0.5)) / 6.5, rel=1e-4)
+    assert fit_power_laws(area, force).mean_rates(0.5, 7.0) == pytest.approx(
+        (ONE_LAW.area_mm2(7.0) - ONE_LAW.area_mm2(0.5)) / 6.5, rel=1e-4
+    )
 
 
 def test_a_delay_shows_an_earlier_contact_of_one_press_and_jitter_that_of_a_frame() -> None:
@@ -138,20 +139,3 @@ def test_a_delay_shows_an_earlier_contact_of_one_press_and_jitter_that_of_a_fram
     assert np.nanstd(late["latency_sd_s"]) == pytest.approx(0.005, rel=0.15)
     assert np.nanmedian(np.nanstd(late["latency_sd_s"], axis=1)) < 1e-6
     assert np.nanmean(np.nanstd(late["jitter_s"], axis=1)) == pytest.approx(0.005, rel=0.15)
-
-
-def test_the_rates_are_those_of_casr() -> None:
-    force, area = frames_with(FrameErrors(area_share=0.01, force_n=0.01, latency_sd_s=0.005, jitter_s=0.005))
-    ours, theirs = power_rates(force, area), []
-    for f, a in zip(force, area, strict=True):
-        theirs.append(spread_rate(a[np.isfinite(a)], f[np.isfinite(f)]).value)
-    # casr draws areas far off towards the line, which few are
-    assert np.median(np.abs(ours / np.array(theirs) - 1)) < 1e-9
-    assert np.abs(ours / np.array(theirs) - 1).max() < 0.05
-    assert ours.std() > 0.01 * ours.mean()
-
-
-def test_too_few_frames_have_no_rate() -> None:
-    nan = np.nan
-    rates = power_rates(np.array([[1.0, nan], [nan, nan]]), np.array([[100.0, nan], [nan, nan]]))
-    assert np.isnan(rates).all()
