@@ -246,7 +246,9 @@ def _kappa(name: str, labels: Labels, posteriors: dict[str, Posterior], known: f
     expected = (promised_high - promised_low) / (2 * value)
     rows = [k for k, field in enumerate(labels.fields) if field.press.specimen == name]
     bound_sd = bound.log_kappa(name)[1]
-    by_cue = {cue: posteriors[cue].log_kappa(name) for cue in posteriors if cue}
+    by_cue = {
+        cue: (one.log_kappa(name)[0], one.widened * one.log_kappa(name)[1]) for cue, one in posteriors.items() if cue
+    }
     return Kappa(
         specimen=name, known=known, value=value, low=low, high=high, log_sd=of.widened * sd, expected=expected,
         determined=expected <= DETERMINED, bound_sd=bound_sd, efficiency=bound_sd / (of.widened * sd),

@@ -132,11 +132,45 @@ class AlgorithmResult:
 
 
 @dataclass(frozen=True, eq=False)
+class PinsResult:
+    """The stiffness of the new specimen by the whole field of the pins (``casr.kappa``), N/mm, with its total interval.
+
+    error : kappa over the known kappa, minus 1. determined : whether the design promises a half width of at most
+    ``casr.kappa.posterior.DETERMINED``; expected : that half width, as a share of kappa. bound_sd : of ln kappa, by the
+    bound of Cramer and Rao for the noise of the pins. efficiency : that over the standard error reached.
+    by_cue : kappa and standard error of ln kappa by each cue alone. misfit : share of the motion that no dome explains.
+    presses : how many of the new specimen count. left_out, left_out_low, left_out_high : (S,) each known specimen as
+    the others say, NaN where they are fewer than two. notes : for the reader.
+    """
+
+    kappa: float
+    low: float
+    high: float
+    error: float
+    determined: bool
+    expected: float
+    bound_sd: float
+    efficiency: float
+    by_cue: dict[str, tuple[float, float]]
+    misfit: float
+    presses: int
+    left_out: Floats
+    left_out_low: Floats
+    left_out_high: Floats
+    notes: tuple[str, ...]
+
+
+Headline = PinsResult | LawResult
+"""Both tell kappa, low, high, error and determined."""
+
+
+@dataclass(frozen=True, eq=False)
 class ConditionResult:
     """One angle and condition.
 
     specimens : S names. known_kappa : (S,) N/mm. exponent : 1 / p of A ~ F^p as the presses show it, 3/2 for Hertz;
     NaN without curves. algorithms : by name. indentation : kappa by force over indentation alone; None without a log.
+    pins : by the pins; None where they tell none, and no_pins says why.
     """
 
     angle_deg: float
@@ -147,6 +181,13 @@ class ConditionResult:
     exponent: float
     algorithms: dict[str, AlgorithmResult]
     indentation: LawResult | None
+    pins: PinsResult | None = None
+    no_pins: str = ""
+
+    def headline(self, algorithm: str) -> Headline | None:
+        """The one estimate that counts: by the pins; where they tell none, by the law through the scores of the
+        study's algorithm; None where there is neither."""
+        return self.pins or (self.algorithms[algorithm].chosen if algorithm in self.algorithms else None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +196,7 @@ class CalibrationResults:
 
     known_kappa_new : N/mm of the new specimen, NaN where not known. conditions : in the order of the runs.
     notes : which angles and conditions could not be calibrated, and why. online : what presses of an unknown specimen
-    are judged by, for every angle and condition with known specimens.
+    are judged by, for every angle and condition with known specimens. algorithm : the vision algorithm that counts.
     """
 
     new_specimen: str
@@ -163,6 +204,7 @@ class CalibrationResults:
     conditions: tuple[ConditionResult, ...]
     notes: tuple[str, ...]
     online: tuple[OnlineCalibration, ...] = ()
+    algorithm: str = ""
 
     def find(self, angle_deg: float, condition: str) -> ConditionResult | None:
         """The entry of one angle and condition; None where there is none."""

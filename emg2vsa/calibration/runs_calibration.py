@@ -16,6 +16,7 @@ from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.calibration.results import CalibrationResults, LawResult
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import ALGORITHMS, RunScores
+from emg2vsa.run_scores.measured import Domes
 from emg2vsa.settings import CalibrationSettings
 
 _LEAST_SPECIMENS = 2
@@ -30,12 +31,14 @@ def calibrate_runs(
     settings: CalibrationSettings | None = None,
     *,
     kappa_se: Mapping[str, float] | None = None,
+    domes: Mapping[str, Domes] | None = None,
 ) -> CalibrationResults:
     """Calibrate every angle and condition at which the new specimen was pressed.
 
     kappa : specimen to its stiffness by plate indentation, N/mm; that of the new specimen, if there, is the truth that
     its estimate is held against and enters no fit. kappa_se : its standard error, 0 where not given. Specimens without
-    a stiffness are left out. Where the study names no new specimen there is nothing to calibrate, and a note says so.
+    a stiffness are left out. domes : specimen to the tables that its pins are held against, those of casr where not
+    given. Where the study names no new specimen there is nothing to calibrate, and a note says so.
     DataError where no run is of the one it names.
     """
     settings = settings or CalibrationSettings()
@@ -51,7 +54,7 @@ def calibrate_runs(
         )
     conditions, notes = _conditions(runs, kappa, new_runs, settings, kappa_se or {})
     scatters = {key: pooled_scatter([each.scores(*key) for each in conditions], settings) for key in _WAYS}
-    results = [each.result({key: of[i] for key, of in scatters.items()}) for i, each in enumerate(conditions)]
+    results = [each.result({key: of[i] for key, of in scatters.items()}, domes) for i, each in enumerate(conditions)]
     return CalibrationResults(new_specimen, kappa.get(new_specimen, float("nan")), tuple(results), tuple(notes))
 
 

@@ -212,6 +212,12 @@ def _calibration_frame(found: CalibrationResults) -> pd.DataFrame:
 
 def _laws(condition: ConditionResult) -> Iterator[dict[str, Any]]:
     shared = {"angle_deg": condition.angle_deg, "condition": condition.condition, "simulated": condition.simulated}
+    if (pins := condition.pins) is not None:
+        yield shared | {
+            "cue": "pins and force", "by": "pins", "kappa_n_per_mm": pins.kappa, "kappa_lo_n_per_mm": pins.low,
+            "kappa_hi_n_per_mm": pins.high, "determined": pins.determined, "relative_error": pins.error,
+            "notes": "; ".join(pins.notes),
+        }  # fmt: skip
     for name, algorithm in condition.algorithms.items():
         yield shared | {"cue": name, "by": "chosen"} | _law(algorithm.chosen)
         yield shared | {"cue": name, "by": "paper"} | _law(algorithm.paper)

@@ -15,9 +15,11 @@ from casr.doubts import Stretch, stretch_of
 from casr.errors import CasrError
 from casr.flow.estimate import FlowSettings
 from casr.frames import FrameSequence
+from casr.kappa.presses import KappaPress
 from casr.scored import WHOLE_IMAGE, Score, ScoreSettings, SkinScore
 from casr.scoring import score, score_skin
 from emg2vsa.arrays import Floats
+from emg2vsa.run_scores.product import PressPins
 from emg2vsa.settings import RECIPES, Recipe, RunSettings
 
 
@@ -107,6 +109,19 @@ class Measured:
     def stretch(self) -> Stretch | None:
         """How the skin of first contact grew against the contact; None where the front is not determined."""
         return None if self._seen is None else stretch_of(self._seen)
+
+    @property
+    def pins(self) -> PressPins | None:
+        """What stiffness is told from by the pins; None where they cannot be followed in enough frames."""
+        seen = self._seen
+        if seen is None or seen.force_n is None:
+            return None
+        try:
+            press = KappaPress.of_score(seen)
+            press.seen()
+        except CasrError:
+            return None
+        return PressPins(press.rest_px, press.pins_px.astype(np.float32), seen.force_n, press.force_zero_sd_n)
 
     def _need_front(self) -> None:
         assert self._seen is not None

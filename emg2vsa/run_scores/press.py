@@ -12,7 +12,7 @@ from casr.frames import FrameSequence
 from casr.scored import SkinScore
 from emg2vsa.arrays import Floats
 from emg2vsa.run_scores.measured import NO_DOMES, Domes, Measured, Numbers
-from emg2vsa.run_scores.product import ALGORITHMS, PICTURED_N, ContactPicture, PressCurve
+from emg2vsa.run_scores.product import ALGORITHMS, PICTURED_N, ContactPicture, PressCurve, PressPins
 from emg2vsa.settings import RunSettings
 
 _LEAST_ROWS = 5
@@ -46,7 +46,7 @@ class ScoredPress:
     """Numbers of one press, by algorithm; NaN where an algorithm finds nothing (see ``RunScores``).
 
     missing : algorithm to why it has no rate. over_array : see ``measured.Numbers``. by_paper : the skin by the recipe
-    "paper", where that finds some.
+    "paper", where that finds some. pins : see ``RunScores``.
     """
 
     a_c0: dict[str, float]
@@ -60,6 +60,7 @@ class ScoredPress:
     over_array: dict[str, float]
     notes: tuple[str, ...]
     by_paper: SkinScore | None
+    pins: PressPins | None
 
 
 def score_press(press: Press, settings: RunSettings, domes: Domes = NO_DOMES) -> ScoredPress:
@@ -106,6 +107,7 @@ def score_press(press: Press, settings: RunSettings, domes: Domes = NO_DOMES) ->
         over_array={name: found.over_array for name, found in by.items()},
         notes=measured.notes,
         by_paper=measured.by_paper,
+        pins=measured.pins,
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +77,19 @@ class FirstContact:
     selected: Ints
 
 
+@dataclass(frozen=True, eq=False)
+class PressPins:
+    """The pins of one press in its loaded frames: what ``casr.kappa`` tells stiffness from.
+
+    rest_px : (N, 2). pins_px : (T, N, 2), NaN where lost. force_n : (T,). force_zero_sd_n : N, of the force's zero.
+    """
+
+    rest_px: Floats
+    pins_px: Floats
+    force_n: Floats
+    force_zero_sd_n: float
+
+
 @dataclass(frozen=True)
 class WeighedPress:
     """Press number ``press`` in the folder of a run, and the stiffness of its specimen by force over depth of it alone.
@@ -126,7 +140,8 @@ class RunScores:
     simulated : the run was emulated. over_bytes : False where drivers of an emulated rig skipped the wire. setup : how
     its folders say that it was made, such as ``f_max_n``, ``rate_hz`` of the control loop, ``frame_rate_hz``: each
     value once. first_contact : of the first press in which Algorithm 1 finds pins. notes : once each. weighed :
-    presses of the rig by their own files, those without a score among them.
+    presses of the rig by their own files, those without a score among them. pins : R, of the presses that kappa can be
+    told from by their pins. camera : that they were seen by, as the arguments of ``casr.camera.Camera``; empty without.
     """
 
     specimen: str
@@ -156,6 +171,8 @@ class RunScores:
     setup: dict[str, tuple[float, ...]] = field(default_factory=dict)
     over_bytes: bool = True
     weighed: tuple[WeighedPress, ...] = ()
+    pins: tuple[PressPins | None, ...] = ()
+    camera: dict[str, Any] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         usable = self.verdicts.count("ok")

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from casr.camera import KEYS, Camera
 from casr.errors import CasrError
 from emg2vsa.arrays import Floats
 from emg2vsa.run_scores.counted_pins import counted_pins
@@ -40,9 +42,12 @@ def score_run(
     first_n: list[float] = []
     first_contact: FirstContact | None = None
     unit_of_rejected = "mm2"
+    cameras: set[Camera | None] = set()
     for press in map(_decoded_once, presses):
         found, reason = _tried(press, settings, domes)
-        if not found:
+        if found and press.frames:
+            cameras.add(press.frames.camera)
+        else:
             unit_of_rejected = press.area_unit
         repetitions.append(press.repetition)
         mountings.append(press.mounting)
@@ -92,7 +97,15 @@ def score_run(
                 )
             )
         ),
+        pins=tuple(found.pins if found else None for found in scored),
+        camera=_one_camera(cameras),
     )
+
+
+def _one_camera(cameras: set[Camera | None]) -> dict[str, Any]:
+    """The arguments of ``Camera``; empty where there is none, or more than one."""
+    camera = cameras.pop() if len(cameras) == 1 else None
+    return {} if camera is None else {**{key: getattr(camera, key) for key in KEYS}, "sensor": camera.sensor.known()}
 
 
 def _by_algorithm(numbers: Sequence[dict[str, float] | None]) -> dict[str, Floats]:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from emg2vsa.pipeline.stage import Given, Stage
+from emg2vsa.pipeline.stage import Given, Keyed, Stage
 
 if TYPE_CHECKING:
-    from emg2vsa.calibration.results import CalibrationResults
+    from emg2vsa.calibration.results import CalibrationResults, ConditionResult
     from emg2vsa.pipeline.campaign import Campaign
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     study = campaign.study
+    domes = study.runs_source.domes if study.runs_source else None
     kappa, errors = study.kappa_of_scores
     return {
         "calibration": study.calibration,
@@ -22,8 +25,16 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
         "force_n": study.scoring.force_n,
         "study": study.name,
         "mode": study.mode,
-        **({"domes": study.runs_source.domes.name} if study.runs_source and study.runs_source.domes else {}),
+        "algorithm": study.scoring.algorithm,
+        "heights_mm": {each.name: each.height_mm for each in study.specimens},
+        **({"domes": Keyed(str(domes), domes.name)} if domes else {}),
     }
+
+
+def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
+    """A sensor's own tables of domes."""
+    source = campaign.study.runs_source
+    return {"domes": sorted(source.domes.glob("*.npz"))} if source and source.domes else {}
 
 
 def run(given: Given) -> CalibrationResults:
@@ -31,31 +42,44 @@ def run(given: Given) -> CalibrationResults:
 
     import emg2vsa
     from emg2vsa.calibration.runs_calibration import calibrate_runs, online_calibrations
+    from emg2vsa.run_scores.measured import Domes
 
     used, scores = given.settings, given.all("runs")
     specimens, new, settings, errors = (
         used[name] for name in ("specimens", "new_specimen", "calibration", "standard errors")
     )
     provenance = {"study": used["study"], "mode": used["mode"], "emg2vsa": emg2vsa.__version__}
-    provenance |= {"domes": used["domes"]} if "domes" in used else {}
+    folder, heights = used.get("domes"), used["heights_mm"]
+    provenance |= {"domes": Path(folder).name} if folder else {}
     online = online_calibrations(
         scores, specimens, new, used["force_n"], settings, kappa_se=errors, provenance=provenance
     )  # fmt: skip
-    found = calibrate_runs(scores, specimens, new, settings, kappa_se=errors)
+    domes = {each.specimen: Domes(folder, heights.get(each.specimen) if folder else None) for each in scores}
+    found = calibrate_runs(scores, specimens, new, settings, kappa_se=errors, domes=domes)
     notes = tuple(
         f"{each.angle_deg:g}°, {each.condition}: no calibration file, because CASR does not rise with softness. "
         "Check the stiffnesses of the specimens."
         for each in online
         if not each.rises
     )
-    return replace(found, online=tuple(each for each in online if each.rises), notes=(*found.notes, *notes))
+    rising = tuple(each for each in online if each.rises)
+    return replace(found, online=rising, notes=(*found.notes, *notes), algorithm=used["algorithm"])
 
 
 def says(results: CalibrationResults) -> str:
-    return "" if results.conditions else " ".join(results.notes)
+    """The one estimate of each design, or why there is none."""
+    told = [f"{each.condition} {each.angle_deg:g}° {_said(each, results)}" for each in results.conditions]
+    return f"kappa of {results.new_specimen}, N/mm: {', '.join(told)}" if told else " ".join(results.notes)
+
+
+def _said(each: ConditionResult, results: CalibrationResults) -> str:
+    one = each.headline(results.algorithm)
+    if one is None or not one.low <= one.kappa:
+        return "none"
+    return f"{one.kappa:.3g} [{one.low:.3g}, {one.high:.3g}]{'' if one.determined else ' not determined'}"
 
 
 STAGE = Stage(
-    per="study", of="runs", needs=("runs",), run=run, settings=settings, says=says,
+    per="study", of="runs", needs=("runs",), run=run, settings=settings, files=files, says=says,
     gives="The stiffness of the new specimen is",
 )  # fmt: skip

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults, ConditionResult, LawResult
+from casr.kappa.posterior import DETERMINED
+from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults, ConditionResult, Headline, LawResult
 from emg2vsa.claims import paper
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
 from emg2vsa.figures.casr import Estimate, draw_calibrations, draw_estimates
@@ -14,13 +15,15 @@ from emg2vsa.report import designs
 from emg2vsa.report.designs import of_kappa, tested
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items, fields_of, with_interval
+from emg2vsa.report.numbers import Items, fields_of, named, with_interval
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.sections import table_one
-from emg2vsa.report.table import Column, Columns, Table, table_of
+from emg2vsa.report.table import Cell, Column, Columns, Table, table_of
 from emg2vsa.report.wording import interval, number
 
 _STIFFEST, *_, _SOFTEST = paper.KAPPA_N_PER_MM
+CUES = {"pins": "pins alone", "force": "force alone", "travel": "travel alone"}
+"""Cues of ``casr.kappa`` to what people call them."""
 _COLUMN = {RIGID: "new_vision", HUMAN_LIKE: "human_like"}
 """Of Table I that is by hexagons, in which each condition stands."""
 ADVANCING_FRONT_ERROR = 0.096
@@ -66,8 +69,24 @@ def _quantities(results: StudyResults) -> Items:
     yield "runs.kappa.advancing_front_error", ADVANCING_FRONT_ERROR
     yield "runs.kappa.mounting_sd_percent", results.study.calibration.mounting_sd_percent
     for each in found.conditions:
-        for name, of in each.algorithms.items():
-            yield from _algorithm(f"runs.{each.condition}.{each.angle_deg:g}.{name}.kappa", of)
+        name = f"runs.{each.condition}.{each.angle_deg:g}"
+        yield from _headline(f"{name}.kappa", each, results.study.scoring.algorithm)
+        for algorithm, of in each.algorithms.items():
+            yield from _algorithm(f"{name}.{algorithm}.kappa", of)
+
+
+def _headline(name: str, each: ConditionResult, algorithm: str) -> Items:
+    one = each.headline(algorithm)
+    yield f"{name}.by", "pins" if each.pins else algorithm
+    if one is not None:
+        yield from with_interval(f"{name}.n_per_mm", one.kappa, one.low, one.high)
+        yield from fields_of(name, one, "determined", "error")
+    if each.pins is not None:
+        yield from fields_of(name, each.pins, "expected", "bound_sd", "efficiency", "misfit", "presses")
+        for cue, (kappa, sd) in each.pins.by_cue.items():
+            yield from named(f"{name}.cue.{cue}", n_per_mm=kappa, sd=sd)
+        for specimen, kappa in zip(each.specimens, each.pins.left_out.tolist(), strict=True):
+            yield f"{name}.left_out.{specimen}", kappa
 
 
 def _algorithm(name: str, of: AlgorithmResult) -> Items:
@@ -86,21 +105,20 @@ def _algorithm(name: str, of: AlgorithmResult) -> Items:
         yield from fields_of(f"{name}.fused", of.fused, "error", "weight")
 
 
-def span(law: LawResult) -> str:
+def span(law: Headline | None) -> str:
     """``5.31 [5.20, 5.42]``, or that the presses determine no κ, and why."""
-    if np.isnan(law.kappa):
+    if law is None or np.isnan(law.kappa):
         return "none: CASR does not follow κ in one direction, or no score"
     if np.isnan([law.low, law.high]).any():
         return f"{number(law.kappa)}, no interval: not determined"
     return f"{interval(law.kappa, law.low, law.high)}{'' if law.determined else ': not determined'}"
 
 
-def holds(of: AlgorithmResult, truth: float) -> bool | None:
+def holds(of: Headline | None, truth: float) -> bool | None:
     """Whether the interval holds the known stiffness; None where either is missing or κ is not determined."""
-    low, high = of.chosen.low, of.chosen.high
-    if not of.chosen.determined or np.isnan([low, truth, high]).any():
+    if of is None or not of.determined or np.isnan([of.low, truth, of.high]).any():
         return None
-    return bool(low <= truth <= high)
+    return bool(of.low <= truth <= of.high)
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
@@ -110,6 +128,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         f"paper.kappa_error.{_COLUMN.get(each.condition, each.condition)}.{each.angle_deg:g}" for each, _ in own
     ]
     design: Columns = {designs.DESIGN: [_design(each) for each, _ in own]}
+    yield _headlines(found, algorithm, [each for each, _ in own], design)
     columns: Columns = design | {
         Column("paper_error", "Paper's error, hexagon (%)", 100.0): list(map(q.get, of_paper)),
         Column("exponential_error", "Error here, paper's law (%)", 100.0): [of.paper.error for _, of in own],
@@ -122,7 +141,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         Column("high", "High"): [of.chosen.high for _, of in own],
         Column("determined", "Determined"): [bool(of.chosen.determined) for _, of in own],
         Column("error", "Error (%)", 100.0): [of.chosen.error for _, of in own],
-        Column("holds", "Interval holds κ"): [holds(of, found.known_kappa_new) for _, of in own],
+        Column("holds", "Interval holds κ"): [holds(of.chosen, found.known_kappa_new) for _, of in own],
         Column("per_percent", "1 % of CASR is (% of κ)"): [of.chosen.amplification for _, of in own],
         Column("mountings", "SD between mountings (%)"): [
             f"{number(100 * of.chosen.mounting_sd)}, {'estimated' if of.chosen.mounting_freedom else 'assumed'}"
@@ -133,10 +152,10 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         ],
     }
     caption = (
-        f"κ of {found.new_specimen} by the {algorithm} algorithm; the interval holds what every law says that the "
-        "known specimens do not reject"
+        f"κ of {found.new_specimen} by the law through CASR, {algorithm} algorithm; the interval holds what every law "
+        "says that the known specimens do not reject"
     )
-    yield table_of("kappa_new", caption, columns)
+    yield table_of("kappa_by_casr", caption, columns)
     curves = {angle: f"{p:g} exp({rate:g} CASR)" for angle, (p, rate) in paper.CURVES.items()}
     columns = design | {
         Column("chosen", "Law here"): [_equation(of.chosen) for _, of in own],
@@ -166,6 +185,40 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     yield table_of("casr_implied", caption, columns)
 
 
+def _headlines(found: CalibrationResults, algorithm: str, designs: Sequence[ConditionResult], first: Columns) -> Table:
+    """The one estimate of every design, and what it rests on."""
+    every, pins = [each.headline(algorithm) for each in designs], [each.pins for each in designs]
+
+    def of(key: str, from_: Sequence[Headline | None] = every) -> list[Cell]:
+        return [getattr(one, key) if one else None for one in from_]
+
+    cues = [one.by_cue if one else {} for one in pins]
+    columns: Columns = first | {
+        Column("by", "By"): ["pins" if one else f"CASR, {algorithm}" for one in pins],
+        Column("kappa_n_per_mm", "κ (N/mm)"): of("kappa"),
+        Column("low", "Low"): of("low"),
+        Column("high", "High"): of("high"),
+        Column("determined", "Determined"): [None if one is None else bool(one.determined) for one in every],
+        Column("error", "Error (%)", 100.0): of("error"),
+        Column("holds", "Interval holds κ"): [holds(one, found.known_kappa_new) for one in every],
+        Column("expected", "Half width expected (%)", 100.0, 2): of("expected", pins),
+        Column("bound_sd", "SD by the pins' noise alone (%)", 100.0, 2): of("bound_sd", pins),
+        Column("efficiency", "That over SD reached", digits=2): of("efficiency", pins),
+        **{
+            Column(f"by_{cue}", f"By {words} (N/mm)"): [
+                f"{number(each[cue][0])} ± {number(100 * each[cue][1], 2)} %" if cue in each else None for each in cues
+            ]
+            for cue, words in CUES.items() if any(cue in each for each in cues)
+        },
+    }  # fmt: skip
+    caption = (
+        f"κ of {found.new_specimen}: where pins and forces would lie on domes like this sensor's, corrected by the "
+        "known specimens; its total 95 % interval. κ is determined where presses and specimens promise a half width of "
+        f"{100 * DETERMINED:g} % or less. The last columns are of one cue alone, with its standard error"
+    )
+    return table_of("kappa_new", caption, columns)
+
+
 def _equation(law: LawResult) -> str | None:
     return law.equation if np.isfinite(law.parameters).all() else None
 
@@ -187,40 +240,41 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     if not own:
         return
     new, look = found.new_specimen, designs.looks(results)
-    truth, told = found.known_kappa_new, "; ".join(f"{_design(each)}: {span(of.chosen)} N/mm" for each, of in own)
-    rows = [
-        Estimate(_design(each), of.chosen.kappa, of.chosen.low, of.chosen.high, of.chosen.determined, look[new])
-        for each, of in own
-    ]
+    every = [(_design(each), each.headline(algorithm)) for each, _ in own]
+    truth, told = found.known_kappa_new, "; ".join(f"{design}: {span(one)} N/mm" for design, one in every)
+    rows = [Estimate(design, one.kappa, one.low, one.high, one.determined, look[new]) for design, one in every if one]
     known = dict(zip(own[0][0].specimens, own[0][0].known_kappa.tolist(), strict=True))
     figure = draw_estimates([("", rows)], f"κ of {new} (N/mm)", truth, known)
     caption = (
-        f"Fig. C2. κ of {new} in every design ({algorithm} algorithm), with 95 % intervals, on a logarithmic axis; "
-        "dashed: known κ; hollow: not determined."
+        f"Fig. C2. κ of {new} in every design, with 95 % intervals, on a logarithmic axis; dashed: known κ; hollow: not "
+        "determined."
     )
     title = f"Stiffness of {new} beside the known one"
     yield designs.drawing(results, "figkappa_truth", title, caption, f"Known: {number(truth)} N/mm. {told}.", figure)
     figure = draw_calibrations([(_design(each), each, of) for each, of in own], look, new, truth)
     caption = (
-        f"Fig. C1. Calibration ({algorithm} algorithm). Full line: {own[0][1].chosen.law} law, which gives κ of {new}; "
-        "dotted: the paper's exponential; pale: presses."
+        f"Fig. C1. Calibration by CASR ({algorithm} algorithm), and κ of {new} by it. Full line: "
+        f"{own[0][1].chosen.law} law; dotted: the paper's exponential; pale: presses."
     )
-    title = f"Calibration, and stiffness of {new}"
+    title = f"Calibration by CASR, and stiffness of {new}"
+    told = "; ".join(f"{_design(each)}: {span(of.chosen)} N/mm" for each, of in own)
     yield designs.drawing(results, "figcal_calibration", title, caption, f"{told}.", figure)
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    found, own = _found(results), _own(results)[1]
+    found, (algorithm, own) = _found(results), _own(results)
+    every = [each.headline(algorithm) for each, _ in own]
     notes: dict[str, list[str]] = {}
     for each, of in own:
-        for note in of.chosen.notes:
+        of_pins = each.pins.notes if each.pins else (f"κ is by CASR, for the pins tell none: {each.no_pins}",)
+        for note in (*of_pins, *(f"By CASR: {note}" for note in of.chosen.notes)):
             notes.setdefault(note, []).append(_design(each))
     told = [f"{n} ({'every design' if len(of) == len(own) else '; '.join(of)})" for n, of in notes.items()]
     return {
         "notes": [*told, *found.notes],
         "designs": len(own),
-        "determined": sum(of.chosen.determined for _, of in own),
-        "held": [holds(of, found.known_kappa_new) for _, of in own].count(True),
+        "determined": sum(one.determined for one in every if one),
+        "held": [holds(one, found.known_kappa_new) for one in every].count(True),
         "truth_known": found.known_kappa_new == found.known_kappa_new,
         "new": found.new_specimen,
         "assumed": any(of.chosen.mounting_freedom == 0 for _, of in own),
@@ -232,19 +286,20 @@ _TEXT = """
 {{ figure("figkappa_truth") }}
 <p>The presses determine κ in {{ determined }} of {{ designs }} designs{% if determined and truth_known %}; in
 {{ held }} of these the interval holds the known κ{% endif %}.
-{% if not truth_known %}The stiffness of {{ new }} is not known, so no error can be stated. {% endif %}
-{% if assumed %}
-Intervals assume an SD of {{ q["runs.kappa.mounting_sd_percent"] | number(2) }} % of CASR between mountings.
-{% endif %}
-{% if truth_known and runs.simulated and study.calibration.law == "compliance" %}
-The simulated world follows the law of this study. On other simulated sensors that law errs by
-{{ law_errors[0] | signed }} to {{ law_errors[1] | signed }} %.
-{% endif %}</p>
+{% if not truth_known %}The stiffness of {{ new }} is not known, so no error can be stated. {% endif %}</p>
+{{ folded("kappa_new", "κ in every design") }}
 {{ figure("figtable1_errors") }}
 {{ folded("table_one", "Table I of the paper beside ours") }}
 {{ folded("recipes", "How each algorithm scores a press") }}
 {{ figure("figcal_calibration") }}
-{{ folded("kappa_new", "κ in every design") }}
+<p>The law through CASR is a companion.
+{% if assumed %}
+Its intervals assume an SD of {{ q["runs.kappa.mounting_sd_percent"] | number(2) }} % of CASR between mountings.
+{% endif %}
+{% if truth_known and runs.simulated and study.calibration.law == "compliance" %}
+On simulated sensors it errs by {{ law_errors[0] | signed }} to {{ law_errors[1] | signed }} %.
+{% endif %}</p>
+{{ folded("kappa_by_casr", "κ by CASR in every design") }}
 {{ folded("calibration_laws", "The fitted laws") }}
 {{ folded("casr_implied", "CASR that the paper's curves imply") }}
 {% if notes %}

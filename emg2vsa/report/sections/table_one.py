@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from emg2vsa.calibration.results import CalibrationResults, LawResult
+from casr.kappa.posterior import DETERMINED
+from emg2vsa.calibration.results import CalibrationResults, Headline
 from emg2vsa.claims import paper
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
 from emg2vsa.figures.casr import Estimate, draw_estimates
@@ -30,14 +31,18 @@ PRINTED = {
     ("paper", HUMAN_LIKE): ("human_like", paper.ERROR_HUMAN_LIKE),
 }
 """Vision algorithm and condition to the key and the errors of a column of the paper's Table I."""
+PINS = "pins"
+"""No algorithm of scores: the one estimate of the study, where it is by the pins."""
 ALGORITHM_NAMES = {
     "circle": "circle (previous)", "paper": "{area_rule} (paper)", "hexagon": "filled hexagon (ours)",
-    "edge": "edge (ours)", "front": "front (ours)",
+    "edge": "edge (ours)", "front": "front (ours)", PINS: "field of pins (ours)",
 }  # fmt: skip
 
 
 def _name(results: StudyResults, algorithm: str) -> str:
     """That of "paper" by its area rule, which a key of the study can set: hexagon (paper) unless it does."""
+    if algorithm == PINS:
+        return ALGORITHM_NAMES[PINS]
     rule = results.study.scoring.recipe_of(algorithm).area_rule
     return ALGORITHM_NAMES[algorithm].format(area_rule="hexagon" if rule == "paper" else rule)
 
@@ -45,6 +50,14 @@ def _name(results: StudyResults, algorithm: str) -> str:
 def _compared(results: StudyResults) -> tuple[str, ...]:
     study = results.study
     return tuple(dict.fromkeys((study.discrimination.old_algorithm, "paper", "front", study.scoring.algorithm)))
+
+
+def _estimate(found: CalibrationResults, condition: str, angle_deg: float, name: str) -> Headline | None:
+    """Of a vision algorithm by the law of the study, or by the pins."""
+    if name != PINS:
+        return found.law(condition, angle_deg, name)
+    design = found.find(angle_deg, condition)
+    return design.pins if design else None
 
 
 def _angles(found: CalibrationResults) -> list[float]:
@@ -68,7 +81,7 @@ def _over_array(results: StudyResults, condition: str, angle_deg: float, algorit
 def tables(results: StudyResults, found: CalibrationResults) -> Iterator[Table]:
     """Table I, and how each of its algorithms scores a press."""
     compared, settings, angles = _compared(results), results.study.calibration, _angles(found)
-    rows = [(angle, name) for angle in angles for name in compared]
+    rows = [(angle, name) for angle in angles for name in (*compared, PINS)]
     # the exponential law of the paper, and that of the study where it is another
     laws = [("_same", "paper's law"), ("", "law of this study")]
     if all(getattr(settings, key) == value for key, value in PAPER["calibration"].items()):
@@ -84,9 +97,10 @@ def tables(results: StudyResults, found: CalibrationResults) -> Iterator[Table]:
         printed = Column(f"{key}_paper", f"{head}: paper (%)", 100.0, 2)
         columns[printed] = [_printed(condition, *row) for row in rows]
         at = [(found.find(angle, condition), name) for angle, name in rows]
-        each = [of.algorithms.get(name) if of else None for of, name in at]
+        of_paper = [of.algorithms[name].paper if of and name in of.algorithms else None for of, name in at]
+        ours = [_estimate(found, condition, *row) for row in rows]
         for end, law in laws:
-            by = [(of.paper if end else of.chosen) if of else None for of in each]
+            by: Sequence[Headline | None] = of_paper if end else ours
             columns[Column(f"{key}{end}", f"{head}: here, {law} (%)", 100.0)] = [o.error if o else np.nan for o in by]
             told[f"{key}{end}"] = [
                 _error_said(of, found.known_kappa_new, beyond[condition, *row][0]) if of else None
@@ -99,7 +113,8 @@ def tables(results: StudyResults, found: CalibrationResults) -> Iterator[Table]:
         f"Table I: error on κ of {found.new_specimen} ({number(found.known_kappa_new)} N/mm) over the forces of CASR, "
         f"{over[0]:g} to {over[1]:g} N. Ours have a sign, plus "
         "for too stiff, and an interval. Not determined: so few presses and mountings promise an interval wider than "
-        "the range of the known stiffnesses, or the law rises or explains nothing. –: not in the paper or not pressed"
+        f"the range of the known stiffnesses ({ALGORITHM_NAMES[PINS]}: a half width above {100 * DETERMINED:g} %), or "
+        "the law rises or explains nothing. –: not in the paper or not pressed"
     )
     start = ". Presses with areas above that of the pin array have no CASR: "
     for name in compared:
@@ -111,7 +126,7 @@ def tables(results: StudyResults, found: CalibrationResults) -> Iterator[Table]:
     yield _recipes(results, compared)
 
 
-def _error_said(law: LawResult, truth: float, over_array: float) -> str:
+def _error_said(law: Headline, truth: float, over_array: float) -> str:
     """The error with its interval; in its place the largest area over that of the pin array, where areas beyond it
     leave no κ."""
     if np.isnan(law.kappa) and over_array == over_array:
@@ -129,9 +144,9 @@ def picture(results: StudyResults, found: CalibrationResults) -> Drawing:
     truth, panels, told = found.known_kappa_new, [], []
     for angle in _angles(found):
         rows = []
-        for name in _compared(results):
+        for name in (*_compared(results), PINS):
             for condition, _, head, look in _ACTUATORS:
-                law, printed = found.law(condition, angle, name), 100 * _printed(condition, angle, name)
+                law, printed = _estimate(found, condition, angle, name), 100 * _printed(condition, angle, name)
                 errors, known = (_errors(law, truth), law.determined) if law else ((np.nan,) * 3, False)
                 rows.append(Estimate(f"{name}, {head.lower()}", *errors, known, look, printed))
         panels.append((f"{angle:g}°", rows))
@@ -139,7 +154,8 @@ def picture(results: StudyResults, found: CalibrationResults) -> Drawing:
         told.append(f"{angle:g}°: {', '.join(said)}")
     figure = draw_estimates(panels, "Error on κ (%)", 0.0)
     caption = (
-        f"Table I as a plot: error on κ of {found.new_specimen} by the study's law, with 95 % intervals. "
+        f"Table I as a plot: error on κ of {found.new_specimen} by the study's law through CASR, and by the pins, with "
+        "95 % intervals. "
         "Brackets: the paper's, printed without sign; hollow: not determined; no mark: no estimate, or not pressed."
     )
     title = "Table I: error on the stiffness of the new specimen"
@@ -147,7 +163,7 @@ def picture(results: StudyResults, found: CalibrationResults) -> Drawing:
     return designs.drawing(results, "figtable1_errors", title, caption, said_all, figure)
 
 
-def _errors(law: LawResult, truth: float) -> tuple[float, float, float]:
+def _errors(law: Headline, truth: float) -> tuple[float, float, float]:
     """Percent: error, low and high."""
     return 100 * law.error, 100 * (law.low / truth - 1), 100 * (law.high / truth - 1)
 
