@@ -9,7 +9,6 @@ import numpy as np
 from casr.camera import Camera, Sensor
 from casr.contact_area.library_front import height_in_tables
 from casr.dome.library import Library, tables
-from casr.errors import CasrError
 from casr.kappa.estimate import estimate_kappa
 from casr.kappa.presses import KappaPress
 from emg2vsa.arrays import Floats
@@ -31,7 +30,7 @@ def kappa_by_pins(
 
     kappa, kappa_se : (S,) N/mm. truth : known kappa of the new specimen, NaN where it is not known; it enters no fit.
     domes : whose tables, and how high each specimen is, S and the new one.
-    DataError, CasrError : the pins tell none.
+    DataError, casr.errors.CasrError : the pins tell none.
     """
     runs = (*known, new)
     camera = _camera(runs)

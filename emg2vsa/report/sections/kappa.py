@@ -246,8 +246,8 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     known = dict(zip(own[0][0].specimens, own[0][0].known_kappa.tolist(), strict=True))
     figure = draw_estimates([("", rows)], f"κ of {new} (N/mm)", truth, known)
     caption = (
-        f"Fig. C2. κ of {new} in every design, with 95 % intervals, on a logarithmic axis; dashed: known κ; hollow: not "
-        "determined."
+        f"Fig. C2. κ of {new} in every design, with 95 % intervals, on a logarithmic axis; dashed: known κ; "
+        "hollow: not determined."
     )
     title = f"Stiffness of {new} beside the known one"
     yield designs.drawing(results, "figkappa_truth", title, caption, f"Known: {number(truth)} N/mm. {told}.", figure)

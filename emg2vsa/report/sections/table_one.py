@@ -52,6 +52,10 @@ def _compared(results: StudyResults) -> tuple[str, ...]:
     return tuple(dict.fromkeys((study.discrimination.old_algorithm, "paper", "front", study.scoring.algorithm)))
 
 
+def _by_pins(found: CalibrationResults) -> tuple[str, ...]:
+    return (PINS,) if any(each.pins for each in found.conditions) else ()
+
+
 def _estimate(found: CalibrationResults, condition: str, angle_deg: float, name: str) -> Headline | None:
     """Of a vision algorithm by the law of the study, or by the pins."""
     if name != PINS:
@@ -81,7 +85,7 @@ def _over_array(results: StudyResults, condition: str, angle_deg: float, algorit
 def tables(results: StudyResults, found: CalibrationResults) -> Iterator[Table]:
     """Table I, and how each of its algorithms scores a press."""
     compared, settings, angles = _compared(results), results.study.calibration, _angles(found)
-    rows = [(angle, name) for angle in angles for name in (*compared, PINS)]
+    rows = [(angle, name) for angle in angles for name in (*compared, *_by_pins(found))]
     # the exponential law of the paper, and that of the study where it is another
     laws = [("_same", "paper's law"), ("", "law of this study")]
     if all(getattr(settings, key) == value for key, value in PAPER["calibration"].items()):
@@ -144,7 +148,7 @@ def picture(results: StudyResults, found: CalibrationResults) -> Drawing:
     truth, panels, told = found.known_kappa_new, [], []
     for angle in _angles(found):
         rows = []
-        for name in (*_compared(results), PINS):
+        for name in (*_compared(results), *_by_pins(found)):
             for condition, _, head, look in _ACTUATORS:
                 law, printed = _estimate(found, condition, angle, name), 100 * _printed(condition, angle, name)
                 errors, known = (_errors(law, truth), law.determined) if law else ((np.nan,) * 3, False)

@@ -1,0 +1,101 @@
+"""Kappa of the new specimen by the pins, of one angle and condition, as the calibration stage finds it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.kappa import CAMERA, Trial, presses_of
+from casr.camera import KEYS
+from casr.dome.library import shipped
+from casr.kappa.estimate import estimate_kappa
+from emg2vsa.calibration.results import ConditionResult
+from emg2vsa.calibration.runs_calibration import calibrate_runs
+from emg2vsa.run_scores import RunScores
+from emg2vsa.run_scores.measured import Domes
+from emg2vsa.run_scores.product import PressPins
+from emg2vsa.settings import CalibrationSettings
+
+SEEN = {key: getattr(CAMERA, key) for key in KEYS} | {"sensor": CAMERA.sensor.known()}
+KAPPA = {"S5": 1.11, "S3": 3.35, "S1": 7.63, "S_new": 5.32}
+PRESSES = presses_of(Trial("H", 1.0, 0.05, 0.0, (1.11, 3.35, 7.63), 5.32, seed=3))
+QUICK = CalibrationSettings(resamples=20)
+
+
+@pytest.fixture(scope="module")
+def runs(run_of: Callable[..., RunScores]) -> list[RunScores]:
+    """With the pins of a simulated sensor; each specimen's last press has none."""
+    found = []
+    for name, kappa in KAPPA.items():
+        pins = [
+            PressPins(each.rest_px, each.pins_px.astype(np.float32), each.force_n, each.force_zero_sd_n)
+            for each in PRESSES if each.specimen == f"{kappa:g}" and each.force_n is not None
+        ]  # fmt: skip
+        run = run_of(name, 0.0, "modular", len(pins) + 1)
+        found.append(replace(run, pins=(*pins, None), camera=SEEN, mounting=np.ones(len(pins) + 1, dtype=np.int64)))
+    return found
+
+
+def calibrated(runs: list[RunScores], domes: dict[str, Domes] | None = None) -> ConditionResult:
+    kappa = dict(KAPPA)
+    (condition,) = calibrate_runs(runs, kappa, "S_new", QUICK, domes=domes).conditions
+    return condition
+
+
+def test_it_is_what_casr_tells_of_the_same_presses(runs: list[RunScores]) -> None:
+    condition = calibrated(runs)
+    pins = condition.pins
+    assert pins is not None
+    assert condition.no_pins == ""
+    presses = [
+        replace(
+            each, specimen=name, mounting=name, stiffness_n_per_mm=None if name == "S_new" else kappa,
+            rest_frames=1, pins_px=each.pins_px.astype(np.float32).astype(np.float64),
+        )
+        for name, kappa in KAPPA.items() for each in PRESSES if each.specimen == f"{kappa:g}"
+    ]  # fmt: skip
+    peer = estimate_kappa(presses, CAMERA, library=shipped()).kappas
+    assert (pins.kappa, pins.low, pins.high) == pytest.approx(
+        (peer["S_new"].value, peer["S_new"].low, peer["S_new"].high), rel=1e-9
+    )
+    assert pins.low < 5.32 < pins.high
+    assert pins.error == pytest.approx(pins.kappa / 5.32 - 1)
+    assert pins.left_out.tolist() == pytest.approx([peer[name].value for name in condition.specimens], rel=1e-9)
+    assert condition.headline("front") is condition.pins
+
+
+def test_the_true_stiffness_of_the_new_specimen_enters_no_fit(runs: list[RunScores]) -> None:
+    unknown = {name: kappa for name, kappa in KAPPA.items() if name != "S_new"}
+    (condition,) = calibrate_runs(runs, unknown, "S_new", QUICK).conditions
+    found = calibrated(runs).pins
+    assert condition.pins is not None
+    assert found is not None
+    assert condition.pins.kappa == found.kappa
+    assert np.isnan(condition.pins.error)
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        ({"camera": {}}, "one camera of all presses, but found none of S1"),
+        ({"camera": SEEN | {"depth_mm": 55.0}}, "one camera of all presses, but found several"),
+        ({"pins": ()}, "presses whose pins can be followed, but found none"),
+    ],
+)
+def test_where_the_pins_tell_none_the_law_through_casr_counts(
+    runs: list[RunScores], change: dict[str, object], why: str
+) -> None:
+    change = {"pins": (None,) * len(runs[0].pins)} if "pins" in change else change
+    changed = [replace(run, **change) if run.specimen == "S1" else run for run in runs]  # type: ignore[arg-type]
+    condition = calibrated(changed)
+    assert condition.pins is None
+    assert why in condition.no_pins
+    assert condition.headline("front") is condition.algorithms["front"].chosen
+
+
+def test_specimens_of_several_heights_are_told(runs: list[RunScores]) -> None:
+    condition = calibrated(runs, {run.specimen: Domes("own", 10.0 if run.specimen == "S1" else 25.0) for run in runs})
+    assert "specimens of one height, but found 10 to 25 mm" in condition.no_pins
