@@ -49,7 +49,7 @@ def press_forces(sequence: FrameSequence, settings: ScoreSettings) -> PressForce
 
     FramesError : not newtons; a lag is to be corrected, and the log has no times, or it is not determined.
     """
-    forces = _shifted(sequence, settings, settings.camera_lag_s)
+    forces = shifted(sequence, settings, settings.camera_lag_s or 0.0)
     if not settings.correct_lag:
         return forces
     lag = _lag_looked_for(sequence, forces, settings)
@@ -59,7 +59,7 @@ def press_forces(sequence: FrameSequence, settings: ScoreSettings) -> PressForce
             found="a force log without times" if lag is None else f"none: {lag.why}",
             do="Give it (camera_lag_s, --camera-lag), or score without.",
         )  # fmt: skip
-    return _shifted(sequence, settings, lag.lag_s)
+    return shifted(sequence, settings, lag.lag_s)
 
 
 def frames_before(phase: LoadingPhase, sequence: FrameSequence) -> list[int]:
@@ -84,15 +84,24 @@ def notes_on_lag(lag: CameraLag | None) -> tuple[str, ...]:
     """What a reader should know of a lag that is still there."""
     if lag is None or not lag.doubtful or lag.remaining_s is None or lag.sd_s is None:
         return ()
-    left_ms, sd_ms = 1e3 * lag.remaining_s, 1e3 * lag.sd_s
-    when = "after" if left_ms > 0 else "before"
-    return (
-        f"the pins begin to move {abs(left_ms):.0f} ms {when} the force (standard error {sd_ms:.0f} ms): more than "
-        "half a frame; is the camera's time that of the force? --correct-lag takes it off",
-    )
+    seen = _seen(lag.remaining_s, lag.sd_s)
+    return (f"{seen}: more than half a frame; is the camera's time that of the force? --correct-lag takes it off",)
 
 
-def _shifted(sequence: FrameSequence, settings: ScoreSettings, lag_s: float) -> PressForces:
+def note_on_shift(lag: CameraLag) -> str:
+    """What a reader should know of a lag that was taken off unasked."""
+    assert lag.lag_s is not None
+    assert lag.sd_s is not None
+    return f"{_seen(lag.lag_s, lag.sd_s)}: taken off the times of the frames; --camera-lag 0 leaves them"
+
+
+def _seen(lag_s: float, sd_s: float) -> str:
+    when = "after" if lag_s > 0 else "before"
+    return f"the pins begin to move {1e3 * abs(lag_s):.0f} ms {when} the force (standard error {1e3 * sd_s:.0f} ms)"
+
+
+def shifted(sequence: FrameSequence, settings: ScoreSettings, lag_s: float) -> PressForces:
+    """Forces of a sequence whose frames were taken ``lag_s`` before their times; FramesError as ``press_forces``."""
     assert sequence.force_n is not None
     force_n = sequence.force_n
     if lag_s:

@@ -100,7 +100,9 @@ class ScoreSettings:
     region : the contact in the first scored frame, instead of the one found from the pins; all of it is measured, not
         only its core. ``image``, for dense engines: growth of skin is the mean divergence of the whole image.
     tare : the force at rest before contact is taken off all forces.
-    camera_lag_s : the frames were taken so long before their times, s. correct_lag : as long as the pins tell.
+    camera_lag_s : the frames were taken so long before their times, s; None: as long as the pins tell, where they do so
+        to 10 ms, or tell more than half a frame and twice the error (``CameraLag.sure``). correct_lag : as long as the
+        pins tell, however well.
     """
 
     quantity: str = "front"
@@ -116,7 +118,7 @@ class ScoreSettings:
     force_stop_n: float | None = None
     region: Region | str | None = None
     tare: bool = True
-    camera_lag_s: float = 0.0
+    camera_lag_s: float | None = None
     correct_lag: bool = False
 
     @property
@@ -147,12 +149,12 @@ class ScoreSettings:
                 "specimen_height_mm", wanted="a height above 0 mm", found=repr(self.specimen_height_mm),
                 do="Measure the specimen, or leave it out.",
             )  # fmt: skip
-        if not abs(self.camera_lag_s) <= MOST_LAG_S:
+        if self.camera_lag_s is not None and not abs(self.camera_lag_s) <= MOST_LAG_S:
             raise SettingError(
                 "camera_lag_s", wanted=f"seconds from {-MOST_LAG_S:g} to {MOST_LAG_S:g}", found=repr(self.camera_lag_s),
                 do="0.05 is 50 ms; correct other clocks in the force log.",
             )  # fmt: skip
-        if self.correct_lag and self.camera_lag_s:
+        if self.correct_lag and self.camera_lag_s is not None:
             raise SettingError(
                 "correct_lag, camera_lag_s", wanted="one of the two",
                 found=f"both, and a lag of {self.camera_lag_s:g} s", do="Give the lag, or have it found.",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from casr.doubts import doubts_on_motion, doubts_on_score, note_on_repeats
 from casr.errors import CasrError, NoContactError, PinsError, said_of
 from casr.frames import FrameSequence, LoadingPhase, loading_phase
-from casr.press_forces import PressForces, frames_before, lag_of, notes_on_lag, press_forces
+from casr.press_forces import PressForces, frames_before, lag_of, note_on_shift, notes_on_lag, press_forces, shifted
 from casr.press_scorer import PressScorer
 from casr.scored import Score, ScoreSettings, SkinScore
 from casr.skin_motion import SeenLoading, SkinMotion
@@ -20,7 +20,7 @@ __all__ = ["Score", "ScoreSettings", "SkinScore", "score", "score_skin"]
 
 
 def score(sequence: FrameSequence, settings: ScoreSettings | None = None) -> Score:
-    """Score one press; every frame is decoded once at most.
+    """Score one press; every frame is decoded once at most, and once more where a lag is taken off unasked.
 
     With a force log the loading phase is that of ``loading_phase``, and only its frames, the rest frame and, where the
     log has times, those between are decoded. Without one there is no spread rate, and loading is what the pins show
@@ -40,6 +40,12 @@ def score(sequence: FrameSequence, settings: ScoreSettings | None = None) -> Sco
         with said_of(sequence.name):
             forces = press_forces(sequence, settings)
         scored = _by_force(sequence, forces, settings)
+        lag, unasked = scored.camera_lag, settings.camera_lag_s is None and not settings.correct_lag
+        if lag is not None and lag.lag_s is not None and lag.sure and unasked:
+            with said_of(sequence.name):
+                forces = shifted(sequence, settings, lag.lag_s)
+            scored = _by_force(sequence, forces, settings)
+            scored = replace(scored, notes=(note_on_shift(lag), *scored.notes))
     notes = dict.fromkeys((*sequence.notes, *scored.notes))
     return replace(scored, notes=tuple(notes), doubts=(*scored.doubts, *doubts_on_score(scored)))
 

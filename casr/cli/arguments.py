@@ -120,7 +120,7 @@ THRESHOLD = """
 START = "--start-n N = 0.5  force of first contact, N (default %(default)s)\n"
 TARE = "--no-tare  take forces as logged; else their level at rest before contact is taken off\n"
 FIGURES = "--figures DIR  write the pictures as SVG\n"
-LAG = "--camera-lag SECONDS = 0.0  the frames were taken so long before their times in the force log\n"
+LAG = "--camera-lag SECONDS  the frames were taken so long before their times in the force log\n"
 METHOD = f"""
 --quantity {{front,skin}} = front  which area is the result: front, the contact, whose edge is followed in every frame,
     or skin, that of the first contact as the flow stretches it, as in the paper; the other stands beside it

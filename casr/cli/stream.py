@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
         do = "Give the folder of the press, or leave out --follow."
         raise SettingError("--follow", wanted="a folder that is recorded into", found=f"a file, {path}", do=do)
     settings = shared.score_settings(arguments)
-    press, scorer = GrowingPress(path, **shared.files_of(arguments), lag_s=arguments.camera_lag), None
+    press, scorer = GrowingPress(path, **shared.files_of(arguments), lag_s=arguments.camera_lag or 0.0), None
     waiting = f"waiting for frames and forces in {path}"
     for frame in press.follow(arguments.idle, lambda: note(waiting)) if follow else press.new_frames(ended=True):
         scorer = scorer or StreamScorer(press.camera(), settings)

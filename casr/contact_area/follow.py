@@ -13,10 +13,10 @@ from casr.contact_area.edge import ContactEdge, fit_edge
 from casr.contact_area.front import PARTS, ContactFront
 from casr.contact_area.front_fit import FrontFit
 from casr.contact_area.library_front import (
-    DEPTH_SHARE_SD,
     FREE_MISFIT,
     SD_PER_MISFIT,
     as_a_whole,
+    length_errors,
     library_fits,
     library_front,
 )
@@ -69,7 +69,7 @@ def analytic_front(rest_px: Array, pins_px: Array, camera: Camera | None) -> Con
         np.full(n_frames, ANALYTIC_SD),
         np.full(n_frames, SD_PER_MISFIT * max(misfit - FREE_MISFIT, 0.0)),
         np.zeros(n_frames),
-        np.full(n_frames, 0.0 if camera is None else 2 * DEPTH_SHARE_SD),
+        np.full(n_frames, 0.0 if camera is None else 2 * length_errors(camera)[1]),
     )
     return ContactFront(
         area=area, candidates=area[None], weight=np.ones(1), spread_weight=np.ones(1),

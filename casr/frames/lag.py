@@ -35,6 +35,7 @@ ROUNDS = 4
 STARTS_S = (-0.1, 0.0, 0.1)
 WORST = 9.0  # mean square of the residuals, in their variance
 FINEST_S = 5e-4
+SURE_S = 0.01  # standard error of a lag that is taken off unasked
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,12 @@ class CameraLag:
         if left_s is None or self.sd_s is None or self.period_s is None:
             return False
         return abs(left_s) > max(2 * self.sd_s, self.period_s / 2)
+
+    @property
+    def sure(self) -> bool:
+        """Whether what is left is to be taken off: known to 10 ms and more than its error, or doubtful."""
+        left_s, sd_s = self.remaining_s, self.sd_s
+        return self.doubtful or (left_s is not None and sd_s is not None and sd_s <= SURE_S and abs(left_s) > sd_s)
 
 
 def camera_lag(

@@ -207,7 +207,8 @@ class Measured:
 
     def _asked(self, recipe: Recipe, quantity: str) -> tuple[FrameSequence, ScoreSettings]:
         frames, asked = asked_of(self._frames, self._settings, recipe, quantity)
-        return frames, replace(asked, **self._domes._asdict())
+        lag = self._seen.camera_lag if self._seen and frames.readings else None
+        return frames, replace(asked, camera_lag_s=lag.corrected_s if lag else None, **self._domes._asdict())
 
 
 def asked_of(

@@ -12,6 +12,7 @@ import pytest
 from emg2vsa.calibration.runs_calibration import calibrate_runs
 from emg2vsa.claims import paper
 from emg2vsa.discrimination import discriminate
+from emg2vsa.errors import DataError
 from emg2vsa.report import study_report
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import Runs
@@ -23,10 +24,14 @@ from emg2vsa.report.sections.kappa import holds, span
 from emg2vsa.report.sections.profiles import SCHEDULES
 from emg2vsa.report.sections.rig_runs import RUNS
 from emg2vsa.report.study_report import contents, numbers_and_tables, write_figure_pdfs, write_study_report
+from emg2vsa.run_scores.measured import NO_DOMES
+from emg2vsa.run_scores.press import Press
 from emg2vsa.run_scores.product import WeighedPress
+from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import PAPER, CalibrationSettings, DiscriminationSettings, RunSettings
 from emg2vsa.statistics.kruskal import dunn, kruskal
+from emg2vsa.worlds.tactile import PressSettings, simulate_press
 
 FEW = DiscriminationSettings()
 KNOWN = ("S1", "S3", "S5")
@@ -445,6 +450,25 @@ def test_measured_runs_are_not_called_simulated_and_a_rejected_press_is_counted_
     content = report_of(runs)
     assert content.quantities["runs.rejected"] == 1
     assert "lost &lt;contact&gt; (1)" in content.tables["runs"].html()
+
+
+def test_presses_that_all_end_early_are_rejected_in_a_report_that_says_why(
+    results, stiffness_n_per_mm, tmp_path, read_page
+):
+    frames = simulate_press(PressSettings()).sequence()
+    frames = replace(frames, force_n=frames.force_n * 4.9 / np.nanmax(frames.force_n))
+    presses = [Press(r, frames, "", np.linspace(0, 4.9, 40), np.linspace(5, 7, 40)) for r in (1, 2)]
+    design = {"angle_deg": 0.0, "condition": "high-stiffness", "simulated": False, "domes": NO_DOMES}
+    runs = tuple(score_run(presses, RunSettings(), specimen=name, **design) for name in KNOWN)
+    with pytest.raises(DataError) as none:
+        discriminate(runs, stiffness_n_per_mm, "S_new", FEW)
+    failures = (Failure("study", "discrimination", str(none.value)),)
+    write_study_report(replace(results, runs=Runs(runs), failures=failures), tmp_path)
+    found = json.loads((tmp_path / "results.json").read_text())
+    assert (found["runs.presses"], found["runs.rejected"]) == (6, 6)
+    text = read_page(tmp_path / "index.html").text
+    assert "expected a press that counts and has a score, but found none" in text
+    assert "found at most 4.9 N (6)" in text
 
 
 def test_areas_are_called_the_same_only_where_an_interval_says_so(run_of, report_of):

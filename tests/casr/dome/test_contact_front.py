@@ -15,7 +15,7 @@ from casr.camera import Camera, Sensor
 from casr.contact_area import follow
 from casr.contact_area.follow import contact_front
 from casr.contact_area.front import PARTS, ContactFront
-from casr.contact_area.library_front import FREE_MISFIT, library_front
+from casr.contact_area.library_front import FREE_MISFIT, length_errors, library_front
 from casr.dome.library import SHIPPED, Library, worlds
 from casr.errors import CameraError, PinsError
 from casr.front_spread import FORCE_ZERO_SD_N, front_doubt, front_spread
@@ -220,6 +220,17 @@ def test_a_camera_that_is_not_as_told_moves_the_area_by_what_its_part_says(part:
     moved = np.log(front_of(press, other).area / told.area)[press.wide]
     assert moved.min() > 0.015
     np.testing.assert_allclose(moved, told.parts[part][press.wide], atol=0.003)
+
+
+def test_errors_that_the_camera_file_states_are_those_of_its_parts() -> None:
+    press = pressed(TabulatedWorld())
+    sensor = replace(CAMERA.sensor, pin_length_sd_mm=0.025)
+    usual, stated = front_of(press), front_of(press, replace(CAMERA, depth_sd_mm=0.02 * CAMERA.depth_mm, sensor=sensor))
+    np.testing.assert_array_equal(stated.area, usual.area)
+    for part, times in (("depth", 2), ("pin length", 1 / 4)):
+        np.testing.assert_allclose(stated.parts[part][press.wide], times * usual.parts[part][press.wide], rtol=0.1)
+    sensor = replace(sensor, pin_length_mm=None)
+    np.testing.assert_array_equal(length_errors(replace(CAMERA, sensor=sensor)), length_errors(None))
 
 
 def test_without_a_camera_areas_are_in_pixels_and_it_is_said() -> None:
