@@ -25,7 +25,7 @@ from casr.dome.library import FAMILY, Library, shipped
 from casr.dome.view import DomeView
 from casr.errors import CasrError
 from casr.kappa.estimate import estimate_kappa
-from casr.kappa.family import Family
+from casr.kappa.family import Family, World
 from casr.kappa.posterior import CUES, Discrepancy, Kappa
 from casr.kappa.presses import KappaPress
 from emg2vsa.worlds.tactile import TACTIP_127
@@ -106,6 +106,7 @@ def presses_of(trial: Trial) -> list[KappaPress]:
     rng = np.random.default_rng([trial.seed, *trial.dome.encode(), int(100 * trial.unknown)])
     draw = rng.standard_normal
     sensor_depth, pin_mm = float(np.exp(DEPTH_SD * draw())), 3.0 + PIN_LENGTH_SD_MM * float(draw())
+    family = _alone(trial.dome)
     presses = []
     for stiffness in (*trial.known, trial.unknown):
         depth, factor, area = (float(np.exp(trial.scatter * OF_SCATTER[each] * draw())) for each in OF_SCATTER)
@@ -113,12 +114,13 @@ def presses_of(trial: Trial) -> list[KappaPress]:
             focal_px=(CAMERA.fx_px, CAMERA.fy_px), pole_px=(CAMERA.cx_px, CAMERA.cy_px),
             depth_mm=CAMERA.depth_mm * sensor_depth * depth, pin_length_mm=pin_mm,
         )  # fmt: skip
+        world = world_on(family, 0.0, stiffness * factor, trial.stick)
         tilt, lattice = np.deg2rad(TILT_SD_DEG) * draw(2), LATTICE_SD_MM / CAMERA.mm_per_px[0] * draw(2)
         rest_px = TACTIP_127.pins_px((view.pole_px[0] + lattice[0], view.pole_px[1] + lattice[1]))
         for _ in range(N_PRESSES):
             axis = np.append(tilt + LANDING_SD_MM / 20 * draw(2), 1.0)
             force_n = np.linspace(*FORCES_N, N_FRAMES)
-            pins_px = _pressed(view, rest_px, axis, trial, stiffness * factor, force_n, area)
+            pins_px = pressed(view, rest_px, axis, world, family, force_n, area)
             presses.append(
                 KappaPress(
                     rest_px=rest_px + trial.noise_px / np.sqrt(N_REST) * draw(rest_px.shape),
@@ -133,12 +135,16 @@ def presses_of(trial: Trial) -> list[KappaPress]:
     return presses
 
 
-def _pressed(
-    view: DomeView, rest_px: Array, axis: Array, trial: Trial, stiffness: float, force_n: Array, area: float
+def world_on(family: Family, place: float, stiffness: float, stick: float) -> World:
+    """A dome at a place of a family on a specimen, N/mm; inf: a rigid plate."""
+    log_kappa0 = family.log_kappa0_at(place)
+    return family.world(place, float(1 / (1 + stiffness / np.exp(log_kappa0))), stick, log_kappa0)
+
+
+def pressed(
+    view: DomeView, rest_px: Array, axis: Array, world: World, family: Family, force_n: Array, area: float
 ) -> Array:
-    family = _alone(trial.dome)
-    log_kappa0 = float(family.log_kappa0[0])
-    world = family.world(0.0, 1 / (1 + stiffness / np.exp(log_kappa0)), trial.stick, log_kappa0)
+    """(T, N, 2) pins at forces (T,). axis : (3,) of the contact. area : what it is more or less than in the tables."""
     radius_mm = np.exp(np.interp(np.log(force_n), family.log_force(world), np.log(family.radius_mm))) * np.sqrt(area)
     around = view.around(view.directions(rest_px), axis / np.linalg.norm(axis))
     place = np.clip((radius_mm - family.radius_mm[0]) / (family.radius_mm[1] - family.radius_mm[0]), 0, None)

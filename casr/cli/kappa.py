@@ -13,12 +13,15 @@ from casr.command_line import JSON, Commands, add_command, answer
 from casr.errors import CasrError, SettingError
 
 if TYPE_CHECKING:
+    from casr.camera import Camera
+    from casr.dome.library import Library
     from casr.kappa.estimate import SensorKappa
+    from casr.kappa.presses import KappaPress
 
 COLUMNS = ("press", "specimen", "stiffness_n_per_mm", "stiffness_sd_percent", "mounting")
-OPTIONS = f"""
+SPECIMENS = f"""
 --specimens FILE  CSV: {", ".join(COLUMNS)}; a line for each press, named as casr score names it; stiffness is empty
-    where it is asked for, the last two columns may be left out (default: specimens.csv in PATH)
+    where it is not known, rigid of a plate; the last two columns may be left out (default: specimens.csv in PATH)
 """
 SUMMARY = "Stiffness kappa of specimens, N/mm, from presses of one sensor on known and unknown specimens."
 EPILOG = """
@@ -33,15 +36,25 @@ def add_to(commands: Commands) -> None:
     parser = add_command(commands, "kappa", run, SUMMARY, EPILOG)
     shared.add_frames(parser, "a folder of presses")
     shared.add_shared(shared.add_method(parser), shared.LAG)
-    shared.add_shared(parser.add_argument_group("output"), OPTIONS, JSON)
+    shared.add_shared(parser.add_argument_group("output"), SPECIMENS, JSON)
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from casr.kappa.estimate import estimate_kappa
+
+    used, unused, camera, library = asked(arguments)
+    found = estimate_kappa(used, camera, library=library)
+    answer(arguments.json, {**_plain(found), "not_used": unused}, _lines(found, unused))
+    return int(bool(unused))
+
+
+def asked(arguments: argparse.Namespace) -> tuple[list[KappaPress], dict[str, str], Camera, Library]:
+    """Presses of a folder with what a table says of their specimens, why others are not used, their camera, and the
+    tables of domes. SettingError : no such table or press, no camera, or several."""
     shared.check_forces(arguments)
     from casr.contact_area.library_front import height_in_tables
     from casr.dome.library import tables
     from casr.frame_files import find_presses
-    from casr.kappa.estimate import estimate_kappa
     from casr.kappa.presses import KappaPress
     from casr.press_files import named_presses
     from casr.scoring import score
@@ -67,11 +80,8 @@ def run(arguments: argparse.Namespace) -> int:
             "camera.toml", wanted="one camera of all presses", found=found + why,
             do="Put one camera.toml into the folder of the presses (casr calibrate makes it).",
         )  # fmt: skip
-    domes = arguments.domes
-    library = tables(domes, height_in_tables(camera, domes, arguments.specimen_height_mm))
-    found_kappa = estimate_kappa(used, camera, library=library)
-    answer(arguments.json, {**_plain(found_kappa), "not_used": unused}, _lines(found_kappa, unused))
-    return int(bool(unused))
+    height_mm = height_in_tables(camera, arguments.domes, arguments.specimen_height_mm)
+    return used, unused, camera, tables(arguments.domes, height_mm)
 
 
 def _specimens(path: Path, presses: dict[str, Path]) -> dict[str, dict[str, Any]]:
@@ -111,12 +121,16 @@ def _specimens(path: Path, presses: dict[str, Path]) -> dict[str, dict[str, Any]
 def _number(text: str | None, where: str) -> float | None:
     if text is None or not text.strip():
         return None
+    if text.strip() == "rigid":
+        return float("inf")
     try:
         number = float(text)
     except ValueError:
         number = float("nan")
     if not 0 < number < float("inf"):
-        raise SettingError(where, wanted="a number above 0, or nothing", found=repr(text), do="Correct the table.")
+        raise SettingError(
+            where, wanted="a number above 0, rigid, or nothing", found=repr(text), do="Correct the table."
+        )
     return number
 
 
@@ -145,6 +159,5 @@ def _plain(found: SensorKappa) -> dict[str, Any]:
         for name, each in found.kappas.items()
     }  # fmt: skip
     return {
-        "specimens": specimens, "dome_place": found.dome_place, "pin_length_mm": found.pin_length_mm,
-        "depth_mm": found.depth_mm, "misfit": found.misfit, "noise_px": found.noise_px, "notes": list(found.notes),
+        "specimens": specimens, "misfit": found.misfit, "noise_px": found.noise_px, "notes": list(found.notes),
     }  # fmt: skip

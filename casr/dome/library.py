@@ -21,8 +21,12 @@ from casr.errors import SettingError
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-FAMILY = ("C", "J", "H", "D", "E", "I", "G")
-"""Domes of the shipped library, softest gel first (0.0125 to 2 times the modulus of the skin): nothing else differs."""
+MODULI_MPA = {
+    "C": (0.8, 0.01), "J": (0.8, 0.02), "H": (0.8, 0.05), "D": (0.8, 0.1), "E": (0.3, 0.1), "I": (0.3, 0.2),
+    "G": (0.15, 0.3),
+}  # fmt: skip
+"""Of skin and gel of the domes of the shipped library, softest gel first for its skin: nothing else differs."""
+FAMILY = tuple(MODULI_MPA)
 SHIPPED = "library.npz"
 DEFAULT_WORLD = "skin_over_gel.npz"
 """Dome A, which the simulator presses; the library does not hold it."""

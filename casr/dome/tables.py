@@ -26,7 +26,7 @@ import json
 import re
 import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -60,7 +60,7 @@ class ContactTable:
 
     dome, friction : names. stiffness_n_per_mm, height_mm : of the specimen; inf and whatever for a rigid plate.
     motion : (T, P, 3) of u_r_mm, u_z_mm and tilt_rad. dome_radius_mm : of the sensor that it was solved for; NaN where
-    the file does not say.
+    the file does not say. solved : that sensor's dome, by the names of ``casr.dome.solver.press.Dome``.
     """
 
     dome: str
@@ -73,6 +73,7 @@ class ContactTable:
     s_mm: Array
     motion: Array
     dome_radius_mm: float = float("nan")
+    solved: Mapping[str, Any] = field(default_factory=dict)
 
 
 def read_table(path: Path) -> ContactTable:
@@ -110,6 +111,7 @@ def read_table(path: Path) -> ContactTable:
         s_mm=arrays["s_mm"],
         motion=np.stack([arrays[key] for key in OF_NODES], axis=-1),
         dome_radius_mm=float(said["dome_radius_mm"]) if ours else float("nan"),
+        solved=said["pressing"]["dome"] if ours else {},
     )  # fmt: skip
 
 

@@ -9,16 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from casr.camera import Camera, undistorted
 from casr.contact_area.library_front import dome_scale
-from casr.dome.library import Library, shipped
+from casr.dome.library import FAMILY, Library, shipped
 from casr.dome.view import DomeView
 from casr.errors import CameraError, SettingError
-from casr.kappa.family import families
+from casr.kappa.family import Family, families
 from casr.kappa.field import PressField
-from casr.kappa.labels import Labels, SensorErrors, labelled
+from casr.kappa.labels import DEPTH_SD_OF_SENSOR, Labels, SensorErrors, labelled
 from casr.kappa.posterior import Discrepancy, Kappa, kappas
 from casr.kappa.presses import KappaPress
 
@@ -34,16 +32,12 @@ USUAL_MISFIT = 0.02
 class SensorKappa:
     """What the presses of a sensor say.
 
-    kappas : by specimen. dome_place : of the dome in its family, 0 the softest filling.
-    pin_length_mm, depth_mm : of the sensor as fitted. misfit : share of the motion left over beyond noise.
-    noise_px : white noise of a pin. notes : what a reader should know.
+    kappas : by specimen. misfit : share of the motion left over beyond noise. noise_px : white noise of a pin.
+    notes : what a reader should know.
     """
 
     kappas: dict[str, Kappa]
     labels: Labels
-    dome_place: float
-    pin_length_mm: float
-    depth_mm: float
     misfit: float
     noise_px: float
     notes: tuple[str, ...]
@@ -65,6 +59,18 @@ def estimate_kappa(
     CameraError : lengths that cannot be. SettingError : no press, no tables, or two stiffnesses of one specimen.
     PinsError, FramesError : of a press.
     """
+    labels = fitted(presses, camera, families(library or shipped()), errors or stated_errors(camera))
+    d = (discrepancy or Discrepancy()).scaled(max(labels.misfit / USUAL_MISFIT, 1.0))
+    return SensorKappa(
+        kappas=kappas(labels, d), labels=labels, misfit=labels.misfit, noise_px=labels.noise_px,
+        notes=_notes(labels, camera),
+    )  # fmt: skip
+
+
+def fitted(
+    presses: Sequence[KappaPress], camera: Camera, domes: Sequence[Family], errors: SensorErrors, thorough: bool = False
+) -> Labels:
+    """All presses under the family that fits them best. thorough : of ``labelled``. Errors as ``estimate_kappa``."""
     if not presses:
         raise SettingError("presses", wanted="one press or more", found="none", do="Give presses of one sensor.")
     stated: dict[str, float | None] = {}
@@ -75,27 +81,31 @@ def estimate_kappa(
                 f"specimen {press.specimen}, stiffness_n_per_mm", wanted="one stiffness, or none, for all its presses",
                 found=f"{stated[press.specimen]} and {known}", do="Give another specimen another name.",
             )  # fmt: skip
-    scale = dome_scale(camera)
-    view, sensor_errors = _view(camera, scale)
-    flat = [_undistorted(press, camera) for press in presses]
-    tried = [
-        labelled([PressField(press, view, family) for press in flat], family, errors or sensor_errors)
-        for family in families(library or shipped())
-    ]
-    labels = min(tried, key=lambda each: each.misfit_px)
-    moved_px = labels.misfit_px / labels.misfit_share
-    misfit = float(np.sqrt(max(labels.misfit_px**2 - labels.noise_px**2, 0.0))) / moved_px
-    d = (discrepancy or Discrepancy()).scaled(max(misfit / USUAL_MISFIT, 1.0))
-    place, pin_mm, log_depth = labels.mean[:3]
-    return SensorKappa(
-        kappas=kappas(labels, d), labels=labels, dome_place=float(place),
-        pin_length_mm=float(view.pin_length_mm + pin_mm) * scale, depth_mm=float(camera.depth_mm * np.exp(log_depth)),
-        misfit=misfit, noise_px=labels.noise_px, notes=_notes(labels, camera, misfit),
-    )  # fmt: skip
+    view, scale = view_of(camera), dome_scale(camera)
+    tried = []
+    for family in domes:
+        unit = scale if family.names[0] in FAMILY else 1.0
+        fields = [PressField(_flat(press, camera, unit), view, family) for press in presses]
+        tried.append(labelled(fields, family, errors, thorough=thorough))
+    return min(tried, key=lambda each: each.misfit_px)
 
 
-def _view(camera: Camera, scale: float) -> tuple[DomeView, SensorErrors]:
-    known_mm = camera.sensor.pin_length_mm
+def stated_errors(
+    camera: Camera, *, pole_mm: float = POLE_SD_MM, pin_length_mm: float = 0.1, depth: float = DEPTH_SD_OF_SENSOR
+) -> SensorErrors:
+    """Those of camera.toml; where it states none, the usual ones given here, mm and relative."""
+    scale, sensor = dome_scale(camera), camera.sensor
+    usual_mm = UNKNOWN_PIN_SD_MM if sensor.pin_length_mm is None else pin_length_mm
+    return SensorErrors(
+        pin_length_mm=usual_mm if sensor.pin_length_sd_mm is None else sensor.pin_length_sd_mm / scale,
+        pole_px=pole_mm * camera.fx_px * scale / camera.depth_mm,
+        depth=depth if camera.depth_sd_mm is None else camera.depth_sd_mm / camera.depth_mm,
+    )
+
+
+def view_of(camera: Camera) -> DomeView:
+    """The sensor as it is stated. CameraError : lengths that cannot be."""
+    scale, known_mm = dome_scale(camera), camera.sensor.pin_length_mm
     pin_mm = USUAL_PIN_MM if known_mm is None else known_mm / scale
     view = DomeView(
         focal_px=(camera.fx_px, camera.fy_px), pole_px=(camera.cx_px, camera.cy_px), depth_mm=camera.depth_mm / scale,
@@ -106,31 +116,28 @@ def _view(camera: Camera, scale: float) -> tuple[DomeView, SensorErrors]:
             "camera.depth_mm, sensor.pin_length_mm", wanted="a camera behind the dome's centre, and short pins",
             found=f"{camera.depth_mm:g} mm and {pin_mm * scale:g} mm", do="Measure both, in millimetres.",
         )  # fmt: skip
-    errors = SensorErrors(pole_px=POLE_SD_MM * camera.fx_px / view.depth_mm)
-    if (depth_sd_mm := camera.depth_sd_mm) is not None:
-        errors = replace(errors, depth=depth_sd_mm / camera.depth_mm)
-    pin_sd_mm = UNKNOWN_PIN_SD_MM if known_mm is None else camera.sensor.pin_length_sd_mm
-    return view, errors if pin_sd_mm is None else replace(errors, pin_length_mm=pin_sd_mm / scale)
+    return view
 
 
-def _undistorted(press: KappaPress, camera: Camera) -> KappaPress:
-    if not camera.distortion:
-        return press
+def _flat(press: KappaPress, camera: Camera, unit: float) -> KappaPress:
+    """Without distortion, and with its force in the unit of the tables: at moduli that stay, kappa0 goes with the size
+    of a dome, and the force at an angle with its square; tables of a lab's own have the forces of its sensor."""
     return replace(
-        press, rest_px=undistorted(press.rest_px, camera), pins_px=undistorted(press.pins_px, camera)
+        press, rest_px=undistorted(press.rest_px, camera), pins_px=undistorted(press.pins_px, camera),
+        force_n=None if press.force_n is None else press.force_n / unit,
     )  # fmt: skip
 
 
-def _notes(labels: Labels, camera: Camera, misfit: float) -> tuple[str, ...]:
+def _notes(labels: Labels, camera: Camera) -> tuple[str, ...]:
     notes = []
     if camera.sensor.pin_length_mm is None:
         notes.append(
             "Pin length is not known: give pin_length_mm under [sensor] in camera.toml for narrower intervals."
         )
-    if misfit > USUAL_MISFIT:
+    if labels.misfit > USUAL_MISFIT:
         notes.append(
-            f"The pins do not move as on any dome of the tables: {misfit:.0%} of the motion is left over. Intervals "
-            "are wider for it; solve tables of this sensor with casr dome."
+            f"The pins do not move as on any dome of the tables: {labels.misfit:.0%} of the motion is left over. "
+            "Intervals are wider for it; solve tables of this sensor with casr dome."
         )
     known = {f.press.specimen for f in labels.fields if f.press.stiffness_n_per_mm is not None}
     if len(known) < 2:

@@ -76,9 +76,13 @@ class Family:
         self._log_force = (np.log(library.force_n[self._rows]) - soft).reshape(flat.size, -1)
         self.softest_z = float(self._z[:, -1].min())
 
+    def at(self, place: float, of_domes: Array) -> float:
+        """What a dome at a place has, of which those of the family have (D,)."""
+        return float(self._between.weights(place) @ of_domes)
+
     def log_kappa0_at(self, place: float) -> float:
         """ln kappa0 that the library's own moduli give a dome at a place."""
-        return float(self._between.weights(place) @ self.log_kappa0)
+        return self.at(place, self.log_kappa0)
 
     def world(self, place: float, z: float, stick: float, log_kappa0: float, bend: Array | None = None) -> World:
         """The world at a place of the family, and off it by shares of its ``bends``."""

@@ -21,7 +21,7 @@ DEPTH_SD_OF_SENSOR, DEPTH_SD_OF_MOUNTING = 0.01, 0.007
 "Relative, of what camera.toml says, and of one mounting about it."
 BEND_SD = 0.3
 "Of a share of ``Family.bends``: a dome that is left out differs by 1, with neighbours twice as far away."
-_PLACE, _PLACE_SD = 0.5, 0.6
+_PLACE, PLACE_SD = 0.5, 0.6
 _STICK_SD = 0.5
 _ACROSS_SD_RAD = 0.5
 _STARTS = ((0.05, 0.25, 0.45, 0.65, 0.85), (0.08, 0.25, 0.5))
@@ -51,7 +51,7 @@ class Labels:
     mean, precision : (G,), (G, G) of all parameters but the radii: those of the sensor, depths of mountings, then
         ``OWN`` of each press. own_at : (P,) where those of each press begin.
     radius_by : of each press (T, G), derivative of its radii by these parameters.
-    noise_px : white noise of a pin. misfit_px : root mean square left over, noise in it.
+    noise_px : white noise of a pin. misfit_px, moved_px : root mean square left over, noise in it, and of the motion.
     white_precision : (G, G) were white noise all that is left over.
     """
 
@@ -64,7 +64,7 @@ class Labels:
     radius_by: tuple[Array, ...]
     noise_px: float
     misfit_px: float
-    misfit_share: float
+    moved_px: float
     white_precision: Array
 
     @property
@@ -72,10 +72,21 @@ class Labels:
         """(P,) label of each press."""
         return np.asarray(self.mean[self.own_at])
 
+    @property
+    def misfit(self) -> float:
+        """Share of the motion left over beyond noise."""
+        return float(np.sqrt(max(self.misfit_px**2 - self.noise_px**2, 0.0))) / self.moved_px
 
-def labelled(fields: Sequence[PressField], family: Family, errors: SensorErrors) -> Labels:
-    """Fit all presses of a sensor by the worlds of one family."""
-    return _Fit(fields, family, errors).result()
+
+def labelled(fields: Sequence[PressField], family: Family, errors: SensorErrors, *, thorough: bool = False) -> Labels:
+    """Fit all presses of a sensor by the worlds of one family.
+
+    thorough : from several places of the family, of which the best fit is taken: where the sensor is hardly known.
+    """
+    places, zs = _STARTS
+    starts = [(place,) for place in places] if thorough else [places]
+    fits = [_Fit(fields, family, errors).result(each, zs) for each in starts]
+    return min(fits, key=lambda each: each.misfit_px)
 
 
 class _Fit:
@@ -88,7 +99,7 @@ class _Fit:
         own = ([0.5, 0.5, 0.0, 0.0], [1.0, _STICK_SD, _ACROSS_SD_RAD, _ACROSS_SD_RAD])
         prior = [
             [_PLACE, *[0.0] * (n_sensor - 1 + n_mount), *own[0] * len(fields)],
-            [_PLACE_SD, errors.pin_length_mm, errors.depth, pole, pole, *[BEND_SD] * len(BENDS),
+            [PLACE_SD, errors.pin_length_mm, errors.depth, pole, pole, *[BEND_SD] * len(BENDS),
              *[DEPTH_SD_OF_MOUNTING] * n_mount, *own[1] * len(fields)],
         ]  # fmt: skip
         self._prior, sd = (np.array(each, dtype=np.float64) for each in prior)
@@ -105,8 +116,7 @@ class _Fit:
         into[rows, self._own_at[press] + np.arange(len(OWN))] = 1
         return into
 
-    def _start(self) -> tuple[Array, list[Array]]:
-        places, zs = _STARTS
+    def _start(self, places: Sequence[float], zs: Sequence[float]) -> tuple[Array, list[Array]]:
         tried = [[min((field.started(p, z) for z in zs), key=lambda each: each[1]) for field in self._fields]
                  for p in places]  # fmt: skip
         best = min(tried, key=lambda each: sum(cost for _, cost in each))
@@ -126,8 +136,9 @@ class _Fit:
             squares += float(((field.seen - field.whitened(field.predicted(state))) ** 2).sum())
         return squares / noise_px**2 + float(self._prior_precision @ (at - self._prior) ** 2)
 
-    def result(self) -> Labels:
-        at, radii = self._start()
+    def result(self, places: Sequence[float], zs: Sequence[float]) -> Labels:
+        """Gauss-Newton from the best of these places and z."""
+        at, radii = self._start(places, zs)
         pairs = [f.within_tables(state) for f, state in zip(self._fields, self._states(at, radii), strict=True)]
         self._fields, radii = [field for field, _ in pairs], [state.radius_mm for _, state in pairs]
         damping, noise_px = 1e-2, 0.1
@@ -186,7 +197,7 @@ class _Fit:
             family=self._family, fields=tuple(self._fields), states=tuple(states), mean=at, precision=precision,
             own_at=self._own_at,
             radius_by=tuple(by @ into for (_, _, _, by), into in zip(sums, self._maps, strict=True)),
-            noise_px=noise_px, misfit_px=misfit_px, misfit_share=misfit_px / moved,
+            noise_px=noise_px, misfit_px=misfit_px, moved_px=moved,
             white_precision=self._normal(sums, at, noise_px)[0],
         )  # fmt: skip
 

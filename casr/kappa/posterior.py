@@ -32,6 +32,8 @@ FREE_SD = 10.0
 KNOWN_SD = 0.002
 "Least standard error of ln kappa of a known specimen."
 _USUAL_KAPPA, _MIDDLE_Z = 4.0, 0.4
+RIGID = 1e5
+"N/mm, of a specimen that is called rigid."
 _ROUNDS, _FOUND = 12, 1e-5
 
 
@@ -114,7 +116,8 @@ class _Forces:
 
 
 class Posterior:
-    """Of all specimens. cues : which are used."""
+    """Of all specimens. cues : which are used. mean, covariance : of the n_label parameters of ``Labels``, ln kappa0,
+    level, slope and ln kappa of each specimen."""
 
     def __init__(
         self, labels: Labels, discrepancy: Discrepancy, cues: Sequence[str] = CUES, left_out: str | None = None
@@ -128,16 +131,16 @@ class Posterior:
         )
         known = {press.specimen: press for press in presses if press.stiffness_n_per_mm is not None}
         self.known = {
-            name: float(press.stiffness_n_per_mm) for name, press in known.items()
+            name: min(press.stiffness_n_per_mm, RIGID) for name, press in known.items()
             if press.stiffness_n_per_mm and name != left_out
         }  # fmt: skip
         self._known_sd = {name: max(press.stiffness_sd, KNOWN_SD) for name, press in known.items()}
         self._cues = cues
-        self._n_label = labels.mean.size
+        self.n_label = labels.mean.size
         self._solve()
 
     def _solve(self) -> None:
-        n, d, labels = self._n_label, self._d, self._labels
+        n, d, labels = self.n_label, self._d, self._labels
         self._forces = _forces(labels, d)
         covariance = np.linalg.inv(labels.precision)
         if "pins" not in self._cues:
@@ -166,7 +169,7 @@ class Posterior:
 
     def _statements(self, at: Array) -> tuple[Array, Array, Array]:
         """(M,) residuals of all statements but the labels, (M, P) derivatives, (M, M) weights."""
-        n, d, labels = self._n_label, self._d, self._labels
+        n, d, labels = self.n_label, self._d, self._labels
         size, n_press = at.size, len(self._of)
         log_kappa0, level, slope = at[n : n + 3]
         log_kappa = at[n + 3 :]
@@ -212,13 +215,13 @@ class Posterior:
 
     def log_kappa(self, specimen: str) -> tuple[float, float]:
         """ln kappa and its standard error, not widened."""
-        k = self._n_label + 3 + self.specimens.index(specimen)
+        k = self.n_label + 3 + self.specimens.index(specimen)
         return float(self.mean[k]), float(np.sqrt(self.covariance[k, k]))
 
     @property
     def kappa0(self) -> float:
         """Of the dome, N/mm."""
-        return float(np.exp(self.mean[self._n_label]))
+        return float(np.exp(self.mean[self.n_label]))
 
 
 def kappas(labels: Labels, discrepancy: Discrepancy | None = None) -> dict[str, Kappa]:
@@ -230,7 +233,7 @@ def kappas(labels: Labels, discrepancy: Discrepancy | None = None) -> dict[str, 
     for name in whole.specimens:
         posteriors, of_bound = {"": whole, **alone}, bound
         if name in whole.known:
-            if len(whole.known) < 3:
+            if len(whole.known) < 3 or whole.known[name] == RIGID:
                 continue
             of_bound = Posterior(replace(labels, precision=labels.white_precision), EXACT, ("pins",), name)
             posteriors = {"": Posterior(labels, d, left_out=name)}

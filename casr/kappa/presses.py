@@ -26,7 +26,8 @@ class KappaPress:
     rest_px : (N, 2) pins at rest as the camera sees them. pins_px : (T, N, 2) in contact; NaN where lost.
     force_n : (T,) N, or None.
     specimen : name; presses of one specimen have one stiffness. mounting : name; what was mounted once.
-    stiffness_n_per_mm : known kappa of the specimen, or None; stiffness_sd : relative standard error of it.
+    stiffness_n_per_mm : known kappa of the specimen, inf of a rigid plate, or None; stiffness_sd : its relative
+        standard error.
     rest_frames : that ``rest_px`` is the mean of. force_zero_sd_n : standard error of the force's zero, N.
     """
 
@@ -61,7 +62,7 @@ class KappaPress:
                 found=f"shape {force_n.shape}", do="Leave it out where it is not known.",
             )  # fmt: skip
         known = self.stiffness_n_per_mm
-        if known is not None and not 0 < known < np.inf:
+        if known is not None and not known > 0:
             raise SettingError(
                 f"{where}, stiffness_n_per_mm", wanted="a stiffness above 0 N/mm, or None", found=f"{known:g}",
                 do="Measure it with a plate or a punch.",

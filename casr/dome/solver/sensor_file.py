@@ -1,5 +1,7 @@
 """A sensor's file: its dome, the specimens and frictions that tables are wanted of, and how finely to solve.
 
+Tables ``[camera]`` and ``[sensor]``, which are those of camera.toml, may stand in the same file.
+
 ```toml
 [dome]
 name = "mine"           # no "_" in it: it is the first word of the tables' names
@@ -146,7 +148,7 @@ def read_sensor(path: Path) -> list[Case]:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         do = "Correct it; see docs/reference/dome-tables.md."
         raise SettingError(str(path), wanted="a file in TOML", found=str(error), do=do) from error
-    _known(str(path), said, KEYS)
+    _known(str(path), {name: said[name] for name in said if name not in ("camera", "sensor")}, KEYS)
     values = {name: dict(_table(path, name, said.get(name, {}))) for name in KEYS}
     dome, specimen = values["dome"], values["specimen"]
     if dome["skin_mm"] >= dome["radius_mm"] / 2:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import tomllib
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -13,7 +12,6 @@ import pytest
 from casr.camera import Sensor
 from casr.cli import main
 from casr.frame_files import read_camera
-from emg2vsa.worlds.tactile import ContactWorld, PressSettings, simulate_press, write_press
 
 BOARD = ["--charuco", "7x5", "--square-mm", "6", "--marker-mm", "4.5"]
 
@@ -114,35 +112,3 @@ def test_depth_from_a_picture_without_a_board(folder, tmp_path, capsys):
     words = ["calibrate", str(folder), *BOARD, "--depth-from", str(folder / "12.png"), "-o", str(tmp_path / "c.toml")]
     assert main(words) == 2
     assert "--depth-from: expected a picture that shows the board" in capsys.readouterr().err
-
-
-RIGID = 1e6
-
-
-@pytest.fixture(scope="module")
-def plate(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    press = simulate_press(PressSettings(stiffness_n_per_mm=RIGID))
-    return write_press(press, tmp_path_factory.mktemp("plate") / "press")
-
-
-def test_a_dome_like_those_of_the_library_is_told(plate: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["calibrate", "--plate", str(plate), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["fits"] is True
-    assert found["misfit"] < 0.05
-    lengths = {float(length): misfit for length, misfit in found["misfit_of_length"].items()}
-    assert min(lengths, key=lengths.__getitem__) == 3.0
-
-
-def test_a_sensor_that_is_none_of_them_ends_with_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    press = simulate_press(PressSettings(stiffness_n_per_mm=7.63, world=ContactWorld()))
-    folder = write_press(press, tmp_path / "press")
-    assert main(["calibrate", "--plate", str(folder)]) == 1
-    assert "it is none of the library's" in capsys.readouterr().out
-
-
-def test_the_length_of_the_pins_must_be_known(plate: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    camera = tmp_path / "camera.toml"
-    camera.write_text((plate / "camera.toml").read_text().partition("[sensor]")[0])
-    assert main(["calibrate", "--plate", str(plate), "--out", str(camera)]) == 2
-    assert "sensor.pin_length_mm: expected the length of the pins" in capsys.readouterr().err
