@@ -15,6 +15,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.dome.spline import Spline
 from casr.dome.tables import SMOOTH_FROM_N, USUAL_HEIGHT_MM, ContactTable, read_table
 from casr.errors import SettingError
 
@@ -32,7 +33,7 @@ DEFAULT_WORLD = "skin_over_gel.npz"
 """Dome A, which the simulator presses; the library does not hold it."""
 DIGESTS = {
     SHIPPED: "82c9ac20bff6ee033b8a172c32cddfeedabea0b8f6cd13f64340f33a9c26c188",
-    DEFAULT_WORLD: "bf005372a9760a622e9625afd45f7760601b70665988d2c1148aa14470fdad4e",
+    DEFAULT_WORLD: "086de282cdf307adab8f6dda05990879f8105b318bedcf5fae0805b0573293c5",
 }
 "SHA-256 of the files, as scripts/dome_tables prints them: what hangs on the tables is known to hang on this module."
 LAST_RADIUS_MM = 18.0
@@ -43,6 +44,10 @@ _TREND_FROM = 0.6
 "A table is continued along the lines through its steps from this share of its largest radius on."
 
 
+_MATTERS = 0.25
+"Weight of a table from which on a world counts as computed as far as that table only."
+USUAL_STIFFNESS = 3.0
+"Of a dome, N/mm: motion runs most evenly over 1 / (1 + stiffness of the specimen / that of the dome)."
 _OF_WORLDS = ("dome", "stiffness_n_per_mm", "friction", "height_mm", "computed_mm", "force_n", "edge_arc_mm", "motion")
 
 
@@ -173,34 +178,31 @@ def _continued(x: Array, y: Array, at: Array, near_end: NDArray[np.bool_]) -> Ar
 
 
 def with_between(library: Library) -> Library:
-    """Also the worlds halfway between neighbours in stiffness, and halfway between neighbouring domes of ``FAMILY``."""
-    library = _joined(library, _next_in_stiffness(library))
-    return _joined(library, _next_in_family(library))
+    """Also the worlds halfway in compliance between neighbours in stiffness, along splines through all stiffnesses of a
+    dome, and those halfway between neighbouring domes of ``FAMILY``."""
+    for dome, friction in sorted(set(zip(library.dome.tolist(), library.friction.tolist(), strict=True))):
+        rows = np.flatnonzero((library.dome == dome) & (library.friction == friction))
+        rows = rows[np.argsort(-library.stiffness_n_per_mm[rows])]
+        if rows.size > 1 and (np.diff(library.stiffness_n_per_mm[rows]) < 0).all():
+            library = _with_halfway(library, rows)
+    pairs = _next_in_family(library)
+    both = np.array([pair[:2] for pair in pairs], dtype=np.intp).reshape(-1, 2)
+    dome = np.array([pair[2] for pair in pairs], dtype=np.str_)
+    return library.beside(_mixed(library, both, np.full(both.shape, 0.5), dome=dome))
 
 
-Between = tuple[int, int, str, float]
-"""Rows of two worlds, and the dome and the stiffness that the world between them has."""
+def _mixed(library: Library, rows: NDArray[np.intp], weights: Array, **of_worlds: Any) -> Library:
+    """Worlds that are mixed of those of the rows (W, K) with weights (W, K), and what else is different in them than in
+    the first of each."""
+    one = library.only(rows[:, 0])
+    reached_mm = np.where(np.abs(weights) >= _MATTERS, library.computed_mm[rows], np.inf)
 
+    def mixed(values: NDArray[Any]) -> NDArray[Any]:
+        return np.asarray(np.einsum("wk,wk...->w...", weights.astype(values.dtype), values[rows]))
 
-def _joined(library: Library, pairs: list[Between]) -> Library:
-    first, second = (np.array([pair[k] for pair in pairs], dtype=np.intp) for k in (0, 1))
-    between = _mixed(
-        library, first, second, np.full(len(pairs), 0.5), dome=np.array([pair[2] for pair in pairs], dtype=np.str_),
-        stiffness_n_per_mm=np.array([pair[3] for pair in pairs], dtype=np.float64),
-    )  # fmt: skip
-    return library.beside(between)
-
-
-def _mixed(library: Library, first: Rows, second: Rows, share: Array, **of_worlds: Any) -> Library:
-    """Worlds between those of two rows each, with a share (W,) of the second, and what else is different in them."""
-    one, other = library.only(first), library.only(second)
-    wide = share[:, None].astype(np.float64)
-    deep = wide[..., None, None].astype(np.float32)
     return replace(
-        one, computed_mm=np.minimum(one.computed_mm, other.computed_mm),
-        force_n=one.force_n ** (1 - wide) * other.force_n**wide,
-        edge_arc_mm=one.edge_arc_mm * (1 - wide) + other.edge_arc_mm * wide,
-        motion=one.motion * (1 - deep) + other.motion * deep, **of_worlds,
+        one, computed_mm=reached_mm.min(axis=1), force_n=np.exp(mixed(np.log(library.force_n))),
+        edge_arc_mm=mixed(library.edge_arc_mm), motion=mixed(library.motion), **of_worlds,
     )  # fmt: skip
 
 
@@ -224,9 +226,9 @@ def of_height(library: Library, height_mm: float) -> Library:
             found=f"heights of {', '.join(f'{each:g}' for each in known)} mm in all tables, in mm of a dome of 20 mm",
             do="Solve them: height_mm = [lower, higher] under [specimen] of the file for casr dome.",
         )  # fmt: skip
-    first, second = (np.array([pair[k] for pair in pairs], dtype=np.intp) for k in (0, 1))
-    share = np.array([pair[2] for pair in pairs])
-    soft = _mixed(library, first, second, share, height_mm=np.full(len(pairs), height_mm))
+    rows, share = np.array([pair[:2] for pair in pairs], dtype=np.intp), np.array([pair[2] for pair in pairs])
+    weights = np.column_stack([1 - share, share])
+    soft = _mixed(library, rows, weights, height_mm=np.full(len(pairs), height_mm))
     return library.only(np.flatnonzero(np.isinf(library.stiffness_n_per_mm))).beside(soft)
 
 
@@ -252,18 +254,22 @@ def _around(heights_mm: Array, rows: Rows, height_mm: float) -> tuple[int, int, 
     return int(rows[high - 1]), int(rows[high]), float((low - here) / (low - above))
 
 
-def _next_in_stiffness(library: Library) -> list[Between]:
-    pairs: list[Between] = []
-    for dome, friction in sorted(set(zip(library.dome.tolist(), library.friction.tolist(), strict=True))):
-        rows = np.flatnonzero((library.dome == dome) & (library.friction == friction))
-        rows = rows[np.argsort(library.stiffness_n_per_mm[rows])]
-        for low, high in zip(rows[:-1].tolist(), rows[1:].tolist(), strict=True):
-            compliance = 1 / library.stiffness_n_per_mm[[low, high]]
-            pairs.append((low, high, dome, float(2 / compliance.sum())))
-    return pairs
+def _with_halfway(library: Library, rows: Rows) -> Library:
+    """Also the worlds halfway in compliance between those of the rows, which differ in it alone, from stiff to soft."""
+    compliance = 1 / library.stiffness_n_per_mm[rows]
+    halfway = (compliance[1:] + compliance[:-1]) / 2
+    spline = Spline(_softness(compliance))
+    weights = np.array([spline.weights(at) for at in _softness(halfway).tolist()])
+    every = np.broadcast_to(rows, weights.shape)
+    return library.beside(_mixed(library, every, weights, stiffness_n_per_mm=1 / halfway))
 
 
-def _next_in_family(library: Library) -> list[Between]:
+def _softness(compliance: Array) -> Array:
+    return compliance / (compliance + 1 / USUAL_STIFFNESS)
+
+
+def _next_in_family(library: Library) -> list[tuple[int, int, str]]:
+    """Rows of two worlds on alike specimens, and the dome between them."""
     names = zip(
         library.dome.tolist(), library.friction.tolist(), library.stiffness_n_per_mm.round(6).tolist(), strict=True
     )
@@ -271,7 +277,7 @@ def _next_in_family(library: Library) -> list[Between]:
     there = [dome for dome in FAMILY if dome in library.dome]
     softer = dict(pairwise(reversed(there)))
     return [
-        (other, row, f"{softer[dome]}+{dome}", stiffness)
+        (other, row, f"{softer[dome]}+{dome}")
         for (dome, friction, stiffness), row in row_of.items()
         if (other := row_of.get((softer.get(dome, ""), friction, stiffness))) is not None
     ]

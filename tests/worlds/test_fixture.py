@@ -1,4 +1,4 @@
-"""The made worlds still make what they made: recordings of the demo study as at commit 4a6cfa7a, runs as of world 3.
+"""The made worlds still make what they made: recordings of the demo study as at commit 4a6cfa7a, runs as of world 4.
 
 ``fixture`` holds that study, the schedules of its runs, the SHA-256 of each recording, log and stack of frames, and two
 presses of world 1 whole, on which estimators are tried without making them. Where a world is meant to change, its

@@ -215,11 +215,13 @@ def test_without_the_length_of_pins_it_is_said_and_the_interval_is_wider() -> No
     ],
 )
 def test_a_camera_that_is_not_as_told_moves_the_area_by_what_its_part_says(part: str, other: Camera) -> None:
+    """Beside what another world explains then, which is the dome's part."""
     press = pressed(TabulatedWorld())
     told = front_of(press)
     moved = np.log(front_of(press, other).area / told.area)[press.wide]
     assert moved.min() > 0.015
-    np.testing.assert_allclose(moved, told.parts[part][press.wide], atol=0.003)
+    beside = np.abs(moved - told.parts[part][press.wide]) / told.parts["dome"][press.wide]
+    assert beside.max() < 0.5
 
 
 def test_errors_that_the_camera_file_states_are_those_of_its_parts() -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from benchmarks.tactile.world_scores import without
 from casr.dome.library import (
@@ -165,7 +166,7 @@ def test_the_shipped_domes_are_near_those_of_another_program(
     np.testing.assert_allclose(*areas, rtol=within)
 
 
-def test_between_lie_the_means_of_neighbours() -> None:
+def test_between_domes_lie_means_and_between_stiffnesses_splines() -> None:
     ours, all_of_them = shipped(), worlds()
     assert ours.n_worlds == len(FAMILY) * 5 * 2
     assert set(all_of_them.dome.tolist()) >= {"C+J", "J+H", "I+G"}
@@ -176,9 +177,10 @@ def test_between_lie_the_means_of_neighbours() -> None:
 
     mean = (ours.motion[row(ours, "J", 5.3)] + ours.motion[row(ours, "H", 5.3)]) / 2
     np.testing.assert_allclose(all_of_them.motion[row(all_of_them, "J+H", 5.3)], mean, rtol=0, atol=1e-6)
-    mean = (ours.motion[row(ours, "D", 1.1)] + ours.motion[row(ours, "D", 2.4)]) / 2
-    halfway = 2 / (1 / 1.1 + 1 / 2.4)
-    np.testing.assert_allclose(all_of_them.motion[row(all_of_them, "D", halfway)], mean, rtol=0, atol=1e-6)
+    known, halfway = [np.inf, 20.0, 5.3, 2.4, 1.1], 2 / (1 / 1.1 + 1 / 2.4)
+    softness, motion = [1 / (1 + k / 3) for k in known], np.array([ours.motion[row(ours, "D", k)] for k in known])
+    peer = CubicSpline(softness, motion, bc_type="natural")(1 / (1 + halfway / 3))
+    np.testing.assert_allclose(all_of_them.motion[row(all_of_them, "D", halfway)], peer, rtol=0, atol=1e-5)
 
 
 def test_where_a_dome_is_left_out_its_neighbours_are_joined() -> None:
