@@ -45,7 +45,8 @@ class Discrepancy:
     scatter : of the label of a press. stiffness : relative, of a specimen from mounting to mounting.
     log_kappa0 : of a sensor's modulus, relative to that of the tables. log_force : of the tables' forces, all alike;
     force_curve : from specimen to specimen. force_mounting : of the force at a radius, from mounting to mounting of a
-    specimen. force_frame : from frame to frame; force_bend : of ln force from one e-fold to the next.
+    specimen; force_scatter : from press to press; force_frame : from frame to frame. force_bend : of ln force from one
+    e-fold to the next.
     freedom : degrees of freedom that these were found with.
     """
 
@@ -59,6 +60,7 @@ class Discrepancy:
     log_force: float = 0.05
     force_curve: float = 0.02
     force_mounting: float = 0.03
+    force_scatter: float = 0.03
     force_frame: float = 0.01
     force_bend: float = 0.03
     force_sd_n: float = 0.01
@@ -136,8 +138,13 @@ class Posterior:
         }  # fmt: skip
         self._known_sd = {name: max(press.stiffness_sd, KNOWN_SD) for name, press in known.items()}
         self._cues = cues
-        self.n_label = labels.mean.size
+        self.n_label, self._force_variance = labels.mean.size, 1.0
         self._solve()
+        if "force" in cues and self._forces.press.size:
+            # forces that contradict each other by more than is usual count less, and do not widen what the pins say
+            count = self._forces.press.size + discrepancy.freedom
+            self._force_variance = max((self._force_chi2() + discrepancy.freedom) / count, 1.0)
+            self._solve()
 
     def _solve(self) -> None:
         n, d, labels = self.n_label, self._d, self._labels
@@ -166,6 +173,12 @@ class Posterior:
         freedom = max(self.freedom, 0) + d.freedom
         self.widened = float(np.sqrt(max((self.chi2 + d.freedom) / freedom, 1.0)))
         self.reach = student_quantile(CONFIDENCE, freedom)
+
+    def _force_chi2(self) -> float:
+        """How far the forces are from what the whole says of them."""
+        residual, _, weight = self._statements(self.mean)
+        count = self._forces.press.size
+        return float(residual[-count:] @ weight[-count:, -count:] @ residual[-count:])
 
     def _statements(self, at: Array) -> tuple[Array, Array, Array]:
         """(M,) residuals of all statements but the labels, (M, P) derivatives, (M, M) weights."""
@@ -204,9 +217,9 @@ class Posterior:
             by_force[:, :n], by_force[:, n] = -f.by, 1
             left = f.level + f.by @ (at[:n] - labels.mean) - log_kappa0
             among = np.ix_(f.press, f.press)
-            covariance = np.diag(f.variance) + d.log_force**2 + d.force_curve**2 * alike[among]
+            covariance = np.diag(f.variance + d.force_scatter**2) + d.log_force**2 + d.force_curve**2 * alike[among]
             covariance += d.force_mounting**2 * self._same[among]
-            parts.append((left, by_force, np.linalg.inv(covariance)))
+            parts.append((left, by_force, np.linalg.inv(self._force_variance * covariance)))
         sizes = np.cumsum([0, *[len(left) for left, _, _ in parts]])
         weight = np.zeros((sizes[-1], sizes[-1]))
         for first, last, (_, _, own) in zip(sizes[:-1], sizes[1:], parts, strict=True):
