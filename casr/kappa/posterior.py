@@ -52,7 +52,7 @@ class Discrepancy:
 
     level: float = 0.03
     slope: float = 0.10
-    curve: float = 0.005
+    curve: float = 0.0075
     curve_z: float = 0.15
     scatter: float = 0.002
     stiffness: float = 0.035
