@@ -68,6 +68,8 @@ class Family:
         motion = library.motion[self._rows].astype(np.float64)
         self.place = _places(motion[:, :, 0], library.radius_mm)
         self._between = Spline(self.place)
+        self._at_z: dict[float, tuple[Array, Array]] = {}
+        "Weights (D, 1, S) of motion and of force at the z that was last asked for."
         self.bends = _bends(self.place)
         flat = self._rows.ravel()
         self._computed_mm = library.computed_mm[flat]
@@ -87,10 +89,12 @@ class Family:
     def world(self, place: float, z: float, stick: float, log_kappa0: float, bend: Array | None = None) -> World:
         """The world at a place of the family, and off it by shares of its ``bends``."""
         between = self._between.weights(place) + (0.0 if bend is None else bend @ self.bends)
-        friction = np.array([1 - stick, stick])
-        motion = [b * np.outer(friction, s.weights(z)[:-1]) for b, s in zip(between, self._spline, strict=True)]
-        force = [b * np.outer(friction, s.weights(z)) for b, s in zip(between, self._force_spline, strict=True)]
-        return World(np.ravel(motion), np.ravel(force), float(np.log1p(-z)) + log_kappa0)
+        if z not in self._at_z:  # most changes of a world leave its z
+            every = [[s.weights(z) for s in splines] for splines in (self._spline, self._force_spline)]
+            self._at_z = {z: (np.array(every[0])[:, None, :-1], np.array(every[1])[:, None])}
+        of_tables = between[:, None, None] * np.array([1 - stick, stick])[:, None]
+        motion, force = (np.ravel(of_tables * weights) for weights in self._at_z[z])
+        return World(motion, force, float(np.log1p(-z)) + log_kappa0)
 
     def motion(self, weights: Array) -> Array:
         """(R, S, 3) motion of a world, or (K, R, S, 3) of several weights (K, ...)."""
