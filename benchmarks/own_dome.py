@@ -48,7 +48,7 @@ gel_modulus_mpa = {gel}
 height_mm = {height}
 stiffness_n_per_mm = {stiffness}
 friction = {friction}
-rigid = false
+rigid = {rigid}
 [solve]
 force_n = {force}
 mesh_mm = {mesh}
@@ -68,8 +68,8 @@ BETWEEN_N_PER_MM = 3.3039
 
 _HEAD = """# Other domes and thin specimens, with tables of their own
 
-Own tables: 1.1, 2.4, 5.3 and 20 N/mm, two frictions, up to 5 N, a mesh of 0.8 mm. Their area at 3.30 N/mm,
-that sticks, against a solution of this stiffness with half the mesh, half the steps and four times the penalty:
+Own tables: 1.1, 2.4, 5.3 and 20 N/mm and a rigid plate, two frictions, up to 5 N, a mesh of 0.8 mm. Their area at
+3.30 N/mm, that sticks, against a solution of this stiffness with half the mesh, half the steps, four times the penalty:
 """
 _PRESSES = """
 Rendered presses from 0.5 to 7 N on 1.8, 4.5 and 7.6 N/mm that stick and 4.5 without friction, {repetitions} of each,
@@ -93,9 +93,10 @@ class Tables:
     mesh: float
     step_mm: float = 0.12
     penalty: float = 1.0
+    rigid: str = "false"
 
 
-OWN = Tables("[1.1, 2.4, 5.3, 20]", '["stick", "frictionless"]', 5, 0.8)
+OWN = Tables("[1.1, 2.4, 5.3, 20]", '["stick", "frictionless"]', 5, 0.8, rigid="true")
 WORLDS = (
     Tables("[1.8, 4.5, 7.6]", '["stick"]', 7.2, 0.7, penalty=4.0),
     Tables("[4.5]", '["frictionless"]', 7.2, 0.7, penalty=4.0),
