@@ -14,6 +14,7 @@ from functools import cache
 import numpy as np
 from jinja2 import Environment, StrictUndefined, Template
 
+from casr.kappa.posterior import DETERMINED
 from emg2vsa.calibration.presses import MOST_OUTLIERS
 from emg2vsa.calibration.results import LawResult
 from emg2vsa.claims.claim import OF_A_STUDY, confidence_of
@@ -233,19 +234,27 @@ ln(area) and one of ln(CASR) with condition, angle and specimen (type II [@yates
 the noncentral F distribution [@steiger].{% endif %}
 {% if study.profile.new_specimen %}
 # Stiffness calibration
+{% if by_pins %}The stiffness κ of the new specimen was estimated from the places of the pins and the forces in all
+presses of an angle and condition at once. Tabulated finite-element contacts of layered domes on specimens of known
+stiffness, with and without friction, were interpolated by cubic splines; one dome, pin length, depth and pole were
+shared by all presses, κ by those of a specimen, and friction, place and contact radii were free in each. What the
+labels of this sensor differ by from the truth was a line, which the other specimens told, and a smooth Gaussian curve
+[@kennedy]; mountings, forces and depths scatter by stated sizes. The interval is of 95 % and total, and wider by how
+far these statements contradict each other. κ is called determined where the design promises a half width of
+{{ (100 * DETERMINED) | g }} % or less. Beside it, κ was read off CASR.{% endif %}
 {% if k.outlier_mads %}A press further than {{ k.outlier_mads | g }} median absolute deviations, scaled to an SD, from
 the median of its specimen was left out of the calibration, where the specimen had five presses or more and no more
 than {{ (100 * MOST_OUTLIERS) | g }} % of them lay so far off.{% endif %}
-The stiffness of the new specimen was read off {{ choices.law[k.law] }}. This law was fitted to
-{{ "mean scores" if k.points == "means" else "all scores" }} of the other specimens at each angle under each condition
+{{ "By CASR, the" if by_pins else "The" }} stiffness of the new specimen was read off {{ choices.law[k.law] }}. This
+law was fitted to {{ "mean scores" if k.points == "means" else "all scores" }} of the other specimens at each angle under each condition
 by least squares of {{ choices.minimise[k.minimise] }}. Its {{ (100 * k.confidence) | g }} % interval joins the
 scatter of repeated presses, the standard errors of the known stiffnesses{% if k.law == "compliance" %},
 {{ mounting }}, and how far κ moves with the exponent that the contact's growth shows in place of Hertz's
 1.5{% else %} and {{ mounting }}{% endif %}. Presses that are serially correlated count as fewer. Where the left-out
 specimens reject the law, the interval was widened until theirs hold. The interval also holds the κ of every other law
-that the specimens do not reject. No stiffness is given where CASR does not follow κ in one direction. κ is called
-determined where presses and mountings promise an interval narrower than the calibrated range, by a law that falls and
-has an adjusted R² of 0 or more.
+that the specimens do not reject. No stiffness is given where CASR does not follow κ in one direction. κ by CASR is
+called determined where presses and mountings promise an interval narrower than the calibrated range, by a law that
+falls and has an adjusted R² of 0 or more.
 {% endif %}
 {% endif %}
 # Verdicts on claims
@@ -288,6 +297,7 @@ def _template() -> Template:
         "DRAWS": DRAWS,
         "MATTERS": MATTERS,
         "MOST_OUTLIERS": MOST_OUTLIERS,
+        "DETERMINED": DETERMINED,
     }
     plain.globals |= {"WIDE": WIDE, "CERTAIN": CERTAIN, "OF_A_STUDY": OF_A_STUDY}
     return plain.from_string(_TEMPLATE)
@@ -330,6 +340,7 @@ def methods(results: StudyResults) -> list[tuple[str, str]]:
         tested=_tested(people.fits, study) if people else "",
         level=f"{100 * confidence_of((), study.claims.false_verdict_percent / 100, OF_A_STUDY):.4g}",
         rate=_CHOICES["rate"][study.scoring.recipe.rate].format(low=low, high=high),
+        by_pins=any(each.pins for each in calibration.conditions) if calibration else False,
         mounting=_mounting(study.calibration, [of[algorithm].chosen for of in by_algorithm if algorithm in of]),
         versions=[f"{name} {version}" for name, version in results.provenance.items() if "digest of " not in name],
     )

@@ -68,6 +68,8 @@ hotelling | Hotelling, H. | 1931 | The generalization of Student's ratio | The A
   360–378 | 10.1214/aoms/1177732979
 huber | Huber, P. J. | 1964 | Robust estimation of a location parameter | The Annals of Mathematical Statistics | 35 |
   73–101 | 10.1214/aoms/1177703732
+kennedy | Kennedy, M. C. and O'Hagan, A. | 2001 | Bayesian calibration of computer models | Journal of the Royal
+  Statistical Society B | 63 | 425–464 | 10.1111/1467-9868.00294
 kroeger | Kroeger, T. and Timofte, R. and Dai, D. and Van Gool, L. | 2016 | Fast optical flow using dense inverse
   search | Computer Vision – ECCV 2016, LNCS | 9908 | 471–488 | 10.1007/978-3-319-46493-0_29
 kruskal | Kruskal, W. H. and Wallis, W. A. | 1952 | Use of ranks in one-criterion variance analysis | Journal of the
