@@ -63,8 +63,8 @@ class Picture:
 class Axes:
     """Axes over ``view``, ``width`` by ``height`` units of half a px.
 
-    labels : of x and y. beside : more room at the right. whole : x is counted, not measured. marks : what was drawn,
-    in order.
+    labels : of x and y. beside : more room at the right. whole : x is counted, not measured. logarithmic : x is the
+    common logarithm of what its ticks tell. marks : what was drawn, in order.
     """
 
     view: View
@@ -74,6 +74,7 @@ class Axes:
     grid: bool = True
     beside: float = 0
     whole: bool = False
+    logarithmic: bool = False
     marks: list[Mark] = field(default_factory=list)
     _body: list[str] = field(default_factory=list)
     _over: list[str] = field(default_factory=list)
@@ -233,9 +234,11 @@ class Axes:
         left, top, right, bottom = self.view
         floor, grid = _TOP + self.height, 1.0 if self.grid else 0.0
         most = int(self.height / 90) + 2
-        across = [x for x in ticks(left, right, int(self.width / 120)) if not self.whole or x == round(x)]
+        ends = (10**left, 10**right) if self.logarithmic else (left, right)
+        across = [x for x in ticks(*ends, int(self.width / 120)) if not self.whole or x == round(x)]
         up = ticks(min(top, bottom), max(top, bottom), most)
-        xs = self._page(np.array([[value, bottom] for value in across]))[:, 0].tolist()
+        at = np.log10(across) if self.logarithmic else across
+        xs = self._page(np.array([[value, bottom] for value in at]))[:, 0].tolist()
         ys = self._page(np.array([[left, value] for value in up]))[:, 1].tolist()
         lines = "".join(f"M{x:.1f} {floor + 8:.1f}v{-8 - grid * self.height:g}" for x in xs)
         lines += "".join(f"M{_LEFT - 8} {y:.1f}h{8 + grid * self.width:g}" for y in ys)

@@ -23,6 +23,7 @@ SPECIMENS = f"""
 --specimens FILE  CSV: {", ".join(COLUMNS)}; a line for each press, named as casr score names it; stiffness is empty
     where it is not known, rigid of a plate; the last two columns may be left out (default: specimens.csv in PATH)
 """
+PAGE = "--page FILE.html  write a page: how much of the pins' motion is left over at each kappa, and what each cue says"
 SUMMARY = "Stiffness kappa of specimens, N/mm, from presses of one sensor on known and unknown specimens."
 EPILOG = """
 All presses are held against one dome, between those of the tables; the known specimens tell how this sensor differs
@@ -36,14 +37,20 @@ def add_to(commands: Commands) -> None:
     parser = add_command(commands, "kappa", run, SUMMARY, EPILOG)
     shared.add_frames(parser, "a folder of presses")
     shared.add_shared(shared.add_method(parser), shared.LAG)
-    shared.add_shared(parser.add_argument_group("output"), SPECIMENS, JSON)
+    shared.add_shared(parser.add_argument_group("output"), SPECIMENS, PAGE, JSON)
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from casr.atomic import write_text_atomic
     from casr.kappa.estimate import estimate_kappa
+    from casr.page.kappa_page import kappa_page
+    from casr.press_files import PressFiles
 
+    PressFiles(page=arguments.page).check(arguments.path, [])
     used, unused, camera, library = asked(arguments)
     found = estimate_kappa(used, camera, library=library)
+    if arguments.page:
+        write_text_atomic(arguments.page, kappa_page(arguments.path.resolve().name, found, unused))
     answer(arguments.json, {**_plain(found), "not_used": unused}, _lines(found, unused))
     return int(bool(unused))
 

@@ -32,12 +32,13 @@ USUAL_MISFIT = 0.02
 class SensorKappa:
     """What the presses of a sensor say.
 
-    kappas : by specimen. misfit : share of the motion left over beyond noise. noise_px : white noise of a pin.
-    notes : what a reader should know.
+    kappas : by specimen. discrepancy : as it was used. misfit : share of the motion left over beyond noise.
+    noise_px : white noise of a pin. notes : what a reader should know.
     """
 
     kappas: dict[str, Kappa]
     labels: Labels
+    discrepancy: Discrepancy
     misfit: float
     noise_px: float
     notes: tuple[str, ...]
@@ -62,7 +63,7 @@ def estimate_kappa(
     labels = fitted(presses, camera, families(library or shipped()), errors or stated_errors(camera))
     d = (discrepancy or Discrepancy()).scaled(max(labels.misfit / USUAL_MISFIT, 1.0))
     return SensorKappa(
-        kappas=kappas(labels, d), labels=labels, misfit=labels.misfit, noise_px=labels.noise_px,
+        kappas=kappas(labels, d), labels=labels, discrepancy=d, misfit=labels.misfit, noise_px=labels.noise_px,
         notes=_notes(labels, camera),
     )  # fmt: skip
 

@@ -31,7 +31,7 @@ _STEPS = {
     "place": 0.004, "pin_length_mm": 0.02, "log_depth": 0.003, "pole_x_px": 0.3, "pole_y_px": 0.3,
     **dict.fromkeys(BENDS, 0.05), "z": 0.002, "stick": 0.05, "across_1_rad": 0.003, "across_2_rad": 0.003,
 }  # fmt: skip
-_RADIUS_STEP_MM = 0.05
+_RADIUS_STEP_MM, _FITS = 0.05, 4
 LEAST_RADIUS_MM = 1.0
 
 
@@ -131,6 +131,22 @@ class PressField:
         of_frame[np.arange(self.n_frames), np.arange(self.n_frames)] += by_radius
         columns[len(SHARED) + len(OWN) :] = of_frame.reshape(self.n_frames, -1)
         return (self.seen - self.whitened(here)).ravel(), columns.T
+
+    def left_over_px(self, state: State, z: Array) -> Array:
+        """(K,) root mean square left over, px, where z is held at each of K values and the rest of what one press alone
+        knows is fitted again."""
+        first = len(SHARED) + 1
+        inverse = np.linalg.pinv(self.linearised(state)[1][:, first:])
+        left = []
+        for each in z:
+            held = replace(state, own=np.append(each, state.own[1:]))
+            for _ in range(_FITS):
+                residual = (self.seen - self.whitened(self.predicted(held))).ravel()
+                step = inverse @ residual
+                own, radius_mm = held.own[1:] + step[: len(OWN) - 1], held.radius_mm + step[len(OWN) - 1 :]
+                held = State(state.shared, np.append(each, own), np.maximum(radius_mm, LEAST_RADIUS_MM))
+            left.append(float(np.sqrt(residual @ residual / (residual.size - self.n_frames))))
+        return np.array(left)
 
     def started(self, place: float, z: float) -> tuple[State, float]:
         """The state in which each frame has the radius, out of those of the tables, that suits it best; cost, px^2."""

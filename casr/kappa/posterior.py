@@ -194,7 +194,7 @@ class Posterior:
         by_z[:, n], by_z[rows, of] = soft * (1 + slope), -soft * (1 + slope)
         by_z[:, n + 1], by_z[:, n + 2] = 1, true_z - _MIDDLE_Z
         z_left = at[labels.own_at] - true_z - level - slope * (true_z - _MIDDLE_Z)
-        alike = np.exp(-((true_z[:, None] - true_z) ** 2) / (2 * d.curve_z**2))
+        alike = self._alike(true_z, true_z)
         z_covariance = d.curve**2 * alike + d.scatter**2 * np.eye(n_press)
         z_covariance += self._same * d.stiffness**2 * np.outer(soft, soft)
         prior = [(n, self._family.log_kappa0_at(float(at[0])), d.log_kappa0), (n + 1, 0, d.level), (n + 2, 0, d.slope)]
@@ -230,6 +230,20 @@ class Posterior:
         """ln kappa and its standard error, not widened."""
         k = self.n_label + 3 + self.specimens.index(specimen)
         return float(self.mean[k]), float(np.sqrt(self.covariance[k, k]))
+
+    def label(self, log_kappa: Array) -> Array:
+        """(K,) label z that pins of this sensor show at K values of ln kappa: by the line, and the curve about it."""
+        log_kappa0, level, slope = self.mean[self.n_label : self.n_label + 3]
+        at, seen = (
+            1 / (1 + np.exp(each - log_kappa0)) for each in (log_kappa, self.mean[self.n_label + 3 :][self._of])
+        )
+        residual, _, weight = self._statements(self.mean)
+        curve = self._d.curve**2 * self._alike(at, seen) @ weight[: seen.size, : seen.size] @ residual[: seen.size]
+        return np.asarray(at + level + slope * (at - _MIDDLE_Z) + curve)
+
+    def _alike(self, z: Array, other_z: Array) -> Array:
+        """Correlation of the curve there."""
+        return np.asarray(np.exp(-((z[:, None] - other_z) ** 2) / (2 * self._d.curve_z**2)))
 
     @property
     def kappa0(self) -> float:

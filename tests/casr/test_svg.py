@@ -48,6 +48,13 @@ def test_a_line_is_drawn_where_its_points_are_with_a_gap_where_one_is_not_known(
     assert right.tolist() == [[620, 156], [1120, 56]]
 
 
+def test_ticks_of_a_logarithmic_axis_tell_the_quantity():
+    drawn = Axes((0.0, 1.0, 1.0, 0.0), ("kappa", "y"), 1000, 400, logarithmic=True)
+    places = re.findall(r'<text x="(\d+)" y="492" text-anchor="middle">(\d+)<', drawn.svg("n", "t", "d"))
+    assert [(int(x), value) for x, value in places][:2] == [(421, "2"), (722, "4")]
+    assert places[-1] == ("1120", "10")
+
+
 def test_a_line_of_nothing_is_nothing_and_lost_points_leave_no_mark():
     drawn = axes()
     drawn.line([(np.nan, 1.0)], RED)

@@ -29,6 +29,25 @@ def test_kappa_of_an_unknown_specimen(presses: Path, tmp_path: Path, capsys: pyt
     assert "S1 " not in json.dumps(found["notes"])
 
 
+def test_its_page_shows_each_specimen_and_says_what_the_console_says(
+    presses: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = _table(tmp_path, f"{HEAD}S1_00deg_01,S1,7.63\nS5_00deg_01,S5,\n")
+    page = tmp_path / "kappa.html"
+    assert main(["kappa", str(presses), "--specimens", table, "--page", str(page)]) == 0
+    cells, text = capsys.readouterr().out.splitlines()[1].split(), page.read_text(encoding="utf-8")
+    assert text.count("<figure>") == 1
+    assert f"S5: {cells[1]} N/mm" in text
+    assert f">{cells[5]}<" in text  # whether determined
+    assert "pins alone" in text
+    assert "1 specimen of known stiffness" in text
+
+
+def test_a_page_among_the_presses_is_refused(presses: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["kappa", str(presses), "--page", str(presses / "kappa.html")]) == 2
+    assert "--page" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

@@ -15,7 +15,7 @@ from casr.errors import CameraError, CasrError, FramesError, PinsError, SettingE
 from casr.kappa.estimate import SensorKappa, estimate_kappa
 from casr.kappa.family import families
 from casr.kappa.field import OWN, SHARED, PressField, State
-from casr.kappa.posterior import Discrepancy
+from casr.kappa.posterior import Discrepancy, Posterior
 from casr.kappa.presses import KappaPress
 
 TRIAL = Trial("H", 1.0, 0.05, 0.0, (1.1, 3.35, 7.63), 5.32, seed=3)
@@ -102,6 +102,17 @@ def test_derivatives_are_those_of_the_motion(presses: list[KappaPress]) -> None:
     true = residual - (field.seen - field.whitened(field.predicted(moved))).ravel()
     # motion bends at the nodes of the tables' arcs
     assert np.linalg.norm(by @ change - true) < 0.06 * np.linalg.norm(true)
+
+
+def test_what_is_left_over_is_least_at_the_label_and_the_label_at_kappa(found: SensorKappa) -> None:
+    labels = found.labels
+    z = labels.z[-1] + np.linspace(-0.04, 0.04, 9)
+    left_px = labels.fields[-1].left_over_px(labels.states[-1], z)
+    assert np.argmin(left_px) == 4
+    assert left_px[4] == pytest.approx(labels.misfit_px, rel=0.2)
+    at = np.log(found.kappas["5.32"].value) + np.linspace(-0.2, 0.2, 81)
+    shown = Posterior(labels, found.discrepancy).label(at)
+    assert abs(at[np.argmin(np.abs(shown - labels.z[-1]))] - at[40]) < 0.02
 
 
 def estimate_view() -> DomeView:
