@@ -248,13 +248,13 @@ than {{ (100 * MOST_OUTLIERS) | g }} % of them lay so far off.{% endif %}
 {{ "By CASR, the" if by_pins else "The" }} stiffness of the new specimen was read off {{ choices.law[k.law] }}. This
 law was fitted to {{ "mean scores" if k.points == "means" else "all scores" }} of the other specimens at each angle
 under each condition by least squares of {{ choices.minimise[k.minimise] }}. Its {{ (100 * k.confidence) | g }} %
-interval joins the scatter of repeated presses, the standard errors of the known stiffnesses{% if k.law == "compliance" %},
-{{ mounting }}, and how far κ moves with the exponent that the contact's growth shows in place of Hertz's
-1.5{% else %} and {{ mounting }}{% endif %}. Presses that are serially correlated count as fewer. Where the left-out
-specimens reject the law, the interval was widened until theirs hold. The interval also holds the κ of every other law
-that the specimens do not reject. No stiffness is given where CASR does not follow κ in one direction. κ by CASR is
-called determined where presses and mountings promise an interval narrower than the calibrated range, by a law that
-falls and has an adjusted R² of 0 or more.
+interval joins the scatter of repeated presses, the standard errors of the known stiffnesses{% if k.law ==
+"compliance" %}, {{ mounting }}, and how far κ moves with the exponent that the contact's growth shows in place of
+Hertz's 1.5{% else %} and {{ mounting }}{% endif %}. Presses that are serially correlated count as fewer. Where the
+left-out specimens reject the law, the interval was widened until theirs hold. The interval also holds the κ of every
+other law that the specimens do not reject. No stiffness is given where CASR does not follow κ in one direction. κ by
+CASR is called determined where presses and mountings promise an interval narrower than the calibrated range, by a law
+that falls and has an adjusted R² of 0 or more.
 {% endif %}
 {% endif %}
 # Verdicts on claims

@@ -99,3 +99,9 @@ def test_where_the_pins_tell_none_the_law_through_casr_counts(
 def test_specimens_of_several_heights_are_told(runs: list[RunScores]) -> None:
     condition = calibrated(runs, {run.specimen: Domes("own", 10.0 if run.specimen == "S1" else 25.0) for run in runs})
     assert "specimens of one height, but found 10 to 25 mm" in condition.no_pins
+
+
+def test_thin_specimens_need_tables_of_their_height(runs: list[RunScores]) -> None:
+    thin, usual = ({run.specimen: Domes(None, height) for run in runs} for height in (10.0, 24.0))
+    assert "specimens of 25 mm, or tables of their height, but found 10 mm" in calibrated(runs, thin).no_pins
+    assert calibrated(runs, usual).pins is not None

@@ -54,7 +54,7 @@ def run(given: Given) -> CalibrationResults:
     online = online_calibrations(
         scores, specimens, new, used["force_n"], settings, kappa_se=errors, provenance=provenance
     )  # fmt: skip
-    domes = {each.specimen: Domes(folder, heights.get(each.specimen) if folder else None) for each in scores}
+    domes = {each.specimen: Domes(folder, heights.get(each.specimen)) for each in scores}
     found = calibrate_runs(scores, specimens, new, settings, kappa_se=errors, domes=domes)
     notes = tuple(
         f"{each.angle_deg:g}°, {each.condition}: no calibration file, because CASR does not rise with softness. "
