@@ -111,7 +111,7 @@ def read_table(path: Path) -> ContactTable:
         s_mm=arrays["s_mm"],
         motion=np.stack([arrays[key] for key in OF_NODES], axis=-1),
         dome_radius_mm=float(said["dome_radius_mm"]) if ours else float("nan"),
-        solved=said["pressing"]["dome"] if ours else {},
+        solved=said.get("pressing", {}).get("dome", {}) if ours else {},
     )  # fmt: skip
 
 

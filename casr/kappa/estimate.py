@@ -88,7 +88,7 @@ def fitted(
         unit = scale if family.names[0] in FAMILY else 1.0
         fields = [PressField(_flat(press, camera, unit), view, family) for press in presses]
         tried.append(labelled(fields, family, errors, thorough=thorough))
-    return min(tried, key=lambda each: each.misfit_px)
+    return min(tried, key=lambda each: each.misfit_px / each.moved_px)
 
 
 def stated_errors(

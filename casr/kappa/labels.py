@@ -86,7 +86,7 @@ def labelled(fields: Sequence[PressField], family: Family, errors: SensorErrors,
     places, zs = _STARTS
     starts = [(place,) for place in places] if thorough else [places]
     fits = [_Fit(fields, family, errors).result(each, zs) for each in starts]
-    return min(fits, key=lambda each: each.misfit_px)
+    return min(fits, key=lambda each: each.misfit_px / each.moved_px)
 
 
 class _Fit:

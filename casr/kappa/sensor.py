@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from casr.camera import Camera
 from casr.contact_area.library_front import dome_scale
 from casr.dome.library import FAMILY, MODULI_MPA, Library, shipped
-from casr.dome.view import OUTER_RADIUS_MM, SKIN_MM
+from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, SKIN_MM
 from casr.errors import SettingError
 from casr.kappa.estimate import USUAL_MISFIT, fitted, stated_errors, view_of
 from casr.kappa.family import Family, families
@@ -33,9 +33,13 @@ NOMINAL = SensorErrors(pin_length_mm=1e-6, pole_px=1e-6, depth=1e-6)
 QUANTITIES = (
     "pole_x_px", "pole_y_px", "pin_length_mm", "depth_mm", "gel_over_skin", "skin_modulus_mpa", "gel_modulus_mpa",
 )  # fmt: skip
-OFF_POLE_MM, OFF_PIN_LENGTH_MM, OFF_DEPTH, OFF_GEL_OVER_SKIN, OFF_MODULUS = 0.02, 0.035, 0.005, 0.07, 0.03
-"""Standard deviations, the last three relative, by which presses of a dome that the tables do not hold are taken for
-those of another sensor: found by leaving out one dome of the library at a time (benchmarks/sensor.py, seeds 0 to 7)."""
+OFF_FAMILY = np.array([0.02, 0.02, 0.035, 0.005, 0.07, 0.03, 0.03])
+"""Standard deviations by which presses of a dome that the tables do not hold are taken for those of another sensor, by
+``QUANTITIES``: mm, then relative. Found by leaving out one dome at a time (benchmarks/sensor.py, seeds 0 to 7)."""
+OFF_THICKNESS = np.array([0.1, 0.1, 0.4, 0.05, 0.6, 0.4, 0.4])
+"""The same of a dome that differs in more than its moduli: a skin of 1.5 mm, of which tables of 1 mm leave 2.2 % over.
+It grows with what is left over beyond ``FAMILY_MISFIT``, and is whole at ``USUAL_MISFIT``."""
+FAMILY_MISFIT = 0.01
 _STEP = 1e-3
 
 
@@ -75,11 +79,11 @@ class IdentifiedSensor:
         if "skin_modulus_mpa" not in self.quantities:
             return self.camera.to_toml()
         skin, gel = self.quantities["skin_modulus_mpa"], self.quantities["gel_modulus_mpa"]
-        radius_mm = self.camera.sensor.dome_radius_mm or OUTER_RADIUS_MM
+        radius_mm = (self.camera.sensor.dome_radius_mm or OUTER_RADIUS_MM) * INNER_RADIUS_MM / OUTER_RADIUS_MM
         return f"""{self.camera.to_toml()}
 [dome]
 name = "identified"
-radius_mm = {radius_mm:.5g}
+radius_mm = {radius_mm + self.skin_mm:.4g}
 skin_mm = {self.skin_mm:.4g}  # of the tables that fit best, not measured
 skin_modulus_mpa = {skin.value:.3g}  # standard error {skin.sd:.1g}
 gel_modulus_mpa = {gel.value:.3g}  # standard error {gel.sd:.1g}
@@ -109,12 +113,11 @@ def identify_sensor(
     labels = fitted(presses, camera, families(library), errors, thorough=True)
     ours = [Family(library, (dome,)) for dome in FAMILY if dome in library.dome]
     before = fitted(presses, camera, ours or [labels.family], NOMINAL).misfit
-    worse = max(labels.misfit / USUAL_MISFIT, 1.0)
-    posterior = Posterior(labels, Discrepancy().scaled(worse))
+    posterior = Posterior(labels, Discrepancy().scaled(max(labels.misfit / USUAL_MISFIT, 1.0)))
     family, place = labels.family, float(posterior.mean[0])
     domes = {dome: (SKIN_MM * scale, *moduli) for dome, moduli in MODULI_MPA.items()} | dict(own_domes or {})
     solved = np.array([domes.get(dome, (np.nan,) * 3) for dome in family.names])
-    quantities = _quantities(posterior, family, camera, errors, np.log(solved[:, 1:]), worse)
+    quantities = _quantities(posterior, family, camera, errors, np.log(solved[:, 1:]), labels.misfit)
     identified = IdentifiedSensor(
         camera=_camera(camera, quantities), quantities=quantities, skin_mm=family.at(place, solved[:, 0]),
         dome=_dome(family, place), misfit_before=before, misfit=labels.misfit,
@@ -124,10 +127,9 @@ def identify_sensor(
 
 
 def _quantities(
-    posterior: Posterior, family: Family, camera: Camera, errors: SensorErrors, log_moduli: Array, worse: float
+    posterior: Posterior, family: Family, camera: Camera, errors: SensorErrors, log_moduli: Array, misfit: float
 ) -> dict[str, Quantity]:
-    """log_moduli : (D, 2) ln of those of skin and gel, MPa, of the family's domes; NaN where they are not known.
-    worse : times that the tables fit less well than tables do."""
+    """log_moduli : (D, 2) ln of those of skin and gel, MPa, of the family's domes; NaN where they are not known."""
     n, scale, at, view = posterior.n_label, dome_scale(camera), posterior.mean, view_of(camera)
     log_skin, log_ratio = log_moduli[:, 0], log_moduli[:, 1] - log_moduli[:, 0]
     unit = np.log(scale) if family.names[0] in FAMILY else 0.0
@@ -141,13 +143,12 @@ def _quantities(
     by[[0, 1, 2, 3, 5, 6], [3, 4, 1, 2, n, n]] = 1, 1, scale, 1, 1, 1
     by[4:, 0] = (moduli(at[0] + _STEP) - moduli(at[0] - _STEP)) / (2 * _STEP)
     px_per_mm, free = camera.fx_px / view.depth_mm, Discrepancy.log_kappa0
-    of_place = max(PLACE_SD * abs(by[4, 0]), OFF_GEL_OVER_SKIN)
+    of_place = max(PLACE_SD * abs(by[4, 0]), OFF_FAMILY[4])
     prior_sd = np.array([*[errors.pole_px] * 2, errors.pin_length_mm * scale, errors.depth, of_place, free, free])
-    beyond = np.array(
-        [*[OFF_POLE_MM * px_per_mm] * 2, OFF_PIN_LENGTH_MM * scale, OFF_DEPTH, OFF_GEL_OVER_SKIN, *[OFF_MODULUS] * 2]
-    )
+    worse = max(misfit - FAMILY_MISFIT, 0.0) / (USUAL_MISFIT - FAMILY_MISFIT)
+    beyond = np.hypot(OFF_FAMILY, worse * OFF_THICKNESS) * [px_per_mm, px_per_mm, scale, 1, 1, 1, 1]
     variance = np.diag(by @ posterior.covariance[: n + 1, : n + 1] @ by.T) * posterior.widened**2
-    sd = np.minimum(np.sqrt(variance + (worse * beyond) ** 2), prior_sd)
+    sd = np.minimum(np.sqrt(variance + beyond**2), prior_sd)
     pin_mm, log_depth = (view.pin_length_mm + at[1]) * scale, np.log(camera.depth_mm) + at[2]
     value = np.array([*(at[3:5] + view.pole_px), pin_mm, *np.exp([log_depth, *moduli(at[0])])])
     unit_of = np.append(np.ones(3), value[3:])  # of the logarithms

@@ -109,6 +109,7 @@ def test_tables_of_another_kind_of_dome_do_not_fit(made: Sensor) -> None:
     soft = made.library.only(np.flatnonzero(np.isin(made.library.dome, ("I", "G"))))
     found = identify_sensor(made.presses[:2] + made.presses[-2:], CAMERA, library=soft)
     assert not found.fits
+    assert found.quantities["pin_length_mm"].sd > 0.5 * found.quantities["pin_length_mm"].prior_sd
     assert any("casr dome FILE" in note for note in found.notes)
 
 
@@ -122,6 +123,7 @@ def test_a_dome_of_a_labs_own_is_picked_where_it_fits_best(made: Sensor) -> None
     assert found.quantities["skin_modulus_mpa"].value == pytest.approx(skin, rel=0.15)
     assert found.quantities["gel_over_skin"].value == pytest.approx(gel / skin)
     assert not found.quantities["gel_over_skin"].told
+    assert "radius_mm = 20.2\n" in found.to_toml()  # outside a skin of 1.2 mm on the 19 mm on which pins stand
     unknown = identify_sensor(of_another.presses[:3], CAMERA, library=library)
     assert "skin_modulus_mpa" not in unknown.quantities
     assert "[dome]" not in unknown.to_toml()
