@@ -24,9 +24,11 @@ from casr.camera import Camera
 from casr.dome.library import FAMILY, Library, shipped
 from casr.dome.view import DomeView
 from casr.errors import CasrError
+from casr.kappa.discrepancy import Discrepancy
 from casr.kappa.estimate import estimate_kappa
 from casr.kappa.family import Family, World
-from casr.kappa.posterior import CUES, Discrepancy, Kappa
+from casr.kappa.known import CUES
+from casr.kappa.posterior import Kappa
 from casr.kappa.presses import KappaPress
 from emg2vsa.worlds.tactile import TACTIP_127
 from emg2vsa.worlds.tactile.settings import SIMULATED_SENSOR

@@ -27,8 +27,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.bench.record import keep
-from benchmarks.rig.plans import known_calibration
-from emg2vsa.calibration_file import write_calibration
+from benchmarks.online_kappa import calibrated
 
 RIG = """\
 [rig.guards]
@@ -74,7 +73,8 @@ def main() -> None:
     parser.add_argument("--pairs", type=int, default=6)
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary, served(Path(temporary)) as rig:
-        calibration = write_calibration(Path(temporary) / "known.json", known_calibration())
+        (by_pins := Path(temporary) / "known").mkdir()
+        calibration = calibrated(1, by_pins)
         runs = [
             (one_run(rig, number, None), one_run(rig, number, calibration)) for number in range(1, arguments.pairs + 1)
         ]

@@ -1,11 +1,13 @@
-"""kappa while the finger presses: how often a press stops early, and whether its interval holds kappa where it stops.
+"""kappa while the finger presses: when a press stops, and whether its interval holds kappa there.
 
-Every experiment calibrates anew on S1, S3 and S5 and presses two unknown specimens once each, in worlds that the law of
-the estimator does not describe (``press_curves``). Coverage at the stop stands beside that of the same presses carried
-to their end.
+By the pins: trials of ``benchmarks.kappa``, each dome left out of the tables in turn. By the area, as without a camera
+file: every experiment calibrates anew on S1, S3 and S5 and presses two unknown specimens once each, in worlds that the
+law of the estimator does not describe (``press_curves``). Coverage at the stop stands beside that of the same presses
+carried to their end.
 
     python -m benchmarks.online_kappa            # writes benchmarks/results/online_kappa.json
     python -m benchmarks.online_kappa frames 3   # presses of the emulated rig, from frames: appended to it
+    python -m benchmarks.online_kappa pins 8     # prints the table by the pins alone, of every eighth trial
 """
 
 from __future__ import annotations
@@ -15,22 +17,27 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.bench.record import keep, markdown
+from benchmarks.kappa import CAMERA, FORCES_N, N_FRAMES, Trial, library_without, presses_of, trials
 from benchmarks.press_curves import DEFAULT, LOW, WORLDS, Bench, Scatter
+from casr.kappa.estimate import fitted, stated_errors
+from casr.kappa.family import families
+from casr.kappa.known import KnownSensor
+from casr.kappa.presses import FEWEST_FRAMES
+from emg2vsa.calibration.cut_presses import cut_forces
 from emg2vsa.calibration.online import (
-    AREA,
-    BOTH,
     NO_GAIN,
     WIDTH_REACHED,
     OnlineCalibration,
     OnlineEstimator,
     OnlineState,
 )
+from emg2vsa.calibration.online_pins import NEW, KnownPins
 from emg2vsa.cli import main as cli
 from emg2vsa.rig.kappa.live_kappa import KappaRow, last_rows
 from emg2vsa.settings import CalibrationSettings
@@ -76,29 +83,33 @@ class Press:
         return state.low <= self.kappa <= state.high
 
 
-def pressed(bench: Bench, calibration: OnlineCalibration, kappa: float, wanted: float | None, cues: str) -> Press:
+def pressed(bench: Bench, calibration: OnlineCalibration, kappa: float, wanted: float | None) -> Press:
     """One press of an unknown specimen in a mounting of its own, to its end."""
     if wanted is None:
-        reach = float(calibration.expected_reach(np.array([kappa]), 1, cues)[-1, 0])
-        wanted = SPARE * calibration.half_width(kappa, reach, cues)
+        reach = float(calibration.expected_reach(np.array([kappa]))[-1, 0])
+        wanted = SPARE * calibration.half_width(kappa, reach)
     online, press = OnlineEstimator(calibration, wanted), bench.press(kappa, bench.mounting())
-    stopped, row, state = None, 0, OnlineState()
+    stopped, state = None, OnlineState()
     for force, area in zip(press.force_n, press.area_mm2, strict=True):
-        while cues == BOTH and row < press.row_n.size and press.row_n[row] <= force:
-            online.push_travel(press.row_n[row], press.travel_mm[row])
-            row += 1
         state = online.push(force, area)
         if state.stop and stopped is None:
             stopped = state
     return Press(wanted, stopped, state, kappa)
 
 
-def experiments(bench: Bench, setting: Setting, cues: str, kappa: float, count: int) -> list[Press]:
+def experiments(bench: Bench, setting: Setting, kappa: float, count: int) -> list[Press]:
     found = []
     for _ in range(count):
         calibration = bench.calibration(setting.mountings, setting.presses, setting.settings)
-        found.append(pressed(bench, calibration, kappa, setting.wanted, cues))
+        found.append(pressed(bench, calibration, kappa, setting.wanted))
     return found
+
+
+HEADINGS = (
+    "| world, unknown | asked for | stopped early | by width | by no gain | at, N (median) | half width "
+    "there | coverage at the stop | the same presses, whole | error of κ, whole (median) |"
+)
+RULE = "|---|---|---|---|---|---|---|---|---|---|"
 
 
 def row(name: str, presses: list[Press]) -> str:
@@ -111,34 +122,72 @@ def row(name: str, presses: list[Press]) -> str:
     width = np.median([p.stopped.half_width for p in stops if p.stopped]) if stops else np.nan
     force = np.median([p.stopped.force_n for p in stops if p.stopped]) if stops else np.nan
     error = np.median([abs(p.end.kappa / p.kappa - 1) for p in presses])
-    cost = np.median([p.end.amplification for p in presses])
     return (
         f"| {name} | {np.median([p.wanted for p in presses]):.0%} | {len(early) / n:.0%} | "
         f"{by[WIDTH_REACHED] / n:.0%} | {by[NO_GAIN] / n:.0%} | {force:.1f} | {width:.0%} | {at_stop:.1%} | "
-        f"{at_end:.1%} | {error:.1%} | {cost:.1f} |"
+        f"{at_end:.1%} | {error:.1%} |"
     )
 
 
 def table(setting: Setting, count: int) -> Iterator[str]:
     yield f"## {setting.name}"
     yield ""
-    yield (
-        "| world, cue, unknown | asked for | stopped early | by width | by no gain | at, N (median) | half width "
-        "there | coverage at the stop | the same presses, whole | error of κ, whole (median) | % of κ for 1 % of CASR |"
-    )
-    yield "|---|---|---|---|---|---|---|---|---|---|---|"
-    pooled: dict[str, list[Press]] = {AREA: [], BOTH: []}
+    yield HEADINGS
+    yield RULE
+    pooled: list[Press] = []
     for make in WORLDS:
         world = make()
-        for cues in (AREA, BOTH) if world.travel_mm is not None else (AREA,):
-            for name, kappa in UNKNOWN.items():
-                bench = Bench(world, setting.scatter, np.random.default_rng([7, round(100 * kappa), len(cues)]))
-                found = experiments(bench, setting, cues, kappa, count)
-                pooled[cues] += found
-                yield row(f"{world.name}; {cues}; {name}", found)
-    for cues, found in pooled.items():
-        yield row(f"**all worlds; {cues}**", found)
+        for name, kappa in UNKNOWN.items():
+            bench = Bench(world, setting.scatter, np.random.default_rng([7, round(100 * kappa), 4]))
+            found = experiments(bench, setting, kappa, count)
+            pooled += found
+            yield row(f"{world.name}; {name}", found)
+    yield row("**all worlds**", pooled)
     yield ""
+
+
+EVERY = 8
+"Trials of which one is made."
+
+
+def pressed_by_pins(trial: Trial, wanted: float = 0.0) -> Press:
+    """One press of the unknown specimen, judged by two of each known one."""
+    *known, press, _ = presses_of(trial)
+    library = library_without(trial.dome)
+    labels = fitted(known, CAMERA, families(library), stated_errors(CAMERA))
+    kappa = np.array(trial.known)
+    online = OnlineEstimator(
+        OnlineCalibration(
+            specimens=tuple(f"{each:g}" for each in kappa), kappa=kappa, kappa_se=np.zeros(3), quantity="front",
+            area_unit="mm2", angle_deg=0.0, condition="bench", start_n=FORCES_N[0], forces_n=cut_forces(*FORCES_N),
+            rates=np.empty((3, 2, 0)), mounting=np.ones((3, 2), dtype=np.int64),
+            pins=KnownPins(KnownSensor.of(labels), CAMERA, labels.family.digest),
+        ), wanted, library,
+    )  # fmt: skip
+    assert press.force_n is not None
+    stopped, state = None, OnlineState()
+    for n in range(FEWEST_FRAMES, N_FRAMES + 1):
+        part = {"pins_px": press.pins_px[:n], "force_n": press.force_n[:n], "mounting": online.mounting}
+        state = online.follow_pins(replace(press, specimen=NEW, **part))
+        stopped = stopped or (state if state.stop else None)
+    return Press(wanted, stopped, state, trial.unknown)
+
+
+def pins_table(every: int) -> Iterator[str]:
+    yield "## By the pins"
+    yield ""
+    yield f"Of {len(trials(1, 1))} trials each {every}th; presses may stop where further frames would narrow nothing."
+    yield ""
+    yield HEADINGS.replace("world, unknown", "scatter of mountings")
+    yield RULE
+    pooled: dict[str, list[Press]] = {}
+    for trial in trials(1, 1)[::every]:
+        pooled.setdefault(f"{100 * trial.scatter:g} % of CASR", []).append(pressed_by_pins(trial))
+    for name, found in pooled.items():
+        yield row(name, found)
+    yield row("**all**", [press for found in pooled.values() for press in found])
+    doubts = sum(bool(press.end.doubt) for found in pooled.values() for press in found)
+    yield f"\nPresses in doubt at their end: {doubts}.\n"
 
 
 FRAMES_TITLE = "## From frames"
@@ -190,15 +239,20 @@ root = "runs-virtual"
 """
 
 
-def from_frames(seed: int, folder: Path) -> dict[str, list[KappaRow]]:
-    """Unknown specimen to the last row of each of its judged presses, by the commands of the how-to."""
+def calibrated(seed: int, folder: Path) -> Path:
+    """The calibration of S1, S3 and S5, by the commands of the how-to."""
     (folder / "rig.toml").write_text(RIG.format(seed=seed))
     (folder / "study.toml").write_text(STUDY)
-    rig = ["rig", "run", str(folder / "rig.toml"), "--virtual", "--jobs", "2"]
     known = [word for name in ("S1", "S3", "S5") for word in ("--specimen", name)]
-    assert cli([*rig, *known, "--mounting", "1"]) == 0
+    assert cli(["rig", "run", str(folder / "rig.toml"), "--virtual", "--jobs", "2", *known, "--mounting", "1"]) == 0
     assert cli(["run", str(folder / "study.toml")]) == 0
-    own = folder / "reports" / "bench" / "calibrations" / "high-stiffness_0.json"
+    return folder / "reports" / "bench" / "calibrations" / "high-stiffness_0.json"
+
+
+def from_frames(seed: int, folder: Path) -> dict[str, list[KappaRow]]:
+    """Unknown specimen to the last row of each of its judged presses, by the commands of the how-to."""
+    rig = ["rig", "run", str(folder / "rig.toml"), "--virtual", "--jobs", "2"]
+    own = calibrated(seed, folder)
     new = [word for name in FROM_FRAMES for word in ("--specimen", name)]
     assert cli([*rig, *new, "--repetitions", "1", "--calibration", str(own), "--stop-at", "40"]) == 0
     runs = folder / "runs-virtual"
@@ -254,6 +308,7 @@ def main(count: int = EXPERIMENTS) -> None:
         "is promised before the first press. One standard error of a coverage of 95 % is 2 % in a row.",
         "",
     ]
+    lines += pins_table(EVERY)
     for setting in SETTINGS:
         lines += table(setting, count)
         print("\n".join(lines[-20:]), flush=True)
@@ -264,5 +319,7 @@ def main(count: int = EXPERIMENTS) -> None:
 if __name__ == "__main__":
     if sys.argv[1:2] == ["frames"]:
         append_frames(*map(int, sys.argv[2:]))
+    elif sys.argv[1:2] == ["pins"]:
+        print("\n".join(pins_table(*map(int, sys.argv[2:]))))
     else:
         main(*map(int, sys.argv[1:]))

@@ -1,4 +1,4 @@
-"""Presses as curves, without frames: force, contact area and travel of the probe in worlds whose A(F) is not the law's.
+"""Presses as curves, without frames: force and contact area in worlds whose A(F) is not the law's.
 
 Areas are drawn from tables of ln A over ln F and ln kappa that each world gives; a press then has the scatter of the
 camera, the force sensor, the landing and the mounting. Frames come at 20 Hz while a probe on springs of middle
@@ -16,7 +16,7 @@ import numpy as np
 
 from casr.specimens import SPECIMENS
 from emg2vsa.arrays import Floats
-from emg2vsa.calibration.cut_presses import cut_all, cut_forces, cut_rates, cut_travel
+from emg2vsa.calibration.cut_presses import cut_all, cut_forces
 from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.devices.qbmove.springs import RAD_PER_TICK, SPRINGS
 from emg2vsa.dome_contact import PowerLaw
@@ -25,9 +25,8 @@ from emg2vsa.worlds.contact import Drive, Relaxation, StiffnessSteps, adhesive_f
 from emg2vsa.worlds.tactile import ContactWorld, TabulatedWorld
 
 KNOWN = ("S1", "S3", "S5")
-FRAME_HZ, ROW_HZ, SPEED_MM_PER_S = 20.0, 200.0, 5.0
+FRAME_HZ, SPEED_MM_PER_S = 20.0, 5.0
 START_N, F_MAX_N = 0.5, 7.0
-ENCODER_MM = 0.018
 MIDDLE_RAD = 1500 * RAD_PER_TICK
 _KAPPA = np.geomspace(0.9, 12.0, 12)
 _FORCE_N = np.geomspace(0.01, 9.5, 160)
@@ -38,12 +37,11 @@ RELAXING = {7.63: 0.03, 5.32: 0.04, 3.35: 0.06, 3.12: 0.06, 1.11: 0.12}
 
 @dataclass(frozen=True)
 class World:
-    """Tables over (kappa, force): ln area in mm2, seconds since first contact, travel in mm (None: not known)."""
+    """Tables over (kappa, force): ln area in mm2, seconds since first contact."""
 
     name: str
     log_area: Floats
     time_s: Floats
-    travel_mm: Floats | None
 
     def row(self, table: Floats, kappa: float) -> Floats:
         """Over the forces, at one stiffness."""
@@ -57,15 +55,13 @@ def _elastic(exponent: float) -> list[PowerLaw]:
     return [PowerLaw(world.modulus_mpa(k), exponent=exponent) for k in _KAPPA]
 
 
-def _paths(contact: PowerLaw, relaxation: Relaxation, preset_rad: float) -> tuple[Floats, Floats, Floats]:
-    """Seconds, ln area and travel over the forces."""
+def _paths(contact: PowerLaw, relaxation: Relaxation, preset_rad: float) -> tuple[Floats, Floats]:
+    """Seconds and ln area over the forces."""
     drive, steps = Drive(springs=SPRINGS["qbmove-maker-pro"]), [StiffnessSteps.constant(preset_rad)]
     path = simulate_presses([contact], relaxation, drive, steps, f_max_n=9.6, step_s=2e-3)
     force = np.maximum.accumulate(path.force_n[1:, 0])
-    depth = [contact.depth_mm(float(f)) for f in path.convolved_n[1:, 0]]
     return tuple(
-        np.asarray(np.interp(_FORCE_N, force, values))
-        for values in (path.time_s[1:], np.log(path.area_mm2[1:, 0]), depth)
+        np.asarray(np.interp(_FORCE_N, force, values)) for values in (path.time_s[1:], np.log(path.area_mm2[1:, 0]))
     )  # type: ignore[return-value]
 
 
@@ -73,8 +69,8 @@ def _paths(contact: PowerLaw, relaxation: Relaxation, preset_rad: float) -> tupl
 def power_law(exponent: float, preset_rad: float = MIDDLE_RAD) -> World:
     """Elastic; 1/3 is Hertz, in which the compliance law is exact."""
     rows = [_paths(contact, Relaxation.of_share(0.0), preset_rad) for contact in _elastic(exponent)]
-    time_s, area, travel = (np.stack(each) for each in zip(*rows, strict=True))
-    return World(f"power law, exponent {exponent:.3g}", area, time_s, travel)
+    time_s, area = (np.stack(each) for each in zip(*rows, strict=True))
+    return World(f"power law, exponent {exponent:.3g}", area, time_s)
 
 
 @cache
@@ -88,16 +84,16 @@ def relaxing(preset_rad: float = MIDDLE_RAD) -> World:
         of_sensor = e_star / world.sensor_modulus_mpa  # of the compliance
         bodies = [(of_sensor, Relaxation.of_share(SENSOR_SHARE)), (1 - of_sensor, Relaxation.of_share(float(share)))]
         rows.append(_paths(contact, in_series(bodies), preset_rad))
-    time_s, area, travel = (np.stack(each) for each in zip(*rows, strict=True))
-    return World("relaxing bodies, exponent 0.25", area, time_s, travel)
+    time_s, area = (np.stack(each) for each in zip(*rows, strict=True))
+    return World("relaxing bodies, exponent 0.25", area, time_s)
 
 
 @cache
 def finite_elements(friction: str) -> World:
-    """The advancing front of a layered dome; its tables know no travel of a probe."""
+    """The advancing front of a layered dome."""
     world, times = TabulatedWorld(friction=friction), power_law(0.25).time_s
     radius = np.stack([world.radius_mm(_FORCE_N, float(k)) for k in _KAPPA])
-    return World(f"finite elements, {friction}", np.log(np.pi * radius**2), times, None)
+    return World(f"finite elements, {friction}", np.log(np.pi * radius**2), times)
 
 
 WORLDS: tuple[Callable[[], World], ...] = (
@@ -145,12 +141,10 @@ class Mounting:
 
 @dataclass(frozen=True, eq=False)
 class PressCurves:
-    """Frames (force_n, area_mm2) and rows of the log (row_n, travel_mm; empty where the world knows none)."""
+    """Of its frames."""
 
     force_n: Floats
     area_mm2: Floats
-    row_n: Floats
-    travel_mm: Floats
 
 
 @dataclass(frozen=True)
@@ -182,14 +176,7 @@ class Bench:
         scale = mounting.area * (1 + own.landing * rng.standard_normal())
         area = scale * np.exp(np.interp(np.log(seen_n), np.log(_FORCE_N), log_area))
         area *= 1 + own.frame_area * rng.standard_normal(at_s.size)
-        rows_n = travel = np.empty(0)
-        if self.world.travel_mm is not None:
-            rows_s = np.arange(0, end_s, 1 / ROW_HZ)
-            force = np.interp(rows_s, time_s, _FORCE_N)
-            rows_n = force + zero_n + own.force_noise_n * rng.standard_normal(force.size)
-            travel = np.interp(force, _FORCE_N, self.world.row(self.world.travel_mm, kappa))
-            travel = np.round(travel / ENCODER_MM + rng.uniform()) * ENCODER_MM  # contact comes between two ticks
-        return PressCurves(felt, area, rows_n, travel)
+        return PressCurves(felt, area)
 
     def calibration(
         self, mountings: int, presses: int, settings: CalibrationSettings, quantity: str = "edge"
@@ -201,13 +188,12 @@ class Bench:
         for k in kappa:
             mounted = [self.mounting() for _ in range(mountings)]
             pressed.append([self.press(k, each) for each in mounted for _ in range(presses)])
-        rates = cut_all(cut_rates, [[(p.force_n, p.area_mm2) for p in own] for own in pressed], START_N, forces)
-        travel = cut_all(cut_travel, [[(p.row_n, p.travel_mm) for p in own] for own in pressed], START_N, forces)
+        rates = cut_all([[(p.force_n, p.area_mm2) for p in own] for own in pressed], START_N, forces)
         powers = [_power(p.force_n, p.area_mm2) for own in pressed for p in own]
         labels = np.tile(np.repeat(np.arange(1, mountings + 1), presses), (len(kappa), 1))
         return OnlineCalibration(
             specimens=KNOWN, kappa=np.array(kappa), kappa_se=np.zeros(len(kappa)), quantity=quantity, area_unit="mm2",
-            angle_deg=0.0, condition="constant-mean", start_n=START_N, forces_n=forces, rates=rates, travel=travel,
+            angle_deg=0.0, condition="constant-mean", start_n=START_N, forces_n=forces, rates=rates,
             mounting=labels, settings=settings, growth=float(np.median(powers)), simulated=True,
         )  # fmt: skip
 

@@ -136,6 +136,11 @@ class PressScorer:
         self._n_taken += 1
         self._n_bad = 0
 
+    @property
+    def rest_px(self) -> Array:
+        """(N, 2) pins of the static frame."""
+        return self._rest.centroids_px
+
     def areas(self, force_n: Array | None) -> Array:
         """(T,) area of the first contact's skin in ``area_unit`` in the good frames, as far as there are forces."""
         force_n = None if force_n is None else self._of_good(force_n)

@@ -161,6 +161,10 @@ class StreamScorer:
         earlier frames change a little with every frame, for a front is fitted to all of them."""
         return self._contacts[-1].curve() if self._phase != "rest" else (np.empty(0), np.empty(0))
 
+    def pins(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Pins at rest (N, 2), pins (T, N, 2) and force (T,), N, of the good frames of the present contact so far."""
+        return self._contacts[-1].pins()
+
     def spread(self) -> Spread | None:
         """Spread rate and total interval of the present contact so far; None while they are not known."""
         return self._contacts[-1].spread() if self._phase != "rest" else None
@@ -289,6 +293,10 @@ class _Contact:
     def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         known = np.isfinite(self._area)
         return np.array(self._force_n)[self._scorer.good[: known.size]][known], self._area[known]
+
+    def pins(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        scorer = self._scorer
+        return scorer.rest_px, np.array(scorer.pins_px), np.array(self._force_n)[scorer.good]
 
     def spread(self) -> Spread | None:
         return None if self._trouble or not self._area.size else self._scorer.so_far(np.array(self._force_n))

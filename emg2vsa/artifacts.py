@@ -22,7 +22,7 @@ from emg2vsa.errors import DataError
 if TYPE_CHECKING:
     import numpy as np
 
-_OWN_PACKAGE = "emg2vsa."
+_OWN_PACKAGES = ("emg2vsa.", "casr.")
 _MAGIC = b"emg2vsa result 2\n"
 _SUM_BYTES = 16
 _START = len(_MAGIC) + _SUM_BYTES
@@ -126,7 +126,7 @@ def _decode(tree: Any, arrays: list[np.ndarray]) -> Any:
     if kind == "dict":
         return {_decode(k, arrays): _decode(v, arrays) for k, v in tree["items"]}
     module, name = kind.split(":")
-    if not module.startswith(_OWN_PACKAGE):
+    if not module.startswith(_OWN_PACKAGES):
         raise ValueError(f"foreign type {kind}")
     cls = getattr(importlib.import_module(module), name)
     return cls(**{key: _decode(item, arrays) for key, item in tree["fields"].items()})

@@ -1,8 +1,9 @@
 """Calibrations as JSON files: what ``emg2vsa run`` writes for every angle and condition, and a press is judged by.
 
 One object: ``format``, ``version``, what was measured (quantity, area_unit, angle_deg, condition, force_n),
-``settings`` (those of [calibration]), ``specimens`` with kappa the rates of their presses and the travel per newton at
-every force, ``provenance``, and ``sha256`` of the rest. NaN is null. Numbers read back as the same doubles. A file that
+``settings`` (those of [calibration]), ``specimens`` with kappa and the rates of their presses at every force,
+``pins`` (what ``casr.kappa.known.KnownSensor`` holds; null where the pins say nothing), ``provenance``, and ``sha256``
+of the rest. NaN is null. Numbers read back as the same doubles. A file that
 was changed, or is of another version, is refused.
 """
 
@@ -19,18 +20,21 @@ from typing import Any
 import numpy as np
 
 from casr.atomic import write_text_atomic
+from casr.camera import KEYS, Camera, Sensor
+from casr.kappa.known import KnownSensor, ToldPress
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.laws import LAWS, WAYS
 from emg2vsa.calibration.online import OnlineCalibration, reachable_width
+from emg2vsa.calibration.online_pins import KnownPins
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import ALGORITHMS
 from emg2vsa.settings import CalibrationSettings
 
-FORMAT, VERSION = "emg2vsa calibration", 1
+FORMAT, VERSION = "emg2vsa calibration", 2
 _AGAIN = "Write the calibration again with emg2vsa run."
 _MOST_BYTES = 50_000_000
 _MOST = 1e9
-"""No force, stiffness, rate or travel is so large."""
+"""No force, stiffness or rate is so large."""
 
 
 def file_name(calibration: OnlineCalibration) -> str:
@@ -99,17 +103,23 @@ def _document_of(calibration: OnlineCalibration) -> dict[str, Any]:
                 "kappa_n_per_mm": float(calibration.kappa[s]),
                 "kappa_se_n_per_mm": float(calibration.kappa_se[s]),
                 "presses": [
-                    {"mounting": int(mounting), "rates": _numbers(rates), "travel_mm_per_n": _numbers(travel)}
-                    for mounting, rates, travel in zip(
-                        calibration.mounting[s], calibration.rates[s], calibration.travel[s], strict=True
-                    )
+                    {"mounting": int(mounting), "rates": _numbers(rates)}
+                    for mounting, rates in zip(calibration.mounting[s], calibration.rates[s], strict=True)
                     if mounting > 0
                 ],
             }
             for s, name in enumerate(calibration.specimens)
         ],
+        "pins": None if calibration.pins is None else _document_of_pins(calibration.pins),
         "provenance": dict(calibration.provenance),
     }
+
+
+def _document_of_pins(pins: KnownPins) -> dict[str, Any]:
+    sensor, lower = dataclasses.asdict(pins.sensor), np.tril_indices(pins.sensor.mean.size)
+    sensor |= {"mean": pins.sensor.mean.tolist(), "precision": pins.sensor.precision[lower].tolist()}
+    camera = {key: getattr(pins.camera, key) for key in KEYS} | {"sensor": pins.camera.sensor.known()}
+    return {"tables": pins.tables, "camera": json.loads(json.dumps(camera)), "sensor": sensor}
 
 
 def _numbers(values: Floats) -> list[float | None]:
@@ -172,7 +182,7 @@ def _calibration_of(document: dict[str, Any], path: Path) -> OnlineCalibration:
     errors = np.array([each["kappa_se_n_per_mm"] for each in known], dtype=np.float64)
     fits = bool(np.all((errors >= 0) & (errors < _MOST)))
     _expect(path, "kappa_se_n_per_mm", errors.tolist(), "standard errors from 0", fits)
-    rates, travel, mounting = _presses(path, [each["presses"] for each in known], forces.size)
+    rates, mounting = _presses(path, [each["presses"] for each in known], forces.size)
     return OnlineCalibration(
         specimens=tuple(str(each["name"]) for each in known),
         kappa=kappa,
@@ -184,33 +194,47 @@ def _calibration_of(document: dict[str, Any], path: Path) -> OnlineCalibration:
         start_n=start_n,
         forces_n=forces,
         rates=rates,
-        travel=travel,
         mounting=mounting,
         settings=settings,
         growth=_number(document["growth_power"]),
         simulated=bool(document["simulated"]),
         provenance={str(name): str(value) for name, value in document["provenance"].items()},
+        pins=None if document["pins"] is None else _pins(path, document["pins"]),
     )
 
 
-def _presses(path: Path, known: Sequence[Sequence[dict[str, Any]]], forces: int) -> tuple[Floats, Floats, Ints]:
-    """Rates and travel (S, R, G), and mountings (S, R)."""
+def _pins(path: Path, told: dict[str, Any]) -> KnownPins:
+    sensor = dict(told["sensor"])
+    mean = np.array(sensor.pop("mean"), dtype=np.float64)
+    precision = np.zeros((mean.size, mean.size))
+    precision[np.tril_indices(mean.size)] = np.array(sensor.pop("precision"), dtype=np.float64)
+    precision += np.tril(precision, -1).T
+    presses = tuple(ToldPress(**each) for each in sensor.pop("presses"))
+    found = KnownSensor(
+        presses=presses, mountings=tuple(sensor.pop("mountings")), mean=mean, precision=precision, **sensor
+    )  # fmt: skip
+    fits = mean.size == found.z_at[-1] + 1 + found.with_force.size and bool(np.all(np.linalg.eigvalsh(precision) > 0))
+    _expect(path, "pins", mean.size, "a positive precision of its parameters", fits)
+    camera = told["camera"]
+    return KnownPins(found, Camera(**camera | {"sensor": Sensor(**camera["sensor"])}), str(told["tables"]))
+
+
+def _presses(path: Path, known: Sequence[Sequence[dict[str, Any]]], forces: int) -> tuple[Floats, Ints]:
+    """Rates (S, R, G), and mountings (S, R)."""
     most = max((len(presses) for presses in known), default=0)
     rates, mounting = np.full((len(known), most, forces), np.nan), np.zeros((len(known), most), dtype=np.int64)
-    travel = rates.copy()
     for s, presses in enumerate(known):
         for r, press in enumerate(presses):
             where = f"specimens {s + 1}, press {r + 1}"
-            for name, into in (("rates", rates), ("travel_mm_per_n", travel)):
-                count = len(press[name])
-                _expect(path, where, count, f"{forces} {name}", count == forces)
-                into[s, r] = [_number(value) for value in press[name]]
-                _expect(path, f"{where}, {name}", press[name], "numbers", bool(np.all(~(np.abs(into[s, r]) >= _MOST))))
+            count = len(press["rates"])
+            _expect(path, where, count, f"{forces} rates", count == forces)
+            rates[s, r] = [_number(value) for value in press["rates"]]
+            _expect(path, f"{where}, rates", press["rates"], "numbers", bool(np.all(~(np.abs(rates[s, r]) >= _MOST))))
             _expect(path, where, press["mounting"], "a mounting from 1", press["mounting"] >= 1)
             mounting[s, r] = press["mounting"]
         last = int(np.count_nonzero(np.isfinite(rates[s, :, -1:])))
         _expect(path, f"specimens {s + 1}", last, "one press or more that reaches the largest force", last > 0)
-    return rates, travel, mounting
+    return rates, mounting
 
 
 def _number(value: float | None) -> float:

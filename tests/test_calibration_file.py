@@ -22,11 +22,9 @@ def calibration():
     rates = casr[:, None, None] * forces**-0.3 * (1 + 0.02 * rng.standard_normal((3, 5, 1)))
     mounting = np.tile([1, 1, 1, 2, 2], (3, 1))
     mounting[2, 4], rates[2, 4], rates[0, 0, -3:] = 0, np.nan, np.nan
-    travel = 0.1 * rates
-    travel[1] = np.nan
     return OnlineCalibration(
         specimens=("S1", "S3", "S5"), kappa=kappa, kappa_se=np.array([0.1, 0.0, 0.02]), quantity="front",
-        area_unit="mm2", angle_deg=30.0, condition="modular", start_n=0.5, forces_n=forces, rates=rates, travel=travel,
+        area_unit="mm2", angle_deg=30.0, condition="modular", start_n=0.5, forces_n=forces, rates=rates,
         mounting=mounting, settings=CalibrationSettings(confidence=0.9), growth=0.6,
         simulated=True, provenance={"study": "palpation"},
     )  # fmt: skip
@@ -84,8 +82,8 @@ def sealed(path, **changed):
     ("changed", "complaint"),
     [
         ({"format": "schedule"}, "format: expected 'emg2vsa calibration', but found 'schedule'"),
-        ({"version": 2}, "version: expected version 1, but found 2"),
-        ({"version": True}, "version: expected version 1"),
+        ({"version": 1}, "version: expected version 2, but found 1"),
+        ({"version": True}, "version: expected version 2"),
         ({"quantity": "depth"}, "quantity: expected front or edge"),
         ({"area_unit": "m2"}, "area_unit: expected mm2 or px2, but found 'm2'"),
         ({"force_n": {"start": 0.5, "judged_at": [2.0, 1.0]}}, "force_n: expected rising forces"),

@@ -59,7 +59,7 @@ def known_calibration(
     return OnlineCalibration(
         specimens=tuple(KAPPA), kappa=kappa, kappa_se=np.zeros(kappa.size), quantity=quantity, area_unit=area_unit,
         angle_deg=angle_deg, condition=condition, start_n=0.5, forces_n=forces, rates=rates,
-        travel=np.full(rates.shape, np.nan), mounting=np.ones(rates.shape[:2], dtype=np.int64),
+        mounting=np.ones(rates.shape[:2], dtype=np.int64),
         settings=CalibrationSettings(mounting_sd_percent=MOUNTING_SD_PERCENT), growth=0.65, simulated=simulated,
     )  # fmt: skip
 

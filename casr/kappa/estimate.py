@@ -14,18 +14,17 @@ from casr.contact_area.library_front import dome_scale
 from casr.dome.library import FAMILY, Library, shipped
 from casr.dome.view import DomeView
 from casr.errors import CameraError, SettingError
+from casr.kappa.discrepancy import USUAL_MISFIT, Discrepancy
 from casr.kappa.family import Family, families
 from casr.kappa.field import PressField
 from casr.kappa.labels import DEPTH_SD_OF_SENSOR, Labels, SensorErrors, labelled
-from casr.kappa.posterior import Discrepancy, Kappa, kappas
+from casr.kappa.posterior import Kappa, kappas
 from casr.kappa.presses import KappaPress
 
 USUAL_PIN_MM, UNKNOWN_PIN_SD_MM = 3.0, 1.0
 "Of a sensor whose pin length nobody states."
 POLE_SD_MM = 0.15
 "Of the dome's axis from the principal point, on the dome of 20 mm."
-USUAL_MISFIT = 0.02
-"Share of the motion left over beyond noise; where there is more, the tables fit this sensor less well than each other."
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,13 +81,14 @@ def fitted(
                 f"specimen {press.specimen}, stiffness_n_per_mm", wanted="one stiffness, or none, for all its presses",
                 found=f"{stated[press.specimen]} and {known}", do="Give another specimen another name.",
             )  # fmt: skip
-    view, scale = view_of(camera), dome_scale(camera)
-    tried = []
-    for family in domes:
-        unit = scale if family.names[0] in FAMILY else 1.0
-        fields = [PressField(_flat(press, camera, unit), view, family) for press in presses]
-        tried.append(labelled(fields, family, errors, thorough=thorough))
+    tried = [labelled(press_fields(presses, camera, family), errors, thorough=thorough) for family in domes]
     return min(tried, key=lambda each: each.misfit_px / each.moved_px)
+
+
+def press_fields(presses: Sequence[KappaPress], camera: Camera, family: Family) -> list[PressField]:
+    """Presses held against one family. CameraError as ``view_of``; PinsError : of a press."""
+    view, unit = view_of(camera), dome_scale(camera) if family.names[0] in FAMILY else 1.0
+    return [PressField(_flat(press, camera, unit), view, family) for press in presses]
 
 
 def stated_errors(

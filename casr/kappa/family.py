@@ -13,7 +13,9 @@ enter: domes stand as far apart as their motions on a rigid plate are.
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +79,14 @@ class Family:
         soft = np.log1p(-self._z)[:, None, :, None] + self.log_kappa0[:, None, None, None]
         self._log_force = (np.log(library.force_n[self._rows]) - soft).reshape(flat.size, -1)
         self.softest_z = float(self._z[:, -1].min())
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the numbers of the tables."""
+        told = hashlib.sha256()
+        for each in (self.radius_mm, self.arc_mm, self._z, self._computed_mm, self._motion, self._log_force):
+            told.update(np.ascontiguousarray(each).tobytes())
+        return told.hexdigest()
 
     def at(self, place: float, of_domes: Array) -> float:
         """What a dome at a place has, of which those of the family have (D,)."""

@@ -48,8 +48,9 @@ class PressField:
     """One press held against the worlds of a family."""
 
     def __init__(self, press: KappaPress, view: DomeView, family: Family, frames: Rows | None = None) -> None:
-        self.press, self._view, self._family = press, view, family
+        self.press, self._view, self.family = press, view, family
         good, pins = press.seen()
+        self.last = np.inf
         self.frames = _spread(good) if frames is None else frames
         self._rest_px = press.rest_px[pins]
         moved = press.pins_px[self.frames][:, pins] - self._rest_px
@@ -62,15 +63,18 @@ class PressField:
         self._across = np.linalg.svd(self._axis[None])[2][1:]
         self.seen = self.whitened(self._moved)
 
-    def within_tables(self, state: State) -> tuple[PressField, State]:
-        """The same press in frames whose contact was computed, not continued, in the tables that make up the state's
-        world; where they are few, in those of the smallest contacts."""
+    def within_tables(self, state: State, last: float = np.inf) -> tuple[PressField, State]:
+        """The same press in frames whose contact was computed, not continued, in the tables of both frictions that make
+        up the state's world; where they are few, in those of the smallest contacts. last : frame that may be one."""
         good, _ = self.press.seen()
-        limit_mm = self._family.computed_mm(self._family.world(state.shared[0], state.own[0], state.own[1], 0.0))
+        good = good[good <= last]
+        limit_mm = self.family.computed_mm(self.family.world(state.shared[0], state.own[0], 0.5, 0.0))
         radius_mm = np.interp(good, self.frames, state.radius_mm)
         frames = good[radius_mm <= max(limit_mm, np.partition(radius_mm, FEWEST_FRAMES - 1)[FEWEST_FRAMES - 1])]
+        last = last if frames.size == good.size else float(frames[-1])
         frames = _spread(frames)
-        field = PressField(self.press, self._view, self._family, frames)
+        field = PressField(self.press, self._view, self.family, frames)
+        field.last = last
         return field, replace(state, radius_mm=np.interp(frames, self.frames, state.radius_mm))
 
     @property
@@ -88,8 +92,8 @@ class PressField:
 
     def _profile(self, state: State) -> Array:
         z, stick = state.own[:2]
-        bend = state.shared[len(OF_VIEW) :][: len(self._family.bends)]
-        return self._family.motion(self._family.world(state.shared[0], z, stick, 0.0, bend).motion)
+        bend = state.shared[len(OF_VIEW) :][: len(self.family.bends)]
+        return self.family.motion(self.family.world(state.shared[0], z, stick, 0.0, bend).motion)
 
     def _view_at(self, shared: Array) -> DomeView:
         view = self._view
@@ -102,7 +106,7 @@ class PressField:
         view = self._view_at(state.shared)
         axis = self._axis + state.own[2:] @ self._across
         around = view.around(view.directions(self._rest_px), axis / np.linalg.norm(axis))
-        arc_mm, radius_mm = self._family.arc_mm, self._family.radius_mm
+        arc_mm, radius_mm = self.family.arc_mm, self.family.radius_mm
         row, share = _between(state.radius_mm, radius_mm[0], radius_mm[1] - radius_mm[0], radius_mm.size)
         of_frames = profile[row] * (1 - share)[:, None, None] + profile[row + 1] * share[:, None, None]
         row, share = _between(around.arc_mm, 0.0, arc_mm[1], arc_mm.size)
@@ -116,7 +120,7 @@ class PressField:
         here = self._motion_px(state, profile)
         columns = np.empty((len(SHARED) + len(OWN) + self.n_frames, here.size))
         for k, name in enumerate((*SHARED, *OWN)):
-            if name in BENDS[len(self._family.bends) :]:
+            if name in BENDS[len(self.family.bends) :]:
                 columns[k] = 0
                 continue
             step, values = _STEPS[name], np.concatenate([state.shared, state.own])
@@ -150,7 +154,7 @@ class PressField:
 
     def started(self, place: float, z: float) -> tuple[State, float]:
         """The state in which each frame has the radius, out of those of the tables, that suits it best; cost, px^2."""
-        state = State(np.append(place, np.zeros(len(SHARED) - 1)), np.array([z, 0.5, 0, 0]), self._family.radius_mm)
+        state = State(np.append(place, np.zeros(len(SHARED) - 1)), np.array([z, 0.5, 0, 0]), self.family.radius_mm)
         every = self._motion_px(state, self._profile(state)).reshape(state.radius_mm.size, -1)
         seen = self._moved.reshape(self.n_frames, -1)
         cost = (every**2).sum(axis=1) - 2 * seen @ every.T

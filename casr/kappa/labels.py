@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +23,9 @@ DEPTH_SD_OF_SENSOR, DEPTH_SD_OF_MOUNTING = 0.01, 0.007
 BEND_SD = 0.3
 "Of a share of ``Family.bends``: a dome that is left out differs by 1, with neighbours twice as far away."
 _PLACE, PLACE_SD = 0.5, 0.6
-_STICK_SD = 0.5
-_ACROSS_SD_RAD = 0.5
-_STARTS = ((0.05, 0.25, 0.45, 0.65, 0.85), (0.08, 0.25, 0.5))
+_OWN, _OWN_SD = np.array([0.5, 0.5, 0.0, 0.0]), np.array([1.0, 0.5, 0.5, 0.5])
+_PLACES, _ZS = (0.05, 0.25, 0.45, 0.65, 0.85), (0.08, 0.25, 0.5)
 _ROUNDS, _FOUND = 12, 2e-3
-_OF_SENSOR = ("place", "pin_length_mm", "log_depth", "pole_x_px", "pole_y_px")
 _RESTLESS = 0.4549 * 6
 "Median of a squared second difference of white noise, over its variance."
 
@@ -42,6 +41,19 @@ class SensorErrors:
     pole_px: float = 1.0
     depth: float = DEPTH_SD_OF_SENSOR
 
+    def prior(self, mountings: Sequence[str]) -> tuple[Array, Array]:
+        """See ``Sensor``."""
+        sd = [PLACE_SD, self.pin_length_mm, self.depth, self.pole_px, self.pole_px, *[BEND_SD] * len(BENDS)]
+        sd += [DEPTH_SD_OF_MOUNTING] * len(mountings)
+        return np.append(_PLACE, np.zeros(len(sd) - 1)), np.diag(np.array(sd, dtype=np.float64) ** -2)
+
+
+class Sensor(Protocol):
+    """What is known of a sensor before its presses."""
+
+    def prior(self, mountings: Sequence[str]) -> tuple[Array, Array]:
+        """Mean and precision of ``SHARED`` and of the depth of each of these mountings."""
+
 
 @dataclass(frozen=True, eq=False)
 class Labels:
@@ -49,7 +61,7 @@ class Labels:
 
     sensor : values of ``SHARED`` for the sensor. states : of each press. fields : of each press.
     mean, precision : (G,), (G, G) of all parameters but the radii: those of the sensor, depths of mountings, then
-        ``OWN`` of each press. own_at : (P,) where those of each press begin.
+        ``OWN`` of each press. own_at : (P,) where those of each press begin. mountings : names of them.
     radius_by : of each press (T, G), derivative of its radii by these parameters.
     noise_px : white noise of a pin. misfit_px, moved_px : root mean square left over, noise in it, and of the motion.
     white_precision : (G, G) were white noise all that is left over.
@@ -61,6 +73,7 @@ class Labels:
     mean: Array
     precision: Array
     own_at: NDArray[np.intp]
+    mountings: tuple[str, ...]
     radius_by: tuple[Array, ...]
     noise_px: float
     misfit_px: float
@@ -78,32 +91,34 @@ class Labels:
         return float(np.sqrt(max(self.misfit_px**2 - self.noise_px**2, 0.0))) / self.moved_px
 
 
-def labelled(fields: Sequence[PressField], family: Family, errors: SensorErrors, *, thorough: bool = False) -> Labels:
+def labelled(
+    fields: Sequence[PressField],
+    sensor: Sensor,
+    *,
+    thorough: bool = False,
+    least_misfit_px: float = 0.0,
+    start: Labels | None = None,
+) -> Labels:
     """Fit all presses of a sensor by the worlds of one family.
 
     thorough : from several places of the family, of which the best fit is taken: where the sensor is hardly known.
+    least_misfit_px : that they are taken to leave over. start : of the same presses, with fewer frames perhaps.
     """
-    places, zs = _STARTS
-    starts = [(place,) for place in places] if thorough else [places]
-    fits = [_Fit(fields, family, errors).result(each, zs) for each in starts]
+    starts = [(place,) for place in _PLACES] if thorough else [_PLACES]
+    fits = [_Fit(fields, sensor, least_misfit_px).result(each, start) for each in starts]
     return min(fits, key=lambda each: each.misfit_px / each.moved_px)
 
 
 class _Fit:
-    def __init__(self, fields: Sequence[PressField], family: Family, errors: SensorErrors) -> None:
-        self._fields, self._family = fields, family
+    def __init__(self, fields: Sequence[PressField], sensor: Sensor, least_misfit_px: float) -> None:
+        self._fields, self._family, self._least_px = fields, fields[0].family, least_misfit_px
         self._mountings = sorted({field.press.mounting for field in fields})
         n_sensor, n_mount = len(SHARED), len(self._mountings)
         self._own_at = n_sensor + n_mount + len(OWN) * np.arange(len(fields))
-        pole = errors.pole_px
-        own = ([0.5, 0.5, 0.0, 0.0], [1.0, _STICK_SD, _ACROSS_SD_RAD, _ACROSS_SD_RAD])
-        prior = [
-            [_PLACE, *[0.0] * (n_sensor - 1 + n_mount), *own[0] * len(fields)],
-            [PLACE_SD, errors.pin_length_mm, errors.depth, pole, pole, *[BEND_SD] * len(BENDS),
-             *[DEPTH_SD_OF_MOUNTING] * n_mount, *own[1] * len(fields)],
-        ]  # fmt: skip
-        self._prior, sd = (np.array(each, dtype=np.float64) for each in prior)
-        self._prior_precision = 1 / sd**2
+        mean, precision = sensor.prior(self._mountings)
+        self._prior = np.append(mean, np.tile(_OWN, len(fields)))
+        self._prior_precision = np.diag(np.append(np.zeros(mean.size), np.tile(_OWN_SD, len(fields)) ** -2))
+        self._prior_precision[: mean.size, : mean.size] = precision
         self._maps = [self._map(k) for k in range(len(fields))]
 
     def _map(self, press: int) -> Array:
@@ -116,8 +131,11 @@ class _Fit:
         into[rows, self._own_at[press] + np.arange(len(OWN))] = 1
         return into
 
-    def _start(self, places: Sequence[float], zs: Sequence[float]) -> tuple[Array, list[Array]]:
-        tried = [[min((field.started(p, z) for z in zs), key=lambda each: each[1]) for field in self._fields]
+    def _start(self, places: Sequence[float], labels: Labels | None) -> tuple[Array, list[Array]]:
+        if labels is not None:
+            before = zip(self._fields, labels.fields, labels.states, strict=True)
+            return labels.mean, [_followed(new, old, state) for new, old, state in before]
+        tried = [[min((field.started(p, z) for z in _ZS), key=lambda each: each[1]) for field in self._fields]
                  for p in places]  # fmt: skip
         best = min(tried, key=lambda each: sum(cost for _, cost in each))
         at = self._prior.copy()
@@ -134,19 +152,24 @@ class _Fit:
         squares = 0.0
         for field, state in zip(self._fields, self._states(at, radii), strict=True):
             squares += float(((field.seen - field.whitened(field.predicted(state))) ** 2).sum())
-        return squares / noise_px**2 + float(self._prior_precision @ (at - self._prior) ** 2)
+        return squares / noise_px**2 + float((at - self._prior) @ self._prior_precision @ (at - self._prior))
 
-    def result(self, places: Sequence[float], zs: Sequence[float]) -> Labels:
-        """Gauss-Newton from the best of these places and z."""
-        at, radii = self._start(places, zs)
-        pairs = [f.within_tables(state) for f, state in zip(self._fields, self._states(at, radii), strict=True)]
+    def result(self, places: Sequence[float], start: Labels | None) -> Labels:
+        """Gauss-Newton from ``start``, or else from the best of these places."""
+        at, radii = self._start(places, start)
+        # frames that came and went with the state would let a press that goes on alternate between two answers
+        last = [field.last for field in (start.fields if start else self._fields)]
+        every = zip(self._fields, self._states(at, radii), last, strict=True)
+        pairs = [field.within_tables(state, end) for field, state, end in every]
         self._fields, radii = [field for field, _ in pairs], [state.radius_mm for _, state in pairs]
+        if start and all(np.array_equal(a.frames, b.frames) for a, b in zip(self._fields, start.fields, strict=True)):
+            return start
         damping, noise_px = 1e-2, 0.1
         count = sum(field.seen.size for field in self._fields)
         for round_ in range(_ROUNDS):
             states = self._states(at, radii)
             lines = [field.linearised(state) for field, state in zip(self._fields, states, strict=True)]
-            noise_px = float(np.sqrt(sum(float(r @ r) for r, _ in lines) / count))
+            noise_px = max(float(np.sqrt(sum(float(r @ r) for r, _ in lines) / count)), self._least_px)
             sums = [_reduced(*line) for line in lines]
             before = self._cost(at, radii, noise_px)
             for _ in range(6):
@@ -165,9 +188,9 @@ class _Fit:
                 break
             moved = float(np.abs(new_at - at)[[0, *self._own_at]].max())
             at, radii, damping = new_at, new_radii, max(damping / 10, 1e-7)
-            if moved < _FOUND and round_ > 1:
+            if moved < _FOUND and round_ > (start is None):
                 break
-        return self._labels(at, radii)
+        return self._labels(at, radii, lines)
 
     def _bounded(self, at: Array) -> Array:
         at = at.copy()
@@ -177,29 +200,36 @@ class _Fit:
         return at
 
     def _normal(self, sums: Sequence[Reduced], at: Array, noise_px: float) -> tuple[Array, Array]:
-        precision, gradient = np.diag(self._prior_precision), self._prior_precision * (self._prior - at)
+        precision, gradient = self._prior_precision.copy(), self._prior_precision @ (self._prior - at)
         for (own, slope, _, _), into in zip(sums, self._maps, strict=True):
             precision += into.T @ own @ into / noise_px**2
             gradient += into.T @ slope / noise_px**2
         return precision, gradient
 
-    def _labels(self, at: Array, radii: Sequence[Array]) -> Labels:
+    def _labels(self, at: Array, radii: Sequence[Array], lines: Sequence[tuple[Array, Array]]) -> Labels:
+        """lines : residuals and derivatives at or beside the states that were found."""
         states = self._states(at, radii)
-        lines = [field.linearised(state) for field, state in zip(self._fields, states, strict=True)]
         squares = sum(float(r @ r) for r, _ in lines)
         count = sum(r.size - field.n_frames for (r, _), field in zip(lines, self._fields, strict=True))
         misfit_px = float(np.sqrt(squares / count))
         noise_px = min(_noise(lines, self._fields), misfit_px)
         sums = [_reduced(*line) for line in lines]
-        precision, _ = self._normal(sums, at, misfit_px)
+        precision, _ = self._normal(sums, at, max(misfit_px, self._least_px))
         moved = float(np.sqrt(np.mean([field.moved_px**2 for field in self._fields])))
         return Labels(
             family=self._family, fields=tuple(self._fields), states=tuple(states), mean=at, precision=precision,
-            own_at=self._own_at,
+            own_at=self._own_at, mountings=tuple(self._mountings),
             radius_by=tuple(by @ into for (_, _, _, by), into in zip(sums, self._maps, strict=True)),
             noise_px=noise_px, misfit_px=misfit_px, moved_px=moved,
             white_precision=self._normal(sums, at, noise_px)[0],
         )  # fmt: skip
+
+
+def _followed(field: PressField, before: PressField, state: State) -> Array:
+    """Radii of a press that has gone on since ``before``."""
+    new, _ = field.started(float(state.shared[0]), float(state.own[0]))
+    known = np.interp(field.frames, before.frames, state.radius_mm)
+    return np.asarray(np.where(field.frames <= before.frames[-1], known, new.radius_mm))
 
 
 Reduced = tuple[Array, Array, Array, Array]

@@ -1,9 +1,9 @@
 """Kappa of every specimen of a sensor's presses, with an interval: labels by pins, forces, and known specimens.
 
-The unknowns are those of ``Labels``, the dome's stiffness kappa0, kappa of each specimen, and how the labels of this
-sensor differ from the truth (Kennedy and O'Hagan 2001, Journal of the Royal Statistical Society B 63, 425): a line in z
-and, about it, a smooth curve of which only the size is known. Everything is Gaussian but z(kappa) and the force law,
-which are linearised where the estimate is. The statements are
+The unknowns are those of ``KnownSensor``, the dome's stiffness kappa0, kappa of each specimen, and how the labels of
+this sensor differ from the truth (Kennedy and O'Hagan 2001, Journal of the Royal Statistical Society B 63, 425): a line
+in z and, about it, a smooth curve of which only the size is known. Everything is Gaussian but z(kappa), which is
+linearised where the estimate is. The statements are
 
     z by the pins            = kappa0 / (kappa0 + kappa) + line in z + curve + mounting of the specimen + scatter
     ln force / reduced force = ln kappa0 + curve + mounting of the specimen + scatter
@@ -14,19 +14,18 @@ How far they contradict each other widens all intervals.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.kappa.field import OF_VIEW
+from casr.kappa.discrepancy import EXACT, Discrepancy
+from casr.kappa.known import CUES, KnownSensor
 from casr.kappa.labels import Labels
 from casr.spread.intervals import CONFIDENCE, student_quantile
 
 Array = NDArray[np.float64]
 
-CUES = ("pins", "force")
 FREE_SD = 10.0
 "Of ln kappa of a specimen that is not known, about ``_USUAL_KAPPA``: as good as free."
 KNOWN_SD = 0.002
@@ -35,45 +34,6 @@ _USUAL_KAPPA, _MIDDLE_Z = 4.0, 0.4
 RIGID = 1e5
 "N/mm, of a specimen that is called rigid."
 _ROUNDS, _FOUND = 12, 1e-5
-
-
-@dataclass(frozen=True, kw_only=True)
-class Discrepancy:
-    """Standard deviations by which a real sensor differs from the family and presses from each other.
-
-    level, slope : of the line by which labels z differ from the truth. curve : about the line, alike over ``curve_z``.
-    scatter : of the label of a press. stiffness : relative, of a specimen from mounting to mounting.
-    log_kappa0 : of a sensor's modulus, relative to that of the tables. log_force : of the tables' forces, all alike;
-    force_curve : from specimen to specimen. force_mounting : of the force at a radius, from mounting to mounting of a
-    specimen; force_scatter : from press to press; force_frame : from frame to frame. force_bend : of ln force from one
-    e-fold to the next.
-    freedom : degrees of freedom that these were found with.
-    """
-
-    level: float = 0.03
-    slope: float = 0.10
-    curve: float = 0.0075
-    curve_z: float = 0.15
-    scatter: float = 0.002
-    stiffness: float = 0.035
-    log_kappa0: float = 1.0
-    log_force: float = 0.05
-    force_curve: float = 0.02
-    force_mounting: float = 0.03
-    force_scatter: float = 0.03
-    force_frame: float = 0.01
-    force_bend: float = 0.03
-    force_sd_n: float = 0.01
-    freedom: float = 10.0
-
-    def scaled(self, factor: float) -> Discrepancy:
-        """Of a sensor that the tables fit less well."""
-        names = ("level", "slope", "curve", "log_force", "force_curve")
-        return replace(self, **{name: factor * getattr(self, name) for name in names})
-
-
-EXACT = Discrepancy(level=1e-6, slope=1e-6, curve=1e-6, scatter=1e-6, stiffness=0.0)
-"A sensor that is one of the family, and presses that differ by noise alone."
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -107,29 +67,16 @@ DETERMINED = 0.25
 "Largest half width of an interval, relative, that a design may promise for kappa to be called determined."
 
 
-@dataclass(frozen=True, eq=False)
-class _Forces:
-    """(F,) presses that have forces: ln force over reduced force, its variance, (F, G) derivative by the parameters."""
-
-    press: NDArray[np.intp]
-    level: Array
-    variance: Array
-    by: Array
-
-
 class Posterior:
-    """Of all specimens. cues : which are used. mean, covariance : of the n_label parameters of ``Labels``, ln kappa0,
-    level, slope and ln kappa of each specimen."""
+    """Of all specimens. left_out : whose stiffness is taken as unknown. mean, covariance : of the n_label parameters of
+    the sensor, ln kappa0, level, slope and ln kappa of each specimen."""
 
-    def __init__(
-        self, labels: Labels, discrepancy: Discrepancy, cues: Sequence[str] = CUES, left_out: str | None = None
-    ) -> None:
-        self._labels, self._d, self._family = labels, discrepancy, labels.family
-        presses = [field.press for field in labels.fields]
+    def __init__(self, sensor: KnownSensor, discrepancy: Discrepancy, left_out: str | None = None) -> None:
+        self._sensor, self._d, presses = sensor, discrepancy, sensor.presses
         self.specimens = sorted({press.specimen for press in presses})
         self._of = np.array([self.specimens.index(press.specimen) for press in presses])
         self._same = np.array(
-            [[a.specimen == b.specimen and a.mounting == b.mounting for b in presses] for a in presses]
+            [[(a.specimen, a.mounting) == (b.specimen, b.mounting) for b in presses] for a in presses]
         )
         known = {press.specimen: press for press in presses if press.stiffness_n_per_mm is not None}
         self.known = {
@@ -137,67 +84,60 @@ class Posterior:
             if press.stiffness_n_per_mm and name != left_out
         }  # fmt: skip
         self._known_sd = {name: max(press.stiffness_sd, KNOWN_SD) for name, press in known.items()}
-        self._cues = cues
-        self.n_label, self._force_variance = labels.mean.size, 1.0
+        self.n_label, self._force_variance = sensor.mean.size, 1.0
         self._solve()
-        if "force" in cues and self._forces.press.size:
+        if count := sensor.with_force.size:
             # forces that contradict each other by more than is usual count less, and do not widen what the pins say
-            count = self._forces.press.size + discrepancy.freedom
-            self._force_variance = max((self._force_chi2() + discrepancy.freedom) / count, 1.0)
+            of_forces = (self._force_chi2(count) + discrepancy.freedom) / (count + discrepancy.freedom)
+            self._force_variance = max(of_forces, 1.0)
             self._solve()
 
     def _solve(self) -> None:
-        n, d, labels = self.n_label, self._d, self._labels
-        self._forces = _forces(labels, d)
-        covariance = np.linalg.inv(labels.precision)
-        if "pins" not in self._cues:
-            covariance = covariance + np.diag(np.isin(np.arange(n), labels.own_at) * 1.0)
-        of_labels = np.linalg.inv(covariance)
-        at = np.concatenate([labels.mean, [self._family.log_kappa0_at(float(labels.mean[0])), 0.0, 0.0],
+        n, d, sensor = self.n_label, self._d, self._sensor
+        at = np.concatenate([sensor.mean, [sensor.log_kappa0, 0.0, 0.0],
                              [np.log(self.known.get(name, _USUAL_KAPPA)) for name in self.specimens]])  # fmt: skip
         for _ in range(_ROUNDS):
             residual, by, weight = self._statements(at)
             precision = by.T @ weight @ by
             gradient = by.T @ weight @ residual
-            precision[:n, :n] += of_labels
-            gradient[:n] += of_labels @ (labels.mean - at[:n])
+            precision[:n, :n] += sensor.precision
+            gradient[:n] += sensor.precision @ (sensor.mean - at[:n])
             step = np.clip(np.linalg.solve(precision, gradient), -1.0, 1.0)
             at = at + step
             if np.abs(step).max() < _FOUND:
                 break
-        residual, by, weight = self._statements(at)
-        away = labels.mean - at[:n]
-        self.chi2 = float(residual @ weight @ residual + away @ of_labels @ away)
+        residual, self._by, self._weight = self._statements(at)
+        away = sensor.mean - at[:n]
+        self.chi2 = float(residual @ self._weight @ residual + away @ sensor.precision @ away)
         self.freedom = residual.size - 3 - len(self.specimens)
         self.mean, self.covariance = at, np.linalg.inv(precision)
         freedom = max(self.freedom, 0) + d.freedom
         self.widened = float(np.sqrt(max((self.chi2 + d.freedom) / freedom, 1.0)))
         self.reach = student_quantile(CONFIDENCE, freedom)
 
-    def _force_chi2(self) -> float:
+    def _force_chi2(self, count: int) -> float:
         """How far the forces are from what the whole says of them."""
         residual, _, weight = self._statements(self.mean)
-        count = self._forces.press.size
         return float(residual[-count:] @ weight[-count:, -count:] @ residual[-count:])
 
     def _statements(self, at: Array) -> tuple[Array, Array, Array]:
         """(M,) residuals of all statements but the labels, (M, P) derivatives, (M, M) weights."""
-        n, d, labels = self.n_label, self._d, self._labels
-        size, n_press = at.size, len(self._of)
+        n, d, sensor, presses = self.n_label, self._d, self._sensor, self._sensor.presses
+        size, n_press, z_at = at.size, len(self._of), sensor.z_at
         log_kappa0, level, slope = at[n : n + 3]
         log_kappa = at[n + 3 :]
         true_z = 1 / (1 + np.exp(log_kappa[self._of] - log_kappa0))
         soft = true_z * (1 - true_z)
         rows, of = np.arange(n_press), n + 3 + self._of
         by_z = np.zeros((n_press, size))
-        by_z[rows, labels.own_at] = -1
+        by_z[rows, z_at] = -1
         by_z[:, n], by_z[rows, of] = soft * (1 + slope), -soft * (1 + slope)
         by_z[:, n + 1], by_z[:, n + 2] = 1, true_z - _MIDDLE_Z
-        z_left = at[labels.own_at] - true_z - level - slope * (true_z - _MIDDLE_Z)
+        z_left = at[z_at] - true_z - level - slope * (true_z - _MIDDLE_Z)
         alike = self._alike(true_z, true_z)
         z_covariance = d.curve**2 * alike + d.scatter**2 * np.eye(n_press)
         z_covariance += self._same * d.stiffness**2 * np.outer(soft, soft)
-        prior = [(n, self._family.log_kappa0_at(float(at[0])), d.log_kappa0), (n + 1, 0, d.level), (n + 2, 0, d.slope)]
+        prior = [(n, sensor.log_kappa0, d.log_kappa0), (n + 1, 0, d.level), (n + 2, 0, d.slope)]
         prior += [
             (
                 n + 3 + k,
@@ -211,13 +151,14 @@ class Posterior:
             (z_left, by_z, np.linalg.inv(z_covariance)),
             (np.array([mean - at[row] for row, mean, _ in prior]), by_prior, np.diag([sd**-2.0 for _, _, sd in prior])),
         ]
-        if "force" in self._cues and self._forces.press.size:
-            f = self._forces
-            by_force = np.zeros((f.press.size, size))
-            by_force[:, :n], by_force[:, n] = -f.by, 1
-            left = f.level + f.by @ (at[:n] - labels.mean) - log_kappa0
-            among = np.ix_(f.press, f.press)
-            covariance = np.diag(f.variance + d.force_scatter**2) + d.log_force**2 + d.force_curve**2 * alike[among]
+        if (forces := sensor.with_force).size:
+            first = n - forces.size
+            by_force = np.zeros((forces.size, size))
+            by_force[np.arange(forces.size), first + np.arange(forces.size)], by_force[:, n] = -1, 1
+            left = at[first:n] - log_kappa0
+            among = np.ix_(forces, forces)
+            covariance = np.diag([presses[k].force_variance + d.force_scatter**2 for k in forces])
+            covariance += d.log_force**2 + d.force_curve**2 * alike[among]
             covariance += d.force_mounting**2 * self._same[among]
             parts.append((left, by_force, np.linalg.inv(self._force_variance * covariance)))
         sizes = np.cumsum([0, *[len(left) for left, _, _ in parts]])
@@ -233,10 +174,8 @@ class Posterior:
 
     def label(self, log_kappa: Array) -> Array:
         """(K,) label z that pins of this sensor show at K values of ln kappa: by the line, and the curve about it."""
-        log_kappa0, level, slope = self.mean[self.n_label : self.n_label + 3]
-        at, seen = (
-            1 / (1 + np.exp(each - log_kappa0)) for each in (log_kappa, self.mean[self.n_label + 3 :][self._of])
-        )
+        level, slope = self.mean[self.n_label + 1 : self.n_label + 3]
+        at, seen = self.z(np.exp(log_kappa)), self.z(np.exp(self.mean[self.n_label + 3 :][self._of]))
         residual, _, weight = self._statements(self.mean)
         curve = self._d.curve**2 * self._alike(at, seen) @ weight[: seen.size, : seen.size] @ residual[: seen.size]
         return np.asarray(at + level + slope * (at - _MIDDLE_Z) + curve)
@@ -244,6 +183,41 @@ class Posterior:
     def _alike(self, z: Array, other_z: Array) -> Array:
         """Correlation of the curve there."""
         return np.asarray(np.exp(-((z[:, None] - other_z) ** 2) / (2 * self._d.curve_z**2)))
+
+    def expected_log_sd(self, kappa: Array, presses: int, mountings: int) -> Array:
+        """(K,) standard error of ln kappa, widened, of specimens that are not among these, by so many presses in so
+        many mountings, told as well as the press of a known specimen whose label is next."""
+        n, d, sensor = self.n_label, self._d, self._sensor
+        slope, log_kappa = self.mean[n + 2], self.mean[n + 3 + self._of]
+        old_z, new_z = self.z(np.exp(log_kappa)), self.z(kappa)
+        soft, near = new_z * (1 - new_z), np.abs(new_z[:, None] - old_z).argmin(axis=1)
+        by_shared, own = (each[near] for each in sensor.by_shared)
+        by = np.zeros((new_z.size, self.mean.size))
+        by[:, : by_shared.shape[1]] = by_shared
+        by[:, n : n + 3] = -np.stack([soft * (1 + slope), np.ones_like(soft), new_z - _MIDDLE_Z], axis=1)
+        curve = np.zeros((new_z.size, len(self._weight)))
+        curve[:, : old_z.size] = d.curve**2 * self._alike(new_z, old_z)
+        told = curve @ self._weight
+        by += told @ self._by
+        variance = ((by @ self.covariance) * by).sum(axis=1) + d.curve**2 - (told * curve).sum(axis=1)
+        variance += (d.stiffness * soft) ** 2 / min(mountings, presses) + (d.scatter**2 + own) / presses
+        return np.asarray(self.widened * np.sqrt(variance) / (soft * (1 + slope)))
+
+    def interval(self, specimen: str) -> tuple[float, float, float]:
+        """Low end, kappa and high end, N/mm, of the total interval."""
+        log_kappa, sd = self.log_kappa(specimen)
+        return self.ends(log_kappa, self.reach * self.widened * sd)
+
+    def ends(self, log_kappa: float, reach: float) -> tuple[float, float, float]:
+        """The same, of an interval that reaches so far in ln kappa: even in z, in which a rigid specimen is not far."""
+        z = float(self.z(np.exp(log_kappa)))
+        half = reach * z * (1 - z)
+        ends = [self.kappa0 * (1 / each - 1) if each > 0 else np.inf for each in (min(z + half, 1.0), z - half)]
+        return float(ends[0]), float(np.exp(log_kappa)), float(ends[1])
+
+    def z(self, kappa: Array | float) -> Array:
+        """That kappa, N/mm, has on this dome."""
+        return np.asarray(1 / (1 + kappa / self.kappa0))
 
     @property
     def kappa0(self) -> float:
@@ -254,16 +228,16 @@ class Posterior:
 def kappas(labels: Labels, discrepancy: Discrepancy | None = None) -> dict[str, Kappa]:
     """Kappa of every specimen; of a known one as the others tell it, where two or more are known beside it."""
     d = discrepancy or Discrepancy()
-    whole, bound = Posterior(labels, d), Posterior(replace(labels, precision=labels.white_precision), EXACT, ("pins",))
-    alone = {cue: Posterior(labels, d, (cue,)) for cue in CUES}
+    sensor, white = KnownSensor.of(labels), KnownSensor.of(labels, ("pins",), white=True)
+    whole, bound = Posterior(sensor, d), Posterior(white, EXACT)
+    alone = {cue: Posterior(KnownSensor.of(labels, (cue,)), d) for cue in CUES}
     found = {}
     for name in whole.specimens:
         posteriors, of_bound = {"": whole, **alone}, bound
         if name in whole.known:
             if len(whole.known) < 3 or whole.known[name] == RIGID:
                 continue
-            of_bound = Posterior(replace(labels, precision=labels.white_precision), EXACT, ("pins",), name)
-            posteriors = {"": Posterior(labels, d, left_out=name)}
+            of_bound, posteriors = Posterior(white, EXACT, name), {"": Posterior(sensor, d, name)}
         found[name] = _kappa(name, labels, posteriors, whole.known.get(name), of_bound)
     return found
 
@@ -271,8 +245,8 @@ def kappas(labels: Labels, discrepancy: Discrepancy | None = None) -> dict[str, 
 def _kappa(name: str, labels: Labels, posteriors: dict[str, Posterior], known: float | None, bound: Posterior) -> Kappa:
     of = posteriors[""]
     log_kappa, sd = of.log_kappa(name)
-    low, value, high = _ends(log_kappa, of.reach * of.widened * sd, of.kappa0)
-    promised_low, _, promised_high = _ends(log_kappa, of.reach * sd, of.kappa0)
+    low, value, high = of.interval(name)
+    promised_low, _, promised_high = of.ends(log_kappa, of.reach * sd)
     expected = (promised_high - promised_low) / (2 * value)
     rows = [k for k, field in enumerate(labels.fields) if field.press.specimen == name]
     bound_sd = bound.log_kappa(name)[1]
@@ -285,60 +259,3 @@ def _kappa(name: str, labels: Labels, posteriors: dict[str, Posterior], known: f
         by_cue={cue: (float(np.exp(each)), error) for cue, (each, error) in by_cue.items() if error < 1.0},
         stick=float(np.mean([labels.states[k].own[1] for k in rows])), n_presses=len(rows),
     )  # fmt: skip
-
-
-def _ends(log_kappa: float, reach: float, kappa0: float) -> tuple[float, float, float]:
-    """Ends of an interval and kappa between them, N/mm: even in z, in which a rigid specimen is not far away."""
-    z = 1 / (1 + np.exp(log_kappa) / kappa0)
-    half = reach * z * (1 - z)
-    ends = [kappa0 * (1 / each - 1) if each > 0 else np.inf for each in (min(z + half, 1.0), z - half)]
-    return float(ends[0]), float(np.exp(log_kappa)), float(ends[1])
-
-
-def _forces(labels: Labels, d: Discrepancy) -> _Forces:
-    press, level, variance, by = [], [], [], []
-    for k, field in enumerate(labels.fields):
-        if field.press.force_n is None:
-            continue
-        force_n = field.press.force_n[field.frames]
-        there = force_n > 0.1
-        if there.sum() < 3:
-            continue
-        log_force = np.log(np.where(there, force_n, 1.0))
-        covariance = np.diag((d.force_frame**2 + (d.force_sd_n / force_n) ** 2)[there])
-        for shape, sd in (
-            (1 / force_n[there], field.press.force_zero_sd_n),
-            (log_force[there] - log_force[there].mean(), d.force_bend),
-        ):
-            covariance += sd**2 * np.outer(shape, shape)
-        weight = np.linalg.solve(covariance, np.ones(int(there.sum())))
-        total = float(weight.sum())
-        weight = weight / total
-        reduced, change = _reduced_force(labels, k)
-        press.append(k)
-        level.append(float(weight @ (log_force - reduced)[there]))
-        variance.append(1 / total)
-        by.append(-weight @ change[there])
-    size = labels.mean.size
-    return _Forces(np.array(press, dtype=np.intp), np.array(level), np.array(variance), np.array(by).reshape(-1, size))
-
-
-def _reduced_force(labels: Labels, k: int) -> tuple[Array, Array]:
-    """(T,) ln of force over kappa0 at the radii of a press, and (T, G) its derivative by all parameters."""
-    family, state, own = labels.family, labels.states[k], int(labels.own_at[k])
-    bends = len(family.bends)
-    first = len(OF_VIEW)
-    names = [0, *range(first, first + bends), own, own + 1]
-    values = np.array([state.shared[0], *state.shared[first : first + bends], *state.own[:2]])
-
-    def at(values: Array, radius_mm: Array) -> Array:
-        world = family.world(values[0], values[-2], values[-1], 0.0, values[1 : 1 + bends])
-        return np.interp(np.log(radius_mm), np.log(family.radius_mm), family.log_force(world))
-
-    here, step = at(values, state.radius_mm), 1e-3
-    change = (at(values, state.radius_mm + step) - here)[:, None] / step * labels.radius_by[k]
-    for row, name in enumerate(names):
-        moved = values.copy()
-        moved[row] += step
-        change[:, name] += (at(moved, state.radius_mm) - here) / step
-    return here, change

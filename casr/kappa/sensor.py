@@ -17,10 +17,12 @@ from casr.contact_area.library_front import dome_scale
 from casr.dome.library import FAMILY, MODULI_MPA, Library, shipped
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, SKIN_MM
 from casr.errors import SettingError
-from casr.kappa.estimate import USUAL_MISFIT, fitted, stated_errors, view_of
+from casr.kappa.discrepancy import USUAL_MISFIT, Discrepancy
+from casr.kappa.estimate import fitted, stated_errors, view_of
 from casr.kappa.family import Family, families
+from casr.kappa.known import KnownSensor
 from casr.kappa.labels import PLACE_SD, Labels, SensorErrors
-from casr.kappa.posterior import Discrepancy, Posterior
+from casr.kappa.posterior import Posterior
 from casr.kappa.presses import KappaPress
 
 Array = NDArray[np.float64]
@@ -113,7 +115,7 @@ def identify_sensor(
     labels = fitted(presses, camera, families(library), errors, thorough=True)
     ours = [Family(library, (dome,)) for dome in FAMILY if dome in library.dome]
     before = fitted(presses, camera, ours or [labels.family], NOMINAL).misfit
-    posterior = Posterior(labels, Discrepancy().scaled(max(labels.misfit / USUAL_MISFIT, 1.0)))
+    posterior = Posterior(KnownSensor.of(labels), Discrepancy().scaled(max(labels.misfit / USUAL_MISFIT, 1.0)))
     family, place = labels.family, float(posterior.mean[0])
     domes = {dome: (SKIN_MM * scale, *moduli) for dome, moduli in MODULI_MPA.items()} | dict(own_domes or {})
     solved = np.array([domes.get(dome, (np.nan,) * 3) for dome in family.names])

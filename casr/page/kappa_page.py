@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from casr import html
 from casr.kappa.estimate import SensorKappa
+from casr.kappa.known import KnownSensor
 from casr.kappa.posterior import Kappa, Posterior
 from casr.page.pages import picture_figure, whole_page
 from casr.page.wording import number
@@ -88,7 +89,7 @@ def _picture(kappa: Kappa, found: SensorKappa, name: str) -> Picture:
 def _left_over(specimen: str, found: SensorKappa, log_kappa: Array, known: bool) -> Array:
     """(P, K) share of the motion left over beyond noise, of each press of a specimen at K values of ln kappa."""
     labels = found.labels
-    z = Posterior(labels, found.discrepancy, left_out=specimen if known else None).label(log_kappa)
+    z = Posterior(KnownSensor.of(labels), found.discrepancy, left_out=specimen if known else None).label(log_kappa)
     return np.array([
         np.sqrt(np.maximum(field.left_over_px(state, z) ** 2 - labels.noise_px**2, 0.0)) / field.moved_px
         for field, state in zip(labels.fields, labels.states, strict=True) if field.press.specimen == specimen

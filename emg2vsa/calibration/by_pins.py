@@ -6,17 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from casr.camera import Camera, Sensor
-from casr.contact_area.library_front import height_in_tables
-from casr.dome.library import Library, tables
-from casr.dome.tables import USUAL_HEIGHT_MM
 from casr.kappa.estimate import estimate_kappa
-from casr.kappa.presses import KappaPress
 from emg2vsa.arrays import Floats
+from emg2vsa.calibration.pinned_presses import camera_of, library_of, presses_of
 from emg2vsa.calibration.results import PinsResult
-from emg2vsa.errors import DataError
 from emg2vsa.run_scores import RunScores
-from emg2vsa.run_scores.measured import ALIKE, Domes
+from emg2vsa.run_scores.measured import Domes
 
 
 def kappa_by_pins(
@@ -34,13 +29,13 @@ def kappa_by_pins(
     DataError, casr.errors.CasrError : the pins tell none.
     """
     runs = (*known, new)
-    camera = _camera(runs)
-    library = _library(camera, domes)
+    camera = camera_of(runs)
+    library = library_of(camera, domes)
     stated = [(float(value), float(error / value)) for value, error in zip(kappa, kappa_se, strict=True)]
     presses = [
         press
         for run, (value, sd) in zip(runs, [*stated, (None, 0.0)], strict=True)
-        for press in _presses(run, value, sd)
+        for press in presses_of(run, value, sd)
     ]
     found = estimate_kappa(presses, camera, library=library)
     own, rest = found.kappas[new.specimen], [found.kappas.get(run.specimen) for run in known]
@@ -51,46 +46,3 @@ def kappa_by_pins(
         misfit=found.misfit, presses=own.n_presses, left_out=left_out[:, 0], left_out_low=left_out[:, 1],
         left_out_high=left_out[:, 2], notes=found.notes,
     )  # fmt: skip
-
-
-def _camera(runs: Sequence[RunScores]) -> Camera:
-    every = [run.camera for run in runs]
-    if not every[0] or any(each != every[0] for each in every):
-        found = "several" if all(every) else f"none of {next(r.specimen for r in runs if not r.camera)}"
-        raise DataError(
-            "camera.toml", wanted="one camera of all presses", found=found, do="Put the camera.toml beside the frames."
-        )
-    return Camera(**{**every[0], "sensor": Sensor(**every[0]["sensor"])})
-
-
-def _library(camera: Camera, domes: Sequence[Domes]) -> Library:
-    heights = [each.specimen_height_mm for each in domes if each.specimen_height_mm is not None]
-    if heights and max(heights) > (1 + ALIKE) * min(heights):
-        raise DataError(
-            "height_mm", wanted="specimens of one height", found=f"{min(heights):g} to {max(heights):g} mm",
-            do="Press specimens of one height, or take kappa by CASR.",
-        )  # fmt: skip
-    folder = domes[0].domes
-    if folder is None and heights and abs(heights[0] / USUAL_HEIGHT_MM - 1) > ALIKE:
-        # on specimens of 10 mm kappa by these tables is 15 % low, and 6 of 16 intervals hold it (benchmark own_kappa)
-        raise DataError(
-            "height_mm", wanted=f"specimens of {USUAL_HEIGHT_MM:g} mm, or tables of their height",
-            found=f"{heights[0]:g} mm", do="Solve tables (casr dome) and name them: domes under [runs].",
-        )  # fmt: skip
-    return tables(folder, height_in_tables(camera, folder, heights[0] if folder and heights else None))
-
-
-def _presses(run: RunScores, known: float | None, sd: float) -> list[KappaPress]:
-    """Those whose pins were followed. DataError : none."""
-    found = [
-        KappaPress(
-            rest_px=pins.rest_px, pins_px=np.asarray(pins.pins_px, np.float64), force_n=pins.force_n,
-            force_zero_sd_n=pins.force_zero_sd_n, specimen=run.specimen, mounting=f"{run.specimen} {mounting}",
-            stiffness_n_per_mm=known, stiffness_sd=sd, name=f"{run.name}, press {repetition}",
-        )
-        for pins, mounting, repetition in zip(run.pins, run.mounting.tolist(), run.repetitions.tolist(), strict=True)
-        if pins is not None
-    ]  # fmt: skip
-    if not found:
-        raise DataError(run.name, wanted="presses whose pins can be followed", found="none", do="Look at the frames.")
-    return found

@@ -2,12 +2,12 @@
 
 The score of half a press is not the score of a whole one, because A(F) is concave. So known and unknown specimens are
 compared over the same forces. A cut press has the mean rate of the power law through its frames, as a whole one has
-(casr.spread), and the mean travel per newton of the rows of its log.
+(casr.spread).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,13 +18,10 @@ from emg2vsa.arrays import Floats, Ints
 STEP_N = 0.2
 "Between two forces at which a press is judged."
 ROUNDING_N = 1e-6
-LEAST_FRAMES, LEAST_ROWS = 3, 5
-_POINTS = 129  # of the force axis, through which the line of travel goes
+LEAST_FRAMES = 3
 REACH = 0.8
 """Share of a force that a press must have reached for its law to be read there: of 20 frames a second the last lies up
 to 0.8 N below the peak."""
-
-Cut = Callable[[ArrayLike, ArrayLike, float, Floats], Floats]
 
 
 def cut_forces(start_n: float, stop_n: float) -> Floats:
@@ -33,12 +30,12 @@ def cut_forces(start_n: float, stop_n: float) -> Floats:
     return np.asarray(stop_n - STEP_N * np.arange(max(count - 1, 1), dtype=np.float64)[::-1])
 
 
-def cut_all(cut: Cut, curves: Sequence[Sequence[tuple[Floats, Floats]]], start_n: float, forces_n: Floats) -> Floats:
-    """(S, R, G) of the presses (force, area or travel) of each specimen, padded with NaN."""
+def cut_all(curves: Sequence[Sequence[tuple[Floats, Floats]]], start_n: float, forces_n: Floats) -> Floats:
+    """(S, R, G) rates of the presses (force, area) of each specimen, padded with NaN."""
     found = np.full((len(curves), max(map(len, curves), default=0), forces_n.size), np.nan)
     for s, each in enumerate(curves):
         for r, (force_n, values) in enumerate(each):
-            found[s, r] = cut(force_n, values, start_n, forces_n)
+            found[s, r] = cut_rates(force_n, values, start_n, forces_n)
     return found
 
 
@@ -53,35 +50,15 @@ def cut_rates(force_n: ArrayLike, area: ArrayLike, start_n: float, stop_n: Float
     force, areas = force[used], areas[used]
     count = np.asarray(np.searchsorted(force, stop_n + ROUNDING_N, side="right"), dtype=np.int64)
     rates = np.full(stop_n.shape, np.nan)
-    if (good := _near(force, count, stop_n, LEAST_FRAMES)).any():
+    if (good := _near(force, count, stop_n)).any():
         up_to = np.where(np.arange(force.size) < count[good][:, None], areas, np.nan)
         rates[good] = fit_power_laws(up_to, force).mean_rates(start_n, stop_n[good])
     return rates
 
 
-def cut_travel(force_n: ArrayLike, travel_mm: ArrayLike, start_n: float, stop_n: Floats) -> Floats:
-    """Mean travel per newton (G,), mm/N, from ``start_n`` to each of ``stop_n`` (G,): a straight line over the forces.
-
-    All forces between the two count alike, however long the probe took for them: that differs between specimens. Rows
-    of the log in their order; those below an earlier force are left out, as in ``cut_rates``. NaN where the rows begin
-    above ``start_n``: the log has the approach before the loading, which alone begins above the force of contact.
-    """
-    force, travel = rising(np.asarray(force_n, dtype=np.float64), np.asarray(travel_mm, dtype=np.float64))
-    slopes = np.full(stop_n.shape, np.nan)
-    if not force.size or force[0] > start_n:
-        return slopes
-    count = np.asarray(np.searchsorted(force, stop_n + ROUNDING_N, side="right"), dtype=np.int64)
-    good = _near(force, count, stop_n, LEAST_ROWS)
-    ends = np.minimum(stop_n[good], force[count[good] - 1])
-    unit = np.linspace(-0.5, 0.5, _POINTS)
-    at = start_n + (ends - start_n)[:, None] * (unit + 0.5)
-    slopes[good] = np.interp(at, force, travel) @ unit / (unit @ unit) / (ends - start_n)
-    return np.where(slopes > 0, slopes, np.nan)
-
-
-def _near(force: Floats, count: Ints, stop_n: Floats, least: int) -> NDArray[np.bool_]:
-    """(G,) whether ``count`` (G,) points are enough, and the last of them is near the force."""
-    good = np.asarray(count >= least)
+def _near(force: Floats, count: Ints, stop_n: Floats) -> NDArray[np.bool_]:
+    """(G,) whether ``count`` (G,) frames are enough, and the last of them is near the force."""
+    good = np.asarray(count >= LEAST_FRAMES)
     good[good] = force[count[good] - 1] >= REACH * stop_n[good]
     return good
 

@@ -7,7 +7,7 @@ likelihood of what every calibration has said so far. More presses by calibratio
     sum_k p_k 1/2 log2(1 + s^2 (1 / v_k(n + m) - 1 / v_k(n))),
 
 with the variance s^2 of the belief (Lindley 1956, Annals of Mathematical Statistics 27, 986, for normal errors). v is
-the width that ``OnlineCalibration.expected_reach`` promises: presses of one mounting share its error, so that a new
+the error that ``OnlineCalibration.log_sd`` promises: presses of one mounting share its error, so that a new
 mounting can tell more than a tenth press. Estimates of several calibrations are taken as independent: each condition or
 angle is a mounting of its own.
 """
@@ -21,8 +21,7 @@ import numpy as np
 from scipy import special
 
 from emg2vsa.arrays import Floats
-from emg2vsa.calibration.forms import eta_of, kappa_slope
-from emg2vsa.calibration.online import AREA, BOTH, NARROWS, OnlineCalibration
+from emg2vsa.calibration.online import NARROWS, OnlineCalibration
 from emg2vsa.errors import DataError
 
 _GRID = 100
@@ -34,13 +33,12 @@ COUNTS = (1, 2, 3, 5, 10)
 @dataclass(frozen=True)
 class Done:
     """Presses so far by one calibration: their number, their mountings, and what they say: kappa and the lower end of
-    its interval, N/mm, NaN where not determined, by ``AREA`` or ``BOTH``."""
+    its interval, N/mm, NaN where not determined."""
 
     presses: int = 0
     mountings: int = 0
     kappa: float = float("nan")
     low: float = float("nan")
-    cues: str = AREA
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,12 +98,8 @@ def belief(calibrations: Sequence[OnlineCalibration], done: Mapping[int, Done]) 
 
 def _away(calibration: OnlineCalibration, done: Done, kappa: Floats) -> Floats:
     """(K,) distance of stiffnesses from the estimate, in standard errors, on the axis of its interval."""
-    if done.cues == BOTH:
-        axis, middle, low = np.log(kappa), np.log(done.kappa), np.log(done.low)
-    else:
-        law = calibration.settings.law
-        axis, middle, low = (eta_of(law, np.asarray(each)) for each in (kappa, done.kappa, done.low))
-    return np.asarray((axis - middle) / (middle - low) * _quantile(calibration))
+    axis, middle, low = (calibration.axis(np.asarray(each)) for each in (kappa, done.kappa, done.low))
+    return np.asarray((axis - middle) / (middle - low) * _normal(calibration.confidence))
 
 
 def options(
@@ -126,7 +120,7 @@ def options(
         )
     done = dict(done or {})
     now = belief(calibrations, done)
-    confidence = calibrations[0].settings.confidence
+    confidence = calibrations[0].confidence
     present = _half_width(now.variance, confidence)
     found = []
     for index, calibration in enumerate(calibrations):
@@ -153,7 +147,7 @@ def next_press(
     """
     done = dict(done or {})
     now = belief(calibrations, done)
-    if done and _half_width(now.variance, calibrations[0].settings.confidence) <= width:
+    if done and _half_width(now.variance, calibrations[0].confidence) <= width:
         return None
     worthwhile = [choice for choice in options(calibrations, done) if choice.worthwhile]
     return max(worthwhile, key=lambda choice: choice.bits / choice.presses, default=None)
@@ -163,16 +157,8 @@ def _precision(calibration: OnlineCalibration, presses: int, mountings: int, now
     """(K,) of ln kappa by so many presses in so many mountings; 0 without one."""
     if not presses:
         return np.zeros(now.kappa.size)
-    cues = BOTH if calibration.by_travel else AREA
-    reach = calibration.whole_reach(now.kappa, presses, mountings, cues)
-    slope = np.abs(kappa_slope(calibration.settings.law, now.kappa)) / now.kappa
-    log_reach = reach if cues == BOTH else slope * reach
-    precision = (_quantile(calibration) / log_reach) ** 2
+    precision = calibration.log_sd(now.kappa, presses, mountings) ** -2
     return np.where(np.isfinite(precision), precision, 0.0)
-
-
-def _quantile(calibration: OnlineCalibration) -> float:
-    return _normal(calibration.settings.confidence)
 
 
 def _normal(confidence: float) -> float:

@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats
-from emg2vsa.calibration.cut_presses import cut_all, cut_forces, cut_rates, cut_travel
+from emg2vsa.calibration.cut_presses import cut_all, cut_forces
 from emg2vsa.calibration.forms import growth_power
 from emg2vsa.calibration.one_condition import DEPTH, OneCondition, Way, law_result, padded_labels, pooled_scatter
 from emg2vsa.calibration.online import OnlineCalibration
+from emg2vsa.calibration.online_pins import known_pins
 from emg2vsa.calibration.results import CalibrationResults, LawResult
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import ALGORITHMS, RunScores
-from emg2vsa.run_scores.measured import Domes
+from emg2vsa.run_scores.measured import NO_DOMES, Domes
 from emg2vsa.settings import CalibrationSettings
 
 _LEAST_SPECIMENS = 2
@@ -124,6 +125,7 @@ def online_calibrations(
     settings: CalibrationSettings | None = None,
     *,
     kappa_se: Mapping[str, float] | None = None,
+    domes: Mapping[str, Domes] | None = None,
     provenance: Mapping[str, str] | None = None,
 ) -> tuple[OnlineCalibration, ...]:
     """A calibration for presses of unknown specimens, for every angle and condition that has the presses for it.
@@ -136,17 +138,18 @@ def online_calibrations(
     found = []
     for angle_deg, condition in dict.fromkeys((run.angle_deg, run.condition) for run in usable):
         known = [run for run in usable if (run.angle_deg, run.condition) == (angle_deg, condition)]
-        rates = cut_all(cut_rates, [_areas(run) for run in known], force_n[0], forces)
-        travel = cut_all(cut_travel, [_travel(run) for run in known], force_n[0], forces)
+        rates = cut_all([_areas(run) for run in known], force_n[0], forces)
         there = np.flatnonzero(np.isfinite(rates[:, :, -1]).any(axis=1))
         if there.size < _LEAST_SPECIMENS:
             continue
         known = [known[s] for s in there]
+        stiffness = np.array([kappa[run.specimen] for run in known])
+        errors = np.array([(kappa_se or {}).get(run.specimen, 0.0) for run in known])
         found.append(
             OnlineCalibration(
                 specimens=tuple(run.specimen for run in known),
-                kappa=np.array([kappa[run.specimen] for run in known]),
-                kappa_se=np.array([(kappa_se or {}).get(run.specimen, 0.0) for run in known]),
+                kappa=stiffness,
+                kappa_se=errors,
                 quantity=known[0].algorithm,
                 area_unit=known[0].area_unit,
                 angle_deg=float(angle_deg),
@@ -154,12 +157,12 @@ def online_calibrations(
                 start_n=force_n[0],
                 forces_n=forces,
                 rates=rates[there],
-                travel=travel[there],
                 mounting=padded_labels(known, rates.shape[1]),
                 settings=settings,
                 growth=growth_power(known),
                 simulated=any(run.simulated for run in known),
                 provenance=dict(provenance or {}),
+                pins=known_pins(known, stiffness, errors, [(domes or {}).get(run.specimen, NO_DOMES) for run in known]),
             )
         )
     return tuple(found)
@@ -167,10 +170,6 @@ def online_calibrations(
 
 def _areas(run: RunScores) -> list[tuple[Floats, Floats]]:
     return [(curve.force_n, curve.area_mm2) for curve in run.curves]
-
-
-def _travel(run: RunScores) -> list[tuple[Floats, Floats]]:
-    return [(curve.travel_force_n, curve.travel_mm) for curve in run.curves]
 
 
 def _same_place(run: RunScores, new: RunScores) -> bool:

@@ -145,8 +145,8 @@ class Camera(Protocol):
 class PressJudge(Protocol):
     """Looks on while presses are recorded, and never waits: every method returns at once and raises nothing."""
 
-    def force(self, time_s: float, force_n: float, depth_mm: float) -> None:
-        """A reading that was kept of the press, and the depth of the shaft then; NaN except in loading."""
+    def force(self, time_s: float, force_n: float) -> None:
+        """A reading that was kept of the press."""
 
     def frame(self, repetition: int, frame: Frame) -> None:
         """A frame that was kept of the press."""

@@ -75,7 +75,7 @@ def next_presses(
 def believed(calibrations: Sequence[OnlineCalibration], done: Mapping[int, Done]) -> Believed:
     """Of kappa, from what the calibrations (by index) have said so far."""
     found = belief(calibrations, done)
-    return Believed(found.middle, *found.interval(calibrations[0].settings.confidence))
+    return Believed(found.middle, *found.interval(calibrations[0].confidence))
 
 
 def _done(folders: Sequence[Path], calibrations: Sequence[OnlineCalibration], paths: Sequence[Path]) -> dict[int, Done]:
@@ -130,29 +130,25 @@ def check_judged_by(folder: Path, calibration: OnlineCalibration, name: str) -> 
         raise DataError(f"{about}, sha256", wanted=f"that of {name}, {own[:12]}", found=str(told)[:12], do=do)
 
 
-def with_run(before: Done, rows: Sequence[tuple[float, float, str]], presses: int, *, new_mounting: bool) -> Done:
+def with_run(before: Done, rows: Sequence[tuple[float, float]], presses: int, *, new_mounting: bool) -> Done:
     """What a further run adds: its presses, and the estimate of its last row where that is the narrower one.
 
     rows : as ``last_estimates`` has them.
     """
-    kappa, low, cues = before.kappa, before.low, before.cues
+    kappa, low = before.kappa, before.low
     if rows and not (before.low > 0 and before.low / before.kappa > rows[-1][1] / rows[-1][0]):
-        kappa, low, cues = rows[-1]
-    return replace(
-        before, presses=before.presses + presses, mountings=before.mountings + new_mounting, kappa=kappa, low=low,
-        cues=cues,
-    )  # fmt: skip
+        kappa, low = rows[-1]
+    return Done(before.presses + presses, before.mountings + new_mounting, kappa, low)
 
 
-def last_estimates(path: Path) -> list[tuple[float, float, str]]:
-    """kappa, the lower end of its interval and the cues of the last row of each press that tells them."""
-    last: dict[str, tuple[float, float, str]] = {}
+def last_estimates(path: Path) -> list[tuple[float, float]]:
+    """kappa and the lower end of its interval, of the last row of each press that tells them."""
+    last: dict[str, tuple[float, float]] = {}
     try:
         with path.open(encoding="utf-8", newline="") as file:
             for row in csv.DictReader(file):
                 if row["kappa_n_per_mm"] and row["low_n_per_mm"]:
-                    told = float(row["kappa_n_per_mm"]), float(row["low_n_per_mm"]), row["cues"]
-                    last[row["repetition"]] = told
+                    last[row["repetition"]] = float(row["kappa_n_per_mm"]), float(row["low_n_per_mm"])
     except (OSError, ValueError, KeyError, TypeError):
         return []
     return list(last.values())

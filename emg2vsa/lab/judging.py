@@ -83,6 +83,13 @@ class Judging:
         domes = str(self.domes) if self.domes else None
         found = KappaPlan(path.name, calibration, camera, self.stop_at, domes, self.specimen_height_mm)
         found.worlds()  # an error in them is told before anything moves
+        if (pins := calibration.pins) is not None:
+            pins.family(found.tables())
+            if camera != pins.camera:
+                raise SettingError(
+                    "--camera", wanted=f"the camera that {path.name} was made with", found=f"another, {camera}",
+                    do="Give its camera.toml, or press the known specimens with this camera and run the study.",
+                )  # fmt: skip
         return found
 
     def _camera(self, file: RigFile, run: Run, calibration: OnlineCalibration, *, emulated: bool) -> Camera | None:

@@ -103,8 +103,6 @@ class KappaView:
     "None where the specimen may be rigid."
     half_width: float | None = None
     "Of the newest interval, as a share of kappa."
-    amplification: float | None = None
-    "Percent of kappa for 1 % of CASR."
     stop: str = ""
     "Why the press was stopped; empty for a whole one."
     stop_n: float | None = None
@@ -142,7 +140,6 @@ class KappaTail(_Tail):
             presses=newest.presses,
             **{name: [_number(getattr(row, name)) for row in told] for name in columns},
             half_width=_number(newest.half_width),
-            amplification=_number(newest.amplification),
             stop=enough.stop if enough else "",
             stop_n=_number(enough.force_n) if enough else None,
             note=newest.note,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -22,7 +20,7 @@ def calibration_of(bench, noise, mounting_sd_percent=0.0, seed=0, presses=20):
     return OnlineCalibration(
         specimens=("S1", "S3", "S5"), kappa=bench.kappa, kappa_se=np.zeros(3), quantity="edge", area_unit="mm2",
         angle_deg=0.0, condition="modular", start_n=0.5, forces_n=FORCES_N, rates=rates,
-        travel=np.full_like(rates, np.nan), mounting=np.ones((3, presses), dtype=np.int64),
+        mounting=np.ones((3, presses), dtype=np.int64),
         settings=CalibrationSettings(mounting_sd_percent=mounting_sd_percent),
     )  # fmt: skip
 
@@ -31,8 +29,8 @@ def done_of(bench, calibration, presses=1, mountings=1):
     rates = bench.casr(bench.kappa_new)[:, None] * FORCES_N**-0.3
     rates = np.tile(rates, (presses, 1))
     labels = 1 + np.arange(presses) % mountings
-    found = calibration.judged(rates[:, 1:], np.full((presses, 1), np.nan), np.array([1]), labels)
-    return Done(presses, mountings, float(found.kappa[0]), float(found.low[0]), found.cues)
+    found = calibration.judged(rates[:, 1:], np.array([1]), labels)
+    return Done(presses, mountings, float(found.kappa[0]), float(found.low[0]))
 
 
 def test_the_quieter_condition_is_pressed_first_and_more_presses_tell_more(hertz):
@@ -86,13 +84,3 @@ def test_two_conditions_narrow_it_more_than_one(hertz):
 def test_options_need_a_calibration_and_a_press(hertz, calibrations, counts):
     with pytest.raises(DataError, match="next press: expected a calibration and 1 press or more"):
         options([calibration_of(hertz, 0.02)] * calibrations, counts=counts)
-
-
-def test_both_cues_are_expected_where_the_calibration_has_both(hertz):
-    calibration = calibration_of(hertz, 0.02)
-    factors = 1 + 0.01 * np.random.default_rng(5).standard_normal((3, 20, 1))
-    share = hertz.mm_per_n(hertz.kappa)[:, None, None] * FORCES_N**-0.3 * factors
-    both = replace(calibration, travel=share)
-    found = options([calibration, both], counts=(1,))
-    assert found[0].calibration == 1
-    assert found[0].bits > found[1].bits

@@ -51,10 +51,10 @@ def run(given: Given) -> CalibrationResults:
     provenance = {"study": used["study"], "mode": used["mode"], "emg2vsa": emg2vsa.__version__}
     folder, heights = used.get("domes"), used["heights_mm"]
     provenance |= {"domes": Path(folder).name} if folder else {}
-    online = online_calibrations(
-        scores, specimens, new, used["force_n"], settings, kappa_se=errors, provenance=provenance
-    )  # fmt: skip
     domes = {each.specimen: Domes(folder, heights.get(each.specimen)) for each in scores}
+    online = online_calibrations(
+        scores, specimens, new, used["force_n"], settings, kappa_se=errors, domes=domes, provenance=provenance
+    )  # fmt: skip
     found = calibrate_runs(scores, specimens, new, settings, kappa_se=errors, domes=domes)
     notes = tuple(
         f"{each.angle_deg:g}°, {each.condition}: no calibration file, because CASR does not rise with softness. "

@@ -62,15 +62,15 @@ class Held:
 
     def __init__(self) -> None:
         self._frames: deque[tuple[int, Frame]] = deque()
-        self._readings: list[tuple[float, float, float]] = []
+        self._readings: list[tuple[float, float]] = []
 
     def frame(self, repetition: int, frame: Frame) -> None:
         """A frame that was kept."""
         self._frames.append((repetition, frame))
 
-    def force(self, time_s: float, force_n: float, depth_mm: float) -> None:
+    def force(self, time_s: float, force_n: float) -> None:
         """A reading that was kept."""
-        self._readings.append((time_s, force_n, depth_mm))
+        self._readings.append((time_s, force_n))
 
     def ready(self, *, over: bool = False) -> list[tuple[int, Frame, Rows]]:
         """Frames whose force is known now, with the readings since the last of them. over : nothing more comes."""
@@ -126,8 +126,8 @@ class SameProcess(_Judge):
         super().__init__()
         self._kappa, self._word, self._rows = LiveKappa(plan), 0, new_rows(file)
 
-    def force(self, time_s: float, force_n: float, depth_mm: float) -> None:
-        self._held.force(time_s, force_n, depth_mm)
+    def force(self, time_s: float, force_n: float) -> None:
+        self._held.force(time_s, force_n)
         self._answer(over=False)
 
     def stop(self, repetition: int) -> str:
@@ -212,7 +212,7 @@ class OwnProcess(_Judge):
     def __init__(self, plan: KappaPlan, file: Path, shape: tuple[int, int], zero_s: float | None = None) -> None:
         super().__init__()
         self._sent, self._closed = 0, False
-        self._unsent: list[tuple[float, float, float]] = []
+        self._unsent: list[tuple[float, float]] = []
         self._path, self._memory = _new_memory(shape)
         self._words, self._readings, self._images = _views(self._memory, shape)
         self._words[:] = 0
@@ -240,8 +240,8 @@ class OwnProcess(_Judge):
         """Number of the process."""
         return self._child.pid
 
-    def force(self, time_s: float, force_n: float, depth_mm: float) -> None:
-        self._held.force(time_s, force_n, depth_mm)
+    def force(self, time_s: float, force_n: float) -> None:
+        self._held.force(time_s, force_n)
         self._hand_over(over=False)
 
     def stop(self, repetition: int) -> str:
@@ -280,7 +280,7 @@ class OwnProcess(_Judge):
                 continue
             slot, n_readings = self._sent % SLOTS, len(self._unsent)
             self._images[slot] = frame.image
-            self._readings[slot, :n_readings] = np.array(self._unsent).reshape(-1, 3)
+            self._readings[slot, :n_readings] = np.array(self._unsent).reshape(-1, 2)
             if self._send(_FRAME.pack(slot, repetition, frame.time_s, n_readings)):
                 self._sent += 1
                 self._unsent = []
@@ -304,7 +304,7 @@ class OwnProcess(_Judge):
 
 def _new_memory(shape: tuple[int, int]) -> tuple[Path, mmap.mmap]:
     """A file of memory that is all there, for writing where there is none would end this process. DeviceError."""
-    size_bytes = 8 * _WORDS + SLOTS * (24 * MOST_READINGS + shape[0] * shape[1])
+    size_bytes = 8 * _WORDS + SLOTS * (16 * MOST_READINGS + shape[0] * shape[1])
     path = None
     try:
         handle, name = tempfile.mkstemp(dir=_MEMORY if os.path.isdir(_MEMORY) else None, prefix="emg2vsa.")
@@ -327,12 +327,12 @@ def _new_memory(shape: tuple[int, int]) -> tuple[Path, mmap.mmap]:
 
 
 def _views(memory: mmap.mmap, shape: tuple[int, int]) -> tuple[Any, Any, Any]:
-    """Counters; readings (SLOTS, MOST_READINGS, 3) as ``Rows``; images (SLOTS, height, width)."""
+    """Counters; readings (SLOTS, MOST_READINGS, 2) as ``Rows``; images (SLOTS, height, width)."""
     readings_at = 8 * _WORDS
-    images_at = readings_at + 24 * SLOTS * MOST_READINGS
+    images_at = readings_at + 16 * SLOTS * MOST_READINGS
     return (
         np.ndarray(_WORDS, np.int64, memory),
-        np.ndarray((SLOTS, MOST_READINGS, 3), np.float64, memory, offset=readings_at),
+        np.ndarray((SLOTS, MOST_READINGS, 2), np.float64, memory, offset=readings_at),
         np.ndarray((SLOTS, *shape), np.uint8, memory, offset=images_at),
     )
 

@@ -14,22 +14,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.camera import Camera
-from casr.contact_area.library_front import worlds_for
-from casr.dome.library import Library
+from casr.contact_area.library_front import height_in_tables, worlds_for
+from casr.dome.library import Library, tables
 from casr.errors import CasrError
 from casr.flow.estimate import FlowSettings
 from casr.frames.force import force_at_exposure
+from casr.kappa.presses import FEWEST_FRAMES, KappaPress
 from casr.scored import ScoreSettings
 from casr.stream import StreamScorer
 from emg2vsa.calibration.forms import HERTZ
-from emg2vsa.calibration.online import AREA, BOTH, OnlineCalibration, OnlineEstimator, OnlineState
+from emg2vsa.calibration.online import OnlineCalibration, OnlineEstimator, OnlineState
+from emg2vsa.calibration.online_pins import NEW
 from emg2vsa.settings import RECIPES
 
 KAPPA_FILE = "kappa.csv"
 _RECENT_FRAMES = 8
 """Whose times tell the period of the camera."""
-Rows = Sequence[tuple[float, float, float]]
-"""Time, s, force, N, and depth of the shaft, mm, of readings; NaN except while the probe goes in."""
+Rows = Sequence[tuple[float, float]]
+"""Time, s, and force, N, of readings."""
 
 
 @dataclass(frozen=True)
@@ -55,8 +57,6 @@ class KappaRow:
     "That count in it."
     judged_at_n: float
     "Force up to which areas were used."
-    amplification: float
-    "Percent of kappa for 1 % of the score."
     cues: str
     "What kappa is told by."
     reachable: float
@@ -76,7 +76,6 @@ class KappaRow:
         parts = [
             f"{self.kappa_n_per_mm:.3g} N/mm, 95 %: {self.low_n_per_mm:.3g} to {high}{share}",
             f"presses: {self.presses}",
-            f"1 % of CASR is {self.amplification:.1f} % of kappa",
         ]
         return "; ".join([*parts, *([f"stopped: {self.stop} at {self.judged_at_n:g} N"] if self.stop else [])])
 
@@ -146,6 +145,11 @@ class KappaPlan:
         """Those that areas are found by. casr.errors.CasrError : there are none for this sensor."""
         return worlds_for(self.camera, self.domes, self.specimen_height_mm)
 
+    def tables(self) -> Library:
+        """Those that stiffness is told by from the pins."""
+        own_height_mm = self.specimen_height_mm if self.domes else None
+        return tables(self.domes, height_in_tables(self.camera, self.domes, own_height_mm))
+
 
 class LiveKappa:
     """Judges the presses of one run, frame by frame."""
@@ -153,7 +157,7 @@ class LiveKappa:
     def __init__(self, plan: KappaPlan) -> None:
         calibration = plan.calibration
         self._plan = plan
-        self._estimator = OnlineEstimator(calibration, plan.stop_at or 0.0)
+        self._estimator = OnlineEstimator(calibration, plan.stop_at or 0.0, plan.tables())
         last_n = float(calibration.forces_n[-1])
         recipe = RECIPES[calibration.quantity]
         self._settings = ScoreSettings(
@@ -171,8 +175,9 @@ class LiveKappa:
         # what is made once is made before the first frame waits for it
         plan.worlds()
         self._prepare(1)
-        force_n = np.linspace(calibration.start_n, last_n, 20)
-        OnlineEstimator(calibration).follow(force_n, force_n**HERTZ)
+        if calibration.pins is None:
+            force_n = np.linspace(calibration.start_n, last_n, 20)
+            OnlineEstimator(calibration).follow(force_n, force_n**HERTZ)
 
     def frame(self, repetition: int, time_s: float, image: NDArray[np.uint8], readings: Rows) -> KappaRow:
         """The next frame, with the readings since the one before; what is known then, without its latency."""
@@ -184,13 +189,9 @@ class LiveKappa:
         if not press.trouble:
             try:
                 seen = press.scorer.push(image, force_n)
-                zero_n = force_n - seen.force_n
-                for _, row_n, depth_mm in readings:
-                    if np.isfinite(row_n - zero_n + depth_mm):
-                        self._estimator.push_travel(row_n - zero_n, depth_mm)
                 note, area, force_n = "; ".join(seen.notes), seen.area, seen.force_n
                 if seen.phase == "loading" and not self._stop:  # what a stopped press says is what it was stopped by
-                    state = self._estimator.follow(*press.scorer.curve())
+                    state = self._judged(press)
             except CasrError as trouble:
                 press.trouble = str(trouble)
         press.state = state
@@ -199,13 +200,25 @@ class LiveKappa:
         return KappaRow(
             time_s, repetition, press.n_frames - 1, force_n, area,
             state.kappa, state.low, state.high, state.half_width, state.presses, state.judged_at_n,
-            state.amplification, state.cues, state.reachable, self._stop, float("nan"),
+            state.cues, state.reachable, self._stop, float("nan"),
             press.trouble or "; ".join(filter(None, (state.doubt, note))),
         )  # fmt: skip
 
+    def _judged(self, press: _Press) -> OnlineState:
+        if self._plan.calibration.pins is None:
+            return self._estimator.follow(*press.scorer.curve())
+        rest_px, pins_px, force_n = press.scorer.pins()
+        if len(force_n) < FEWEST_FRAMES:
+            return press.state
+        return self._estimator.follow_pins(
+            KappaPress(
+                rest_px=rest_px, pins_px=pins_px, force_n=force_n, specimen=NEW, mounting=self._estimator.mounting,
+            )
+        )  # fmt: skip
+
     def _prepare(self, presses: int) -> None:
-        for cues in (AREA, BOTH):
-            self._plan.calibration.expected_reach(self._plan.calibration.kappa, presses, cues)
+        if self._plan.calibration.pins is None:
+            self._plan.calibration.expected_reach(self._plan.calibration.kappa, presses)
 
     def settle(self) -> None:
         """Work for the time in which no frame waits."""
@@ -229,7 +242,7 @@ class _Press:
     trouble: str = ""
     n_frames: int = 0
     frame_s: deque[float] = field(default_factory=lambda: deque(maxlen=_RECENT_FRAMES))
-    readings: deque[tuple[float, float, float]] = field(default_factory=lambda: deque(maxlen=2000))
+    readings: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=2000))
 
     def force_at(self, time_s: float, readings: Rows) -> float:
         """As a recording has it, N."""
@@ -240,5 +253,5 @@ class _Press:
             self.readings.popleft()
         if not self.readings:
             return float("nan")
-        read_s, force_n, _ = np.array(self.readings).T
+        read_s, force_n = np.array(self.readings).T
         return float(force_at_exposure(np.array(self.frame_s), read_s, force_n)[-1])

@@ -24,7 +24,7 @@ from emg2vsa.rig.record.ended import Ended, ended_bytes
 from emg2vsa.rig.record.new_folder import PLAN_FILE
 from emg2vsa.rig.record.press_counts import HEADER, PRESSES_FILE, PressKappa, PressTally, Verdict, line_of
 from emg2vsa.rig.record.press_recorder import PressRecorder
-from emg2vsa.rig.record.run_log import GOING_IN, ForceFile, Row, RunLog
+from emg2vsa.rig.record.run_log import ForceFile, Row, RunLog
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.schedules.document import document_of
 
@@ -130,9 +130,7 @@ class RunRecord:
             return
         self._press.force(row.force_time_s, row.force_n)
         if self._judge is not None:
-            at = row.at if row.phase in GOING_IN else None
-            depth_mm = math.nan if at is None else self._rig.depth_at(at.shaft_deg)
-            self._judge.force(row.force_time_s, row.force_n, depth_mm)
+            self._judge.force(row.force_time_s, row.force_n)
 
     def enough(self, force_n: float) -> bool:
         """Whether the judge has seen enough of the press that is being loaded; the press then counts as stopped at this

@@ -12,10 +12,11 @@ from casr.camera import Camera, Sensor
 from casr.dome.library import shipped
 from casr.dome.view import DomeView
 from casr.errors import CameraError, CasrError, FramesError, PinsError, SettingError
+from casr.kappa.discrepancy import Discrepancy
 from casr.kappa.estimate import SensorKappa, estimate_kappa
 from casr.kappa.family import families
 from casr.kappa.field import OWN, SHARED, PressField, State
-from casr.kappa.posterior import Discrepancy, Posterior
+from casr.kappa.posterior import Posterior
 from casr.kappa.presses import KappaPress
 
 TRIAL = Trial("H", 1.0, 0.05, 0.0, (1.1, 3.35, 7.63), 5.32, seed=3)
@@ -111,7 +112,7 @@ def test_what_is_left_over_is_least_at_the_label_and_the_label_at_kappa(found: S
     assert np.argmin(left_px) == 4
     assert left_px[4] == pytest.approx(labels.misfit_px, rel=0.2)
     at = np.log(found.kappas["5.32"].value) + np.linspace(-0.2, 0.2, 81)
-    shown = Posterior(labels, found.discrepancy).label(at)
+    shown = Posterior(KnownSensor.of(labels), found.discrepancy).label(at)
     assert abs(at[np.argmin(np.abs(shown - labels.z[-1]))] - at[40]) < 0.02
 
 

@@ -25,7 +25,7 @@ def known(tmp_path: Path) -> list[Path]:
     calibration = OnlineCalibration(
         specimens=("S1", "S3", "S5"), kappa=KAPPA, kappa_se=np.zeros(3), quantity="front", area_unit="mm2",
         angle_deg=0.0, condition="modular", start_n=0.5, forces_n=forces, rates=rates,
-        travel=np.full(rates.shape, np.nan), mounting=np.ones((3, 6), dtype=np.int64),
+        mounting=np.ones((3, 6), dtype=np.int64),
     )  # fmt: skip
     return [
         write_calibration(tmp_path / f"{condition}.json", replace(calibration, condition=condition))
@@ -38,8 +38,8 @@ def judged_run(folder: Path, half_width: float = 0.3, condition: str = "modular"
     (folder / "plan.json").write_text(
         json.dumps({"plan": {"specimen": specimen, "angle_deg": 0.0, "condition": condition}})
     )
-    rows = ["repetition,force_n,kappa_n_per_mm,low_n_per_mm,cues", "1,0.6,,,area"]
-    rows += [f"{press},6.5,3.0,{3 / (1 + half_width)},area" for press in (1, 2)]
+    rows = ["repetition,force_n,kappa_n_per_mm,low_n_per_mm", "1,0.6,,"]
+    rows += [f"{press},6.5,3.0,{3 / (1 + half_width)}" for press in (1, 2)]
     (folder / "kappa.csv").write_text("\n".join(rows) + "\n")
     return folder
 

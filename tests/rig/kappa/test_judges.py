@@ -48,7 +48,7 @@ class Press:
         for time_s, force_n in zip(self.time_s.tolist(), self.force_n.tolist(), strict=True):
             while frames and frames[0].time_s <= time_s:
                 judge.frame(repetition, frames.pop(0))
-            judge.force(time_s, force_n, float("nan"))
+            judge.force(time_s, force_n)
             said.append(judge.stop(repetition))
             while wait and judge._sent - judge._words[0] > 1:  # then no frame is dropped, however slow the machine is
                 time.sleep(0.002)
@@ -124,7 +124,7 @@ def test_frames_beyond_the_slots_are_dropped_and_counted_and_nobody_waits(beside
         for k in range(3 * SLOTS):
             began_s = time.perf_counter()
             beside.frame(1, Frame(0.05 * k, press.frames[0].image))
-            beside.force(0.05 * k + 0.02, 0.0, float("nan"))
+            beside.force(0.05 * k + 0.02, 0.0)
             longest_s = max(longest_s, time.perf_counter() - began_s)
     finally:
         os.kill(beside.pid, signal.SIGCONT)
@@ -145,7 +145,7 @@ def test_more_readings_than_a_page_of_the_pipe_holds_make_nobody_wait(beside: Ow
             began_s = time.perf_counter()
             if k % 200 == 0:
                 beside.frame(1, Frame(k / 1000, press.frames[0].image))
-            beside.force(k / 1000, 0.0, float("nan"))
+            beside.force(k / 1000, 0.0)
             longest_s = max(longest_s, time.perf_counter() - began_s)
     finally:
         os.kill(beside.pid, signal.SIGCONT)
@@ -161,16 +161,16 @@ def test_readings_of_a_frame_that_was_dropped_come_with_the_next(beside: OwnProc
     try:
         for k in range(SLOTS + 3):
             beside.frame(1, Frame(0.05 * k, press.frames[0].image))
-            beside.force(0.05 * k + HOLD_S, 0.01 * k, float("nan"))
+            beside.force(0.05 * k + HOLD_S, 0.01 * k)
     finally:
         os.kill(beside.pid, signal.SIGCONT)
     end_s = time.monotonic() + 60
     while beside._words[0] < SLOTS and time.monotonic() < end_s:
         time.sleep(0.01)
     beside.frame(1, Frame(2.0, press.frames[0].image))
-    beside.force(2.0 + HOLD_S, 1.0, float("nan"))
+    beside.force(2.0 + HOLD_S, 1.0)
     sent = beside._readings[SLOTS % SLOTS, :4].tolist()
-    assert [force_n for _, force_n, _ in sent] == pytest.approx([0.16, 0.17, 0.18, 1.0])
+    assert [force_n for _, force_n in sent] == pytest.approx([0.16, 0.17, 0.18, 1.0])
 
 
 def test_no_room_for_frames_is_said_before_the_first_press_and_leaves_nothing(
@@ -221,11 +221,11 @@ def test_a_calibration_that_cannot_be_used_is_said_before_the_first_press(press:
 def test_a_frame_waits_for_the_readings_that_tell_its_force() -> None:
     held, image = Held(), np.zeros((2, 2), np.uint8)
     held.frame(1, Frame(1.0, image))
-    held.force(1.0, 0.1, 0.0)
+    held.force(1.0, 0.1)
     assert held.ready() == []
-    held.force(1.0 + HOLD_S, 0.2, 0.0)
+    held.force(1.0 + HOLD_S, 0.2)
     ((repetition, frame, readings),) = held.ready()
-    assert (repetition, frame.time_s, [force for _, force, _ in readings]) == (1, 1.0, [0.1, 0.2])
+    assert (repetition, frame.time_s, [force for _, force in readings]) == (1, 1.0, [0.1, 0.2])
     held.frame(1, Frame(1.05, image))
     assert held.ready() == []
     assert len(held.ready(over=True)) == 1
@@ -234,7 +234,7 @@ def test_a_frame_waits_for_the_readings_that_tell_its_force() -> None:
 def row(**changes: object) -> KappaRow:
     values = dict.fromkeys(("time_s", "force_n", "kappa_n_per_mm", "low_n_per_mm", "judged_at_n"), 1.0)
     whole = {"repetition": 3, "frame": 7, "presses": 2, "area": 12.5, "high_n_per_mm": float("inf")}
-    other = {"half_width": 0.049, "amplification": 3.0, "reachable": 0.1, "cues": "area", "latency_s": float("nan")}
+    other = {"half_width": 0.049, "reachable": 0.1, "cues": "area", "latency_s": float("nan")}
     return KappaRow(**(values | whole | other | {"stop": ""} | changes))  # type: ignore[arg-type]
 
 

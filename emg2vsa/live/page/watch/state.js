@@ -52,7 +52,6 @@ export function kappaOf(kappa) {
   const high = kappa.high_n_per_mm[last] === null ? "rigid" : number(kappa.high_n_per_mm[last]);
   const width = kappa.half_width === null ? "" : ` (±${(100 * kappa.half_width).toFixed(0)} %)`;
   const parts = [`press ${kappa.repetition}`, kappa.presses === 1 ? "1 press counts" : `${kappa.presses} presses count`];
-  if (kappa.amplification !== null) parts.push(`1 % of CASR is ${kappa.amplification.toFixed(1)} % of kappa`);
   if (kappa.stop) parts.push(`seen enough at ${kappa.stop_n.toFixed(2)} N: ${kappa.stop}`);
   if (kappa.note) parts.push(kappa.note);
   return {
