@@ -16,6 +16,7 @@ from casr.kappa.discrepancy import Discrepancy
 from casr.kappa.estimate import SensorKappa, estimate_kappa
 from casr.kappa.family import families
 from casr.kappa.field import OWN, SHARED, PressField, State
+from casr.kappa.known import KnownSensor
 from casr.kappa.posterior import Posterior
 from casr.kappa.presses import KappaPress
 
