@@ -82,7 +82,7 @@ def fitted(
                 found=f"{stated[press.specimen]} and {known}", do="Give another specimen another name.",
             )  # fmt: skip
     tried = [labelled(press_fields(presses, camera, family), errors, thorough=thorough) for family in domes]
-    return min(tried, key=lambda each: each.misfit_px / each.moved_px)
+    return min(tried, key=lambda each: each.misfit)
 
 
 def press_fields(presses: Sequence[KappaPress], camera: Camera, family: Family) -> list[PressField]:

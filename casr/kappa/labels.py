@@ -106,7 +106,7 @@ def labelled(
     """
     starts = [(place,) for place in _PLACES] if thorough else [_PLACES]
     fits = [_Fit(fields, sensor, least_misfit_px).result(each, start) for each in starts]
-    return min(fits, key=lambda each: each.misfit_px / each.moved_px)
+    return min(fits, key=lambda each: each.misfit_px)
 
 
 class _Fit:

@@ -39,7 +39,7 @@ OFF_FAMILY = np.array([0.02, 0.02, 0.035, 0.005, 0.07, 0.03, 0.03])
 """Standard deviations by which presses of a dome that the tables do not hold are taken for those of another sensor, by
 ``QUANTITIES``: mm, then relative. Found by leaving out one dome at a time (benchmarks/sensor.py, seeds 0 to 7)."""
 OFF_THICKNESS = np.array([0.1, 0.1, 0.4, 0.05, 0.6, 0.4, 0.4])
-"""The same of a dome that differs in more than its moduli: a skin of 1.5 mm, of which tables of 1 mm leave 2.2 % over.
+"""The same of a dome that differs in more than its moduli: a skin of 1.5 mm leaves 2 to 3 % over by tables of 1 mm.
 It grows with what is left over beyond ``FAMILY_MISFIT``, and is whole at ``USUAL_MISFIT``."""
 FAMILY_MISFIT = 0.01
 _STEP = 1e-3
