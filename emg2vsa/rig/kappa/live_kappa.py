@@ -190,8 +190,10 @@ class LiveKappa:
             try:
                 seen = press.scorer.push(image, force_n)
                 note, area, force_n = "; ".join(seen.notes), seen.area, seen.force_n
-                if seen.phase == "loading" and not self._stop:  # what a stopped press says is what it was stopped by
-                    state = self._judged(press)
+                # what a stopped press says is what it was stopped by
+                press.goes_on = seen.phase == "loading" and not self._stop
+                if press.goes_on and self._plan.calibration.pins is None:
+                    state = self._estimator.follow(*press.scorer.curve())
             except CasrError as trouble:
                 press.trouble = str(trouble)
         press.state = state
@@ -204,13 +206,11 @@ class LiveKappa:
             press.trouble or "; ".join(filter(None, (state.doubt, note))),
         )  # fmt: skip
 
-    def _judged(self, press: _Press) -> OnlineState:
-        if self._plan.calibration.pins is None:
-            return self._estimator.follow(*press.scorer.curve())
+    def _judge_pins(self, press: _Press) -> None:
         rest_px, pins_px, force_n = press.scorer.pins()
         if len(force_n) < FEWEST_FRAMES:
-            return press.state
-        return self._estimator.follow_pins(
+            return
+        press.state = self._estimator.follow_pins(
             KappaPress(
                 rest_px=rest_px, pins_px=pins_px, force_n=force_n, specimen=NEW, mounting=self._estimator.mounting,
             )
@@ -221,9 +221,15 @@ class LiveKappa:
             self._plan.calibration.expected_reach(self._plan.calibration.kappa, presses)
 
     def settle(self) -> None:
-        """Work for the time in which no frame waits."""
-        if self._press is not None and not self._press.trouble:
-            self._press.scorer.settle()
+        """Work for the time in which no frame waits; what the pins say then stands in the row of the next frame."""
+        if (press := self._press) is None or press.trouble:
+            return
+        press.scorer.settle()
+        if press.goes_on and self._plan.calibration.pins is not None:
+            try:
+                self._judge_pins(press)
+            except CasrError as trouble:
+                press.trouble = str(trouble)
 
     def press_over(self) -> None:
         """No more frames of this press come."""
@@ -240,6 +246,7 @@ class _Press:
     scorer: StreamScorer
     state: OnlineState = field(default_factory=OnlineState)
     trouble: str = ""
+    goes_on: bool = False
     n_frames: int = 0
     frame_s: deque[float] = field(default_factory=lambda: deque(maxlen=_RECENT_FRAMES))
     readings: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=2000))
