@@ -182,6 +182,7 @@ class Score:
     force_zero : what the force sensor reads at rest; None where that is not determined or there is no force log.
     camera_lag : how late the frames are against the force; None without times in the force log.
     doubts : reasons to look at this press before its numbers count; empty where there are none.
+    travel_mm_per_n : mean travel of the indenter for each newton, as over 0.5 to 7 N; None without travel.
     """
 
     name: str
@@ -204,6 +205,7 @@ class Score:
     force_zero: ForceZero | None = None
     camera_lag: CameraLag | None = None
     doubts: tuple[str, ...] = ()
+    travel_mm_per_n: float | None = None
 
     def __repr__(self) -> str:
         """The answer; the arrays are too long to read."""

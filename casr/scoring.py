@@ -19,6 +19,9 @@ from casr.skin_motion import SeenLoading, SkinMotion
 __all__ = ["Score", "ScoreSettings", "SkinScore", "score", "score_skin"]
 
 
+NO_TRAVEL = "travel_mm is not used: too few rows have it in the loading phase, or it does not grow with the force"
+
+
 def score(sequence: FrameSequence, settings: ScoreSettings | None = None) -> Score:
     """Score one press; every frame is decoded once at most, and once more where a lag is taken off unasked.
 
@@ -46,8 +49,15 @@ def score(sequence: FrameSequence, settings: ScoreSettings | None = None) -> Sco
                 forces = shifted(sequence, settings, lag.lag_s)
             scored = _by_force(sequence, forces, settings)
             scored = replace(scored, notes=(note_on_shift(lag), *scored.notes))
-    notes = dict.fromkeys((*sequence.notes, *scored.notes))
-    return replace(scored, notes=tuple(notes), doubts=(*scored.doubts, *doubts_on_score(scored)))
+    notes, mm_per_n = dict.fromkeys((*sequence.notes, *scored.notes)), None
+    if sequence.travel is not None:
+        zero_n = scored.force_zero.level_n if scored.force_zero and scored.force_zero.taken_off else 0.0
+        stop_n = np.inf if settings.force_stop_n is None else settings.force_stop_n
+        mm_per_n = sequence.travel.per_newton(scored.rest_frame, settings.force_start_n, stop_n, zero_n)
+        if np.isnan(mm_per_n):
+            mm_per_n, notes = None, notes | {NO_TRAVEL: None}
+    doubts = (*scored.doubts, *doubts_on_score(scored))
+    return replace(scored, notes=tuple(notes), doubts=doubts, travel_mm_per_n=mm_per_n)
 
 
 def score_skin(

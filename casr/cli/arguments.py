@@ -106,7 +106,8 @@ TYPES: Mapping[str, Any] = {
 PAPER_STOP_N = 7.0
 PATH_HELP = "a folder of images, a TIFF, AVI, MP4 or .npy file, or a press folder (frames, force.csv, camera.toml)"
 FILES = """
---force FILE  force log, CSV: force_n (or force_mn, force_kgf, ...), frame_index; time_s, frame_time_s if known
+--force FILE  force log, CSV: force_n (or force_mn, force_kgf, ...), frame_index; time_s, frame_time_s, travel_mm if
+    known
 --force-column NAME = force_n  column of the log to take (default %(default)s)
 --force-rule {exposure,mean} = exposure  force of a frame: at its exposure, or the mean of the rows that carry its
     index, as the paper has it (default %(default)s)

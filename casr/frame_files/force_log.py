@@ -29,6 +29,7 @@ class ForceLog:
     notes : what was left out, and what the recorder of the press thought of it.
     frame_time_s : (rows,) when that frame was taken, s on the clock of ``time_s``; NaN where it is missing, None when
         the log has no such column.
+    travel_mm : (rows,) how far the indenter has gone, mm from anywhere; NaN where it is missing, None as above.
     """
 
     time_s: NDArray[np.float64] | None
@@ -36,15 +37,16 @@ class ForceLog:
     frame_index: NDArray[np.int64]
     notes: tuple[str, ...] = ()
     frame_time_s: NDArray[np.float64] | None = None
+    travel_mm: NDArray[np.float64] | None = None
 
 
 def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
     """A force log from delimited text with a header line.
 
-    Columns ``force_n`` and ``frame_index`` are needed, ``time_s`` and ``frame_time_s`` are optional, others are not
-    read; their order is free. Comma, semicolon (then a decimal comma is understood) or tab between cells; lines
-    starting with # and empty lines are skipped. A row for each frame is a force log too. An empty cell or ``nan`` is
-    a missing force; a row without frame index is left out.
+    Columns ``force_n`` and ``frame_index`` are needed, ``time_s``, ``frame_time_s`` and ``travel_mm`` are optional,
+    others are not read; their order is free. Comma, semicolon (then a decimal comma is understood) or tab between
+    cells; lines starting with # and empty lines are skipped. A row for each frame is a force log too. An empty cell or
+    ``nan`` is a missing force; a row without frame index is left out.
 
     column : the force column, for logs that hold more than one, such as ``force_filtered_n``. A name that ends in
         another unit (``NEWTONS``), such as ``force_mn``, is converted; where ``force_n`` is asked for and not there,
@@ -67,7 +69,9 @@ def read_growing_log(path: Path, *, column: str = "force_n") -> ForceLog | None:
 def _log_of(table: _Table, column: str) -> ForceLog:
     force_n, unit_notes = _newtons(table, column.lower())
     frame_index = table.numbers("frame_index")
-    time_s, frame_time_s = (table.numbers(name) if name in table.header else None for name in _TIMES)
+    time_s, frame_time_s, travel_mm = (
+        table.numbers(name) if name in table.header else None for name in (*_TIMES, "travel_mm")
+    )
     _check_frame_index(table, frame_index)
     _check_order(table, "frame_index", frame_index)
     for name, values in zip(_TIMES, (time_s, frame_time_s), strict=True):
@@ -88,6 +92,7 @@ def _log_of(table: _Table, column: str) -> ForceLog:
         frame_index[placed].astype(np.int64),
         notes,
         None if frame_time_s is None else frame_time_s[placed],
+        None if travel_mm is None else travel_mm[placed],
     )
 
 

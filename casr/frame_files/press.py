@@ -15,6 +15,7 @@ from casr.frame_files.force_log import ForceLog, read_force_log
 from casr.frames import (
     ForceReadings,
     FrameSequence,
+    TravelReadings,
     check_newtons,
     force_per_frame,
     frame_times_by_rows,
@@ -80,12 +81,12 @@ def open_frames(
     notes = [*frames.notes, *(_ignored(path) if in_folder else [])]
     if in_folder:
         force, camera = force or _beside(path, FORCE_FILE), camera or camera_beside(path)
-    forces = mean_n = readings = None
+    forces = mean_n = readings = travel = None
     if force is not None:
-        forces, mean_n, force_notes, readings = _forces(Path(force), len(frames), column, force_rule)
+        forces, mean_n, force_notes, readings, travel = _forces(Path(force), len(frames), column, force_rule)
         notes += force_notes
     seen_by = read_camera(camera) if camera is not None else None
-    return FrameSequence(frames, seen_by, forces, tuple(notes), readings, mean_n)
+    return FrameSequence(frames, seen_by, forces, tuple(notes), readings, mean_n, travel)
 
 
 def _counted(path: Path, opened: FileFrames) -> CountedFrames:
@@ -126,9 +127,9 @@ def camera_beside(press: Path) -> Path | None:
 
 def _forces(
     path: Path, n_frames: int, column: str, rule: str
-) -> tuple[NDArray[np.float64], NDArray[np.float64], list[str], ForceReadings | None]:
-    """(n_frames,) force of each frame by the rule and by the rule mean, N; notes; and where frames can be shifted by
-    them, the readings."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64], list[str], ForceReadings | None, TravelReadings | None]:
+    """(n_frames,) force of each frame by the rule and by the rule mean, N; notes; where frames can be shifted by
+    them, the readings; and travel where the log has it."""
     log = read_force_log(path, column=column)
     wild = spikes(log.force_n)
     force_n = np.where(wild, np.nan, log.force_n)
@@ -142,7 +143,8 @@ def _forces(
     without = int(np.isnan(forces).sum())
     notes = [*log.notes, *note_on_spikes(wild, log.force_n, f"of {wild.size} rows of the force log")]
     notes += [f"{without} of {n_frames} frames have no force"] if without else []
-    return forces, mean_n, notes, _readings(log, force_n, n_frames) if rule == "exposure" else None
+    travel = None if log.travel_mm is None else TravelReadings(log.travel_mm, force_n, log.frame_index)
+    return forces, mean_n, notes, _readings(log, force_n, n_frames) if rule == "exposure" else None, travel
 
 
 def _readings(log: ForceLog, force_n: NDArray[np.float64], n_frames: int) -> ForceReadings | None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from casr.camera import Camera
 from casr.errors import CameraError, FramesError
-from casr.frames.readings import ForceReadings
+from casr.frames.readings import ForceReadings, TravelReadings
 from casr.images import Grey
 
 
@@ -72,6 +72,7 @@ class FrameSequence:
     readings : the log that ``force_n`` comes from, where it has times; frames and force can be shifted by it.
     mean_force_n : (T,) mean of the log's rows that carry the index of the frame, N, as the paper has it; None without
         a force log.
+    travel : how far the indenter had gone; None where the log does not say.
     CameraError : the camera's image size is not that of the frames. FramesError : not one force for each frame.
     """
 
@@ -81,6 +82,7 @@ class FrameSequence:
     notes: tuple[str, ...] = ()
     readings: ForceReadings | None = None
     mean_force_n: NDArray[np.float64] | None = None
+    travel: TravelReadings | None = None
 
     def __repr__(self) -> str:
         force = "no force" if self.force_n is None else f"force up to {np.nanmax(self.force_n, initial=-np.inf):.3g} N"

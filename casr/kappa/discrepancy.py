@@ -17,6 +17,7 @@ class Discrepancy:
     log_kappa0 : of a sensor's modulus, relative to that of the tables. log_force : of the tables' forces, all alike;
     force_curve : from specimen to specimen. force_mounting : of the force at a radius, from mounting to mounting of a
     specimen; force_scatter : from press to press.
+    travel_curve, travel_mounting, travel_scatter : of 3/2 ln of travel per newton, in the same ways.
     freedom : degrees of freedom that these were found with.
     """
 
@@ -31,6 +32,9 @@ class Discrepancy:
     force_curve: float = 0.02
     force_mounting: float = 0.03
     force_scatter: float = 0.03
+    travel_curve: float = 0.02
+    travel_mounting: float = 0.04
+    travel_scatter: float = 0.01
     freedom: float = 10.0
 
     def scaled(self, factor: float) -> Discrepancy:

@@ -16,13 +16,15 @@ from casr.kappa.labels import DEPTH_SD_OF_MOUNTING, Labels, labelled
 Array = NDArray[np.float64]
 
 CUES = ("pins", "force")
+TRAVEL = "travel"
+"A cue that some presses have."
 _EXACT = 1e10
 "Precision of a label that is exact."
 
 
 @dataclass(frozen=True)
 class ToldPress:
-    """specimen, mounting, stiffness_n_per_mm, stiffness_sd : as of ``KappaPress``. force_variance : of ln kappa0 by the
+    """specimen, mounting, stiffness_n_per_mm, stiffness_sd, travel_mm_per_n : as of ``KappaPress``. force_variance : of ln kappa0 by the
     force of this press; None where it has none."""
 
     specimen: str
@@ -30,6 +32,7 @@ class ToldPress:
     stiffness_n_per_mm: float | None
     stiffness_sd: float
     force_variance: float | None
+    travel_mm_per_n: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +54,7 @@ class KnownSensor:
     misfit: float
 
     @classmethod
-    def of(cls, labels: Labels, cues: Sequence[str] = CUES, *, white: bool = False) -> KnownSensor:
+    def of(cls, labels: Labels, cues: Sequence[str] = (*CUES, TRAVEL), *, white: bool = False) -> KnownSensor:
         """cues : which are used. white : as if white noise were all that is left over."""
         covariance = np.linalg.inv(labels.white_precision if white else labels.precision)
         if "pins" not in cues:
@@ -63,7 +66,7 @@ class KnownSensor:
         presses = [
             ToldPress(
                 press.specimen, press.mounting, press.stiffness_n_per_mm, press.stiffness_sd,
-                forces[k].variance if k in forces else None,
+                forces[k].variance if k in forces else None, press.travel_mm_per_n if TRAVEL in cues else None,
             ) for k, press in enumerate(field.press for field in labels.fields)
         ]  # fmt: skip
         return cls(
@@ -82,6 +85,11 @@ class KnownSensor:
     def with_force(self) -> NDArray[np.intp]:
         """(F,) presses that have forces; theirs are the last parameters, in this order."""
         return np.flatnonzero([press.force_variance is not None for press in self.presses])
+
+    @property
+    def with_travel(self) -> NDArray[np.intp]:
+        """Presses whose travel is known."""
+        return np.flatnonzero([press.travel_mm_per_n is not None for press in self.presses])
 
     @property
     def discrepancy(self) -> Discrepancy:

@@ -7,9 +7,11 @@ linearised where the estimate is. The statements are
 
     z by the pins            = kappa0 / (kappa0 + kappa) + line in z + curve + mounting of the specimen + scatter
     ln force / reduced force = ln kappa0 + curve + mounting of the specimen + scatter
-    ln kappa of a known specimen, with its standard error.
+    ln kappa of a known specimen, with its standard error
+    3/2 ln travel per newton = level of it + ln(1/k_t + 1/kappa) + curve + mounting of the specimen + scatter,
 
-How far they contradict each other widens all intervals.
+the last where presses have it: dome and specimen in series after Hertz, the level free, k_t drawn to kappa0. How far
+the statements contradict each other widens all intervals.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.kappa.discrepancy import EXACT, Discrepancy
-from casr.kappa.known import CUES, KnownSensor
+from casr.kappa.known import CUES, TRAVEL, KnownSensor
 from casr.kappa.labels import Labels
 from casr.spread.intervals import CONFIDENCE, student_quantile
 
@@ -33,6 +35,8 @@ KNOWN_SD = 0.002
 _USUAL_KAPPA, _MIDDLE_Z = 4.0, 0.4
 RIGID = 1e5
 "N/mm, of a specimen that is called rigid."
+LOG_KT, LOG_KT_SD = 0.5, 0.3
+"""ln k_t - ln kappa0: .35 to .75 on the domes that come with casr, 0.5 to 4.5 N, as the tables' depth has it."""
 _ROUNDS, _FOUND = 12, 1e-5
 
 
@@ -69,7 +73,7 @@ DETERMINED = 0.25
 
 class Posterior:
     """Of all specimens. left_out : whose stiffness is taken as unknown. mean, covariance : of the n_label parameters of
-    the sensor, ln kappa0, level, slope and ln kappa of each specimen."""
+    the sensor, ln kappa0, level, slope, ln kappa of each specimen, and where there is travel its level and ln k_t."""
 
     def __init__(self, sensor: KnownSensor, discrepancy: Discrepancy, left_out: str | None = None) -> None:
         self._sensor, self._d, presses = sensor, discrepancy, sensor.presses
@@ -84,18 +88,26 @@ class Posterior:
             if press.stiffness_n_per_mm and name != left_out
         }  # fmt: skip
         self._known_sd = {name: max(press.stiffness_sd, KNOWN_SD) for name, press in known.items()}
-        self.n_label, self._force_variance = sensor.mean.size, 1.0
+        self._travelled = sensor.with_travel
+        self._log_travel = 1.5 * np.log([presses[k].travel_mm_per_n or np.nan for k in self._travelled])
+        self.n_label, self._variance = sensor.mean.size, {"force": 1.0, TRAVEL: 1.0}
         self._solve()
-        if count := sensor.with_force.size:
-            # forces that contradict each other by more than is usual count less, and do not widen what the pins say
-            of_forces = (self._force_chi2(count) + discrepancy.freedom) / (count + discrepancy.freedom)
-            self._force_variance = max(of_forces, 1.0)
+        said = {cue: part for cue, part in self._parts(self.mean).items() if cue in self._variance}
+        for cue, (left, _, weight) in said.items():
+            # what contradicts itself by more than is usual counts less, and does not widen what the pins say
+            chi2 = float(left @ weight @ left)
+            self._variance[cue] = max((chi2 + discrepancy.freedom) / (left.size + discrepancy.freedom), 1.0)
+        if said:
             self._solve()
 
     def _solve(self) -> None:
         n, d, sensor = self.n_label, self._d, self._sensor
         at = np.concatenate([sensor.mean, [sensor.log_kappa0, 0.0, 0.0],
                              [np.log(self.known.get(name, _USUAL_KAPPA)) for name in self.specimens]])  # fmt: skip
+        if self._travelled.size:
+            log_kt = at[n] + LOG_KT
+            series = np.logaddexp(-log_kt, -at[n + 3 + self._of[self._travelled]])
+            at = np.append(at, [float((self._log_travel - series).mean()), log_kt])
         for _ in range(_ROUNDS):
             residual, by, weight = self._statements(at)
             precision = by.T @ weight @ by
@@ -109,23 +121,27 @@ class Posterior:
         residual, self._by, self._weight = self._statements(at)
         away = sensor.mean - at[:n]
         self.chi2 = float(residual @ self._weight @ residual + away @ sensor.precision @ away)
-        self.freedom = residual.size - 3 - len(self.specimens)
+        self.freedom = residual.size - (at.size - n)
         self.mean, self.covariance = at, np.linalg.inv(precision)
         freedom = max(self.freedom, 0) + d.freedom
         self.widened = float(np.sqrt(max((self.chi2 + d.freedom) / freedom, 1.0)))
         self.reach = student_quantile(CONFIDENCE, freedom)
 
-    def _force_chi2(self, count: int) -> float:
-        """How far the forces are from what the whole says of them."""
-        residual, _, weight = self._statements(self.mean)
-        return float(residual[-count:] @ weight[-count:, -count:] @ residual[-count:])
-
     def _statements(self, at: Array) -> tuple[Array, Array, Array]:
         """(M,) residuals of all statements but the labels, (M, P) derivatives, (M, M) weights."""
+        parts = list(self._parts(at).values())
+        sizes = np.cumsum([0, *[len(left) for left, _, _ in parts]])
+        weight = np.zeros((sizes[-1], sizes[-1]))
+        for first, last, (_, _, own) in zip(sizes[:-1], sizes[1:], parts, strict=True):
+            weight[first:last, first:last] = own
+        return np.concatenate([left for left, _, _ in parts]), np.vstack([by for _, by, _ in parts]), weight
+
+    def _parts(self, at: Array) -> dict[str, tuple[Array, Array, Array]]:
+        """The statements by pins, of what is known, and by each other cue."""
         n, d, sensor, presses = self.n_label, self._d, self._sensor, self._sensor.presses
         size, n_press, z_at = at.size, len(self._of), sensor.z_at
         log_kappa0, level, slope = at[n : n + 3]
-        log_kappa = at[n + 3 :]
+        log_kappa = at[n + 3 : n + 3 + len(self.specimens)]
         true_z = 1 / (1 + np.exp(log_kappa[self._of] - log_kappa0))
         soft = true_z * (1 - true_z)
         rows, of = np.arange(n_press), n + 3 + self._of
@@ -147,10 +163,11 @@ class Posterior:
             for k, name in enumerate(self.specimens)
         ]
         by_prior = np.eye(size)[[row for row, _, _ in prior]]
-        parts = [
-            (z_left, by_z, np.linalg.inv(z_covariance)),
-            (np.array([mean - at[row] for row, mean, _ in prior]), by_prior, np.diag([sd**-2.0 for _, _, sd in prior])),
-        ]
+        prior_left = np.array([mean - at[row] for row, mean, _ in prior])
+        parts = {
+            "pins": (z_left, by_z, np.linalg.inv(z_covariance)),
+            "known": (prior_left, by_prior, np.diag([sd**-2.0 for _, _, sd in prior])),
+        }
         if (forces := sensor.with_force).size:
             first = n - forces.size
             by_force = np.zeros((forces.size, size))
@@ -160,12 +177,22 @@ class Posterior:
             covariance = np.diag([presses[k].force_variance + d.force_scatter**2 for k in forces])
             covariance += d.log_force**2 + d.force_curve**2 * alike[among]
             covariance += d.force_mounting**2 * self._same[among]
-            parts.append((left, by_force, np.linalg.inv(self._force_variance * covariance)))
-        sizes = np.cumsum([0, *[len(left) for left, _, _ in parts]])
-        weight = np.zeros((sizes[-1], sizes[-1]))
-        for first, last, (_, _, own) in zip(sizes[:-1], sizes[1:], parts, strict=True):
-            weight[first:last, first:last] = own
-        return np.concatenate([left for left, _, _ in parts]), np.vstack([by for _, by, _ in parts]), weight
+            parts["force"] = left, by_force, np.linalg.inv(self._variance["force"] * covariance)
+        if (travelled := self._travelled).size:
+            travel_level, log_kt = at[-2:]
+            log_soft = -log_kappa[self._of[travelled]]
+            series = np.logaddexp(-log_kt, log_soft)
+            by_travel, by_kt = np.zeros((travelled.size, size)), np.zeros((1, size))
+            by_travel[np.arange(travelled.size), of[travelled]] = -np.exp(log_soft - series)
+            by_travel[:, -2], by_travel[:, -1] = 1, -np.exp(-log_kt - series)
+            by_kt[0, [n, -1]] = -1, 1
+            among = np.ix_(travelled, travelled)
+            covariance = d.travel_curve**2 * alike[among] + d.travel_scatter**2 * np.eye(travelled.size)
+            covariance += d.travel_mounting**2 * self._same[among]
+            left, weight = self._log_travel - travel_level - series, np.linalg.inv(self._variance[TRAVEL] * covariance)
+            parts["k_t"] = np.array([log_kappa0 + LOG_KT - log_kt]), by_kt, np.array([[LOG_KT_SD**-2]])
+            parts[TRAVEL] = left, by_travel, weight
+        return parts
 
     def log_kappa(self, specimen: str) -> tuple[float, float]:
         """ln kappa and its standard error, not widened."""
@@ -230,7 +257,8 @@ def kappas(labels: Labels, discrepancy: Discrepancy | None = None) -> dict[str, 
     d = discrepancy or Discrepancy()
     sensor, white = KnownSensor.of(labels), KnownSensor.of(labels, ("pins",), white=True)
     whole, bound = Posterior(sensor, d), Posterior(white, EXACT)
-    alone = {cue: Posterior(KnownSensor.of(labels, (cue,)), d) for cue in CUES}
+    cues = (*CUES, *[TRAVEL] * bool(sensor.with_travel.size))
+    alone = {cue: Posterior(KnownSensor.of(labels, (cue,)), d) for cue in cues}
     found = {}
     for name in whole.specimens:
         posteriors, of_bound = {"": whole, **alone}, bound

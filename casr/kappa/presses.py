@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 FEWEST_FRAMES, MOST_SEEN = 5, 0.9
 FEWEST_PINS = 30
 "Seen in every frame that is taken."
+MOST_MM_PER_N = 50.0
 FORCE_ZERO_SD_N, LEAST_FORCE_ZERO_SD_N = 0.02, 0.005
 
 
@@ -28,6 +29,7 @@ class KappaPress:
     specimen : name; presses of one specimen have one stiffness. mounting : name; what was mounted once.
     stiffness_n_per_mm : known kappa of the specimen, inf of a rigid plate, or None; stiffness_sd : its relative
         standard error.
+    travel_mm_per_n : mean travel of the indenter for each newton, over the same forces in all presses, or None.
     rest_frames : that ``rest_px`` is the mean of. force_zero_sd_n : standard error of the force's zero, N.
     """
 
@@ -40,6 +42,7 @@ class KappaPress:
     stiffness_sd: float = 0.0
     rest_frames: int = 1
     force_zero_sd_n: float = FORCE_ZERO_SD_N
+    travel_mm_per_n: float | None = None
     name: str = ""
 
     def __post_init__(self) -> None:
@@ -68,6 +71,13 @@ class KappaPress:
                 do="Measure it with a plate or a punch.",
             )  # fmt: skip
 
+        travel = self.travel_mm_per_n
+        if travel is not None and not 0 < travel < MOST_MM_PER_N:
+            raise SettingError(
+                f"{where}, travel_mm", wanted=f"travel in mm, of more than 0 and less than {MOST_MM_PER_N:g} mm/N",
+                found=f"{travel:.3g} mm/N", do="Give the travel of the indenter in mm, growing towards the sensor.",
+            )  # fmt: skip
+
     @classmethod
     def of_score(cls, score: Score, **stated: Any) -> KappaPress:
         """The loaded frames of a scored press. stated : specimen, mounting, stiffness and the like."""
@@ -75,7 +85,7 @@ class KappaPress:
         zero_sd_n = FORCE_ZERO_SD_N if zero is None else max(zero.sd_n, LEAST_FORCE_ZERO_SD_N)
         return cls(
             rest_px=score.rest.centroids_px, pins_px=score.pins_px, force_n=score.force_n, force_zero_sd_n=zero_sd_n,
-            **stated,
+            travel_mm_per_n=score.travel_mm_per_n, **stated,
         )  # fmt: skip
 
     def seen(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -52,8 +52,11 @@ def presses_of(run: RunScores, known: float | None, sd: float) -> list[KappaPres
             rest_px=pins.rest_px, pins_px=np.asarray(pins.pins_px, np.float64), force_n=pins.force_n,
             force_zero_sd_n=pins.force_zero_sd_n, specimen=run.specimen, mounting=f"{run.specimen} {mounting}",
             stiffness_n_per_mm=known, stiffness_sd=sd, name=f"{run.name}, press {repetition}",
+            travel_mm_per_n=1 / slope if slope > 0 else None,
         )
-        for pins, mounting, repetition in zip(run.pins, run.mounting.tolist(), run.repetitions.tolist(), strict=True)
+        for pins, mounting, repetition, slope in zip(
+            run.pins, run.mounting.tolist(), run.repetitions.tolist(), run.indent_n_per_mm.tolist(), strict=True
+        )
         if pins is not None
     ]  # fmt: skip
     if not found:

@@ -8,14 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from casr.errors import CasrError
-from casr.frames import FrameSequence
+from casr.frames import FrameSequence, travel_per_newton
 from casr.scored import SkinScore
 from emg2vsa.arrays import Floats
 from emg2vsa.run_scores.measured import NO_DOMES, Domes, Measured, Numbers
 from emg2vsa.run_scores.product import ALGORITHMS, PICTURED_N, ContactPicture, PressCurve, PressPins
 from emg2vsa.settings import RunSettings
-
-_LEAST_ROWS = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +96,8 @@ def score_press(press: Press, settings: RunSettings, domes: Domes = NO_DOMES) ->
         start_area={name: found.start_area for name, found in by.items()},
         casr={name: found.casr for name, found in by.items()},
         area_unit=skin.area_unit,
-        indent_n_per_mm=indentation_slope(
+        indent_n_per_mm=1
+        / travel_per_newton(
             press.force_n[press.n_before :] - zero_n, press.depth_mm[press.n_before :], settings.force_n[0]
         ),
         curve=curve,
@@ -123,21 +122,3 @@ def _picture(frames: FrameSequence, skin: SkinScore, own: Numbers) -> ContactPic
         outline_px=np.asarray(own.outlines_px[i], dtype=np.float64),
         area_mm2=float(own.area[i]),
     )
-
-
-def indentation_slope(force_n: Floats, depth_mm: Floats, from_n: float) -> float:
-    """Slope of force over travel of the probe, N/mm, from ``from_n`` on; force_n, depth_mm : (K,).
-
-    Travel is regressed on force, and the slope inverted: the error is in the encoder's coarse steps (0.09 degrees), and
-    what enters is the mean compliance of sensor and specimen in series over the same forces for every press. NaN where
-    the loading phase is too short or the probe does not go in.
-    """
-    known = np.isfinite(force_n) & np.isfinite(depth_mm)
-    force, depth = force_n[known], depth_mm[known]
-    first = int(np.argmax(force >= from_n)) if np.any(force >= from_n) else force.size
-    force, depth = force[first:], depth[first:]
-    if force.size < _LEAST_ROWS or np.ptp(force) == 0:
-        return np.nan
-    centred = force - force.mean()
-    mm_per_n = float(centred @ depth / (centred @ centred))
-    return 1 / mm_per_n if mm_per_n > 0 else np.nan

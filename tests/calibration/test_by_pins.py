@@ -53,9 +53,12 @@ def test_it_is_what_casr_tells_of_the_same_presses(runs: list[RunScores]) -> Non
     presses = [
         replace(
             each, specimen=name, mounting=name, stiffness_n_per_mm=None if name == "S_new" else kappa,
-            rest_frames=1, pins_px=each.pins_px.astype(np.float32).astype(np.float64),
+            rest_frames=1, pins_px=each.pins_px.astype(np.float32).astype(np.float64), travel_mm_per_n=float(mm_per_n),
         )
-        for name, kappa in KAPPA.items() for each in PRESSES if each.specimen == f"{kappa:g}"
+        for run, (name, kappa) in zip(runs, KAPPA.items(), strict=True)
+        for each, mm_per_n in zip(
+            [each for each in PRESSES if each.specimen == f"{kappa:g}"], 1 / run.indent_n_per_mm, strict=False
+        )
     ]  # fmt: skip
     peer = estimate_kappa(presses, CAMERA, library=shipped()).kappas
     assert (pins.kappa, pins.low, pins.high) == pytest.approx(
@@ -64,6 +67,7 @@ def test_it_is_what_casr_tells_of_the_same_presses(runs: list[RunScores]) -> Non
     assert pins.low < 5.32 < pins.high
     assert pins.error == pytest.approx(pins.kappa / 5.32 - 1)
     assert pins.left_out.tolist() == pytest.approx([peer[name].value for name in condition.specimens], rel=1e-9)
+    assert set(pins.by_cue) >= {"pins", "travel"}
     assert condition.headline("front") is condition.pins
 
 

@@ -25,7 +25,7 @@ from casr.specimens import SPECIMENS
 from casr.spread import fit_power_laws
 from emg2vsa.run_scores import ALGORITHMS, PICTURED_N, RunScores
 from emg2vsa.run_scores.measured import NO_DOMES, Domes, notes_on_height
-from emg2vsa.run_scores.press import Press, indentation_slope
+from emg2vsa.run_scores.press import Press
 from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import RunSettings
 from emg2vsa.worlds.tactile import PressSettings, SimulatedFrames, SimulatedPress, TimelineSettings, simulate_press
@@ -200,23 +200,6 @@ def test_the_most_frequent_reason_counts_alike_what_differs_by_press_and_number(
 def test_a_run_without_a_scored_press_has_the_unit_of_its_camera():
     assert scored(replace(press(None, 1, "cut off"), area_unit="px2")).area_unit == "px2"
     assert scored(press(None, 1, "cut off")).area_unit == "mm2"
-
-
-STEP_MM = 360 / 4096 * 0.2  # of the encoder through the gear
-
-
-def test_slope_of_a_linear_press_in_spite_of_the_encoders_steps():
-    depth = np.arange(0, 3, 0.025)
-    force = 2.5 * depth
-    slope = indentation_slope(force, np.round((4 + depth) / STEP_MM) * STEP_MM, from_n=0.5)
-    assert slope == pytest.approx(2.5, rel=5e-3)
-
-
-def test_without_a_log_or_a_way_in_there_is_no_slope():
-    assert np.isnan(indentation_slope(np.empty(0), np.empty(0), 0.5))
-    force = np.linspace(0, 7, 50)
-    assert np.isnan(indentation_slope(force, np.full(50, 2.0), 0.5))
-    assert np.isnan(indentation_slope(np.full(50, 0.1), np.linspace(0, 1, 50), 0.5))
 
 
 QUICK = TimelineSettings(loading_s=1.0)

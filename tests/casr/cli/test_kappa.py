@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -41,6 +42,26 @@ def test_its_page_shows_each_specimen_and_says_what_the_console_says(
     assert f">{cells[5]}<" in text  # whether determined
     assert "pins alone" in text
     assert "1 specimen of known stiffness" in text
+
+
+def test_travel_in_the_force_log_is_a_cue(presses: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The indenter goes in as into springs in series; of one press backwards."""
+    folder = tmp_path / "presses"
+    shutil.copytree(presses, folder)
+    for press, mm_per_n in (("S1_00deg_01", 0.25), ("S1_00deg_02", 0.25), ("S5_00deg_01", 0.6), ("S5_00deg_02", -0.6)):
+        head, *rows = (folder / press / "force.csv").read_text(encoding="utf-8").split()
+        travels = [f"{row},{50 + mm_per_n * float(row.split(',')[1]):.4f}" for row in rows]
+        (folder / press / "force.csv").write_text("\n".join([f"{head},travel_mm", *travels]), encoding="utf-8")
+    known = "S1_00deg_01,S1,7.63\nS1_00deg_02,S1,7.63\n"
+    table = _table(tmp_path, f"{HEAD}{known}S5_00deg_01,S5,\nS5_00deg_02,S5,\n")
+    assert main(["kappa", str(folder), "--specimens", table, "--json"]) == 0
+    assert set(json.loads(capsys.readouterr().out)["specimens"]["S5"]["by_cue"]) >= {"pins", "travel"}
+    assert main(["score", str(folder / "S5_00deg_02"), "--json"]) == 0
+    told = capsys.readouterr()
+    assert json.loads(told.out)["travel_mm_per_n"] is None
+    assert "travel_mm is not used" in told.err
+    assert main(["score", str(folder / "S5_00deg_01"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["travel_mm_per_n"] == pytest.approx(0.6, rel=0.02)
 
 
 def test_a_page_among_the_presses_is_refused(presses: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -47,6 +47,14 @@ def test_one_row_for_each_frame_without_time(tmp_path):
     np.testing.assert_array_equal(log.force_n, [0.1, 0.5])
 
 
+def test_travel_is_optional_and_may_be_missing_in_a_row(tmp_path):
+    assert log_of(tmp_path, PLAIN).travel_mm is None
+    text = "force_n,travel_mm,frame_index\n0.1,3.5,0\n0.2,,1\n0.3,3.7,2\n"
+    np.testing.assert_array_equal(log_of(tmp_path, text).travel_mm, [3.5, np.nan, 3.7])
+    with pytest.raises(FramesError, match=r"line 3.*a number in travel_mm.*'deep'"):
+        log_of(tmp_path, text.replace("0.2,", "0.2,deep"))
+
+
 def test_times_of_frames_are_optional_and_may_begin_late(tmp_path):
     assert log_of(tmp_path, PLAIN).frame_time_s is None
     text = "time_s,force_n,frame_index,frame_time_s\n0,0.1,-1,\n0.01,0.2,0,0.004\n0.02,0.3,0,0.004\n"

@@ -78,6 +78,32 @@ def test_without_a_known_specimen_kappa_is_wide_but_holds(presses: list[KappaPre
     assert any("0 specimen" in note for note in result.notes)
 
 
+def _with_travel(presses: list[KappaPress], factor: float = 1.0) -> list[KappaPress]:
+    """Of a dome of k_t 2 N/mm in series with the specimens; factor : of specimen 3.35."""
+    series = {each.specimen: (1 / 2.0 + 1 / float(each.specimen)) ** (2 / 3) for each in presses}
+    series["3.35"] *= factor
+    return [replace(each, travel_mm_per_n=0.6 * series[each.specimen]) for each in presses]
+
+
+def test_travel_is_a_cue_that_narrows_the_interval(presses: list[KappaPress], found: SensorKappa) -> None:
+    travelled = [replace(each, mounting=f"{each.mounting}-{k % 2}") for k, each in enumerate(_with_travel(presses))]
+    without = [replace(each, travel_mm_per_n=None) for each in travelled]
+    joint, usual = (
+        estimate_kappa(each, CAMERA, library=library_without("H")).kappas["5.32"] for each in (travelled, without)
+    )
+    value, sd = joint.by_cue["travel"]
+    assert value == pytest.approx(5.32, rel=0.06)
+    assert 0.03 < sd < 0.3
+    assert joint.expected < usual.expected
+    assert "travel" not in found.kappas["5.32"].by_cue
+
+
+def test_travel_that_contradicts_the_specimens_counts_less(presses: list[KappaPress], found: SensorKappa) -> None:
+    wrong = estimate_kappa(_with_travel(presses, 1.5), CAMERA, library=library_without("H")).kappas["5.32"]
+    assert wrong.value == pytest.approx(found.kappas["5.32"].value, rel=0.05)
+    assert wrong.low < 5.32 < wrong.high
+
+
 def test_mountings_of_the_specimen_narrow_what_scatters_between_them(presses: list[KappaPress]) -> None:
     apart = [replace(each, mounting=f"{each.mounting}-{k % 2}") for k, each in enumerate(presses)]
     together, two = (
@@ -149,6 +175,8 @@ def test_errors_that_camera_toml_states_take_the_place_of_the_usual_ones(presses
         ({"force_n": np.full(40, np.nan)}, FramesError, "force_n"),
         ({"stiffness_n_per_mm": -1.0}, SettingError, "stiffness_n_per_mm"),
         ({"stiffness_n_per_mm": float("nan")}, SettingError, "stiffness_n_per_mm"),
+        ({"travel_mm_per_n": 300.0}, SettingError, "travel_mm.*less than 50 mm/N"),
+        ({"travel_mm_per_n": float("nan")}, SettingError, "travel_mm"),
     ],
 )  # fmt: skip
 def test_a_bad_press_is_refused(
