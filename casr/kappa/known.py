@@ -24,8 +24,8 @@ _EXACT = 1e10
 
 @dataclass(frozen=True)
 class ToldPress:
-    """specimen, mounting, stiffness_n_per_mm, stiffness_sd, travel_mm_per_n : as of ``KappaPress``. force_variance : of ln kappa0 by the
-    force of this press; None where it has none."""
+    """specimen, mounting, stiffness_n_per_mm, stiffness_sd, travel_mm_per_n : as of ``KappaPress``. force_variance : of
+    ln kappa0 by the force of this press; None where it has none."""
 
     specimen: str
     mounting: str

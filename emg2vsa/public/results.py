@@ -214,7 +214,7 @@ def _laws(condition: ConditionResult) -> Iterator[dict[str, Any]]:
     shared = {"angle_deg": condition.angle_deg, "condition": condition.condition, "simulated": condition.simulated}
     if (pins := condition.pins) is not None:
         yield shared | {
-            "cue": "pins and force", "by": "pins", "kappa_n_per_mm": pins.kappa, "kappa_lo_n_per_mm": pins.low,
+            "cue": ", ".join(pins.by_cue), "by": "pins", "kappa_n_per_mm": pins.kappa, "kappa_lo_n_per_mm": pins.low,
             "kappa_hi_n_per_mm": pins.high, "determined": pins.determined, "relative_error": pins.error,
             "notes": "; ".join(pins.notes),
         }  # fmt: skip
