@@ -11,7 +11,7 @@ linearised where the estimate is. The statements are
     3/2 ln travel per newton = level of it + ln(1/k_t + 1/kappa) + curve + mounting of the specimen + scatter,
 
 the last where presses have it: dome and specimen in series after Hertz, the level free, k_t drawn to kappa0. How far
-the statements contradict each other widens all intervals.
+the others contradict each other widens all intervals.
 """
 
 from __future__ import annotations
@@ -120,8 +120,11 @@ class Posterior:
                 break
         residual, self._by, self._weight = self._statements(at)
         away = sensor.mean - at[:n]
-        self.chi2 = float(residual @ self._weight @ residual + away @ sensor.precision @ away)
-        self.freedom = residual.size - (at.size - n)
+        told = slice(residual.size - (self._travelled.size + 1 if self._travelled.size else 0))
+        # travel that is as it should be says nothing of how well the tables are of this sensor
+        left = residual[told]
+        self.chi2 = float(left @ self._weight[told, told] @ left + away @ sensor.precision @ away)
+        self.freedom = left.size - 3 - len(self.specimens)
         self.mean, self.covariance = at, np.linalg.inv(precision)
         freedom = max(self.freedom, 0) + d.freedom
         self.widened = float(np.sqrt(max((self.chi2 + d.freedom) / freedom, 1.0)))
