@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from math import isfinite, nan
 from typing import Any
 
@@ -85,6 +85,10 @@ class Camera:
         values = {name: value for name, value in every.items() if value is not None}
         sensor = self.sensor.known()
         return _table("camera", values) + (f"\n{_table('sensor', sensor)}" if sensor else "")
+
+    def sees_like(self, other: Camera | None) -> bool:
+        """Whether places in its frames mean the same: all but the rate of the frames."""
+        return other is not None and replace(self, frame_rate_hz=other.frame_rate_hz) == other
 
     @property
     def matrix(self) -> NDArray[np.float64]:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from casr.camera import Camera
     from casr.dome.library import Library
     from casr.kappa.estimate import SensorKappa
+    from casr.kappa.posterior import Kappa
     from casr.kappa.presses import KappaPress
 
 COLUMNS = ("press", "specimen", "stiffness_n_per_mm", "stiffness_sd_percent", "mounting")
@@ -28,9 +29,14 @@ SUMMARY = "Stiffness kappa of specimens, N/mm, from presses of one sensor on kno
 EPILOG = """
 All presses are held against one dome, between those of the tables; the known specimens tell how this sensor differs
 from it. Two known specimens or more, softer and stiffer than the unknown one, are best. The line of a known specimen is
-what the others say of it. bound: the standard error that noise of the pins alone would leave. Needs camera.toml. Exit
-status 1: a press could not be used. Example: casr kappa presses --specimens specimens.csv
+what the others say of it. bound: the standard error that noise of the pins and errors of the known stiffnesses alone
+would leave. Needs camera.toml. Exit status 1: a press could not be used.
+Example: casr kappa presses --specimens specimens.csv
 """
+
+
+STIFFNESSES, SDS_PERCENT = (0.01, 1e4), (0.0, 50.0)
+"What may stand in the table."
 
 
 def add_to(commands: Commands) -> None:
@@ -67,6 +73,11 @@ def asked(arguments: argparse.Namespace) -> tuple[list[KappaPress], dict[str, st
     from casr.scoring import score
 
     root = arguments.path
+    if not root.is_dir():
+        raise SettingError(
+            str(root), wanted="a folder of presses", found="a file" if root.exists() else "nothing",
+            do="Name the folder that holds the folders of presses.",
+        )  # fmt: skip
     presses, table = named_presses(root, find_presses(root)), arguments.specimens or root / "specimens.csv"
     stated = _specimens(table, presses)
     settings, open_press = shared.score_settings(arguments), partial(shared.open_sequence, arguments)
@@ -79,12 +90,18 @@ def asked(arguments: argparse.Namespace) -> tuple[list[KappaPress], dict[str, st
             cameras[name] = sequence.camera
         except CasrError as error:
             unused[name] = str(error)
-    camera = next(iter(cameras.values()), None)
-    if camera is None or any(each != camera for each in cameras.values()):
-        found = "none" if camera is None else "several that differ"
-        why = f" ({'; '.join(unused.values())})" if unused else ""
+    if not used:
+        name, why = next(iter(unused.items()))
         raise SettingError(
-            "camera.toml", wanted="one camera of all presses", found=found + why,
+            str(root), wanted="a press that can be used", found=f"none of {len(unused)}; {name}: {why}",
+            do="See to this first.",
+        )  # fmt: skip
+    camera = cameras[used[0].name]
+    other = next((name for name, each in cameras.items() if each is None or not each.sees_like(camera)), "")
+    if camera is None or other:
+        raise SettingError(
+            f"{other or used[0].name}, camera.toml", wanted=f"the camera of all presses, as of {used[0].name}",
+            found="none" if cameras[other or used[0].name] is None else "another one",
             do="Put one camera.toml into the folder of the presses (casr calibrate makes it).",
         )  # fmt: skip
     height_mm = height_in_tables(camera, arguments.domes, arguments.specimen_height_mm)
@@ -100,7 +117,10 @@ def _specimens(path: Path, presses: dict[str, Path]) -> dict[str, dict[str, Any]
             lines = list(rows)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise SettingError(
-            str(path), wanted=f"a table of {', '.join(COLUMNS[:3])}", found=str(error), do="Give --specimens FILE."
+            str(path),
+            wanted=f"a table of {', '.join(COLUMNS[:3])}",
+            found=getattr(error, "strerror", None) or str(error),
+            do="Give --specimens FILE.",
         ) from error
     if missing := [name for name in COLUMNS[:3] if name not in heads]:
         raise SettingError(
@@ -114,8 +134,13 @@ def _specimens(path: Path, presses: dict[str, Path]) -> dict[str, dict[str, Any]
                 f"{where}, press", wanted=f"one of {', '.join(presses)}, each once", found=repr(name),
                 do="Name presses by their folders, with dashes between folder and folder.",
             )  # fmt: skip
-        known = _number(row["stiffness_n_per_mm"], f"{where}, stiffness_n_per_mm")
-        error_percent = _number(row.get("stiffness_sd_percent"), f"{where}, stiffness_sd_percent")
+        if None in row:
+            raise SettingError(
+                where, wanted=f"{len(heads)} columns, as the first line names", found="more of them",
+                do="Write decimal points, not commas.",
+            )  # fmt: skip
+        known = _number(row["stiffness_n_per_mm"], f"{where}, stiffness_n_per_mm", STIFFNESSES, rigid=True)
+        error_percent = _number(row.get("stiffness_sd_percent"), f"{where}, stiffness_sd_percent", SDS_PERCENT)
         stated[name] = {
             "specimen": (row["specimen"] or "").strip() or name, "stiffness_n_per_mm": known,
             "stiffness_sd": (error_percent or 0.0) / 100, "mounting": (row.get("mounting") or "").strip(),
@@ -125,19 +150,18 @@ def _specimens(path: Path, presses: dict[str, Path]) -> dict[str, dict[str, Any]
     return stated
 
 
-def _number(text: str | None, where: str) -> float | None:
+def _number(text: str | None, where: str, within: tuple[float, float], *, rigid: bool = False) -> float | None:
     if text is None or not text.strip():
         return None
-    if text.strip() == "rigid":
+    if rigid and text.strip() == "rigid":
         return float("inf")
     try:
         number = float(text)
     except ValueError:
         number = float("nan")
-    if not 0 < number < float("inf"):
-        raise SettingError(
-            where, wanted="a number above 0, rigid, or nothing", found=repr(text), do="Correct the table."
-        )
+    if not within[0] <= number <= within[1]:
+        wanted = f"a number from {within[0]:g} to {within[1]:g}{', rigid,' if rigid else ''} or nothing"
+        raise SettingError(where, wanted=wanted, found=repr(text), do="Correct the table.")
     return number
 
 
@@ -149,10 +173,16 @@ def _lines(found: SensorKappa, unused: dict[str, str]) -> list[str]:
         known = "-" if each.known is None else f"{each.known:.3g}"
         lines.append(
             f"{name:<{width}}  {each.value:>10.3g}  {f'[{each.low:.3g}, {each.high:.3g}]':<18}  {known:>6}  "
-            f"{'yes' if each.determined else 'no':>10}  {100 * each.bound_sd:>7.1f}  {each.efficiency:>10.2f}  {cues}"
+            f"{'yes' if each.determined else 'no':>10}  {100 * each.bound_sd:>7.1f}  {_efficiency(each):>10}  {cues}"
         )
+    if not found.kappas:
+        lines.append("note: nothing is asked: each specimen is known, and of two no other tells one")
     lines += [f"not used: {name}: {reason}" for name, reason in unused.items()]
     return lines + [f"note: {each}" for each in found.notes]
+
+
+def _efficiency(kappa: Kappa) -> str:
+    return "-" if kappa.efficiency != kappa.efficiency else f"{kappa.efficiency:.2f}"
 
 
 def _plain(found: SensorKappa) -> dict[str, Any]:
@@ -160,7 +190,9 @@ def _plain(found: SensorKappa) -> dict[str, Any]:
         name: {
             "kappa_n_per_mm": each.value, "low": each.low, "high": each.high, "known_n_per_mm": each.known,
             "expected_half_width": each.expected, "determined": each.determined, "bound_sd": each.bound_sd,
-            "efficiency": each.efficiency, "stick": each.stick, "presses": each.n_presses,
+            "contradicted": each.contradicted,
+            "efficiency": None if each.efficiency != each.efficiency else each.efficiency,
+            "stick": each.stick, "presses": each.n_presses,
             "by_cue": {cue: {"kappa_n_per_mm": value, "sd": sd} for cue, (value, sd) in each.by_cue.items()},
         }
         for name, each in found.kappas.items()

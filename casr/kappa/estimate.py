@@ -6,8 +6,10 @@ found.kappas["S2"].value, found.kappas["S2"].low, found.kappas["S2"].high
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from casr.camera import Camera, undistorted
 from casr.contact_area.library_front import dome_scale
@@ -18,7 +20,7 @@ from casr.kappa.discrepancy import USUAL_MISFIT, Discrepancy
 from casr.kappa.family import Family, families
 from casr.kappa.field import PressField
 from casr.kappa.labels import DEPTH_SD_OF_SENSOR, Labels, SensorErrors, labelled
-from casr.kappa.posterior import Kappa, kappas
+from casr.kappa.posterior import CONTRADICTED, Kappa, kappas
 from casr.kappa.presses import KappaPress
 
 USUAL_PIN_MM, UNKNOWN_PIN_SD_MM = 3.0, 1.0
@@ -61,9 +63,10 @@ def estimate_kappa(
     """
     labels = fitted(presses, camera, families(library or shipped()), errors or stated_errors(camera))
     d = (discrepancy or Discrepancy()).scaled(max(labels.misfit / USUAL_MISFIT, 1.0))
+    found = kappas(labels, d)
     return SensorKappa(
-        kappas=kappas(labels, d), labels=labels, discrepancy=d, misfit=labels.misfit, noise_px=labels.noise_px,
-        notes=_notes(labels, camera),
+        kappas=found, labels=labels, discrepancy=d, misfit=labels.misfit, noise_px=labels.noise_px,
+        notes=(*_contradictions(found), *_notes(labels, camera)),
     )  # fmt: skip
 
 
@@ -81,7 +84,13 @@ def fitted(
                 f"specimen {press.specimen}, stiffness_n_per_mm", wanted="one stiffness, or none, for all its presses",
                 found=f"{stated[press.specimen]} and {known}", do="Give another specimen another name.",
             )  # fmt: skip
-    tried = [labelled(press_fields(presses, camera, family), errors, thorough=thorough) for family in domes]
+    try:
+        tried = [labelled(press_fields(presses, camera, family), errors, thorough=thorough) for family in domes]
+    except np.linalg.LinAlgError as error:
+        raise CameraError(
+            "camera.toml", wanted="depth_mm, fx_px, cx_px and pin_length_mm of the camera that took the frames",
+            found="pins that cannot be where they are", do="Measure them, in millimetres and pixels.",
+        ) from error  # fmt: skip
     return min(tried, key=lambda each: each.misfit)
 
 
@@ -127,6 +136,22 @@ def _flat(press: KappaPress, camera: Camera, unit: float) -> KappaPress:
         press, rest_px=undistorted(press.rest_px, camera), pins_px=undistorted(press.pins_px, camera),
         force_n=None if press.force_n is None else press.force_n / unit,
     )  # fmt: skip
+
+
+def _contradictions(found: Mapping[str, Kappa]) -> list[str]:
+    notes = []
+    if (most := max((each.contradicted for each in found.values()), default=1.0)) > CONTRADICTED:
+        notes.append(
+            f"Presses and stated stiffnesses contradict each other {most:.1f} times as much as usual, so kappa is not "
+            "determined: check which specimen each press is of, and the stiffness that is stated of each."
+        )
+    for name, each in found.items():
+        if each.known is not None and not each.low <= each.known <= each.high:
+            notes.append(
+                f"{name} is stated as {each.known:.3g} N/mm, and is {each.value:.3g} [{each.low:.3g}, {each.high:.3g}] "
+                "N/mm as the other specimens tell it."
+            )
+    return notes
 
 
 def _notes(labels: Labels, camera: Camera) -> tuple[str, ...]:

@@ -46,8 +46,10 @@ class Kappa:
 
     value, low, high : N/mm and its total 95 % interval; high is inf where the specimen may be rigid.
     log_sd : standard error of ln kappa. expected : half width of the interval that the design promises, relative.
-    determined : whether that is ``DETERMINED`` or less. bound_sd : of ln kappa, by Cramer and Rao's bound,
-    for white noise of pins, of all presses of the specimen by themselves. efficiency : bound_sd / log_sd.
+    contradicted : factor by which statements that contradict each other widen the interval, 1 where they do not.
+    determined : whether ``expected`` is ``DETERMINED`` or less, and ``contradicted`` ``CONTRADICTED`` or less.
+    bound_sd : of ln kappa, by Cramer and Rao's bound, were white noise of pins and the errors of the known stiffnesses
+    all that is unknown. efficiency : bound_sd / log_sd; NaN where the bound, which knows no force, is the larger one.
     by_cue : value and standard error of ln kappa by each cue alone; absent where it says nothing.
     stick : share of friction, mean of the presses.
     """
@@ -59,6 +61,7 @@ class Kappa:
     high: float
     log_sd: float
     expected: float
+    contradicted: float
     determined: bool
     bound_sd: float
     efficiency: float
@@ -69,6 +72,9 @@ class Kappa:
 
 DETERMINED = 0.25
 "Largest half width of an interval, relative, that a design may promise for kappa to be called determined."
+CONTRADICTED = 2.0
+"""Times by which contradictions may widen an interval so that the design's promise still counts: presses of one sensor
+stay below 1.6, those of specimens that are mixed up come to 3 to 30."""
 
 
 class Posterior:
@@ -286,7 +292,8 @@ def _kappa(name: str, labels: Labels, posteriors: dict[str, Posterior], known: f
     }
     return Kappa(
         specimen=name, known=known, value=value, low=low, high=high, log_sd=of.widened * sd, expected=expected,
-        determined=expected <= DETERMINED, bound_sd=bound_sd, efficiency=bound_sd / (of.widened * sd),
+        contradicted=of.widened, determined=expected <= DETERMINED and of.widened <= CONTRADICTED, bound_sd=bound_sd,
+        efficiency=bound_sd / (of.widened * sd) if bound_sd < of.widened * sd else np.nan,
         by_cue={cue: (float(np.exp(each)), error) for cue, (each, error) in by_cue.items() if error < 1.0},
         stick=float(np.mean([labels.states[k].own[1] for k in rows])), n_presses=len(rows),
     )  # fmt: skip

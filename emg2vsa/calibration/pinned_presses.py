@@ -17,14 +17,17 @@ from emg2vsa.run_scores.measured import ALIKE, Domes
 
 
 def camera_of(runs: Sequence[RunScores]) -> Camera:
-    """DataError : none, or several."""
-    every = [run.camera for run in runs]
-    if not every[0] or any(each != every[0] for each in every):
-        found = "several" if all(every) else f"none of {next(r.specimen for r in runs if not r.camera)}"
+    """DataError : a run has none, or another than the first."""
+    cameras = {run: Camera(**{**run.camera, "sensor": Sensor(**run.camera["sensor"])}) for run in runs if run.camera}
+    first = cameras.get(runs[0])
+    other = next((run for run in runs if first is None or not first.sees_like(cameras.get(run))), None)
+    if first is None or other:
+        found = "another" if other in cameras else "none, or several"
         raise DataError(
-            "camera.toml", wanted="one camera of all presses", found=found, do="Put the camera.toml beside the frames."
-        )
-    return Camera(**{**every[0], "sensor": Sensor(**every[0]["sensor"])})
+            f"{(other or runs[0]).name}, camera.toml", wanted=f"one camera of all presses, as of {runs[0].name}",
+            found=found, do="Give all runs the camera.toml of the camera that took their frames.",
+        )  # fmt: skip
+    return first
 
 
 def library_of(camera: Camera, domes: Sequence[Domes]) -> Library:

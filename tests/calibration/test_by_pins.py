@@ -84,8 +84,8 @@ def test_the_true_stiffness_of_the_new_specimen_enters_no_fit(runs: list[RunScor
 @pytest.mark.parametrize(
     ("change", "why"),
     [
-        ({"camera": {}}, "one camera of all presses, but found none of S1"),
-        ({"camera": SEEN | {"depth_mm": 55.0}}, "one camera of all presses, but found several"),
+        ({"camera": {}}, "S1_0_modular, camera.toml: expected one camera of all presses, as of S5_0_modular, but found none"),
+        ({"camera": SEEN | {"depth_mm": 55.0}}, "as of S5_0_modular, but found another"),
         ({"pins": ()}, "presses whose pins can be followed, but found none"),
     ],
 )
@@ -98,6 +98,11 @@ def test_where_the_pins_tell_none_the_law_through_casr_counts(
     assert condition.pins is None
     assert why in condition.no_pins
     assert condition.headline("front") is condition.algorithms["front"].chosen
+
+
+def test_the_rate_of_frames_tells_no_cameras_apart(runs: list[RunScores]) -> None:
+    changed = [replace(run, camera=SEEN | {"frame_rate_hz": 20.1}) if run.specimen == "S1" else run for run in runs]
+    assert calibrated(changed).pins is not None
 
 
 def test_specimens_of_several_heights_are_told(runs: list[RunScores]) -> None:

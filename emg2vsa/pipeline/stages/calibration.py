@@ -76,7 +76,8 @@ def _said(each: ConditionResult, results: CalibrationResults) -> str:
     one = each.headline(results.algorithm)
     if one is None or not one.low <= one.kappa:
         return "none"
-    return f"{one.kappa:.3g} [{one.low:.3g}, {one.high:.3g}]{'' if one.determined else ' not determined'}"
+    by = "" if each.pins else " by CASR"
+    return f"{one.kappa:.3g} [{one.low:.3g}, {one.high:.3g}]{by}{'' if one.determined else ' not determined'}"
 
 
 STAGE = Stage(

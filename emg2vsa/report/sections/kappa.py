@@ -214,7 +214,8 @@ def _headlines(found: CalibrationResults, algorithm: str, designs: Sequence[Cond
     caption = (
         f"κ of {found.new_specimen}: where pins and forces would lie on domes like this sensor's, corrected by the "
         "known specimens; its total 95 % interval. κ is determined where presses and specimens promise a half width of "
-        f"{100 * DETERMINED:g} % or less. The last columns are of one cue alone, with its standard error"
+        f"{100 * DETERMINED:g} % or less. The last columns are of one cue alone, with its standard error. By CASR: "
+        "the pins tell none, and κ is by the law of this study"
     )
     return table_of("kappa_new", caption, columns)
 
@@ -287,7 +288,7 @@ _TEXT = """
 <p>The presses determine κ in {{ determined }} of {{ designs }} designs{% if determined and truth_known %}; in
 {{ held }} of these the interval holds the known κ{% endif %}.
 {% if not truth_known %}The stiffness of {{ new }} is not known, so no error can be stated. {% endif %}</p>
-{{ folded("kappa_new", "κ in every design") }}
+{{ table("kappa_new") }}
 {{ figure("figtable1_errors") }}
 {{ folded("table_one", "Table I of the paper beside ours") }}
 {{ folded("recipes", "How each algorithm scores a press") }}

@@ -64,6 +64,12 @@ def test_travel_in_the_force_log_is_a_cue(presses: Path, tmp_path: Path, capsys:
     assert json.loads(capsys.readouterr().out)["travel_mm_per_n"] == pytest.approx(0.6, rel=0.02)
 
 
+def test_a_file_in_place_of_a_folder_is_told(presses: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = next(path for path in presses.rglob("*") if path.is_file())
+    assert main(["kappa", str(file)]) == 2
+    assert "expected a folder of presses, but found a file" in capsys.readouterr().err
+
+
 def test_a_page_among_the_presses_is_refused(presses: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["kappa", str(presses), "--page", str(presses / "kappa.html")]) == 2
     assert "--page" in capsys.readouterr().err
@@ -76,7 +82,8 @@ def test_a_page_among_the_presses_is_refused(presses: Path, capsys: pytest.Captu
         (f"{HEAD}S9_00deg_01,S9,\n", "'S9_00deg_01'"),
         (f"{HEAD}S1_00deg_01,S1,7\nS1_00deg_01,S1,7\n", "each once"),
         (f"{HEAD}S1_00deg_01,S1,soft\n", "'soft'"),
-        (f"{HEAD}S1_00deg_01,S1,-2\n", "a number above 0"),
+        (f"{HEAD}S1_00deg_01,S1,-2\n", "a number from 0.01 to 10000"),
+        (f"{HEAD}S1_00deg_01,S1,7,63\n", "decimal points, not commas"),
         (HEAD, "no press"),
     ],
 )

@@ -73,7 +73,7 @@ def test_a_press_that_cannot_be_read_is_named(
     [
         (f"{HEAD}S1_00deg_01,S1,\n", "a known specimen, or a rigid plate"),
         (f"{HEAD}S9_00deg_01,S9,7\n", "'S9_00deg_01'"),
-        (f"{HEAD}S1_00deg_01,S1,rigit\n", "a number above 0, rigid, or nothing"),
+        (f"{HEAD}S1_00deg_01,S1,rigit\n", "a number from 0.01 to 10000, rigid, or nothing"),
     ],
 )
 def test_a_bad_table_is_refused(

@@ -17,7 +17,7 @@ from casr.kappa.estimate import SensorKappa, estimate_kappa
 from casr.kappa.family import families
 from casr.kappa.field import OWN, SHARED, PressField, State
 from casr.kappa.known import KnownSensor
-from casr.kappa.posterior import Posterior
+from casr.kappa.posterior import CONTRADICTED, Posterior
 from casr.kappa.presses import KappaPress
 
 TRIAL = Trial("H", 1.0, 0.05, 0.0, (1.1, 3.35, 7.63), 5.32, seed=3)
@@ -67,6 +67,29 @@ def test_a_wrong_stiffness_widens_the_interval(presses: list[KappaPress], found:
     assert np.log(kappa.high / kappa.low) > 1.5 * np.log(usual.high / usual.low)
     assert kappa.low < 5.32 < kappa.high
     assert kappa.expected == pytest.approx(found.kappas["5.32"].expected, rel=0.2)
+
+
+def test_what_contradicts_itself_is_told_and_not_called_determined(presses: list[KappaPress]) -> None:
+    """Labels of two known specimens exchanged; one press of the unknown specimen that is another's."""
+    other = {"1.1": 7.63, "7.63": 1.1}
+    swapped = [replace(each, stiffness_n_per_mm=other.get(each.specimen, each.stiffness_n_per_mm)) for each in presses]
+    soft = next(each for each in presses if each.specimen == "1.1")
+    mixed = [*presses, replace(soft, specimen="5.32", stiffness_n_per_mm=None)]
+    for pressed in (swapped, mixed):
+        found = estimate_kappa(pressed, CAMERA, library=library_without("H"))
+        kappa = found.kappas["5.32"]
+        assert kappa.contradicted > CONTRADICTED
+        assert not kappa.determined
+        assert "contradict each other" in found.notes[0]
+    stated = estimate_kappa(swapped, CAMERA, library=library_without("H")).notes
+    assert any(note.startswith("1.1 is stated as 7.63 N/mm") for note in stated)
+    usual = estimate_kappa(presses, CAMERA, library=library_without("H"))
+    assert usual.kappas["5.32"].contradicted < 1.3
+
+
+def test_a_camera_that_cannot_be_is_refused(presses: list[KappaPress]) -> None:
+    with pytest.raises(CameraError, match="depth_mm"):
+        estimate_kappa(presses, replace(CAMERA, depth_mm=500.0), library=library_without("H"))
 
 
 def test_without_a_known_specimen_kappa_is_wide_but_holds(presses: list[KappaPress]) -> None:
