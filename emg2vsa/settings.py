@@ -436,7 +436,7 @@ class CalibrationSettings:
     outlier_mads: NonNegative = 5.0
     "A press this many median absolute deviations (scaled to SDs) from its median is left out; if over 20 % are, none."
     confidence: Annotated[float, Gt(0), Lt(1)] = 0.95
-    "Of all intervals."
+    "Of intervals by CASR; those by the pins are of 95 %."
     resamples: Annotated[int, Ge(1)] = 2000
     "Of the bootstrap over repetitions."
     seed: Annotated[int, Ge(0)] = 0

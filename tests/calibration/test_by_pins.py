@@ -84,7 +84,10 @@ def test_the_true_stiffness_of_the_new_specimen_enters_no_fit(runs: list[RunScor
 @pytest.mark.parametrize(
     ("change", "why"),
     [
-        ({"camera": {}}, "S1_0_modular, camera.toml: expected one camera of all presses, as of S5_0_modular, but found none"),
+        (
+            {"camera": {}},
+            "S1_0_modular, camera.toml: expected one camera of all presses, as of S5_0_modular, but found none",
+        ),
         ({"camera": SEEN | {"depth_mm": 55.0}}, "as of S5_0_modular, but found another"),
         ({"pins": ()}, "presses whose pins can be followed, but found none"),
     ],
