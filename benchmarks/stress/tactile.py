@@ -9,7 +9,7 @@ import numpy as np
 from mpmath import mp, mpf
 
 from benchmarks.stress.case import ROUNDED, Case, Found
-from benchmarks.stress.exact_curves import exact_line, mpfs
+from benchmarks.stress.exact_curves import mpfs
 from casr.camera import Camera
 from casr.contact_area import initial_area
 from casr.flow.dense_engine import mean_divergence
@@ -18,6 +18,7 @@ from casr.flow.region import Region
 from casr.pins.detect import Pins
 from casr.pins.spots import measure_spots
 from casr.spread import contact_areas, spread_rate
+from casr.spread.curves import CURVATURE, CURVATURE_SD
 
 
 def cases() -> Iterator[Case]:
@@ -82,10 +83,30 @@ def power_case(scale: float, bound: float) -> Case:
     area = scale * 30 * force ** (2 / 3) * (1 + 0.01 * np.sin(3 * np.arange(60.0)))
 
     def exact(a: np.ndarray, f: np.ndarray) -> dict[str, Any]:
-        forces = mpfs(f)
-        line = exact_line([mp.log(v) for v in forces], [mp.log(v) for v in mpfs(a)], forces)
-        low, high = mpf("0.5"), mpf(7)
-        return {"rate": mp.exp(line["a"]) * (high ** line["b"] - low ** line["b"]) / (high - low)}
+        forces, n = mpfs(f), len(f)
+        weights = [v / mp.fsum(forces) for v in forces]
+        x, y = [mp.log(v) for v in forces], [mp.log(v) for v in mpfs(a)]
+
+        def mean(values: Any) -> Any:
+            return mp.fsum(w * v for w, v in zip(weights, values, strict=True))
+
+        middle = mean(x)
+        square, cube = (mean([(v - middle) ** power for v in x]) for power in (2, 3))
+
+        def columns(at: Any) -> tuple[Any, ...]:
+            x = at - middle
+            return mpf(1), x, x * (x - cube / square) - square
+
+        rows = [columns(v) for v in x]
+        told = [mean([row[k] * v for row, v in zip(rows, y, strict=True)]) for k in range(3)]
+        power = [mean([row[k] ** 2 for row in rows]) for k in range(3)]
+        power[2] += mpf("1e-12") * square**2
+        found = [t / p for t, p in zip(told, power, strict=True)]
+        left = mean([(v - mp.fdot(row, found)) ** 2 for row, v in zip(rows, y, strict=True)])
+        pull = n * left / (mpf(n - 3) * n * mpf(CURVATURE_SD) ** 2)
+        found[2] = (told[2] + pull * mpf(CURVATURE)) / (power[2] + pull)
+        low, high = (mp.exp(mp.fdot(columns(mp.log(v)), found)) for v in (mpf("0.5"), mpf(7)))
+        return {"rate": (high - low) / mpf("6.5")}
 
     return Case(
         "casr.spread_rate, power",

@@ -211,7 +211,8 @@ def test_measured_runs_alone_end_with_a_report_of_section_six(alone, capsys, mor
     alone.write_text(text[: text.rindex("[[specimens]]")] + text[text.index("[runs]") :] + NEW)
     result = run(alone, capsys, *more)
     assert result["failures"] == result["rejected_presses"] == []
-    (contrast,) = result["notes"]
+    contrast, kappa = result["notes"]
+    assert kappa.startswith("kappa of S_new, N/mm: ")
     assert contrast.startswith("Whether human-like stiffness raises the contrast S5 : S1 of CASR by slope")
     reports = alone.parents[2] / "reports" / "small"
     page = (reports / "index.html").read_text()
