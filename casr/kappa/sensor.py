@@ -115,7 +115,8 @@ def identify_sensor(
     labels = fitted(presses, camera, families(library), errors, thorough=True)
     ours = [Family(library, (dome,)) for dome in FAMILY if dome in library.dome]
     before = fitted(presses, camera, ours or [labels.family], NOMINAL).misfit
-    posterior = Posterior(KnownSensor.of(labels), Discrepancy().scaled(max(labels.misfit / USUAL_MISFIT, 1.0)))
+    known = KnownSensor.of(labels)
+    posterior = Posterior(known, known.discrepancy)
     family, place = labels.family, float(posterior.mean[0])
     domes = {dome: (SKIN_MM * scale, *moduli) for dome, moduli in MODULI_MPA.items()} | dict(own_domes or {})
     solved = np.array([domes.get(dome, (np.nan,) * 3) for dome in family.names])

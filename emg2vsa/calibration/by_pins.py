@@ -8,7 +8,7 @@ import numpy as np
 
 from casr.kappa.estimate import estimate_kappa
 from emg2vsa.arrays import Floats
-from emg2vsa.calibration.pinned_presses import camera_of, library_of, presses_of
+from emg2vsa.calibration.pinned_presses import camera_of, known_presses, library_of, presses_of
 from emg2vsa.calibration.results import PinsResult
 from emg2vsa.run_scores import RunScores
 from emg2vsa.run_scores.measured import Domes
@@ -28,15 +28,9 @@ def kappa_by_pins(
     domes : whose tables, and how high each specimen is, S and the new one.
     DataError, casr.errors.CasrError : the pins tell none.
     """
-    runs = (*known, new)
-    camera = camera_of(runs)
+    camera = camera_of((*known, new))
     library = library_of(camera, domes)
-    stated = [(float(value), float(error / value)) for value, error in zip(kappa, kappa_se, strict=True)]
-    presses = [
-        press
-        for run, (value, sd) in zip(runs, [*stated, (None, 0.0)], strict=True)
-        for press in presses_of(run, value, sd)
-    ]
+    presses = [*known_presses(known, kappa, kappa_se), *presses_of(new, None, 0.0)]
     found = estimate_kappa(presses, camera, library=library)
     own, rest = found.kappas[new.specimen], [found.kappas.get(run.specimen) for run in known]
     left_out = np.array([(each.value, each.low, each.high) if each else (np.nan,) * 3 for each in rest])

@@ -22,7 +22,7 @@ from casr.kappa.labels import Labels
 from casr.kappa.posterior import Posterior
 from casr.kappa.presses import KappaPress
 from emg2vsa.arrays import Floats
-from emg2vsa.calibration.pinned_presses import camera_of, library_of, presses_of
+from emg2vsa.calibration.pinned_presses import camera_of, known_presses, library_of
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import RunScores
 from emg2vsa.run_scores.measured import Domes
@@ -36,8 +36,8 @@ MUCH_LEFT = 2.0
 
 @dataclass(frozen=True, eq=False)
 class KnownPins:
-    """Presses of known specimens by their pins. camera : of them. tables : digest of those of
-    the domes that explain them."""
+    """Presses of known specimens by their pins. camera : of them. tables : digest of those of the domes that explain
+    them."""
 
     sensor: KnownSensor
     camera: Camera
@@ -63,11 +63,7 @@ def known_pins(known: Sequence[RunScores], kappa: Floats, kappa_se: Floats, dome
     """Of S known specimens, arguments as for ``kappa_by_pins``; None where their pins tell nothing."""
     try:
         camera = camera_of(known)
-        presses = [
-            press
-            for run, value, error in zip(known, kappa.tolist(), kappa_se.tolist(), strict=True)
-            for press in presses_of(run, value, error / value)
-        ]
+        presses = known_presses(known, kappa, kappa_se)
         labels = fitted(presses, camera, families(library_of(camera, domes)), stated_errors(camera))
     except InputError:
         return None

@@ -11,6 +11,7 @@ from casr.contact_area.library_front import height_in_tables
 from casr.dome.library import Library, tables
 from casr.dome.tables import USUAL_HEIGHT_MM
 from casr.kappa.presses import KappaPress
+from emg2vsa.arrays import Floats
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import RunScores
 from emg2vsa.run_scores.measured import ALIKE, Domes
@@ -22,7 +23,7 @@ def camera_of(runs: Sequence[RunScores]) -> Camera:
     first = cameras.get(runs[0])
     other = next((run for run in runs if first is None or not first.sees_like(cameras.get(run))), None)
     if first is None or other:
-        found = "another" if other in cameras else "none, or several"
+        found = "another" if other in cameras else "none, or more than one"
         raise DataError(
             f"{(other or runs[0]).name}, camera.toml", wanted=f"one camera of all presses, as of {runs[0].name}",
             found=found, do="Give all runs the camera.toml of the camera that took their frames.",
@@ -46,6 +47,12 @@ def library_of(camera: Camera, domes: Sequence[Domes]) -> Library:
             found=f"{heights[0]:g} mm", do="Solve tables (casr dome) and name them: domes under [runs].",
         )  # fmt: skip
     return tables(folder, height_in_tables(camera, folder, heights[0] if folder and heights else None))
+
+
+def known_presses(known: Sequence[RunScores], kappa: Floats, kappa_se: Floats) -> list[KappaPress]:
+    """Of S specimens with their stiffness and its standard error, (S,) N/mm. DataError as ``presses_of``."""
+    stated = zip(known, kappa.tolist(), kappa_se.tolist(), strict=True)
+    return [press for run, value, error in stated for press in presses_of(run, value, error / value)]
 
 
 def presses_of(run: RunScores, known: float | None, sd: float) -> list[KappaPress]:
