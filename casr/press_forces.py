@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -22,12 +23,14 @@ from casr.frames import (
     notes_on_zero,
     spikes,
 )
+from casr.pins import PinTracker
 from casr.scored import ScoreSettings
-from casr.skin_motion import SkinMotion
 
 LEAD_FRAMES = 4  # before the rest frame: where frames are early, it is touched
 MOST_BEFORE = 40  # between the rest frame and contact; a rise that takes longer tells no lag
 AFTER_FRAMES = 20
+KEPT_FRAMES = 64
+"Around first contact, that a lag is told by."
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,13 +73,34 @@ def frames_before(phase: LoadingPhase, sequence: FrameSequence) -> list[int]:
     return [*range(max(rest - LEAD_FRAMES, 0), rest + 1), *range(max(rest + 1, first - MOST_BEFORE), first)]
 
 
-def lag_of(sequence: FrameSequence, forces: PressForces, motion: SkinMotion, start_n: float) -> CameraLag | None:
-    """Lag of the camera by the motion of the pins since before contact; None without times in the log."""
+def pins_before(
+    sequence: FrameSequence, phase: LoadingPhase, rest: Callable[[NDArray[np.generic]], PinTracker]
+) -> tuple[list[int], list[NDArray[np.float64]]]:
+    """``frames_before``, each decoded once in their order, and (N, 2) places of the pins at rest in each.
+
+    rest : takes the rest frame, and gives what follows its pins.
+    """
+    frames = frames_before(phase, sequence)
+    earlier = [sequence[index] for index in frames if index < phase.rest]
+    tracker = rest(sequence[phase.rest])
+    pins_px = [*map(tracker.step, earlier), tracker.first_px]
+    return frames, [*pins_px, *(tracker.step(sequence[index]) for index in frames if index > phase.rest)]
+
+
+def lag_of(
+    sequence: FrameSequence,
+    forces: PressForces,
+    frames: Sequence[int],
+    pins_px: Sequence[NDArray[np.float64]],
+    start_n: float,
+) -> CameraLag | None:
+    """Lag of the camera by the motion of the pins (N, 2) in frames since before contact; None without times in the
+    log."""
     if sequence.readings is None:
         return None
-    frames, pins_px = np.array(motion.frames[: len(motion.kept_px)]), np.array(motion.kept_px)
+    kept = np.array(frames[:KEPT_FRAMES]), np.array(pins_px[:KEPT_FRAMES])
     zero_n = forces.zero.level_n if forces.zero else 0.0
-    lag = camera_lag(frames, pins_px, sequence.readings, zero_n=zero_n, start_n=start_n)
+    lag = camera_lag(*kept, sequence.readings, zero_n=zero_n, start_n=start_n)
     return replace(lag, corrected_s=forces.lag_s)
 
 
@@ -136,7 +160,13 @@ def _lag_looked_for(sequence: FrameSequence, forces: PressForces, settings: Scor
     if sequence.readings is None:
         return None
     phase = loading_phase(forces.force_n, start_n=settings.force_start_n, stop_n=settings.force_stop_n)
-    motion = SkinMotion(settings.flow.pins)
-    for index in (*frames_before(phase, sequence), *phase.frames[:AFTER_FRAMES].tolist()):
-        motion.take(index, sequence[index])
-    return lag_of(sequence, forces, motion, settings.force_start_n)
+    tracker = PinTracker(settings.flow.pins)
+
+    def rest(image: NDArray[np.generic]) -> PinTracker:
+        tracker.start(image)
+        return tracker
+
+    frames, pins_px = pins_before(sequence, phase, rest)
+    loading = phase.frames[:AFTER_FRAMES].tolist()
+    pins_px += [tracker.step(sequence[index]) for index in loading]
+    return lag_of(sequence, forces, [*frames, *loading], pins_px, settings.force_start_n)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -47,6 +48,8 @@ class PressScorer:
     pins_px : of every good frame since first contact, (N, 2): the place of each pin of the rest frame, NaN where it is
         lost.
     good : (T,) which of the frames since first contact these are, counted from 0.
+    moved_px : of every frame since first contact the mean distance of the pins seen from rest, knocks of the camera
+        taken off; NaN where none is seen. same : whether each is the image before it.
 
     camera : None leaves areas in px^2. settings : how.
     follow_pins : False: dense flow does without pins after first contact; there is ``skin`` then, and no ``result``.
@@ -66,26 +69,36 @@ class PressScorer:
         self.log_growth = self._divergence = 0.0
         self.pins_px: list[Array] = []
         self.good: list[int] = []
+        self.moved_px: list[float] = []
+        self.same: list[bool] = []
         self._n_taken = self._n_bad = 0
 
-    def touch(self, rest_image: NDArray[Any], contact_image: NDArray[Any]) -> bool:
+    def rest(self, image: NDArray[Any]) -> PinTracker:
+        """Take the static frame; what follows its pins to frames that are not scored.
+
+        PinsError : too few pins. ImageError : not an image.
+        """
+        self._at_rest = PinTracker(self._settings.flow.pins)
+        self._rest, self._last = self._at_rest.start(image), np.array(image)
+        return copy(self._at_rest)
+
+    def touch(self, image: NDArray[Any]) -> bool:
         """Initial area and contact region from the static frame and the frame of first contact.
 
         Returns False if this frame is bad: touch again, with the next one.
         NoContactError : no pin moved, and no region is given.
-        PinsError : too few pins in the rest frame, or too many bad frames in a row. ImageError : not an image.
+        PinsError : too many bad frames in a row. ImageError : not an image.
         SettingError : a region is given that holds fewer than three pins.
         """
-        self._tracker = PinTracker(self._settings.flow.pins)
-        self._rest = self._tracker.start(rest_image)
+        self._tracker = copy(self._at_rest)
         rest_px = self._rest.centroids_px
         doubts = pins_in_doubt(rest_px, self._settings.flow.pins.expect_pins) if self._doubt_pins else ()
-        self._contact_px = self._tracker.step(contact_image)
+        self._contact_px = self._step(image)
         if not self._is_good(self._contact_px):
             return False
         self._initial, self._region, notes = self._contact()
         self._notes = (*doubts, *self._tracker.notes, *notes)
-        self._flow.start(contact_image, self._region, self._contact_px)
+        self._flow.start(image, self._region, self._contact_px)
         self._took(self._contact_px)
         return True
 
@@ -95,7 +108,7 @@ class PressScorer:
         Raises PinsError at the third bad frame in a row. ImageError : not an image, or of another size.
         """
         before = self._steps[-1].region if self._steps else self._region
-        pins_px = self._tracker.step(image) if self._follow_pins else self._contact_px
+        pins_px = self._step(image) if self._follow_pins else self._contact_px
         if not self._is_good(pins_px):
             return None
         try:
@@ -112,6 +125,15 @@ class PressScorer:
         self.log_growth += step.log_growth
         self._divergence += step.divergence
         return step
+
+    def _step(self, image: NDArray[Any]) -> Array:
+        """(N, 2) pins of the next frame."""
+        pins_px = self._tracker.step(image)
+        away_px = self._tracker.away_px(pins_px)
+        self.moved_px.append(float(away_px.mean()) if away_px.size else np.nan)
+        self.same.append(np.array_equal(self._last, image))
+        self._last = np.array(image)  # a camera may write its next frame into the same memory
+        return pins_px
 
     def _is_good(self, pins_px: Array) -> bool:
         if np.isfinite(pins_px).any():

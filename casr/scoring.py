@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from casr.doubts import doubts_on_motion, doubts_on_score, note_on_repeats
 from casr.errors import CasrError, NoContactError, PinsError, said_of
-from casr.frames import FrameSequence, LoadingPhase, loading_phase
-from casr.press_forces import PressForces, frames_before, lag_of, note_on_shift, notes_on_lag, press_forces, shifted
+from casr.frames import CameraLag, FrameSequence, LoadingPhase, loading_phase
+from casr.pins import PinTracker
+from casr.press_forces import PressForces, lag_of, note_on_shift, notes_on_lag, pins_before, press_forces, shifted
 from casr.press_scorer import PressScorer
 from casr.scored import Score, ScoreSettings, SkinScore
-from casr.skin_motion import SeenLoading, SkinMotion
+from casr.skin_motion import SeenLoading
 
 __all__ = ["Score", "ScoreSettings", "SkinScore", "score", "score_skin"]
 
@@ -37,18 +38,7 @@ def score(sequence: FrameSequence, settings: ScoreSettings | None = None) -> Sco
         image or holds fewer than three pins.
     """
     settings = settings or ScoreSettings()
-    if sequence.force_n is None:
-        scored = _by_pins(sequence, settings)
-    else:
-        with said_of(sequence.name):
-            forces = press_forces(sequence, settings)
-        scored = _by_force(sequence, forces, settings)
-        lag, unasked = scored.camera_lag, settings.camera_lag_s is None and not settings.correct_lag
-        if lag is not None and lag.lag_s is not None and lag.sure and unasked:
-            with said_of(sequence.name):
-                forces = shifted(sequence, settings, lag.lag_s)
-            scored = _by_force(sequence, forces, settings)
-            scored = replace(scored, notes=(note_on_shift(lag), *scored.notes))
+    scored = _by_pins(sequence, settings) if sequence.force_n is None else _by_force(sequence, settings)
     notes, mm_per_n = dict.fromkeys((*sequence.notes, *scored.notes)), None
     if sequence.travel is not None:
         zero_n = scored.force_zero.level_n if scored.force_zero and scored.force_zero.taken_off else 0.0
@@ -77,61 +67,71 @@ def score_skin(
         phase = replace(phase, frames=np.setdiff1d(phase.frames, list(bad)))
         follow_pins = settings.flow.engine == "pin-affine"
         scorer = PressScorer(sequence.camera, settings, follow_pins=follow_pins, doubt_pins=doubt_pins)
-        rest, begun = sequence[phase.rest], False
+        begun = False
+        scorer.rest(sequence[phase.rest])
         for index in phase.frames.tolist():
             if begun:
                 scorer.load(sequence[index])
             else:
-                begun = scorer.touch(rest, sequence[index])
+                begun = scorer.touch(sequence[index])
         scored = scorer.skin(phase, forces.force_n[phase.frames])
     return replace(scored, notes=(*forces.notes, *scored.notes), force_zero=forces.zero)
 
 
-def _by_force(sequence: FrameSequence, forces: PressForces, settings: ScoreSettings) -> Score:
+def _by_force(sequence: FrameSequence, settings: ScoreSettings) -> Score:
     with said_of(sequence.name):
-        phase = loading_phase(forces.force_n, start_n=settings.force_start_n, stop_n=settings.force_stop_n)
-    scorer, motion = PressScorer(sequence.camera, settings), SkinMotion(settings.flow.pins)
-    rest, begun = None, False
-    for index in (*frames_before(phase, sequence), *phase.frames.tolist()):
-        image = sequence[index]
-        with said_of(f"{sequence.name}, frame {index}" if begun else sequence.name):
-            if index == phase.rest:
-                rest = image
-            motion.take(index, image)
-            if index < phase.frames[0]:
-                continue
-            if begun:
-                scorer.load(image)
-                continue
-            assert rest is not None
-            begun = scorer.touch(rest, image)
+        forces = press_forces(sequence, settings)
+    phase, scorer, lag = _followed(sequence, forces, settings)
+    told: tuple[str, ...] = ()
+    unasked = settings.camera_lag_s is None and not settings.correct_lag
+    if lag is not None and lag.lag_s is not None and lag.sure and unasked:
+        with said_of(sequence.name):
+            forces, told = shifted(sequence, settings, lag.lag_s), (note_on_shift(lag),)
+        phase, scorer, lag = _followed(sequence, forces, settings)
     with said_of(sequence.name):
         force_n = forces.force_n[phase.frames]
         zero_sd_n = forces.zero.sd_n if forces.zero and forces.zero.taken_off else None
         scored = scorer.result(sequence.name, phase, force_n, zero_sd_n)
-    moved_px, same = (np.array(of_frame)[-phase.frames.size :] for of_frame in (motion.moved_px, motion.same))
-    lag = lag_of(sequence, forces, motion, settings.force_start_n)
-    notes = (*forces.notes, *notes_on_lag(lag), *scored.notes, *note_on_repeats(phase.frames[1:], same[1:] > 0))
-    doubts = doubts_on_motion(phase.frames, force_n, moved_px)
+    repeats = note_on_repeats(phase.frames[1:], np.array(scorer.same[1:]))
+    notes = (*told, *forces.notes, *notes_on_lag(lag), *scored.notes, *repeats)
+    doubts = doubts_on_motion(phase.frames, force_n, scorer.moved_px)
     return replace(scored, notes=notes, force_zero=forces.zero, camera_lag=lag, doubts=doubts)
+
+
+def _followed(
+    sequence: FrameSequence, forces: PressForces, settings: ScoreSettings
+) -> tuple[LoadingPhase, PressScorer, CameraLag | None]:
+    """The loading by these forces, what has seen its frames, and the lag that they show."""
+    scorer, begun = PressScorer(sequence.camera, settings), False
+    with said_of(sequence.name):
+        phase = loading_phase(forces.force_n, start_n=settings.force_start_n, stop_n=settings.force_stop_n)
+        before, pins_px = pins_before(sequence, phase, scorer.rest)
+    for index in phase.frames.tolist():
+        image = sequence[index]
+        with said_of(f"{sequence.name}, frame {index}" if begun else sequence.name):
+            if begun:
+                scorer.load(image)
+            else:
+                begun = scorer.touch(image)
+    frames = [*before, *phase.frames[scorer.good].tolist()]
+    return phase, scorer, lag_of(sequence, forces, frames, [*pins_px, *scorer.pins_px], settings.force_start_n)
 
 
 def _by_pins(sequence: FrameSequence, settings: ScoreSettings) -> Score:
     """Loading and its score in one pass, which ends with the press."""
     given = settings.region is not None
     loading = SeenLoading(settings.threshold_px, from_start=given)
-    motion = SkinMotion(settings.flow.pins)
+    tracker = PinTracker(settings.flow.pins)
     rest = sequence[0]
     with said_of(sequence.name):
-        motion.take(0, rest)
+        tracker.start(rest)
     scoring = _Scoring(sequence, settings, rest)
     if given:
         scoring.touch(0, rest)
     for index in range(1, len(sequence)):
         image = sequence[index]
-        motion.take(index, image)
         before = loading.first
-        loading.take(index, motion.away_px)
+        loading.take(index, tracker.away_px(tracker.step(image)))
         if loading.over:
             break
         if loading.first is None:
@@ -141,7 +141,7 @@ def _by_pins(sequence: FrameSequence, settings: ScoreSettings) -> Score:
         else:
             scoring.load(index, image)
     with said_of(sequence.name):
-        phase = loading.phase(len(sequence), motion.rest_px)
+        phase = loading.phase(len(sequence), tracker.first_px)
     return scoring.result(phase)
 
 
@@ -153,6 +153,7 @@ class _Scoring:
 
     def touch(self, index: int, image: NDArray[np.generic]) -> None:
         self._scorer = PressScorer(self._sequence.camera, self._settings)
+        self._scorer.rest(self._rest)
         self._trouble: tuple[int, CasrError] | None = None
         self._begun = False
         self.load(index, image)
@@ -163,7 +164,7 @@ class _Scoring:
                 if self._begun:
                     self._scorer.load(image)
                 else:
-                    self._begun = self._scorer.touch(self._rest, image)
+                    self._begun = self._scorer.touch(image)
             except (NoContactError, PinsError) as error:
                 self._trouble = index, error
 

@@ -19,7 +19,6 @@ from casr.frames.loading import NEARLY
 from casr.images import Grey, as_grey
 from casr.press_scorer import PressScorer
 from casr.scored import Score, ScoreSettings, Spread
-from casr.skin_motion import SkinMotion
 
 RECENT_FRAMES = 64
 LOOKS = 64
@@ -240,7 +239,7 @@ class _Contact:
     """One stretch of frames in contact: what may turn out to be the press."""
 
     def __init__(self, camera: Camera | None, settings: ScoreSettings, first: int) -> None:
-        self._scorer, self._motion = PressScorer(camera, settings), SkinMotion(settings.flow.pins)
+        self._scorer = PressScorer(camera, settings)
         self._force_n = array("d")
         self._trouble: NoContactError | PinsError | None = None
         self._n_taken = 0
@@ -262,15 +261,13 @@ class _Contact:
     def _scored(self, rest: RestFrame, image: NDArray[Any], zero_n: float) -> tuple[str, ...]:
         notes: tuple[str, ...] = ()
         if not self._scorer.good:
-            still = rest.image(zero_n)
             if self._n_taken == 0:
-                self._motion.take(0, still)
-            self._bad = not self._scorer.touch(still, image)
+                self._scorer.rest(rest.image(zero_n))
+            self._bad = not self._scorer.touch(image)
         else:
             step = self._scorer.load(image)
             self._bad = step is None
             notes = () if step is None else step.notes
-        self._motion.take(self.first + self._n_taken, image)
         self._n_taken += 1
         if self._bad:
             return (SKIPPED,)
@@ -309,6 +306,6 @@ class _Contact:
         if self._trouble is not None and self._n_taken < len(phase.frames):
             raise self._trouble
         scored, n = self._scorer.result("stream", phase, force_n, zero_sd_n), len(phase.frames)
-        moved_px, same = (np.array(of_frame)[1 : n + 1] for of_frame in (self._motion.moved_px, self._motion.same))
-        notes = (*scored.notes, *note_on_repeats(phase.frames[1:], same[1:] > 0))
-        return replace(scored, notes=notes, doubts=doubts_on_motion(phase.frames, force_n, moved_px))
+        notes = (*scored.notes, *note_on_repeats(phase.frames[1:], np.array(self._scorer.same[1:n])))
+        doubts = doubts_on_motion(phase.frames, force_n, self._scorer.moved_px[:n])
+        return replace(scored, notes=notes, doubts=doubts)

@@ -64,7 +64,7 @@ class PinTracker:
     knock_px : (2,) how far knocks have moved the image since the first frame. A knock is a jump of the pins at the
         border of the array, all alike, by more than half a pitch between two frames: the border is what a contact moves
         last. The places of the pins are those in the image; without the knocks they are places - knock_px.
-    notes : what a reader should know of the last step.
+    first_px : (N, 2) places in the first frame. notes : what a reader should know of the last step.
     """
 
     def __init__(self, settings: PinSettings | None = None) -> None:
@@ -93,8 +93,8 @@ class PinTracker:
         self.pitch_px = self._pitch_px * self._view.reduction
         self.knock_px, self.notes = np.zeros(2), ()
         self._started = True
-        scale = self._view.reduction
-        return replace(pins, centroids_px=self._view.in_frame(pins.centroids_px), area_px=pins.area_px * scale**2)
+        self.first_px, scale = self._view.in_frame(pins.centroids_px), self._view.reduction
+        return replace(pins, centroids_px=self.first_px, area_px=pins.area_px * scale**2)
 
     def step(self, image: NDArray[Any]) -> Points:
         """Places (N, 2) px of all pins in the next frame, row by id; NaN where one is lost, all NaN for a bad frame.
@@ -122,6 +122,11 @@ class PinTracker:
             self._places = self._without_knock(places)
             self._spacing_px = _gaps_px(places.at_px, self._beside).min(axis=1)
         return np.where(self._places.lost[:, None], np.nan, self._view.in_frame(self._places.at_px))
+
+    def away_px(self, pins_px: Points) -> NDArray[np.float64]:
+        """(n,) how far each pin seen at places (N, 2) of the last step is from the first frame, knocks taken off."""
+        away_px = np.hypot(*(pins_px - self.knock_px - self.first_px).T)
+        return np.asarray(away_px[np.isfinite(away_px)])
 
     def _believed(self, grey: Grey, places: _Places) -> bool:
         """Whether a frame is one of this press, and whole."""

@@ -264,7 +264,8 @@ def test_the_places_of_all_pins_in_every_scored_frame() -> None:
     frames = [drawn(press, index) for index in (0, *press.truth.loading_frames[:12].tolist())]
     for engine in ("pin-affine", "dis"):
         scorer = PressScorer(None, ScoreSettings(flow=FlowSettings(engine=engine)))
-        scorer.touch(*frames[:2])
+        scorer.rest(frames[0])
+        scorer.touch(frames[1])
         for image in frames[2:]:
             scorer.load(image)
         assert [places.shape for places in scorer.pins_px] == [(127, 2)] * 12

@@ -74,8 +74,8 @@ def test_algorithm_1_counts_pins_that_were_followed_already(
         monkeypatch.setattr(PinTracker, name, counting)
     found = scored(sequence)
     assert found.first_contact is not None
-    # from before contact for the camera's lag, from rest for the front, and from rest by the paper's forces
-    assert calls["start"] == 3
+    # from rest for the lag and the front, and from rest by the paper's forces
+    assert calls["start"] == 2
     calls.clear()
     assert scored(sequence, force_n=(0.5, 40.0)).verdicts == ("rejected",)
     assert calls.total() == 0
