@@ -34,8 +34,6 @@ Array = NDArray[np.float64]
 LOST = "See why pins are lost: are the frames one press, in order?"
 LEAST_MOVED_PX = 0.5
 "Of the pin that moved farthest at first contact: less is the camera's noise."
-MOST_FOLLOWED = 48
-"Frames that a front is fitted to while the press goes on: a frame has to be answered before the next one comes."
 
 
 class PressScorer:
@@ -214,7 +212,7 @@ class PressScorer:
             self._check(skin.area)
         pins_px = np.array(self.pins_px[: len(frames)])
         front = contact_front(self._rest.centroids_px, pins_px, self._camera, self._worlds())
-        doubt, spread = self._front_spread(front, np.arange(len(frames)), force_n, force_zero_sd_n)
+        doubt, spread = self._front_spread(front, force_n, force_zero_sd_n)
         notes = (*self._notes_on(phase, frames), *(front.notes if by_front else ()))
         return Score(
             **of_skin, name=name, settings=self._settings,
@@ -275,38 +273,29 @@ class PressScorer:
         return SkinSpread(area, rate, skin_interval(rate, self._initial.relative_sd))
 
     def _front_spread(
-        self, front: ContactFront, frames: NDArray[np.intp], force_n: Array | None, force_zero_sd_n: float | None
+        self, front: ContactFront, force_n: Array | None, force_zero_sd_n: float | None, some: slice = slice(None)
     ) -> tuple[str, FrontSpread | None]:
-        """Why no area can be told from a front in some of the good frames, and its rate where it can."""
-        if doubt := front_doubt(front, [self.pins_px[frame] for frame in frames], self._camera):
+        """Why no area can be told from a front in the first good frames, and its rate where it can. some : of
+        ``front_doubt``."""
+        n = len(front.area)
+        if doubt := front_doubt(front, self.pins_px[:n], self._camera, some):
             return doubt, None
-        grown = np.concatenate([[0.0], np.cumsum([step.log_growth for step in self._steps])])
-        of_good = None if force_n is None else self._of_good(force_n)[frames]
-        return "", front_spread(front, np.diff(grown[frames]), of_good, self._rate_of, force_zero_sd_n)
+        grown = np.array([step.log_growth for step in self._steps[: n - 1]])
+        of_good = None if force_n is None else self._of_good(force_n)[:n]
+        return "", front_spread(front, grown, of_good, self._rate_of, force_zero_sd_n)
 
     def follow(self, force_n: Array) -> Array:
         """(T,) area of the good frames so far by the quantity of the settings, NaN where a front is not determined.
-
-        A front is fitted to no more than ``MOST_FOLLOWED`` of the frames, spread over the press; the others have NaN.
 
         force_n : (T,) of all frames since first contact, N. PinsError : fewer than seven pins in some frame.
         """
         if self._settings.quantity == "skin":
             return self.areas(force_n)
-        area = np.full(len(self.good), np.nan)
         if len(self.good) < FEWEST_FRAMES:  # so few tell no front
-            return area
-        frames = self._followed()
-        pins_px = [self.pins_px[frame] for frame in frames]
-        front = self._front_so_far.of(self._rest.centroids_px, np.array(pins_px))
-        if front_doubt(front, pins_px, self._camera, slice(-1, None)) == "":
-            area[frames] = np.where(front.determined, front.area, np.nan)
-        return area
-
-    def _followed(self) -> NDArray[np.intp]:
-        """Those of the good frames that the front is followed in; the last is one of them."""
-        last = len(self.good) - 1
-        return np.unique(np.linspace(0, last, min(last + 1, MOST_FOLLOWED)).round().astype(np.intp))
+            return np.full(len(self.good), np.nan)
+        front = self._front_so_far.of(self._rest.centroids_px, np.array(self.pins_px))
+        doubt = front_doubt(front, self.pins_px, self._camera, slice(-1, None))
+        return np.where(front.determined & (doubt == ""), front.area, np.nan)
 
     def so_far(self, force_n: Array) -> Spread | None:
         """What the quantity says after the last ``follow``; None where no rate is known yet. Forces of ``follow``."""
@@ -316,7 +305,7 @@ class PressScorer:
                 return Spread("skin", self.areas(force_n), rate, skin_interval(rate, self._initial.relative_sd), "")
             if (front := self._front_so_far.front) is None:
                 return None
-            doubt, spread = self._front_spread(front, self._followed(), force_n, None)
+            doubt, spread = self._front_spread(front, force_n, None, slice(-1, None))
         except FramesError:  # too few frames, or forces that have not risen
             return None
         return Spread("front", front.area, spread.rate, spread.interval, doubt) if spread else None
@@ -324,8 +313,7 @@ class PressScorer:
     def settle(self) -> None:
         """Work that ``so_far`` leaves for the time in which no frame waits."""
         if self._settings.quantity == "front" and len(self.good) > 1:
-            pins_px = np.array([self.pins_px[frame] for frame in self._followed()])
-            self._front_so_far.settle(self._rest.centroids_px, pins_px)
+            self._front_so_far.settle(self._rest.centroids_px, np.array(self.pins_px))
 
     def _contact(self) -> tuple[InitialArea, Region, tuple[str, ...]]:
         """A_c0, the region that growth is measured in, and notes.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,13 +10,14 @@ from numpy.typing import NDArray
 from casr.camera import Camera, undistorted
 from casr.contact_area.edge import ContactEdge, fit_edge
 from casr.contact_area.front import PARTS, ContactFront
-from casr.contact_area.front_fit import FrontFit
+from casr.contact_area.front_fit import HeldFit
 from casr.contact_area.library_front import (
     FREE_MISFIT,
     SD_PER_MISFIT,
+    HeldFront,
     as_a_whole,
+    found_fits,
     length_errors,
-    library_fits,
     library_front,
 )
 from casr.contact_area.motion import pin_motion
@@ -92,7 +92,7 @@ ELSEWHERE = 0.06
 """Misfit of the library from which on the analytic field is fitted, too. It is taken where it leaves over no more than
 a dome of the library does of its own presses (``FREE_MISFIT``): 0.3 to 1.5 % where skin stretches as it says, 4 to 23 %
 on every dome of finite elements, whose areas it has wrong by up to half."""
-MAY_FIND, MUST_FIND = 1.3, 4.0
+MAY_FIND, MUST_FIND = 2.0, 4.0
 """Times the frames from which centre and worlds were found last, from which on they are found again. After twice the
 frames areas by those found anew differ by 0.05 %."""
 EXPLAINED, MOST_SHARE = 0.05, 0.5
@@ -100,13 +100,13 @@ EXPLAINED, MOST_SHARE = 0.05, 0.5
 
 
 def contact_front(
-    rest_px: Array, pins_px: Array, camera: Camera | None, library: Library, fits: Sequence[FrontFit] | None = None
+    rest_px: Array, pins_px: Array, camera: Camera | None, library: Library, held: HeldFront | None = None
 ) -> ContactFront:
     """The contact in T frames: by the library of finite-element domes, or analytically where only that explains it.
 
     rest_px : (N, 2) pins at rest. pins_px : (T, N, 2) the same pins in contact; NaN where one is lost.
     camera : None leaves areas in px^2, and the size of the dome unknown.
-    fits : of ``library_fits`` for these frames; None finds them.
+    held : of the library, for these frames; None finds it.
     PinsError : fewer than seven pins in some frame, or fewer than two frames. CameraError : pins longer than can be.
     """
     rest_px, pins_px = np.asarray(rest_px, dtype=np.float64), np.asarray(pins_px, dtype=np.float64)
@@ -116,7 +116,7 @@ def contact_front(
             "contact front", wanted=f"{FEWEST_PINS} pins in every frame, and {FEWEST_FRAMES} frames",
             found=f"{fewest} pins, {len(pins_px)} frames", do="Leave out the frames without pins.",
         )  # fmt: skip
-    front = library_front(rest_px, pins_px, camera, library, fits)
+    front = held.front if held else library_front(rest_px, pins_px, camera, library)
     if front.misfit > ELSEWHERE:
         other = analytic_front(rest_px, pins_px, camera)
         front = _analytic(other, front) if other.misfit < FREE_MISFIT else front
@@ -131,7 +131,7 @@ class FrontSoFar:
 
     def __init__(self, camera: Camera | None, library: Library) -> None:
         self._camera, self._library = camera, library
-        self._fits: list[FrontFit] | None = None
+        self._fits: list[HeldFit] | None = None
         self._found_in = 0
         self.front: ContactFront | None = None
         "Of the last frames."
@@ -140,9 +140,9 @@ class FrontSoFar:
         """The contact in the T frames so far; arguments and errors of ``contact_front``."""
         if self._fits is None or len(pins_px) >= MUST_FIND * self._found_in:
             self._find(rest_px, pins_px, looks=2)
-        elif len(pins_px) >= FEWEST_FRAMES:
-            self._fits = library_fits(rest_px, pins_px, self._camera, self._library, like=self._fits)
-        self.front = contact_front(rest_px, pins_px, self._camera, self._library, self._fits)
+        elif len(pins_px) > len(self._held):
+            self._held.add(pins_px[len(self._held) :])
+        self.front = contact_front(rest_px, pins_px, self._camera, self._library, self._held)
         return self.front
 
     def settle(self, rest_px: Array, pins_px: Array) -> None:
@@ -152,7 +152,8 @@ class FrontSoFar:
             self._find(rest_px, pins_px, looks=1)
 
     def _find(self, rest_px: Array, pins_px: Array, looks: int) -> None:
-        self._fits = library_fits(rest_px, pins_px, self._camera, self._library, near=self._fits, looks=looks)
+        self._fits = found_fits(rest_px, pins_px, self._camera, self._library, near=self._fits, looks=looks)
+        self._held = HeldFront(rest_px, pins_px, self._camera, self._library, self._fits)
         self._found_in = len(pins_px)
 
 

@@ -9,7 +9,6 @@ area over force and its rate follow afterwards.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -60,47 +59,83 @@ class FrontFit:
     sheared: bool = False
 
 
+class HeldFit:
+    """Worlds about one centre in one view, held against the frames of a press as they come.
+
+    view, axis, sheared : as of ``FrontFit``. worlds : (K,) rows of the library. rest_px : (N, 2) at rest, without
+    distortion. radius_mm : (K, T) in the frames so far, in the order of the worlds.
+    """
+
+    def __init__(
+        self, view: DomeView, library: Library, rest_px: Array, axis: Array, worlds: Rows, *, sheared: bool = False
+    ) -> None:
+        self.view, self.axis, self.worlds, self.sheared, self._rest_px = view, axis, worlds, sheared, rest_px
+        none = np.empty((0, *rest_px.shape))
+        search = _Search(view, library, rest_px, none, np.empty(none.shape[:2], np.bool_), sheared=sheared)
+        self._held = _Held(search, axis[None], library.only(worlds))
+        self.radius_mm, self._cost, self._bend = (np.empty((len(worlds), 0)) for _ in range(3))
+        self._moved_px2, self._n_seen = 0.0, 0
+
+    def add(self, pins_px: Array) -> HeldFit:
+        """Fit further frames: (T, N, 2) places of pins in contact, NaN where one is lost. The same again."""
+        moved_px, seen = _moved(self._rest_px, pins_px)
+        new = (each[0] for each in self._held.fit(moved_px, seen))
+        old = self.radius_mm, self._cost, self._bend
+        self.radius_mm, self._cost, self._bend = (np.hstack(both) for both in zip(old, new, strict=True))
+        self._moved_px2 += float((moved_px**2).sum())
+        self._n_seen += int(seen.sum())
+        return self
+
+    @property
+    def best(self) -> tuple[float, int]:
+        """Squared motion that the best of the worlds leaves over, px^2, and which it is."""
+        misfit = self._cost.sum(axis=1)
+        return float(misfit.min()), int(np.argmin(misfit))
+
+    @property
+    def fit(self) -> FrontFit:
+        """Of the frames so far."""
+        misfit = self._cost.sum(axis=1)
+        order = np.argsort(misfit, kind="stable")
+        scatter = np.sqrt(2 * misfit[:, None] / (2 * max(self._n_seen, 1)) / self._bend) / self.radius_mm
+        return FrontFit(
+            self.view, self.worlds[order], self.axis, self.radius_mm[order], scatter[order], misfit[order],
+            self._moved_px2, self.sheared,
+        )  # fmt: skip
+
+    def seen_by(self, view: DomeView, library: Library) -> HeldFit:
+        """The best world about the same pin in another view, without frames."""
+        axis, best = _through(self.view.rest_px(self.axis), view), self.best[1]
+        return HeldFit(view, library, self._rest_px, axis, self.worlds[best : best + 1], sheared=self.sheared)
+
+
 def fit_front(
     view: DomeView,
     library: Library,
     rest_px: Array,
     pins_px: Array,
-    like: FrontFit | None = None,
-    near: FrontFit | None = None,
+    near: HeldFit | None = None,
     looks: int = 2,
     *,
     sheared: bool = False,
     free_pole: bool = False,
-) -> FrontFit:
-    """Fit the places of pins.
+) -> HeldFit:
+    """Find centre and worlds by the places of pins, and fit these frames.
 
     rest_px : (N, 2) at rest, without distortion. pins_px : (T, N, 2) in contact; NaN where a pin is lost.
-    like : take centre and worlds of this fit instead of finding them.
-    near : find them, and begin at centre and pole of this fit.
+    near : begin at centre and pole of this fit.
     looks : at all worlds, 1 or 2: one is half the work, and enough where the centre is nearly known.
     sheared : the contact may also be pulled along the surface, by any way in any direction in each frame.
     free_pole : the pole is found, too, drawn to that of the view with a standard error of ``POLE_SD_MM``.
     """
     moved_px, seen = _moved(rest_px, pins_px)
-    sheared = sheared or (like is not None and like.sheared)
-    search = _Search(view, library, rest_px, moved_px, seen, sheared=sheared)
-    if like is not None:
-        axis, worlds = _through(like.view.rest_px(like.axis), view), like.worlds
-    else:
-        some = np.unique(np.linspace(0, len(moved_px) - 1, _CHOICE_FRAMES).astype(np.intp))
-        begun, stated_px = search.of(some), np.array(view.pole_px) if free_pole else None
-        if near is not None:
-            begun = begun.seen_by(near.view)
-        view, axis, worlds = begun.chosen(None if near is None else near.axis, looks, stated_px)
-        search = search.seen_by(view)
-    radius, cost, bend = (each[0] for each in search.fit(axis[None], library.only(worlds)))
-    misfit = cost.sum(axis=1)
-    order = np.argsort(misfit, kind="stable")
-    freedom = 2 * max(int(seen.sum()), 1)
-    scatter = np.sqrt(2 * misfit[:, None] / freedom / bend) / radius
-    return FrontFit(
-        view, worlds[order], axis, radius[order], scatter[order], misfit[order], float((moved_px**2).sum()), sheared
-    )
+    some = np.unique(np.linspace(0, len(moved_px) - 1, _CHOICE_FRAMES).astype(np.intp))
+    begun = _Search(view, library, rest_px, moved_px[some], seen[some], sheared=sheared)
+    stated_px = np.array(view.pole_px) if free_pole else None
+    if near is not None:
+        begun = begun.seen_by(near.view)
+    view, axis, worlds = begun.chosen(None if near is None else near.axis, looks, stated_px)
+    return HeldFit(view, library, rest_px, axis, worlds, sheared=sheared).add(pins_px)
 
 
 def _moved(rest_px: Array, pins_px: Array) -> tuple[Array, Mask]:
@@ -120,18 +155,12 @@ class _Search:
     ) -> None:
         self._view, self._library, self._rest_px = view, library, rest_px
         self._directions = view.directions(rest_px)
-        self._moved_px, self._seen, self._sheared = moved_px, seen, sheared
+        self._moved_px, self._seen, self.sheared = moved_px, seen, sheared
         self._power = (moved_px**2).sum(axis=(1, 2))
-
-    def of(self, frames: Rows) -> _Search:
-        """The same press in fewer frames."""
-        return _Search(
-            self._view, self._library, self._rest_px, self._moved_px[frames], self._seen[frames], sheared=self._sheared
-        )
 
     def seen_by(self, view: DomeView) -> _Search:
         """The same press in another view."""
-        return _Search(view, self._library, self._rest_px, self._moved_px, self._seen, sheared=self._sheared)
+        return _Search(view, self._library, self._rest_px, self._moved_px, self._seen, sheared=self.sheared)
 
     def chosen(self, start: Array | None, looks: int, stated_px: Array | None) -> tuple[DomeView, Array, Rows]:
         """The view, (3,) direction of the contact's middle, and the worlds that explain the press best.
@@ -149,13 +178,13 @@ class _Search:
     def _misfit_of_all(self, axis: Array) -> Array32:
         """(W,) squared motion that each world of the coarse library leaves over, in single precision."""
         library = self._library.coarse
-        around, motion = self._motion(axis[None], library)
+        around, motion = self.motion(axis[None], library)
         moved = self._moved_px.reshape(len(self._moved_px), -1).astype(np.float32)
         full = power = self._power.astype(np.float32)[:, None, None]
         flat = motion.reshape(motion.shape[1], -1)  # (2 N, R W)
         shared, size = (each.reshape(-1, *motion.shape[2:]) for each in (moved @ flat, self._sizes(flat)))
-        if self._sheared:
-            along = self._along(around, library.radius_mm)[0].astype(np.float32)
+        if self.sheared:
+            along = self.along(around, library.radius_mm)[0].astype(np.float32)
             own, seen = along @ motion[0].transpose(1, 0, 2), along @ moved.T  # (R, 2, W), (R, 2, T)
             shared -= (seen.transpose(0, 2, 1) @ own).transpose(1, 0, 2)
             size = np.maximum(size - (own**2).sum(axis=1), 1e-6)
@@ -165,62 +194,23 @@ class _Search:
 
     def _sizes(self, flat: Array32) -> Array32:
         """(T or 1, K) squares of motions (2 N, K) without the common shift, of the pins seen in each frame."""
-        masks = np.array([pins for _, pins in self._alike], dtype=np.float32)
+        alike = _alike(self._seen)
+        masks = np.array([pins for _, pins in alike], dtype=np.float32)
         shifts = (masks @ flat[k::2] for k in range(2))
         count = np.maximum(masks.sum(axis=1, keepdims=True), 1)
         size = np.repeat(masks, 2, axis=1) @ flat**2 - sum(shift**2 for shift in shifts) / count
         if len(masks) == 1:
             return np.asarray(size)
         of_frame = np.empty(len(self._seen), dtype=np.intp)
-        for k, (frames, _) in enumerate(self._alike):
+        for k, (frames, _) in enumerate(alike):
             of_frame[frames] = k
         return np.asarray(size[of_frame])
 
     def fit(self, axes: Array, library: Library) -> tuple[Array, Array, Array]:
-        """(A, W, T) best radius in mm, least cost in px^2, and the cost's second derivative by the radius, about each
-        of the directions ``axes`` (A, 3) of the contact's middle.
+        """``_Held.fit`` of the frames of this press."""
+        return _Held(self, axes, library).fit(self._moved_px, self._seen)
 
-        In double precision: differences of single ones carry the processor's order of summation into the fifth digit
-        of an area. So ``library`` should hold a few worlds.
-        """
-        around, single = self._motion(axes, library)
-        motion = single.astype(np.float64)
-        along = self._along(around, library.radius_mm) if self._sheared else None
-        cost = np.empty((len(axes), len(self._seen), *motion.shape[2:]))
-        for frames, pins in self._alike:
-            cost[:, frames] = self._cost_of(motion, along, frames, pins)
-        place, least, bend = (each.transpose(0, 2, 1) for each in _least(cost, axis=2))
-        radius = library.radius_mm
-        step = radius[1] - radius[0]
-        return radius[0] + step * place, least, bend / step**2
-
-    @cached_property
-    def _alike(self) -> list[tuple[Rows, Mask]]:
-        """Frames in which the same pins are seen, and which these are."""
-        patterns, which = np.unique(self._seen, axis=0, return_inverse=True)
-        return [(np.flatnonzero(which.ravel() == k), pins) for k, pins in enumerate(patterns)]
-
-    def _cost_of(self, motion: Array, along: Array | None, frames: Rows, pins: Mask) -> Array:
-        """(A, T', R, W) cost in some frames, by the pins that are seen in them; motion : (A, 2 N, R, W)."""
-        n_axes, _, n_radii, n_worlds = motion.shape
-        of_pins = slice(None) if pins.all() else np.repeat(pins, 2)
-        moved = self._moved_px[frames].reshape(frames.size, -1)[:, of_pins]
-        power = full = self._power[frames][:, None, None]
-        rows = motion[:, of_pins].reshape(n_axes, -1, 2, n_radii, n_worlds)
-        rows = (rows - rows.mean(axis=1, keepdims=True)).reshape(n_axes, -1, n_radii * n_worlds)
-        shared = (moved @ rows).reshape(n_axes, -1, n_radii, n_worlds)
-        size = (rows**2).sum(axis=1).reshape(n_axes, 1, n_radii, n_worlds)
-        if along is not None:
-            pulled = along[..., of_pins]  # (A, R, 2, 2 N)
-            own = pulled @ rows.reshape(n_axes, -1, n_radii, n_worlds).transpose(0, 2, 1, 3)  # (A, R, 2, W)
-            seen = pulled @ moved.T
-            shared -= (seen.swapaxes(2, 3) @ own).transpose(0, 2, 1, 3)
-            size = np.maximum(size - (own**2).sum(axis=2)[:, None], 1e-6)
-            power = np.maximum(full - (seen**2).sum(axis=2).transpose(0, 2, 1)[..., None], 0.0)
-        cost: Array = _cost(shared, size, power, PULL * full)
-        return cost
-
-    def _motion(self, axes: Array, library: Library) -> tuple[PinsAroundAxis, Array32]:
+    def motion(self, axes: Array, library: Library) -> tuple[PinsAroundAxis, Array32]:
         """All pins about each of the axes (A, 3), and how they move by a library, (A, 2 N, R, W) of x, y, x, y."""
         directions = np.tile(self._directions, (len(axes), 1))
         around = self._view.around(directions, np.repeat(axes, len(self._directions), axis=0))
@@ -231,7 +221,7 @@ class _Search:
             moved[some] = around.of(some).moved_px(*library.motion_at(around.arc_mm[some]))
         return around, moved.reshape(len(axes), -1, *moved.shape[2:])
 
-    def _along(self, around: PinsAroundAxis, radius_mm: Array) -> Array:
+    def along(self, around: PinsAroundAxis, radius_mm: Array) -> Array:
         """(A, R, 2, 2 N) unit motions of pins, without the common shift, whose contact of each radius is pulled along
         the surface in either direction, as skin that sticks goes along (``share_pulled``)."""
         view, n_pins = self._view, len(self._rest_px)
@@ -305,8 +295,8 @@ class _Search:
         low = place.astype(np.intp)
         by_radius = motion[..., low + 1] - motion[..., low]
         columns = [motion[..., low] + (place - low) * by_radius, by_radius]
-        if self._sheared:
-            columns += list(self._along(around, radius_mm)[0].reshape(len(low), 2, -1, 2).transpose(1, 2, 3, 0))
+        if self.sheared:
+            columns += list(self.along(around, radius_mm)[0].reshape(len(low), 2, -1, 2).transpose(1, 2, 3, 0))
         seen = self._seen[..., None, None]
         basis = np.array(columns).transpose(3, 1, 2, 0)  # (T, N, 2, C)
         basis = seen * (basis - (seen * basis).sum(axis=1, keepdims=True) / seen.sum(axis=1, keepdims=True))
@@ -317,6 +307,68 @@ class _Search:
         moved = np.concatenate([self._moved_px.reshape(len(low), -1), drawn], axis=1)[..., None]
         own = np.linalg.qr(basis)[0]
         return np.asarray((moved - own @ (own.transpose(0, 2, 1) @ moved)).ravel())
+
+
+class _Held:
+    """Pins about centres (A, 3) by the worlds of a library, once for all frames.
+
+    In double precision: differences of single ones carry the processor's order of summation into the fifth digit of an
+    area. So ``library`` should hold a few worlds.
+    """
+
+    def __init__(self, search: _Search, axes: Array, library: Library) -> None:
+        around, single = search.motion(axes, library)
+        self._motion, self._radius_mm = single.astype(np.float64), library.radius_mm
+        self._along = search.along(around, library.radius_mm) if search.sheared else None
+        self._pins: Mask = np.empty(0, np.bool_)
+
+    def fit(self, moved_px: Array, seen: Mask) -> tuple[Array, Array, Array]:
+        """(A, W, T) best radius in mm, least cost in px^2, and the cost's second derivative by the radius, in T frames
+        of ``_moved``."""
+        cost = np.empty((len(self._motion), len(seen), *self._motion.shape[2:]))
+        for frames, pins in _alike(seen):
+            self._look_at(pins)
+            cost[:, frames] = self._cost_of(moved_px[frames])
+        place, least, bend = (each.transpose(0, 2, 1) for each in _least(cost, axis=2))
+        step = self._radius_mm[1] - self._radius_mm[0]
+        return self._radius_mm[0] + step * place, least, bend / step**2
+
+    def _look_at(self, pins: Mask) -> None:
+        """What is alike in all frames in which these pins are seen: as a rule those of the frame before."""
+        if np.array_equal(pins, self._pins):
+            return
+        self._pins = pins
+        n_axes, _, n_radii, n_worlds = self._motion.shape
+        self._of_pins = slice(None) if pins.all() else np.repeat(pins, 2)
+        rows = self._motion[:, self._of_pins].reshape(n_axes, -1, 2, n_radii, n_worlds)
+        self._rows = (rows - rows.mean(axis=1, keepdims=True)).reshape(n_axes, -1, n_radii * n_worlds)
+        self._size = (self._rows**2).sum(axis=1).reshape(n_axes, 1, n_radii, n_worlds)
+        if self._along is not None:
+            self._pulled = self._along[..., self._of_pins]  # (A, R, 2, 2 N)
+            by_radius = self._rows.reshape(n_axes, -1, n_radii, n_worlds).transpose(0, 2, 1, 3)
+            self._own = self._pulled @ by_radius  # (A, R, 2, W)
+            self._size = np.maximum(self._size - (self._own**2).sum(axis=2)[:, None], 1e-6)
+
+    def _cost_of(self, moved_px: Array) -> Array:
+        """(A, T', R, W) cost in frames in which the pins are seen that were looked at."""
+        n_axes, _, n_radii, n_worlds = self._motion.shape
+        full = power = (moved_px**2).sum(axis=(1, 2))[:, None, None]
+        moved = moved_px.reshape(len(moved_px), -1)[:, self._of_pins]
+        shared = (moved @ self._rows).reshape(n_axes, -1, n_radii, n_worlds)
+        if self._along is not None:
+            seen = self._pulled @ moved.T
+            shared -= (seen.swapaxes(2, 3) @ self._own).transpose(0, 2, 1, 3)
+            power = np.maximum(full - (seen**2).sum(axis=2).transpose(0, 2, 1)[..., None], 0.0)
+        cost: Array = _cost(shared, self._size, power, PULL * full)
+        return cost
+
+
+def _alike(seen: Mask) -> list[tuple[Rows, Mask]]:
+    """Frames of (T, N) pins seen in which the same pins are seen, and which these are."""
+    if seen.all():
+        return [(np.arange(len(seen)), seen[0])]
+    patterns, which = np.unique(seen, axis=0, return_inverse=True)
+    return [(np.flatnonzero(which.ravel() == k), pins) for k, pins in enumerate(patterns)]
 
 
 def _through(at_px: Array, view: DomeView) -> Array:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from casr.camera import Camera, distorted, undistorted
 from casr.contact_area.front import LEAST_PINS, ContactFront
-from casr.contact_area.front_fit import POLE_SD_MM, FrontFit, fit_front
+from casr.contact_area.front_fit import POLE_SD_MM, FrontFit, HeldFit, fit_front
 from casr.dome.library import Library, tables_of, worlds
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView
 from casr.errors import CameraError
@@ -22,12 +21,12 @@ _OUTLINE = 90
 
 
 class FrontEdge:
-    """The edge by the best world, against the pins."""
+    """The edge by the best world in the last frames, so many, against the pins."""
 
-    def __init__(self, fit: FrontFit, library: Library, rest_px: Array) -> None:
+    def __init__(self, fit: FrontFit, library: Library, rest_px: Array, n_frames: int) -> None:
         self._fit, self._library = fit, library
         view, world = fit.view, int(fit.worlds[0])
-        self._radius_mm = fit.radius_mm[0]
+        self._radius_mm = fit.radius_mm[0, -n_frames:]
         outer_arc_mm = np.interp(self._radius_mm, library.radius_mm, library.edge_arc_mm[world])
         self._arc_mm = outer_arc_mm * INNER_RADIUS_MM / OUTER_RADIUS_MM
         directions = view.directions(rest_px)
@@ -103,31 +102,40 @@ _UNKNOWN_DEPTH_MM = 50.0
 _KEPT = 24
 
 
-def library_fits(
+def found_fits(
     rest_px: Array,
     pins_px: Array,
     camera: Camera | None,
     library: Library,
-    like: Sequence[FrontFit] | None = None,
-    near: Sequence[FrontFit] | None = None,
+    near: Sequence[HeldFit] | None = None,
     looks: int = 2,
-) -> list[FrontFit]:
-    """The worlds that explain T frames best, for each of the sensors that it may be.
+) -> list[HeldFit]:
+    """The worlds that explain T frames best, for each of the sensors that it may be, pulled along the surface or not.
 
-    rest_px, pins_px, camera : of ``library_front``.
-    like : earlier fits of the same press, whose centres and worlds are taken: a twentieth of the work.
-    near : earlier fits of the same press, from whose centres new ones and their worlds are found.
-    looks : of ``fit_front``.
+    rest_px, pins_px, camera : of ``library_front``. near : earlier fits of the same press, from whose centres new ones
+    and their worlds are found. looks : of ``fit_front``.
     """
     flat_rest, flat_pins = undistorted(rest_px, camera), undistorted(pins_px, camera)
-    if like is not None:
-        return [fit_front(fit.view, library, flat_rest, flat_pins, like=fit) for fit in like]
     views, free = _views(flat_rest, camera)[0], camera is not None
-    begun: Sequence[FrontFit | None] = near or [None] * len(views)
-    return [
-        fit_front(view, library, flat_rest, flat_pins, near=fit, looks=looks, free_pole=free)
-        for view, fit in zip(views, begun, strict=True)
-    ]
+
+    def found(begun: Sequence[HeldFit | None], looks: int, **how: bool) -> list[HeldFit]:
+        return [
+            fit_front(view, library, flat_rest, flat_pins, near=fit, looks=looks, free_pole=free, **how)
+            for view, fit in zip(views, begun, strict=True)
+        ]
+
+    fits = found(near or [None] * len(views), looks)
+    if _misfit(_best(fits).fit, flat_pins) > SHEARED_MISFIT:
+        sheared = found(fits, 1, sheared=True)
+        pulled = _best(sheared)
+        still = fit_front(pulled.view, library, flat_rest, flat_pins, near=pulled, looks=1)
+        if _misfit(pulled.fit, flat_pins) < _misfit(still.fit, flat_pins) / 2:
+            return sheared
+    return fits
+
+
+def _best(fits: Sequence[HeldFit]) -> HeldFit:
+    return min(fits, key=lambda each: each.best)
 
 
 def length_errors(camera: Camera | None) -> tuple[float, float]:
@@ -140,74 +148,99 @@ def length_errors(camera: Camera | None) -> tuple[float, float]:
     return pin_sd_mm, depth_sd
 
 
-def library_front(
-    rest_px: Array, pins_px: Array, camera: Camera | None, library: Library, fits: Sequence[FrontFit] | None = None
-) -> ContactFront:
+def library_front(rest_px: Array, pins_px: Array, camera: Camera | None, library: Library) -> ContactFront:
     """The contact in T frames.
 
     rest_px : (N, 2) pins at rest. pins_px : (T, N, 2) the same pins in contact; NaN where one is lost.
     camera : None leaves areas in px^2, and the size of the dome unknown.
-    fits : of ``library_fits`` for these frames; None finds them.
     """
-    flat_rest, flat_pins = undistorted(rest_px, camera), undistorted(pins_px, camera)
-    views, said = _views(flat_rest, camera)
-    fits = library_fits(rest_px, pins_px, camera, library) if fits is None else fits
-    best = min(fits, key=lambda fit: fit.misfit_px2[0])
-    if _misfit(best, flat_pins) > SHEARED_MISFIT:
-        sheared = [
-            fit_front(
-                view, library, flat_rest, flat_pins, near=fit, looks=1, sheared=True, free_pole=camera is not None
-            )
-            for view, fit in zip(views, fits, strict=True)
+    fits = found_fits(rest_px, pins_px, camera, library)
+    return HeldFront(rest_px, pins_px, camera, library, fits).front
+
+
+class HeldFront:
+    """The front of a press by centres and worlds that stay, in the frames as they come.
+
+    rest_px, pins_px, camera : of ``library_front``. fits : of ``found_fits`` for these frames.
+    """
+
+    def __init__(
+        self, rest_px: Array, pins_px: Array, camera: Camera | None, library: Library, fits: Sequence[HeldFit]
+    ) -> None:
+        self._camera, self._library, self._fits = camera, library, fits
+        self._rest_px, self._pins_px = undistorted(rest_px, camera), np.empty((0, *rest_px.shape))
+        self._views, self._said = _views(self._rest_px, camera)
+        self._whose = _best(fits)
+        self._world = self._whose.best[1]
+        view, (pin_sd_mm, depth_sd) = self._whose.view, length_errors(camera)
+        other = {} if camera is None else {
+            "pin length": replace(view, pin_length_mm=view.pin_length_mm + pin_sd_mm / dome_scale(camera)),
+            "depth": replace(view, depth_mm=view.depth_mm * (1 + depth_sd)),
+        }  # fmt: skip
+        self._other = {name: self._whose.seen_by(each, library) for name, each in other.items()}
+        self._edges: list[tuple[Array, ...]] = []
+        self._extend(undistorted(pins_px, camera))
+
+    def __len__(self) -> int:
+        return len(self._pins_px)
+
+    def add(self, pins_px: Array) -> None:
+        """Further frames."""
+        flat_pins = undistorted(pins_px, self._camera)
+        for fit in self._fits:
+            fit.add(flat_pins)
+        self._extend(flat_pins)
+
+    def _extend(self, flat_pins: Array) -> None:
+        for fit in self._other.values():
+            fit.add(flat_pins)
+        edge = FrontEdge(_best(self._fits).fit, self._library, self._rest_px, len(flat_pins))
+        outline_px = distorted(edge.outline_px(), self._camera)
+        whole = as_a_whole(self._rest_px, flat_pins, edge.inside)
+        self._edges.append((outline_px, edge.inside, edge.pins_inside, edge.pitches, *whole))
+        self._pins_px = np.concatenate([self._pins_px, flat_pins])
+
+    @property
+    def front(self) -> ContactFront:
+        """In all frames."""
+        camera, library, every_fit = self._camera, self._library, [each.fit for each in self._fits]
+        best = min(every_fit, key=lambda fit: fit.misfit_px2[0])
+        every = ((misfit, fit, row) for fit in every_fit for row, misfit in enumerate(fit.misfit_px2.tolist()))
+        ranked = sorted(every, key=lambda each: each[0])[:_KEPT]
+        # what one mm^2 of the dome of 20 mm is in the unit of areas
+        unit = [
+            fit.view.focal_px[0] * fit.view.focal_px[1] / fit.view.depth_mm**2
+            if camera is None
+            else dome_scale(camera) ** 2
+            for _, fit, _ in ranked
         ]
-        pulled = min(sheared, key=lambda fit: fit.misfit_px2[0])
-        still = fit_front(pulled.view, library, flat_rest, flat_pins, near=pulled, looks=1)
-        if _misfit(pulled, flat_pins) < _misfit(still, flat_pins) / 2:
-            fits, best = sheared, pulled
-    every = ((misfit, fit, row) for fit in fits for row, misfit in enumerate(fit.misfit_px2.tolist()))
-    ranked = sorted(every, key=lambda each: each[0])[:_KEPT]
-    # what one mm^2 of the dome of 20 mm is in the unit of areas
-    unit = [
-        fit.view.focal_px[0] * fit.view.focal_px[1] / fit.view.depth_mm**2
-        if camera is None
-        else dome_scale(camera) ** 2
-        for _, fit, _ in ranked
-    ]
-    candidates = np.pi * np.array([fit.radius_mm[row] for _, fit, row in ranked]) ** 2 * np.array(unit)[:, None]
-    log_misfit = np.log([misfit for misfit, _, _ in ranked])
-    weight, spread_weight = (_softmax(-power * log_misfit) for power in (SHARPNESS, SPREAD_SHARPNESS))
-    log_area = np.log(candidates)
-    area = np.exp(weight @ log_area)
-    misfit, usual = _misfit(best, flat_pins), PULLED_FREE_MISFIT if best.sheared else FREE_MISFIT
-    length, (pin_sd_mm, depth_sd) = len(area), length_errors(camera)
-
-    def moved(**of_view: Any) -> Array:
-        """(T,) change of ln area when a length of the view is another one."""
-        if camera is None:
-            return np.zeros(length)
-        view, one = replace(best.view, **of_view), replace(best, worlds=best.worlds[:1])
-        radius_mm = fit_front(view, library, flat_rest, flat_pins, like=one).radius_mm[0]
-        return np.asarray(2 * np.log(radius_mm / best.radius_mm[0]))
-
-    parts = {
-        "pins": 2 * best.scatter[0],
-        # radii differ by s, areas by 2 s: the logarithms of areas are compared here, twice their spread as for radii
-        "dome": np.hypot(2 * np.sqrt(spread_weight @ (log_area - np.log(area)) ** 2), DOME_SD),
-        "misfit": np.full(length, SD_PER_MISFIT * max(misfit - usual, 0.0)),
-        "pin length": moved(pin_length_mm=best.view.pin_length_mm + pin_sd_mm / dome_scale(camera)),
-        "depth": moved(depth_mm=best.view.depth_mm * (1 + depth_sd)),
-    }
-    edge = FrontEdge(best, library, flat_rest)
-    shear, torsion = as_a_whole(flat_rest, flat_pins, edge.inside)
-    return ContactFront(
-        area=area, candidates=candidates, weight=weight, spread_weight=spread_weight, parts=parts,
-        centre_px=distorted(best.view.rest_px(best.axis[None]), camera)[0],
-        edge_px=distorted(edge.outline_px(), camera), inside=edge.inside, pins_inside=edge.pins_inside,
-        pitches=edge.pitches, misfit=misfit, off_library=misfit, usual_misfit=usual,
-        model="finite elements", model_sd=DOME_SD, dome=str(library.dome[best.worlds[0]]),
-        stiffness_n_per_mm=float(library.stiffness_n_per_mm[best.worlds[0]]), log_misfit=_by_dome(ranked, library),
-        shear_px=shear, torsion_deg=torsion, notes=(*said, *_notes(misfit, usual, best, library, views[0].pole_px)),
-    )  # fmt: skip
+        candidates = np.pi * np.array([fit.radius_mm[row] for _, fit, row in ranked]) ** 2 * np.array(unit)[:, None]
+        log_misfit = np.log([misfit for misfit, _, _ in ranked])
+        weight, spread_weight = (_softmax(-power * log_misfit) for power in (SHARPNESS, SPREAD_SHARPNESS))
+        log_area = np.log(candidates)
+        area = np.exp(weight @ log_area)
+        misfit = _misfit(best, self._pins_px)
+        usual, length = PULLED_FREE_MISFIT if best.sheared else FREE_MISFIT, len(area)
+        held_mm = self._whose.radius_mm[self._world]
+        parts = {
+            "pins": 2 * best.scatter[0],
+            # radii differ by s, areas by 2 s: logarithms of areas are compared here, twice their spread as for radii
+            "dome": np.hypot(2 * np.sqrt(spread_weight @ (log_area - np.log(area)) ** 2), DOME_SD),
+            "misfit": np.full(length, SD_PER_MISFIT * max(misfit - usual, 0.0)),
+            "pin length": np.zeros(length), "depth": np.zeros(length),
+            **{name: 2 * np.log(fit.radius_mm[0] / held_mm) for name, fit in self._other.items()},
+        }  # fmt: skip
+        edge_px, inside, pins_inside, pitches, shear, torsion = map(np.concatenate, zip(*self._edges, strict=True))
+        return ContactFront(
+            area=area, candidates=candidates, weight=weight, spread_weight=spread_weight, parts=parts,
+            centre_px=distorted(best.view.rest_px(best.axis[None]), camera)[0],
+            edge_px=edge_px, inside=inside, pins_inside=pins_inside, pitches=pitches, misfit=misfit,
+            off_library=misfit, usual_misfit=usual,
+            model="finite elements", model_sd=DOME_SD, dome=str(library.dome[best.worlds[0]]),
+            stiffness_n_per_mm=float(library.stiffness_n_per_mm[best.worlds[0]]), log_misfit=_by_dome(ranked, library),
+            shear_px=shear, torsion_deg=torsion,
+            notes=(*self._said, *_notes(misfit, usual, best, library, self._views[0].pole_px)),
+        )  # fmt: skip
 
 
 def _views(rest_px: Array, camera: Camera | None) -> tuple[list[DomeView], tuple[str, ...]]:

@@ -15,7 +15,8 @@ from casr.camera import Camera, Sensor
 from casr.contact_area import follow
 from casr.contact_area.follow import contact_front
 from casr.contact_area.front import PARTS, ContactFront
-from casr.contact_area.library_front import FREE_MISFIT, length_errors, library_front
+from casr.contact_area.front_fit import HeldFit
+from casr.contact_area.library_front import FREE_MISFIT, HeldFront, found_fits, length_errors, library_front
 from casr.dome.library import SHIPPED, Library, worlds
 from casr.errors import CameraError, PinsError
 from casr.front_spread import FORCE_ZERO_SD_N, front_doubt, front_spread
@@ -330,21 +331,56 @@ def test_the_error_of_the_ratio_holds_what_the_length_of_the_pins_changes_over_t
 def test_a_press_that_goes_on_keeps_its_worlds_until_it_has_four_times_the_frames(monkeypatch) -> None:
     asked: list[tuple[int, str]] = []
 
-    def fits(rest_px: Array, pins_px: Array, camera: object, library: object, **how: object) -> list[str]:
-        asked.append((len(pins_px), "kept" if how.get("like") else f"found by {how['looks']} looks"))
+    class Held:
+        front = replace(front_of(pressed(TabulatedWorld())), misfit=0.0)
+
+        def __init__(self, rest_px: Array, pins_px: Array, *_: object) -> None:
+            self.n_frames = len(pins_px)
+
+        def __len__(self) -> int:
+            return self.n_frames
+
+        def add(self, pins_px: Array) -> None:
+            asked.append((len(pins_px), "added"))
+            self.n_frames += len(pins_px)
+
+    def fits(rest_px: Array, pins_px: Array, *_: object, near: object, looks: int) -> list[str]:
+        asked.append((len(pins_px), f"found by {looks} looks"))
         return ["fits"]
 
-    monkeypatch.setattr(follow, "library_fits", fits)
-    monkeypatch.setattr(follow, "contact_front", lambda rest_px, pins_px, *_: len(pins_px))
+    monkeypatch.setattr(follow, "found_fits", fits)
+    monkeypatch.setattr(follow, "HeldFront", Held)
     so_far, rest_px = follow.FrontSoFar(None, worlds()), np.zeros((9, 2))
-    for n in (1, 2, 3, 4, 15, 16):
-        assert so_far.of(rest_px, np.zeros((n, 9, 2))) == so_far.front == n
-    so_far.settle(rest_px, np.zeros((20, 9, 2)))
-    so_far.settle(rest_px, np.zeros((21, 9, 2)))
+    for n in (2, 3, 5, 5, 8, 31):
+        so_far.of(rest_px, np.zeros((n, 9, 2)))
+    so_far.settle(rest_px, np.zeros((15, 9, 2)))
+    so_far.settle(rest_px, np.zeros((16, 9, 2)))
+    so_far.of(rest_px, np.zeros((17, 9, 2)))
     assert asked == [
-        (1, "found by 2 looks"), (2, "kept"), (3, "kept"), (4, "found by 2 looks"), (15, "kept"),
-        (16, "found by 2 looks"), (21, "found by 1 looks"),
+        (2, "found by 2 looks"), (1, "added"), (2, "added"), (8, "found by 2 looks"), (23, "added"),
+        (16, "found by 1 looks"), (1, "added"),
     ]  # fmt: skip
+
+
+def test_frames_that_come_one_by_one_have_the_front_of_all_at_once() -> None:
+    """About the centre and by the worlds that were found in the same frames; pins that are lost for a while return."""
+    press = pressed(TabulatedWorld(), 3.35, 30.0)
+    pins_px = press.pins_px.copy()
+    pins_px[5:9, [3, 40]] = np.nan
+    fits = [found_fits(press.rest_px, pins_px, CAMERA, worlds()) for _ in range(2)]
+    at_once = HeldFront(press.rest_px, pins_px, CAMERA, worlds(), fits[0])
+    again = [HeldFit(f.view, worlds(), press.rest_px, f.axis, f.worlds, sheared=f.sheared) for f in fits[1]]
+    for fit in again:
+        fit.add(pins_px[:4])
+    one_by_one = HeldFront(press.rest_px, pins_px[:4], CAMERA, worlds(), again)
+    for frame in range(4, len(pins_px)):
+        one_by_one.add(pins_px[frame : frame + 1])
+    assert len(one_by_one) == len(pins_px)
+    for name in ("area", "candidates", "weight", "misfit"):
+        np.testing.assert_allclose(getattr(one_by_one.front, name), getattr(at_once.front, name), rtol=1e-9)
+    for name in ("pitches", "pins_inside"):
+        # edges are those of the world that was best when their frames came
+        np.testing.assert_allclose(getattr(one_by_one.front, name)[8:], getattr(at_once.front, name)[8:], rtol=0.02)
 
 
 def test_without_forces_there_is_a_ratio_and_no_rate() -> None:
