@@ -94,6 +94,20 @@ class SessionAbout:
 
 
 @dataclass(frozen=True, kw_only=True)
+class FormColumn:
+    """A column of participants.tsv that is filled in before a session: a number in a range, or one of some words."""
+
+    description: Text
+    "What is asked; it describes the column in participants.json."
+    range: tuple[float, float] | None = None
+    "Smallest and largest number."
+    unit: str = ""
+    "Of the number."
+    levels: dict[str, Text] = field(default_factory=dict)
+    "Word to its meaning."
+
+
+@dataclass(frozen=True, kw_only=True)
 class SessionLimits:
     """How well a press must be done, beside what [window] asks of every recording: what only a live session knows.
 
@@ -130,8 +144,12 @@ class SessionSettings:
     "Source of the force."
     repetitions: Annotated[int, Ge(1), Le(1000)] = 10
     "Presses of each specimen."
-    order: Literal["blocked", "interleaved", "listed"] = "blocked"
-    "blocked: specimens in random order, all presses of one in a row; interleaved: at random; listed: as listed."
+    order: Literal["blocked", "interleaved", "listed", "latin-square", "williams"] = "blocked"
+    """blocked: specimens in random order, all presses of one in a row; interleaved: at random, press by press. Else all
+    presses of one in a row: listed: as listed; latin-square, williams: participants take the rows of a design in turn,
+    the next row at each further visit. Williams: each specimen follows each other one equally often."""
+    orders: dict[str, tuple[Text, ...]] = field(default_factory=dict)
+    "order = listed: participant to the specimens in order; omitted: as [[specimens]] lists them, for all."
     seed: Annotated[int, Ge(0)] = 1
     "Of the order, with the study's name and the participant's code."
     training_specimens: tuple[Text, ...] = ()
@@ -176,6 +194,8 @@ class SessionSettings:
     "true: the operator confirms the first item of the checklist before every press (the paper: arm support)."
     limits: SessionLimits = field(default_factory=SessionLimits)
     "How well a press must be done."
+    form: dict[str, FormColumn] = field(default_factory=dict)
+    "Columns of participants.tsv that are filled in before the session (emg2vsa session form)."
     about: SessionAbout = field(default_factory=SessionAbout)
     "What no device says, for the data set."
     texts: SessionTexts = field(default_factory=SessionTexts)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
+from emg2vsa.errors import SettingError
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.settings import (
     ChannelSettings,
@@ -66,20 +67,22 @@ class Specimen:
 class RecordingPart:
     """One continuous recording: its files and the channels in them.
 
-    force_file : None where force and EMG are in one file. fault : why its files are ambiguous, or "".
+    force_file : None where force and EMG are in one file. fault : why its files are ambiguous, or "". visit : its
+    label, "" where participants come once.
     """
 
     emg_file: Path
     force_file: Path | None
     channels: ChannelSettings
     fault: str = ""
+    visit: str = ""
 
 
 @dataclass(frozen=True)
 class RecordingEntry:
     """What one participant pressed on one specimen, with the settings that hold for it: mostly one recording.
 
-    further : recordings whose presses follow those of the first, in this order.
+    further : recordings whose presses follow those of the first, in this order. visit : of the first.
     """
 
     participant: str
@@ -93,6 +96,7 @@ class RecordingEntry:
     further: tuple[RecordingPart, ...] = ()
     mvc_files: tuple[Path, ...] = ()
     "Recordings of the participant's maximum voluntary contractions."
+    visit: str = ""
 
     @property
     def key(self) -> str:
@@ -101,7 +105,13 @@ class RecordingEntry:
     @property
     def parts(self) -> tuple[RecordingPart, ...]:
         """All recordings of it, in the order of their presses."""
-        return (RecordingPart(self.emg_file, self.force_file, self.channels, self.fault), *self.further)
+        return (RecordingPart(self.emg_file, self.force_file, self.channels, self.fault, self.visit), *self.further)
+
+    @property
+    def wanted_presses(self) -> int | None:
+        """Of all its visits; None where the study does not say."""
+        of_visit = self.window.expected_trials
+        return of_visit and of_visit * len({part.visit for part in self.parts})
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -189,6 +199,20 @@ class Study(StageSettings):
     "The registration that the study is compared with; None: it is not registered."
     task: str = ""
     "BIDS label of the task; a layout that is not BIDS has none."
+    visits: tuple[str, ...] = ()
+    "Labels of the visits of each participant, in order; empty where each comes once."
+    visit: str = ""
+    "The visit that a session is of; see `at_visit`."
+
+    def at_visit(self, visit: str | None) -> Study:
+        """The study for a session at one of its visits. SettingError for none of them, or one too many."""
+        if visit is None and not self.visits:
+            return self
+        if visit in self.visits:
+            return replace(self, visit=visit)
+        wanted = f"one of {', '.join(self.visits)}" if self.visits else "no visit, for participants come once"
+        do = "Choose one of them." if self.visits else f'Add visits = ["1", "2"] to [recordings] of {self.path}.'
+        raise SettingError(f"--visit {visit or ''}".strip(), wanted=wanted, found=visit or "none", do=do)
 
     def __repr__(self) -> str:
         counts = (

@@ -237,8 +237,8 @@ def _inner(definitions: dict[str, Any], name: str, at: str) -> list[str]:
         targets = _targets(described)
         if not targets:
             continue
-        free = ".<muscle>" if isinstance(described.get("additionalProperties"), dict) else ""
-        path = f"{at}.{key}{free}"
+        free = f".<{'column' if key == 'form' else 'muscle'}>"
+        path = f"{at}.{key}{free if isinstance(described.get('additionalProperties'), dict) else ''}"
         lines += ["", f"### `{_heading(path, described.get('type') == 'array')}`", "", described["description"]]
         if at.startswith("recordings.files"):
             continue

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,8 +10,9 @@ from typing import Literal
 
 from casr.atomic import write_text_atomic
 from emg2vsa import __version__
-from emg2vsa.bids.names import EVENTS_SIDECAR, RecordingName
+from emg2vsa.bids.names import EVENTS_SIDECAR, RecordingName, visit_folder
 from emg2vsa.bids.tables import Column, Json, described, merge_tsv, write_json
+from emg2vsa.errors import DataError
 
 BIDS_VERSION = "1.11.1"
 _DESCRIPTION, _README = "dataset_description.json", "README.md"
@@ -65,14 +67,38 @@ def write_dataset(root: Path, dataset: DataSet, *, keep: bool = False) -> None:
         write_json(root / f"task-{task}{EVENTS_SIDECAR}", columns)
 
 
-def write_scans(root: Path, participant: str, began: Mapping[RecordingName, str], *, keep: bool = False) -> None:
-    """The recordings of a participant, and when each began, in time order.
+def write_person(root: Path, participant: str, columns: Mapping[str, Column], cells: Mapping[str, str]) -> None:
+    """What is told of a participant, by column, into the tables of people; whatever else they hold stays.
 
-    keep : others stay whose files are there. DataError : the table that is to be kept cannot be read.
+    DataError : one of the two files that are there cannot be read.
     """
-    folder = root / f"sub-{participant}"
+    path = root / "participants.json"
+    try:
+        before = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+        told = described({_PERSON: Column("Code of the participant.")}) | before | described(columns)
+    except (OSError, ValueError, TypeError) as error:
+        raise DataError(
+            path, wanted="a JSON object", found=str(error), do="Correct the file, or move it away."
+        ) from error
+    merge_tsv(root / _PEOPLE, (_PERSON, *cells), [(f"sub-{participant}", *cells.values())], lambda row: True)
+    write_json(path, told)
+
+
+def write_scans(
+    root: Path, participant: str, began: Mapping[RecordingName, str], *, keep: bool = False, visit: str = ""
+) -> None:
+    """The recordings of a participant, or of a visit, and when each began, in time order; and when the visit did.
+
+    keep : others stay whose files are there. DataError : a table that is to be kept cannot be read.
+    """
+    person, folder = root / f"sub-{participant}", visit_folder(root, participant, visit)
     rows = sorted(
         ((name.path(root).relative_to(folder).as_posix(), at) for name, at in began.items()), key=lambda row: row[1]
     )
     stays = (lambda file: (folder / file).exists()) if keep else None
-    merge_tsv(folder / f"{folder.name}_scans.tsv", ("filename", "acq_time"), rows, stays)
+    stem = "_".join(path.name for path in dict.fromkeys((person, folder)))
+    merge_tsv(folder / f"{stem}_scans.tsv", ("filename", "acq_time"), rows, stays)
+    if visit and rows:
+        others = (lambda name: (person / name).is_dir()) if keep else None
+        table = person / f"{person.name}_sessions.tsv"
+        merge_tsv(table, ("session_id", "acq_time"), [(folder.name, rows[0][1])], others)

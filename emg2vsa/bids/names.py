@@ -21,23 +21,32 @@ def is_label(text: str) -> bool:
 
 @dataclass(frozen=True)
 class RecordingName:
-    """Labels of a recording. run : its number among several of one specimen. part : of those that make up one."""
+    """Labels of a recording. run : its number among several of one specimen. part : of those that make up one.
+
+    visit : of the participant ("session" in BIDS), "" where each comes once.
+    """
 
     participant: str
     task: str
     specimen: str = ""
     run: int | None = None
     part: str = ""
+    visit: str = ""
 
     @property
     def stem(self) -> str:
-        labels = (self.participant, self.task, self.specimen, self.run, self.part)
-        given = zip(("sub", "task", "acq", "run", "recording"), labels, strict=True)
+        labels = (self.participant, self.visit, self.task, self.specimen, self.run, self.part)
+        given = zip(("sub", "ses", "task", "acq", "run", "recording"), labels, strict=True)
         return "_".join(f"{entity}-{label}" for entity, label in given if label)
 
     def path(self, root: Path) -> Path:
         """The data file in the data set ``root``."""
-        return root / f"sub-{self.participant}" / "emg" / f"{self.stem}{DATA}"
+        return visit_folder(root, self.participant, self.visit) / "emg" / f"{self.stem}{DATA}"
+
+
+def visit_folder(root: Path, participant: str, visit: str) -> Path:
+    """What ``root`` has of a participant, or of one of several visits."""
+    return root / f"sub-{participant}" / (f"ses-{visit}" if visit else "")
 
 
 def beside(data: Path, ending: str) -> Path:

@@ -46,7 +46,8 @@ def write_tsv(path: Path, columns: Iterable[str], rows: Iterable[Sequence[object
 def merge_tsv(
     path: Path, columns: Sequence[str], new: Iterable[Sequence[str]], stays: Callable[[str], bool] | None
 ) -> None:
-    """A table with ``new`` rows by their first cell, beside those of the file that stay, with what else they have.
+    """A table with ``new`` rows by their first cell, beside those of the file that stay, with what else they have;
+    columns that the file lacks come last.
 
     stays : by their first cell; None: no row does. DataError : the file is no such table.
     """
@@ -60,13 +61,14 @@ def merge_tsv(
                 path, wanted="a tab-separated table in UTF-8", found=str(error), do="Correct the file, or move it away."
             ) from error
     head = rows[0] if rows else list(columns)
-    if head[0] != columns[0] or not set(columns) <= set(head):
+    if head[0] != columns[0]:
         raise DataError(
             path, wanted=f"columns {', '.join(columns)}, the first of them first", found=", ".join(head),
             do="Correct the table, or move it away.",
         )  # fmt: skip
+    head += [column for column in columns if column not in head]
     kept = {row[0]: row for row in rows[1:] if stays is not None and stays(row[0])}
     for cells in new:
         given = dict(zip(head, kept.get(cells[0], []), strict=False)) | dict(zip(columns, cells, strict=True))
         kept[cells[0]] = [given.get(column, ABSENT) for column in head]
-    write_tsv(path, head, kept.values())
+    write_tsv(path, head, ([*row, *[ABSENT] * (len(head) - len(row))] for row in kept.values()))

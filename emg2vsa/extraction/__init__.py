@@ -96,6 +96,8 @@ class Trials:
     "Samples a second of each muscle's EMG, then of the force, as recorded."
     equipment: tuple[str, ...] = ()
     "What a side file tells of electrodes and amplifier, such as ``ElectrodeType: wet``."
+    visit: NDArray[np.str_] = field(default_factory=lambda: np.empty(0, dtype="<U1"))
+    "Label of the visit of each press; empty where the participant comes once."
 
     def __repr__(self) -> str:
         usable = int(np.count_nonzero(self.verdict != "rejected"))

@@ -145,6 +145,7 @@ _JOINED: dict[str, Callable[[Sequence[Any]], Any]] = {
             "activity",
             "overview_force_n",
             "zero_shift_n",
+            "visit",
         ),
         np.concatenate,
     ),

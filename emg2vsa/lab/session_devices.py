@@ -182,6 +182,7 @@ def emulate(
     study: Study,
     participant: str,
     *,
+    visit: str | None = None,
     virtual: Virtual = Virtual(),
     start_delay_s: float = START_DELAY_S,
     operate: bool = False,
@@ -190,7 +191,7 @@ def emulate(
 
     Parameters
     ----------
-    participant : who is emulated, a code of the study's participants.
+    participant : who is emulated, a code of the study's participants. visit : where the study has several.
     virtual : of the participant. speed None is real time.
     start_delay_s : of a Trigno, from START to the first samples, 0 to 60 s.
     operate : emulate the operator as well, at the page that `Emulation.follow_operator` names.
@@ -211,6 +212,7 @@ def emulate(
     if not 0 <= start_delay_s <= 60:
         found = f"{start_delay_s:g}"
         raise SettingError("--start-delay", wanted="0 to 60 s", found=found, do="Choose a delay in this range.")
+    study = study.at_visit(visit)
     settings = settings_of(study, participant)
     mistakes = virtual.planned(study)
     person = EmulatedParticipant(

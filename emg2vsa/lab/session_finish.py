@@ -43,17 +43,18 @@ class FinishedSession:
         return not self.left_out and not is_bad(self.verdict)
 
 
-def finish(study: Study, participant: str, *, progress: Progress = SILENT) -> FinishedSession:
+def finish(study: Study, participant: str, *, visit: str | None = None, progress: Progress = SILENT) -> FinishedSession:
     """Write the recordings of a session in BIDS, judge them, and make the participant's page.
 
     A session that reaches its last press does so by itself. For one that was interrupted and will not be resumed; or
     again, after the study file has changed: it is read again, for the recordings that are there then.
 
+    visit : one of [recordings] visits, where the study has them; the verdict is on all visits until now.
     progress : is told of the steps of the study that are run for it.
 
     Raises
     ------
-    SettingError : the study has no [session] or no such participant; the data set cannot be written to.
+    SettingError : the study has no [session], no such participant or visit; the data set cannot be written to.
     DataError : there is no session, its journal is damaged, or a recording is there that no session wrote.
 
     Examples
@@ -62,6 +63,7 @@ def finish(study: Study, participant: str, *, progress: Progress = SILENT) -> Fi
     >>> session.finish(study, "P03").verdict  # doctest: +SKIP
     'good'
     """
+    study = study.at_visit(visit)
     settings_of(study, participant)
     written = write_dataset(folder_of(study, participant), study)
     whole = load_study(study.path)  # whose recordings are there now

@@ -108,7 +108,7 @@ def replay(study: Study, folder: Path, *, line: int | None = None) -> ReplayedSe
             folder, wanted=f"a session of the study {study.name}", found=f"one of {plan.study}",
             do="Name the study file with which the session was run.",
         )  # fmt: skip
-    settings_of(study, plan.participant)
+    settings_of(study := study.at_visit(plan.visit or None), plan.participant)
     lines, whole = read_journal(folder / JOURNAL_FILE)
     shown = lines if line is None else [each for each in lines if each.number <= line]
     if not lines:

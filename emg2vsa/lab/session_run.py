@@ -18,6 +18,7 @@ from emg2vsa.lab.session_finish import SILENT, FinishedSession, finish
 from emg2vsa.pipeline.registered import session_deviations
 from emg2vsa.pipeline.run_study import Progress
 from emg2vsa.session.desk import SessionDesk
+from emg2vsa.session.form import Form, is_answered, read_form, store_answers
 from emg2vsa.session.open_session import folder_of, open_session, settings_of
 from emg2vsa.session.views import OperatorState
 from emg2vsa.study import Study
@@ -79,6 +80,8 @@ def run(
     study: Study,
     participant: str,
     *,
+    visit: str | None = None,
+    form: Path | None = None,
     virtual: Virtual | None = None,
     pages: Pages | None = None,
     shown: Callable[[Addresses], None] | None = None,
@@ -94,6 +97,9 @@ def run(
     Parameters
     ----------
     participant : a code of the study's participants.
+    visit : one of [recordings] visits, where the study has them.
+    form : the participant's answers to [session.form], in TOML; they go into participants.tsv of the data set. Without
+        them the answers must stand there, but for an emulated participant.
     virtual : an emulated participant behind emulated sensors; None for the devices that [session] names.
     pages : the operator's and the participant's page. Without them the operator is emulated as well, which needs
         ``virtual``. They are served by the calling thread, in which no event loop may run.
@@ -105,7 +111,7 @@ def run(
 
     Raises
     ------
-    SettingError : the study has no [session] or no such participant; an option or the port cannot be used.
+    SettingError : the study has no [session], no such participant or visit; an option or the port cannot be used.
     DataError : the session has been begun already: `resume` goes on with it.
     DeviceError : a device does not answer when the session begins.
 
@@ -118,13 +124,17 @@ def run(
     >>> done.how, done.judged.verdict  # doctest: +SKIP
     ('completed', 'good')
     """
-    return _Sitting(study, participant, False, virtual, pages, shown, seen, ended).judged(progress)
+    return _Sitting(study.at_visit(visit), participant, False, form, virtual, pages, shown, seen, ended).judged(
+        progress
+    )
 
 
 def resume(
     study: Study,
     participant: str,
     *,
+    visit: str | None = None,
+    form: Path | None = None,
     virtual: Virtual | None = None,
     pages: Pages | None = None,
     shown: Callable[[Addresses], None] | None = None,
@@ -141,7 +151,7 @@ def resume(
     --------
     >>> done = session.resume(study, "P03", virtual=session.Virtual(seed=1))  # doctest: +SKIP
     """
-    return _Sitting(study, participant, True, virtual, pages, shown, seen, ended).judged(progress)
+    return _Sitting(study.at_visit(visit), participant, True, form, virtual, pages, shown, seen, ended).judged(progress)
 
 
 @dataclass(frozen=True)
@@ -151,6 +161,7 @@ class _Sitting:
     study: Study
     participant: str
     again: bool
+    form: Path | None
     virtual: Virtual | None
     pages: Pages | None
     shown: Callable[[Addresses], None] | None
@@ -161,7 +172,9 @@ class _Sitting:
         end = self._recorded()
         if end.how != "completed":
             return end
-        return replace(end, judged=finish(self.study, self.participant, progress=progress))
+        return replace(
+            end, judged=finish(self.study, self.participant, visit=self.study.visit or None, progress=progress)
+        )
 
     def _recorded(self) -> SessionEnd:
         study, participant, virtual, pages = self.study, self.participant, self.virtual, self.pages
@@ -172,6 +185,7 @@ class _Sitting:
         if pages is not None and _loop_runs():
             do = "Call it in a thread of its own: await asyncio.to_thread(session.run, ...)."
             raise SettingError("pages", wanted="a thread without a running event loop", found="one that runs", do=do)
+        self._take_form(settings.form)
         clock = self._clock()
         person, makers = devices(study, settings, participant, clock, virtual)
         at_once = isinstance(clock, VirtualClock)
@@ -203,6 +217,16 @@ class _Sitting:
         if self.ended is not None:
             self.ended(end)
         return end
+
+    def _take_form(self, form: Form) -> None:
+        study, participant = self.study, self.participant
+        if self.form is not None:
+            store_answers(study.data, participant, form, read_form(self.form, form))
+        elif self.virtual is None and not is_answered(study.data, participant, form):
+            raise SettingError(
+                "--form", wanted=f"answers of {participant} to [session.form] ({', '.join(form)})", found="none",
+                do=f"Write them: emg2vsa session form {study.path} --participant {participant} > {participant}.toml",
+            )  # fmt: skip
 
     def _clock(self) -> Clock:
         if self.virtual is None:

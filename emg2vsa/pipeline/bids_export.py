@@ -141,9 +141,10 @@ def export(
             for number, part in enumerate(entry.parts, 1):
                 if progress is not None:
                     progress(len(files) + len(failures), total, entry.key)
-                run = number if len(entry.parts) > 1 else None
+                of_visit = [n for n, other in enumerate(entry.parts, 1) if other.visit == part.visit]
+                run = of_visit.index(number) + 1 if len(of_visit) > 1 else None
                 specimen = specimens[entry.specimen] if entry.specimen else ""
-                recording = RecordingName(people[entry.participant], about.task, specimen, run)
+                recording = RecordingName(people[entry.participant], about.task, specimen, run, visit=part.visit)
                 try:
                     made, said = _write(unfinished, recording, entry, part, about, base, cocontraction, reading, judged)
                 except Emg2vsaError as error:

@@ -88,7 +88,7 @@ def _verdict(
         participant,
         [screened_trials(artifacts.load(path), screening) for path in plan.done("trials", cells)],
         fits,
-        {entry.specimen: entry.window.expected_trials for entry in entries},
+        {entry.specimen: entry.wanted_presses for entry in entries},
         {entry.specimen: failures[entry.key] for entry in entries if entry.key in failures},
         {specimen: said for (who, specimen), said in doubts.items() if who == participant},
     )

@@ -8,6 +8,7 @@ import json
 import re
 from collections.abc import Iterator
 from dataclasses import asdict, replace
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -92,12 +93,13 @@ def session_deviations(study: Study, participant: str) -> tuple[str, ...]:
 
 
 def _sessions(study: Study) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Participant to what the plan of a recorded session says of [session]."""
-    for participant in study.participants:
-        path = session_folder(study.data, participant, study.task) / PLAN_FILE
+    """Participant, or visit, to what the plan of a recorded session says of [session]."""
+    for participant, visit in product(study.participants, study.visits or ("",)):
+        path = session_folder(study.data, participant, study.task, visit) / PLAN_FILE
         if path.is_file():
             with contextlib.suppress(DataError):  # of a damaged plan the session itself tells
-                yield participant, session_plan(dict(read_plan(path).settings["session"]))
+                who = f"{participant} at visit {visit}" if visit else participant
+                yield who, session_plan(dict(read_plan(path).settings["session"]))
 
 
 def _tables(rig: RigFile) -> dict[str, Any]:

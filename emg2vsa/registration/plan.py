@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, fields
 from itertools import product
@@ -28,7 +29,9 @@ from emg2vsa.study_file.patterns import REPETITION
 Plain = dict[str, Any]
 LEFT_OUT = ("reading", "simulation")
 """Tables that change no result of given recordings: what a decoder may cost, and how synthetic recordings are made."""
-_OF_THE_PLACE = ("emg", "force", "bar_n", "bar_filter_hz", "palette", "sound", "ethics", "checklist", "about", "texts")
+_OF_THE_PLACE = (
+    "emg", "force", "bar_n", "bar_filter_hz", "palette", "sound", "ethics", "checklist", "about", "texts", "form",
+)  # fmt: skip
 """Keys of [session] that say where and in which language it is run. Of the devices, kind and delay are registered."""
 EMULATED = "emulated rig"
 _PRESSES = 2
@@ -47,6 +50,7 @@ def plan_of(study: Study, rig: Plain, runs: Mapping[str, Run]) -> Plain:
             "participants": dict.fromkeys(study.participants, "planned"),
             "specimens": {one.name: {k: v for k, v in asdict(one).items() if k != "name"} for one in study.specimens},
             "order of specimens": [one.name for one in study.specimens],
+            **({"visits": study.visits} if study.visits else {}),
             "tables": tables,
             "rig tables": rig,
             "runs": {name: run._asdict() for name, run in runs.items()},
@@ -82,7 +86,13 @@ def session_plan(said: Plain) -> Plain:
 
 def _own(study: Study, entry: RecordingEntry) -> Plain:
     """Files and channels of a recording, and where it is filtered and cut otherwise than the others."""
-    own: Plain = {"files": [_spelled(study, file) for file in entry.files], "channels": asdict(entry.channels)}
+    files = dict.fromkeys(
+        re.sub(r"ses-[A-Za-z0-9]+", "ses-*", _spelled(study, file)) if part.visit else _spelled(study, file)
+        for part in entry.parts
+        for file in (part.emg_file, part.force_file)
+        if file is not None
+    )
+    own: Plain = {"files": list(files), "channels": asdict(entry.channels)}
     for name in ("filters", "window"):
         of_study, of_entry = asdict(getattr(study, name)), asdict(getattr(entry, name))
         own |= {name: more} if (more := {k: v for k, v in of_entry.items() if v != of_study[k]}) else {}

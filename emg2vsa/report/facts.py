@@ -58,6 +58,8 @@ _ORDERS = {
     "blocked": "in random order, all presses of one in a row (seed {})",
     "interleaved": "in random order, press by press (seed {})",
     "listed": "in the order of the study file",
+    "latin-square": "in the order of a row of a Latin square, which participants took in turn (letters: seed {})",
+    "williams": "in the order of a row of a Williams design, which participants took in turn (letters: seed {})",
 }
 _JOINED = {
     "electrodes": tuple(f"Electrode{of}" for of in ("Manufacturer", "ManufacturersModelName", "Type", "Material")),

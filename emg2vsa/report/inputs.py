@@ -137,12 +137,12 @@ class StudyResults:
         return f"Failed: {' '.join(reasons)}" if reasons else f"The study has no {stage}."
 
 
-_KEPT = ("repetition", "start_s", "verdict")
+_KEPT = ("repetition", "start_s", "verdict", "visit")
 _NOTHING = np.empty(0)
 
 
 def without_samples(trials: Trials) -> Trials:
-    """What a report reads of ``trials``: of its arrays repetition, start and verdict, no others.
+    """What a report reads of ``trials``: of its arrays repetition, start, verdict and visit, no others.
 
     A study of a thousand people is held so in a few megabytes. Texts that many recordings share are held once.
     """

@@ -324,7 +324,7 @@ def methods(results: StudyResults) -> list[tuple[str, str]]:
         said=said,
         missing=missing,
         emg=f"surface EMG{' of ' + listed(muscles) if muscles else ''}",
-        about=_about(study.people),
+        about=about_people(study.people),
         by_recording=lambda sentence_of: _by_recording(study, sentence_of),
         whose=_whose(study, choice) if exported and study.recordings else "",
         presses=sum(len(run.verdicts) for run in runs),
@@ -352,9 +352,17 @@ def _one_line(text: str) -> str:
     return re.sub(r"[ \n]+", " ", text).strip()
 
 
-def _about(people: Sequence[Person]) -> str:
-    """Sex, age and handedness as far as the table of participants tells them: "6 female, 8 male; aged 21 to 34 ..."."""
-    said = []
+_FEWEST_TOLD = 5
+
+
+def about_people(people: Sequence[Person]) -> str:
+    """Sex, age and handedness as far as the table of participants tells them: "6 female, 8 male; aged 21 to 34 ...".
+
+    Nothing of a group that is so small that single people could be known by it.
+    """
+    said: list[str] = []
+    if len(people) < _FEWEST_TOLD:
+        return ""
     for words, names in (([each.sex for each in people], _SEX), ([each.handedness for each in people], _HAND)):
         counts = Counter(names.get(word.lower(), word.lower()) or "not stated" for word in words)
         if set(counts) - {"not stated"}:

@@ -104,7 +104,7 @@ def session_verdict(
     own = {key[1]: fits[key] for key in keys if key in fits}
     beside = {key[1]: doubts[key] for key in keys if key in doubts}
     missed = {failure.key.partition("/")[2]: failure.message for failure in failures}
-    wanted = {e.specimen: e.window.expected_trials for e in entries}
+    wanted = {e.specimen: e.wanted_presses for e in entries}
     return judge_session(participant, trials, own, wanted, missed, beside)
 
 

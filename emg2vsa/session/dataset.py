@@ -31,7 +31,7 @@ from emg2vsa.session.journal import (
     gaps,
     read_journal,
 )
-from emg2vsa.session.plan import PLAN_FILE, read_plan
+from emg2vsa.session.plan import PLAN_FILE, Plan, read_plan
 from emg2vsa.session.presses import Presses, folded
 from emg2vsa.session.stays import StaySignals, StayWindow, cut, stay_windows, stored_streams
 from emg2vsa.session.views import ScreenReport
@@ -78,7 +78,7 @@ def write_dataset(folder: Path, study: Study) -> Written:
     windows = stay_windows(presses)
     left_out: list[tuple[str, str]] = []
     stays: list[_Stay] = []
-    for name, window in zip(_names(windows, plan.participant, study.task), windows, strict=True):
+    for name, window in zip(_names(windows, plan, study.task), windows, strict=True):
         try:
             channels = _channels(study, plan.participant, window.specimen)
             emg, force = (streams.get((window.sitting, kind), []) for kind in ("emg", "force"))
@@ -98,10 +98,10 @@ def write_dataset(folder: Path, study: Study) -> Written:
     try:
         _make_room(folder, study.data, targets)
         for stay in stays:
-            write_recording(study.data, stay.recording(settings, presses))
+            write_recording(study.data, stay.recording(settings, presses, plan))
         bids.write_dataset(study.data, whole, keep=True)
         began = {stay.name: stay.begun().isoformat(timespec="milliseconds") for stay in stays}
-        bids.write_scans(study.data, plan.participant, began, keep=True)
+        bids.write_scans(study.data, plan.participant, began, keep=True, visit=plan.visit)
     except OSError as error:
         raise SettingError(
             study.data, wanted="a data set with room for the session", found=error.strerror or str(error),
@@ -117,7 +117,8 @@ def refuse_foreign(folder: Path, study: Study, participant: str) -> None:
     """
     own = _known(folder)
     for entry in study.recordings:
-        for path in entry.files if entry.participant == participant else ():
+        own_parts = (part for part in entry.parts if (entry.participant, part.visit) == (participant, study.visit))
+        for path in (part.emg_file for part in own_parts):
             if path.exists() and Path(os.path.relpath(path, study.data)).as_posix() not in own:
                 raise _foreign(path)
 
@@ -157,13 +158,14 @@ def _channels(study: Study, participant: str, specimen: str) -> ChannelSettings:
     return own.get(specimen, next(iter(own.values())))
 
 
-def _names(windows: Sequence[StayWindow], participant: str, task: str) -> list[RecordingName]:
+def _names(windows: Sequence[StayWindow], plan: Plan, task: str) -> list[RecordingName]:
     """Names of the recordings; several of one specimen are numbered."""
     keys = [(window.phase, window.specimen) for window in windows]
     names = []
     for i, (phase, specimen) in enumerate(keys):
         run = keys[: i + 1].count(keys[i]) if keys.count(keys[i]) > 1 else None
-        names.append(RecordingName(participant, TRAINING_TASK if phase == "training" else task, specimen, run))
+        of_phase = TRAINING_TASK if phase == "training" else task
+        names.append(RecordingName(plan.participant, of_phase, specimen, run, visit=plan.visit))
     return names
 
 
@@ -219,7 +221,7 @@ class _Stay:
         since_s = self.signals.start_s - line.time_s
         return datetime.fromisoformat(line.at).replace(tzinfo=None) + timedelta(seconds=since_s)
 
-    def recording(self, settings: SessionSettings, presses: Presses) -> Recording:
+    def recording(self, settings: SessionSettings, presses: Presses, plan: Plan) -> Recording:
         signals, about = self.signals, settings.about
         how = {
             "instructions": about.instructions, "skin_preparation": about.skin_preparation, "ground": about.ground,
@@ -231,7 +233,15 @@ class _Stay:
             events=stay_events(self.window, signals, self.lines, presses), columns=EVENT_COLUMNS, decimals=6,
             screen=_screen(self.lines), started=self.begun().replace(microsecond=0), mains_hz=about.power_line_hz,
             electrode_mm=about.electrode_mm, how={term: told for term, told in how.items() if told},
+            further={"SpecimenOrder": _order(plan)},
         )  # fmt: skip
+
+
+def _order(plan: Plan) -> Json:
+    """Of the specimens in the session, and by what rule."""
+    pressed = dict.fromkeys(press.specimen for press in plan.presses if press.phase == "main")
+    kind = {"kind": plan.settings.get("session", {}).get("order", "n/a")}  # earlier plans tell no more
+    return {key.capitalize(): told for key, told in {**kind, **plan.order, "specimens": list(pressed)}.items()}
 
 
 def _measured(signals: StaySignals, which: int) -> str:

@@ -17,7 +17,7 @@ from emg2vsa.devices.streams import Source
 from emg2vsa.errors import SettingError
 from emg2vsa.session.dataset import refuse_foreign
 from emg2vsa.session.desk import SessionDesk
-from emg2vsa.session.plan import Plan, changes, draw_presses, planned
+from emg2vsa.session.plan import PLAN_FILE, Plan, changes, draw_presses, order_of, planned, read_plan
 from emg2vsa.session.record import new_session, resume_session, session_folder
 from emg2vsa.session.recorded_stream import RecordedStream
 from emg2vsa.session.session import Session, check_muscles
@@ -54,7 +54,8 @@ def source_makers(
 
 
 def settings_of(study: Study, participant: str) -> SessionSettings:
-    """The table [session]. SettingError where there is none, or the study does not know the participant."""
+    """The table [session]. SettingError where there is none, the study does not know the participant, or it has visits
+    and is at none of them."""
     if study.session is None:
         do = "Add it: docs/reference/study-file.md lists its keys."
         raise SettingError(study.path, wanted="a table [session]", found="none", do=do)
@@ -63,12 +64,22 @@ def settings_of(study: Study, participant: str) -> SessionSettings:
             f"--participant {participant}", wanted=f"one of {', '.join(study.participants)}", found="another code",
             do=f"Check the code, or add it to [participants] of {study.path}.",
         )  # fmt: skip
+    study.at_visit(study.visit or None)
     return study.session
 
 
 def folder_of(study: Study, participant: str) -> Path:
     """Where the samples and the journal of a participant's session are."""
-    return session_folder(study.data, participant, study.task)
+    return session_folder(study.data, participant, study.task, study.visit)
+
+
+def place_of(study: Study, participant: str) -> int:
+    """Of the participant in a design, from 0: among those planned, unless an earlier visit has taken another one."""
+    places = {visit: study.participants.index(participant) + i for i, visit in enumerate(study.visits or ("",))}
+    for visit, path in ((visit, folder_of(study.at_visit(visit or None), participant) / PLAN_FILE) for visit in places):
+        if path.is_file() and (taken := read_plan(path).order.get("place")):
+            return int(taken) - 1 + places[study.visit] - places[visit]
+    return places[study.visit]
 
 
 def kept_settings(study: Study) -> dict[str, Any]:
@@ -109,9 +120,11 @@ def open_session(
         if resume:
             record = resume_session(folder, clock.now_s, background=not at_once)
         else:
-            presses = draw_presses(study.name, participant, now["specimens"], settings)
+            place, specimens = place_of(study, participant), now["specimens"]
+            presses = draw_presses(study.name, participant, specimens, settings, place, study.visit)
+            order = order_of(specimens, settings, place)
             drawn_at = datetime.now().astimezone().isoformat("T", "seconds")
-            plan = Plan(study.name, participant, settings.seed, drawn_at, presses, now)
+            plan = Plan(study.name, participant, settings.seed, drawn_at, presses, now, study.visit, order)
             record = new_session(folder, plan, clock.now_s, background=not at_once)
         stack.callback(record.close)
         emg, force = (

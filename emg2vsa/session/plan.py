@@ -1,7 +1,8 @@
 """The order of a session's presses: drawn once, before the first press, and never again.
 
-The draw depends on nothing but its text: seed, name of the study and code of the participant, each on a line of its
-own. How the text decides the order is told in `emg2vsa.random_order`, so that anybody can draw it again.
+What is drawn depends on nothing but its text: seed, name of the study and code of the participant, each on a line of
+its own, and at a visit its label. How the text decides the order is told in `emg2vsa.random_order`, so that anybody
+can draw it again. A design has rows, which participants take in turn; its letters are drawn by seed and study alone.
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ class PlannedPress:
 class Plan:
     """What plan.json holds. settings : the tables of the study file that a session depends on, as they were.
 
-    drawn_at : date and time, ISO 8601. seed : of the draw; the order can be drawn again from it.
+    drawn_at : date and time, ISO 8601. seed : of the draw; the order can be drawn again from it. visit : its label, ""
+    where a participant comes once. order : what `order_of` tells.
     """
 
     study: str
@@ -44,24 +46,58 @@ class Plan:
     drawn_at: str
     presses: tuple[PlannedPress, ...]
     settings: Mapping[str, Any] = field(default_factory=dict)
+    visit: str = ""
+    order: Mapping[str, Any] = field(default_factory=dict)
+
+
+def design(kind: Literal["latin-square", "williams"], n: int) -> list[list[int]]:
+    """The rows of a design of ``n`` specimens, each a permutation of 0 to n - 1.
+
+    latin-square: n rows; each specimen is at each place once. williams: also, each follows each other equally often;
+    n rows for an even n, else 2 n, of which the second half is the first one backwards (Williams 1949,
+    doi:10.1071/CH9490149).
+    """
+    if kind == "latin-square":
+        return [[(row + j) % n for j in range(n)] for row in range(n)]
+    rows = [[(row + (-(j // 2) if j % 2 == 0 else (j + 1) // 2)) % n for j in range(n)] for row in range(n)]
+    return rows + [row[::-1] for row in rows] if n % 2 else rows
+
+
+def order_of(specimens: Sequence[str], settings: SessionSettings, place: int) -> dict[str, Any]:
+    """Kind of the order, and of a design also the place that is taken and its row, which both count from 1.
+
+    place : of the participant among those planned, from 0, one further at each further visit.
+    """
+    if settings.order not in ("latin-square", "williams"):
+        return {"kind": settings.order}
+    rows = len(design(settings.order, len(specimens)))
+    return {"kind": settings.order, "place": place + 1, "row": place % rows + 1, "rows": rows}
 
 
 def draw_presses(
-    study: str, participant: str, specimens: Sequence[str], settings: SessionSettings
+    study: str, participant: str, specimens: Sequence[str], settings: SessionSettings, place: int = 0, visit: str = ""
 ) -> tuple[PlannedPress, ...]:
-    """The presses of a session in their order; ``specimens`` as the study file lists them.
+    """The presses of a session in their order; ``specimens`` as the study file lists them; ``place`` as `order_of`.
 
     Training comes first, its specimens as listed. Then, by ``settings.order``: "blocked": the specimens shuffled, all
     presses of one in a row; "interleaved": for each repetition the specimens are shuffled anew, so that every specimen
-    has been pressed as often as every other, give or take one, at any moment; "listed": as listed.
+    has been pressed as often as every other, give or take one, at any moment; "listed": as listed, for the participant
+    or for all; "latin-square" and "williams": as blocked, in the order of a row of the design, see `design`.
     """
     turns = [("training", name, settings.training_repetitions) for name in settings.training_specimens]
-    random = random_numbers(f"{settings.seed}\n{study}\n{participant}")
+    random = random_numbers("\n".join((str(settings.seed), study, participant, *filter(None, [visit]))))
     if settings.order == "interleaved":
         for _ in range(settings.repetitions):
             turns += [("main", name, 1) for name in shuffled(specimens, random)]
     else:
-        ordered = shuffled(specimens, random) if settings.order == "blocked" else specimens
+        if settings.order == "blocked":
+            ordered = shuffled(specimens, random)
+        elif settings.order == "listed":
+            ordered = list(settings.orders.get(participant, specimens))
+        else:
+            letters = shuffled(specimens, random_numbers(f"{settings.seed}\n{study}"))
+            rows = design(settings.order, len(letters))
+            ordered = [letters[i] for i in rows[place % len(rows)]]
         turns += [("main", name, settings.repetitions) for name in ordered]
     presses: list[PlannedPress] = []
     done: dict[tuple[str, str], int] = {}
@@ -86,8 +122,8 @@ _OF_FORCE = {
 
 
 def planned(settings: SessionSettings) -> dict[str, Any]:
-    """The settings as plan.json has them."""
-    said = asdict(settings)
+    """The settings as plan.json has them; the form of a participant is no part of a plan."""
+    said = {name: value for name, value in asdict(settings).items() if name != "form"}
     return said | {"emg": _OF_EMG | said["emg"], "force": _OF_FORCE | said["force"]}
 
 
@@ -105,7 +141,8 @@ def read_plan(path: Path) -> Plan:
         presses = tuple(PlannedPress(**press) for press in content["presses"])
         if any(type(n) is not int for press in presses for n in (press.number, press.repetition, press.stay)):
             raise ValueError("a press whose number, repetition or stay is no whole number")
-        return Plan(**{each.name: content[each.name] for each in fields(Plan)} | {"presses": presses})
+        since: dict[str, Any] = {"visit": "", "order": {}}  # keys that earlier versions did not write
+        return Plan(**{each.name: (since | content)[each.name] for each in fields(Plan)} | {"presses": presses})
     except (OSError, ValueError, KeyError, TypeError) as error:
         if not path.parent.exists():
             do = "Check the participant's code, or run the session first."

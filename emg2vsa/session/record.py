@@ -1,7 +1,7 @@
 """The folder of one participant's session: its plan, its journal and its samples, held by one process.
 
-``<BIDS root>/sourcedata/sub-P03/<task>/``: plan.json, journal.jsonl, and for each sitting and stream
-``sitting-1_emg.samples``. Nothing in it is ever overwritten.
+``<BIDS root>/sourcedata/sub-P03/<task>/``, at a visit ``sub-P03/ses-2/<task>/``: plan.json, journal.jsonl, and for each
+sitting and stream ``sitting-1_emg.samples``. Nothing in it is ever overwritten.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from casr.atomic import write_bytes_atomic
+from emg2vsa.bids.names import visit_folder
 from emg2vsa.devices.streams import StreamInfo
 from emg2vsa.durable.sealed_file import SealedFile
 from emg2vsa.durable.system import SYSTEM, OperatingSystem
@@ -196,9 +197,9 @@ def saved(folder: Path, lines: int, trouble: str, safe: bool) -> str:
     return f"{folder}: {lines} events; {trouble or on_disk}."
 
 
-def session_folder(root: Path, participant: str, task: str) -> Path:
+def session_folder(root: Path, participant: str, task: str, visit: str = "") -> Path:
     """Where the session of a participant is, or will be, below the root of the data set."""
-    return root / "sourcedata" / f"sub-{participant}" / task
+    return visit_folder(root / "sourcedata", participant, visit) / task
 
 
 def _held(folder: Path) -> int:

@@ -76,6 +76,7 @@ def study_of(path: str, file: StudyFile, people: tuple[Person, ...], raw: Mappin
         session=file.session,
         registration=_registration(Path(path), about.registration),
         task=(file.recordings.task if file.recordings else None) or "",
+        visits=file.recordings.visits if file.recordings else (),
     )
 
 
@@ -138,32 +139,47 @@ def _entries(
                 mvc_files=mvc.get(cell[0], ()),
                 fault=first.fault,
                 further=tuple(further),
+                visit=first.visit,
             )
         )
     return tuple(entries)
 
 
-Files = tuple[Found, Found | None]
-"""EMG file and force file of a recording, as the study file writes them."""
+Files = tuple[Found, Found | None, str]
+"""EMG file and force file of a recording, as the study file writes them, and label of the visit."""
 
 
 def _found(folder: Path, table: RecordingsTable, cells: Sequence[Cell]) -> dict[Cell, list[Files]]:
     """The files of every cell where the layout says."""
     if table.layout == "files":
         return {}
-    emg = (
-        files_by_cell(folder, table.pattern or "", cells) if table.layout == "pattern" else _bids(folder, table, cells)
-    )
+    if table.layout == "bids":
+        return _at_visits(folder, table, cells)
+    emg = files_by_cell(folder, table.pattern or "", cells)
     if not table.force_pattern:
-        return {cell: [(one, None) for one in emg[cell].values()] for cell in cells}
+        return {cell: [(one, None, "") for one in emg[cell].values()] for cell in cells}
     force = files_by_cell(folder, table.force_pattern, cells)
     absent = {cell: Found(filled(table.force_pattern, cell)) for cell in cells}
-    return {cell: [(one, force[cell].get(n, absent[cell])) for n, one in emg[cell].items()] for cell in cells}
+    return {cell: [(one, force[cell].get(n, absent[cell]), "") for n, one in emg[cell].items()] for cell in cells}
 
 
-def _bids(folder: Path, table: RecordingsTable, cells: Sequence[Cell]) -> dict[Cell, dict[int, Found]]:
-    """The one recording of a cell, or where that is absent its numbered runs."""
-    stem = f"{table.root}/sub-{{participant}}/emg/sub-{{participant}}_task-{table.task}_acq-{{specimen}}"
+def _at_visits(folder: Path, table: RecordingsTable, cells: Sequence[Cell]) -> dict[Cell, list[Files]]:
+    """The files of every cell at the visits at which anything of its participant was recorded; at the first without."""
+    found: dict[Cell, list[Files]] = {cell: [] for cell in cells}
+    at = {visit: _bids(folder, table, cells, visit) for visit in table.visits or ("",)}
+    for visit, own in at.items():
+        there = {cell[0] for cell in cells for one in own[cell].values() if beside(folder, one.file).exists()}
+        for cell in cells:
+            if cell[0] in there:
+                found[cell] += [(one, None, visit) for one in own[cell].values()]
+    first = next(iter(at))
+    return {cell: files or [(one, None, first) for one in at[first][cell].values()] for cell, files in found.items()}
+
+
+def _bids(folder: Path, table: RecordingsTable, cells: Sequence[Cell], visit: str) -> dict[Cell, dict[int, Found]]:
+    """The one recording of a cell at a visit, or where that is absent its numbered runs."""
+    above, ses = (f"/ses-{visit}", f"_ses-{visit}") if visit else ("", "")
+    stem = f"{table.root}/sub-{{participant}}{above}/emg/sub-{{participant}}{ses}_task-{table.task}_acq-{{specimen}}"
     single = files_by_cell(folder, f"{stem}_emg.{table.extension}", cells)
     absent = [cell for cell in cells if not beside(folder, single[cell][0].file).exists()]
     runs = files_by_cell(folder, f"{stem}_run-{REPETITION}_emg.{table.extension}", absent)
@@ -175,14 +191,14 @@ def _parts(
 ) -> list[RecordingPart]:
     """The recordings of one cell: those listed with a file, else those found, with the channels of a listed one."""
     listed = [table for table in own if table.emg]
-    pairs: list[tuple[Found, Found | None, FileTable | None]]
+    pairs: list[tuple[Found, Found | None, FileTable | None, str]]
     if listed:
-        forces = [force for _, force in found] if len(found) == len(listed) == 1 else [None] * len(listed)
-        pairs = [(Found(str(table.emg)), force, table) for table, force in zip(listed, forces, strict=True)]
+        forces = [force for _, force, _ in found] if len(found) == len(listed) == 1 else [None] * len(listed)
+        pairs = [(Found(str(table.emg)), force, table, "") for table, force in zip(listed, forces, strict=True)]
     else:
-        pairs = [(emg, force, own[0] if own else None) for emg, force in found]
+        pairs = [(emg, force, own[0] if own else None, visit) for emg, force, visit in found]
     parts = []
-    for emg, force, table in pairs:
+    for emg, force, table, visit in pairs:
         if table and table.force:
             force = Found(table.force)
         parts.append(
@@ -191,6 +207,7 @@ def _parts(
                 force_file=beside(folder, force.file) if force else None,
                 channels=_channels(channels, table.channels if table else None),
                 fault=emg.fault or (force.fault if force else ""),
+                visit=visit,
             )
         )
     return parts

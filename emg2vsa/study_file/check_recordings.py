@@ -140,7 +140,7 @@ def _unknown(names: Iterable[tuple[KeyPath, str]], known: tuple[str, ...], what:
 
 
 _KEYS_OF_LAYOUT = {
-    "bids": ("root", "task", "extension"),
+    "bids": ("root", "task", "extension", "visits"),
     "pattern": ("pattern", "force_pattern"),
     "files": (),
 }
@@ -187,6 +187,8 @@ def _labels(recordings: RecordingsTable, specimens: Specimens, ids: tuple[str, .
     labels: list[tuple[KeyPath, str]] = [(("recordings", "task"), recordings.task or "0")]
     labels += [(("participants",), name) for name in ids]
     labels += [(("specimens", index, "name"), name) for index, name in enumerate(_names(specimens))]
+    labels += [(("recordings", "visits", index), label) for index, label in enumerate(recordings.visits)]
+    yield from _twice(recordings.visits, ("recordings", "visits"))
     for path, label in labels:
         if not is_label(label):
             yield Problem(path, "letters and digits only, as it is a label in BIDS file names", repr(label))

@@ -39,6 +39,44 @@ def _training(session: SessionSettings, specimens: tuple[SpecimenTable, ...]) ->
         seen.add(name.casefold())
 
 
+def _orders(session: SessionSettings, specimens: tuple[SpecimenTable, ...], ids: tuple[str, ...]) -> Iterator[Problem]:
+    at: KeyPath = ("session", "orders")
+    if session.orders and session.order != "listed":
+        do = "Set order = 'listed', or remove the table."
+        yield Problem(at, "order = 'listed' with orders of participants", f"order = {session.order!r}", do)
+    names = [specimen.name for specimen in specimens]
+    for participant, order in session.orders.items():
+        if participant not in ids:
+            do = nearest(participant, ids, "Name participants of [participants].")
+            yield Problem((*at, participant), "a participant of the study", repr(participant), do)
+        if sorted(order) != sorted(names):
+            wanted = f"every specimen once ({', '.join(names)})"
+            yield Problem((*at, participant), wanted, ", ".join(order) or "none", "Correct the list.")
+    if session.orders and (without := [name for name in ids if name not in session.orders]):
+        yield Problem(at, "an order for every participant", f"none for {', '.join(without)}", "Add their orders.")
+
+
+_NAMING = ("name", "birth", "dob", "mail", "phone", "address", "initial", "passport", "insurance", "participant_id")
+"""In the name of a column, it would say who somebody is."""
+
+
+def _form(session: SessionSettings) -> Iterator[Problem]:
+    for name, column in session.form.items():
+        at: KeyPath = ("session", "form", name)
+        if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+            yield Problem(at, "a name of small letters, digits and _, as BIDS has columns", repr(name))
+        if any(word in name for word in _NAMING):
+            do = "Keep the list of codes and names apart from the data, on paper."
+            yield Problem(at, "a column that does not say who somebody is", repr(name), do)
+        if (column.range is None) == (not column.levels):
+            found = "both" if column.levels else "neither"
+            yield Problem(at, "either range or levels", found, "There is no free text, so that no name gets in.")
+        elif column.range and column.range[0] >= column.range[1]:
+            yield Problem((*at, "range"), "the smaller number first", shown(list(column.range)))
+        if column.unit and not column.range:
+            yield Problem((*at, "unit"), "range with this key", "levels")
+
+
 def _forces(session: SessionSettings, window: WindowSettings) -> Iterator[Problem]:
     lower, upper = session.force_n
     at: KeyPath = ("session", "force_n")
@@ -177,5 +215,5 @@ def _label(name: str, at: KeyPath) -> Iterator[Problem]:
 
 
 CHECKS = (
-    _codes, _training, _forces, _times, _plausible, _counts, _muscles, _layout, _written_as_read,
+    _codes, _training, _orders, _form, _forces, _times, _plausible, _counts, _muscles, _layout, _written_as_read,
 )  # fmt: skip

@@ -130,6 +130,9 @@ class RecordingsTable:
     "bids: the task label."
     extension: Literal["bdf", "edf"] = "bdf"
     "bids: format of the recordings."
+    visits: tuple[Text, ...] = ()
+    """bids: ses- labels of the visits of each participant, in order; omitted: each comes once. All visits of a person
+    count as one person."""
     pattern: Text | None = None
     "pattern: path of the EMG file with {participant}, {specimen} and, for several of them, {repetition}; *: any text."
     force_pattern: Text | None = None

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
+import json
 from collections import Counter
 from dataclasses import replace
 
 import pytest
 
 from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
-from emg2vsa.session.plan import Plan, changes, draw_presses, plan_bytes, read_plan
+from emg2vsa.session.plan import Plan, changes, design, draw_presses, order_of, plan_bytes, read_plan
 from emg2vsa.session_settings import SessionSettings
 
 FIVE = ("S1", "S2", "S3", "S4", "S5")
@@ -62,6 +63,44 @@ def test_listed_is_as_listed():
     assert order("P05", "listed")[::3] == list(FIVE)
 
 
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 6, 7])
+def test_designs_are_balanced(n):
+    """Each specimen at each place equally often; in a Williams design each after each other one, too."""
+    latin, williams = design("latin-square", n), design("williams", n)
+    assert (len(latin), len(williams)) == (n, 2 * n if n % 2 else n)
+    for rows in (latin, williams):
+        for place in range(n):
+            assert Counter(row[place] for row in rows) == dict.fromkeys(range(n), len(rows) // n)
+    follows = Counter(pair for row in williams for pair in itertools.pairwise(row))
+    assert follows == dict.fromkeys(itertools.permutations(range(n), 2), len(williams) // n)
+
+
+@pytest.mark.parametrize(("how", "rows"), [("latin-square", 5), ("williams", 10)])
+def test_participants_take_the_rows_of_a_design_in_turn(how, rows):
+    settings = replace(SETTINGS, order=how, repetitions=1)
+
+    def at(place: int) -> tuple[str, ...]:
+        presses = draw_presses("palpation", f"P{place:02}", FIVE, settings, place)
+        return tuple(press.specimen for press in presses if press.phase == "main")
+
+    taken = [at(place) for place in range(2 * rows)]
+    assert taken[:rows] == taken[rows:]
+    assert len(set(taken)) == rows
+    assert taken[0] == at(0) != FIVE, "letters are drawn by seed and study"
+    assert order_of(FIVE, settings, rows + 2) == {"kind": how, "place": rows + 3, "row": 3, "rows": rows}
+
+
+def test_listed_may_differ_from_person_to_person():
+    orders = {"P01": FIVE[::-1], "P02": FIVE}
+    assert order("P01", "listed", orders=orders)[::3] == list(FIVE[::-1])
+    assert order("P02", "listed", orders=orders)[::3] == list(FIVE)
+
+
+def test_a_visit_has_a_draw_of_its_own():
+    drawn = [draw_presses("palpation", "P03", FIVE, SETTINGS, visit=visit) for visit in ("", "1", "2")]
+    assert len(set(drawn)) == 3
+
+
 def test_all_orders_are_equally_likely():
     """Of 6000 people each of the 6 orders of three specimens has 1000, give or take 4 standard deviations."""
     drawn = Counter(
@@ -76,6 +115,17 @@ def test_a_plan_reads_back_as_it_was_written(tmp_path):
     presses = draw_presses("palpation", "P03", FIVE, SETTINGS)
     plan = Plan("palpation", "P03", 1, "2026-11-23", presses, {"session": {"rest_s": 2.0}})
     (tmp_path / "plan.json").write_bytes(plan_bytes(plan))
+    assert read_plan(tmp_path / "plan.json") == plan
+    visit = replace(plan, visit="2", order={"kind": "williams", "place": 3, "row": 3, "rows": 10})
+    (tmp_path / "plan.json").write_bytes(plan_bytes(visit))
+    assert read_plan(tmp_path / "plan.json") == visit
+
+
+def test_a_plan_of_an_earlier_version_has_no_visit(tmp_path):
+    plan = Plan("palpation", "P03", 1, "2026-11-23", draw_presses("palpation", "P03", FIVE, SETTINGS))
+    content = json.loads(plan_bytes(plan))
+    del content["visit"], content["order"]
+    (tmp_path / "plan.json").write_text(json.dumps(content))
     assert read_plan(tmp_path / "plan.json") == plan
 
 

@@ -7,8 +7,10 @@ from typing import Any
 
 from casr.command_line import Commands, add_group
 
-SUBCOMMANDS = {"run": "live", "finish": "recorded", "replay": "recorded", "emulate": "live"}
-PARTICIPANT = "--participant CODE  a code of [participants]: P03\n"
+SUBCOMMANDS = {"run": "live", "form": "recorded", "finish": "recorded", "replay": "recorded", "emulate": "live"}
+PARTICIPANT = """--participant CODE  a code of [participants]: P03
+--visit LABEL  one of [recordings] visits, where participants come more than once
+"""
 REQUIRED = {"required": True}
 
 

@@ -24,7 +24,8 @@ the last press the recordings are written in BIDS, and the session is judged as 
 session, which --resume takes up again. Exit status 0: complete, and good or usable; 1: ended before its last press, or
 to repeat; 2: study file or devices are unusable.
 """
-OPTIONS = f"{STUDY}{PARTICIPANT}--resume  go on with the session that was interrupted\n{JSON}"
+FORM = "--form FILE  the participant's answers to [session.form] (emg2vsa session form), for participants.tsv\n"
+OPTIONS = f"{STUDY}{PARTICIPANT}{FORM}--resume  go on with the session that was interrupted\n{JSON}"
 PAGES = """
 --bind ADDRESS  a further address of this computer, for a second screen or a tablet
 --no-page  with --virtual: an emulated operator instead of pages
@@ -44,6 +45,7 @@ on the devices; type help.
 """
 EMULATED = f"""
 {STUDY}--participant CODE  who is emulated: P03
+--visit LABEL  one of [recordings] visits, where participants come more than once
 --page URL  address of the participant's page, which is obeyed
 --operator-page URL  address of the operator's page, whose specimen is put on the table
 --operate  emulate the operator at that page too
@@ -89,6 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
         say(f"{newline}{': '.join(filter(None, (end.how, end.why)))}; recorded in {end.folder}")
         if end.how != "completed":
             words = f"{arguments.study} --participant {arguments.participant}"
+            words += f" --visit {arguments.visit}" if arguments.visit else ""
             say(f"Go on: emg2vsa session {words} --resume")
             say(f"Or write the recordings so far: emg2vsa session finish {words}")
 
@@ -96,8 +99,8 @@ def run(arguments: argparse.Namespace) -> int:
         say(deviation)
     with web_pages("session"):
         end = (session.resume if arguments.resume else session.run)(
-            study, arguments.participant, virtual=virtual if arguments.virtual else None, shown=shown, ended=ended,
-            progress=progress(quiet=True),
+            study, arguments.participant, visit=arguments.visit, form=arguments.form,
+            virtual=virtual if arguments.virtual else None, shown=shown, ended=ended, progress=progress(quiet=True),
             pages=None if alone else session.Pages(port=arguments.port, bind=arguments.bind),
         )  # fmt: skip
     judged, lines = (finished_json(end.judged), finished_lines(end.judged)) if end.judged else (None, ())
@@ -121,11 +124,16 @@ def emulate(arguments: argparse.Namespace) -> int:
 
     virtual = session.Virtual(mistakes=tuple(arguments.mistake), speed=arguments.speed, truth=arguments.truth)
     study = load_study(arguments.study)
-    options = {"virtual": virtual, "start_delay_s": arguments.start_delay, "operate": arguments.operate}
+    options = {
+        "visit": arguments.visit,
+        "virtual": virtual,
+        "start_delay_s": arguments.start_delay,
+        "operate": arguments.operate,
+    }
     say = partial(print, file=sys.stderr if arguments.json else sys.stdout, flush=True)
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        with session.emulate(study, arguments.participant, **options) as table:
+        with session.emulate(study, arguments.participant, visit=arguments.visit, **options) as table:
             if arguments.page:
                 table.follow(arguments.page)
             if arguments.operator_page:

@@ -1,4 +1,4 @@
-"""``emg2vsa session finish`` and ``replay``: a recorded session as BIDS with its verdict, or judged again."""
+"""``emg2vsa session form``, ``finish`` and ``replay``: an empty form; a session as BIDS, judged; judged again."""
 
 from __future__ import annotations
 
@@ -15,6 +15,11 @@ from emg2vsa.cli.session import PARTICIPANT, REQUIRED
 if TYPE_CHECKING:
     from emg2vsa.session import FinishedSession, ReplayedSession
 
+FORM_SUMMARY = "Print an empty form of [session.form] for a participant, in TOML."
+FORM = """
+Fill it in and give it to emg2vsa session run --form. The answers go into participants.tsv of the data set, and nowhere
+else; participants.json says what the columns are. Exit status 2: the study file has no form.
+"""
 FINISH_SUMMARY = "Write the recordings of a session in BIDS, judge them, and make the participant's page."
 FINISH = """
 A session that reaches its last press does so by itself. For one that was interrupted and will not be resumed; or again,
@@ -34,8 +39,24 @@ REPLAYED = f"""
 
 
 def add_to(commands: Commands) -> None:
+    options = f"{STUDY}--participant CODE  a code of [participants]: P03\n"
+    add_command(commands, "form", form, FORM_SUMMARY, FORM, options, participant=REQUIRED)
     add_command(commands, "finish", finish, FINISH_SUMMARY, FINISH, f"{STUDY}{PARTICIPANT}{JSON}", participant=REQUIRED)
     add_command(commands, "replay", replay, REPLAY_SUMMARY, REPLAY, REPLAYED, {"N": int})
+
+
+def form(arguments: argparse.Namespace) -> int:
+    from emg2vsa.errors import SettingError
+    from emg2vsa.session.form import blank_form
+    from emg2vsa.study_file import load_study
+
+    study = load_study(arguments.study)
+    asked = study.session.form if study.session else {}
+    if not asked:
+        do = "Add one: docs/reference/study-file.md lists its keys."
+        raise SettingError(study.path, wanted="a table [session.form]", found="none", do=do)
+    print(blank_form(asked, arguments.participant), end="")
+    return 0
 
 
 def finish(arguments: argparse.Namespace) -> int:
@@ -44,7 +65,7 @@ def finish(arguments: argparse.Namespace) -> int:
     from emg2vsa.study_file import load_study
 
     study = load_study(arguments.study)
-    finished = session.finish(study, arguments.participant, progress=progress(quiet=True))
+    finished = session.finish(study, arguments.participant, visit=arguments.visit, progress=progress(quiet=True))
     answer(arguments.json, finished_json(finished), finished_lines(finished))
     return int(not finished.good)
 

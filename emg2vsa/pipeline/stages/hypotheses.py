@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from statistics import fmean
 from typing import TYPE_CHECKING, Any
 
 from emg2vsa.pipeline.stage import Given, Keyed, Stage
@@ -14,23 +15,32 @@ if TYPE_CHECKING:
     from emg2vsa.fits import Fits
     from emg2vsa.hypotheses import Hypotheses
     from emg2vsa.pipeline.campaign import Campaign
+    from emg2vsa.study import RecordingEntry
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     study = campaign.study
-    recordings = {(entry.participant, entry.specimen): entry.emg_file for entry in study.recordings}
+    recordings = {(entry.participant, entry.specimen): _first_files(entry) for entry in study.recordings}
     return {
         "hypotheses": study.hypotheses,
         "participants": study.participants,
         "palpated": study.palpated,
-        "recordings": Keyed(recordings, [(*cell, path.name) for cell, path in recordings.items()]),
+        "recordings": Keyed(recordings, [(*cell, *(path.name for path in own)) for cell, own in recordings.items()]),
     }
+
+
+def _first_files(entry: RecordingEntry) -> tuple[Path, ...]:
+    """Of the first recording of each visit."""
+    found: dict[str, Path] = {}
+    for part in entry.parts:
+        found.setdefault(part.visit, part.emg_file)
+    return tuple(found.values())
 
 
 def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
     """What tells the order of the recordings."""
     study = campaign.study
-    return {"order": order_files((entry.emg_file for entry in study.recordings), study.data)}
+    return {"order": order_files((part.emg_file for entry in study.recordings for part in entry.parts), study.data)}
 
 
 def run(given: Given) -> Hypotheses:
@@ -47,7 +57,7 @@ def run(given: Given) -> Hypotheses:
     shapes: list[CellMisfit] = []
     means: list[CellCurve] = []
 
-    def recordings() -> Iterator[Fits]:
+    def each_fit() -> Iterator[Fits]:
         for each in given.each("fits"):
             fits = screened(each, screening)
             errors.extend(cell_errors(fits, of.use))
@@ -55,11 +65,16 @@ def run(given: Given) -> Hypotheses:
             means.extend(cell_curves(fits, of.use))
             yield fits
 
-    fits = concatenate(recordings(), bins=False)
+    fits = concatenate(each_fit(), bins=False)
     laws, misfits = compare_laws(errors, 1 - of.alpha), compare_misfits(shapes, 1 - of.alpha)
     curves = compare_curves(means, of.alpha)
     began = {(trials.participant, trials.specimen): trials.began for trials in given.each("trials")}
-    order = places(given.settings["recordings"], given.files["order"], began)
+    recordings = given.settings["recordings"]
+    at = [
+        places({cell: own[n] for cell, own in recordings.items() if n < len(own)}, given.files["order"], began)
+        for n in range(max(map(len, recordings.values()), default=0))
+    ]
+    order = {cell: fmean(place[cell] for place in at if cell in place) for cell in recordings}
     asked = given.settings["participants"], given.settings["palpated"]
     return test_hypotheses(fits, of, *asked, laws, misfits, curves, order)
 

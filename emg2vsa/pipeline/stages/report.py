@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from emg2vsa.multiverse import IndexPresets
     from emg2vsa.pipeline.campaign import Campaign
     from emg2vsa.report.inputs import StudyResults
-    from emg2vsa.study import Study
+    from emg2vsa.study import Person, Study
 
 NOT_SHOWN = (
     "path", "results", "reports", "data", "task", "runs", "runs_source", "recordings", "session", "registration",
@@ -40,6 +40,7 @@ def settings(campaign: Campaign, item: str, *, rig: bool = True) -> dict[str, An
     study = campaign.study
     shown = {each.name: getattr(study, each.name) for each in fields(study) if each.name not in NOT_SHOWN}
     asked = study.session and tuple(getattr(study.session, name) for name in ASKED)
+    shown["people"] = _said_of(study.people)
     more = {"file": study.path.name, "recordings": _recordings(campaign), "session": asked}
     source = study.runs_source if rig else None
     logs = plate_logs(source.plates) if source else []
@@ -49,6 +50,13 @@ def settings(campaign: Campaign, item: str, *, rig: bool = True) -> dict[str, An
         "run_order": (campaign.rig.experiment.order, campaign.rig.experiment.seed) if campaign.rig and rig else None,
         "plates": Keyed(logs, [log.name for log in logs]),
     }
+
+
+def _said_of(people: Sequence[Person]) -> str:
+    """What the report says of them all: the ledger and the authors' package have no personal data."""
+    from emg2vsa.report.methods import about_people
+
+    return about_people(people) if people else ""
 
 
 def _recordings(campaign: Campaign) -> list[tuple[Any, list[str]]]:

@@ -32,6 +32,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
         "reading": campaign.study.reading,
         "fault": entry.fault,
         "further": tuple((part.channels, part.fault) for part in entry.further),
+        "visits": tuple(part.visit for part in entry.parts),
     }
 
 
@@ -58,10 +59,12 @@ def _role(name: str, number: int) -> str:
 
 def run(given: Given) -> Trials:
     """The presses of one recording, or of all of the item's; one that cannot be used is left out of several."""
+    import numpy as np
+
     from emg2vsa.extraction.join import join_trials
 
     given_settings = dict(given.settings)
-    further = given_settings.pop("further")
+    further, visits = given_settings.pop("further"), given_settings.pop("visits")
     if given.files["mvc"]:
         given_settings["cocontraction"] = _with_contractions(given.files["mvc"], given_settings)
     parts = [(given_settings.pop("channels"), given_settings.pop("fault")), *further]
@@ -72,6 +75,8 @@ def run(given: Given) -> Trials:
         emg = given.files[_role("emg", number)][0]
         try:
             trials = _part(given, number, channels, fault, given_settings)
+            if visit := visits[number - 1]:
+                trials = replace(trials, visit=np.full(trials.repetition.size, visit))
             join_trials([*made[:1], trials], [*names[:1], str(emg)])
         except PassingError:
             raise

@@ -69,7 +69,8 @@ def _counted(results: StudyResults) -> Counted | None:
     presses = Counter(zip(fits.participant.tolist(), fits.specimen.tolist(), strict=True))
     there = [presses[cell] for cell in cells]
     recorded = int(fits.verdict.size)
-    asked = max(expected * len(cells), recorded) if expected else sum(there) if all(there) else 0
+    visits = max(len(results.study.visits), 1)
+    asked = max(expected * len(cells) * visits, recorded) if expected else sum(there) if all(there) else 0
     return Counted(int(np.count_nonzero(np.isfinite(fits.b_v))), recorded, asked)
 
 

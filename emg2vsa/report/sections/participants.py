@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.companions.visits import visit_differences
 from emg2vsa.extraction.reasons import by_hand, most_frequent
 from emg2vsa.extraction.remedies import remedies_of
 from emg2vsa.fits import Fits, by_recording
@@ -17,7 +18,7 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, named
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.session_page import session_verdict
-from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, records, table_of
+from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, activity_column, records, table_of
 from emg2vsa.report.wording import bounded, listed
 from emg2vsa.session_verdict import doubts_between
 from emg2vsa.statistics.power import power_rm, power_table
@@ -45,6 +46,29 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     yield _judged(results)
     if (found := results.people.hypotheses) is not None and found.power.people:
         yield _sensitivity(found)
+    if len(results.study.visits) > 1:
+        yield _visits(results)
+
+
+def _visits(results: StudyResults) -> Table:
+    """How b of later visits differs from that of the first."""
+    study, people = results.study, results.recorded
+    confidence = 1 - study.hypotheses.alpha
+    found = visit_differences(people.fits, people.trials, study.hypotheses.use, study.visits, confidence)
+    heads = {"mean": "b less that of the first visit", "low": "from", "high": "to", "sd": "SD over people"}
+    columns: Columns = {
+        Column("specimen", "Specimen"): found.specimen, Column("visit", "Visit"): found.visit,
+        Column("people", "People at both"): found.people,
+        **{activity_column(f"{of}_v", head, results.scale): getattr(found, of) for of, head in heads.items()},
+    }  # fmt: skip
+    told = f"Difference of b between visits, mean over people, {100 * confidence:g} % intervals"
+    return table_of("visits", told, columns)
+
+
+def _missed(results: StudyResults) -> list[str]:
+    """People of whom a visit is not there."""
+    came = {who: {p.visit for e in own for p in e.parts} for who, (own, _, _) in results.by_participant().items()}
+    return [f"{who} ({len(visits)})" for who, visits in came.items() if len(visits) < len(results.study.visits)]
 
 
 def _sessions(results: StudyResults) -> Table:
@@ -105,6 +129,7 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     sessions = listed([f"{number} {verdict}" for verdict, number in verdicts.most_common()])
     return {
         "sessions": sessions,
+        "missed": _missed(results),
         "accepted": int(np.count_nonzero(_accepted(fits))),
         "rho": f"{RHO:g}",
         "epsilon": f"{EPSILON:g}",
@@ -125,6 +150,11 @@ The tests {{ "use" if "doubtful" in study.hypotheses.use else "do not use" }} th
 The tests use the {{ accepted | count("trial") }} that the study file accepts by hand.
 {% endif %}</p>
 {{ folded("sessions", "Every session, with a page for each participant") }}
+{% endif %}
+{% if has("visits") %}
+<p>The presses of a person at all {{ study.visits | length }} visits count as those of one person, and b of a person is
+their mean. {% if missed %}Not every visit was recorded of {{ missed | listed }}.{% endif %}</p>
+{{ table("visits") }}
 {% endif %}
 {{ table("failures") }}
 {{ folded("judged", "Trials rejected, doubtful, accepted by hand or with a remark") }}

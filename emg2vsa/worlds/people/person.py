@@ -21,6 +21,8 @@ JOIN_SHARE = 0.6
 "The logarithm ends at this share of the lower force of the window (0.3 N of 0.5 N)."
 REST_SHARE = 0.2
 "Rest tone, as a share of the co-contraction where the logarithm ends."
+_VISITS = 1000
+"From here on addresses of random numbers are those of later visits; the others are streams of a first one."
 USUAL_STIFFNESS_N_PER_MM = 3.0
 "Of a specimen whose stiffness the study does not say."
 
@@ -79,7 +81,7 @@ class Person:
 
 
 def person_of(study: Study, participant: str) -> Person:
-    """The participant as ``emg2vsa tools simulate`` would record them: same seed, same a and b of every specimen.
+    """The participant as ``emg2vsa tools simulate`` would record them: same seed, and at every visit same a and b.
 
     SettingError where the study has no [simulation], no such participant, or coefficients that make no sense.
     """
@@ -98,7 +100,7 @@ def person_of(study: Study, participant: str) -> Person:
             found=f"{', '.join(study.participants) or 'none'}",
             do="Choose one of these, or add the code to [participants].",
         )
-    index = study.participants.index(participant)
+    index, later = study.participants.index(participant), (study.visits or ("",)).index(study.visit)
     factor, lower_n = participant_factor(settings, index)[0], study.window.force_n[0]
     responses = {}
     for specimen in study.specimens:
@@ -110,7 +112,7 @@ def person_of(study: Study, participant: str) -> Person:
         responses=responses,
         muscle_share=dict(settings.muscle_share),
         lower_n=lower_n,
-        seed=(settings.seed, index),
+        seed=(settings.seed, index, *((_VISITS + later,) if later else ())),
         repetition_sd=settings.repetition_sd,
         emg_noise_v=settings.emg_noise_v,
         mains_v=settings.mains_v,

@@ -1,0 +1,80 @@
+"""The form of a participant: answers for participants.tsv, checked before a session, and stored there alone.
+
+An answer is a number in a range or one of some words. There is no free text, so that no name gets in.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import tomllib
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+
+from emg2vsa.bids.dataset import write_person
+from emg2vsa.bids.tables import ABSENT, Column
+from emg2vsa.errors import SettingError
+from emg2vsa.session_settings import FormColumn
+
+Form = Mapping[str, FormColumn]
+"""Column of participants.tsv to what may stand in it."""
+
+
+def blank_form(form: Form, participant: str) -> str:
+    """A form to be filled in, as TOML."""
+    lines = [f"# {participant}. Codes, no names. Every line may be {json.dumps(ABSENT)}: not told."]
+    for name, column in form.items():
+        lines += ["", f"# {column.description} ({wanted(column)})", f"{name} = {json.dumps(ABSENT)}"]
+    return "\n".join(lines) + "\n"
+
+
+def wanted(column: FormColumn) -> str:
+    """What may stand in a column, in words."""
+    if column.range is None:
+        return "one of " + ", ".join(f"{word!r} ({meaning})" for word, meaning in column.levels.items())
+    low, high = column.range
+    return f"{low:g} to {high:g}{f' {column.unit}' if column.unit else ''}"
+
+
+def read_form(path: Path, form: Form) -> dict[str, str]:
+    """The answers in a file, as participants.tsv has them. SettingError for the first one that cannot be."""
+    try:
+        answers = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError) as error:
+        found = getattr(error, "strerror", None) or str(error)
+        do = "emg2vsa session form writes an empty one."
+        raise SettingError(f"--form {path}", wanted="a form in TOML", found=found, do=do) from error
+    for name in (*answers, *form):
+        if name not in form or name not in answers:
+            columns = f"the columns of [session.form] ({', '.join(form) or 'none'})"
+            raise SettingError(
+                f"--form {path}, {name}", wanted=columns, found="another one" if name not in form else "no such line",
+                do=f"Write {json.dumps(ABSENT)} where something is not told.",
+            )  # fmt: skip
+    for name, column in form.items():
+        if not _fits(answers[name], column):
+            found = "a number out of range" if type(answers[name]) in (int, float) else "something else"
+            do = f"Correct the line, or write {json.dumps(ABSENT)}."
+            raise SettingError(f"--form {path}, {name}", wanted=wanted(column), found=found, do=do)
+    return {name: f"{answer:g}" if type(answer) in (int, float) else str(answer) for name, answer in answers.items()}
+
+
+def _fits(answer: object, column: FormColumn) -> bool:
+    if column.range is None or answer == ABSENT:
+        return answer == ABSENT or answer in tuple(column.levels)
+    return type(answer) in (int, float) and column.range[0] <= answer <= column.range[1]  # type: ignore[operator]
+
+
+def is_answered(root: Path, participant: str, form: Form) -> bool:
+    """Whether the participants.tsv of the data set has every answer of a participant."""
+    with suppress(OSError, ValueError, csv.Error), (root / "participants.tsv").open(encoding="utf-8-sig") as lines:
+        rows: Iterator[dict[str, str]] = csv.DictReader(lines, delimiter="\t")
+        return any(row.get("participant_id") == f"sub-{participant}" and all(map(row.get, form)) for row in rows)
+    return not form
+
+
+def store_answers(root: Path, participant: str, form: Form, answers: Mapping[str, str]) -> None:
+    """Into participants.tsv and .json of the data set, beside what else they hold. DataError : as `write_person`."""
+    columns = {name: Column(column.description, column.unit, column.levels) for name, column in form.items()}
+    write_person(root, participant, columns, answers)
