@@ -33,6 +33,8 @@ REFERENCE_MM = 6.0
 _MATTERS = 0.1
 "Weight of a table."
 _COMPARED_MM = (3.0, 9.0)
+_PLACE_STEP, _Z_STEP = 1e-4, 1e-4
+"Of slopes."
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,10 +108,22 @@ class Family:
         motion, force = (np.ravel(of_tables * weights) for weights in self._at_z[z])
         return World(motion, force, float(np.log1p(-z)) + log_kappa0)
 
-    def motion(self, weights: Array) -> Array:
-        """(R, S, 3) motion of a world, or (K, R, S, 3) of several weights (K, ...)."""
-        mixed = weights.astype(np.float32) @ self._motion
-        return np.asarray(mixed.reshape(*weights.shape[:-1], self.radius_mm.size, self.arc_mm.size, 3), np.float64)
+    def motion_slopes(self, place: float, z: float, stick: float, bend: Array) -> Array:
+        """(4 + B, K) ``World.motion`` of a world, and its slopes by place, z, stick and each of ``bends``."""
+        between = self._between.weights(place) + bend @ self.bends
+        by_place = (self._between.weights(place + _PLACE_STEP) - self._between.weights(place)) / _PLACE_STEP
+        at_z, next_z = (np.array([s.weights(at)[:-1] for s in self._spline])[:, None] for at in (z, z + _Z_STEP))
+        friction, by_stick = np.array([[1 - stick, stick], [-1.0, 1.0]])[..., None]
+        of_domes = np.vstack([between, by_place, between, between, self.bends])[:, :, None, None]
+        of_z = np.stack([at_z, at_z, (next_z - at_z) / _Z_STEP, at_z, *[at_z] * len(self.bends)])
+        of_friction = np.stack([friction, friction, friction, by_stick, *[friction] * len(self.bends)])[:, None]
+        return np.asarray((of_domes * of_friction * of_z).reshape(len(of_domes), -1))
+
+    def motion(self, weights: Array, first: int = 0, last: int | None = None) -> Array:
+        """(..., R, S, 3) motion of worlds by weights (..., K), at the radii from a first to before a last."""
+        size = 3 * self.arc_mm.size
+        mixed = weights.astype(np.float32) @ self._motion[:, first * size : None if last is None else last * size]
+        return np.asarray(mixed.reshape(*weights.shape[:-1], -1, self.arc_mm.size, 3), np.float64)
 
     def computed_mm(self, world: World) -> float:
         """Contact radius up to which the tables that matter to a world were computed; beyond it they are continued."""

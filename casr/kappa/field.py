@@ -7,15 +7,17 @@ frames alike (``whitened``).
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from casr.dome.library import FAMILY
-from casr.dome.view import DomeView
+from casr.dome.view import DomeView, PinsAroundAxis
 from casr.kappa.family import Family
 from casr.kappa.presses import FEWEST_FRAMES, KappaPress
+from casr.kappa.slopes import PinSlopes
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -28,10 +30,10 @@ BENDS = tuple(f"bend_{k}" for k in range(len(FAMILY) - 2))
 SHARED = (*OF_VIEW, *BENDS)
 OWN = ("z", "stick", "across_1_rad", "across_2_rad")
 _STEPS = {
-    "place": 0.004, "pin_length_mm": 0.02, "log_depth": 0.003, "pole_x_px": 0.3, "pole_y_px": 0.3,
-    **dict.fromkeys(BENDS, 0.05), "z": 0.002, "stick": 0.05, "across_1_rad": 0.003, "across_2_rad": 0.003,
+    **{SHARED.index(name): 1e-4 for name in OF_VIEW[1:]}, len(SHARED) + 2: 1e-5, len(SHARED) + 3: 1e-5,
 }  # fmt: skip
-_RADIUS_STEP_MM, _FITS = 0.05, 4
+"By the number of a parameter of the view, or of the axis."
+_FITS = 4
 LEAST_RADIUS_MM = 1.0
 
 
@@ -73,7 +75,8 @@ class PressField:
         frames = good[radius_mm <= max(limit_mm, np.partition(radius_mm, FEWEST_FRAMES - 1)[FEWEST_FRAMES - 1])]
         last = last if frames.size == good.size else float(frames[-1])
         frames = _spread(frames)
-        field = PressField(self.press, self._view, self.family, frames)
+        same = np.array_equal(frames, self.frames)
+        field = copy(self) if same else PressField(self.press, self._view, self.family, frames)
         field.last = last
         return field, replace(state, radius_mm=np.interp(frames, self.frames, state.radius_mm))
 
@@ -88,12 +91,17 @@ class PressField:
 
     def predicted(self, state: State) -> Array:
         """(T, N, 2) motion, px, without a common shift."""
-        return self._motion_px(state, self._profile(state))
-
-    def _profile(self, state: State) -> Array:
         z, stick = state.own[:2]
         bend = state.shared[len(OF_VIEW) :][: len(self.family.bends)]
-        return self.family.motion(self.family.world(state.shared[0], z, stick, 0.0, bend).motion)
+        weights = self.family.world(state.shared[0], z, stick, 0.0, bend).motion
+        around = self._around(np.concatenate([state.shared, state.own]))
+        motion, _ = self._under(around, self._in_frames(weights, state)[0])
+        moved = around.moved_px(*motion.transpose(0, 2, 1)).transpose(2, 0, 1)
+        return np.asarray(moved - moved.mean(axis=1, keepdims=True))
+
+    def left(self, state: State) -> Array:
+        """(M,) residuals, px, in the order of frames, x and y, pins."""
+        return (self.seen - self.whitened(self.predicted(state))).swapaxes(1, 2).ravel()
 
     def _view_at(self, shared: Array) -> DomeView:
         view = self._view
@@ -102,39 +110,54 @@ class PressField:
             pole_px=(view.pole_px[0] + shared[3], view.pole_px[1] + shared[4]),
         )  # fmt: skip
 
-    def _motion_px(self, state: State, profile: Array) -> Array:
-        view = self._view_at(state.shared)
-        axis = self._axis + state.own[2:] @ self._across
-        around = view.around(view.directions(self._rest_px), axis / np.linalg.norm(axis))
-        arc_mm, radius_mm = self.family.arc_mm, self.family.radius_mm
-        row, share = _between(state.radius_mm, radius_mm[0], radius_mm[1] - radius_mm[0], radius_mm.size)
-        of_frames = profile[row] * (1 - share)[:, None, None] + profile[row + 1] * share[:, None, None]
-        row, share = _between(around.arc_mm, 0.0, arc_mm[1], arc_mm.size)
-        motion = of_frames[:, row] * (1 - share)[:, None] + of_frames[:, row + 1] * share[:, None]  # (T, N, 3)
-        moved = around.moved_px(*motion.transpose(2, 1, 0)).transpose(2, 0, 1)
-        return np.asarray(moved - moved.mean(axis=1, keepdims=True))
+    def _around(self, values: Array) -> PinsAroundAxis:
+        """The pins about the contact's middle, by shared and own parameters."""
+        view = self._view_at(values[: len(SHARED)])
+        axis = self._axis + values[-2:] @ self._across
+        return view.around(view.directions(self._rest_px), axis / np.linalg.norm(axis))
+
+    def _in_frames(self, weights: Array, state: State) -> tuple[Array, Array]:
+        """(3, ..., T, S) motion of worlds by weights (..., K) at the radii of the frames, and its slope, per mm."""
+        radius_mm = self.family.radius_mm
+        step_mm = radius_mm[1] - radius_mm[0]
+        row, share, per_mm = _between(state.radius_mm, radius_mm[0], step_mm, radius_mm.size)
+        first = int(row.min())
+        motion = self.family.motion(weights, first, int(row.max()) + 2)
+        low, high = (np.ascontiguousarray(np.moveaxis(motion[..., row - first + k, :, :], -1, 0)) for k in (0, 1))
+        return low + (high - low) * share[:, None], (high - low) * per_mm[:, None]
+
+    def _under(self, around: PinsAroundAxis, of_frames: Array) -> tuple[Array, Array]:
+        """(..., T, N) of (..., T, S) under each pin, and its slope along the arc, per mm."""
+        step_mm = self.family.arc_mm[1]
+        row, share, per_mm = _between(around.arc_mm, 0.0, step_mm, self.family.arc_mm.size)
+        low = of_frames.take(row, axis=-1)
+        rise = of_frames.take(row + 1, axis=-1) - low
+        return low + rise * share, rise * per_mm
 
     def linearised(self, state: State) -> tuple[Array, Array]:
         """(M,) residuals, px, and (M, 9 + T) their derivatives by shared and own parameters and radii."""
-        profile = self._profile(state)
-        here = self._motion_px(state, profile)
-        columns = np.empty((len(SHARED) + len(OWN) + self.n_frames, here.size))
-        for k, name in enumerate((*SHARED, *OWN)):
-            if name in BENDS[len(self.family.bends) :]:
-                columns[k] = 0
-                continue
-            step, values = _STEPS[name], np.concatenate([state.shared, state.own])
-            values[k] += step
-            other = State(values[: len(SHARED)], values[len(SHARED) :], state.radius_mm)
-            new = profile if name in OF_VIEW[1:] or name in OWN[2:] else self._profile(other)
-            columns[k] = self.whitened((self._motion_px(other, new) - here) / step).ravel()
-        wider = replace(state, radius_mm=state.radius_mm + _RADIUS_STEP_MM)
-        by_radius = (self._motion_px(wider, profile) - here) / _RADIUS_STEP_MM
-        of_frame = np.zeros((self.n_frames, *here.shape))
-        of_frame -= self._rest_share * by_radius[:, None] / self.n_frames
-        of_frame[np.arange(self.n_frames), np.arange(self.n_frames)] += by_radius
-        columns[len(SHARED) + len(OWN) :] = of_frame.reshape(self.n_frames, -1)
-        return (self.seen - self.whitened(here)).ravel(), columns.T
+        values, first, n_frames = np.concatenate([state.shared, state.own]), len(OF_VIEW), self.n_frames
+        bends = len(self.family.bends)
+        z, stick = state.own[:2].tolist()
+        weights = self.family.motion_slopes(values[0], z, stick, values[first : first + bends])
+        around = self._around(values)
+        in_frames, by_radius = self._in_frames(weights, state)
+        under, by_arc = self._under(around, np.concatenate([in_frames, by_radius[:, :1]], axis=1))
+        pins = PinSlopes(around, under[:, 0], by_arc[:, 0])
+        by_skin = pins.by_skin(under[:, 1:]).transpose(1, 2, 0, 3)
+        columns = np.zeros((len(values) + n_frames, n_frames, 2, self.n_pins))
+        of_world = [0, len(SHARED), len(SHARED) + 1, *range(first, first + bends)]
+        columns[of_world] = by_skin[:-1]
+        for k, step in _STEPS.items():
+            other = values.copy()
+            other[k] += step
+            columns[k] = pins.by_view(self._around(other), step).swapaxes(0, 1)
+        columns[len(values) + np.arange(n_frames), np.arange(n_frames)] = by_skin[-1]
+        columns -= columns.mean(axis=-1, keepdims=True)
+        columns -= self._rest_share * columns.mean(axis=1, keepdims=True)
+        here = pins.moved_px.transpose(1, 2, 0)
+        left = self.seen - self.whitened(here - here.mean(axis=1, keepdims=True))
+        return left.swapaxes(1, 2).ravel(), columns.reshape(len(columns), -1).T
 
     def left_over_px(self, state: State, z: Array) -> Array:
         """(K,) root mean square left over, px, where z is held at each of K values and the rest of what one press alone
@@ -145,17 +168,20 @@ class PressField:
         for each in z:
             held = replace(state, own=np.append(each, state.own[1:]))
             for _ in range(_FITS):
-                residual = (self.seen - self.whitened(self.predicted(held))).ravel()
+                residual = self.left(held)
                 step = inverse @ residual
                 own, radius_mm = held.own[1:] + step[: len(OWN) - 1], held.radius_mm + step[len(OWN) - 1 :]
                 held = State(state.shared, np.append(each, own), np.maximum(radius_mm, LEAST_RADIUS_MM))
             left.append(float(np.sqrt(residual @ residual / (residual.size - self.n_frames))))
         return np.array(left)
 
-    def started(self, place: float, z: float) -> tuple[State, float]:
-        """The state in which each frame has the radius, out of those of the tables, that suits it best; cost, px^2."""
-        state = State(np.append(place, np.zeros(len(SHARED) - 1)), np.array([z, 0.5, 0, 0]), self.family.radius_mm)
-        every = self._motion_px(state, self._profile(state)).reshape(state.radius_mm.size, -1)
+    def started(self, place: float, z: float, least_mm: float = 0.0) -> tuple[State, float]:
+        """The state in which each frame has the radius, out of those of the tables from about the least on, that suits
+        it best; cost, px^2."""
+        radius_mm = self.family.radius_mm
+        radius_mm = radius_mm[min(int(np.searchsorted(radius_mm, least_mm)), radius_mm.size - 1) :]
+        state = State(np.append(place, np.zeros(len(SHARED) - 1)), np.array([z, 0.5, 0, 0]), radius_mm)
+        every = self.predicted(state).reshape(state.radius_mm.size, -1)
         seen = self._moved.reshape(self.n_frames, -1)
         cost = (every**2).sum(axis=1) - 2 * seen @ every.T
         best = np.argmin(cost, axis=1)
@@ -168,8 +194,9 @@ def _spread(frames: Rows) -> Rows:
     return np.unique(frames[np.linspace(0, len(frames) - 1, MOST_FRAMES).round().astype(np.intp)])
 
 
-def _between(at: Array, first: float, step: float, count: int) -> tuple[NDArray[np.intp], Array]:
-    """Rows of an even grid at or below ``at``, and the share of the way to the next."""
-    place = np.clip((at - first) / step, 0, count - 1.000001)
-    row = place.astype(np.intp)
-    return row, place - row
+def _between(at: Array, first: float, step: float, count: int) -> tuple[NDArray[np.intp], Array, Array]:
+    """Rows of an even grid at or below ``at``, the share of the way to the next, and its slope, 0 beyond the grid."""
+    place = (at - first) / step
+    inside = np.clip(place, 0, count - 1.000001)
+    row = inside.astype(np.intp)
+    return row, inside - row, np.where(place == inside, 1 / step, 0.0)

@@ -6,7 +6,7 @@ press by press, so that the work grows with the number of presses only.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -148,10 +148,9 @@ class _Fit:
         values = [into @ at for into in self._maps]
         return [State(v[: len(SHARED)], v[len(SHARED) :], r) for v, r in zip(values, radii, strict=True)]
 
-    def _cost(self, at: Array, radii: Sequence[Array], noise_px: float) -> float:
-        squares = 0.0
-        for field, state in zip(self._fields, self._states(at, radii), strict=True):
-            squares += float(((field.seen - field.whitened(field.predicted(state))) ** 2).sum())
+    def _cost(self, at: Array, left: Iterable[Array], noise_px: float) -> float:
+        """left : residuals of each press, px."""
+        squares = sum(float(residual @ residual) for residual in left)
         return squares / noise_px**2 + float((at - self._prior) @ self._prior_precision @ (at - self._prior))
 
     def result(self, places: Sequence[float], start: Labels | None) -> Labels:
@@ -171,7 +170,7 @@ class _Fit:
             lines = [field.linearised(state) for field, state in zip(self._fields, states, strict=True)]
             noise_px = max(float(np.sqrt(sum(float(r @ r) for r, _ in lines) / count)), self._least_px)
             sums = [_reduced(*line) for line in lines]
-            before = self._cost(at, radii, noise_px)
+            before = self._cost(at, (residual for residual, _ in lines), noise_px)
             for _ in range(6):
                 precision, gradient = self._normal(sums, at, noise_px)
                 step = np.linalg.solve(precision + damping * np.diag(np.diag(precision)), gradient)
@@ -180,7 +179,9 @@ class _Fit:
                     np.clip(radius + given + by @ into @ (new_at - at), LEAST_RADIUS_MM, self._family.radius_mm[-1])
                     for radius, (_, _, given, by), into in zip(radii, sums, self._maps, strict=True)
                 ]
-                after = self._cost(new_at, new_radii, noise_px)
+                states = self._states(new_at, new_radii)
+                left = (field.left(state) for field, state in zip(self._fields, states, strict=True))
+                after = self._cost(new_at, left, noise_px)
                 if after <= before:
                     break
                 damping *= 10
@@ -227,9 +228,11 @@ class _Fit:
 
 def _followed(field: PressField, before: PressField, state: State) -> Array:
     """Radii of a press that has gone on since ``before``."""
-    new, _ = field.started(float(state.shared[0]), float(state.own[0]))
-    known = np.interp(field.frames, before.frames, state.radius_mm)
-    return np.asarray(np.where(field.frames <= before.frames[-1], known, new.radius_mm))
+    known, new = np.interp(field.frames, before.frames, state.radius_mm), field.frames > before.frames[-1]
+    if new.any():
+        begun, _ = field.started(float(state.shared[0]), float(state.own[0]), known[-1])
+        known[new] = begun.radius_mm[new]
+    return known
 
 
 Reduced = tuple[Array, Array, Array, Array]

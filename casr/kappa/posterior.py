@@ -79,9 +79,16 @@ stay below 1.6, those of specimens that are mixed up come to 3 to 30."""
 
 class Posterior:
     """Of all specimens. left_out : whose stiffness is taken as unknown. mean, covariance : of the n_label parameters of
-    the sensor, ln kappa0, level, slope, ln kappa of each specimen, and where there is travel its level and ln k_t."""
+    the sensor, ln kappa0, level, slope, ln kappa of each specimen, and where there is travel its level and ln k_t.
+    start : where these are looked for, as of a posterior of the same presses."""
 
-    def __init__(self, sensor: KnownSensor, discrepancy: Discrepancy, left_out: str | None = None) -> None:
+    def __init__(
+        self,
+        sensor: KnownSensor,
+        discrepancy: Discrepancy,
+        left_out: str | None = None,
+        start: Array | None = None,
+    ) -> None:
         self._sensor, self._d, presses = sensor, discrepancy, sensor.presses
         self.specimens = sorted({press.specimen for press in presses})
         self._of = np.array([self.specimens.index(press.specimen) for press in presses])
@@ -97,23 +104,27 @@ class Posterior:
         self._travelled = sensor.with_travel
         self._log_travel = 1.5 * np.log([presses[k].travel_mm_per_n or np.nan for k in self._travelled])
         self.n_label, self._variance = sensor.mean.size, {"force": 1.0, TRAVEL: 1.0}
-        self._solve()
+        self._solve(self._begun() if start is None else start)
         said = {cue: part for cue, part in self._parts(self.mean).items() if cue in self._variance}
         for cue, (left, _, weight) in said.items():
             # what contradicts itself by more than is usual counts less, and does not widen what the pins say
             chi2 = float(left @ weight @ left)
             self._variance[cue] = max((chi2 + discrepancy.freedom) / (left.size + discrepancy.freedom), 1.0)
         if said:
-            self._solve()
+            self._solve(self.mean)
 
-    def _solve(self) -> None:
-        n, d, sensor = self.n_label, self._d, self._sensor
+    def _begun(self) -> Array:
+        n, sensor = self.n_label, self._sensor
         at = np.concatenate([sensor.mean, [sensor.log_kappa0, 0.0, 0.0],
                              [np.log(self.known.get(name, _USUAL_KAPPA)) for name in self.specimens]])  # fmt: skip
         if self._travelled.size:
             log_kt = at[n] + LOG_KT
             series = np.logaddexp(-log_kt, -at[n + 3 + self._of[self._travelled]])
             at = np.append(at, [float((self._log_travel - series).mean()), log_kt])
+        return np.asarray(at)
+
+    def _solve(self, at: Array) -> None:
+        n, d, sensor = self.n_label, self._d, self._sensor
         for _ in range(_ROUNDS):
             residual, by, weight = self._statements(at)
             precision = by.T @ weight @ by

@@ -102,7 +102,8 @@ class PinsEstimator:
         if labels is self._labels and self._told:  # no frame that tells more: contacts beyond the tables
             return self._told
         sensor, self._labels = self._before.joined_by(labels), labels
-        posterior, best = Posterior(sensor, self._d), Posterior(sensor.exact(-1), self._d)
+        posterior = Posterior(sensor, self._d)
+        best = Posterior(sensor.exact(-1), self._d, start=posterior.mean)
         self._now = sensor, posterior.chi2
         by_force = sensor.presses[-1].force_variance is not None
         count = len(sensor.presses) - self._known
