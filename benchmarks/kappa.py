@@ -161,7 +161,7 @@ def pressed(
 def tried(trial: Trial) -> Outcome:
     """Presses of a trial made and estimated."""
     presses = presses_of(trial)
-    stated = Discrepancy(stiffness=0.0, force_mounting=0.0) if trial.scatter == 0 else Discrepancy()
+    stated = Discrepancy().mounted(0.0) if trial.scatter == 0 else Discrepancy()
     start = process_time()
     try:
         found = estimate_kappa(presses, CAMERA, library=library_without(trial.dome), discrepancy=stated)

@@ -432,11 +432,12 @@ class CalibrationSettings:
     angle_sd_deg: NonNegative = 0.5
     "How well the angle of a mounting is repeated, degrees (guess: by hand); presses of one mounting do not show it."
     mounting_sd_percent: Annotated[float, Ge(0), Lt(50)] = 4.3
-    "SD of a score between mountings, in percent of it, where repeats do not tell (guess: the emulated rig's); 0: none."
+    """SD of a score between mountings, in percent of it, where repeats do not tell (guess: the emulated rig's).
+    0: none. By the pins it always counts, as 0.8 times as much of kappa."""
     outlier_mads: NonNegative = 5.0
     "A press this many median absolute deviations (scaled to SDs) from its median is left out; if over 20 % are, none."
     confidence: Annotated[float, Gt(0), Lt(1)] = 0.95
-    "Of intervals by CASR; those by the pins are of 95 %."
+    "Of intervals of kappa, by the pins and by CASR."
     resamples: Annotated[int, Ge(1)] = 2000
     "Of the bootstrap over repetitions."
     seed: Annotated[int, Ge(0)] = 0

@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 USUAL_MISFIT = 0.02
 "Share of the motion left over beyond noise; where there is more, the tables fit this sensor less well than each other."
 
+MOUNTING_SD = 0.043
+"Of CASR from mounting to mounting, relative: the emulated bench's."
+
 
 @dataclass(frozen=True, kw_only=True)
 class Discrepancy:
@@ -19,6 +22,7 @@ class Discrepancy:
     specimen; force_scatter : from press to press.
     travel_curve, travel_mounting, travel_scatter : of 3/2 ln of travel per newton, in the same ways.
     freedom : degrees of freedom that these were found with.
+    What mountings differ by, ``stiffness`` and ``*_mounting``, makes CASR differ by ``MOUNTING_SD``.
     """
 
     level: float = 0.03
@@ -36,6 +40,11 @@ class Discrepancy:
     travel_mounting: float = 0.04
     travel_scatter: float = 0.01
     freedom: float = 10.0
+
+    def mounted(self, casr_sd: float) -> Discrepancy:
+        """Of mountings by which CASR differs so much, relative."""
+        names = ("stiffness", "force_mounting", "travel_mounting")
+        return replace(self, **{name: casr_sd / MOUNTING_SD * getattr(self, name) for name in names})
 
     def scaled(self, factor: float) -> Discrepancy:
         """Of a sensor that the tables fit less well."""

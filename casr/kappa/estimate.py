@@ -22,6 +22,7 @@ from casr.kappa.field import PressField
 from casr.kappa.labels import DEPTH_SD_OF_SENSOR, Labels, SensorErrors, labelled
 from casr.kappa.posterior import CONTRADICTED, Kappa, kappas
 from casr.kappa.presses import KappaPress
+from casr.spread.intervals import CONFIDENCE
 
 USUAL_PIN_MM, UNKNOWN_PIN_SD_MM = 3.0, 1.0
 "Of a sensor whose pin length nobody states."
@@ -50,20 +51,20 @@ def estimate_kappa(
     camera: Camera,
     *,
     library: Library | None = None,
-    errors: SensorErrors | None = None,
     discrepancy: Discrepancy | None = None,
+    confidence: float = CONFIDENCE,
 ) -> SensorKappa:
     """Kappa of every specimen among presses of one sensor.
 
     Specimens of known stiffness calibrate the sensor; without any, the forces and the moduli of the tables' domes do,
-    and intervals are wide. library : tables of domes (default: those of casr).
+    and intervals are wide. library : tables of domes (default: those of casr). confidence : of the intervals.
 
     CameraError : lengths that cannot be. SettingError : no press, no tables, or two stiffnesses of one specimen.
     PinsError, FramesError : of a press.
     """
-    labels = fitted(presses, camera, families(library or shipped()), errors or stated_errors(camera))
+    labels = fitted(presses, camera, families(library or shipped()), stated_errors(camera))
     d = (discrepancy or Discrepancy()).scaled(max(labels.misfit / USUAL_MISFIT, 1.0))
-    found = kappas(labels, d)
+    found = kappas(labels, d, confidence)
     return SensorKappa(
         kappas=found, labels=labels, discrepancy=d, misfit=labels.misfit, noise_px=labels.noise_px,
         notes=(*_contradictions(found), *_notes(labels, camera)),

@@ -7,7 +7,7 @@ press by press, so that the work grows with the number of presses only.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -56,6 +56,21 @@ class Sensor(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
+class Part:
+    """Of one press of K parameters beside its radii: what it adds to the precision (K, K) of them and pulls at them
+    (K,), at noise of 1 px, and into (K, G) them from all parameters."""
+
+    squares: Array
+    pull: Array
+    into: Array
+
+    @property
+    def precision(self) -> Array:
+        """(G, G) of all parameters."""
+        return np.asarray(self.into.T @ self.squares @ self.into)
+
+
+@dataclass(frozen=True, eq=False)
 class Labels:
     """P presses of a sensor under one dome.
 
@@ -65,6 +80,7 @@ class Labels:
     radius_by : of each press (T, G), derivative of its radii by these parameters.
     noise_px : white noise of a pin. misfit_px, moved_px : root mean square left over, noise in it, and of the motion.
     white_precision : (G, G) were white noise all that is left over.
+    prior : mean and precision of all before the presses. parts : of each press what it adds, see ``Part``.
     """
 
     family: Family
@@ -79,6 +95,29 @@ class Labels:
     misfit_px: float
     moved_px: float
     white_precision: Array
+    prior: tuple[Array, Array]
+    parts: tuple[Part, ...]
+
+    def among(self, kept: Sequence[int]) -> Labels:
+        """What some of the presses say alone, linearised where all of them are fitted."""
+        mountings = tuple(name for name in self.mountings if name in {self.fields[k].press.mounting for k in kept})
+        shared = [*range(len(SHARED)), *(len(SHARED) + self.mountings.index(name) for name in mountings)]
+        at = np.concatenate([shared, *(self.own_at[k] + np.arange(len(OWN)) for k in kept)]).astype(np.intp)
+        prior_mean, prior = self.prior[0][at], self.prior[1][np.ix_(at, at)]
+        parts = [Part(each.squares, each.pull, each.into[:, at]) for each in (self.parts[k] for k in kept)]
+        px, mean = self.misfit_px, self.mean[at]
+        precision = prior + sum(each.precision for each in parts) / px**2
+        pull = prior @ (prior_mean - mean) + sum(each.into.T @ each.pull for each in parts) / px**2
+        step = np.linalg.solve(precision, pull)
+        radius_by = tuple(self.radius_by[k][:, at] for k in kept)
+        radii = [self.states[k].radius_mm + by @ step for k, by in zip(kept, radius_by, strict=True)]
+        return replace(
+            self, fields=tuple(self.fields[k] for k in kept), mean=mean + step, precision=precision,
+            states=tuple(_state(each.into @ (mean + step), radius) for each, radius in zip(parts, radii, strict=True)),
+            own_at=len(shared) + len(OWN) * np.arange(len(kept)), mountings=mountings, radius_by=radius_by,
+            white_precision=prior + sum(each.precision for each in parts) / self.noise_px**2,
+            prior=(prior_mean, prior), parts=tuple(parts),
+        )  # fmt: skip
 
     @property
     def z(self) -> Array:
@@ -145,8 +184,7 @@ class _Fit:
         return at, [state.radius_mm for state, _ in best]
 
     def _states(self, at: Array, radii: Sequence[Array]) -> list[State]:
-        values = [into @ at for into in self._maps]
-        return [State(v[: len(SHARED)], v[len(SHARED) :], r) for v, r in zip(values, radii, strict=True)]
+        return [_state(into @ at, radius_mm) for into, radius_mm in zip(self._maps, radii, strict=True)]
 
     def _cost(self, at: Array, left: Iterable[Array], noise_px: float) -> float:
         """left : residuals of each press, px."""
@@ -166,6 +204,7 @@ class _Fit:
         damping, noise_px = 1e-2, 0.1
         count = sum(field.seen.size for field in self._fields)
         for round_ in range(_ROUNDS):
+            seen_from = at
             states = self._states(at, radii)
             lines = [field.linearised(state) for field, state in zip(self._fields, states, strict=True)]
             noise_px = max(float(np.sqrt(sum(float(r @ r) for r, _ in lines) / count)), self._least_px)
@@ -191,7 +230,7 @@ class _Fit:
             at, radii, damping = new_at, new_radii, max(damping / 10, 1e-7)
             if moved < _FOUND and round_ > (start is None):
                 break
-        return self._labels(at, radii, lines)
+        return self._labels(at, radii, lines, seen_from)
 
     def _bounded(self, at: Array) -> Array:
         at = at.copy()
@@ -207,8 +246,10 @@ class _Fit:
             gradient += into.T @ slope / noise_px**2
         return precision, gradient
 
-    def _labels(self, at: Array, radii: Sequence[Array], lines: Sequence[tuple[Array, Array]]) -> Labels:
-        """lines : residuals and derivatives at or beside the states that were found."""
+    def _labels(
+        self, at: Array, radii: Sequence[Array], lines: Sequence[tuple[Array, Array]], seen_from: Array
+    ) -> Labels:
+        """lines : residuals and derivatives ``seen_from`` where or beside which the states were found."""
         states = self._states(at, radii)
         squares = sum(float(r @ r) for r, _ in lines)
         count = sum(r.size - field.n_frames for (r, _), field in zip(lines, self._fields, strict=True))
@@ -222,8 +263,17 @@ class _Fit:
             own_at=self._own_at, mountings=tuple(self._mountings),
             radius_by=tuple(by @ into for (_, _, _, by), into in zip(sums, self._maps, strict=True)),
             noise_px=noise_px, misfit_px=misfit_px, moved_px=moved,
-            white_precision=self._normal(sums, at, noise_px)[0],
+            white_precision=self._normal(sums, at, noise_px)[0], prior=(self._prior, self._prior_precision),
+            parts=tuple(
+                Part(own, slope - own @ into @ (at - seen_from), into)
+                for (own, slope, _, _), into in zip(sums, self._maps, strict=True)
+            ),
         )  # fmt: skip
+
+
+def _state(values: Array, radius_mm: Array) -> State:
+    """values : of ``SHARED`` and ``OWN``."""
+    return State(values[: len(SHARED)], values[len(SHARED) :], radius_mm)
 
 
 def _followed(field: PressField, before: PressField, state: State) -> Array:

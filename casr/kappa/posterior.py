@@ -44,8 +44,9 @@ _ROUNDS, _FOUND = 12, 1e-5
 class Kappa:
     """Kappa of one specimen.
 
-    value, low, high : N/mm and its total 95 % interval; high is inf where the specimen may be rigid.
-    log_sd : standard error of ln kappa. expected : half width of the interval that the design promises, relative.
+    value, low, high : N/mm and its total interval; high is inf where the specimen may be rigid.
+    log_sd : standard error of ln kappa, of so many degrees of ``freedom``. kappa0 : stiffness of the dome, N/mm.
+    expected : half width of the interval that the design promises, relative.
     contradicted : factor by which statements that contradict each other widen the interval, 1 where they do not.
     determined : whether ``expected`` is ``DETERMINED`` or less, and ``contradicted`` ``CONTRADICTED`` or less.
     bound_sd : of ln kappa, by Cramer and Rao's bound, were white noise of pins and the errors of the known stiffnesses
@@ -60,6 +61,8 @@ class Kappa:
     low: float
     high: float
     log_sd: float
+    freedom: float
+    kappa0: float
     expected: float
     contradicted: float
     determined: bool
@@ -68,6 +71,10 @@ class Kappa:
     by_cue: dict[str, tuple[float, float]]
     stick: float
     n_presses: int
+
+    def interval(self, confidence: float) -> tuple[float, float]:
+        """Low and high end, N/mm, of another confidence."""
+        return ends(self.value, self.kappa0, student_quantile(confidence, self.freedom) * self.log_sd)
 
 
 DETERMINED = 0.25
@@ -78,18 +85,23 @@ stay below 1.6, those of specimens that are mixed up come to 3 to 30."""
 
 
 class Posterior:
-    """Of all specimens. left_out : whose stiffness is taken as unknown. mean, covariance : of the n_label parameters of
-    the sensor, ln kappa0, level, slope, ln kappa of each specimen, and where there is travel its level and ln k_t.
-    start : where these are looked for, as of a posterior of the same presses."""
+    """Of all specimens. left_out : whose stiffness is taken as unknown. confidence : of its intervals. start : where
+    they are looked for, as ``mean`` of a posterior of the same presses.
+
+    mean, covariance : of the n_label parameters of the sensor, ln kappa0, level, slope, ln kappa of each
+    specimen, and where there is travel its level and ln k_t.
+    """
 
     def __init__(
         self,
         sensor: KnownSensor,
         discrepancy: Discrepancy,
         left_out: str | None = None,
+        *,
+        confidence: float = CONFIDENCE,
         start: Array | None = None,
     ) -> None:
-        self._sensor, self._d, presses = sensor, discrepancy, sensor.presses
+        self._sensor, self._d, self._confidence, presses = sensor, discrepancy, confidence, sensor.presses
         self.specimens = sorted({press.specimen for press in presses})
         self._of = np.array([self.specimens.index(press.specimen) for press in presses])
         self._same = np.array(
@@ -141,11 +153,10 @@ class Posterior:
         # travel that is as it should be says nothing of how well the tables are of this sensor
         left = residual[told]
         self.chi2 = float(left @ self._weight[told, told] @ left + away @ sensor.precision @ away)
-        self.freedom = left.size - 3 - len(self.specimens)
         self.mean, self.covariance = at, np.linalg.inv(precision)
-        freedom = max(self.freedom, 0) + d.freedom
-        self.widened = float(np.sqrt(max((self.chi2 + d.freedom) / freedom, 1.0)))
-        self.reach = student_quantile(CONFIDENCE, freedom)
+        self.freedom = max(left.size - 3 - len(self.specimens), 0) + d.freedom
+        self.widened = float(np.sqrt(max((self.chi2 + d.freedom) / self.freedom, 1.0)))
+        self.reach = student_quantile(self._confidence, self.freedom)
 
     def _statements(self, at: Array) -> tuple[Array, Array, Array]:
         """(M,) residuals of all statements but the labels, (M, P) derivatives, (M, M) weights."""
@@ -253,14 +264,9 @@ class Posterior:
     def interval(self, specimen: str) -> tuple[float, float, float]:
         """Low end, kappa and high end, N/mm, of the total interval."""
         log_kappa, sd = self.log_kappa(specimen)
-        return self.ends(log_kappa, self.reach * self.widened * sd)
-
-    def ends(self, log_kappa: float, reach: float) -> tuple[float, float, float]:
-        """The same, of an interval that reaches so far in ln kappa: even in z, in which a rigid specimen is not far."""
-        z = float(self.z(np.exp(log_kappa)))
-        half = reach * z * (1 - z)
-        ends = [self.kappa0 * (1 / each - 1) if each > 0 else np.inf for each in (min(z + half, 1.0), z - half)]
-        return float(ends[0]), float(np.exp(log_kappa)), float(ends[1])
+        kappa = float(np.exp(log_kappa))
+        low, high = ends(kappa, self.kappa0, self.reach * self.widened * sd)
+        return low, kappa, high
 
     def z(self, kappa: Array | float) -> Array:
         """That kappa, N/mm, has on this dome."""
@@ -272,11 +278,20 @@ class Posterior:
         return float(np.exp(self.mean[self.n_label]))
 
 
-def kappas(labels: Labels, discrepancy: Discrepancy | None = None) -> dict[str, Kappa]:
+def ends(kappa: float, kappa0: float, reach: float) -> tuple[float, float]:
+    """Low and high end, N/mm, of an interval that reaches so far in ln kappa: even in z, in which a rigid specimen is
+    not far."""
+    z = 1 / (1 + kappa / kappa0)
+    half = reach * z * (1 - z)
+    low, high = (kappa0 * (1 / each - 1) if each > 0 else np.inf for each in (min(z + half, 1.0), z - half))
+    return low, high
+
+
+def kappas(labels: Labels, discrepancy: Discrepancy | None = None, confidence: float = CONFIDENCE) -> dict[str, Kappa]:
     """Kappa of every specimen; of a known one as the others tell it, where two or more are known beside it."""
     d = discrepancy or Discrepancy()
     sensor, white = KnownSensor.of(labels), KnownSensor.of(labels, ("pins",), white=True)
-    whole, bound = Posterior(sensor, d), Posterior(white, EXACT)
+    whole, bound = Posterior(sensor, d, confidence=confidence), Posterior(white, EXACT)
     cues = (*CUES, *[TRAVEL] * bool(sensor.with_travel.size))
     alone = {cue: Posterior(KnownSensor.of(labels, (cue,)), d) for cue in cues}
     found = {}
@@ -285,16 +300,15 @@ def kappas(labels: Labels, discrepancy: Discrepancy | None = None) -> dict[str, 
         if name in whole.known:
             if len(whole.known) < 3 or whole.known[name] == RIGID:
                 continue
-            of_bound, posteriors = Posterior(white, EXACT, name), {"": Posterior(sensor, d, name)}
+            of_bound, posteriors = Posterior(white, EXACT, name), {"": Posterior(sensor, d, name, confidence=confidence)}
         found[name] = _kappa(name, labels, posteriors, whole.known.get(name), of_bound)
     return found
 
 
 def _kappa(name: str, labels: Labels, posteriors: dict[str, Posterior], known: float | None, bound: Posterior) -> Kappa:
     of = posteriors[""]
-    log_kappa, sd = of.log_kappa(name)
-    low, value, high = of.interval(name)
-    promised_low, _, promised_high = of.ends(log_kappa, of.reach * sd)
+    sd, (low, value, high) = of.log_kappa(name)[1], of.interval(name)
+    promised_low, promised_high = ends(value, of.kappa0, of.reach * sd)
     expected = (promised_high - promised_low) / (2 * value)
     rows = [k for k, field in enumerate(labels.fields) if field.press.specimen == name]
     bound_sd = bound.log_kappa(name)[1]
@@ -302,7 +316,8 @@ def _kappa(name: str, labels: Labels, posteriors: dict[str, Posterior], known: f
         cue: (one.log_kappa(name)[0], one.widened * one.log_kappa(name)[1]) for cue, one in posteriors.items() if cue
     }
     return Kappa(
-        specimen=name, known=known, value=value, low=low, high=high, log_sd=of.widened * sd, expected=expected,
+        specimen=name, known=known, value=value, low=low, high=high, log_sd=of.widened * sd, freedom=of.freedom,
+        kappa0=of.kappa0, expected=expected,
         contradicted=of.widened, determined=expected <= DETERMINED and of.widened <= CONTRADICTED, bound_sd=bound_sd,
         efficiency=bound_sd / (of.widened * sd) if bound_sd < of.widened * sd else np.nan,
         by_cue={cue: (float(np.exp(each)), error) for cue, (each, error) in by_cue.items() if error < 1.0},

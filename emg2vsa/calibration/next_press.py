@@ -99,7 +99,7 @@ def belief(calibrations: Sequence[OnlineCalibration], done: Mapping[int, Done]) 
 def _away(calibration: OnlineCalibration, done: Done, kappa: Floats) -> Floats:
     """(K,) distance of stiffnesses from the estimate, in standard errors, on the axis of its interval."""
     axis, middle, low = (calibration.axis(np.asarray(each)) for each in (kappa, done.kappa, done.low))
-    return np.asarray((axis - middle) / (middle - low) * _normal(calibration.confidence))
+    return np.asarray((axis - middle) / (middle - low) * _normal(calibration.settings.confidence))
 
 
 def options(
@@ -120,7 +120,7 @@ def options(
         )
     done = dict(done or {})
     now = belief(calibrations, done)
-    confidence = calibrations[0].confidence
+    confidence = calibrations[0].settings.confidence
     present = _half_width(now.variance, confidence)
     found = []
     for index, calibration in enumerate(calibrations):
@@ -147,7 +147,7 @@ def next_press(
     """
     done = dict(done or {})
     now = belief(calibrations, done)
-    if done and _half_width(now.variance, calibrations[0].confidence) <= width:
+    if done and _half_width(now.variance, calibrations[0].settings.confidence) <= width:
         return None
     worthwhile = [choice for choice in options(calibrations, done) if choice.worthwhile]
     return max(worthwhile, key=lambda choice: choice.bits / choice.presses, default=None)

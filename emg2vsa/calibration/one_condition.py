@@ -107,7 +107,8 @@ class OneCondition:
     def _by_pins(self, domes: Mapping[str, Domes]) -> tuple[PinsResult | None, str]:
         of_runs = [domes.get(run.specimen, NO_DOMES) for run in self._runs]
         try:
-            return kappa_by_pins(self.known, self.new, self.kappa, self.kappa_se, self.truth, of_runs), ""
+            by = self.known, self.new, self.kappa, self.kappa_se, self.truth, of_runs, self.settings
+            return kappa_by_pins(*by), ""
         except InputError as error:
             return None, str(error)
 

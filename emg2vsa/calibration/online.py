@@ -26,8 +26,8 @@ import numpy as np
 from scipy import special
 
 from casr.dome.library import Library, shipped
+from casr.kappa.posterior import Posterior, ends
 from casr.kappa.presses import KappaPress
-from casr.spread.intervals import CONFIDENCE
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.cut_presses import ROUNDING_N, cut_rates
@@ -150,25 +150,25 @@ class OnlineCalibration:
 
     def log_sd(self, kappa: Floats, presses: int, mountings: int) -> Floats:
         """(K,) standard error of ln kappa that is expected of whole presses, shared alike by so many mountings."""
-        if self.pins:
-            return self.pins.posterior.expected_log_sd(kappa, presses, mountings)
+        if self.posterior:
+            return self.posterior.expected_log_sd(kappa, presses, mountings)
         reach = self._reach_at(kappa, np.full(kappa.size, self.forces_n.size - 1), presses, mountings)
         slope = np.abs(kappa_slope(self.settings.law, kappa)) / kappa
-        return np.asarray(slope * reach / special.ndtri(0.5 + self.confidence / 2))
+        return np.asarray(slope * reach / special.ndtri(0.5 + self.settings.confidence / 2))
 
     def axis(self, kappa: Floats) -> Floats:
         """Of kappa, N/mm: on it, intervals are even."""
-        return self.pins.posterior.z(kappa) if self.pins else np.asarray(eta_of(self.settings.law, kappa))
+        return self.posterior.z(kappa) if self.posterior else np.asarray(eta_of(self.settings.law, kappa))
 
     def half_width(self, kappa: float, reach: float) -> float:
         """Half width, as a share of kappa, of an interval with this ``Judged.reach``."""
         low, high = interval_of(self.settings.law, kappa, reach)
         return (high - low) / (2 * kappa)
 
-    @property
-    def confidence(self) -> float:
-        """Of its intervals."""
-        return CONFIDENCE if self.pins else self.settings.confidence
+    @cached_property
+    def posterior(self) -> Posterior | None:
+        """By the pins, before the new specimen is pressed; None where they say nothing."""
+        return self.pins.posterior(self.settings) if self.pins else None
 
     @property
     def _kappa_at_every_force(self) -> Floats:
@@ -205,12 +205,12 @@ def reachable_width(
     judged = int(np.searchsorted(calibration.forces_n, f_max_n + ROUNDING_N, side="right"))
     if judged == 0:
         return math.nan
-    known, pins = calibration.kappa, calibration.pins
+    known, by_pins = calibration.kappa, calibration.posterior
     tried = np.geomspace(known.min(), known.max(), _KAPPAS) if kappa is None else np.array([kappa])
-    if pins:
-        reaches = pins.posterior.reach * calibration.log_sd(tried, presses, 1)
-        ends = [pins.posterior.ends(float(np.log(k)), r) for k, r in zip(tried, reaches.tolist(), strict=True)]
-        return min((high - low) / (2 * value) for low, value, high in ends)
+    if by_pins:
+        reaches = by_pins.reach * calibration.log_sd(tried, presses, 1)
+        every = [ends(k, by_pins.kappa0, r) for k, r in zip(tried.tolist(), reaches.tolist(), strict=True)]
+        return float(min((high - low) / (2 * k) for (low, high), k in zip(every, tried, strict=True)))
     reaches = calibration.expected_reach(tried, presses)[judged - 1]
     widths = [calibration.half_width(*each) for each in zip(tried.tolist(), reaches.tolist(), strict=True)]
     return float(np.fmin.reduce(widths))
@@ -252,7 +252,8 @@ class OnlineEstimator:
 
     def __init__(self, calibration: OnlineCalibration, wanted: float = 0.0, library: Library | None = None) -> None:
         self._calibration, self._wanted = calibration, wanted
-        self._pins = PinsEstimator(calibration.pins, library or shipped()) if calibration.pins else None
+        pins = calibration.pins
+        self._pins = PinsEstimator(pins, library or shipped(), calibration.settings) if pins else None
         self._finished: list[Floats] = []
         self._mountings: list[int] = [1]
         self._curve: list[tuple[float, float]] = []

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 from scipy import special
 
 from casr.camera import Camera
 from casr.dome.library import Library
 from casr.errors import InputError
+from casr.kappa.discrepancy import Discrepancy
 from casr.kappa.estimate import fitted, press_fields, stated_errors
 from casr.kappa.family import Family, families
 from casr.kappa.known import KnownSensor
@@ -26,6 +26,7 @@ from emg2vsa.calibration.pinned_presses import camera_of, known_presses, library
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import RunScores
 from emg2vsa.run_scores.measured import Domes
+from emg2vsa.settings import CalibrationSettings
 
 NEW = ""
 "Name of the specimen that is pressed."
@@ -43,10 +44,9 @@ class KnownPins:
     camera: Camera
     tables: str
 
-    @cached_property
-    def posterior(self) -> Posterior:
-        """Before the new specimen is pressed."""
-        return Posterior(self.sensor, self.sensor.discrepancy)
+    def posterior(self, settings: CalibrationSettings) -> Posterior:
+        """Before the new specimen is pressed. settings : confidence, and how far mountings scatter."""
+        return Posterior(self.sensor, _discrepancy(self.sensor, settings), confidence=settings.confidence)
 
     def family(self, library: Library) -> Family:
         """The domes of these presses. DataError : the tables are others."""
@@ -70,6 +70,10 @@ def known_pins(known: Sequence[RunScores], kappa: Floats, kappa_se: Floats, dome
     return KnownPins(KnownSensor.of(labels), camera, labels.family.digest)
 
 
+def _discrepancy(sensor: KnownSensor, settings: CalibrationSettings) -> Discrepancy:
+    return sensor.discrepancy.mounted(settings.mounting_sd_percent / 100)
+
+
 @dataclass(frozen=True)
 class ByPins:
     """What a press so far tells. reachable : (low, high) were its label exact. doubt : "" where there is none."""
@@ -84,12 +88,14 @@ class ByPins:
 
 
 class PinsEstimator:
-    """Presses of one new specimen. library : of the tables that the calibration was made with, else DataError."""
+    """Presses of one new specimen. library : of the tables that the calibration was made with, else DataError.
+    settings : confidence, and how far mountings scatter."""
 
-    def __init__(self, pins: KnownPins, library: Library) -> None:
+    def __init__(self, pins: KnownPins, library: Library, settings: CalibrationSettings) -> None:
         self._family, self._camera = pins.family(library), pins.camera
-        self._usual_px, self._d = pins.sensor.misfit_px, pins.sensor.discrepancy
-        self._before, self._chi2 = pins.sensor, pins.posterior.chi2
+        self._usual_px, self._confidence = pins.sensor.misfit_px, settings.confidence
+        self._d = _discrepancy(pins.sensor, settings)
+        self._before, self._chi2 = pins.sensor, pins.posterior(settings).chi2
         self._known = len(pins.sensor.presses)
         self._now: tuple[KnownSensor, float] | None = None
         self._labels: Labels | None = None
@@ -102,8 +108,8 @@ class PinsEstimator:
         if labels is self._labels and self._told:  # no frame that tells more: contacts beyond the tables
             return self._told
         sensor, self._labels = self._before.joined_by(labels), labels
-        posterior = Posterior(sensor, self._d)
-        best = Posterior(sensor.exact(-1), self._d, start=posterior.mean)
+        posterior = Posterior(sensor, self._d, confidence=self._confidence)
+        best = Posterior(sensor.exact(-1), self._d, confidence=self._confidence, start=posterior.mean)
         self._now = sensor, posterior.chi2
         by_force = sensor.presses[-1].force_variance is not None
         count = len(sensor.presses) - self._known

@@ -7,9 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
+from casr.kappa.posterior import ends
+from casr.spread.intervals import student_quantile
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.forms import kappa_of
 from emg2vsa.calibration.online import OnlineCalibration
+from emg2vsa.calibration.online_pins import KnownPins
 from emg2vsa.calibration.repeats import ends_on_law
 from emg2vsa.settings import Law
 
@@ -140,7 +143,9 @@ class PinsResult:
     bound of Cramer and Rao for the noise of the pins. efficiency : that over the standard error reached.
     by_cue : kappa and standard error of ln kappa by each cue alone. misfit : share of the motion that no dome explains.
     presses : how many of the new specimen count. left_out, left_out_low, left_out_high : (S,) each known specimen as
-    the others say, NaN where they are fewer than two. notes : for the reader.
+    the others say, NaN where they are fewer than two. log_sd, freedom, kappa0 : as of ``casr.kappa.posterior.Kappa``,
+    from which intervals of any confidence follow. notes : for the reader.
+    known : what the presses of the known specimens say, for presses to come.
     """
 
     kappa: float
@@ -157,7 +162,17 @@ class PinsResult:
     left_out: Floats
     left_out_low: Floats
     left_out_high: Floats
+    log_sd: float
+    freedom: float
+    kappa0: float
     notes: tuple[str, ...]
+    known: KnownPins
+
+    def error_interval(self, confidence: float) -> tuple[float, float]:
+        """low and high of ``error``."""
+        known = self.kappa / (1 + self.error)
+        low, high = ends(self.kappa, self.kappa0, student_quantile(confidence, self.freedom) * self.log_sd)
+        return low / known - 1, high / known - 1
 
 
 Headline = PinsResult | LawResult
@@ -211,6 +226,11 @@ class CalibrationResults:
         return next(
             (each for each in self.conditions if (each.angle_deg, each.condition) == (angle_deg, condition)), None
         )
+
+    def headline(self, condition: str, angle_deg: float, algorithm: str) -> Headline | None:
+        """See ``ConditionResult``; None where it was not calibrated."""
+        design = self.find(angle_deg, condition)
+        return design.headline(algorithm) if design else None
 
     def law(self, condition: str, angle_deg: float, algorithm: str) -> LawResult | None:
         """The law of the study through the scores of a vision algorithm; None where these were not calibrated."""

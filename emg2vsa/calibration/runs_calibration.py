@@ -14,7 +14,7 @@ from emg2vsa.calibration.forms import growth_power
 from emg2vsa.calibration.one_condition import DEPTH, OneCondition, Way, law_result, padded_labels, pooled_scatter
 from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.calibration.online_pins import known_pins
-from emg2vsa.calibration.results import CalibrationResults, LawResult
+from emg2vsa.calibration.results import CalibrationResults, Headline, LawResult
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import ALGORITHMS, RunScores
 from emg2vsa.run_scores.measured import NO_DOMES, Domes
@@ -82,13 +82,20 @@ def _conditions(
 
 @dataclasses.dataclass(frozen=True)
 class ChosenLaws:
-    """The law that the settings choose, by condition, angle and vision algorithm."""
+    """The law that the settings choose, by condition, angle and vision algorithm; whatever presses are chosen for it,
+    where the pins tell kappa of ``study`` their estimate stays."""
 
+    study: CalibrationResults
     by: dict[tuple[str, float, str], LawResult] = dataclasses.field(default_factory=dict)
 
     def law(self, condition: str, angle_deg: float, algorithm: str) -> LawResult | None:
         """None where it was not calibrated."""
         return self.by.get((condition, angle_deg, algorithm))
+
+    def headline(self, condition: str, angle_deg: float, algorithm: str) -> Headline | None:
+        """By the pins, or else this law."""
+        design = self.study.find(angle_deg, condition)
+        return (design.pins if design else None) or self.law(condition, angle_deg, algorithm)
 
 
 def chosen_laws(
@@ -99,6 +106,7 @@ def chosen_laws(
     new_specimen: str,
     settings: CalibrationSettings,
     kappa_se: Mapping[str, float],
+    study: CalibrationResults,
 ) -> list[ChosenLaws]:
     """The laws of ``calibrate_runs`` for K choices of presses at once, without bootstrap and without companions.
 
@@ -107,7 +115,7 @@ def chosen_laws(
     which = {id(run): own for run, own in zip(runs, kept, strict=True)}
     new_runs = [run for run in runs if run.specimen == new_specimen]
     conditions, _ = _conditions(runs, kappa, new_runs, settings, kappa_se)
-    found = [ChosenLaws() for _ in range(len(kept[0]) if kept else 0)]
+    found = [ChosenLaws(study) for _ in range(len(kept[0]) if kept else 0)]
     for name in algorithms if conditions and found else ():
         scores = [each.many_scores(name, which) for each in conditions]
         for each, own, scatter in zip(conditions, scores, pooled_scatter(scores, settings), strict=True):
@@ -127,15 +135,17 @@ def online_calibrations(
     kappa_se: Mapping[str, float] | None = None,
     domes: Mapping[str, Domes] | None = None,
     provenance: Mapping[str, str] | None = None,
+    found: CalibrationResults | None = None,
 ) -> tuple[OnlineCalibration, ...]:
     """A calibration for presses of unknown specimens, for every angle and condition that has the presses for it.
 
     Arguments as for ``calibrate_runs``; the new specimen is left out. force_n : loading phase that was scored.
+    found : of the same runs by ``calibrate_runs``, whose fits to the pins are taken; None fits them.
     """
     settings = settings or CalibrationSettings()
     forces = cut_forces(*force_n)
     usable = [run for run in runs if run.specimen in kappa and run.specimen != new_specimen]
-    found = []
+    made = []
     for angle_deg, condition in dict.fromkeys((run.angle_deg, run.condition) for run in usable):
         known = [run for run in usable if (run.angle_deg, run.condition) == (angle_deg, condition)]
         rates = cut_all([_areas(run) for run in known], force_n[0], forces)
@@ -145,9 +155,16 @@ def online_calibrations(
         known = [known[s] for s in there]
         stiffness = np.array([kappa[run.specimen] for run in known])
         errors = np.array([(kappa_se or {}).get(run.specimen, 0.0) for run in known])
-        found.append(
+        specimens = tuple(run.specimen for run in known)
+        fitted = found.find(angle_deg, condition) if found else None
+        pins = (
+            fitted.pins.known
+            if fitted and fitted.pins and fitted.specimens == specimens
+            else known_pins(known, stiffness, errors, [(domes or {}).get(name, NO_DOMES) for name in specimens])
+        )
+        made.append(
             OnlineCalibration(
-                specimens=tuple(run.specimen for run in known),
+                specimens=specimens,
                 kappa=stiffness,
                 kappa_se=errors,
                 quantity=known[0].algorithm,
@@ -162,10 +179,10 @@ def online_calibrations(
                 growth=growth_power(known),
                 simulated=any(run.simulated for run in known),
                 provenance=dict(provenance or {}),
-                pins=known_pins(known, stiffness, errors, [(domes or {}).get(run.specimen, NO_DOMES) for run in known]),
+                pins=pins,
             )
         )
-    return tuple(found)
+    return tuple(made)
 
 
 def _areas(run: RunScores) -> list[tuple[Floats, Floats]]:

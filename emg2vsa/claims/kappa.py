@@ -1,10 +1,11 @@
-"""What the study claims of the stiffness of the new specimen, as a law of CASR gives it.
+"""What the study claims of the stiffness of the new specimen.
 
-All is by the law of the study: how far off is kappa of the new specimen, how far off are the known ones that the law
-was fitted to, and does the error shrink from one design to another?
-An interval of kappa holds its true value, so that of kappa over the known stiffness, minus 1, holds what the law, the
-vision algorithm and the condition are off by once presses and mountings are averaged out. A design in which kappa is
-not determined has no error here.
+How far off is kappa of the new specimen, and does the error shrink from one design to another? By the one estimate of
+the study: by the pins, or where these tell none by the law through CASR. What names a vision algorithm is by that law,
+and so is how far off the known specimens are that it was fitted to.
+An interval of kappa holds its true value, so that of kappa over the known stiffness, minus 1, holds what the estimate
+and the condition are off by once presses and mountings are averaged out. A design in which kappa is not determined has
+no error here.
 """
 
 from __future__ import annotations
@@ -15,12 +16,14 @@ from typing import Protocol
 
 import numpy as np
 
-from emg2vsa.calibration.results import LawResult
+from emg2vsa.calibration.results import Headline, LawResult, PinsResult
 from emg2vsa.claims import paper
 from emg2vsa.claims.claim import UNKNOWN, Asserts, Claim, Ends, Found, largest, size, smallest
 from emg2vsa.settings import ClaimSettings
 
 QUESTION = "stiffness of the new specimen"
+PINS = "pins"
+"""No algorithm of scores: the one estimate of the study, where it is by the pins."""
 OLD, NEW = "circle", "paper"
 """Vision algorithms of the previous work, and of the paper: hexagons and its equations."""
 _RIGID, _HUMAN_LIKE = "high-stiffness", "modular"
@@ -37,7 +40,7 @@ DESIGNS: dict[str, tuple[str, tuple[Design, ...]]] = {
 
 @dataclass(frozen=True)
 class Step:
-    """From one condition and algorithm to another, "" for that of the study, at these angles."""
+    """From one condition and algorithm to another, "" for the one estimate of the study, at these angles."""
 
     says: str
     before: tuple[str, str]
@@ -53,10 +56,13 @@ STEPS = {
 
 
 class Laws(Protocol):
-    """What gives the law of a design by a vision algorithm."""
+    """What gives the estimate of a design, and its law by a vision algorithm; None where it was not calibrated."""
+
+    def headline(self, condition: str, angle_deg: float, algorithm: str) -> Headline | None:
+        """By the pins, or by the law of ``algorithm``."""
 
     def law(self, condition: str, angle_deg: float, algorithm: str) -> LawResult | None:
-        """None where it was not calibrated."""
+        """By CASR."""
 
 
 def kappa_claims(found: Laws, own: str, margins: ClaimSettings, *, hexagons: bool = True) -> Iterator[Claim]:
@@ -64,25 +70,33 @@ def kappa_claims(found: Laws, own: str, margins: ClaimSettings, *, hexagons: boo
     error, points = margins.kappa_error_percent / 100, margins.reduction_points / 100
     for key, (what, designs) in DESIGNS.items():
         laws = [found.law(*design, own) for design in designs]
+        ours = [found.headline(*design, own) for design in designs]
         yield _claim(
-            f"kappa_fit_{key}", f"a law gives κ, {what}", "largest error of a known specimen by it, %", "within",
-            largest(_fitted(laws)), error, own, _lacking(designs, laws), designs,
+            f"kappa_fit_{key}", f"a law of CASR gives κ, {what}", "largest error of a known specimen by it, %",
+            "within", largest(_fitted(laws)), error, own, _lacking(designs, laws), designs,
         )  # fmt: skip
         yield _claim(
             f"kappa_error_{key}", f"the error of κ is small, {what}", "largest error of κ, %", "within",
-            largest(size(_error(law)) for law in laws), error, own, _lacking(designs, laws, determined=True), designs,
+            largest(size(_error(one)) for one in ours), error, f"{PINS}, else {own}",
+            _lacking(designs, ours, determined=True), designs,
         )  # fmt: skip
     for key, step in STEPS.items():
         before, after = ((condition, algorithm or own) for condition, algorithm in (step.before, step.after))
         both = [(condition, angle) for condition, _ in (before, after) for angle in step.angles_deg]
-        laws = [found.law(c, angle, name) for c, name in (before, after) for angle in step.angles_deg]
+        by: list[Headline | None] = [
+            found.law(c, angle, name) for c, name in (before, after) for angle in step.angles_deg
+        ]
+        ways = " to ".join(dict.fromkeys((before[1], after[1])))
+        if not step.before[1]:
+            ours, ways = [found.headline(*design, own) for design in both], f"{PINS}, else {own}"
+            by = ours if all(isinstance(one, PinsResult) for one in ours) else by  # not one by pins, one by CASR
         n, told = len(step.angles_deg), hexagons or NEW not in (before[1], after[1])
-        cut = smallest(_cut(_error(old), _error(new)) for old, new in zip(laws[:n], laws[n:], strict=True))
+        cut = smallest(_cut(_error(old), _error(new)) for old, new in zip(by[:n], by[n:], strict=True))
         yield _claim(
             f"reduction_{key}", f"{step.says}, {'/'.join(f'{angle:g}' for angle in step.angles_deg)}°",
             "smallest cut of the size of the error, points", "more", cut if told else UNKNOWN, points,
-            " to ".join(dict.fromkeys((before[1], after[1]))),
-            _lacking(both, laws, determined=True) if told else "The area rule of this study is not of hexagons.",
+            ways,
+            _lacking(both, by, determined=True) if told else "The area rule of this study is not of hexagons.",
             both,
         )  # fmt: skip
 
@@ -96,10 +110,12 @@ def _claim(
     )
 
 
-def _error(law: LawResult | None) -> Found:
+def _error(one: Headline | None) -> Found:
     """kappa over the known kappa, minus 1."""
-    known = law and law.determined and law.on_laws
-    return Found(law.on_laws[0].error, law.error_interval) if law and known else UNKNOWN
+    if one is None or not one.determined:
+        return UNKNOWN
+    by = one if isinstance(one, PinsResult) else next(iter(one.on_laws), None)
+    return Found(by.error, one.error_interval) if by else UNKNOWN
 
 
 def _fitted(laws: Iterable[LawResult | None]) -> Iterator[Found]:
@@ -132,7 +148,7 @@ def _cut(before: Found, after: Found) -> Found:
     return Found(old.estimate - new.estimate, interval)
 
 
-def _lacking(designs: Sequence[Design], laws: Sequence[LawResult | None], *, determined: bool = False) -> str:
+def _lacking(designs: Sequence[Design], laws: Sequence[Headline | None], *, determined: bool = False) -> str:
     """One sentence on what is missing."""
     absent = [f"{c} {angle:g}°" for (c, angle), law in zip(designs, laws, strict=True) if law is None]
     if absent:
@@ -147,6 +163,7 @@ def _lacking(designs: Sequence[Design], laws: Sequence[LawResult | None], *, det
     return _assumed(laws)
 
 
-def _assumed(laws: Sequence[LawResult | None]) -> str:
-    sd = max((100 * law.mounting_sd for law in laws if law and law.mounting_freedom == 0), default=0.0)
+def _assumed(laws: Sequence[Headline | None]) -> str:
+    by_casr = [law for law in laws if isinstance(law, LawResult)]
+    sd = max((100 * law.mounting_sd for law in by_casr if law.mounting_freedom == 0), default=0.0)
     return f"Mounted once; an SD between mountings of {sd:g} % is assumed." if sd > 0 else ""

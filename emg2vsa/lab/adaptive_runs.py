@@ -75,7 +75,7 @@ def next_presses(
 def believed(calibrations: Sequence[OnlineCalibration], done: Mapping[int, Done]) -> Believed:
     """Of kappa, from what the calibrations (by index) have said so far."""
     found = belief(calibrations, done)
-    return Believed(found.middle, *found.interval(calibrations[0].confidence))
+    return Believed(found.middle, *found.interval(calibrations[0].settings.confidence))
 
 
 def _done(folders: Sequence[Path], calibrations: Sequence[OnlineCalibration], paths: Sequence[Path]) -> dict[int, Done]:

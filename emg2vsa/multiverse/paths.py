@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats
+from emg2vsa.calibration.results import CalibrationResults
 from emg2vsa.claims.claim import OF_A_STUDY, Judged, judge
 from emg2vsa.discrimination.run_table import RunTable
 from emg2vsa.extraction import Trials
@@ -84,20 +85,20 @@ def all_paths(
     runs: Sequence[RunScores] = (),
     table: RunTable | None = None,
     *,
-    calibrated: bool = False,
+    calibration: CalibrationResults | None = None,
     participant: str = "",
 ) -> Paths:
     """Judge the claims of a study along every path that its data allow.
 
     trials : of all recordings with fits, none without people. place : as for ``claims_of_study``. runs, table : scored,
-    and sorted for the tests; None where these failed. calibrated : whether the runs gave kappa. participant : whose
-    presses are scheduled, "" for the mean of all.
+    and sorted for the tests; None where these failed. calibration : of the runs, None where they gave no kappa.
+    participant : whose presses are scheduled, "" for the mean of all.
     """
     own: list[Tried] = []
     others: list[Tried] = []
     families = (
         people_paths(study, trials, place) if trials else (),
-        rig_paths(study, runs, table, calibrated=calibrated) if runs else (),
+        rig_paths(study, runs, table, calibration) if runs else (),
     )
     for family in families:
         for each in family:

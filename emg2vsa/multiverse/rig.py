@@ -17,6 +17,7 @@ from casr.spread import spread_rate
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.laws import WAYS
 from emg2vsa.calibration.presses import far_off
+from emg2vsa.calibration.results import CalibrationResults
 from emg2vsa.calibration.runs_calibration import ChosenLaws, chosen_laws
 from emg2vsa.claims.claim import Claim
 from emg2vsa.claims.kappa import DESIGNS as KAPPA_DESIGNS
@@ -58,13 +59,13 @@ _RATES = {"power": "slope", "slope": "power"}
 
 
 def rig_paths(
-    study: Study, runs: Sequence[RunScores], table: RunTable | None, *, calibrated: bool = True
+    study: Study, runs: Sequence[RunScores], table: RunTable | None, calibration: CalibrationResults | None
 ) -> Iterator[Tried]:
     """The study's own path first; then vision algorithms, laws of kappa and exclusions crossed, and the other choices
     one at a time."""
-    own = _Rig(study, tuple(runs), table, calibrated)
+    own = _Rig(study, tuple(runs), table, calibration)
     rules = [(None, own.everything), *own.exclusions()]
-    for way, settings in _ways(study.calibration) if calibrated else [(None, study.calibration)]:
+    for way, settings in _ways(study.calibration) if calibration else [(None, study.calibration)]:
         by_way = own.calibrated_by(settings)
         laws = by_way.laws([presses for _, presses in rules], ALGORITHMS)
         for algorithm in dict.fromkeys((own.algorithm, *ALGORITHMS)):
@@ -98,7 +99,7 @@ class _Rig:
     study: Study
     runs: tuple[RunScores, ...]
     table: RunTable | None
-    calibrated: bool
+    calibration: CalibrationResults | None
 
     @property
     def algorithm(self) -> str:
@@ -127,13 +128,13 @@ class _Rig:
 
     def laws(self, presses: Sequence[Presses], algorithms: Sequence[str] = ()) -> list[ChosenLaws] | list[None]:
         """For each choice of presses; None where the study has no kappa. algorithms : those of the claims, if none."""
-        if not self.calibrated:
+        if self.calibration is None:
             return [None] * len(presses)
         study, names = self.study, algorithms or tuple(dict.fromkeys((self.algorithm, OLD, NEW)))
         kept = [np.array([own[self._place(run)][: run.repetitions.size] for own in presses]) for run in self.runs]
         kappa, errors = study.kappa_of_scores
         new = study.profile.new_specimen or ""
-        return chosen_laws(self.runs, kept, names, kappa, new, study.calibration, errors)
+        return chosen_laws(self.runs, kept, names, kappa, new, study.calibration, errors, self.calibration)
 
     def claims(
         self, presses: Presses, laws: ChosenLaws | None, algorithm: str = "", *, of_scores: bool = True
@@ -200,7 +201,7 @@ class _Rig:
             yield Choice(SPECIMEN, f"without {specimen}"), self._of(left)
 
     def _of(self, runs: tuple[RunScores, ...]) -> _Rig:
-        other = _Rig(self.study, runs, None, self.calibrated)
+        other = _Rig(self.study, runs, None, self.calibration)
         return other if self.table is None else replace(other, table=other._sorted)
 
 

@@ -239,8 +239,10 @@ presses of an angle and condition at once. Tabulated finite-element contacts of 
 stiffness, with and without friction, were interpolated by cubic splines; one dome, pin length, depth and pole were
 shared by all presses, κ by those of a specimen, and friction, place and contact radii were free in each. What the
 labels of this sensor differ by from the truth was a line, which the other specimens told, and a smooth Gaussian curve
-[@kennedy]; mountings, forces and depths scatter by stated sizes. The interval is of 95 % and total, and wider by how
-far these statements contradict each other. κ is called determined where the design promises a half width of
+[@kennedy]; mountings, forces and depths scatter by stated sizes, κ by
+{{ (0.8 * k.mounting_sd_percent) | round(1) | g }} % from mounting to mounting. The interval is of {{ (100 *
+k.confidence) | g }} % and total, and wider by how far these statements contradict each other. κ
+is called determined where the design promises a half width of
 {{ (100 * DETERMINED) | g }} % or less. Beside it, κ was read off CASR.{% endif %}
 {% if k.outlier_mads %}A press further than {{ k.outlier_mads | g }} median absolute deviations, scaled to an SD, from
 the median of its specimen was left out of the calibration, where the specimen had five presses or more and no more

@@ -30,7 +30,7 @@ def rig_tests(results: StudyResults, q: Quantities) -> dict[str, PaperTest]:
     found = results.runs.discrimination if results.runs else None
     tests = {} if found is None else dict(_by_ranks(q, f", by {found.table.algorithm}"))
     hexagons = results.study.scoring.recipe_of(NEW).area_rule == NEW
-    return tests | dict(_of_kappa(q, "exponential law, hexagons" if hexagons else "exponential law"))
+    return tests | dict(_of_kappa(q, "exponential law of CASR, hexagons" if hexagons else "exponential law of CASR"))
 
 
 def _by_ranks(q: Quantities, by: str) -> Iterator[tuple[str, PaperTest]]:

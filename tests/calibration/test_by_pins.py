@@ -12,8 +12,9 @@ from benchmarks.kappa import CAMERA, Trial, presses_of
 from casr.camera import KEYS
 from casr.dome.library import shipped
 from casr.kappa.estimate import estimate_kappa
+from emg2vsa.calibration.online_pins import PinsEstimator
 from emg2vsa.calibration.results import ConditionResult
-from emg2vsa.calibration.runs_calibration import calibrate_runs
+from emg2vsa.calibration.runs_calibration import calibrate_runs, online_calibrations
 from emg2vsa.run_scores import RunScores
 from emg2vsa.run_scores.measured import Domes
 from emg2vsa.run_scores.product import PressPins
@@ -39,9 +40,9 @@ def runs(run_of: Callable[..., RunScores]) -> list[RunScores]:
     return found
 
 
-def calibrated(runs: list[RunScores], domes: dict[str, Domes] | None = None) -> ConditionResult:
+def calibrated(runs: list[RunScores], domes: dict[str, Domes] | None = None, **settings: float) -> ConditionResult:
     kappa = dict(KAPPA)
-    (condition,) = calibrate_runs(runs, kappa, "S_new", QUICK, domes=domes).conditions
+    (condition,) = calibrate_runs(runs, kappa, "S_new", replace(QUICK, **settings), domes=domes).conditions  # type: ignore[arg-type]
     return condition
 
 
@@ -69,6 +70,43 @@ def test_it_is_what_casr_tells_of_the_same_presses(runs: list[RunScores]) -> Non
     assert pins.left_out.tolist() == pytest.approx([peer[name].value for name in condition.specimens], rel=1e-9)
     assert set(pins.by_cue) >= {"pins", "travel"}
     assert condition.headline("front") is condition.pins
+
+
+def test_confidence_and_scatter_of_mountings_are_those_of_the_study(runs: list[RunScores]) -> None:
+    usual, sure, alike, apart = (
+        calibrated(runs, **settings).pins
+        for settings in ({}, {"confidence": 0.99}, {"mounting_sd_percent": 0.0}, {"mounting_sd_percent": 12.9})
+    )
+    assert usual
+    assert sure
+    assert alike
+    assert apart
+    assert sure.kappa == usual.kappa
+    assert (sure.low / usual.kappa - 1, sure.high / usual.kappa - 1) == pytest.approx(
+        [(1 + each) * 5.32 / usual.kappa - 1 for each in usual.error_interval(0.99)], rel=1e-9
+    )
+    assert sure.high - sure.low == pytest.approx(1.37 * (usual.high - usual.low), rel=0.05)
+    widths = [(each.high - each.low) / each.kappa for each in (alike, usual, apart)]
+    assert widths[0] < 0.9 * widths[1] < 0.5 * widths[2]
+
+
+def test_the_calibration_file_takes_the_fit_of_the_study(runs: list[RunScores], monkeypatch) -> None:
+    """What it holds are the known specimens' presses: a further press is told as where they were fitted alone."""
+    alone = [run for run in runs if run.specimen != "S_new"]
+    (fitted_again,) = online_calibrations(runs, KAPPA, "S_new", (0.5, 7.0), QUICK)
+    found = calibrate_runs(runs, KAPPA, "S_new", QUICK)
+    monkeypatch.setattr("emg2vsa.calibration.runs_calibration.known_pins", lambda *_: pytest.fail("fitted again"))
+    (online,) = online_calibrations(runs, KAPPA, "S_new", (0.5, 7.0), QUICK, found=found)
+    assert online.pins is not None
+    assert fitted_again.pins is not None
+    assert [press.specimen for press in online.pins.sensor.presses] == [
+        run.specimen for run in alone for pins in run.pins if pins is not None
+    ]
+    press = next(each for each in PRESSES if each.specimen == "5.32")
+    press = replace(press, specimen="", mounting="new 1", stiffness_n_per_mm=None)
+    told, again = (PinsEstimator(each.pins, shipped(), each.settings).judged(press) for each in (online, fitted_again))
+    assert told.kappa == pytest.approx(again.kappa, rel=0.005)
+    assert told.high - told.low == pytest.approx(again.high - again.low, rel=0.02)
 
 
 def test_the_true_stiffness_of_the_new_specimen_enters_no_fit(runs: list[RunScores]) -> None:

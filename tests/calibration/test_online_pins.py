@@ -20,6 +20,7 @@ from emg2vsa.calibration.online import NO_GAIN, WIDTH_REACHED, OnlineCalibration
 from emg2vsa.calibration.online_pins import NEW, KnownPins
 from emg2vsa.calibration_file import open_calibration, write_calibration
 from emg2vsa.errors import DataError
+from emg2vsa.settings import CalibrationSettings
 
 KAPPA, TRUE = np.array([1.1, 3.35, 7.63]), 5.32
 PRESSES = presses_of(Trial("H", 1.0, 0.05, 0.0, (1.1, 3.35, 7.63), TRUE, seed=3))
@@ -72,6 +73,17 @@ def test_kappa_is_told_at_every_judged_force_and_presses_join(calibration, libra
     assert two[-1].half_width < one[-1].half_width
     assert one[-1].half_width == pytest.approx(reachable_width(calibration, TRUE), rel=0.05)
     assert next(state for state in one if state.stop).stop == NO_GAIN
+
+
+def test_confidence_and_mountings_of_the_settings_reach_every_interval(calibration, library) -> None:
+    press, found = so_far(PRESSES[-1], 12, "new 1"), []
+    for changed in ({}, {"confidence": 0.99}, {"mounting_sd_percent": 12.9}):
+        each = replace(calibration, settings=CalibrationSettings(**changed))
+        state = OnlineEstimator(each, library=library).follow_pins(press)
+        found.append((state.half_width, reachable_width(each, TRUE), state.reachable))
+    for usual, sure, apart in zip(*found, strict=True):
+        assert sure == pytest.approx(1.37 * usual, rel=0.05)
+        assert apart > 1.5 * usual
 
 
 def test_a_width_stops_at_the_second_force_that_reaches_it(calibration, library) -> None:

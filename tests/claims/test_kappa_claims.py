@@ -9,7 +9,7 @@ import pytest
 
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.one_condition import law_result
-from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults, ConditionResult, LawResult
+from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults, ConditionResult, LawResult, PinsResult
 from emg2vsa.calibration.unknown import estimate
 from emg2vsa.claims.claim import Claim, Found, judge, student
 from emg2vsa.claims.kappa import _cut, kappa_claims
@@ -56,6 +56,29 @@ def _algorithm(law: LawResult) -> AlgorithmResult:
     return AlgorithmResult(np.empty((3, 0)), np.empty(0), "u", law, law, {}, "", None)
 
 
+def pins_of(error: float, log_sd: float = 0.03, **changed) -> PinsResult:
+    """Kappa by the pins that is so far off its true value, with a standard error of its logarithm."""
+    kappa = TRUTH * (1 + error)
+    found = PinsResult(
+        kappa=kappa, low=np.nan, high=np.nan, error=error, determined=True, expected=0.1, bound_sd=0.01, efficiency=0.3,
+        by_cue={}, misfit=0.01, presses=9, left_out=KNOWN, left_out_low=KNOWN, left_out_high=KNOWN, log_sd=log_sd,
+        freedom=20.0, kappa0=4.0, notes=(), known=None,
+    )  # fmt: skip
+    low, high = found.error_interval(0.95)
+    return replace(found, low=TRUTH * (1 + low), high=TRUTH * (1 + high), **changed)
+
+
+def with_pins(found: CalibrationResults, pins: PinsResult, *designs: tuple[str, float]) -> CalibrationResults:
+    """In these designs, or in all."""
+    of = designs or DESIGNS
+    return replace(
+        found,
+        conditions=tuple(
+            replace(each, pins=pins) if (each.condition, each.angle_deg) in of else each for each in found.conditions
+        ),
+    )
+
+
 def changed(found: CalibrationResults, design: tuple[str, float] | None = None, **fields) -> CalibrationResults:
     """With these fields of every law, or of those of one design."""
 
@@ -93,8 +116,47 @@ def test_a_claim_names_its_algorithms_and_its_unit_of_error():
     assert len(found) == 9
     assert {claim.unit for claim in found.values()} == {"mounting"}
     assert found["reduction_vision"].algorithm == found["reduction_both"].algorithm == "circle to paper"
-    assert found["reduction_human_like"].algorithm == found["kappa_fit_rigid"].algorithm == "front"
+    assert found["reduction_human_like"].algorithm == found["kappa_error_rigid"].algorithm == "pins, else front"
+    assert found["kappa_fit_rigid"].algorithm == "front"
     assert found["kappa_error_rigid"].found.estimate == pytest.approx(0.1, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("error", "log_sd", "verdict"), [(0.03, 0.03, "holds"), (-0.4, 0.03, "refuted"), (0.03, 0.15, "not determined")]
+)
+def test_the_error_is_that_of_the_headline_and_its_interval_decides(error, log_sd, verdict):
+    """The law through CASR is 40 % off, and nowhere determined: the pins tell kappa, so they are what is judged."""
+    found = with_pins(changed(results(0.4)[0], determined=False), pins_of(error, log_sd))
+    assert {verdicts(found)[f"kappa_error_{key}"] for key in ("rigid", "human_like", "constant")} == {verdict}
+    of = claims(found)["kappa_error_rigid"]
+    assert of.found.estimate == pytest.approx(abs(error))
+    assert (of.algorithm, of.why) == ("pins, else front", "")
+    assert verdicts(found)["kappa_fit_rigid"] == "holds"
+    assert verdicts(found)["reduction_vision"] == "not determined", "these name algorithms of scores"
+    assert claims(found)["reduction_human_like"].found.estimate == 0.0
+
+
+def test_an_interval_by_the_pins_has_any_confidence():
+    one = pins_of(0.1)
+    for confidence in (0.9, 0.95, 0.9926):
+        low, high = one.error_interval(confidence)
+        assert low < 0.1 < high
+    assert np.diff([each[0] for each in map(one.error_interval, (0.9, 0.95, 0.99))]).max() < 0
+    assert one.error_interval(0.95) == pytest.approx((one.low / TRUTH - 1, one.high / TRUTH - 1))
+
+
+def test_presses_that_contradict_each_other_decide_nothing_by_the_pins():
+    found = with_pins(results(0.02)[0], pins_of(0.4, determined=False))
+    assert verdicts(found)["kappa_error_rigid"] == "not determined"
+    assert claims(found)["kappa_error_human_like"].why == "κ is determined in 0 of 3 designs."
+
+
+def test_an_error_by_the_pins_is_not_compared_with_one_by_casr():
+    found = with_pins(results(0.3)[0], pins_of(0.02), ("modular", 30.0), ("modular", 45.0))
+    assert verdicts(found)["reduction_human_like"] == "refuted", "by the law nothing changes"
+    found = with_pins(results(0.3)[0], pins_of(0.3, 0.01))
+    found = with_pins(found, pins_of(0.02, 0.01), ("modular", 30.0), ("modular", 45.0))
+    assert verdicts(found)["reduction_human_like"] == "holds"
 
 
 @pytest.mark.parametrize(

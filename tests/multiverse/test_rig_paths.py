@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from emg2vsa.calibration.results import CalibrationResults, ConditionResult
 from emg2vsa.calibration.runs_calibration import calibrate_runs
 from emg2vsa.claims.claim import OF_A_STUDY, judge
 from emg2vsa.claims.on_rig import claims_on_rig
@@ -15,10 +16,12 @@ from emg2vsa.multiverse.path import ALGORITHM, EXCLUSIONS, KAPPA, MOUNTING, MOUN
 from emg2vsa.multiverse.paths import all_paths
 from emg2vsa.multiverse.rig import rig_paths
 from emg2vsa.settings import PAPER, CalibrationSettings, RunSettings
+from tests.claims.test_kappa_claims import pins_of
 from tests.multiverse.people_studies import study_of
 
 ALPHA = 0.1
 MOUNTED = np.repeat([1, 2, 3], 3)
+NO_PINS = CalibrationResults("S_new", 5.32, (), ())
 
 
 def mounted(runs, sd=0.01, shift=None):
@@ -72,7 +75,7 @@ def test_the_own_path_is_that_of_the_report_to_the_last_digit(study, runs, chang
         runs, study.pressed_n_per_mm, "S_new", replace(study.calibration, resamples=10),
         kappa_se=study.kappa_of_scores[1],
     )  # fmt: skip
-    own = next(rig_paths(study, runs, table))
+    own = next(rig_paths(study, runs, table, calibration))
     assert own.choices == ()
     expected, found = (
         [
@@ -100,7 +103,7 @@ def test_a_claim_that_hangs_on_one_mounting_turns_in_the_path_without_it(study, 
 def test_choices_have_their_paths(study, few):
     """30 specimens by designs by mountings; one algorithm is the study's own."""
     runs = mounted(few)
-    paths = all_paths(study, (), {}, runs, table_of(study, runs), calibrated=True)
+    paths = all_paths(study, (), {}, runs, table_of(study, runs), calibration=NO_PINS)
     counts = {kind: int(np.count_nonzero(paths.kind == kind)) for kind in set(paths.kind.tolist())}
     assert counts[MOUNTING] == 3 * len(runs)
     assert counts[PRESS] == 9 * len(runs)
@@ -130,9 +133,22 @@ def test_a_mounting_or_press_bears_on_the_claims_that_compare_its_cell(study, ru
         assert len(of["human_like_contrast"]) == each * 2 * 2  # two conditions at one angle, its two ends
 
 
+def test_kappa_by_the_pins_hangs_on_no_choice_of_scores(study, few):
+    """It is not estimated again along the paths: none bears on its claims, and its own verdict is the report's."""
+    runs = mounted(few)
+    designs = [("high-stiffness", angle) for angle in (0.0, 30.0, 45.0)]
+    conditions = [ConditionResult(a, c, True, (), np.empty(0), 1.5, {}, None, pins=pins_of(0.02)) for c, a in designs]
+    calibration = replace(NO_PINS, conditions=tuple(conditions))
+    paths = all_paths(study, (), {}, runs, table_of(study, runs), calibration=calibration)
+    row = paths.claims.index("kappa_error_rigid")
+    assert paths.own[row] == "holds"
+    assert paths.kept("kappa_error_rigid") == (0, 0)
+    assert paths.kept("kappa_fit_rigid")[1] > 0
+
+
 def test_what_no_path_estimates_has_no_share(study, few):
     runs = mounted(few, sd=0.3)  # so much that kappa is determined nowhere
-    paths = all_paths(study, (), {}, runs, table_of(study, runs), calibrated=True)
+    paths = all_paths(study, (), {}, runs, table_of(study, runs), calibration=NO_PINS)
     kinds, share = paths.shares()
     for claim in ("kappa_error_rigid", "kappa_error_human_like"):
         row = paths.claims.index(claim)
@@ -156,7 +172,7 @@ def test_an_outlying_score_is_left_out(study, few):
     casr = off.casr["front"].copy()
     casr[4] *= 1.5
     runs = (replace(off, casr=off.casr | {"front": casr}), *few[1:])
-    found = rig_paths(study, runs, table_of(study, runs), calibrated=False)
+    found = rig_paths(study, runs, table_of(study, runs), None)
     assert [each.name for each in found if each.kind == EXCLUSIONS] == [
         "without outlying scores", "without the first press of every mounting",
         "without the last press of every mounting",
@@ -179,5 +195,5 @@ def test_rejected_presses_and_runs_without_a_new_specimen_are_no_obstacle(study,
 def test_a_study_whose_rates_are_sums_over_frames_has_no_other_rate_rule(study, few):
     summed = replace(study, scoring=RunSettings(algorithm="paper"))
     runs = tuple(replace(run, algorithm="paper") for run in few)
-    kinds = {each.kind for each in rig_paths(summed, runs, table_of(summed, runs), calibrated=False)}
+    kinds = {each.kind for each in rig_paths(summed, runs, table_of(summed, runs), None)}
     assert RATE not in kinds

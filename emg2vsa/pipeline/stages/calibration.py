@@ -52,10 +52,11 @@ def run(given: Given) -> CalibrationResults:
     folder, heights = used.get("domes"), used["heights_mm"]
     provenance |= {"domes": Path(folder).name} if folder else {}
     domes = {each.specimen: Domes(folder, heights.get(each.specimen)) for each in scores}
-    online = online_calibrations(
-        scores, specimens, new, used["force_n"], settings, kappa_se=errors, domes=domes, provenance=provenance
-    )  # fmt: skip
     found = calibrate_runs(scores, specimens, new, settings, kappa_se=errors, domes=domes)
+    online = online_calibrations(
+        scores, specimens, new, used["force_n"], settings, kappa_se=errors, domes=domes, provenance=provenance,
+        found=found,
+    )  # fmt: skip
     notes = tuple(
         f"{each.angle_deg:g}°, {each.condition}: no calibration file, because CASR does not rise with softness. "
         "Check the stiffnesses of the specimens."

@@ -36,7 +36,7 @@ def run(given: Given) -> Paths:
     profiles, tested, calibration = (given.one(name) for name in ("profiles", "discrimination", "calibration"))
     return all_paths(
         given.settings["study"], trials, hypotheses.places() if hypotheses else {}, given.all("runs"),
-        tested.table if tested else None, calibrated=calibration is not None and bool(calibration.conditions),
+        tested.table if tested else None, calibration=calibration if calibration and calibration.conditions else None,
         participant=profiles.participant if profiles else "",
     )  # fmt: skip
 

@@ -167,7 +167,8 @@ def _how_often_right(judged: Sequence[Judged]) -> Table:
     caption = (
         f"How often each claim is right in {calibrated.STUDIES} studies of each of {calibrated.WORLDS} made worlds, "
         "with 14 people and three mountings of three presses. Any false verdict in a report: "
-        f"{number(100 * calibrated.ANY.false, 2)} % at worst, at most {number(100 * calibrated.ANY.bound, 2)} %"
+        f"{number(100 * calibrated.ANY.false, 2)} % at worst, at most {number(100 * calibrated.ANY.bound, 2)} %. These "
+        "studies have scores and no pins: κ is by CASR there"
     )
     return Table("claims_calibrated", caption, _RIGHT, rows)
 

@@ -128,7 +128,8 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         f"paper.kappa_error.{_COLUMN.get(each.condition, each.condition)}.{each.angle_deg:g}" for each, _ in own
     ]
     design: Columns = {designs.DESIGN: [_design(each) for each, _ in own]}
-    yield _headlines(found, algorithm, [each for each, _ in own], design)
+    level = f"{100 * results.study.calibration.confidence:g} %"
+    yield _headlines(found, algorithm, [each for each, _ in own], design, level)
     columns: Columns = design | {
         Column("paper_error", "Paper's error, hexagon (%)", 100.0): list(map(q.get, of_paper)),
         Column("exponential_error", "Error here, paper's law (%)", 100.0): [of.paper.error for _, of in own],
@@ -185,8 +186,10 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     yield table_of("casr_implied", caption, columns)
 
 
-def _headlines(found: CalibrationResults, algorithm: str, designs: Sequence[ConditionResult], first: Columns) -> Table:
-    """The one estimate of every design, and what it rests on."""
+def _headlines(
+    found: CalibrationResults, algorithm: str, designs: Sequence[ConditionResult], first: Columns, level: str
+) -> Table:
+    """The one estimate of every design, and what it rests on. level : of its intervals."""
     every, pins = [each.headline(algorithm) for each in designs], [each.pins for each in designs]
 
     def of(key: str, from_: Sequence[Headline | None] = every) -> list[Cell]:
@@ -213,7 +216,8 @@ def _headlines(found: CalibrationResults, algorithm: str, designs: Sequence[Cond
     }  # fmt: skip
     caption = (
         f"κ of {found.new_specimen}: where pins and forces would lie on domes like this sensor's, corrected by the "
-        "known specimens; its total 95 % interval. κ is determined where presses and specimens promise a half width of "
+        f"known specimens; its total {level} interval. κ is determined where presses and specimens "
+        "promise a half width of "
         f"{100 * DETERMINED:g} % or less. The last columns are of one cue alone, with its standard error. By CASR: "
         "the pins tell none, and κ is by the law of this study"
     )
@@ -247,7 +251,8 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     known = dict(zip(own[0][0].specimens, own[0][0].known_kappa.tolist(), strict=True))
     figure = draw_estimates([("", rows)], f"κ of {new} (N/mm)", truth, known)
     caption = (
-        f"Fig. C2. κ of {new} in every design, with 95 % intervals, on a logarithmic axis; dashed: known κ; "
+        f"Fig. C2. κ of {new} in every design, with {100 * results.study.calibration.confidence:g} % intervals, "
+        "on a logarithmic axis; dashed: known κ; "
         "hollow: not determined."
     )
     title = f"Stiffness of {new} beside the known one"

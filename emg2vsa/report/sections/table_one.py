@@ -10,6 +10,7 @@ import numpy as np
 from casr.kappa.posterior import DETERMINED
 from emg2vsa.calibration.results import CalibrationResults, Headline
 from emg2vsa.claims import paper
+from emg2vsa.claims.kappa import PINS
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
 from emg2vsa.figures.casr import Estimate, draw_estimates
 from emg2vsa.figures.palette import BLUE, INK, Look
@@ -31,8 +32,6 @@ PRINTED = {
     ("paper", HUMAN_LIKE): ("human_like", paper.ERROR_HUMAN_LIKE),
 }
 """Vision algorithm and condition to the key and the errors of a column of the paper's Table I."""
-PINS = "pins"
-"""No algorithm of scores: the one estimate of the study, where it is by the pins."""
 ALGORITHM_NAMES = {
     "circle": "circle (previous)", "paper": "{area_rule} (paper)", "hexagon": "filled hexagon (ours)",
     "edge": "edge (ours)", "front": "front (ours)", PINS: "field of pins (ours)",
@@ -159,7 +158,7 @@ def picture(results: StudyResults, found: CalibrationResults) -> Drawing:
     figure = draw_estimates(panels, "Error on κ (%)", 0.0)
     caption = (
         f"Table I as a plot: error on κ of {found.new_specimen} by the study's law through CASR, and by the pins, with "
-        "95 % intervals. "
+        f"{100 * results.study.calibration.confidence:g} % intervals. "
         "Brackets: the paper's, printed without sign; hollow: not determined; no mark: no estimate, or not pressed."
     )
     title = "Table I: error on the stiffness of the new specimen"
