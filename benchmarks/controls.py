@@ -1,7 +1,7 @@
 """Control worlds with known answers: is nothing found where nothing is, and found what is there?
 
 ``python -m benchmarks.controls`` prints the tables of ``benchmarks/results/controls.json``. Spread rates come from the
-true slopes of press mechanics (finite elements of the skin, as the emulated bench has them, and the demo study's
+true rates of press mechanics (finite elements of the skin, as the emulated bench has them, and the demo study's
 profiles), with the scatter of presses and mountings that frames showed (``control_scatter.json``, from
 ``benchmarks.control_runs --scatter``). Whole experiments from frames are those of ``benchmarks.control_runs``, kept in
 ``control_runs.jsonl``.
@@ -20,7 +20,7 @@ from scipy import stats
 
 from casr.errors import FramesError
 from casr.specimens import SPECIMENS
-from casr.spread import spread_rate
+from casr.spread import fit_power_laws, spread_rate
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.qbmove.springs import SPRINGS, SpringJoint
 from emg2vsa.devices.qbmove.ticks import DEG_PER_TICK
@@ -110,16 +110,16 @@ def effects(material: Material, errors: FrameErrors, *, swapped: bool = False) -
     return stiffness_effect(bench, (elastic, material), errors, "high-stiffness")
 
 
-def p1_slopes(exponent: float) -> np.ndarray:
-    """(K, C) slopes of area times the artificial factor, uniform in force, elastic bodies."""
-    force_n = WINDOW_N[0] + (WINDOW_N[1] - WINDOW_N[0]) * (np.arange(2600) + 0.5) / 2600
-    off, own = force_n - force_n.mean(), schedules()
+def p1_rates(exponent: float) -> np.ndarray:
+    """(K, C) spread rates of area times the artificial factor, elastic bodies."""
+    force_n, own = np.linspace(*WINDOW_N, 2600), schedules()
     rows = []
     for name in NAMES:
         effect = [ArtificialEffect(exponent, None)]
         effect += [ArtificialEffect(exponent, each[name]) for each in own.values()]  # type: ignore[arg-type]
         areas = area_mm2(name, force_n)
-        rows.append([off @ (areas * [e.factor(f) for f in force_n.tolist()]) / (off @ off) for e in effect])
+        seen = np.array([areas * [e.factor(f) for f in force_n.tolist()] for e in effect])
+        rows.append(fit_power_laws(seen, np.broadcast_to(force_n, seen.shape)).mean_rates(*WINDOW_N))
     return np.array(rows)
 
 
@@ -173,7 +173,7 @@ def table_of(
     mounting_sd: np.ndarray,
     rng: np.random.Generator,
 ) -> RunTable:
-    """An experiment in random order: ``logs`` (K, C) true ln slopes, scatter of each condition (C,)."""
+    """An experiment in random order: ``logs`` (K, C) true ln rates, scatter of each condition (C,)."""
     shape = (logs.shape[1], logs.shape[0], mountings, presses)
     shared = mounting_sd[:, None, None, None] * rng.standard_normal((*shape[:3], 1))
     casr = np.exp(logs.T[:, :, None, None] + shared + press_sd[:, None, None, None] * rng.standard_normal(shape))
@@ -293,13 +293,13 @@ def gaps_told(logs: Floats, mounting_sd: np.ndarray) -> Iterator[str]:
 
 
 def worlds() -> dict[str, np.ndarray]:
-    """Control to (K, 5) ln of true slopes: N1 to N3."""
+    """Control to (K, 5) ln of true rates: N1 to N3."""
     honest = Material("honest", EmulatedSettings().sensor_relaxation, {n: RELAXATION[n] for n in NAMES})
     usual, swapped = (effects(honest, TIMING, swapped=each) for each in (False, True))
     return {
-        "N1": np.log(usual.slope[0]),
-        "N2": np.log(usual.slope[1]),
-        "N3": np.log(swapped.slope[1]),
+        "N1": np.log(usual.rate[0]),
+        "N2": np.log(usual.rate[1]),
+        "N3": np.log(swapped.rate[1]),
     }
 
 
@@ -317,7 +317,7 @@ def _contrasts_told(logs: np.ndarray) -> list[str]:
 
 def main() -> int:
     print("# Controls: what is found in worlds with a known answer\n")
-    print("Made by `python -m benchmarks.controls`. Contrasts are ln(S5/S1) / ln(S2/S1) of true slopes.\n")
+    print("Made by `python -m benchmarks.controls`. Contrasts are ln(S5/S1) / ln(S2/S1) of true rates.\n")
     for part in (_truth, _negatives, _positives, _from_frames):
         print("\n".join(part()))
     return 0
@@ -329,7 +329,7 @@ def _truth() -> Iterator[str]:
     for name, logs in worlds().items():
         yield _row(name, *_contrasts_told(logs))
     for exponent in (0.02, 0.05, 0.10):
-        yield _row(f"P1, exponent {exponent:g}", *_contrasts_told(np.log(p1_slopes(exponent))))
+        yield _row(f"P1, exponent {exponent:g}", *_contrasts_told(np.log(p1_rates(exponent))))
     elastic = Material("elastic", 0.0, dict.fromkeys(NAMES, 0.0))
     for name, swapped in (("P3, frame sum", False), ("N3, frame sum", True)):
         yield _row(name, *_contrasts_told(np.log(effects(elastic, FrameErrors(), swapped=swapped).frame_sum)))
@@ -350,7 +350,7 @@ def _negatives() -> Iterator[str]:
 
 
 def _positives() -> Iterator[str]:
-    logs = np.log(p1_slopes(0.05))
+    logs = np.log(p1_rates(0.05))
     yield "## P1, exponent 0.05: power of human-like against rigid, 80 % wanted\n"
     yield "Three presses of each mounting, 3 % a press:\n"
     yield _head("pair", "SD of mountings", "power with 3 mountings", "mountings needed for 80 %")

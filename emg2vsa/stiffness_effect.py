@@ -24,9 +24,9 @@ _FOUND, _MISSED = 1.959964, 0.841621
 class StiffnessEffect:
     """Of K specimens, the stiffest first, and C conditions, the rigid motor first.
 
-    duration_s : (K, C) between the forces of the window, elastic bodies. slope : (M, K, C) true spread rate, mm2/N, in
-    M materials. frame_sum : (K, C) equation (2) as printed, elastic bodies; frame_sum_swapped, slope_swapped : (K, C)
-    the same and the slope with the schedules of the specimens in reverse order.
+    duration_s : (K, C) between the forces of the window, elastic bodies. rate : (M, K, C) true spread rate, mm2/N, in
+    M materials. frame_sum : (K, C) equation (2) as printed, elastic bodies; frame_sum_swapped, rate_swapped : (K, C)
+    the same and the rate with the schedules of the specimens in reverse order.
     timing_cv : (2, C) CV of the spread rate of the pair with errors of timing; timing_d : (C,) d' of the pair.
     specimen_share : (K,) of the compliance of specimen and sensor. area_power : (K,) ln of area per ln of force.
     """
@@ -36,10 +36,10 @@ class StiffnessEffect:
     materials: tuple[str, ...]
     pair: tuple[str, str]
     duration_s: Floats
-    slope: Floats
+    rate: Floats
     frame_sum: Floats
     frame_sum_swapped: Floats
-    slope_swapped: Floats
+    rate_swapped: Floats
     timing_cv: Floats
     timing_d: Floats
     specimen_share: Floats
@@ -53,9 +53,9 @@ class StiffnessEffect:
         per_n = self.area_power[-1] * self.specimen_share[-1] * longer
         return float(np.log1p(share) / per_n) if per_n > 0 else np.inf
 
-    def contrast(self, slopes: Floats, specimen: int = -1) -> Floats:
+    def contrast(self, rates: Floats, specimen: int = -1) -> Floats:
         """(..., C) logarithm of the ratio of a specimen, the softest unless said, to the stiffest; of (..., K, C)."""
-        return np.asarray(np.log(slopes[..., specimen, :] / slopes[..., 0, :]))
+        return np.asarray(np.log(rates[..., specimen, :] / rates[..., 0, :]))
 
 
 def replicates_needed(difference: Floats, sd: float) -> Floats:

@@ -138,9 +138,11 @@ def _best(fits: Sequence[HeldFit]) -> HeldFit:
     return min(fits, key=lambda each: each.best)
 
 
-def length_errors(camera: Camera | None) -> tuple[float, float]:
-    """Standard errors of the length of pins, mm, and of the depth, relative: as the camera file states them."""
-    pin_sd_mm, depth_sd = PIN_LENGTH_SD_MM, DEPTH_SHARE_SD
+def length_errors(
+    camera: Camera | None, pin_sd_mm: float = PIN_LENGTH_SD_MM, depth_sd: float = DEPTH_SHARE_SD
+) -> tuple[float, float]:
+    """Standard errors of the length of pins, mm, and of the depth, relative: as the camera file states them, or else
+    these."""
     if camera is not None and camera.depth_sd_mm is not None:
         depth_sd = camera.depth_sd_mm / camera.depth_mm
     if camera is not None and camera.sensor.pin_length_mm is not None:

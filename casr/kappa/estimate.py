@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from casr.camera import Camera, undistorted
-from casr.contact_area.library_front import dome_scale
+from casr.contact_area.library_front import dome_scale, length_errors
 from casr.dome.library import FAMILY, Library, shipped
 from casr.dome.view import DomeView
 from casr.errors import CameraError, SettingError
@@ -67,7 +67,7 @@ def estimate_kappa(
     found = kappas(labels, d, confidence)
     return SensorKappa(
         kappas=found, labels=labels, discrepancy=d, misfit=labels.misfit, noise_px=labels.noise_px,
-        notes=(*_contradictions(found), *_notes(labels, camera)),
+        notes=(*contradictions(found), *_notes(labels, camera)),
     )  # fmt: skip
 
 
@@ -105,12 +105,11 @@ def stated_errors(
     camera: Camera, *, pole_mm: float = POLE_SD_MM, pin_length_mm: float = 0.1, depth: float = DEPTH_SD_OF_SENSOR
 ) -> SensorErrors:
     """Those of camera.toml; where it states none, the usual ones given here, mm and relative."""
-    scale, sensor = dome_scale(camera), camera.sensor
-    usual_mm = UNKNOWN_PIN_SD_MM if sensor.pin_length_mm is None else pin_length_mm
+    scale = dome_scale(camera)
+    usual_mm = UNKNOWN_PIN_SD_MM if camera.sensor.pin_length_mm is None else pin_length_mm
+    pin_sd_mm, depth_sd = length_errors(camera, usual_mm * scale, depth)
     return SensorErrors(
-        pin_length_mm=usual_mm if sensor.pin_length_sd_mm is None else sensor.pin_length_sd_mm / scale,
-        pole_px=pole_mm * camera.fx_px * scale / camera.depth_mm,
-        depth=depth if camera.depth_sd_mm is None else camera.depth_sd_mm / camera.depth_mm,
+        pin_length_mm=pin_sd_mm / scale, pole_px=pole_mm * camera.fx_px * scale / camera.depth_mm, depth=depth_sd
     )
 
 
@@ -139,11 +138,12 @@ def _flat(press: KappaPress, camera: Camera, unit: float) -> KappaPress:
     )  # fmt: skip
 
 
-def _contradictions(found: Mapping[str, Kappa]) -> list[str]:
+def contradictions(found: Mapping[str, Kappa], widened: float = 1.0, what: str = "kappa") -> list[str]:
+    """widened : by all presses together. what : is not determined then."""
     notes = []
-    if (most := max((each.contradicted for each in found.values()), default=1.0)) > CONTRADICTED:
+    if (most := max([widened, *(each.contradicted for each in found.values())])) > CONTRADICTED:
         notes.append(
-            f"Presses and stated stiffnesses contradict each other {most:.1f} times as much as usual, so kappa is not "
+            f"Presses and stated stiffnesses contradict each other {most:.1f} times as much as usual, so {what} is not "
             "determined: check which specimen each press is of, and the stiffness that is stated of each."
         )
     for name, each in found.items():

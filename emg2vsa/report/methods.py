@@ -14,6 +14,7 @@ from functools import cache
 import numpy as np
 from jinja2 import Environment, StrictUndefined, Template
 
+from casr.kappa.discrepancy import Discrepancy
 from casr.kappa.posterior import DETERMINED
 from emg2vsa.calibration.presses import MOST_OUTLIERS
 from emg2vsa.calibration.results import LawResult
@@ -240,10 +241,9 @@ stiffness, with and without friction, were interpolated by cubic splines; one do
 shared by all presses, κ by those of a specimen, and friction, place and contact radii were free in each. What the
 labels of this sensor differ by from the truth was a line, which the other specimens told, and a smooth Gaussian curve
 [@kennedy]; mountings, forces and depths scatter by stated sizes, κ by
-{{ (0.8 * k.mounting_sd_percent) | round(1) | g }} % from mounting to mounting. The interval is of {{ (100 *
-k.confidence) | g }} % and total, and wider by how far these statements contradict each other. κ
-is called determined where the design promises a half width of
-{{ (100 * DETERMINED) | g }} % or less. Beside it, κ was read off CASR.{% endif %}
+{{ kappa_scatter | round(1) | g }} % from mounting to mounting. The interval is of {{ (100 * k.confidence) | g }} % and
+total, and wider by how far these statements contradict each other. κ is called determined where the design promises a
+half width of {{ (100 * DETERMINED) | g }} % or less. Beside it, κ was read off CASR.{% endif %}
 {% if k.outlier_mads %}A press further than {{ k.outlier_mads | g }} median absolute deviations, scaled to an SD, from
 the median of its specimen was left out of the calibration, where the specimen had five presses or more and no more
 than {{ (100 * MOST_OUTLIERS) | g }} % of them lay so far off.{% endif %}
@@ -342,6 +342,7 @@ def methods(results: StudyResults) -> list[tuple[str, str]]:
         tested=_tested(people.fits, study) if people else "",
         level=f"{100 * confidence_of((), study.claims.false_verdict_percent / 100, OF_A_STUDY):.4g}",
         rate=_CHOICES["rate"][study.scoring.recipe.rate].format(low=low, high=high),
+        kappa_scatter=100 * Discrepancy().mounted(study.calibration.mounting_sd_percent / 100).stiffness,
         by_pins=any(each.pins for each in calibration.conditions) if calibration else False,
         mounting=_mounting(study.calibration, [of[algorithm].chosen for of in by_algorithm if algorithm in of]),
         versions=[f"{name} {version}" for name, version in results.provenance.items() if "digest of " not in name],

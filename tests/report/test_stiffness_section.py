@@ -21,7 +21,7 @@ CONDITIONS = ("high-stiffness", "modular", "constant-min", "all-20")
 def effect(*, best: int = 3, swaps: bool = True) -> StiffnessEffect:
     """Four conditions of S1, S2 and S5, with numbers that nothing else gives."""
     contrast = np.array([[0.5, 0.5, 0.5, 0.5], [0.51, 0.5131, 0.509, 0.505], [0.53, 0.5371, 0.52, 0.511]])
-    slope = 10 * np.exp(np.stack([0 * contrast, 0.1 + 0 * contrast, contrast], axis=1))
+    rate = 10 * np.exp(np.stack([0 * contrast, 0.1 + 0 * contrast, contrast], axis=1))
     frame_sum = np.array([[100.0, 110, 120, 130], [119, 131, 141, 151], [301, 403, 299, 288]])
     swapped = frame_sum.copy()
     swapped[1, 1] = 93.5 if swaps else 130.9
@@ -30,7 +30,7 @@ def effect(*, best: int = 3, swaps: bool = True) -> StiffnessEffect:
     return StiffnessEffect(
         specimens=("S1", "S2", "S5"), conditions=CONDITIONS, materials=("elastic", "assumed", "lossy sensor"),
         pair=("S1", "S2"), duration_s=np.array([[0.3, 0.35, 0.5, 0.6], [0.4, 0.5, 0.6, 0.7], [0.7, 0.9, 1.0, 1.1]]),
-        slope=slope, frame_sum=frame_sum, frame_sum_swapped=swapped, slope_swapped=slope[0],
+        rate=rate, frame_sum=frame_sum, frame_sum_swapped=swapped, rate_swapped=rate[0],
         timing_cv=np.full((2, 4), 0.03), timing_d=d, specimen_share=np.array([0.3, 0.4, 0.8]),
         area_power=np.full(3, 0.5),
     )  # fmt: skip

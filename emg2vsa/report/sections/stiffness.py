@@ -27,7 +27,7 @@ def _effect(results: StudyResults) -> StiffnessEffect:
 
 def _gains(effect: StiffnessEffect) -> Floats:
     """(M, C) contrast of the softest specimen against that under the rigid motor, difference of logarithms."""
-    contrast = effect.contrast(effect.slope)
+    contrast = effect.contrast(effect.rate)
     return np.asarray(contrast - contrast[:, :1])
 
 
@@ -47,14 +47,14 @@ def _ways(results: StudyResults) -> Columns:
         ("frame_sum.contrast", f"Eq. (2): {pair}", "frame_sum", np.exp(effect.contrast(sums))),
         ("frame_sum.neighbour", neighbours, "neighbour", np.exp(effect.contrast(sums, 1))),
         ("frame_sum.neighbour_swapped", "swapped", "neighbour_swapped", np.exp(effect.contrast(swapped, 1))),
-        ("slope.neighbour_swapped", "by slope", "slope_swapped", np.exp(effect.contrast(effect.slope_swapped, 1))),
+        ("slope.neighbour_swapped", "by mean rate", "slope_swapped", np.exp(effect.contrast(effect.rate_swapped, 1))),
         ("timing.d", f"Timing: d′ of {stiff} and {second}", "timing_d", effect.timing_d),
     )
     return {Column(key, head, name=name): np.asarray(values) for key, head, name, values in found}
 
 
 def _quantities(results: StudyResults) -> Items:
-    effect, contrast = _effect(results), np.exp(_effect(results).contrast(_effect(results).slope))
+    effect, contrast = _effect(results), np.exp(_effect(results).contrast(_effect(results).rate))
     ways = {column.key: np.asarray(values, dtype=np.float64) for column, values in _ways(results).items()}
     ways |= {f"timing.{name}.cv": cv for name, cv in zip(effect.pair, effect.timing_cv, strict=True)}
     ways |= {f"contrast.{name}": each for name, each in zip(_MATERIALS, contrast, strict=True)}

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from casr.spread import fit_power_laws
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.qbmove.springs import Springs, stiffness_at
 from emg2vsa.dome_contact import PowerLaw
@@ -22,7 +23,7 @@ from emg2vsa.worlds.contact.relaxation import ConvolvedForce, Relaxation
 _NEWTON = 40
 _SOLVED_MM = _LEAST_MM = 1e-12
 _GRID = 260
-"Forces to which a straight line of area on force is fitted, the middles of even steps."
+"Forces at which a spread rate takes areas."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,11 +99,10 @@ class PressPaths:
         first, last = self.at_forces(times, [low_n, high_n])
         return np.asarray(last - first)
 
-    def slope_mm2_per_n(self, low_n: float = 0.5, high_n: float = 7.0) -> Floats:
-        """(P,) slope of the straight line of area on force; all forces between the two count alike."""
-        force_n = low_n + (high_n - low_n) * (np.arange(_GRID) + 0.5) / _GRID
-        off_n = force_n - force_n.mean()
-        return np.asarray(off_n @ self.at_forces(self.area_mm2, force_n) / (off_n @ off_n))
+    def rate_mm2_per_n(self, low_n: float = 0.5, high_n: float = 7.0) -> Floats:
+        """(P,) spread rate of the contact, as scores have it."""
+        force_n = np.linspace(low_n, high_n, _GRID)
+        return fit_power_laws(self.at_forces(self.area_mm2, force_n).T, force_n).mean_rates(low_n, high_n)
 
 
 def simulate_presses(

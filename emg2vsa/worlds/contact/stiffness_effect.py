@@ -95,21 +95,21 @@ def stiffness_effect(bench: Bench, materials: Sequence[Material], errors: FrameE
         )  # fmt: skip
     elastic, creeping = (_Pressed(bench, material) for material in materials[:2])
     swapped = _Pressed(bench, materials[0], dict(zip(names, reversed(names), strict=True)))
-    slopes = [each.slopes() for each in (elastic, creeping, *(_Pressed(bench, each) for each in materials[2:]))]
-    rates = np.log(creeping.seen_rates(2, errors))
-    cv = rates.std(axis=2, ddof=1)
+    rates = [each.rates() for each in (elastic, creeping, *(_Pressed(bench, each) for each in materials[2:]))]
+    seen = np.log(creeping.seen_rates(2, errors))
+    cv = seen.std(axis=2, ddof=1)
     return StiffnessEffect(
         specimens=names,
         conditions=(rigid, *bench.steps),
         materials=tuple(material.name for material in materials),
         pair=(names[0], names[1]),
         duration_s=elastic.durations(),
-        slope=np.array(slopes),
+        rate=np.array(rates),
         frame_sum=elastic.frame_sums(),
         frame_sum_swapped=swapped.frame_sums(),
-        slope_swapped=swapped.slopes(),
+        rate_swapped=swapped.rates(),
         timing_cv=cv,
-        timing_d=(rates[1] - rates[0]).mean(axis=1) / np.sqrt((cv**2).mean(axis=0)),
+        timing_d=(seen[1] - seen[0]).mean(axis=1) / np.sqrt((cv**2).mean(axis=0)),
         specimen_share=np.array([specimen_share(each, bench.sensor_mpa) for each in bench.stiffness_mpa.values()]),
         area_power=np.array([_area_power(bench, name) for name in names]),
     )
@@ -147,9 +147,9 @@ class _Pressed:
         """(K, C) seconds from the lower to the higher force of the window."""
         return self._table([run.duration_s(*self._bench.window_n) for run in self._runs])
 
-    def slopes(self) -> Floats:
-        """(K, C) straight lines of area on force."""
-        return self._table([run.slope_mm2_per_n(*self._bench.window_n) for run in self._runs])
+    def rates(self) -> Floats:
+        """(K, C) spread rates."""
+        return self._table([run.rate_mm2_per_n(*self._bench.window_n) for run in self._runs])
 
     def frame_sums(self) -> Floats:
         """(K, C) mean of equation (2) as printed over presses that begin at other times between two frames."""

@@ -109,7 +109,7 @@ def test_very_stiff_springs_are_a_rigid_motor() -> None:
     stiff = Drive(springs=Springs(2e4, 7.0, 2e4, 7.0, "made up"))
     one, other = pressed("S2", Drive()), pressed("S2", stiff, constant(50))
     assert other.force_n[:-1, 0] == pytest.approx(one.force_n[:-1, 0], rel=1e-4, abs=1e-6)
-    assert other.slope_mm2_per_n() == pytest.approx(one.slope_mm2_per_n(), rel=1e-7)
+    assert other.rate_mm2_per_n() == pytest.approx(one.rate_mm2_per_n(), rel=1e-7)
 
 
 def test_of_elastic_bodies_the_area_never_depends_on_stiffness() -> None:
