@@ -300,7 +300,10 @@ def kappas(labels: Labels, discrepancy: Discrepancy | None = None, confidence: f
         if name in whole.known:
             if len(whole.known) < 3 or whole.known[name] == RIGID:
                 continue
-            of_bound, posteriors = Posterior(white, EXACT, name), {"": Posterior(sensor, d, name, confidence=confidence)}
+            of_bound, posteriors = (
+                Posterior(white, EXACT, name),
+                {"": Posterior(sensor, d, name, confidence=confidence)},
+            )
         found[name] = _kappa(name, labels, posteriors, whole.known.get(name), of_bound)
     return found
 
