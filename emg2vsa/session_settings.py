@@ -81,8 +81,22 @@ class SessionAbout:
     "Frequency of the mains; omitted: not stated."
     electrode_mm: Positive | None = None
     "Distance of the two electrodes of a pair, mm (Bagnoli: 10)."
+    manufacturer: str = ""
+    "Maker of the amplifier; here as in the next three: omitted, what the device says of itself."
+    model: str = ""
+    "Its model."
+    serial_number: str = ""
+    "Its serial number."
+    band_hz: tuple[Positive, Positive] | None = None
+    "Pass band of its own filters (Bagnoli: 20 to 450)."
     electrodes: str = ""
-    "Maker and model of the electrodes."
+    "Model of the electrodes."
+    electrode_manufacturer: str = ""
+    "Their maker."
+    electrode_type: str = ""
+    "Such as bar, disc or wire."
+    electrode_material: str = ""
+    "Such as Ag or Ag/AgCl."
     skin_preparation: str = ""
     "How the skin was prepared."
     ground: str = ""
@@ -91,6 +105,26 @@ class SessionAbout:
     "What participants are told to do."
     institution: str = ""
     "Where the study is done."
+    institution_address: str = ""
+    "Its address."
+    department: str = ""
+    "Of the institution."
+    authors: tuple[Text, ...] = ()
+    "Of the data set; not of participants."
+    licence: str = ""
+    "Of the data set, such as CC0 or CC-BY-4.0."
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElectrodePlaces:
+    """Where the electrodes are on the forearm, for electrodes.tsv and coordsystem.json."""
+
+    system: Text
+    "Where 0 is and what x and y follow, such as from the lateral epicondyle to the ulnar styloid process."
+    unit: Literal["mm", "cm", "percent"] = "mm"
+    "Of the coordinates; percent: of the distance that system names."
+    pairs: dict[str, tuple[tuple[float, float], tuple[float, float]]]
+    "Muscle to x and y of its two electrodes."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,5 +232,7 @@ class SessionSettings:
     "Columns of participants.tsv that are filled in before the session (emg2vsa session form)."
     about: SessionAbout = field(default_factory=SessionAbout)
     "What no device says, for the data set."
+    places: ElectrodePlaces | None = None
+    "Where the electrodes are; omitted: positions are not stated."
     texts: SessionTexts = field(default_factory=SessionTexts)
     "What the participant reads."

@@ -73,6 +73,11 @@ class Channel:
     placed: str = ""
     band_hz: tuple[float, float] | None = None
 
+    @property
+    def pair_name(self) -> str:
+        """Name of the electrodes, which end in 1 and 2."""
+        return self.pair or self.label
+
     def cells(self, electrode_mm: float | None) -> tuple[object, ...]:
         """In the order of ``CHANNEL_COLUMNS``. electrode_mm : distance of the two, None where it is not known."""
         said = (f"surface EMG of {self.muscle}" if self.muscle else "pressing force") + self.said
@@ -80,7 +85,7 @@ class Channel:
         tail = (ABSENT, "good", self.told or ABSENT)
         if self.muscle is None:
             return (self.label, "MISC", unit, said, rate, *[ABSENT] * 9, *tail)
-        pair, name = self.pair or self.label, muscle_name(self.muscle)
+        pair, name = self.pair_name, muscle_name(self.muscle)
         distance = ABSENT if electrode_mm is None else f"{electrode_mm:g}"
         where = ("other", f"belly of the {name}{self.placed}", distance, *(self.band_hz or (ABSENT, ABSENT)))
         return (self.label, "EMG", unit, said, rate, f"{pair}1", f"{pair}2", pair, name, *where, *tail)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
@@ -17,6 +18,7 @@ from casr.atomic import write_text_atomic
 from emg2vsa import __version__
 from emg2vsa.arrays import bridge_gaps
 from emg2vsa.bids import dataset as bids
+from emg2vsa.bids.electrodes import Electrodes, write_electrodes
 from emg2vsa.bids.names import RecordingName, remove_recording
 from emg2vsa.bids.recording import Channel, Recording, told_of_screen
 from emg2vsa.bids.recording_files import write_recording
@@ -35,7 +37,7 @@ from emg2vsa.session.plan import PLAN_FILE, Plan, read_plan
 from emg2vsa.session.presses import Presses, folded
 from emg2vsa.session.stays import StaySignals, StayWindow, cut, stay_windows, stored_streams
 from emg2vsa.session.views import ScreenReport
-from emg2vsa.session_settings import SessionSettings
+from emg2vsa.session_settings import SessionAbout, SessionSettings
 from emg2vsa.settings import ChannelSettings
 from emg2vsa.study import Study
 
@@ -83,7 +85,7 @@ def write_dataset(folder: Path, study: Study) -> Written:
             channels = _channels(study, plan.participant, window.specimen)
             emg, force = (streams.get((window.sitting, kind), []) for kind in ("emg", "force"))
             signals = cut(window, emg, force)
-            stored = _stored(signals, channels, name.stem)
+            stored = _stored(signals, channels, name.stem, settings.about)
             stays.append(
                 _Stay(name, window, [line for line in lines if line.sitting == window.sitting], signals, stored)
             )
@@ -94,12 +96,15 @@ def write_dataset(folder: Path, study: Study) -> Written:
     whole = bids.DataSet(
         title, "Sessions of participants, run and recorded.", _README.format(version=__version__),
         participants=(plan.participant,), participant="Code of the participant.", ethics=settings.ethics,
+        authors=settings.about.authors, licence=settings.about.licence,
     )  # fmt: skip
     try:
         _make_room(folder, study.data, targets)
         for stay in stays:
             write_recording(study.data, stay.recording(settings, presses, plan))
         bids.write_dataset(study.data, whole, keep=True)
+        if stays:
+            write_electrodes(study.data, plan.participant, plan.visit, _electrodes(stays[0].channels, settings))
         began = {stay.name: stay.begun().isoformat(timespec="milliseconds") for stay in stays}
         bids.write_scans(study.data, plan.participant, began, keep=True, visit=plan.visit)
     except OSError as error:
@@ -169,7 +174,7 @@ def _names(windows: Sequence[StayWindow], plan: Plan, task: str) -> list[Recordi
     return names
 
 
-def _stored(signals: StaySignals, channels: ChannelSettings, stem: str) -> list[Channel]:
+def _stored(signals: StaySignals, channels: ChannelSettings, stem: str, about: SessionAbout) -> list[Channel]:
     """SignalError where more than half of a channel is lost. DataError where a muscle of the study was not recorded."""
     stored = []
     for muscle, channel in channels.emg.items():
@@ -180,7 +185,8 @@ def _stored(signals: StaySignals, channels: ChannelSettings, stem: str) -> list[
             )  # fmt: skip
         emg_v, _ = bridge_gaps(signals.emg_v[:, signals.muscles.index(muscle)], f"{stem}, {muscle}")
         said = f"; {_measured(signals, 0)}"
-        stored.append(Channel(channel.name, emg_v * 1e6, "uV", signals.emg_fs_hz, muscle, said))
+        band = _band_hz(signals, muscle, about)
+        stored.append(Channel(channel.name, emg_v * 1e6, "uV", signals.emg_fs_hz, muscle, said, band_hz=band))
     force_n, _ = bridge_gaps(signals.force_n, f"{stem}, force")
     name, sign = channels.force.name, channels.force.sign
     said = f", {'pressing positive' if sign > 0 else 'pressing negative'}; {_measured(signals, 1)}"
@@ -223,16 +229,22 @@ class _Stay:
 
     def recording(self, settings: SessionSettings, presses: Presses, plan: Plan) -> Recording:
         signals, about = self.signals, settings.about
-        how = {
+        stated = {
             "instructions": about.instructions, "skin_preparation": about.skin_preparation, "ground": about.ground,
-            "electrodes": about.electrodes, "institution": about.institution, **_device(signals),
+            "electrodes": about.electrodes, "electrode_manufacturer": about.electrode_manufacturer,
+            "electrode_type": about.electrode_type, "electrode_material": about.electrode_material,
+            "institution": about.institution, "institution_address": about.institution_address,
+            "institutional_department_name": about.department, "manufacturer": about.manufacturer,
+            "model": about.model, "serial": about.serial_number,
         }  # fmt: skip
+        filters = {"hardware_filters": _filters(self.channels)}
+        how = {**_device(signals), **filters, **{term: told for term, told in stated.items() if told}}
         return Recording(
             self.name, self.channels, signals.emg_fs_hz, signals.duration_s,
             signals.record_s, equipment="emg2vsa-session", software=f"emg2vsa {__version__}",
             events=stay_events(self.window, signals, self.lines, presses), columns=EVENT_COLUMNS, decimals=6,
             screen=_screen(self.lines), started=self.begun().replace(microsecond=0), mains_hz=about.power_line_hz,
-            electrode_mm=about.electrode_mm, how={term: told for term, told in how.items() if told},
+            electrode_mm=about.electrode_mm, how=how,
             further={"SpecimenOrder": _order(plan)},
         )  # fmt: skip
 
@@ -242,6 +254,17 @@ def _order(plan: Plan) -> Json:
     pressed = dict.fromkeys(press.specimen for press in plan.presses if press.phase == "main")
     kind = {"kind": plan.settings.get("session", {}).get("order", "n/a")}  # earlier plans tell no more
     return {key.capitalize(): told for key, told in {**kind, **plan.order, "specimens": list(pressed)}.items()}
+
+
+def _electrodes(channels: Sequence[Channel], settings: SessionSettings) -> Electrodes:
+    """Of all muscles, as electrodes.tsv has them."""
+    places, about = settings.places, settings.about
+    pairs = {channel.pair_name: channel.muscle for channel in channels if channel.muscle}
+    known = {name: places.pairs[muscle] for name, muscle in pairs.items()} if places else dict.fromkeys(pairs)
+    return Electrodes(
+        known, places.system if places else "", places.unit if places else "n/a",
+        about.electrode_type, about.electrode_material,
+    )  # fmt: skip
 
 
 def _measured(signals: StaySignals, which: int) -> str:
@@ -257,6 +280,19 @@ def _device(signals: StaySignals) -> dict[str, str]:
     """What the devices say of themselves."""
     facts = {**{f"Force {name}": fact for name, fact in signals.force.facts.items()}, **signals.emg.facts}
     return {"manufacturer": "n/a", **dict(sorted(facts.items())), "software_filters": "n/a"}
+
+
+def _band_hz(signals: StaySignals, muscle: str, about: SessionAbout) -> tuple[float, float] | None:
+    """Of the amplifier's own filters, as the study file or the device says."""
+    told = re.fullmatch(r"([0-9.]+) to ([0-9.]+) Hz", signals.emg.facts.get(f"{muscle}, band", ""))
+    return about.band_hz or ((float(told[1]), float(told[2])) if told else None)
+
+
+def _filters(channels: Sequence[Channel]) -> Json | str:
+    """HardwareFilters of the muscles' channels."""
+    known = {channel.label: channel.band_hz for channel in channels if channel.muscle and channel.band_hz}
+    parts = ("High-pass cut-off (Hz)", "Low-pass cut-off (Hz)")
+    return {f"Band of {name}": dict(zip(parts, band, strict=True)) for name, band in known.items()} or "n/a"
 
 
 def _screen(lines: Sequence[Line]) -> Json:

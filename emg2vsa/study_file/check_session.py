@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -159,6 +160,28 @@ def _muscles(session: SessionSettings, channels: ChannelSettings) -> Iterator[Pr
             yield Problem((*at, role), f"the source's channel of the muscle {role!r}", "nothing")
 
 
+def _places(session: SessionSettings, channels: ChannelSettings) -> Iterator[Problem]:
+    """Each muscle of the study has two places, as far apart as the electrodes are."""
+    if session.places is None:
+        return
+    at: KeyPath = ("session", "places", "pairs")
+    pairs, apart_mm = session.places.pairs, session.about.electrode_mm
+    for role in (*pairs, *channels.emg):
+        if role not in channels.emg or role not in pairs:
+            found = "nothing" if role in channels.emg else repr(role)
+            yield Problem((*at, role), "two electrodes of each muscle of [channels.emg], and of no other", found)
+    scale = {"mm": 1.0, "cm": 10.0}.get(session.places.unit, 0.0)
+    for role, pair in pairs.items():
+        own = scale * math.dist(*pair)
+        if scale and apart_mm and abs(own - apart_mm) > _APART_MM:
+            wanted = f"electrodes that are about.electrode_mm = {apart_mm:g} mm apart"
+            yield Problem((*at, role), wanted, f"{own:.3g} mm", "Correct one of the two.")
+
+
+_APART_MM = 1.0
+"""Places are read off a tape on the skin."""
+
+
 def _layout(
     session: SessionSettings,
     recordings: RecordingsTable | None = None,
@@ -215,5 +238,6 @@ def _label(name: str, at: KeyPath) -> Iterator[Problem]:
 
 
 CHECKS = (
-    _codes, _training, _orders, _form, _forces, _times, _plausible, _counts, _muscles, _layout, _written_as_read,
+    _codes, _training, _orders, _form, _forces, _times, _plausible, _counts, _muscles, _places,
+    _layout, _written_as_read,
 )  # fmt: skip

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from dataclasses import dataclass, replace
+from functools import reduce
 from pathlib import Path
 
 import edfio
@@ -38,6 +39,7 @@ from emg2vsa.session.journal import (
 from emg2vsa.session.plan import Plan, draw_presses
 from emg2vsa.session.record import SessionRecord, new_session, resume_session, session_folder
 from emg2vsa.session.stays import data_record
+from emg2vsa.session_settings import SessionAbout
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
 
@@ -51,10 +53,31 @@ training_specimens = ["T1"]
 training_repetitions = 1
 repetitions = 3
 ethics = "2026-7"
-about = {{ power_line_hz = 50, electrode_mm = 10, skin_preparation = "alcohol" }}
+[session.about]
+power_line_hz = 50
+electrode_mm = 10
+skin_preparation = "alcohol"
+ground = "elbow"
+manufacturer = "Delsys"
+model = "Bagnoli"
+serial_number = "7"
+band_hz = [20, 450]
+electrodes = "DE-2.1"
+electrode_manufacturer = "Delsys"
+electrode_type = "bar"
+electrode_material = "Ag"
+institution = "An institute"
+institution_address = "A street"
+department = "A department"
+authors = ["A. Author", "B. Author"]
+licence = "CC0"
+[session.places]
+system = "x from the elbow to the wrist, y across"
+pairs = {{ EDC = [[0, 0], [10, 0]], FDS = [[0, 5], [10, 5]] }}
 """,
 ).replace('name = "FDS"', 'name = "FDS right"')
 PRESS_S, LOAD_S = 5.0, 2.5
+NOT_TO_BE_MET = {"HEDVersion", "SourceDatasets"}
 
 
 @dataclass
@@ -240,7 +263,44 @@ def test_the_validator_finds_no_error(made):
     )
     issues = json.loads(done.stdout)["issues"]["issues"]
     assert [issue for issue in issues if issue["severity"] == "error"] == []
+    # what nobody has: tags of events (HED), a source of the sources, and a name for a columns' file of its own
+    assert {issue.get("subCode") for issue in issues} <= NOT_TO_BE_MET, issues
     assert len(main_files(made.study)) == 2
+
+
+def test_what_is_stated_of_devices_and_electrodes_stands_where_bids_wants_it(made):
+    write_dataset(made.folder, made.study)
+    folder = made.study.data / "sub-P01" / "emg"
+    told = json.loads((folder / "sub-P01_task-press_acq-S1_emg.json").read_text())
+    assert (told["Manufacturer"], told["ManufacturersModelName"]) == ("Delsys", "Bagnoli")
+    assert told["HardwareFilters"]["Band of EDC"] == {"High-pass cut-off (Hz)": 20, "Low-pass cut-off (Hz)": 450}
+    channels = rows_of(folder / "sub-P01_task-press_acq-S1_channels.tsv")
+    electrodes = rows_of(folder / "sub-P01_electrodes.tsv")
+    pairs = {name for row in channels if row["type"] == "EMG" for name in (row["signal_electrode"], row["reference"])}
+    assert {row["name"] for row in electrodes} == pairs
+    assert [(row["x"], row["y"]) for row in electrodes] == [
+        ("0.0", "0.0"),
+        ("10.0", "0.0"),
+        ("0.0", "5.0"),
+        ("10.0", "5.0"),
+    ]
+    assert {row["type"] for row in electrodes} == {"bar"}
+    system = json.loads((folder / "sub-P01_space-forearm_coordsystem.json").read_text())
+    assert (system["EMGCoordinateSystem"], system["EMGCoordinateUnits"]) == ("Other", "mm")
+
+
+def test_what_nobody_stated_of_electrodes_is_not_made_up(made):
+    session = replace(made.study.session, places=None, about=SessionAbout())
+    write_dataset(made.folder, replace(made.study, session=session))
+    folder = made.study.data / "sub-P01" / "emg"
+    assert {(row["x"], row["type"]) for row in rows_of(folder / "sub-P01_electrodes.tsv")} == {("n/a", "n/a")}
+    system = json.loads((folder / "sub-P01_space-forearm_coordsystem.json").read_text())
+    assert (system["EMGCoordinateUnits"], system["EMGCoordinateSystemDescription"][:24]) == (
+        "n/a",
+        "Positions were not state",
+    )
+    told = json.loads((folder / "sub-P01_task-press_acq-S1_emg.json").read_text())
+    assert (told["Manufacturer"], told["HardwareFilters"]) == ("n/a", "n/a")
 
 
 def test_written_again_every_file_has_the_same_bytes_and_the_originals_stay(made):
@@ -390,17 +450,17 @@ def without_force(made):
     (made.folder / "sitting-1_force.samples").unlink()
 
 
-def study_text(old, new):
-    return lambda made: made.study.path.write_text(STUDY.replace(*old).replace(*new))
+def study_text(*changes):
+    return lambda made: made.study.path.write_text(reduce(lambda text, change: text.replace(*change), changes, STUDY))
 
 
 SHARES = "[simulation]\nmuscle_share = { EDC = 0.4, FCR = 0.6 }\n"
 LEFT_OUT = {
     "expected force from .* no samples": without_force,
     r"expected the muscle FCR of \[channels.emg\], but found EDC, FDS": study_text(
-        ("FDS]", "FCR]"), ("[simulation]\n", SHARES)
+        ("FDS]", "FCR]"), ("FDS = [[0", "FCR = [[0"), ("[simulation]\n", SHARES)
     ),
-    r"Put the code back into \[participants\]": study_text(('"P01", ', ""), ("", "")),
+    r"Put the code back into \[participants\]": study_text(('"P01", ', "")),
 }
 
 

@@ -19,6 +19,8 @@ kind = "rig"
 rig = "rig.toml"
 """
 SIMULATED = '\n[session]\nemg.kind = "simulated"\nforce.kind = "simulated"\n'
+PLACES = 'places = { system = "x from the elbow, y across", '
+BOTH = "EDC = [[0, 0], [10, 0]], FDS = [[0, 5], [10, 5]]"
 CASES = [
     # sources
     ('emg.kind = "simulated"', "", "session.emg", "nothing"),
@@ -84,6 +86,16 @@ CASES = [
         "range with this key",
     ),
     ("+", "form.age = { range = [1, 2] }", "session.form.age.description", "a key 'description'"),
+    # places of electrodes
+    ("+", f"{PLACES}pairs = {{ EDC = [[0, 0], [10, 0]] }} }}", "session.places.pairs.FDS", "two electrodes of each"),
+    ("+", f"{PLACES}pairs = {{ {BOTH}, X = [[0, 0], [1, 0]] }} }}", "session.places.pairs.X", "and of no other"),
+    (
+        "+",
+        f"about.electrode_mm = 20\n{PLACES}pairs = {{ {BOTH} }} }}",
+        "session.places.pairs.EDC",
+        "20 mm apart, but found 10",
+    ),
+    ("+", f"{PLACES}pairs = {{ EDC = [[0, 0]] }} }}", "session.places.pairs.EDC[1]", "one more entry"),
     # where and how it is written
     ('task = "press"', 'task = "press"\nvisits = ["1", "1"]', "recordings.visits[1]", "every name once"),
     ('task = "press"', 'task = "press"\nvisits = ["ses-1"]', "recordings.visits[0]", "letters and digits only"),

@@ -124,12 +124,7 @@ def emulate(arguments: argparse.Namespace) -> int:
 
     virtual = session.Virtual(mistakes=tuple(arguments.mistake), speed=arguments.speed, truth=arguments.truth)
     study = load_study(arguments.study)
-    options = {
-        "visit": arguments.visit,
-        "virtual": virtual,
-        "start_delay_s": arguments.start_delay,
-        "operate": arguments.operate,
-    }
+    options = {"virtual": virtual, "start_delay_s": arguments.start_delay, "operate": arguments.operate}
     say = partial(print, file=sys.stderr if arguments.json else sys.stdout, flush=True)
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:

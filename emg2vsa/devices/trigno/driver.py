@@ -33,6 +33,7 @@ SLOTS = 16
 SAMPLE_BYTES = 4 * SLOTS
 FRAME_S = 0.0135
 RANGES_V = {"HIGH": 11e-3, "LOW": 5.5e-3}
+BANDS_HZ = {"NARROW": (20, 450), "WIDE": (10, 850)}
 FIRST_S = 6.0
 "First samples come about 2 s after START."
 SILENT_S = 1.0
@@ -221,7 +222,7 @@ class TrignoSource(SourceBase):
             raise DeviceError(commands.where, wanted="to control the server", found="another program does", do=do)
         commands.order("BACKWARDS COMPATIBILITY OFF")
         commands.order("ENDIAN LITTLE")
-        facts = {"device": "Delsys Trigno", "protocol": commands.version}
+        facts = {"device": "Delsys Trigno", "manufacturer": "Delsys", "model": "Trigno", "protocol": commands.version}
         for name in _ABOUT:
             facts[name] = commands.ask("ENDIANNESS?" if name == "byte order" else f"{name.upper()}?")
         for name, wanted, other in (
@@ -240,6 +241,9 @@ class TrignoSource(SourceBase):
                 raise _at_sensor(commands, role, place, "a slot of its own for each muscle", found)
         self._columns = [slot - 1 for slot in starts.values()]
         facts |= {f"{role}, slot": str(slot) for role, slot in starts.items()}
+        bands = {role: BANDS_HZ.get(facts[f"{role}, bandwidth"].upper().split(" ")[-1]) for role in self._places}
+        facts |= {f"{role}, band": f"{band[0]} to {band[1]} Hz" for role, band in bands.items() if band}
+        facts["serial"] = facts["base serial"]
         fs_hz = port_rate_hz(commands)
         self._info = StreamInfo(
             "emg", tuple(self._places), "V", fs_hz,

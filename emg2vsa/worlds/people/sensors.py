@@ -25,7 +25,7 @@ OFFSET_N, TOO_LARGE = 0.25, 500.0
 "Zero error of the force; factor of EMG that is clipped."
 EMG_RANGE_V, EMG_HZ = 11e-3, 1000.0
 FORCE_HZ, FORCE_RANGE_N = 1000.0, 290.0
-_FACTS = {"model": "emulated participant"}
+_FACTS = {"manufacturer": "emg2vsa (emulated)", "model": "emulated participant"}
 _EMG, _FORCE = 1, 2
 "Streams of random numbers of one seed; 0 are the hand's."
 

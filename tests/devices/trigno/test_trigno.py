@@ -155,6 +155,10 @@ def test_what_is_asked_and_what_is_known() -> None:
         "EDC, serial": "SID70004",
         "FDS, slot": "1",
         "base serial": "BID: 123",
+        "serial": "BID: 123",
+        "manufacturer": "Delsys",
+        "model": "Trigno",
+        "EDC, band": "20 to 450 Hz",
     }.items():
         assert info.facts[fact] == value
     orders = [each for each in server.asked if not each.endswith("?")]
