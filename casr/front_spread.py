@@ -26,7 +26,7 @@ SKIN_SD = 0.05
 BEYOND_SD = 0.06
 """Relative standard error of a mean rate for each e-fold of force that the window reaches beyond the last frame:
 presses that end at 5, 4, 3, 2 and 1.3 N are 2, 4, 5, 8 and 11 % off on eight domes of finite elements (SD)."""
-APART_SD = 0.01
+APART_SD = 0.005
 "Relative standard error of one area against another of the same press: narrow windows feel it most."
 FORCE_ZERO_SD_N = 0.02
 "Standard error of a resting level that nobody measured."
@@ -103,7 +103,7 @@ def front_spread(
     weight = front.spread_weight[heavy] / front.spread_weight[heavy].sum()
     parts["dome"] = float(np.hypot(np.sqrt(weight @ (rates / rate.value - 1) ** 2), front.model_sd))
     parts["misfit"] = float(front.parts["misfit"].max())
-    for name in ("pin length", "depth"):
+    for name in ("pin length", "depth", "beyond the tables"):
         moved = front.area[used] * np.exp(front.parts[name][used])
         parts[name] = abs(rate_of(moved, force).value / rate.value - 1)
     parts |= _of_window(rate, force)

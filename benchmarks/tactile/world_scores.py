@@ -15,6 +15,7 @@ from unittest.mock import patch
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.tactile.flow_scores import percent_error
 from benchmarks.tactile.press_scores import rendered
@@ -25,9 +26,12 @@ from casr.dome.view import INNER_RADIUS_MM
 from casr.doubts import Stretch, stretch_of
 from casr.errors import CasrError, SettingError
 from casr.front_spread import FrontSpread
-from casr.scored import SkinSpread
+from casr.scored import ScoreSettings, SkinSpread
 from casr.scoring import Score, score
+from casr.spread import WINDOW_N
 from emg2vsa.worlds.tactile import ContactWorld, PressSettings, SimulatedPress, TabulatedWorld, World, simulate_press
+
+Array = NDArray[np.float64]
 
 FULL_TABLES = Path(os.environ.get("EMG2VSA_TEST_DATA", Path(__file__).parents[3] / "shared" / "data")) / "contact_fem"
 STICK_FORCES_N = (0.1, 0.43, 1.0, 2.0)
@@ -118,7 +122,8 @@ class WorldScore:
     """What was found on one press.
 
     world : name. stiffness_n_mm, angle_deg, repetition : which press. refused : why there is no front; empty else.
-    area_error_percent : by force, N, where the true radius is large enough.
+    area_error_percent : by force, N, where the true radius is large enough. log_area_error, area_sd : of each frame
+    that is determined, and its relative standard error.
     true_casr : mm^2/N. front, skin : found. stretch : of skin over front.
     model, misfit : of the front. notes : of the score. doubts : reasons to check it.
     """
@@ -130,6 +135,8 @@ class WorldScore:
     true_casr: float
     refused: str = ""
     area_error_percent: dict[float, float] = field(default_factory=dict)
+    log_area_error: Array = field(default_factory=lambda: np.empty(0))
+    area_sd: Array = field(default_factory=lambda: np.empty(0))
     front: Found = Found()
     skin: Found = Found()
     stretch: Stretch | None = None
@@ -140,30 +147,35 @@ class WorldScore:
 
 
 def world_scored(
-    name: str, settings: PressSettings, camera: Camera | None = None, least_pitches: float = LEAST_PITCHES
-) -> WorldScore:
+    name: str, settings: PressSettings, camera: Camera | None = None, least_pitches: float = LEAST_PITCHES,
+    stop_n: float | None = None,
+) -> WorldScore:  # fmt: skip
     """Render this press in the world of that name, and score its frames as ``casr score`` does.
 
     camera : what camera.toml says, if it is not what the frames were taken with. least_pitches : of the true radius,
-    from which on an error of the area counts.
+    from which on an error of the area counts. stop_n : at which the frames that are scored end, and CASR.
     """
     cv2.setNumThreads(1)
     bench = world_named(name)
     assert bench.world is not None
     press = simulate_press(replace(settings, world=bench.world))
-    result = WorldScore(
-        name, settings.stiffness_n_per_mm, settings.angle_deg, settings.repetition, press.truth.casr_power_mm2_per_n
-    )
+    truth = press.truth.casr_power_mm2_per_n if stop_n is None else _true_rate(press, stop_n)
+    result = WorldScore(name, settings.stiffness_n_per_mm, settings.angle_deg, settings.repetition, truth)
     try:
         with patch("casr.press_scorer.worlds_for", return_value=bench.library):  # a dome may be left out
-            found = score(replace(rendered(press), camera=camera or settings.camera))
+            found = score(
+                replace(rendered(press), camera=camera or settings.camera), ScoreSettings(force_stop_n=stop_n)
+            )
     except CasrError as error:
         return replace(result, refused=str(error))
     spread = found.front_spread
+    sure = found.front.determined
     return replace(
         result,
         refused=found.front_doubt or ("" if spread and spread.rate else "no rate"),
         area_error_percent=_area_errors(found, press, least_pitches) if not found.front_doubt else {},
+        log_area_error=np.log(found.front.area / press.truth.area_mm2[found.frames])[sure],
+        area_sd=found.front.relative_sd[sure],
         front=_found(spread) if spread else Found(),
         skin=_found(found.skin),
         stretch=stretch_of(found),
@@ -172,6 +184,13 @@ def world_scored(
         notes=found.notes,
         doubts=found.doubts,
     )
+
+
+def _true_rate(press: SimulatedPress, stop_n: float) -> float:
+    force_n, window_n = press.truth.force_n, (WINDOW_N[0], stop_n)
+    rising = slice(0, int(force_n.argmax()) + 1)
+    first, last = np.interp(window_n, force_n[rising], press.truth.area_mm2[rising])
+    return float((last - first) / (stop_n - WINDOW_N[0]))
 
 
 def _found(spread: FrontSpread | SkinSpread) -> Found:

@@ -70,6 +70,7 @@ def analytic_front(rest_px: Array, pins_px: Array, camera: Camera | None) -> Con
         np.full(n_frames, SD_PER_MISFIT * max(misfit - FREE_MISFIT, 0.0)),
         np.zeros(n_frames),
         np.full(n_frames, 0.0 if camera is None else 2 * length_errors(camera)[1]),
+        np.zeros(n_frames),
     )
     return ContactFront(
         area=area, candidates=area[None], weight=np.ones(1), spread_weight=np.ones(1),

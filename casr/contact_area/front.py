@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 LEAST_PITCHES, LEAST_PINS = 1.5, 7
 "Of the radius and inside the edge, from which on an area is determined."
-PARTS = ("pins", "dome", "misfit", "pin length", "depth")
+PARTS = ("pins", "dome", "misfit", "pin length", "depth", "beyond the tables")
 "What the standard error of an area is made of."
 
 

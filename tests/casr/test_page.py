@@ -144,7 +144,8 @@ def test_parts_of_the_interval_add_up(scored: Score) -> None:
     shares = {name: float(text.removesuffix(" %")) for name, text in parts.items()}
     total = shares.pop("total")
     assert set(shares) == {
-        "scatter", "dome", "misfit", "pin length", "depth", "beyond the frames", "narrow window", "force zero",
+        "scatter", "dome", "misfit", "pin length", "depth", "beyond the tables", "beyond the frames",
+        "narrow window", "force zero",
     }  # fmt: skip
     assert sum(share**2 for share in shares.values()) ** 0.5 == pytest.approx(total, abs=0.1)
     assert "mounting" in left_out(scored.chosen)

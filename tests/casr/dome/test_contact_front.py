@@ -39,7 +39,10 @@ NOISE_PX = 0.07
 ROOT_PITCH_MM = 20 / 6 * 19 / 16
 "Of the roots of pins of 3 mm on a sphere of 19 mm, whose tips are 20 px apart at 6 px/mm."
 CAMERA = PressSettings().camera
-OF_RATE = ("scatter", "dome", "misfit", "pin length", "depth", "beyond the frames", "narrow window", "force zero")
+OF_RATE = (
+    "scatter", "dome", "misfit", "pin length", "depth", "beyond the tables", "beyond the frames", "narrow window",
+    "force zero",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
