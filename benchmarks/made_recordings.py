@@ -297,13 +297,13 @@ def xdf(uneven: bool = False) -> bytes:
         1: ("EMG", 2, 500, "float32", f"<channels>{labels}</channels>"), 2: ("Force", 1, 50, "double64", ""),
         3: ("Events", 1, 0, "int32", ""), 4: ("Markers", 1, 0, "string", ""), 5: ("Empty", 1, 100, "float32", ""),
     }  # fmt: skip
-    parts = [b"XDF:" + _xdf_chunk(1, b'<?xml version="1.0"?><info><version>1.0</version></info>')]
+    parts = [b"XDF:" + xdf_chunk(1, b'<?xml version="1.0"?><info><version>1.0</version></info>')]
     for stream, (name, n_channels, fs_hz, kind, desc) in heads.items():
         info = f"<info><name>{name}</name><type>X</type><channel_count>{n_channels}</channel_count>"
         info += (
             f"<nominal_srate>{fs_hz}</nominal_srate><channel_format>{kind}</channel_format><desc>{desc}</desc></info>"
         )
-        parts.append(_xdf_chunk(2, struct.pack("<I", stream) + info.encode()))
+        parts.append(xdf_chunk(2, struct.pack("<I", stream) + info.encode()))
     emg, force = np.stack([wave(5 * N, 1), wave(5 * N, 2)], axis=1), wave(N // 2, 3)
     samples = {
         1: [(3 + i / 500, row.astype("<f4").tobytes()) for i, row in enumerate(emg)],
@@ -315,7 +315,7 @@ def xdf(uneven: bool = False) -> bytes:
         4: [(3.5, b"\1\4stop")],
     }
     parts += [_xdf_samples(stream, rows) for stream, rows in samples.items()]
-    parts += [_xdf_chunk(6, struct.pack("<I", stream) + b"<info></info>") for stream in heads]
+    parts += [xdf_chunk(6, struct.pack("<I", stream) + b"<info></info>") for stream in heads]
     return b"".join(parts)
 
 
@@ -332,17 +332,18 @@ def xdf_stream(
     info += f"<nominal_srate>{fs_hz}</nominal_srate><channel_format>double64</channel_format>"
     info += f"<desc><channels>{''.join(labels)}</channels></desc></info>" if labels else "<desc/></info>"
     rows = [(stamp, row.tobytes()) for stamp, row in zip(stamps.tolist(), columns, strict=True)]
-    head = _xdf_chunk(1, b'<?xml version="1.0"?><info><version>1.0</version></info>')
-    end = _xdf_chunk(6, struct.pack("<I", 1) + b"<info></info>")
-    return b"XDF:" + head + _xdf_chunk(2, struct.pack("<I", 1) + info.encode()) + _xdf_samples(1, rows) + end
+    head = xdf_chunk(1, b'<?xml version="1.0"?><info><version>1.0</version></info>')
+    end = xdf_chunk(6, struct.pack("<I", 1) + b"<info></info>")
+    return b"XDF:" + head + xdf_chunk(2, struct.pack("<I", 1) + info.encode()) + _xdf_samples(1, rows) + end
 
 
 def _xdf_samples(stream: int, rows: list[tuple[float, bytes]]) -> bytes:
     body = struct.pack("<IBI", stream, 4, len(rows))
-    return _xdf_chunk(3, body + b"".join(b"\x08" + struct.pack("<d", stamp) + row for stamp, row in rows))
+    return xdf_chunk(3, body + b"".join(b"\x08" + struct.pack("<d", stamp) + row for stamp, row in rows))
 
 
-def _xdf_chunk(tag: int, content: bytes) -> bytes:
+def xdf_chunk(tag: int, content: bytes) -> bytes:
+    """A chunk of an XDF file."""
     return struct.pack("<BIH", 4, len(content) + 2, tag) + content
 
 

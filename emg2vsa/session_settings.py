@@ -164,6 +164,29 @@ class SessionLimits:
     "Age of the force on the participant's page (95 %); more is warned. A page that is hidden rejects."
 
 
+TriggerMark = Literal["start", "stop", "verdict"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TriggerSettings:
+    """Marks for other devices on a serial port, when START and STOP are shown and when a verdict is given."""
+
+    port: Text
+    "The serial port: /dev/ttyUSB0, COM3."
+    pulse: Literal["byte", "dtr", "rts"] = "byte"
+    "byte: the number of the mark is written; dtr, rts: this control line is raised, for every mark alike."
+    start: Annotated[int, Ge(1), Le(255)] = 1
+    "Byte at START."
+    stop: Annotated[int, Ge(1), Le(255)] = 2
+    "Byte at STOP."
+    verdict: Annotated[int, Ge(1), Le(255)] = 4
+    "Byte at a verdict."
+    pulse_s: Annotated[float, Ge(0), Le(1)] = 0.01
+    "Length of a pulse, which a byte 0 ends; 0: no byte 0 is written. The end is up to 5 ms late."
+    baud: Annotated[int, Ge(300), Le(4_000_000)] = 115200
+    "Bits a second; 8N1."
+
+
 @dataclass(frozen=True, kw_only=True)
 class SessionSettings:
     """One participant's session: devices, order, force range, speed, pauses and texts.
@@ -226,6 +249,10 @@ class SessionSettings:
     "What the operator confirms before the presses on each specimen."
     check_each_press: bool = False
     "true: the operator confirms the first item of the checklist before every press (the paper: arm support)."
+    lsl_outlets: bool = False
+    "true: EMG, envelopes, force, markers and verdicts are streams of the Lab Streaming Layer; needs the extra lsl."
+    trigger: TriggerSettings | None = None
+    "Marks for other devices on a serial port; omitted: none."
     limits: SessionLimits = field(default_factory=SessionLimits)
     "How well a press must be done."
     form: dict[str, FormColumn] = field(default_factory=dict)

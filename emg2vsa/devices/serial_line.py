@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Protocol, TypeVar
+from typing import Literal, Protocol, TypeVar
 
 import serial
 from serial.tools import list_ports
@@ -84,6 +84,10 @@ class SerialLine:
     def drop_input(self) -> None:
         # not reset_input_buffer: on a port that is gone it raises termios.error, known to no other system
         self._guard(lambda: self._port.read(self._port.in_waiting) if self._port.in_waiting else b"")
+
+    def set_control(self, line: Literal["dtr", "rts"], high: bool) -> None:
+        """Raise or lower a control line of the port. DeviceError when it has none, or is gone."""
+        self._guard(lambda: setattr(self._port, line, high))
 
     def close(self) -> None:
         self._shut_others_out(False)

@@ -9,7 +9,7 @@ import numpy as np
 from emg2vsa.arrays import runs_of
 from emg2vsa.bids.recording import Event, event_columns
 from emg2vsa.bids.tables import Column
-from emg2vsa.session.journal import Commanded, Continued, Line, Noted, Paused
+from emg2vsa.session.journal import Commanded, Continued, Line, Noted, Paused, Triggered
 from emg2vsa.session.presses import Presses, Tried
 from emg2vsa.session.stays import StaySignals, StayWindow
 
@@ -25,6 +25,7 @@ EVENT_COLUMNS = event_columns(
             "rest": "Rest between presses.",
             "pause": "The session is paused.",
             "gap": "Samples that did not come; interpolated linearly here.",
+            "trigger": "A mark was written to the serial port for other devices; its number is in the column value.",
             "operator_note": "A note of the operator, in the column note.",
         },
     ),
@@ -50,6 +51,7 @@ EVENT_COLUMNS = event_columns(
         "peak_force": Column("Largest force of the press.", "N"),
         "load_time": Column("Time from the lower to the upper force.", "s"),
         "note": Column("What the operator wrote."),
+        "value": Column("Number of the mark of a trigger: the byte, or 1 for a control line."),
     },
 )
 
@@ -82,6 +84,8 @@ def stay_events(window: StayWindow, signals: StaySignals, lines: Sequence[Line],
         if isinstance(line.event, Paused):
             ends = (after.time_s for after in lines[i:] if isinstance(after.event, Continued))
             add("pause", line.time_s, next(ends, None), reason=_cell(line.event.why))
+        elif isinstance(line.event, Triggered):
+            add("trigger", line.time_s, None, press=line.event.press or "n/a", value=line.event.code)
         elif isinstance(line.event, Noted):
             number = line.event.press or "n/a"
             add("operator_note", line.time_s, None, press=number, note=_cell(line.event.text))

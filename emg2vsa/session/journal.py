@@ -19,6 +19,7 @@ from typing import Any, Literal
 from casr.terminal import finite
 from emg2vsa.errors import DataError
 from emg2vsa.session.views import ScreenReport
+from emg2vsa.session_settings import TriggerMark
 
 JOURNAL_FILE = "journal.jsonl"
 Decision = Literal["", "accept", "repeat", "skip"]
@@ -224,6 +225,19 @@ class QualityMeasured:
 
 
 @dataclass(frozen=True)
+class Triggered:
+    """A mark was written to the serial port at the time of the line. code : the byte; 1 for a control line.
+
+    press, attempt : 0 where it is about none.
+    """
+
+    mark: TriggerMark
+    code: int
+    press: int = 0
+    attempt: int = 0
+
+
+@dataclass(frozen=True)
 class Told:
     """A message of the session to its operator: a device lost, a disk full, a suggestion."""
 
@@ -241,14 +255,14 @@ class Ended:
 Event = (
     Begun | StreamOpened | ClockFitted | SamplesLost | Commanded | PressBegun | PressEnded | Judged | Decided
     | Interrupted | PressAdded | Noted | Paused | Continued | Checked | Unchecked | Measuring | QualityMeasured
-    | ScreenReport | Told | Ended
+    | ScreenReport | Triggered | Told | Ended
 )  # fmt: skip
 KINDS: dict[str, type[Event]] = {
     "begun": Begun, "stream-opened": StreamOpened, "clock-fitted": ClockFitted, "samples-lost": SamplesLost,
     "commanded": Commanded, "press-begun": PressBegun, "press-ended": PressEnded, "judged": Judged, "decided": Decided,
     "interrupted": Interrupted, "press-added": PressAdded, "noted": Noted, "paused": Paused, "continued": Continued,
     "checked": Checked, "unchecked": Unchecked, "measuring": Measuring, "quality-measured": QualityMeasured,
-    "screen-told": ScreenReport, "told": Told, "ended": Ended,
+    "screen-told": ScreenReport, "triggered": Triggered, "told": Told, "ended": Ended,
 }  # fmt: skip
 """Name in the journal to class."""
 _NAMES = {kind: name for name, kind in KINDS.items()}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import asdict, replace
 from datetime import datetime
 from functools import partial
@@ -14,10 +14,12 @@ from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.device_settings import ForceSettings
 from emg2vsa.devices.registry import Around, known
 from emg2vsa.devices.streams import Source
+from emg2vsa.devices.trigger import TriggerOut
 from emg2vsa.errors import SettingError
 from emg2vsa.session.dataset import refuse_foreign
 from emg2vsa.session.desk import SessionDesk
 from emg2vsa.session.plan import PLAN_FILE, Plan, changes, draw_presses, order_of, planned, read_plan
+from emg2vsa.session.plugs import Outlets, Plugs
 from emg2vsa.session.record import new_session, resume_session, session_folder
 from emg2vsa.session.recorded_stream import RecordedStream
 from emg2vsa.session.session import Session, check_muscles
@@ -83,9 +85,18 @@ def place_of(study: Study, participant: str) -> int:
 
 
 def kept_settings(study: Study) -> dict[str, Any]:
-    """What a session depends on of the study file, which its plan keeps."""
-    return {"session": None if study.session is None else planned(study.session),
+    """What a session depends on of the study file, which its plan keeps; not who listens to it."""
+    own = None if study.session is None else planned(study.session)
+    return {"session": own and {key: own[key] for key in own if key not in ("lsl_outlets", "trigger")},
             "specimens": [each.name for each in study.specimens], "window": asdict(study.window)}  # fmt: skip
+
+
+def _plugs(study: Study, settings: SessionSettings, clock: Clock, sources: Sequence[Source]) -> Plugs:
+    """Open, before anything is recorded: what they lack is told at once."""
+    emg, force = (source.info for source in sources)
+    muscles = tuple(study.recordings[0].channels.emg)
+    outlets = Outlets(study.name, muscles, emg, force, clock) if settings.lsl_outlets else None
+    return Plugs(outlets, TriggerOut(settings.trigger, clock) if settings.trigger else None)
 
 
 @contextmanager
@@ -117,6 +128,7 @@ def open_session(
         for source in sources:
             source.start()
         check_muscles(study, sources[0].info.channels)
+        plugs = stack.enter_context(closing(_plugs(study, settings, clock, sources)))
         if resume:
             record = resume_session(folder, clock.now_s, background=not at_once)
         else:
@@ -133,6 +145,6 @@ def open_session(
         )
         judge = JudgeAtOnce() if at_once else JudgeBeside()
         changed = changes(record.plan.settings, now) if resume else ()
-        session = Session(study, settings, record, (emg, force), judge, clock.now_s(), changed, deviations)
+        session = Session(study, settings, record, (emg, force), judge, clock.now_s(), changed, deviations, plugs)
         stack.callback(session.end, "failed", "the program ended")
         yield SessionDesk(session)

@@ -20,13 +20,14 @@ from emg2vsa.session.journal import Line
 from emg2vsa.session.judge_feed import JudgeFeed, how_judged
 from emg2vsa.session.legal import Now
 from emg2vsa.session.live_press import StayJudged, judge_attempt
+from emg2vsa.session.plugs import Plugs
 from emg2vsa.session.press_cycle import Attempt, PressCycle
 from emg2vsa.session.presses import Presses, Tried
 from emg2vsa.session.record import SessionRecord, saved
 from emg2vsa.session.recorded_stream import Arrived, RecordedStream
 from emg2vsa.session.screens import HIDDEN, Screens
 from emg2vsa.session.stay_judge import Judge
-from emg2vsa.session.traces import Traces
+from emg2vsa.session.traces import LiveEnvelope, Traces
 from emg2vsa.session.views import Command, ForceMessage, ScreenReport, SignalView
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.study import Study
@@ -62,9 +63,10 @@ class Session:
         now_s: float,
         changes: tuple[str, ...] = (),
         deviations: Sequence[str] = (),
+        plugs: Plugs | None = None,
     ) -> None:
         """streams : of EMG and force, open. judge : closed by the session. changes : of the study file on resume.
-        deviations : from a registered plan, in sentences."""
+        deviations : from a registered plan, in sentences. plugs : closed by who opened them."""
         self.study, self.settings, self.record = study, settings, record
         self.emg, self.force = streams
         self.lock = threading.RLock()
@@ -78,7 +80,8 @@ class Session:
         self.cycle = PressCycle(settings, study.window.max_duration_s)
         self.traces = Traces(rules.muscles)
         self.judge = JudgeFeed(judge, streams, study, rules.participant)
-        self.screens = Screens()
+        self.screens, self.plugs = Screens(), plugs or Plugs()
+        self.envelope = LiveEnvelope(self.emg.info.fs_hz)
         self._newest_force_s = now_s
         self._lost_at_start = (0, 0)
         self._next_clock_s = 0.0
@@ -105,6 +108,11 @@ class Session:
             self._unsafe.append(line)
         else:
             self.state = state.after(self.state, line)
+            self._plug(line)
+
+    def _plug(self, line: Line) -> None:
+        if (sent := self.plugs.happened(line, self.state.presses)) is not None:
+            self.write(*sent)
 
     # the turn
 
@@ -127,18 +135,25 @@ class Session:
                 self.press_begun(self.cycle.attempt)
             self._work(now_s)
             self._show(now_s)
+            self.plugs.turn(now_s)
+            while self.plugs.troubles:
+                self._say(self.plugs.troubles.popleft())
 
     def _take_force(self, arrived: Arrived) -> None:
         newton = arrived.samples[:, 0]
         self.bar.take(newton, self.force.info.fs_hz, arrived.newest_s)
         self._newest_force_s = arrived.newest_s
         self.recent.take(newton, self.now_s)
+        self.plugs.force(arrived)
         self.judge.take("force", arrived)
 
     def _take_emg(self, arrived: Arrived) -> None:
         columns = [self.emg.info.channels.index(muscle) for muscle in self.state.rules.muscles]
-        self.traces.emg(arrived.samples[:, columns], self.emg.info.fs_hz)
-        self.judge.take("emg", arrived._replace(samples=arrived.samples[:, columns]))
+        arrived = arrived._replace(samples=arrived.samples[:, columns])
+        envelope_v = self.envelope.take(arrived.samples)
+        self.traces.emg(arrived.samples, envelope_v)
+        self.plugs.emg(arrived, envelope_v)
+        self.judge.take("emg", arrived)
 
     def _watch(self, now_s: float) -> None:
         """Devices and disk: what is lost pauses the session, and a press under way is interrupted."""
@@ -281,6 +296,7 @@ class Session:
         while self._unsafe and self._unsafe[0].number <= self.record.safe_lines:
             line, before = self._unsafe.popleft(), self.state
             self.state = state.after(before, line)
+            self._plug(line)
             assert isinstance(line.event, journal.Judged)
             tried = self.state.presses.find(line.event.press, line.event.attempt)
             if tried is not None and tried.ended is not None:

@@ -122,6 +122,8 @@ def _plausible(session: SessionSettings) -> Iterator[Problem]:
         yield Problem(("session", "limits", "early_s"), wanted, f"{limits.early_s:g}")
     if session.texts.start.strip().casefold() == session.texts.stop.strip().casefold():
         yield Problem(("session", "texts", "stop"), "another text than that of start", repr(session.texts.stop))
+    if (trigger := session.trigger) and trigger.pulse != "byte" and not trigger.pulse_s:
+        yield Problem(("session", "trigger", "pulse_s"), f"more than 0 with pulse = {trigger.pulse!r}", "0")
     if session.check_each_press and not session.checklist:
         do = "Write what is confirmed before each press, or set check_each_press = false."
         yield Problem(("session", "checklist"), "an item with check_each_press", "none", do)

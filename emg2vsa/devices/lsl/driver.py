@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from emg2vsa.devices.clock import Clock, awaited
 from emg2vsa.devices.lsl import LslEmgSettings, LslForceSettings
+from emg2vsa.devices.lsl.outlets import SESSION_SOURCE
 from emg2vsa.devices.registry import Around
 from emg2vsa.devices.streams import Block, SourceBase, StreamCounts, StreamInfo
 from emg2vsa.errors import DeviceError, SettingError
@@ -77,7 +78,7 @@ class LslSource(SourceBase):
         self._kind, self._channels, self._clock = kind, dict(channels), clock
         self._table, self._stream, self._delay_s = f"session.{kind}", stream, delay_s
         self._type = "EMG" if kind == "emg" else "Force"
-        self._lsl = load_pylsl(self._table)
+        self._lsl = load_pylsl(f'{self._table}.kind = "lsl"')
         self._where = f"LSL stream {stream!r}" if stream else f"LSL stream of type {self._type}"
         self._inlet: Any = None
         self._columns: list[int] = []
@@ -172,7 +173,8 @@ class LslSource(SourceBase):
     def _is_meant(self, stream: Any) -> bool:
         if self._stream is not None:
             return bool(stream.name() == self._stream)
-        return bool(stream.type().lower() == self._type.lower())
+        own = stream.source_id().startswith(SESSION_SOURCE)  # of this session, or of the next room's
+        return bool(stream.type().lower() == self._type.lower()) and not own
 
     def _described(self, found: Any, said: ElementTree.Element) -> StreamInfo:
         fs_hz = float(found.nominal_srate())
@@ -257,11 +259,11 @@ class LslSource(SourceBase):
         return DeviceError(self._where, wanted="samples", found=found, do=do)
 
 
-def load_pylsl(table: str) -> Any:
-    """The package pylsl. DeviceError when it, or the library under it, is not installed."""
+def load_pylsl(key: str) -> Any:
+    """The package pylsl, which a key wants. DeviceError when it, or the library under it, is not installed."""
     try:
         return import_module("pylsl")
     except (ImportError, RuntimeError) as error:
         do = 'Install it: pip install "emg2vsa[lsl]".'
         found = "no pylsl" if isinstance(error, ImportError) else "pylsl without the library liblsl"
-        raise DeviceError(f'{table}.kind = "lsl"', wanted="the extra for LSL", found=found, do=do) from error
+        raise DeviceError(key, wanted="the extra for LSL", found=found, do=do) from error

@@ -13,6 +13,7 @@ import pytest
 from emg2vsa.devices.clock import WallClock
 from emg2vsa.devices.lsl import driver as lsl
 from emg2vsa.devices.lsl.driver import LslSource
+from emg2vsa.devices.lsl.outlets import SESSION_SOURCE
 from emg2vsa.devices.streams import Block
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.session.sample_clock import SampleClock
@@ -88,6 +89,12 @@ def begun(source: LslSource, sender: Sender) -> None:
         ended.set()
         thread.join()
     source.read()
+
+
+def test_a_stream_that_a_session_sends_is_no_device_unless_it_is_named(pylsl: Any, clock: WallClock) -> None:
+    sent = pylsl.StreamInfo("emg2vsa EMG", "EMG", 2, FS_HZ, "float32", f"{SESSION_SOURCE}computer-study-EMG")
+    named = {name: LslSource("emg", {"EDC": None}, clock, stream=name)._is_meant(sent) for name in (None, sent.name())}
+    assert named == {None: False, "emg2vsa EMG": True}
 
 
 def test_channels_by_label_in_volts_on_the_session_s_clock(pylsl: Any, clock: WallClock) -> None:
