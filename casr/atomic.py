@@ -8,18 +8,18 @@ from collections.abc import Iterable
 from pathlib import Path
 
 
-def write_bytes_atomic(path: Path, data: bytes, *, on_disk: bool = False) -> None:
+def write_bytes_atomic(path: Path, data: bytes, *, on_disk: bool = False, mode: int = 0o644) -> None:
     """Write ``data`` so that a reader sees the old file or the new one, never a part; folders are made.
 
     on_disk : return when file and name have reached the disk itself, so that a loss of power takes neither.
-    OSError : names ``path``, also where the disk is full.
+    mode : of the file. OSError : names ``path``, also where the disk is full.
     """
-    _write_atomic(path, (data,), on_disk)
+    _write_atomic(path, (data,), on_disk, mode)
 
 
-def write_text_atomic(path: Path, text: str | Iterable[str]) -> None:
+def write_text_atomic(path: Path, text: str | Iterable[str], *, mode: int = 0o644) -> None:
     """``write_bytes_atomic`` for UTF-8 text, newlines as given. text : or its pieces, written one by one."""
-    _write_atomic(path, (piece.encode() for piece in ((text,) if isinstance(text, str) else text)))
+    _write_atomic(path, (piece.encode() for piece in ((text,) if isinstance(text, str) else text)), mode=mode)
 
 
 def write_new(path: Path, data: bytes) -> None:
@@ -59,7 +59,7 @@ def sync_folder(folder: Path) -> None:
             os.close(handle)
 
 
-def _write_atomic(path: Path, pieces: Iterable[bytes], on_disk: bool = False) -> None:
+def _write_atomic(path: Path, pieces: Iterable[bytes], on_disk: bool = False, mode: int = 0o644) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
@@ -69,7 +69,7 @@ def _write_atomic(path: Path, pieces: Iterable[bytes], on_disk: bool = False) ->
             if on_disk:
                 file.flush()
                 os.fsync(file.fileno())
-        os.chmod(temporary, 0o644)
+        os.chmod(temporary, mode)
         os.replace(temporary, path)
         if on_disk:
             sync_folder(path.parent)

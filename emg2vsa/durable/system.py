@@ -13,12 +13,17 @@ _BINARY = getattr(os, "O_BINARY", 0)
 """Windows would write a carriage return before every line feed."""
 
 
+PRIVATE = 0o600
+"""Mode of a file that other users do not read."""
+
+
 class OperatingSystem:
     """The real one. Each call raises OSError where the disk refuses."""
 
     def open(self, path: Path) -> int:
-        """Open a file for writing, made where it is missing; its folder is known to the disk itself afterwards."""
-        handle = os.open(path, os.O_RDWR | os.O_CREAT | _BINARY, 0o644)
+        """Open a file for writing, made for this user alone where it is missing; its folder is known to the disk itself
+        afterwards."""
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | _BINARY, PRIVATE)
         sync_folder(path.parent)
         return handle
 

@@ -23,6 +23,8 @@ LARGEST_QUEUE = 2000
 """Writes that may wait: five seconds of a run with all its frames and forces, some 20 MB."""
 LARGEST_WAITING_BYTES = 64_000_000
 """Of pieces that are kept: two minutes of 64 channels at 2000 Hz. Those beyond are given up."""
+DISK_TROUBLE = "The disk does not take the recording"
+"""How the sentence of `Writer.trouble` begins."""
 _AGAIN_S = 0.5
 
 
@@ -163,7 +165,7 @@ class Writer:
             if self._closing.is_set():
                 self._seal_all()
         except OSError as error:
-            self.trouble = f"The disk does not take the recording: {error.strerror or error}. Free some disk space."
+            self.trouble = f"{DISK_TROUBLE}: {error.strerror or error}. Free some disk space."
             return False
         self.trouble = ""
         return True

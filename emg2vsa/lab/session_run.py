@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import threading
-import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
@@ -258,13 +257,13 @@ class _Sitting:
         from emg2vsa.live.session_routes import session_pages
 
         failures: list[BaseException] = []
-        over = threading.Event()
+        over, left = threading.Event(), threading.Event()
 
         def turn() -> None:
             try:
                 with undisturbed():
                     _turn(desk, clock, beside)
-                time.sleep(_SHOWN_S)
+                left.wait(_SHOWN_S)
             except BaseException as error:
                 failures.append(error)
             finally:
@@ -283,6 +282,7 @@ class _Sitting:
         except KeyboardInterrupt:
             pass
         finally:
+            left.set()
             desk.session.end("ended", "Ctrl-C")
             turning.join()
         if failures:

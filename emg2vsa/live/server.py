@@ -81,7 +81,7 @@ def serve(pages: Pages, at: Listening, ready: Callable[..., None], until: Event 
     """Serve until Ctrl-C, SIGTERM or ``until``. ready : called once with the address of every page, in their order."""
     tokens = {name: secrets.token_urlsafe(16) for name in pages}
     config = uvicorn.Config(
-        application(pages, tokens, at.names), log_level="critical", lifespan="off", timeout_graceful_shutdown=1
+        application(pages, tokens, at.names), log_level="critical", lifespan="off", timeout_graceful_shutdown=0
     )
     server = uvicorn.Server(config)
     if until is not None:

@@ -6,7 +6,7 @@ import asyncio
 import json
 import time
 from collections.abc import AsyncIterator, Callable
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -25,9 +25,16 @@ _OPERATOR_PERIOD_S = 0.05
 _SILENT_S = 0.5
 """After so long without news the operator's page is told that there is a connection."""
 MOST_VIEWERS = 6
-"""Of each page at once. A page that is opened again leaves its place; further ones are refused."""
+"""Of each page at once. A page that is opened again leaves its place. A further one takes the place of the one that has
+been silent for longest, and is refused where none has been for `_GONE_S`."""
+_GONE_S = 3.0
+"""A participant's page tells of itself every second; an operator's takes what it is sent."""
+_LARGEST_MS, _MOST_COMMANDS = 5000.0, 20
+"""Of a delay that a page tells of itself, and of new commands in one report."""
 _LARGEST_BODY = 10_000
 _LARGEST_FIGURE = 1e9
+_PAGE = "page"
+"""In the addresses that a participant's page asks for: which of them it is."""
 _MORE = ("width", "height", "pixel_ratio", "messages", "full_screen")
 """What the participant's page may say of its screen beyond its figures."""
 _PAGES = Path(__file__).parent / "page"
@@ -52,7 +59,7 @@ def _operator_routes(desk: SessionDesk) -> list[BaseRoute]:
         refused = desk.ask(wanted)
         return PlainTextResponse(refused, status_code=409 if refused else 200)
 
-    stream = _Stream(_OperatorEvents(desk).of_viewer)
+    stream = _Stream(_OperatorEvents(desk).of_viewer, told=False)
     files = file_routes(_PAGES / "operator", _PAGES / "shared")
     return [Route("/stream", stream.answer), Route("/request", ask, methods=["POST"]), *files]
 
@@ -63,13 +70,14 @@ def _participant_routes(desk: SessionDesk, clock: Clock) -> list[BaseRoute]:
             report = screen_report(await _document(request))
         except ValueError as error:
             return PlainTextResponse(str(error), status_code=400)
+        stream.hear(request.query_params.get(_PAGE, ""))
         desk.screen(report)
         return PlainTextResponse("")
 
     async def server_clock(request: WebRequest) -> Response:
         return JSONResponse({"server_s": time.perf_counter()})
 
-    stream = _Stream(lambda: participant_events(desk, clock))
+    stream = _Stream(lambda: participant_events(desk, clock), told=True)
     return [
         Route("/stream", stream.answer),
         Route("/screen", screen, methods=["POST"]),
@@ -78,25 +86,54 @@ def _participant_routes(desk: SessionDesk, clock: Clock) -> list[BaseRoute]:
     ]
 
 
-class _Stream:
-    """Events for a few viewers at once."""
+@dataclass
+class _Viewer:
+    """page : its own name. answers : the task of its request. heard_s : when it last showed that it is there."""
 
-    def __init__(self, events: Callable[[], AsyncIterator[str]]) -> None:
-        self._events, self._viewers = events, 0
+    page: str
+    answers: asyncio.Task[Any] | None
+    heard_s: float
+
+
+class _Stream:
+    """Events for a few viewers at once. told : a page tells of itself; else it is there while it takes its events."""
+
+    def __init__(self, events: Callable[[], AsyncIterator[str]], told: bool) -> None:
+        self._events, self._told = events, told
+        self._viewers: list[_Viewer] = []
+
+    def hear(self, page: str) -> None:
+        """A page has told of itself."""
+        for viewer in self._viewers:
+            if viewer.page == page:
+                viewer.heard_s = time.monotonic()
 
     async def answer(self, request: WebRequest) -> Response:
-        if self._viewers >= MOST_VIEWERS:
-            return PlainTextResponse("This page is open too often. Close the others.", status_code=503)
-        return StreamingResponse(self._counted(), media_type="text/event-stream")
+        now_s = time.monotonic()
+        if len(self._viewers) >= MOST_VIEWERS:
+            silent = min(self._viewers, key=lambda viewer: viewer.heard_s)
+            if now_s - silent.heard_s < _GONE_S:
+                return PlainTextResponse("This page is open too often. Close the others.", status_code=503)
+            self._viewers.remove(silent)
+            if silent.answers is not None:
+                silent.answers.cancel()
+        viewer = _Viewer(request.query_params.get(_PAGE, ""), asyncio.current_task(), now_s)
+        self._viewers.append(viewer)
+        return StreamingResponse(self._sent(viewer), media_type="text/event-stream")
 
-    async def _counted(self) -> AsyncIterator[str]:
-        self._viewers += 1
+    async def _sent(self, viewer: _Viewer) -> AsyncIterator[str]:
         try:
             yield "retry: 500\n\n"
             async for text in self._events():
+                if not self._told:
+                    viewer.heard_s = time.monotonic()
                 yield text
         finally:
-            self._viewers -= 1
+            self._leave(viewer)
+
+    def _leave(self, viewer: _Viewer) -> None:
+        if viewer in self._viewers:
+            self._viewers.remove(viewer)
 
 
 async def participant_events(desk: SessionDesk, clock: Clock) -> AsyncIterator[str]:
@@ -118,7 +155,9 @@ async def participant_events(desk: SessionDesk, clock: Clock) -> AsyncIterator[s
 def _force_event(force: ForceMessage, age_s: float) -> str:
     """With its age when sent, and when that was on the server's own clock, which the page compares with its own."""
     sent = {"age_s": round(age_s, 5), "sent_s": round(time.perf_counter(), 5)}
-    return _event("", force._asdict() | {"force_n": round(force.force_n, 4), "time_s": round(force.time_s, 5)} | sent)
+    rounded = {"force_n": round(force.force_n, 4)}
+    rounded |= {"time_s": round(force.time_s, 5), "command_s": round(force.command_s, 5)}
+    return _event("", force._asdict() | rounded | sent)
 
 
 class _OperatorEvents:
@@ -192,25 +231,29 @@ def operator_request(document: dict[str, Any]) -> Request:
 
 
 def screen_report(document: dict[str, Any]) -> ScreenReport:
-    """ValueError for anything that is no report of the participant's page."""
+    """ValueError for anything that is no report of the participant's page, or tells what no page can."""
     figures = ("frames_per_s", "age_p50_ms", "age_p95_ms", "longest_frame_ms")
-    _only(document, (*figures, "hidden", "more"))
-    values = {}
-    for key in figures:
-        value = document.get(key)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < _LARGEST_FIGURE:
-            raise ValueError(f"{key}: expected a number, but found {value!r}")
-        values[key] = float(value)
-    hidden, more = document.get("hidden"), document.get("more", {})
+    _only(document, (*figures, "command_ms", "hidden", "more"))
+    values = {key: _figure(key, document.get(key)) for key in figures}
+    hidden, more, commands = document.get("hidden"), document.get("more", {}), document.get("command_ms", [])
     if not isinstance(hidden, bool):
         raise ValueError(f"hidden: expected true or false, but found {hidden!r}")
+    if not isinstance(commands, list) or len(commands) > _MOST_COMMANDS:
+        raise ValueError(f"command_ms: expected at most {_MOST_COMMANDS} numbers")
+    command_ms = tuple(_figure("command_ms", value) for value in commands)
     if not isinstance(more, dict):
         raise ValueError(f"more: expected an object, but found {type(more).__name__}")
     _only(more, _MORE)
     for key, value in more.items():
         if not isinstance(value, int | float) or not abs(value) < _LARGEST_FIGURE:
             raise ValueError(f"more, {key}: expected a number, true or false, but found {str(value)[:40]!r}")
-    return ScreenReport(**values, hidden=hidden, more=more)
+    return ScreenReport(**values, hidden=hidden, more=more, command_ms=command_ms)
+
+
+def _figure(key: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= _LARGEST_MS:
+        raise ValueError(f"{key}: expected a number from 0 to {_LARGEST_MS:g}, but found {str(value)[:40]!r}")
+    return float(value)
 
 
 def _only(document: dict[str, Any], known: tuple[str, ...]) -> None:

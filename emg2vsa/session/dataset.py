@@ -23,6 +23,7 @@ from emg2vsa.bids.names import RecordingName, remove_recording
 from emg2vsa.bids.recording import Channel, Recording, told_of_screen
 from emg2vsa.bids.recording_files import write_recording
 from emg2vsa.bids.tables import Json
+from emg2vsa.durable.system import PRIVATE
 from emg2vsa.errors import DataError, Emg2vsaError, SettingError
 from emg2vsa.session.dataset_events import EVENT_COLUMNS, stay_events
 from emg2vsa.session.journal import (
@@ -204,11 +205,11 @@ def _make_room(folder: Path, root: Path, targets: Sequence[Path]) -> None:
     for name in new:
         if name not in before and (root / name).exists():
             raise _foreign(root / name)
-    write_text_atomic(known, json.dumps(sorted({*before, *new}), indent=2) + "\n")
+    write_text_atomic(known, json.dumps(sorted({*before, *new}), indent=2) + "\n", mode=PRIVATE)
     for name in before:
         if name not in new:
             remove_recording(root / name)
-    write_text_atomic(known, json.dumps(sorted(new), indent=2) + "\n")
+    write_text_atomic(known, json.dumps(sorted(new), indent=2) + "\n", mode=PRIVATE)
 
 
 @dataclass(frozen=True)

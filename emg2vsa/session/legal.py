@@ -98,7 +98,7 @@ TABLE = (
     Row("lost", lambda now: now.lost, dict.fromkeys(_MEASURE, "A device is lost.")
         | {"placed": "The force sensor sends nothing.", "continue": "The device is still lost."} | _PAUSED,
         message="A device is lost."),
-    Row("device", lambda now: now.state.paused == "device", _PAUSED, message="A device is lost."),
+    Row("device", lambda now: now.state.paused == "device", _PAUSED, message="The lost device is back. Go on."),
     Row("disk", lambda now: now.state.paused == "disk",
         _PAUSED | {"continue": "The disk does not take the recording. Free some disk space."},
         message="The disk is full."),

@@ -18,7 +18,7 @@ from casr.atomic import write_bytes_atomic
 from emg2vsa.bids.names import visit_folder
 from emg2vsa.devices.streams import StreamInfo
 from emg2vsa.durable.sealed_file import SealedFile
-from emg2vsa.durable.system import SYSTEM, OperatingSystem
+from emg2vsa.durable.system import PRIVATE, SYSTEM, OperatingSystem
 from emg2vsa.durable.writer import Writer
 from emg2vsa.errors import DataError, DeviceError, SettingError
 from emg2vsa.held_lock import myself, taken, told
@@ -164,7 +164,7 @@ def new_session(
                 do="Go on with it: --resume. Or give another participant's code.",
             )  # fmt: skip
         try:
-            write_bytes_atomic(folder / PLAN_FILE, plan_bytes(plan), on_disk=True)
+            write_bytes_atomic(folder / PLAN_FILE, plan_bytes(plan), on_disk=True, mode=PRIVATE)
         except OSError as error:
             raise DeviceError(
                 folder, wanted="a folder with room for the session", found=error.strerror or str(error),
@@ -205,8 +205,9 @@ def session_folder(root: Path, participant: str, task: str, visit: str = "") -> 
 def _held(folder: Path) -> int:
     """The lock of the folder, as an open file."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        handle = os.open(folder / LOCK_FILE, os.O_RDWR | os.O_CREAT, 0o644)
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, exist_ok=True)
+        handle = os.open(folder / LOCK_FILE, os.O_RDWR | os.O_CREAT, PRIVATE)
     except OSError as error:
         raise DeviceError(
             folder, wanted="a folder to record to", found=error.strerror or str(error),

@@ -13,7 +13,7 @@ from emg2vsa.session.journal import ClockFitted, SamplesLost
 from emg2vsa.session.raw_files import SampleWriter
 from emg2vsa.session.record import SessionRecord
 from emg2vsa.session.sample_clock import SampleClock
-from emg2vsa.session.views import DeviceView
+from emg2vsa.session.views import DEVICE_NAMES, DeviceView
 
 SILENT_S, LOST_S = 0.3, 1.5
 "A device that sends nothing for so long is doubtful; and is taken for lost."
@@ -34,7 +34,7 @@ def device_view(stream: str, clock: SampleClock, samples: int, lost: int, silent
     report, problems = clock.report(), list(clock.problems())
     if lost and not report.missing:
         problems.append(f"{lost} samples were lost.")
-    name = {"emg": "EMG", "force": "Force"}[stream]
+    name = DEVICE_NAMES[stream]
     state: Literal["good", "doubtful", "lost"] = "good"
     text = f"{name}: {clock.fs_hz:.6g} samples a second."
     if lost_why:

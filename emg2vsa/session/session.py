@@ -13,6 +13,7 @@ from collections import deque
 from collections.abc import Sequence
 
 from emg2vsa import __version__
+from emg2vsa.durable.writer import DISK_TROUBLE
 from emg2vsa.errors import SettingError
 from emg2vsa.session import journal, state
 from emg2vsa.session.bar_force import BarForce, RecentForce
@@ -163,14 +164,23 @@ class Session:
             self._interrupt(now_s, f"{lost.view(now_s).name} lost")
             self.write(journal.Paused("device"))
             self._say(lost.view(now_s).text)
-        elif lost is None and trouble and paused not in ("device", "disk"):
+        elif lost is None and trouble and paused not in ("device", "disk") and not self._practising:
             self._interrupt(now_s, "the disk does not take the recording")
             self.write(journal.Paused("disk"))
-            self._say(trouble)
         elif paused == "disk" and not trouble:
             self.write(journal.Continued())
+        if trouble:
+            self._say(trouble)
+        elif any(text.startswith(DISK_TROUBLE) for text in self.state.warnings):
+            self.write(journal.Told(state.DISK_BACK))
         if lost is None:
             self.judge.opened(self.state)
+
+    @property
+    def _practising(self) -> bool:
+        """What comes before the presses that count goes on while the disk refuses."""
+        press = self.state.running.press if self.state.running else self.state.wanted
+        return not self.state.quality_done or (press is not None and press.phase == "training")
 
     def _interrupt(self, now_s: float, why: str) -> None:
         if (attempt := self.cycle.give_up(now_s, "interrupted", why)) is not None:
@@ -292,8 +302,10 @@ class Session:
         self.record.append(event, self.now_s)
 
     def _show_written(self) -> None:
-        """Take the verdicts that are on the disk itself into the state."""
-        while self._unsafe and self._unsafe[0].number <= self.record.safe_lines:
+        """Take the verdicts that are on the disk itself into the state; those of practice, while the disk refuses."""
+        while self._unsafe and (
+            self._unsafe[0].number <= self.record.safe_lines or (self.record.trouble and self._practising)
+        ):
             line, before = self._unsafe.popleft(), self.state
             self.state = state.after(before, line)
             self._plug(line)
@@ -357,8 +369,9 @@ class Session:
             self.cycle.close("done")
             for stream in (self.emg, self.force):
                 stream.close()
+            self._say(self.screens.commands)
             self.write(journal.Ended(how, why))  # type: ignore[arg-type]
-            self.record.wait(LAST_LINES_S)
+            self.record.wait(0.0 if self.record.trouble else LAST_LINES_S)
             self._show_written()
             self._show(self.now_s)
             self.judge.close()
@@ -373,8 +386,8 @@ class Session:
             hidden, told = self.screens.take(report, self.now_s)
             if hidden:
                 self._say(HIDDEN)
-            if told:
-                self.write(report)
+            if told is not None:
+                self.write(told)
 
     # what is told
 
@@ -401,6 +414,7 @@ class Session:
         self.force_message = ForceMessage(
             self.force_message.sequence + 1, self._newest_force_s, round(force_n, 4), self.bar.direction, speed,
             self.command,
+            self.force_message.command_s if self.command == self.force_message.command else now_s,
         )  # fmt: skip
         self.traces.turn(now_s, force_n)
 

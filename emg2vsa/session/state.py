@@ -13,16 +13,19 @@ from typing import Any
 import numpy as np
 from scipy import special
 
+from emg2vsa.durable.writer import DISK_TROUBLE
 from emg2vsa.session import journal, quality
 from emg2vsa.session.journal import Line
 from emg2vsa.session.plan import PlannedPress
 from emg2vsa.session.presses import Presses, Tried
+from emg2vsa.session.screens import HIDDEN
 from emg2vsa.session.stay_judge import JUDGE_ENDED
-from emg2vsa.session.views import Command, SignalView, SpecimenFit
+from emg2vsa.session.views import DEVICE_NAMES, Command, ScreenReport, SignalView, SpecimenFit
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.study import Study
 
 MOST_WARNINGS = 8
+DISK_BACK = "The disk takes the recording again."
 NO_QUALITY = "The session begins without a measurement of the signal quality."
 
 
@@ -158,6 +161,10 @@ def _changed(state: SessionState, line: Line) -> dict[str, Any]:
             return {"paused": why} | ({"measuring": None} if broken_off else {})
         case journal.Continued():
             return {"paused": ""}
+        case journal.StreamOpened(name=name):
+            return _over(state, f"{DEVICE_NAMES[name]}: ")
+        case ScreenReport(hidden=False):
+            return _over(state, HIDDEN)
         case journal.Told(text=text):
             return _told(state, text)
         case journal.Ended() as event:
@@ -173,8 +180,15 @@ def _none_checked(state: SessionState) -> dict[str, bool]:
     return dict.fromkeys(state.rules.settings.checklist, False)
 
 
+def _over(state: SessionState, begins: str) -> dict[str, Any]:
+    """Warnings that begin so are over: a device is back, the page is shown, the disk has room."""
+    return {"warnings": tuple(text for text in state.warnings if not text.startswith(begins))}
+
+
 def _told(state: SessionState, text: str) -> dict[str, Any]:
-    """Most of what is told is a warning; some sentences tell what the operator chose."""
+    """Most of what is told is a warning; some sentences tell what the operator chose, or that a trouble is over."""
+    if text == DISK_BACK:
+        return _over(state, DISK_TROUBLE)
     if text == NO_QUALITY:
         return {"quality_done": True}
     if state.suggested is not None and text == goes_on(state.suggested.specimen):

@@ -189,8 +189,8 @@ class JudgeBeside:
 
     def close(self) -> None:
         self._messages.put(None)
+        self._child.end()  # at once: nobody waits for what it may be judging
         self._sender.join(_END_S)
-        self._child.close(_END_S)
 
     def _start(self) -> None:
         self._child = Child("emg2vsa.session.stay_judge", "serve", quiet=False)

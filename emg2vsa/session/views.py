@@ -11,11 +11,16 @@ from typing import Any, Literal, NamedTuple
 Command = Literal["wait", "ready", "start", "press", "stop", "rest", "pause", "done"]
 """What the participant is to do. start: the finger is not yet on the specimen; press: force rises; stop: lift it."""
 Direction = Literal["none", "rising", "steady", "falling"]
+DEVICE_NAMES = {"emg": "EMG", "force": "Force"}
+"""Of the streams, as the pages name them."""
 Speed = Literal["", "too slow", "too fast"]
 
 
 class ForceMessage(NamedTuple):
-    """200 times a second: the newest force. sequence : of the message; time_s : on the session's clock."""
+    """200 times a second: the newest force. sequence : of the message; time_s : on the session's clock.
+
+    command_s : when the command was given.
+    """
 
     sequence: int
     time_s: float
@@ -23,6 +28,7 @@ class ForceMessage(NamedTuple):
     direction: Direction
     speed: Speed
     command: Command
+    command_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -171,7 +177,10 @@ REQUESTS = (
 
 @dataclass(frozen=True)
 class ScreenReport:
-    """Once a second from the participant's page, for the record. age_ms : of the force when it was drawn."""
+    """Once a second from the participant's page, for the record. age_ms : of the force when it was drawn.
+
+    command_ms : of each new command, from the session to the frame that shows it, by the page's own frame times.
+    """
 
     frames_per_s: float
     age_p50_ms: float
@@ -180,3 +189,4 @@ class ScreenReport:
     hidden: bool
     more: dict[str, Any] = field(default_factory=dict)
     "Size of the screen, pixel ratio, refresh rate."
+    command_ms: tuple[float, ...] = ()

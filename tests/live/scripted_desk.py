@@ -51,7 +51,7 @@ class ScriptedDesk:
     ):
         self.clock, self._awaits, self._faults = clock, awaits, faults or {}
         self._lock = threading.RLock()
-        self._number, self._told = 1, ""
+        self._number, self._told, self._told_s = 1, "", 0.0
         self._presses = list(PLAN)
         self._at = 0
         self._start_s: float | None = None
@@ -86,7 +86,8 @@ class ScriptedDesk:
             now_s = self.clock.now_s()
             self._advance(now_s)
             force_n, direction = self.frozen_force or self._force(now_s)
-            return ForceMessage(int(200 * now_s) * self.sequence_step, now_s, force_n, direction, "", self._command())
+            number = int(200 * now_s) * self.sequence_step
+            return ForceMessage(number, now_s, force_n, direction, "", self._command(), self._told_s)
 
     def operator(self) -> tuple[int, OperatorState]:
         with self._lock:
@@ -199,7 +200,7 @@ class ScriptedDesk:
             self._judged(self._faults.get(press.number, ()) if press.attempt == 1 else ())
         command = self._command()
         self._number += command != self._told
-        self._told = command
+        self._told, self._told_s = command, self._told_s if command == self._told else now_s
 
     def _force(self, time_s: float) -> tuple[float, Direction]:
         since_s = time_s - self._start_s - REACTION_S if self._start_s is not None else -1.0

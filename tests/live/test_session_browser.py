@@ -123,6 +123,10 @@ def test_the_bar_is_drawn_often_and_shows_what_is_new_and_a_hidden_page_says_so_
     assert all(report.age_p50_ms > 0 for report in reports)
     assert not any(report.hidden for report in reports)
     assert reports[0].more["messages"] >= 120
+    commands = [ms for report in desk.screens for ms in report.command_ms]
+    assert len(commands) == 3  # START, press, STOP; the rest comes later
+    assert min(commands) > 0
+    assert sorted(commands)[1] <= 50
 
     desk.screens.clear()
     participant.value(

@@ -125,15 +125,20 @@ def test_the_clocks_are_compared_by_the_quickest_answer(participant):
     assert participant("offsetOf", answers) == 500
 
 
+def test_a_command_was_given_so_long_before_its_message_was_sent(participant):
+    force = {"age_s": 0.012, "time_s": 3.004, "command_s": 3.002}
+    assert participant("commandAt", force, 5000) == pytest.approx(4986)
+
+
 def test_the_report_of_a_second(participant):
     frames = [0, 16, 32, 48, 148]
-    report = participant("reportOf", frames, [5, 1, 3, 2, 40], True)
+    report = participant("reportOf", frames, [5, 1, 3, 2, 40], True, [17, 9000])
     assert report == {
         "frames_per_s": pytest.approx(4000 / 148), "age_p50_ms": 3, "age_p95_ms": 40, "longest_frame_ms": 100,
-        "hidden": True,
+        "hidden": True, "command_ms": [17, 5000],
     }  # fmt: skip
-    assert participant("reportOf", [0], [], True) == {
-        "frames_per_s": 0, "age_p50_ms": 0, "age_p95_ms": 0, "longest_frame_ms": 0, "hidden": True,
+    assert participant("reportOf", [0], [], True, []) == {
+        "frames_per_s": 0, "age_p50_ms": 0, "age_p95_ms": 0, "longest_frame_ms": 0, "hidden": True, "command_ms": [],
     }  # fmt: skip
 
 

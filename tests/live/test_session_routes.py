@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import http.client
 import json
 import re
 import socket
@@ -12,12 +13,14 @@ import time
 import urllib.error
 import urllib.request
 from dataclasses import fields
+from types import SimpleNamespace
 
 import pytest
 from starlette.testclient import TestClient
 
 from emg2vsa.devices.clock import VirtualClock, WallClock, undisturbed
 from emg2vsa.errors import SettingError
+from emg2vsa.live import session_routes
 from emg2vsa.live.server import HOST, TOKEN_HEADER, application, listening, own_address, serve
 from emg2vsa.live.session_routes import MOST_VIEWERS, participant_events, session_pages
 from emg2vsa.session.views import OperatorState, ParticipantState, Request
@@ -134,8 +137,13 @@ def test_the_screen_tells_how_well_it_draws(client, desk):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"frames_per_s": None}, "frames_per_s: expected a number, but found None"),
-        ({"age_p95_ms": "8"}, "age_p95_ms: expected a number, but found '8'"),
+        ({"frames_per_s": None}, "frames_per_s: expected a number from 0 to 5000, but found 'None'"),
+        ({"age_p95_ms": "8"}, "age_p95_ms: expected a number from 0 to 5000, but found '8'"),
+        ({"age_p50_ms": -0.1}, "age_p50_ms: expected a number from 0 to 5000, but found '-0.1'"),
+        ({"longest_frame_ms": 5000.1}, "longest_frame_ms: expected a number from 0 to 5000"),
+        ({"command_ms": [20, -1]}, "command_ms: expected a number from 0 to 5000, but found '-1'"),
+        ({"command_ms": 20}, "command_ms: expected at most 20 numbers"),
+        ({"command_ms": [1] * 21}, "command_ms: expected at most 20 numbers"),
         ({"age_p50_ms": True}, "age_p50_ms: expected a number"),
         ({"age_p50_ms": 10**400}, "age_p50_ms: expected a number"),
         ({"longest_frame_ms": float("nan")}, "expected finite numbers, but found NaN"),
@@ -158,7 +166,7 @@ def test_what_is_no_report_of_a_screen_is_refused(client, desk, change, said):
 def streams(pages, name):
     """What a page's stream sends, as the route answers."""
     (route,) = [route for route in pages[name] if route.path == "/stream"]
-    return route.endpoint(None)
+    return route.endpoint(SimpleNamespace(query_params={}))
 
 
 def parsed(text):
@@ -191,7 +199,7 @@ def test_the_participant_is_sent_the_state_first_and_again_when_it_changes(desk,
     assert set(first[0][1]) == {field.name for field in fields(ParticipantState)}
     assert first[1][1] | {"sent_s": 0} == {
         "sequence": 0, "time_s": 0.0, "force_n": 0.0, "direction": "none", "speed": "", "command": "ready",
-        "age_s": 0.0, "sent_s": 0,
+        "command_s": 0.0, "age_s": 0.0, "sent_s": 0,
     }  # fmt: skip
     assert [name for name, _ in then] == ["state", ""]
     assert then[0][1]["text"] == "START"
@@ -335,6 +343,38 @@ def status(address, **headers):
             return answer.status
     except urllib.error.HTTPError as error:
         return error.code
+
+
+def test_streams_that_nobody_reads_leave_the_page_of_the_participant_its_place(monkeypatch):
+    monkeypatch.setattr(session_routes, "_GONE_S", 0.5)
+    desk = ScriptedDesk(WallClock(), "start")
+    with Served(desk, desk.clock) as served:
+        address = served.addresses[1]
+
+        def unread(number):
+            try:
+                return urllib.request.urlopen(f"{address}stream?page=unread-{number}", timeout=60)
+            except urllib.error.HTTPError as refused:
+                return refused
+
+        first = [unread(number) for number in range(MOST_VIEWERS)]
+        assert [answer.status for answer in first] == [200] * MOST_VIEWERS
+        assert status(f"{address}stream?page=real") == 503
+        time.sleep(0.6)
+        real = urllib.request.urlopen(f"{address}stream?page=real", timeout=60)
+        later = []
+        for number in range(15):
+            token = {TOKEN_HEADER: address.split("/")[3]}
+            report = urllib.request.Request(f"{address}screen?page=real", json.dumps(REPORT).encode(), token)
+            assert urllib.request.urlopen(report, timeout=60).status == 200
+            later.append(unread(number))
+            assert all(real.readline() for _ in range(10))
+            time.sleep(0.2)
+        assert sum(answer.status == 200 for answer in later) > MOST_VIEWERS
+        with pytest.raises(http.client.IncompleteRead):  # it lost its place
+            first[0].read()
+        for answer in (real, *first, *later):
+            answer.close()
 
 
 def test_without_bind_only_this_computer_is_served(desk, clock):

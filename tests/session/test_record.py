@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import stat
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +14,7 @@ import pytest
 from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
 from emg2vsa.devices.streams import Block, StreamInfo
 from emg2vsa.errors import DataError, DeviceError, SettingError
+from emg2vsa.session.dataset import write_dataset
 from emg2vsa.session.journal import (
     JOURNAL_FILE,
     Begun,
@@ -70,6 +73,22 @@ def a_session(tmp_path: Path) -> SessionRecord:
 
 def resumed(tmp_path: Path) -> SessionRecord:
     return resume_session(tmp_path / "sub-P03", lambda: 0.0)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
+def test_only_their_owner_reads_the_files_of_a_session_also_when_it_was_resumed_and_written(play):
+    old = os.umask(0)
+    try:
+        for resume in (False, True):
+            played = play(session="repetitions = 2", resume=resume, most_presses=1)
+        write_dataset(played.folder, played.study)
+    finally:
+        os.umask(old)
+    modes = {path.name: stat.filemode(path.stat().st_mode) for path in (played.folder, *played.folder.iterdir())}
+    assert modes.pop(played.folder.name) == "drwx------"
+    assert set(modes) >= {"plan.json", "journal.jsonl", ".lock", "written.json", "sitting-1_emg.samples"}
+    assert set(modes.values()) == {"-rw-------"}
 
 
 def test_a_session_goes_on_at_the_first_press_that_is_not_done(tmp_path):

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import errno
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
 
+from emg2vsa.devices.clock import WallClock
 from emg2vsa.devices.trigno import TrignoSettings
+from emg2vsa.durable.system import OperatingSystem
 from emg2vsa.errors import DeviceError
 from emg2vsa.session import replay
 from emg2vsa.session.journal import (
     JOURNAL_FILE,
     Commanded,
     Interrupted,
+    Judged,
     Paused,
     PressBegun,
     Told,
@@ -21,6 +25,8 @@ from emg2vsa.session.journal import (
 )
 from emg2vsa.session.open_session import open_session
 from emg2vsa.session.views import Request, ScreenReport
+from emg2vsa.study_file import load_study
+from emg2vsa.worlds.people.sensors import simulate
 
 pytestmark = pytest.mark.slow
 FEW = "repetitions = 2"
@@ -57,7 +63,7 @@ def test_a_lost_device_interrupts_the_press_and_the_session_goes_on_when_it_is_b
         failing.append(Failing(emg))
         return failing[0], force
 
-    back_s = []
+    back_s, warned = [], []
 
     def switch(desk, now_s):
         if not back_s and desk.force().command == "press":
@@ -65,9 +71,14 @@ def test_a_lost_device_interrupts_the_press_and_the_session_goes_on_when_it_is_b
             failing[0].lost = True
         elif back_s and now_s > back_s[0]:
             failing[0].lost = False
+        warned.append(any(text.startswith("EMG: ") for text in desk.operator()[1].warnings))
+        if desk.operator()[1].message == "The lost device is back. Go on.":
+            assert desk.operator()[1].awaits == ""
+            warned.append(None)
 
     played = play(source=lost, session=FEW, beside=switch)
     assert played.state.ended == "completed"
+    assert (True in warned, None in warned, warned[-1]) == (True, True, False)
     assert played.verdicts[1, 1] == ("rejected", ["interrupted: EMG lost"])
     assert sum(press.verdict in ("ok", "warned") for press in played.state.presses) == 4
     lines, _ = read_journal(played.folder / JOURNAL_FILE)
@@ -94,8 +105,6 @@ def test_a_hidden_page_rejects_the_press_under_way(play):
 
 
 def test_a_full_disk_pauses_the_session_until_there_is_room(play, monkeypatch):
-    from emg2vsa.durable.system import OperatingSystem
-
     write = OperatingSystem.write
     full = {"now": False, "seen": False}
 
@@ -113,6 +122,7 @@ def test_a_full_disk_pauses_the_session_until_there_is_room(play, monkeypatch):
     played = play(session=FEW, beside=fill)
     assert full["seen"]
     assert played.state.ended == "completed"
+    assert not [text for text in played.state.warnings if "disk" in text]
     events = [line.event for line in read_journal(played.folder / JOURNAL_FILE)[0]]
     assert Paused("disk") in events
     assert sum(isinstance(event, PressBegun) for event in events) >= 4
@@ -210,17 +220,74 @@ def test_the_page_of_the_participant_cannot_flood_the_journal(play):
     assert 4 <= sum(isinstance(line.event, ScreenReport) for line in lines) <= 6
 
 
+def test_practice_goes_on_while_the_disk_is_full_and_the_presses_that_count_wait(play, monkeypatch):
+    write, told = OperatingSystem.write, []
+    full = {"now": False, "tries": 0}
+
+    def refuse(self, handle, offset, piece):
+        if full["now"]:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        write(self, handle, offset, piece)
+
+    monkeypatch.setattr(OperatingSystem, "write", refuse)
+
+    def fill(desk, now_s):
+        own = desk.session.state
+        full["now"] = now_s > 8.0 and full["tries"] < 600
+        if full["now"] and own.paused == "disk":
+            full["tries"] += 1
+            told.append((desk.operator()[1], desk.session.record.safe_lines))
+
+    played = play(session=f'{FEW}\ntraining_specimens = ["T1"]\ntraining_repetitions = 2', beside=fill)
+    assert played.state.ended == "completed"
+    shown, safe = told[-1]
+    assert shown.message == "The disk is full."
+    assert any(text.startswith("The disk does not take the recording: No space") for text in shown.warnings)
+    practice = [press for press in shown.presses if press.phase == "training"]
+    assert [press.verdict for press in practice] == ["ok", "ok"]
+    lines, _ = read_journal(played.folder / JOURNAL_FILE)
+    judged = [line for line in lines if isinstance(line.event, Judged)]
+    assert len(judged) == 6
+    assert safe < judged[0].number  # nothing of the practice was on the disk
+    assert replay(played.study, played.folder).same
+
+
+@pytest.mark.parametrize("full", [False, True])
+def test_a_session_ends_within_a_second_also_on_a_full_disk(study_file, monkeypatch, full):
+    write = OperatingSystem.write
+    disk = {"full": False}
+
+    def refuse(self, handle, offset, piece):
+        if disk["full"]:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        write(self, handle, offset, piece)
+
+    monkeypatch.setattr(OperatingSystem, "write", refuse)
+    study = load_study(study_file(FEW))
+    clock = WallClock()
+    _, emg, force = simulate(study, study.session, "P03", clock)
+    begun_s = 0.0
+    told = pytest.raises(DeviceError, match="--resume") if full else nullcontext()
+    with told, open_session(study, "P03", clock, (lambda: emg, lambda: force)) as desk:
+        for _ in range(100):
+            desk.turn(clock.now_s())
+            disk["full"] = full
+            clock.sleep_until(clock.now_s() + 0.005)
+        assert bool(desk.session.record.trouble) == full
+        begun_s = clock.now_s()
+        desk.session.end("ended", "Ctrl-C")
+    assert clock.now_s() - begun_s < 1.0
+
+
 @pytest.mark.realtime
 def test_a_server_that_drops_at_press_7_pauses_the_session_and_the_press_is_repeated(study_file):
     from emg2vsa.devices.clock import FastClock
     from emg2vsa.devices.trigno.driver import TrignoSource
-    from emg2vsa.session.journal import Judged, PressEnded
+    from emg2vsa.session.journal import PressEnded
     from emg2vsa.session.open_session import folder_of
     from emg2vsa.session.raw_files import SampleFile
-    from emg2vsa.study_file import load_study
     from emg2vsa.worlds.far_ends.trigno_server import TrignoServer
     from emg2vsa.worlds.people.pages import EmulatedOperator
-    from emg2vsa.worlds.people.sensors import simulate
 
     study = load_study(study_file("repetitions = 4"))
     clock = FastClock(4.0)

@@ -9,14 +9,16 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from emg2vsa.devices.simulated import SimulatedEmgSettings, SimulatedForceSettings
+from emg2vsa.durable.writer import DISK_TROUBLE
 from emg2vsa.session import journal
 from emg2vsa.session.journal import Line
 from emg2vsa.session.legal import TABLE, Now, operator_state, participant_state, refusal, shown
 from emg2vsa.session.plan import draw_presses
 from emg2vsa.session.presses import Presses
-from emg2vsa.session.state import NO_QUALITY, Rules, after, begun, goes_on
+from emg2vsa.session.screens import HIDDEN
+from emg2vsa.session.state import DISK_BACK, NO_QUALITY, Rules, after, begun, goes_on
 from emg2vsa.session.stay_judge import JUDGE_ENDED
-from emg2vsa.session.views import REQUESTS, Request
+from emg2vsa.session.views import REQUESTS, Request, ScreenReport
 from emg2vsa.session_settings import SessionSettings
 
 SETTINGS = SessionSettings(
@@ -25,6 +27,7 @@ SETTINGS = SessionSettings(
 )  # fmt: skip
 RULES = Rules("a study", "P03", SETTINGS, ("EDC", "FDS"), 0.95)
 PLANNED = draw_presses("a study", "P03", ("S1", "S3"), SETTINGS)
+OPENED = {name: journal.StreamOpened(name, "a", name, ("EDC",), "V", 1000.0, None, 0.0) for name in ("emg", "force")}
 WORDS = ("rest", "ready", "start", "press", "stop", "wait", "pause", "done")
 numbers, attempts = st.integers(1, 6), st.integers(1, 2)
 texts = st.sampled_from([NO_QUALITY, JUDGE_ENDED, goes_on("S1"), goes_on("S3"), "a cable", "S1: ", ""])
@@ -169,3 +172,23 @@ def test_a_further_press_that_is_declined_is_not_suggested_again():
     assert (declined.suggested, declined.warnings, declined.placed) == (None, (), False)
     again = folded(*lines, journal.Told(goes_on(own[0].specimen)), journal.Decided(own[1].number, 1, "accept"))
     assert again.suggested is None
+
+
+@pytest.mark.parametrize(
+    ("told", "over"),
+    [
+        ("EMG: the server is gone", OPENED["emg"]),
+        ("Force: no samples for 2 s", OPENED["force"]),
+        (f"{DISK_TROUBLE}: No space left on device.", journal.Told(DISK_BACK)),
+        (HIDDEN, ScreenReport(60.0, 1.0, 2.0, 17.0, False)),
+    ],
+)
+def test_a_warning_of_what_has_come_back_is_over_and_no_other(told, over):
+    state = begun(RULES, Presses(PLANNED))
+    for number, text in enumerate(("Chair was moved.", told), 1):
+        state = after(state, Line(number, 1, float(number), "", journal.Told(text)))
+    others = [event for event in (*OPENED.values(), journal.Told(DISK_BACK), journal.Continued()) if event != over]
+    for event in others:
+        state = after(state, Line(3, 1, 3.0, "", event))
+    assert state.warnings == ("Chair was moved.", told)
+    assert after(state, Line(4, 1, 4.0, "", over)).warnings == ("Chair was moved.",)

@@ -1,7 +1,7 @@
 // Draws the newest force on every frame, and tells the server once a second how well that went.
-import { FRESH, offsetOf, remembered, reportOf, sceneOf } from "./state.js";
+import { FRESH, commandAt, offsetOf, remembered, reportOf, sceneOf } from "./state.js";
 
-const TOKEN = location.pathname.split("/")[1];
+const TOKEN = location.pathname.split("/")[1], PAGE = Math.random().toString(36).slice(2);
 const PRESENTER_KEYS = [" ", "PageDown", "PageUp", "Escape", ".", "b", "F5"];
 const TONES_HZ = { start: 880, stop: 440 };
 const $ = (selector) => document.querySelector(selector);
@@ -9,10 +9,11 @@ const $ = (selector) => document.querySelector(selector);
 let state = null, force = null, memory = FRESH;
 let answers = [], offsetMs = null;
 let frames = [], ages = [], messages = 0;
+let given = null, drawn = null, commandMs = []; // when the command was given that is to be drawn, or has just been
 let shown = {}, audio = null, lock = null;
 
 function listen() {
-  const source = new EventSource("stream");
+  const source = new EventSource(`stream?page=${PAGE}`);
   source.addEventListener("state", (event) => {
     state = JSON.parse(event.data);
     document.documentElement.lang = state.language;
@@ -25,7 +26,10 @@ function listen() {
     force = { ...JSON.parse(event.data), receivedMs: performance.now() };
     memory = remembered(memory, force, state);
     messages += 1;
-    if (before !== undefined && before !== force.command) tone(TONES_HZ[force.command]);
+    if (before !== undefined && before !== force.command) {
+      tone(TONES_HZ[force.command]);
+      if (offsetMs !== null) given = commandAt(force, sentMs());
+    }
   };
   source.onerror = () => {
     if (source.readyState === EventSource.CLOSED) setTimeout(listen, 1000);
@@ -35,8 +39,11 @@ function listen() {
 // when the newest message was sent, on this page's clock
 const sentMs = () => (offsetMs === null ? force.receivedMs : Math.min(force.receivedMs, 1000 * force.sent_s + offsetMs));
 
-function draw() {
+// frameMs: when the frame began; what was drawn in the frame before has been presented by then
+function draw(frameMs) {
   const nowMs = performance.now();
+  if (drawn !== null) commandMs.push(Math.max(0, frameMs - drawn));
+  [drawn, given] = [given, null];
   const ageMs = force === null ? 0 : Math.max(0, 1000 * force.age_s + nowMs - sentMs());
   show(sceneOf(state, force, memory, ageMs));
   frames.push(nowMs);
@@ -100,7 +107,7 @@ async function askClock() {
 
 async function report() {
   const content = {
-    ...reportOf(frames, ages, document.hidden),
+    ...reportOf(frames, ages, document.hidden, commandMs),
     more: {
       width: innerWidth, height: innerHeight, pixel_ratio: devicePixelRatio, messages,
       full_screen: document.fullscreenElement !== null,
@@ -108,10 +115,11 @@ async function report() {
   };
   frames = frames.slice(-1);
   ages = [];
+  commandMs = [];
   messages = 0;
   const headers = { "x-emg2vsa-token": TOKEN, "content-type": "application/json" };
   try {
-    await fetch("screen", { method: "POST", headers, body: JSON.stringify(content), keepalive: true });
+    await fetch(`screen?page=${PAGE}`, { method: "POST", headers, body: JSON.stringify(content), keepalive: true });
   } catch {
     // the stream says that the connection is lost
   }

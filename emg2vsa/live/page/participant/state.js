@@ -1,5 +1,6 @@
 // What the participant sees, as plain values. No page in here.
 
+const MOST_MS = 5000; // the session believes no more
 export const LOST_MS = 200; // 40 messages; a frozen bar must not look like steady force
 const DONE_WORDS = { wait: "wait", ready: "wait", start: "start", press: "press", stop: "stop", rest: "rest", pause: "pause", done: "done" };
 
@@ -66,13 +67,18 @@ export function offsetOf(answers) {
   return (sentMs + receivedMs) / 2 - serverMs;
 }
 
-// What the page says of itself. frames: when each was drawn; ages: of the force then, both in ms.
-export function reportOf(frames, ages, hidden) {
+// When the command of a message was given, on this page's clock; sentMs: when the message was sent.
+export const commandAt = ({ age_s: ageS, time_s: timeS, command_s: commandS }, sentMs) => sentMs - 1000 * (ageS + timeS - commandS);
+
+// What the page says of itself. frames: when each was drawn; ages: of the force then; commands: delays; all in ms.
+export function reportOf(frames, ages, hidden, commands) {
+  const told = (ms) => Math.min(ms, MOST_MS);
   const gaps = frames.slice(1).map((at, i) => at - frames[i]), spanMs = frames.at(-1) - frames[0];
   const sorted = ages.toSorted((a, b) => a - b);
   const at = (share) => sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] ?? 0;
   return {
     frames_per_s: gaps.length ? (1000 * gaps.length) / spanMs : 0,
-    age_p50_ms: at(0.5), age_p95_ms: at(0.95), longest_frame_ms: Math.max(0, ...gaps), hidden,
+    age_p50_ms: told(at(0.5)), age_p95_ms: told(at(0.95)), longest_frame_ms: told(Math.max(0, ...gaps)), hidden,
+    command_ms: commands.slice(-20).map(told),
   };
 }
