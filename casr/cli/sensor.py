@@ -24,8 +24,8 @@ EPILOG = """
 Standard errors hold what the tables of domes lack of this sensor. Three known specimens from soft to stiff are good; a
 rigid plate (stiffness: rigid) leaves more unknown, and the command says what. camera.toml says what is thought of the
 sensor: depth to 3 %, pin length to 0.4 mm, pole to 2 mm, or as it states. Use the file as camera.toml of the presses,
-or with --camera. Exit status 1: a press could not be used, or the tables do not fit this sensor. Example: casr sensor
-presses -o sensor.toml
+or with --camera. Exit status 1: a press could not be used, presses contradict what is stated of their specimens, or the
+tables do not fit this sensor. Example: casr sensor presses -o sensor.toml
 """
 
 
@@ -39,6 +39,7 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from casr.atomic import write_text_atomic
     from casr.dome.library import tables_of
+    from casr.kappa.posterior import CONTRADICTED
     from casr.kappa.sensor import identify_sensor
 
     out: Path = arguments.out
@@ -55,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
     write_text_atomic(out, found.to_toml())
     plain = asdict(found) | {"file": str(out), "not_used": unused}
     answer(arguments.json, plain, _lines(found, out, unused))
-    return int(bool(unused) or not found.fits)
+    return int(bool(unused) or not found.fits or found.contradicted > CONTRADICTED)
 
 
 def _lines(found: IdentifiedSensor, out: Path, unused: dict[str, str]) -> list[str]:

@@ -18,11 +18,11 @@ from casr.dome.library import FAMILY, MODULI_MPA, Library, shipped
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, SKIN_MM
 from casr.errors import SettingError
 from casr.kappa.discrepancy import USUAL_MISFIT, Discrepancy
-from casr.kappa.estimate import fitted, stated_errors, view_of
+from casr.kappa.estimate import contradictions, fitted, stated_errors, view_of
 from casr.kappa.family import Family, families
 from casr.kappa.known import KnownSensor
 from casr.kappa.labels import PLACE_SD, Labels, SensorErrors
-from casr.kappa.posterior import Posterior
+from casr.kappa.posterior import CONTRADICTED, Posterior, kappas
 from casr.kappa.presses import KappaPress
 
 Array = NDArray[np.float64]
@@ -64,7 +64,9 @@ class IdentifiedSensor:
     camera : with pole, depth, pin length and their errors. quantities : by the names of ``QUANTITIES``.
     skin_mm : of the tables that fit best, not measured. dome : of these tables.
     misfit_before : share of the motion left over beyond noise by the best dome that comes with casr under the camera as
-    stated; misfit : as identified. fits : whether the tables do, by that. notes : what a reader should know.
+    stated; misfit : as identified. fits : whether the tables do, by that. contradicted : by how much
+    presses and stated stiffnesses contradict each other, as of ``Kappa``; above ``CONTRADICTED`` nothing is told.
+    notes : what a reader should know.
     """
 
     camera: Camera
@@ -74,6 +76,7 @@ class IdentifiedSensor:
     misfit_before: float
     misfit: float
     fits: bool
+    contradicted: float
     notes: tuple[str, ...]
 
     def to_toml(self) -> str:
@@ -119,14 +122,19 @@ def identify_sensor(
     posterior = Posterior(known, known.discrepancy)
     family, place = labels.family, float(posterior.mean[0])
     domes = {dome: (SKIN_MM * scale, *moduli) for dome, moduli in MODULI_MPA.items()} | dict(own_domes or {})
+    of_others = kappas(labels, known.discrepancy)
+    contradicted = max([posterior.widened, *(each.contradicted for each in of_others.values())])
     solved = np.array([domes.get(dome, (np.nan,) * 3) for dome in family.names])
     quantities = _quantities(posterior, family, camera, errors, np.log(solved[:, 1:]), labels.misfit)
+    if contradicted > CONTRADICTED:
+        quantities = {name: replace(each, told=False) for name, each in quantities.items()}
     identified = IdentifiedSensor(
         camera=_camera(camera, quantities), quantities=quantities, skin_mm=family.at(place, solved[:, 0]),
         dome=_dome(family, place), misfit_before=before, misfit=labels.misfit,
-        fits=bool(labels.misfit <= USUAL_MISFIT and 0 <= place <= 1), notes=(),
+        fits=bool(labels.misfit <= USUAL_MISFIT and 0 <= place <= 1), contradicted=contradicted,
+        notes=tuple(contradictions(of_others, posterior.widened, "the sensor")),
     )  # fmt: skip
-    return replace(identified, notes=_notes(identified, labels))
+    return replace(identified, notes=(*identified.notes, *_notes(identified, labels)))
 
 
 def _quantities(
@@ -183,7 +191,8 @@ def _dome(family: Family, place: float) -> str:
 
 def _notes(found: IdentifiedSensor, labels: Labels) -> tuple[str, ...]:
     notes = []
-    if blind := [name for name, each in found.quantities.items() if not each.told]:
+    blind = [name for name, each in found.quantities.items() if not each.told]
+    if blind and found.contradicted <= CONTRADICTED:
         notes.append(
             f"These presses do not tell {', '.join(blind)}: what is known of it is about what was known before. Press "
             "more known specimens, soft and stiff, and state pin_length_sd_mm and depth_sd_mm of what you measured."

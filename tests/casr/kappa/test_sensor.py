@@ -14,6 +14,7 @@ from casr.dome.library import MODULI_MPA
 from casr.dome.solver.sensor_file import read_sensor
 from casr.errors import SettingError
 from casr.frame_files import read_camera
+from casr.kappa.posterior import CONTRADICTED
 from casr.kappa.sensor import QUANTITIES, IdentifiedSensor, identify_sensor
 
 
@@ -43,6 +44,17 @@ def test_less_of_the_motion_is_left_over_than_before(found: IdentifiedSensor) ->
     assert found.fits
     assert found.dome == "H and D"
     assert found.notes == ()
+
+
+def test_specimens_that_are_mixed_up_are_told_and_tell_no_sensor(made: Sensor, found: IdentifiedSensor) -> None:
+    stated = sorted({each.stiffness_n_per_mm or np.inf for each in made.presses})
+    other = dict(zip(stated, reversed(stated), strict=True))
+    swapped = [replace(each, stiffness_n_per_mm=other[each.stiffness_n_per_mm or np.inf]) for each in made.presses]
+    wrong = identify_sensor(swapped, CAMERA, library=made.library)
+    assert found.contradicted < 1.6 < CONTRADICTED < wrong.contradicted
+    assert not any(each.told for each in wrong.quantities.values())
+    assert "so the sensor is not determined: check which specimen each press is of" in wrong.notes[0]
+    assert any("N/mm as the other specimens tell it" in note for note in wrong.notes)
 
 
 def test_the_file_is_one_of_a_camera_and_one_for_casr_dome(found: IdentifiedSensor, tmp_path: Path) -> None:
