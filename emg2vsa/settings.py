@@ -260,6 +260,8 @@ class ProfileSettings:
     "Name of the specimen to interpolate."
     new_stiffness_n_per_mm: Positive | None = None
     "Its stiffness, N/mm."
+    new_height_mm: Positive | None = None
+    "Its height, mm, as height_mm of the others: where tables of domes are not for it, kappa by the pins is refused."
     interpolation: Interpolation = "bracket"
     "bracket: linear in stiffness; paper: weight kappa/10; log-stiffness; coefficients: cubic through a and b of all."
     curve: Curve = "log"

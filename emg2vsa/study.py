@@ -238,6 +238,12 @@ class Study(StageSettings):
         return self.stiffness_n_per_mm | ({new: stiffness} if new and stiffness else {})
 
     @property
+    def heights_mm(self) -> dict[str, float | None]:
+        """Specimen name to its height, of the new specimen as well; None where it is not known."""
+        new = {self.profile.new_specimen: self.profile.new_height_mm} if self.profile.new_specimen else {}
+        return {each.name: each.height_mm for each in self.specimens} | new
+
+    @property
     def kappa_of_scores(self) -> tuple[dict[str, float], dict[str, float]]:
         """Stiffness of whatever the rig may press over the forces of its spread rates, and its standard errors."""
         known = {

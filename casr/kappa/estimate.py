@@ -17,7 +17,7 @@ from casr.dome.library import FAMILY, Library, shipped
 from casr.dome.view import DomeView
 from casr.errors import CameraError, SettingError
 from casr.kappa.discrepancy import USUAL_MISFIT, Discrepancy
-from casr.kappa.family import Family, families
+from casr.kappa.family import Family, families, left_aside
 from casr.kappa.field import PressField
 from casr.kappa.labels import DEPTH_SD_OF_SENSOR, Labels, SensorErrors, labelled
 from casr.kappa.posterior import CONTRADICTED, Kappa, kappas
@@ -62,12 +62,13 @@ def estimate_kappa(
     CameraError : lengths that cannot be. SettingError : no press, no tables, or two stiffnesses of one specimen.
     PinsError, FramesError : of a press.
     """
-    labels = fitted(presses, camera, families(library or shipped()), stated_errors(camera))
+    library = library or shipped()
+    labels = fitted(presses, camera, families(library), stated_errors(camera))
     d = (discrepancy or Discrepancy()).scaled(max(labels.misfit / USUAL_MISFIT, 1.0))
     found = kappas(labels, d, confidence)
     return SensorKappa(
         kappas=found, labels=labels, discrepancy=d, misfit=labels.misfit, noise_px=labels.noise_px,
-        notes=(*contradictions(found), *_notes(labels, camera)),
+        notes=(*contradictions(found), *of_tables(library), *_notes(labels, camera)),
     )  # fmt: skip
 
 
@@ -153,6 +154,16 @@ def contradictions(found: Mapping[str, Kappa], widened: float = 1.0, what: str =
                 "N/mm as the other specimens tell it."
             )
     return notes
+
+
+def of_tables(library: Library) -> list[str]:
+    """A note on domes that are left aside."""
+    if not (names := left_aside(library)):
+        return []
+    return [
+        f"Tables of dome {', '.join(names)} are not used: kappa takes a rigid plate and two specimens or more, the same "
+        "in both frictions. Solve the tables that are missing with casr dome."
+    ]
 
 
 def _notes(labels: Labels, camera: Camera) -> tuple[str, ...]:

@@ -139,16 +139,24 @@ def families(library: Library) -> list[Family]:
 
     SettingError : no dome of the library has tables of both frictions on the same specimens, rigid among them.
     """
-    known = set(library.dome.tolist())
-    groups = [tuple(dome for dome in FAMILY if dome in known)]
-    groups += [(dome,) for dome in sorted(known - set(FAMILY)) if "+" not in dome]
-    found = [Family(library, group) for group in groups if group and _complete(library, group)]
+    found = [Family(library, group) for group in _groups(library) if _complete(library, group)]
     if not found:
         raise SettingError(
             "tables of domes", wanted="a dome on a rigid plate and two specimens, in both frictions", found="none",
             do="Solve the tables that are missing with casr dome.",
         )  # fmt: skip
     return found
+
+
+def left_aside(library: Library) -> list[str]:
+    """Domes whose tables are in no family, as some are missing."""
+    return [dome for group in _groups(library) if not _complete(library, group) for dome in group]
+
+
+def _groups(library: Library) -> list[tuple[str, ...]]:
+    known = set(library.dome.tolist())
+    ours = tuple(dome for dome in FAMILY if dome in known)
+    return [*([ours] if ours else []), *((dome,) for dome in sorted(known - set(FAMILY)) if "+" not in dome)]
 
 
 def _complete(library: Library, group: tuple[str, ...]) -> bool:

@@ -18,7 +18,7 @@ from casr.dome.library import FAMILY, MODULI_MPA, Library, shipped
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, SKIN_MM
 from casr.errors import SettingError
 from casr.kappa.discrepancy import USUAL_MISFIT, Discrepancy
-from casr.kappa.estimate import contradictions, fitted, stated_errors, view_of
+from casr.kappa.estimate import contradictions, fitted, of_tables, stated_errors, view_of
 from casr.kappa.family import Family, families
 from casr.kappa.known import KnownSensor
 from casr.kappa.labels import PLACE_SD, Labels, SensorErrors
@@ -134,7 +134,7 @@ def identify_sensor(
         fits=bool(labels.misfit <= USUAL_MISFIT and 0 <= place <= 1), contradicted=contradicted,
         notes=tuple(contradictions(of_others, posterior.widened, "the sensor")),
     )  # fmt: skip
-    return replace(identified, notes=(*identified.notes, *_notes(identified, labels)))
+    return replace(identified, notes=(*identified.notes, *of_tables(library), *_notes(identified, labels)))
 
 
 def _quantities(

@@ -32,12 +32,15 @@ def camera_of(runs: Sequence[RunScores]) -> Camera:
 
 
 def library_of(camera: Camera, domes: Sequence[Domes]) -> Library:
-    """Tables of specimens of one height. DataError : of several."""
-    heights = [each.specimen_height_mm for each in domes if each.specimen_height_mm is not None]
+    """Tables of specimens of one height, the usual one where none is stated of some. DataError : of several."""
+    stated = [each.specimen_height_mm for each in domes]
+    heights = [each or USUAL_HEIGHT_MM for each in stated] if any(stated) else []
     if heights and max(heights) > (1 + ALIKE) * min(heights):
+        usual = "" if all(stated) else f" ({USUAL_HEIGHT_MM:g} mm where none is stated)"
         raise DataError(
-            "height_mm", wanted="specimens of one height", found=f"{min(heights):g} to {max(heights):g} mm",
-            do="Press specimens of one height, or take kappa by CASR.",
+            "height_mm, new_height_mm", wanted="specimens of one height",
+            found=f"{min(heights):g} to {max(heights):g} mm{usual}",
+            do="State the height of every specimen, and press those of one height, or take kappa by CASR.",
         )  # fmt: skip
     folder = domes[0].domes
     if folder is None and heights and abs(heights[0] / USUAL_HEIGHT_MM - 1) > ALIKE:

@@ -135,8 +135,9 @@ def _new_specimen(profile: ProfileSettings) -> Iterator[Problem]:
     name, stiffness = profile.new_specimen, profile.new_stiffness_n_per_mm
     if name is not None and stiffness is None:
         yield Problem(("profile", "new_stiffness_n_per_mm"), f"the stiffness of {name!r}", "nothing")
-    if stiffness is not None and name is None:
-        yield Problem(("profile", "new_specimen"), "a name for the new stiffness", "nothing")
+    for value, what in ((stiffness, "stiffness"), (profile.new_height_mm, "height")):
+        if value is not None and name is None:
+            yield Problem(("profile", "new_specimen"), f"a name for the new {what}", "nothing")
 
 
 def _bracket(profile: ProfileSettings, specimens: tuple[SpecimenTable, ...], of_runs_alone: bool) -> Iterator[Problem]:

@@ -155,3 +155,9 @@ def test_thin_specimens_need_tables_of_their_height(runs: list[RunScores]) -> No
     thin, usual = ({run.specimen: Domes(None, height) for run in runs} for height in (10.0, 24.0))
     assert "specimens of 25 mm, or tables of their height, but found 10 mm" in calibrated(runs, thin).no_pins
     assert calibrated(runs, usual).pins is not None
+
+
+def test_a_thin_new_specimen_beside_others_of_no_stated_height_is_refused(runs: list[RunScores]) -> None:
+    thin = {"S_new": Domes(None, 10.0)}
+    assert "found 10 to 25 mm (25 mm where none is stated)" in calibrated(runs, thin).no_pins
+    assert calibrated(runs, {"S_new": Domes(None, 24.0)}).pins is not None

@@ -11,7 +11,7 @@ from benchmarks.small_study import small_rig
 from casr.errors import SettingError
 from emg2vsa.pipeline.campaign import Campaign, campaign
 from emg2vsa.pipeline.stage import value_of
-from emg2vsa.pipeline.stages import emulation, runs
+from emg2vsa.pipeline.stages import calibration, emulation, runs
 from emg2vsa.rig_file import load_rig
 from emg2vsa.study import RunEntry, Study
 from emg2vsa.study_file import load_study
@@ -53,6 +53,14 @@ def test_without_tables_of_its_own_the_height_is_told_alone(tmp_path: Path) -> N
     used = runs.settings(Campaign(study), study.runs[0].key)
     assert "domes" not in used
     assert used["specimen_height_mm"] == 12
+
+
+def test_the_new_specimen_has_a_height_too(tmp_path: Path) -> None:
+    new = '[profile]\nnew_specimen = "N"\nnew_stiffness_n_per_mm = 4\nnew_height_mm = 10\n[runs]'
+    study = thin(tmp_path, STUDY.replace("[runs]", new))
+    study = replace(study, runs=(RunEntry("N", 0.0, "modular", (tmp_path / "N",)),))
+    assert runs.settings(Campaign(study), study.runs[0].key)["specimen_height_mm"] == 10
+    assert calibration.settings(Campaign(study), "")["heights_mm"] == {"S1": 12, "S2": None, "N": 10}
 
 
 def test_a_folder_without_tables_is_told_before_anything_is_scored(tmp_path: Path) -> None:

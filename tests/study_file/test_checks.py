@@ -31,6 +31,7 @@ CASES = [
     ("+", '[profile]\nparticipant = "P1"', "profile.participant", "Did you mean"),
     ("+", '[profile]\nspecimens = ["S2"]', "profile.specimens[0]", "a specimen of this study"),
     ("+", '[profile]\nnew_specimen = "S1"\nnew_stiffness_n_per_mm = 5', "profile.new_specimen", "a new name"),
+    ("+", "[profile]\nnew_height_mm = 10", "profile.new_specimen", "a name for the new height"),
     # a person's word on presses, and maximum contractions
     ("+", EXCLUDE.replace("P01", "P03"), "exclude[0].participant", "a participant of this study"),
     ("+", EXCLUDE.replace("S1", "S2"), "exclude[0].specimen", "a specimen of this study"),

@@ -26,7 +26,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
         "study": study.name,
         "mode": study.mode,
         "algorithm": study.scoring.algorithm,
-        "heights_mm": {each.name: each.height_mm for each in study.specimens},
+        "heights_mm": study.heights_mm,
         **({"domes": Keyed(str(domes), domes.name)} if domes else {}),
     }
 

@@ -24,8 +24,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     entry, source = campaign.runs[item], campaign.study.runs_source
     assert source is not None
     used = {"scoring": campaign.study.scoring, "run": (entry.specimen, entry.angle_deg, entry.condition)}
-    heights = {each.name: each.height_mm for each in campaign.study.specimens}
-    used["specimen_height_mm"] = heights.get(entry.specimen)
+    used["specimen_height_mm"] = campaign.study.heights_mm.get(entry.specimen)
     if source.domes:
         used["domes"] = Keyed(str(source.domes), None)
     if campaign.rig is None:

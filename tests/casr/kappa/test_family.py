@@ -12,6 +12,7 @@ from scipy.interpolate import CubicSpline
 
 from casr.dome.library import FAMILY, shipped
 from casr.errors import SettingError
+from casr.kappa.estimate import of_tables
 from casr.kappa.family import Family, Spline, families
 
 
@@ -85,3 +86,15 @@ def test_a_lab_s_own_dome_is_a_family_of_one() -> None:
     assert [family.names for family in found] == [FAMILY, ("mine",)]
     assert isinstance(found[1], Family)
     assert found[1].log_kappa0[0] == pytest.approx(found[0].log_kappa0[1])
+
+
+def test_own_tables_that_are_incomplete_are_named() -> None:
+    """A dome of a lab's own without one friction on one specimen: the domes of casr still count, and a note says so."""
+    library = shipped()
+    mine = library.only(np.flatnonzero(library.dome == "H"))
+    mine = replace(mine, dome=np.full(mine.dome.shape, "mine"))
+    assert of_tables(library.beside(mine)) == []
+    lacking = library.beside(mine.only(np.arange(1, mine.dome.size)))
+    assert [family.names for family in families(lacking)] == [FAMILY]
+    (note,) = of_tables(lacking)
+    assert note.startswith("Tables of dome mine are not used")
