@@ -161,8 +161,8 @@ def of_tables(library: Library) -> list[str]:
     if not (names := left_aside(library)):
         return []
     return [
-        f"Tables of dome {', '.join(names)} are not used: kappa takes a rigid plate and two specimens or more, the same "
-        "in both frictions. Solve the tables that are missing with casr dome."
+        f"Tables of dome {', '.join(names)} are not used: kappa takes a rigid plate and two specimens or more, the "
+        "same in both frictions. Solve the tables that are missing with casr dome."
     ]
 
 
