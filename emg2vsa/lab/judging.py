@@ -85,7 +85,7 @@ class Judging:
         found.worlds()  # an error in them is told before anything moves
         if (pins := calibration.pins) is not None:
             pins.family(found.tables())
-            if camera != pins.camera:
+            if not pins.camera.sees_like(camera):
                 raise SettingError(
                     "--camera", wanted=f"the camera that {path.name} was made with", found=f"another, {camera}",
                     do="Give its camera.toml, or press the known specimens with this camera and run the study.",

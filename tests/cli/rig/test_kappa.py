@@ -9,14 +9,21 @@ import signal
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+from benchmarks.kappa import CAMERA, Trial, presses_of
 from benchmarks.rig.plans import known_calibration
+from casr.dome.library import shipped
+from casr.kappa.estimate import fitted, stated_errors
+from casr.kappa.family import families
+from casr.kappa.known import KnownSensor
 from emg2vsa.calibration.online import NO_GAIN, WIDTH_REACHED
+from emg2vsa.calibration.online_pins import KnownPins
 from emg2vsa.calibration_file import write_calibration
 from emg2vsa.devices.clock import FastClock
 from emg2vsa.rig.record.new_folder import good_presses
@@ -76,6 +83,46 @@ def test_presses_are_judged_and_end_early(rig: Rig, slow_rig: Path, known: Path,
     assert [press.frames for press in read] == [None, None]
     assert "is no whole press: it was stopped at" in read[0].problem
     assert "# stopped: at " in (folder / "press-001" / "force.csv").read_text()
+
+
+@pytest.fixture(scope="module")
+def by_pins(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """By the pins of a simulated dome that the tables hold, seen by the camera of the emulated rig."""
+    presses = presses_of(Trial("J", 1.0, 0.05, 0.0, (1.11, 3.35, 7.63), 5.3, seed=3))[:-2]
+    labels = fitted(presses, CAMERA, families(shipped()), stated_errors(CAMERA))
+    pins = KnownPins(KnownSensor.of(labels), CAMERA, labels.family.digest)
+    return write_calibration(tmp_path_factory.mktemp("by-pins") / "pins.json", replace(known_calibration(), pins=pins))
+
+
+def test_a_calibration_by_pins_is_read_back_and_judges_by_the_pins(
+    rig: Rig, rig_file: RigFile, by_pins: Path, tmp_path: Path
+) -> None:
+    """The emulated dome is another one than that of the calibration: kappa is told, and not held to the number."""
+    path = rig_file()
+    path.write_text(path.read_text().replace("ramp_mm_per_s = 8", "ramp_mm_per_s = 3"))
+    status, out, err = rig("run", path, *ONE, "--repetitions", 1, "--calibration", by_pins)
+    assert status == 0, err
+    assert "kappa: by pins.json (A, B, C, D, E, 30 presses); at best ±" in out
+    rows = table(tmp_path / "runs-virtual" / "S3_0_high-stiffness" / "kappa.csv")
+    told = [row for row in rows if row["kappa_n_per_mm"]]
+    assert {row["cues"] for row in told} == {"pins and force"}
+    assert len(told) > 5
+    assert 1.5 < float(told[-1]["kappa_n_per_mm"]) < 7
+    assert float(told[-1]["low_n_per_mm"]) < float(told[-1]["kappa_n_per_mm"]) < float(told[-1]["high_n_per_mm"])
+
+
+def test_another_camera_than_that_of_the_pins_is_refused(
+    rig: Rig, rig_file: RigFile, by_pins: Path, tmp_path: Path
+) -> None:
+    """Before anything moves; the rate of its frames alone makes no other camera."""
+    for changed, status in (({"depth_mm": 55.0}, 2), ({"frame_rate_hz": 30.0}, 0)):
+        camera = tmp_path / f"{next(iter(changed))}.toml"
+        camera.write_text(replace(CAMERA, **changed).to_toml())
+        options = ("--repetitions", 1, "--calibration", by_pins, "--camera", camera, "--out", tmp_path / camera.stem)
+        found, _, err = rig("run", rig_file(), *ONE, *options)
+        assert found == status, err
+        assert ("--camera: expected the camera that pins.json was made with, but found another" in err) == bool(status)
+        assert (tmp_path / camera.stem).exists() != bool(status)
 
 
 def test_the_same_run_gives_the_same_rows_and_without_a_width_whole_presses(
