@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from casr.contact_area.front import ContactFront
 from casr.contact_area.motion import check_area
 from casr.errors import AreaError, FramesError
 from casr.flow.region import Region
-from casr.spread import SpreadRate, TotalInterval, total_interval
+from casr.spread import WINDOW_N, SpreadRate, TotalInterval, spread_rate, spread_rates, total_interval
 from casr.spread.intervals import CONFIDENCE, normal_quantile
 
 Array = NDArray[np.float64]
@@ -78,12 +78,15 @@ def front_spread(
     front: ContactFront,
     skin_log_growth: Array,
     force_n: Array | None,
-    rate_of: Callable[[Array, Array], SpreadRate],
     force_zero_sd_n: float | None,
+    *,
+    rule: str = "power",
+    area_unit: str = "mm2",
+    window_n: tuple[float, float] = WINDOW_N,
 ) -> FrontSpread:
     """Rate over the frames that are determined.
 
-    skin_log_growth : (T-1,) of the steps. rate_of : the rule, of areas and forces.
+    skin_log_growth : (T-1,) of the steps. rule, area_unit, window_n : of ``spread_rate``.
     force_zero_sd_n : standard error of the resting level; None where none was taken off.
     """
     used = front.determined
@@ -92,24 +95,25 @@ def front_spread(
     if force_n is None:
         return FrontSpread(None, None, first, np.nan, ratio)
     force = force_n[used]
-    rate = rate_of(front.area[used], force)
+    rate = spread_rate(front.area[used], force, rule=rule, area_unit=area_unit, window_n=window_n)
     parts = {
         "scatter": (rate.scatter_high - rate.scatter_low) / 2 / normal_quantile(CONFIDENCE) / rate.value
         if rate.scatter_low is not None and rate.scatter_high is not None
         else np.nan
     }
     heavy = np.flatnonzero(front.spread_weight > _LEAST_WEIGHT)
-    rates = np.array([rate_of(front.candidates[row][used], force).value for row in heavy])
+    names = ("pin length", "depth", "beyond the tables")
+    areas = [*front.candidates[heavy], *(front.area * np.exp(front.parts[name]) for name in names)]
+    apart = spread_rates(np.array(areas)[:, used], force, rule=rule, window_n=window_n) / rate.value - 1
     weight = front.spread_weight[heavy] / front.spread_weight[heavy].sum()
-    parts["dome"] = float(np.hypot(np.sqrt(weight @ (rates / rate.value - 1) ** 2), front.model_sd))
+    parts["dome"] = float(np.hypot(np.sqrt(weight @ apart[: heavy.size] ** 2), front.model_sd))
     parts["misfit"] = float(front.parts["misfit"].max())
-    for name in ("pin length", "depth", "beyond the tables"):
-        moved = front.area[used] * np.exp(front.parts[name][used])
-        parts[name] = abs(rate_of(moved, force).value / rate.value - 1)
+    parts |= dict(zip(names, np.abs(apart[heavy.size :]).tolist(), strict=True))
     parts |= _of_window(rate, force)
     zero_n = FORCE_ZERO_SD_N if force_zero_sd_n is None else force_zero_sd_n
     try:
-        parts["force zero"] = abs(rate_of(front.area[used], force + zero_n).value / rate.value - 1)
+        shifted = spread_rate(front.area[used], force + zero_n, rule=rule, window_n=window_n)
+        parts["force zero"] = abs(shifted.value / rate.value - 1)
     except FramesError:
         parts["force zero"] = np.nan
     return FrontSpread(rate, total_interval(rate.value, parts, LEFT_OUT), first, float(force_n[first]), ratio)

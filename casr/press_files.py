@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from casr import overlays, page
 from casr.atomic import write_bytes_atomic, write_text_atomic
 from casr.doubts import stretch_of, unlike_others
 from casr.errors import CasrError, PassingError, SettingError
 from casr.frames import FrameSequence
-from casr.overlays import press_pictures
-from casr.page import index_page, press_page
 from casr.press_tables import frames_csv, pins_csv
 from casr.scored import Score, ScoreSettings
 from casr.scoring import score
-from casr.svg import Picture
+
+if TYPE_CHECKING:
+    from casr.svg import Picture
 
 
 @dataclass(frozen=True)
@@ -97,12 +99,12 @@ class PressFiles:
         """All that was asked for of a press; for page and pictures, few of its ``frames`` are decoded once more."""
         if self.page or self.figures:
             sequence = frames()
-            pictures = press_pictures(sequence, score)
+            pictures = overlays.press_pictures(sequence, score)
             if self.figures:
                 write_pictures(self.figures, pictures)
             if self.page:
                 n_frames, shape = len(sequence), sequence.source.shape
-                text = press_page(score, pictures, camera=sequence.camera, n_frames=n_frames, shape=shape)
+                text = page.press_page(score, pictures, camera=sequence.camera, n_frames=n_frames, shape=shape)
                 write_text_atomic(self.page, text)
         if self.pins:
             write_text_atomic(self.pins, pins_csv(score))
@@ -112,7 +114,7 @@ class PressFiles:
     def write_index(self, title: str, scores: Mapping[str, Score], failures: Mapping[str, str]) -> None:
         """The index of many presses. failures : press to the reason in words."""
         if self.page:
-            write_text_atomic(self.page, index_page(title, scores, failures, _pages(self.page).name))
+            write_text_atomic(self.page, page.index_page(title, scores, failures, _pages(self.page).name))
 
 
 def write_pictures(folder: Path, pictures: Sequence[Picture]) -> None:

@@ -176,11 +176,13 @@ class PressScorer:
 
     def rate(self, force_n: Array) -> SpreadRate:
         """Rate at which the skin of the first contact grows, over the first frames, whose forces these are."""
-        return self._rate_of(self.areas(force_n), self._of_good(force_n))
+        return spread_rate(self.areas(force_n), self._of_good(force_n), **self._rule)
 
-    def _rate_of(self, area: Array, force_n: Array) -> SpreadRate:
+    @property
+    def _rule(self) -> dict[str, Any]:
+        """Of ``spread_rate``."""
         s = self._settings
-        return spread_rate(area, force_n, rule=s.rate_rule, area_unit=self.area_unit, window_n=s.window_n)
+        return {"rule": s.rate_rule, "area_unit": self.area_unit, "window_n": s.window_n}
 
     @cached_property
     def _front_so_far(self) -> FrontSoFar:
@@ -282,7 +284,7 @@ class PressScorer:
             return doubt, None
         grown = np.array([step.log_growth for step in self._steps[: n - 1]])
         of_good = None if force_n is None else self._of_good(force_n)[:n]
-        return "", front_spread(front, grown, of_good, self._rate_of, force_zero_sd_n)
+        return "", front_spread(front, grown, of_good, force_zero_sd_n, **self._rule)
 
     def follow(self, force_n: Array) -> Array:
         """(T,) area of the good frames so far by the quantity of the settings, NaN where a front is not determined.

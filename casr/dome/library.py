@@ -83,10 +83,10 @@ class Library:
         """Some of the worlds."""
         return replace(self, **{name: getattr(self, name)[worlds] for name in _OF_WORLDS})
 
-    def beside(self, other: Library) -> Library:
-        """These worlds, then those of another library on the same grid."""
-        both = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in _OF_WORLDS}
-        return replace(self, **both)
+    def beside(self, *others: Library) -> Library:
+        """These worlds, then those of other libraries on the same grid."""
+        every = (self, *others)
+        return replace(self, **{name: np.concatenate([getattr(each, name) for each in every]) for name in _OF_WORLDS})
 
     def motion_at(self, arc_mm: Array) -> NDArray[np.float32]:
         """(3, N, R, W) motion at arcs (N,); beyond the last arc that of the last."""
@@ -180,11 +180,13 @@ def _continued(x: Array, y: Array, at: Array, near_end: NDArray[np.bool_]) -> Ar
 def with_between(library: Library) -> Library:
     """Also the worlds halfway in compliance between neighbours in stiffness, along splines through all stiffnesses of a
     dome, and those halfway between neighbouring domes of ``FAMILY``."""
+    halfway = []
     for dome, friction in sorted(set(zip(library.dome.tolist(), library.friction.tolist(), strict=True))):
         rows = np.flatnonzero((library.dome == dome) & (library.friction == friction))
         rows = rows[np.argsort(-library.stiffness_n_per_mm[rows])]
         if rows.size > 1 and (np.diff(library.stiffness_n_per_mm[rows]) < 0).all():
-            library = _with_halfway(library, rows)
+            halfway.append(_halfway(library, rows))
+    library = library.beside(*halfway)
     pairs = _next_in_family(library)
     both = np.array([pair[:2] for pair in pairs], dtype=np.intp).reshape(-1, 2)
     dome = np.array([pair[2] for pair in pairs], dtype=np.str_)
@@ -198,7 +200,8 @@ def _mixed(library: Library, rows: NDArray[np.intp], weights: Array, **of_worlds
     reached_mm = np.where(np.abs(weights) >= _MATTERS, library.computed_mm[rows], np.inf)
 
     def mixed(values: NDArray[Any]) -> NDArray[Any]:
-        return np.asarray(np.einsum("wk,wk...->w...", weights.astype(values.dtype), values[rows]))
+        wide = weights.astype(values.dtype).reshape(*weights.shape, *(1,) * (values.ndim - 1))
+        return np.asarray(sum(wide[:, k] * values[rows[:, k]] for k in range(rows.shape[1])))
 
     return replace(
         one, computed_mm=reached_mm.min(axis=1), force_n=np.exp(mixed(np.log(library.force_n))),
@@ -254,14 +257,14 @@ def _around(heights_mm: Array, rows: Rows, height_mm: float) -> tuple[int, int, 
     return int(rows[high - 1]), int(rows[high]), float((low - here) / (low - above))
 
 
-def _with_halfway(library: Library, rows: Rows) -> Library:
-    """Also the worlds halfway in compliance between those of the rows, which differ in it alone, from stiff to soft."""
+def _halfway(library: Library, rows: Rows) -> Library:
+    """The worlds halfway in compliance between those of the rows, which differ in it alone, from stiff to soft."""
     compliance = 1 / library.stiffness_n_per_mm[rows]
     halfway = (compliance[1:] + compliance[:-1]) / 2
     spline = Spline(_softness(compliance))
     weights = np.array([spline.weights(at) for at in _softness(halfway).tolist()])
     every = np.broadcast_to(rows, weights.shape)
-    return library.beside(_mixed(library, every, weights, stiffness_n_per_mm=1 / halfway))
+    return _mixed(library, every, weights, stiffness_n_per_mm=1 / halfway)
 
 
 def _softness(compliance: Array) -> Array:

@@ -86,7 +86,7 @@ stay below 1.6, those of specimens that are mixed up come to 3 to 30."""
 
 class Posterior:
     """Of all specimens. left_out : whose stiffness is taken as unknown. confidence : of its intervals. start : where
-    they are looked for, as ``mean`` of a posterior of the same presses.
+    they are looked for, as ``mean`` of a posterior of the same presses, with fewer frames perhaps.
 
     mean, covariance : of the n_label parameters of the sensor, ln kappa0, level, slope, ln kappa of each
     specimen, and where there is travel its level and ln k_t.
@@ -116,7 +116,8 @@ class Posterior:
         self._travelled = sensor.with_travel
         self._log_travel = 1.5 * np.log([presses[k].travel_mm_per_n or np.nan for k in self._travelled])
         self.n_label, self._variance = sensor.mean.size, {"force": 1.0, TRAVEL: 1.0}
-        self._solve(self._begun() if start is None else start)
+        begun = self._begun()  # forces may come with later frames
+        self._solve(begun if start is None or start.size != begun.size else start)
         said = {cue: part for cue, part in self._parts(self.mean).items() if cue in self._variance}
         for cue, (left, _, weight) in said.items():
             # what contradicts itself by more than is usual counts less, and does not widen what the pins say

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from casr.frame_files.growing import NewFrame
+from typing import TYPE_CHECKING
+
 from casr.page import wording
-from casr.scored import Score, Spread
-from casr.stream import StreamState
+
+if TYPE_CHECKING:
+    from casr.frame_files.growing import NewFrame
+    from casr.scored import Score, Spread
+    from casr.stream import StreamState
 
 
 def block(score: Score) -> str:

@@ -11,6 +11,7 @@ from casr.errors import FramesError, SettingError
 from casr.spread.curves import PowerLaw, fit_power_laws, force_slope
 from casr.spread.intervals import CONFIDENCE, normal_quantile, student_quantile
 
+Vector = NDArray[np.float64]
 Points = tuple[NDArray[np.float64], NDArray[np.float64], tuple[str, ...]]
 """Area (n,), force (n,) in N, and what was done to get there."""
 
@@ -147,6 +148,17 @@ def spread_rate(
     return _slope(loading_area, loading_force, f"{area_unit}/N", lost + dips)
 
 
+def spread_rates(areas: Vector, force_n: Vector, *, rule: str, window_n: tuple[float, float]) -> Vector:
+    """(P,) values of ``spread_rate`` of areas (P, T) over the same forces (T,); errors as there."""
+    if rule != "power":
+        return np.array([spread_rate(area, force_n, rule=rule, window_n=window_n).value for area in areas])
+    known = ~np.isnan(force_n)
+    area, force, _ = outside_dips(areas.T[known], force_n[known])
+    pressed = force > 0
+    _check_rises(force[pressed])
+    return fit_power_laws(area[pressed].T, force[pressed]).mean_rates(*window_n)
+
+
 def _power(
     area: NDArray[np.float64],
     force_n: NDArray[np.float64],
@@ -213,9 +225,6 @@ def _flat(force_n: NDArray[np.float64]) -> FramesError:
         "force of the loading phase", wanted="at least two frames with rising force", found=found,
         do="Score frames in which the force rises; check the force log.",
     )  # fmt: skip
-
-
-Vector = NDArray[np.float64]
 
 
 def _sum_of_quotients(area: Vector, force_n: Vector) -> tuple[float | None, tuple[str, ...]]:

@@ -100,6 +100,7 @@ class PinsEstimator:
         self._now: tuple[KnownSensor, float] | None = None
         self._labels: Labels | None = None
         self._told: ByPins | None = None
+        self._mean: Floats | None = None
 
     def judged(self, press: KappaPress) -> ByPins:
         """The press so far, of specimen ``NEW``. CasrError : its pins tell nothing."""
@@ -108,7 +109,8 @@ class PinsEstimator:
         if labels is self._labels and self._told:  # no frame that tells more: contacts beyond the tables
             return self._told
         sensor, self._labels = self._before.joined_by(labels), labels
-        posterior = Posterior(sensor, self._d, confidence=self._confidence)
+        posterior = Posterior(sensor, self._d, confidence=self._confidence, start=self._mean)
+        self._mean = posterior.mean
         best = Posterior(sensor.exact(-1), self._d, confidence=self._confidence, start=posterior.mean)
         self._now = sensor, posterior.chi2
         by_force = sensor.presses[-1].force_variance is not None
@@ -124,7 +126,7 @@ class PinsEstimator:
         """The press is over."""
         if self._now:
             self._before, self._chi2 = self._now
-        self._now = self._labels = self._told = None
+        self._now = self._labels = self._told = self._mean = None
 
     def _doubt(self, labels: Labels, chi2: float, freedom: int) -> str:
         if labels.misfit_px > MUCH_LEFT * self._usual_px:

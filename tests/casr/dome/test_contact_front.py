@@ -21,7 +21,6 @@ from casr.dome.library import SHIPPED, Library, worlds
 from casr.errors import CameraError, PinsError
 from casr.front_spread import FORCE_ZERO_SD_N, front_doubt, front_spread
 from casr.scoring import score
-from casr.spread import SpreadRate, spread_rate
 from emg2vsa.worlds.tactile import (
     TACTIP_127,
     ContactWorld,
@@ -85,10 +84,6 @@ def pressed(
 
 def front_of(press: Pressed, camera: Camera | None = CAMERA, library: Library | None = None) -> ContactFront:
     return contact_front(press.rest_px, press.pins_px, camera, library or worlds())
-
-
-def rate_of(area: Array, force: Array) -> SpreadRate:
-    return spread_rate(area, force, rule="power")
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -278,7 +273,7 @@ def test_the_rate_has_a_total_interval_and_its_parts() -> None:
     front = front_of(press)
     assert front_doubt(front, press.pins_px, CAMERA) == ""
     assert tuple(front.parts) == PARTS
-    spread = front_spread(front, press.skin_log_growth, press.force_n, rate_of, 0.001)
+    spread = front_spread(front, press.skin_log_growth, press.force_n, 0.001)
     assert tuple(spread.interval.parts) == OF_RATE
     assert spread.interval.left_out
     assert spread.interval.low < press.casr < spread.interval.high
@@ -295,20 +290,20 @@ def test_a_resting_level_that_nobody_measured_counts_for_more() -> None:
     press = pressed(TabulatedWorld(), 5.32)
     front = front_of(press)
     exact, measured, unknown = (
-        front_spread(front, press.skin_log_growth, press.force_n, rate_of, sd_n) for sd_n in (0.0, 0.005, None)
+        front_spread(front, press.skin_log_growth, press.force_n, sd_n) for sd_n in (0.0, 0.005, None)
     )
     parts = [each.interval.parts["force zero"] for each in (exact, measured, unknown) if each.interval]
     assert parts[0] == 0
     assert 0 < parts[1] < parts[2]
-    told = front_spread(front, press.skin_log_growth, press.force_n, rate_of, FORCE_ZERO_SD_N)
+    told = front_spread(front, press.skin_log_growth, press.force_n, FORCE_ZERO_SD_N)
     assert told.interval.parts["force zero"] == parts[2]
 
 
 @pytest.mark.parametrize(("world", "skin_too"), [(TabulatedWorld(), False), (ContactWorld(), True)])
 def test_the_ratio_of_skin_to_front_tells_the_worlds_apart(world: World, skin_too: bool) -> None:
     press = pressed(world, 1.11)
-    ratio, low, high = front_spread(front_of(press), press.skin_log_growth, None, rate_of, None).skin_over_front
-    first = front_spread(front_of(press), press.skin_log_growth, None, rate_of, None).first
+    ratio, low, high = front_spread(front_of(press), press.skin_log_growth, None, None).skin_over_front
+    first = front_spread(front_of(press), press.skin_log_growth, None, None).first
     true = np.exp(press.skin_log_growth[first:].sum()) * press.area_mm2[first] / press.area_mm2[-1]
     assert low < true < high
     assert low < ratio < high
@@ -325,7 +320,7 @@ def test_the_error_of_the_ratio_holds_what_the_length_of_the_pins_changes_over_t
         lengths[-1] = last
         even = replace(front, parts=still | {"pin length": lengths}, candidates=front.area[None],
                        weight=np.ones(1), spread_weight=np.ones(1))  # fmt: skip
-        ratio, _, high = front_spread(even, np.zeros(len(front.area) - 1), None, rate_of, None).skin_over_front
+        ratio, _, high = front_spread(even, np.zeros(len(front.area) - 1), None, None).skin_over_front
         reach.append(np.log(high / ratio) / 1.959964)
     assert reach[1] == pytest.approx(reach[0])
     assert reach[2] == pytest.approx(np.hypot(reach[0], 0.2))
@@ -388,7 +383,7 @@ def test_frames_that_come_one_by_one_have_the_front_of_all_at_once() -> None:
 
 def test_without_forces_there_is_a_ratio_and_no_rate() -> None:
     press = pressed(TabulatedWorld())
-    spread = front_spread(front_of(press), press.skin_log_growth, None, rate_of, None)
+    spread = front_spread(front_of(press), press.skin_log_growth, None, None)
     assert (spread.rate, spread.interval) == (None, None)
     assert np.isnan(spread.first_n)
 

@@ -1,0 +1,162 @@
+"""What a press costs: to score it, and to judge it frame by frame while the finger presses.
+
+Presses of the emulated rig, as the how-to of unknown objects makes them. CPU time only: whole processes as the system
+counts them, and within one process. Beside another revision, whose checkout is given, each measurement is made of both
+in turn, so that whatever else the computer does meets both alike.
+
+    python -m benchmarks.press_time --before CHECKOUT | python -m benchmarks.bench.record press_time
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+RUNS = ("S2_0_high-stiffness", "S4_0_high-stiffness", "S5_0_high-stiffness")
+CALIBRATION = "reports/bench/calibrations/high-stiffness_0.json"
+ROUNDS, SCORES = 7, 6
+CONTACT_N, HOLD_S = 0.5, 0.0125
+QUANTITIES = {
+    "command": "`casr score` of a press of {frames} loaded frames, whole process",
+    "warm": "the same in a process that has scored one before",
+    "frame": "a frame in contact, its answer, median",
+    "frame_p95": "the same, 95 %",
+    "settled": "what is left for the time between frames, median",
+    "settled_p95": "the same, 95 %",
+    "judged": "of that, a force at which kappa is told anew, median",
+    "fit": "kappa of all {presses} presses at once (`estimate_kappa`)",
+}
+
+
+def measured(root: Path) -> dict[str, float]:
+    """By the packages on this process's path; milliseconds of CPU, and counts."""
+    import cv2
+
+    from casr.frame_files import open_frames
+    from casr.frame_files.camera_file import read_camera
+    from casr.kappa.estimate import estimate_kappa
+    from casr.kappa.presses import KappaPress
+    from casr.scoring import score
+    from emg2vsa.calibration_file import open_calibration
+    from emg2vsa.rig.kappa.live_kappa import KappaPlan, LiveKappa
+
+    cv2.setNumThreads(1)
+    folders = [root / "runs-virtual" / name for name in RUNS]
+    camera, calibration = read_camera(folders[0] / "camera.toml"), open_calibration(root / CALIBRATION)
+    warm, frames, settled, judged, presses = [], [], [], [], []
+    for _ in range(SCORES):
+        sequence = open_frames(folders[-1] / "press-001")
+        start = time.process_time()
+        loaded = len(score(sequence).frames)
+        warm.append(time.process_time() - start)
+    for folder in folders:
+        kappa = LiveKappa(KappaPlan("known.json", calibration, camera, None))
+        for number, path in enumerate(sorted(folder.glob("press-*")), 1):
+            sequence = open_frames(path)
+            presses.append(KappaPress.of_score(score(sequence), specimen=folder.name[:2], mounting=folder.name))
+            read, told, until_s = sequence.readings, float("nan"), -np.inf
+            for index in range(len(sequence)):
+                image, time_s = np.asarray(sequence[index]), float(read.frame_time_s[index])
+                new = (read.time_s > until_s) & (read.time_s <= time_s + HOLD_S)
+                rows, until_s = list(zip(read.time_s[new], read.force_n[new], strict=True)), time_s + HOLD_S
+                start = time.process_time()
+                row = kappa.frame(number, time_s, image, rows)
+                answered = time.process_time()
+                kappa.settle()
+                end = time.process_time()
+                press = kappa._press
+                if row.force_n >= CONTACT_N and press is not None and press.goes_on:
+                    frames.append(answered - start)
+                    settled.append(end - answered)
+                    judged += [end - answered] if press.state.judged_at_n != told else []
+                    told = press.state.judged_at_n
+            kappa.press_over()
+    start = time.process_time()
+    estimate_kappa(presses, camera)
+    fit = time.process_time() - start
+    found = {
+        "warm": np.median(warm[1:]), "frame": np.median(frames), "frame_p95": np.percentile(frames, 95),
+        "settled": np.median(settled), "settled_p95": np.percentile(settled, 95), "judged": np.median(judged),
+        "fit": fit,
+    }  # fmt: skip
+    return {**{name: 1e3 * float(value) for name, value in found.items()}, "frames": loaded, "presses": len(presses)}
+
+
+def of(checkout: Path, root: Path) -> dict[str, float]:
+    """One round of a checkout, in processes of its own."""
+    given = {**os.environ, "PYTHONPATH": str(checkout), "PYTHONPYCACHEPREFIX": str(root / "bytecode")}
+    given.pop("PYTHONDONTWRITEBYTECODE", None)
+
+    def run(*words: str) -> str:
+        command = [sys.executable, *words]
+        return subprocess.run(command, cwd=root, env=given, check=True, capture_output=True, text=True).stdout
+
+    press = root / "runs-virtual" / RUNS[-1] / "press-001"
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    run("-m", "casr.cli", "score", str(press))
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    command = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    found: dict[str, float] = json.loads(run("-P", str(Path(__file__).resolve()), "--measure", str(root)))
+    return {"command": 1e3 * command, **found}
+
+
+def page(checkouts: dict[str, Path], root: Path) -> Iterator[str]:
+    """Markdown."""
+    for checkout in checkouts.values():  # so that bytecode is there
+        of(checkout, root)
+    rounds = [{name: of(checkout, root) for name, checkout in checkouts.items()} for _ in range(ROUNDS)]
+    names = list(checkouts)
+    yield "# What a press costs"
+    yield ""
+    turns = f", in which {' and '.join(names)} took turns; ratio: median of the rounds' ratios, and their range"
+    yield f"CPU time of one thread, ms: median of {ROUNDS} rounds{turns if len(names) > 1 else ''}."
+    yield "Presses of the emulated rig, 20 frames a second, 127 pins; on line those of three specimens, by presses"
+    yield "of three known ones."
+    yield ""
+    yield f"| what | {' | '.join(names)} |" + (" ratio | range |" if len(names) > 1 else "")
+    yield "|---|" + "---:|" * (len(names) + (2 if len(names) > 1 else 0))
+    for key, text in QUANTITIES.items():
+        values = {name: np.array([each[name][key] for each in rounds]) for name in names}
+        cells = [f"{np.median(value):.3g}" for value in values.values()]
+        if len(names) > 1:
+            ratio = values[names[1]] / values[names[0]]
+            cells += [f"{np.median(ratio):.2f}", f"{ratio.min():.2f} to {ratio.max():.2f}"]
+        counts: Any = {name: f"{rounds[0][names[-1]][name]:.0f}" for name in ("frames", "presses")}
+        yield f"| {text.format(**counts)} | {' | '.join(cells)} |"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--before", type=Path, help="checkout of another revision")
+    parser.add_argument("--measure", type=Path, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.measure:
+        print(json.dumps(measured(arguments.measure)))
+        return
+    from benchmarks.online_kappa import calibrated
+    from emg2vsa.cli import main as cli
+
+    now = {"now": Path(__file__).resolve().parents[1]}
+    checkouts = {"before": arguments.before.resolve(), **now} if arguments.before else now
+    with tempfile.TemporaryDirectory() as folder, open(os.devnull, "w") as nowhere:
+        root, out, sys.stdout = Path(folder), sys.stdout, nowhere
+        calibrated(1, root)
+        rig = ["rig", "run", str(root / "rig.toml"), "--virtual", "--jobs", "2"]
+        assert cli([*rig, "--specimen", "S2", "--specimen", "S4", "--repetitions", "2"]) == 0
+        sys.stdout = out
+        print("\n".join(page(checkouts, root)))
+
+
+if __name__ == "__main__":
+    main()
