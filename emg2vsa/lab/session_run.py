@@ -18,7 +18,7 @@ from emg2vsa.pipeline.registered import session_deviations
 from emg2vsa.pipeline.run_study import Progress
 from emg2vsa.session.desk import SessionDesk
 from emg2vsa.session.form import Form, is_answered, read_form, store_answers
-from emg2vsa.session.open_session import folder_of, open_session, settings_of
+from emg2vsa.session.open_session import folder_of, missed_visits, open_session, settings_of
 from emg2vsa.session.views import OperatorState
 from emg2vsa.study import Study
 from emg2vsa.worlds.people.pages import EmulatedOperator
@@ -197,7 +197,7 @@ class _Sitting:
                 makers,
                 resume=self.again,
                 at_once=at_once,
-                deviations=session_deviations(study, participant),
+                deviations=(*session_deviations(study, participant), *missed_visits(study, participant)),
             ) as desk,
         ):
             if person is not None:

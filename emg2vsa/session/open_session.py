@@ -75,6 +75,16 @@ def folder_of(study: Study, participant: str) -> Path:
     return session_folder(study.data, participant, study.task, study.visit)
 
 
+def missed_visits(study: Study, participant: str) -> tuple[str, ...]:
+    """A sentence where a visit before this one has not begun: the wrong one may have been named."""
+    earlier = study.visits[: study.visits.index(study.visit)] if study.visit else ()
+    missed = [one for one in earlier if not (folder_of(study.at_visit(one), participant) / PLAN_FILE).is_file()]
+    told = (
+        f"{participant} is at visit {study.visit}, but visit {', '.join(missed)} has not begun. Is this the right one?"
+    )
+    return (told,) if missed else ()
+
+
 def place_of(study: Study, participant: str) -> int:
     """Of the participant in a design, from 0: among those planned, unless an earlier visit has taken another one."""
     places = {visit: study.participants.index(participant) + i for i, visit in enumerate(study.visits or ("",))}
@@ -113,7 +123,8 @@ def open_session(
     """Devices started, folder and order made or found again, ready for `SessionDesk.run`.
 
     at_once : judge and write within the turn, for a clock that stands still meanwhile. When the block is left before
-    the session has ended, the session ends as interrupted. deviations : from a registered plan; the session tells them.
+    the session has ended, the session ends as interrupted. deviations : from a registered plan, or of visits; the
+    session tells them.
     SettingError, DataError, DeviceError : as `settings_of`, `new_session`, `resume_session`, and the devices.
     """
     settings = settings_of(study, participant)

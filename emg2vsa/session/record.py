@@ -161,7 +161,7 @@ def new_session(
         if (folder / PLAN_FILE).exists():
             raise DataError(
                 folder, wanted="a participant without a session of this task", found="a session of " + _about(folder),
-                do="Go on with it: --resume. Or give another participant's code.",
+                do="Go on with it: --resume. Or give another participant's code, or visit.",
             )  # fmt: skip
         try:
             write_bytes_atomic(folder / PLAN_FILE, plan_bytes(plan), on_disk=True, mode=PRIVATE)

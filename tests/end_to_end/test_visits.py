@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks.small_study import SIMULATED_SESSION, small_study
 from emg2vsa.cli import main
-from emg2vsa.session.open_session import place_of
+from emg2vsa.session.open_session import missed_visits, place_of
 from emg2vsa.session.plan import PLAN_FILE, read_plan
 from emg2vsa.session.record import session_folder
 from emg2vsa.study_file import load_study
@@ -90,6 +90,21 @@ def test_a_visit_is_named_where_there_are_several(study_file, capsys):
         assert said in capsys.readouterr().err
     assert main([*words, "--visit", "2"]) == 0
     assert "6/6" in capsys.readouterr().out
+
+
+def test_a_visit_before_another_one_is_told(study_file):
+    study = load_study(study_file).at_visit("2")
+    assert missed_visits(study, "P01") == ()
+    assert missed_visits(study.at_visit("1"), "P09") == ()
+    assert missed_visits(study, "P09") == (
+        "P09 is at visit 2, but visit 1 has not begun. Is this the right one?",
+    )  # fmt: skip
+
+
+def test_a_study_converted_keeps_its_visits(study_file, tmp_path):
+    assert main(["tools", "convert", str(study_file), "--out", str(tmp_path / "shared")]) == 0
+    made = sorted(path.name for path in (tmp_path / "shared" / "sub-P01").rglob("*.bdf"))
+    assert made == [f"sub-P01_ses-{v}_task-palpation_acq-{s}_emg.bdf" for v in VISITS for s in ("S1", "S3")]
 
 
 def test_a_place_in_a_design_stays_when_others_are_planned_before_it(study_file):

@@ -73,6 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa import session
     from emg2vsa.cli.progress import progress
     from emg2vsa.pipeline.registered import session_deviations
+    from emg2vsa.session.open_session import missed_visits
     from emg2vsa.study_file import load_study
 
     study, alone = load_study(arguments.study), arguments.no_page
@@ -95,8 +96,9 @@ def run(arguments: argparse.Namespace) -> int:
             say(f"Go on: emg2vsa session {words} --resume")
             say(f"Or write the recordings so far: emg2vsa session finish {words}")
 
-    for deviation in session_deviations(study, arguments.participant):
-        say(deviation)
+    at_visit, who = study.at_visit(arguments.visit), arguments.participant
+    for told in (*session_deviations(study, who), *missed_visits(at_visit, who)):
+        say(told)
     with web_pages("session"):
         end = (session.resume if arguments.resume else session.run)(
             study, arguments.participant, visit=arguments.visit, form=arguments.form,
