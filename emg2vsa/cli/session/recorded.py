@@ -39,7 +39,7 @@ REPLAYED = f"""
 
 
 def add_to(commands: Commands) -> None:
-    options = f"{STUDY}--participant CODE  a code of [participants]: P03\n"
+    options = f"{STUDY}--participant CODE  a code of [participants]: P03\n{JSON}"
     add_command(commands, "form", form, FORM_SUMMARY, FORM, options, participant=REQUIRED)
     add_command(commands, "finish", finish, FINISH_SUMMARY, FINISH, f"{STUDY}{PARTICIPANT}{JSON}", participant=REQUIRED)
     add_command(commands, "replay", replay, REPLAY_SUMMARY, REPLAY, REPLAYED, {"N": int})
@@ -55,7 +55,8 @@ def form(arguments: argparse.Namespace) -> int:
     if not asked:
         do = "Add one: docs/reference/study-file.md lists its keys."
         raise SettingError(study.path, wanted="a table [session.form]", found="none", do=do)
-    print(blank_form(asked, arguments.participant), end="")
+    text = blank_form(asked, arguments.participant)
+    answer(arguments.json, {"participant": arguments.participant, "form": text}, text.splitlines())
     return 0
 
 
