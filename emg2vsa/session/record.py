@@ -194,7 +194,7 @@ def resume_session(
 def saved(folder: Path, lines: int, trouble: str, safe: bool) -> str:
     """How much of a session is on the disk, in a sentence."""
     on_disk = "everything is on the disk" if safe else "the last events are being written"
-    return f"{folder}: {lines} events; {trouble or on_disk}."
+    return f"{folder}: {lines} events; {trouble.rstrip('.') or on_disk}."
 
 
 def session_folder(root: Path, participant: str, task: str, visit: str = "") -> Path:

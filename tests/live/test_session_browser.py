@@ -191,6 +191,16 @@ def test_a_tone_comes_with_start_and_stop_where_it_is_asked_for(browser, desk, s
     window.close()
 
 
+def test_a_square_for_a_photodiode_is_white_while_start_is_shown_where_the_address_asks_for_it(browser, desk, served):
+    window = browser.open(f"{served.addresses[1]}#light")
+    square = "getComputedStyle(document.body, '::after').backgroundColor"
+    window.until(f"{LOOK} === 'plain' && {square} === 'rgb(0, 0, 0)'")
+    desk.ask(Request("start"))
+    window.until(f"{LOOK} === 'start' && {square} === 'rgb(255, 255, 255)'")
+    window.until(f"{LOOK} === 'rise' && {square} === 'rgb(0, 0, 0)'")
+    window.close()
+
+
 def test_nothing_on_the_participants_page_tells_the_specimen(windows):
     _, participant = windows
     everything = participant.value("document.documentElement.outerHTML + location.href + document.title")

@@ -56,7 +56,7 @@ class ShortDesk(StillPage):
 
     def force(self) -> ForceMessage:
         self.number += 1
-        return ForceMessage(self.number, 0.5, 1.25, "rising", "too fast", "press")
+        return ForceMessage(self.number, 0.5, 1.25, "rising", "too fast", "press", 0.25)
 
     def operator(self) -> tuple[int, object]:
         presses = (PressView(1, "S1", "main", 1, 1, "ok"),)
@@ -98,7 +98,7 @@ def test_pages_are_followed_over_http(door: tuple[Door, ShortDesk]) -> None:
     with FollowedPage(participant) as page, FollowedOperator(operator, placed.append) as asked:
         assert eventually(lambda: page.force().sequence > 1 and placed == ["S1"])
         assert page.participant() == STATE
-        assert page.force()[2:] == (1.25, "rising", "too fast", "press")
+        assert page.force()[2:] == (1.25, "rising", "too fast", "press", 0.25)
         desk.specimen = "S5"
         assert eventually(lambda: placed == ["S1", "S5"])
         assert (asked.operator()[1].specimen, asked.operator()[1].presses[0].verdict) == ("S5", "ok")

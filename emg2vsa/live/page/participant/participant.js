@@ -171,6 +171,7 @@ addEventListener("keydown", (event) => {
   if (!event.repeat) channel.postMessage(event.key);
 });
 
+document.body.classList.toggle("light", location.hash === "#light");
 listen();
 stayAwake();
 for (let turn = 0; turn < 5; turn++) setTimeout(askClock, 60 * turn);
