@@ -36,7 +36,9 @@ def goes_on(specimen: str) -> str:
 
 @dataclass(frozen=True)
 class Rules:
-    """What a state follows beside its journal: the study file. muscles : in the order of their columns."""
+    """What a state follows beside its journal: the study file. title : with the visit, where there are several.
+    muscles : in the order of their columns.
+    """
 
     title: str
     participant: str
@@ -49,7 +51,8 @@ class Rules:
         """Of a study with a table [session]."""
         muscles = tuple(study.recordings[0].channels.emg)
         assert study.session is not None
-        return cls(study.title or study.name, participant, study.session, muscles, study.fit.confidence)
+        title = f"{study.title or study.name}{study.visit and f', visit {study.visit}'}"
+        return cls(title, participant, study.session, muscles, study.fit.confidence)
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from benchmarks.small_study import SIMULATED_SESSION, small_study
+from emg2vsa import session
 from emg2vsa.cli import main
+from emg2vsa.errors import SettingError
 from emg2vsa.session.open_session import missed_visits, place_of
 from emg2vsa.session.plan import PLAN_FILE, read_plan
 from emg2vsa.session.record import session_folder
@@ -90,6 +93,20 @@ def test_a_visit_is_named_where_there_are_several(study_file, capsys):
         assert said in capsys.readouterr().err
     assert main([*words, "--visit", "2"]) == 0
     assert "6/6" in capsys.readouterr().out
+
+
+def test_the_operator_sees_which_visit_it_is(study_file):
+    study = load_study(study_file)
+    done = session.replay(study, session_folder(study.data, "P01", "press", "2"))
+    assert done.same
+    assert done.operator.study == "A small study, visit 2"
+
+
+def test_a_study_without_visits_takes_none(study_file):
+    study = replace(load_study(study_file), visits=())
+    assert study.at_visit(None) is study
+    with pytest.raises(SettingError, match=r"--visit 1: expected no visit.*Add visits = .* to \[recordings\]"):
+        study.at_visit("1")
 
 
 def test_a_visit_before_another_one_is_told(study_file):
