@@ -144,7 +144,7 @@ def fit_trials(
     if fit.max_bias:
         for i, reason in _doubts(reported, high_v - low_v, trials.bias, fit.max_bias).items():
             if verdicts[i] == "ok":
-                verdicts[i] = "doubtful"
+                verdicts[i] = "rejected" if trials.bias.largest[i] == "lost samples" else "doubtful"
                 reasons[i] = f"{reason}; {reasons[i]}" if reasons[i] else reason
     _apply(judgements, trials, fitted, verdicts, reasons)
     shown = {

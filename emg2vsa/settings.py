@@ -214,7 +214,8 @@ class FitSettings:
     max_b_error_ratio: NonNegative = 10.0
     "... and one whose interval is so many times wider than the median of its recording; 0: none is."
     max_bias: NonNegative = 0.1
-    "A press whose b is expected to be off by a larger share, or by more than its half width, is doubtful; 0: none is."
+    "A press whose b is expected to be off by a larger share, or by more than its half width, is doubtful, and "
+    "rejected where lost samples are the cause; 0: none is."
     confidence: Annotated[float, Gt(0), Le(0.9999)] = 0.95
     "Level of the intervals."
 

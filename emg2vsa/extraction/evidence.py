@@ -14,7 +14,7 @@ from emg2vsa.settings import WindowSettings
 from emg2vsa.signals.bias import BiasBudget
 from emg2vsa.signals.envelope import Smoother
 from emg2vsa.signals.force import ForceRecord
-from emg2vsa.signals.lag import Lag
+from emg2vsa.signals.lag import LARGEST_S, Lag
 from emg2vsa.signals.pairing import Clock, Instants
 from emg2vsa.signals.quality import RawQuality, falling_share, raw_qualities
 from emg2vsa.signals.segmentation import Presses
@@ -53,12 +53,13 @@ def record_qualities(record: EmgRecord, instants: Instants, envelope: Smoother) 
 
 
 def said_of_bias(
-    force: ForceRecord, bias: BiasBudget, told_above: float, lag: Lag, tense: float, window: WindowSettings
-) -> list[tuple[tuple[bool, str], ...]]:
+    force: ForceRecord, bias: BiasBudget, told_above: float, lag: Lag, left_s: Floats, tense: float,
+    window: WindowSettings,
+) -> list[tuple[tuple[bool, str], ...]]:  # fmt: skip
     """What makes b of each press other than the muscle's, and by how much; whether it rejects the press.
 
-    told_above : the share by which the rest level, if it was subtracted, must have raised b to be told. tense : how
-    many times louder a muscle is in its loudest rest than in its most silent.
+    left_s : (p,) lag of force in each press. told_above : the share by which the rest level, if it was subtracted, must
+    have raised b to be told. tense : how many times louder a muscle is in its loudest rest than in its most silent.
     """
     said: list[tuple[tuple[bool, str], ...]] = []
     implausible = window.implausible == "reject"
@@ -82,15 +83,16 @@ def said_of_bias(
             own.append(
                 (False, f"hum changes when the specimen is touched, which lowers b by about {-100 * humming[i]:.0f} %")
             )
-        if abs(lagging[i]) > TOLD_BIAS:
+        apart = implausible and bool(abs(left_s[i]) > LARGEST_S)
+        if abs(lagging[i]) > TOLD_BIAS or apart:
             size = f"about {100 * abs(lagging[i]):.0f} %" if abs(lagging[i]) < MOST_TOLD else "more than 20 %"
             way = f"{'raises' if lagging[i] > 0 else 'lowers'} b by {size}"
-            own.append((False, f"force follows EMG by {1e3 * lag.lag_s:.0f} ms, which {way}"))
+            own.append((apart, f"force follows EMG by {1e3 * left_s[i]:.0f} ms, which {way}"))
         if lag.differs and tense > TENSE:
             times = f"up to {tense:.2g} times as much as when they rest most"
             own.append((False, f"muscles are tense between presses, {times}"))
         if lag.differs:
-            own.append((False, lag.differs))
+            own.append((apart or (implausible and lag.between_s > LARGEST_S), lag.differs))
         said.append(tuple(own))
     return said
 

@@ -164,7 +164,7 @@ def extract_trials(
     remarks = remarks if rejects else (*filter(None, (implausible,)), *remarks)
     shifts_of_b += of_lag(lag, moved_s, stop_s, conditioned, instants, emg_clock, force_clock, force_n, levels_v)
     bias = BiasBudget.of(shifts_of_b, start_s.size)
-    biased = said_of_bias(conditioned, bias, told_above, lag, tense, window)
+    biased = said_of_bias(conditioned, bias, told_above, lag, lag.left_s(moved_s, stop_s), tense, window)
     loaded = said_of_overload(force, presses)
     shaken = said_of_movement(record.muscles, clean.moved, gone["contact artefact"], instants, record.fs_hz, bias)
     held = said_of_held(record.muscles, clean.gaps.held)

@@ -117,7 +117,7 @@ def of_lag(
         return line_change(x, read, x, true, level, instants.offsets)
 
     if lag.drift:
-        own_s = lag.lag_s - moved_s + lag.drift * (stop_s - stop_s.mean())
+        own_s = lag.left_s(moved_s, stop_s)
         largest_s = float(np.abs(own_s).max())
         a, b = change(largest_s)
         error_s = np.hypot(lag.about_drift_s, lag.feigned_s)

@@ -13,7 +13,7 @@ from emg2vsa.errors import DataError, SettingError
 from emg2vsa.session import journal
 from emg2vsa.session.bar_force import ZERO_S, BarForce, RecentForce
 from emg2vsa.session.journal import JOURNAL_FILE, Judged, Line, gaps, read_journal
-from emg2vsa.session.judge_feed import JUDGED_VALUES, SETTLE_S, how_judged, judged_from_s, sample_at, timed
+from emg2vsa.session.judge_feed import JUDGED_VALUES, SETTLE_S, how_judged, judged_from_s
 from emg2vsa.session.legal import Now, operator_state, participant_state
 from emg2vsa.session.live_press import StayJudged, judge_attempt
 from emg2vsa.session.open_session import kept_settings, settings_of
@@ -247,7 +247,7 @@ class _Replay:
             stream.hear(stop)
             columns = [stream.opened.channels.index(m) for m in rules.muscles] if name == "emg" else [0]
             self._judge.tell(Samples(name, first, stream.file.read(first, stop)[:, columns].astype(np.float32)))
-        self._judge.tell(JudgeStay({name: timed(self._streams[name].clock, *own) for name, own in samples.items()}))
+        self._judge.tell(JudgeStay({name: self._streams[name].clock.timing(*own) for name, own in samples.items()}))
         judged = self._judge.answer()
         assert isinstance(judged, StayJudged)
         assert tried.ended is not None
@@ -257,14 +257,12 @@ class _Replay:
         """What the judge was given, where the journal does not say it: by the times at which samples came."""
         asked_s = min(now_s, self._ended_s + SETTLE_S + TURN_S)
         stops = {name: _stop(own, asked_s) for name, own in self._streams.items()}
-        starts_s = {
-            name: own.hear(stops[name]).clock.timing(self._first[name], stops[name])
-            for name, own in self._streams.items()
-        }
+        clocks = {name: own.hear(stops[name]).clock for name, own in self._streams.items()}
         longest_s = JUDGED_VALUES / (len(self.state.rules.muscles) * self._streams["emg"].opened.fs_hz)
         presses = self.state.presses
-        from_s = judged_from_s(presses, tried.press.stay, starts_s["emg"][0], asked_s, longest_s)
-        return {name: (sample_at(self._first[name], *starts_s[name], from_s), stop) for name, stop in stops.items()}
+        from_s = judged_from_s(presses, tried.press.stay, clocks["emg"].time_s(self._first["emg"]), asked_s, longest_s)
+        firsts = {name: max(self._first[name], clocks[name].first_after(from_s, stop)) for name, stop in stops.items()}
+        return {name: (firsts[name], stop) for name, stop in stops.items()}
 
     def now(self, line: Line) -> Now:
         """The state at the time of a line, with what the samples say that had come by then."""

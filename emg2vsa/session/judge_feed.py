@@ -10,9 +10,8 @@ from emg2vsa.session.live_press import HowJudged, StayJudged
 from emg2vsa.session.press_cycle import LIFTED_S
 from emg2vsa.session.presses import Presses, Tried
 from emg2vsa.session.recorded_stream import Arrived, RecordedStream
-from emg2vsa.session.sample_clock import SampleClock
 from emg2vsa.session.state import SessionState
-from emg2vsa.session.stay_judge import Begin, Judge, JudgeStay, MeasureSignals, Samples, Timing
+from emg2vsa.session.stay_judge import Begin, Judge, JudgeStay, MeasureSignals, Samples
 from emg2vsa.session.views import SignalView
 from emg2vsa.study import Study
 
@@ -55,16 +54,6 @@ def judged_from_s(presses: Presses, stay: int, begun_s: float, now_s: float, lon
         return from_s
     before = ends[:-1]
     return max(from_s, next((end_s for end_s in before if now_s - end_s <= longest_s), max(before, default=0.0)))
-
-
-def sample_at(first: int, start_s: float, fs_hz: float, from_s: float) -> int:
-    """Number of the sample at ``from_s``, where sample ``first`` was at ``start_s``; not before that one."""
-    return first + (max(0, round((from_s - start_s) * fs_hz)) if from_s else 0)
-
-
-def timed(clock: SampleClock, first: int, stop: int) -> Timing:
-    """When samples were, by their clock as it is now."""
-    return Timing(first, *clock.timing(first, stop))
 
 
 class JudgeFeed:
@@ -138,15 +127,15 @@ class JudgeFeed:
         self._flush_all()
         stops = {own.name: own.next_index for own in self._streams}
         emg = self._streams[0]
-        starts_s = {own.name: own.clock.timing(self._first[own.name], stops[own.name]) for own in self._streams}
         longest_s = JUDGED_VALUES / (len(self._columns) * emg.info.fs_hz)
-        from_s = judged_from_s(presses, stay, starts_s[emg.name][0], now_s, longest_s)
+        from_s = judged_from_s(presses, stay, emg.clock.time_s(self._first[emg.name]), now_s, longest_s)
         self.samples = {
-            name: (sample_at(self._first[name], *starts_s[name], from_s), stop) for name, stop in stops.items()
+            own.name: (max(self._first[own.name], own.clock.first_after(from_s, stops[own.name])), stops[own.name])
+            for own in self._streams
         }
         self._asked_of, self.asked = to_judge(presses, stay), "stay"
         clocks = {own.name: own.clock for own in self._streams}
-        self._judge.tell(JudgeStay({name: timed(clocks[name], *own) for name, own in self.samples.items()}))
+        self._judge.tell(JudgeStay({name: clocks[name].timing(*own) for name, own in self.samples.items()}))
 
     def _ask_signals(self, step: str, first: int) -> None:
         """About all that has been measured so far."""

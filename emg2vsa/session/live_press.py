@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa.arrays import bridge_gaps
 from emg2vsa.errors import Emg2vsaError
@@ -89,10 +90,12 @@ def judge_stay(
     except Emg2vsaError as error:
         return StayJudged(failed=str(error))
     usable = np.isfinite(fits.b_v) & (fits.verdict != "rejected")
+    lost = (fits.cause == "lost samples") & (fits.verdict == "rejected")
+    verdicts = np.where(lost, "rejected", trials.verdict)
     presses = tuple(
         FoundPress(*row)
         for row in zip(
-            trials.start_s.tolist(), trials.stop_s.tolist(), trials.verdict.tolist(), _told(trials, fits),
+            trials.start_s.tolist(), trials.stop_s.tolist(), verdicts.tolist(), _told(trials, fits, lost),
             trials.peak_force_n.tolist(), fits.a_v.tolist(), fits.b_v.tolist(), usable.tolist(),
             (_loose(emg, *span) for span in zip(trials.start_s.tolist(), trials.stop_s.tolist(), strict=True)),
             strict=True,
@@ -102,9 +105,9 @@ def judge_stay(
     return StayJudged(presses, tuple(remarks))
 
 
-def _told(trials: Trials, fits: Fits) -> list[str]:
-    """Reasons of each press; of a doubtful one also why it is."""
-    doubtful = fits.verdict == "doubtful"
+def _told(trials: Trials, fits: Fits, lost: NDArray[np.bool_]) -> list[str]:
+    """Reasons of each press; of a doubtful one, and of one that misses too many samples, also why it is."""
+    doubtful = (fits.verdict == "doubtful") | lost
     return [fits.reason[i] if doubtful[i] else reason for i, reason in enumerate(trials.reasons)]
 
 
@@ -208,7 +211,7 @@ def _of_speed(found: FoundPress | None, settings: SessionSettings, window: Windo
 def _around(around: PressEnded, settings: SessionSettings) -> _Said:
     warns, rejects = settings.limits.lost_share
     if around.lost_share > warns:
-        do = "check cables and the wireless link"
+        do = "shorten the distance to the radio and free its channel; check cables"
         yield around.lost_share > rejects, (f"{100 * around.lost_share:.2g} % of the samples are lost", do)
     if around.hidden:
         yield True, ("the participant's page was hidden", "bring the page to the front, full screen, then repeat")

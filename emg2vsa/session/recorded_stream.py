@@ -109,7 +109,7 @@ class RecordedStream:
         """A line of the journal with the clock as it is fitted now."""
         if self.next_index == 0 or self.lost_why:
             return
-        start_s, fs_hz = self.clock.timing(0, self.next_index)
+        _, start_s, fs_hz, _ = self.clock.timing(0, self.next_index)
         self._record.append(ClockFitted(self.name, start_s, fs_hz, self.clock.report().se_s or 0.0, self.next_index))
 
     def view(self, now_s: float) -> DeviceView:

@@ -5,6 +5,10 @@ arrives later by buffers, bursts and a busy computer; so the line below all arri
 samples (their lower envelope) is the device's clock. Of all such lines the one with the smallest sum of distances is
 taken: it is that edge of the convex hull which lies below the mean (Moon, Skelly and Towsley, INFOCOM 1999).
 
+A radio loses frames, and a crystal errs by 100 ppm. So the stated rate is held: arrivals that are late and stay late
+are a step, one or several frames that never came. A stated rate that is wrong shows no steps: all arrivals lie on one
+line of another slope.
+
 A stamp of the device itself (LSL) may be early as well as late. For these the line goes through the middle: medians of
 0.1 s, and the median of the slopes between them (Theil, 1950; Sen, JASA 1968).
 """
@@ -12,10 +16,9 @@ A stamp of the device itself (LSL) may be early as well as late. For these the l
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections import deque
-from dataclasses import dataclass
-from typing import NamedTuple, overload
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,18 +33,35 @@ RATE_OFF = 0.005
 "A measured rate that differs by so much from the stated one is told."
 LATE_S = 0.008
 "Arrivals so far above the line are late: a busy computer, or samples that were lost (a Trigno frame is 13.5 ms)."
+STEADY = 1 / 3
+"A rate is steady where no span, and not half of the stream, leaves its line by this share of what can be lost at once."
 SCATTERS = 4
 "Nor is an arrival late that lies so many times nearer to the line than the earliest arrivals of a second usually do."
 OFF_S = 0.002
 "The same for stamps, and for either side of the line."
 STEP_S, STEP_BLOCKS = 1.0, 5
 "Arrivals that are late for so long (longer where they scatter), and in so many blocks, tell that samples were lost."
+LOWER = 0.25
+"Where samples were lost the line goes through this share of the earliest arrivals of each second."
 SECONDS = 60
 "The scatter is that of the latest so many seconds."
 SPANS = 8
 "A device whose rate changes leaves the line in whole spans of the stream."
 GAP_S = 0.05
 "A longer time without an arrival is a gap."
+
+
+class Timing(NamedTuple):
+    """When the samples of a stream were measured, from number ``first`` on.
+
+    start_s : time of the first on the session's clock. fs_hz : rate by that clock. lost : (number of a sample, samples
+    that never came before it) in order; the samples and those that never came follow one another at this rate.
+    """
+
+    first: int
+    start_s: float
+    fs_hz: float
+    lost: tuple[tuple[int, int], ...] = ()
 
 
 class ClockReport(NamedTuple):
@@ -80,24 +100,26 @@ class SampleClock:
         self._delay_s, self._quantum, self._stamped = delay_s, quantum, stamped
         self._bin = BIN_S * fs_hz
         self._xs: list[float] = []
-        "Place of the earliest arrival of each bin: index of the sample and those missing before it."
+        "Number of the sample that arrived earliest in each bin."
         self._ys: list[float] = []
         self._weights: list[int] = []
         "Of stamps a bin holds the mean: of so many."
         self._group: list[tuple[float, float]] = []
         "Stamps of the bin that is not yet full."
         self._seconds: deque[tuple[float, float]] = deque(maxlen=SECONDS)
-        "Earliest arrival of each second, by the time less the line's slope; late ones too."
+        "Sample and arrival of the earliest of each second, by the time less the line's slope; late ones too."
         self._late_s = OFF_S if stamped else LATE_S
         self._before_s = -math.inf
         "Level of the line by the arrivals before the last loss."
         self._fitted = 3
         "Bins there were when the line was laid."
         self._learnt = False
-        self._late: _Late | None = None
-        self._steps: list[tuple[int, int]] = []
-        "(first sample after a loss, samples missing there), oldest first."
-        self._missing = 0
+        self._late: list[_Late] = []
+        "Late blocks in a row: of a computer that was busy, whose next blocks come in time, or the first after a loss."
+        self._starts: list[int] = []
+        "First sample after each loss, oldest first, ..."
+        self._gone = [0]
+        "... and the samples missing before the first loss, the second, and so on."
         self._slope = 1 / fs_hz
         self._level_s: float | None = None
         self._slope_se: float | None = None
@@ -118,7 +140,8 @@ class SampleClock:
         self._arrived_s = arrived_s
         last = first + n - 1
         if not self._stamped:
-            self._place(first, last, arrived_s)
+            self._note_second(last, arrived_s)
+            self._place(_Late(first, last, arrived_s))
             return
         if self._level_s is None:
             self._level_s = arrived_s - self._slope * last
@@ -133,22 +156,21 @@ class SampleClock:
     def time_s(self, index: int | NDArray[np.int64]) -> float | NDArray[np.float64]:
         """When samples were measured, s on the session's clock; NaN before the first block."""
         level_s = math.nan if self._level_s is None else self._level_s - self._delay_s
-        if isinstance(index, np.ndarray):
-            starts = [start for start, _ in self._steps]
-            missing = np.cumsum([0] + [lost for _, lost in self._steps])[np.searchsorted(starts, index, side="right")]
-            return np.asarray(level_s + self._slope * (index + missing), dtype=np.float64)
-        passed = bisect_right(self._steps, index, key=lambda step: step[0])
-        return level_s + self._slope * (index + sum(lost for _, lost in self._steps[:passed]))
+        return level_s + self._slope * self._place_of(index)
 
-    def timing(self, first: int, stop: int) -> tuple[float, float]:
-        """Time of a sample, and the rate from it to sample ``stop``, which is the next to come."""
-        last = max(stop - 1, first + 1)
-        start_s, stop_s = (float(time) for time in self.time_s(np.array([first, last], dtype=np.int64)))
-        return start_s, (last - first) / (stop_s - start_s)
+    def first_after(self, time_s: float, stop: int) -> int:
+        """Number of the first sample not before a time; ``stop`` where it is not among those before."""
+        return bisect_left(range(stop), time_s, key=self.time_s)
+
+    def timing(self, first: int, stop: int) -> Timing:
+        """Of the samples from ``first`` to the one before ``stop``."""
+        lost = zip(self._starts, np.diff(self._gone).tolist(), strict=True)
+        inside = tuple((start, n) for start, n in lost if first < start < stop)
+        return Timing(first, self.time_s(first), 1 / self._slope, inside)
 
     def report(self) -> ClockReport:
         """So far."""
-        counts = (self._missing, self._gaps, self._longest_s)
+        counts = (self._gone[-1], self._gaps, self._longest_s)
         if self._measured is None or self._slope_se is None:
             return ClockReport(None, None, None, *counts)
         rate_hz = 1 / self._measured
@@ -164,10 +186,10 @@ class SampleClock:
                     f"The device states {self.fs_hz:.2f} samples a second and sends {1 / self._measured:.2f} "
                     f"({100 * off:+.1f} %)."
                 )
-        if self._missing:
+        if missing := self._gone[-1]:
             told.append(
-                f"About {self._missing} samples ({self._missing / self.fs_hz:.3f} s) never came, and the device did "
-                "not say so."
+                f"About {missing} samples ({missing / self.fs_hz:.3f} s) never came, and the device did not say so: "
+                "shorten the distance to its radio."
             )
         return tuple(told)
 
@@ -177,112 +199,123 @@ class SampleClock:
         self._group = []
         z = places[:, 1] - places[:, 0] / self.fs_hz
         place = float(np.median(places[:, 0]))
-        self._place(int(places[0, 0]), place, float(np.median(z)) + place / self.fs_hz)
+        self._place(_Late(int(places[0, 0]), place, float(np.median(z)) + place / self.fs_hz))
 
-    def _place(self, first: int, last: float, arrived_s: float) -> None:
-        late_s = 0.0 if self._level_s is None else arrived_s - self._level_s - self._slope * (last + self._missing)
-        if self._learnt and not self._stamped:
-            self._note_second(last + self._missing, arrived_s)
-        if self._steps and self._is_early(last, arrived_s, late_s):
+    @overload
+    def _place_of(self, index: float) -> float: ...
+    @overload
+    def _place_of(self, index: NDArray[np.int64] | NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def _place_of(self, index: float | NDArray[Any]) -> float | NDArray[np.float64]:
+        """Number of a sample, those that never came before it counted."""
+        if isinstance(index, np.ndarray):
+            passed = np.searchsorted(self._starts, index, side="right")
+            return np.asarray(index + np.array(self._gone)[passed], dtype=np.float64)
+        return index + self._gone[bisect_right(self._starts, index)]
+
+    def _late_s_of(self, last: float, arrived_s: float) -> float:
+        return 0.0 if self._level_s is None else arrived_s - self._level_s - self._slope * self._place_of(last)
+
+    def _place(self, block: _Late) -> None:
+        _, last, arrived_s = block
+        late_s = self._late_s_of(last, arrived_s)
+        if self._starts and self._is_early(last, arrived_s, late_s):
             self._take_back()
-            self._place(first, last, arrived_s)
-            return
-        if self._learnt and (late_s > self._late_s or (self._stamped and late_s < -self._late_s)):
-            self._wait(first, last, arrived_s, late_s)
-            return
-        self._late = None
-        self._keep(last + self._missing, arrived_s)
+            self._place(block)
+        elif self._learnt and (late_s > self._late_s or (self._stamped and late_s < -self._late_s)):
+            self._wait(block, late_s)
+        else:
+            self._late = []
+            self._keep(last, arrived_s)
 
-    def _note_second(self, place: float, arrived_s: float) -> None:
+    def _note_second(self, last: float, arrived_s: float) -> None:
         """The earliest arrival of each second, late or not: their scatter says what late is."""
-        second = place // self.fs_hz
+        if not self._learnt:
+            return
+        second = last // self.fs_hz
         if not self._seconds or self._seconds[-1][0] // self.fs_hz != second:
-            self._seconds.append((place, arrived_s))
+            self._seconds.append((last, arrived_s))
             self._set_late()
-        elif arrived_s - self._seconds[-1][1] < self._slope * (place - self._seconds[-1][0]):
-            self._seconds[-1] = place, arrived_s
+        elif self._late_s_of(last, arrived_s) < self._late_s_of(*self._seconds[-1]):
+            self._seconds[-1] = last, arrived_s
 
     def _set_late(self) -> None:
-        x, y = np.array(self._seconds).T
-        above_s = np.sort(y - self._slope * x) - (self._level_s or 0.0)
+        known_s = self._late[0].arrived_s if self._late else math.inf
+        "What is late since may come after a loss."
+        if not (known := [each for each in self._seconds if each[1] < known_s]):
+            return
+        x, y = np.array(known).T
+        above_s = np.sort(y - self._slope * self._place_of(x)) - (self._level_s or 0.0)
         # of few seconds most may come after a loss
         typical_s = float(above_s[len(x) // (2 if len(x) > 10 else 4)])
         self._late_s = max(LATE_S, SCATTERS * typical_s)
 
     def _is_early(self, last: float, arrived_s: float, late_s: float) -> bool:
         """Did a block come sooner than it can have after the last loss? Half a loss is the limit."""
-        lost_s = self._slope * self._steps[-1][1]
         if self._stamped:
             return False
-        undone_s = arrived_s - self._before_s - self._slope * (last + self._missing - self._steps[-1][1])
-        return late_s < -self._late_s or undone_s < lost_s / 2
+        lost = self._gone[-1] - self._gone[-2]
+        undone_s = arrived_s - self._before_s - self._slope * (self._place_of(last) - lost)
+        return late_s < -self._late_s or undone_s < self._slope * lost / 2
 
-    def _wait(self, first: int, last: float, arrived_s: float, late_s: float) -> None:
-        """A late block: of a computer that was busy, whose next blocks come in time, or the first after a loss."""
-        late = self._late
-        if late is None or (late.off[0] > 0) != (late_s > 0):
-            late = self._late = _Late(first, arrived_s, [], [])
-        if not self._stamped and late.off and late_s >= late.off[0]:
-            late.blocks += 1
-        elif self._stamped:
-            late.blocks += 1
-            late.off.append(late_s)
-            late.at.append((last, arrived_s))
-        else:
-            late.blocks += 1
-            late.off, late.at = [late_s], [(last, arrived_s)]
+    def _wait(self, block: _Late, late_s: float) -> None:
+        """A late block: when all have been late for long enough, so much was lost before the first of them."""
+        if self._stamped and self._late and (self._late_s_of(*self._late[-1][1:]) > 0) != (late_s > 0):
+            self._late = []
+        self._late.append(block)
         wait_s = STEP_S if self._stamped else STEP_S * self._late_s / LATE_S
-        if arrived_s - late.since_s <= wait_s or late.blocks < STEP_BLOCKS:
+        if block.arrived_s - self._late[0].arrived_s <= wait_s or len(self._late) < STEP_BLOCKS:
             return
-        lost = self._quantum * round(float(np.median(late.off)) / self._slope / self._quantum)
-        self._late = None
+        waited, self._late = self._late, []
+        off_s = [self._late_s_of(*each[1:]) for each in waited]
+        least_s = float(np.median(off_s)) if self._stamped else min(off_s)
+        lost = self._quantum * round(least_s / self._slope / self._quantum)
         if lost > 0:
-            gone = late.first + self._missing
-            self._seconds = deque(((x + lost if x >= gone else x, y) for x, y in self._seconds), maxlen=SECONDS)
-            self._steps.append((late.first, lost))
-            self._missing += lost
+            self._starts.append(waited[0].first)
+            self._gone.append(self._gone[-1] + lost)
             self._set_before()
-        elif lost < 0 and self._steps:
+        elif lost < 0 and self._starts:
             self._take_back()
-        for place, at_s in late.at:
-            self._keep(place + self._missing, at_s)
+        else:
+            for each in waited if self._stamped else [waited[int(np.argmin(off_s))]]:
+                self._keep(*each[1:])
+            return
+        early = np.array(off_s) < self._slope * lost
+        many = np.count_nonzero(early) >= STEP_BLOCKS  # few blocks between two losses do not lower the line
+        for each, own in zip(waited, early.tolist(), strict=True):
+            if many or not own:
+                self._place(each)
 
     def _set_before(self) -> None:
         """Level of the line by the arrivals before the last loss."""
         self._before_s = -math.inf
-        if self._steps:
-            end = self._steps[-1][0] + self._missing
-            levels = [y - self._slope * x for x, y in zip(self._xs, self._ys, strict=True) if x < end]
+        if self._starts:
+            kept = zip(self._xs, self._ys, strict=True)
+            levels = [y - self._slope * self._place_of(x) for x, y in kept if x < self._starts[-1]]
             self._before_s = min(levels, default=-math.inf)
 
     def _take_back(self) -> None:
         """Arrivals are early by the line after a step: it was no loss, the way was longer for a time."""
-        start, lost = self._steps.pop()
-        place = start + self._missing
-        self._missing -= lost
-        self._xs = [x - lost if x >= place else x for x in self._xs]
-        self._seconds = deque(((x - lost if x >= place else x, y) for x, y in self._seconds), maxlen=SECONDS)
-        self._late = None
+        self._starts.pop()
+        self._gone.pop()
+        self._late = []
         self._fit()
 
-    def _keep(self, place: float, arrived_s: float) -> None:
-        if self._xs and self._xs[-1] // self._bin == place // self._bin:
+    def _keep(self, last: float, arrived_s: float) -> None:
+        if self._xs and self._xs[-1] // self._bin == last // self._bin:
             if self._stamped:
-                self._merge(self._xs, self._ys, self._weights, place, arrived_s, 1)
-                return
-            if arrived_s - self._ys[-1] >= self._slope * (place - self._xs[-1]):
-                return
-            self._xs[-1], self._ys[-1] = place, arrived_s
+                self._merge(self._xs, self._ys, self._weights, last, arrived_s, 1)
+            elif self._late_s_of(last, arrived_s) < self._late_s_of(self._xs[-1], self._ys[-1]):
+                self._xs[-1], self._ys[-1] = last, arrived_s
         else:
             if len(self._xs) >= MOST_BINS:
                 self._thin()
             if len(self._xs) >= 1.02 * self._fitted:
                 self._fit()
-            self._xs.append(place)
+            self._xs.append(last)
             self._ys.append(arrived_s)
             self._weights.append(1)
-        level_s = arrived_s - self._slope * place
-        if not self._stamped:
+        if not self._stamped and (self._slope_se is None or not self._starts):
+            level_s = arrived_s - self._slope * self._place_of(last)
             self._level_s = level_s if self._level_s is None else min(self._level_s, level_s)
 
     @staticmethod
@@ -304,7 +337,7 @@ class SampleClock:
                 weights.append(weight)
             elif self._stamped:
                 self._merge(xs, ys, weights, x, y, weight)
-            elif y - ys[-1] < self._slope * (x - xs[-1]):
+            elif self._late_s_of(x, y) < self._late_s_of(xs[-1], ys[-1]):
                 xs[-1], ys[-1] = x, y
         self._xs, self._ys, self._weights = xs, ys, weights
         self._fitted = 0
@@ -312,34 +345,57 @@ class SampleClock:
     def _fit(self) -> None:
         """Slope and level of the line below the bins, or through the middle of stamps."""
         nominal = 1 / self.fs_hz
-        x = np.array(self._xs)
-        z = np.array(self._ys) - nominal * x
-        self._fitted = len(x)
-        if len(x) > 1 and (x[-1] - x[0]) * nominal >= LEARN_S:
-            slope = _slope_amid(x, z) if self._stamped else _slope_below(x, z)
-            above = z - slope * x
-            above -= np.median(above) if self._stamped else above.min()
-            above_s = float(np.median(np.abs(above)))
-            slope_se = above_s / (math.sqrt(len(x)) * float(x.std()))
-            believed = CRYSTAL * nominal
-            likely = slope
-            if abs(slope) <= 4 * math.hypot(believed, slope_se):
-                likely *= believed**2 / (believed**2 + slope_se**2)
+        self._fitted = len(self._xs)
+        numbers, y = self._points()
+        if len(numbers) > 1 and (numbers[-1] - numbers[0]) * nominal >= LEARN_S:
+            line = self._line(self._place_of(numbers), y)
+            if self._starts:
+                without = self._line(numbers, y)
+                if without.is_steady and not without.is_stated:  # what was counted as losses is a wrong rate
+                    line, self._starts, self._gone = without, [], [0]
+            held = not (line.is_steady or line.is_stated)
+            slope = self._slope if held else nominal + line.likely
             if not self._learnt:
-                self._learn(nominal if _is_step(x, z, slope, nominal) else nominal + likely)
+                self._learn(slope)
                 return
-            self._slope, self._measured, self._slope_se = nominal + likely, nominal + slope, slope_se
-            spans = [each for each in np.array_split(above, SPANS) if len(each)]
-            if self._stamped:
-                off_s = max(abs(float(np.median(each))) for each in spans)
-                self._se_s = math.hypot(2 * above_s / math.sqrt(len(x)), off_s)
-                if self._bin == BIN_S * self.fs_hz:  # longer bins are means, which scatter less than what comes
-                    self._late_s = max(OFF_S, 8 * above_s)
-            else:
-                self._se_s = math.hypot(above_s, max(float(each.min()) for each in spans))
-        levels = z - (self._slope - nominal) * x
-        self._level_s = float(np.median(levels) if self._stamped else levels.min())
+            self._slope, self._slope_se, self._se_s = slope, line.slope_se, line.se_s
+            self._measured = slope if held else nominal + line.slope
+            if self._stamped and self._bin == BIN_S * self.fs_hz:  # longer bins are means, which scatter less
+                self._late_s = max(OFF_S, 8 * line.above_s)
+        self._level_s = self._level(y - self._slope * self._place_of(numbers))
         self._set_before()
+
+    def _points(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Samples and arrivals that make the line: those of the bins; where samples were lost, of whole seconds."""
+        x, y = np.array(self._xs), np.array(self._ys)
+        seconds = not self._stamped and bool(self._starts)
+        size = max(1, min(round(self.fs_hz / self._bin), len(x) // SPANS)) if seconds else 1
+        above = y - self._slope * self._place_of(x)
+        starts = range(0, len(x), size)
+        rows = [start + int(np.argmin(above[start : start + size])) for start in starts]
+        return x[rows], y[rows]
+
+    def _level(self, levels: NDArray[np.float64]) -> float:
+        """Of the line, from those of its points. Stamps are early and late; where samples were lost few arrivals are
+        misplaced, and seem early."""
+        return float(np.quantile(levels, 0.5 if self._stamped else LOWER if self._starts else 0.0))
+
+    def _line(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> _Line:
+        """The line below all places (x ascending) and arrivals, or amid them."""
+        nominal = 1 / self.fs_hz
+        z = y - nominal * x
+        slope = _slope_amid(x, z) if self._stamped or self._starts else _slope_below(x, z)
+        above = z - slope * x
+        above -= self._level(above)
+        above_s = float(np.median(np.abs(above)))
+        slope_se = above_s / (math.sqrt(len(x)) * float(x.std()))
+        off_s = max(abs(self._level(each)) for each in np.array_split(above, SPANS) if len(each))
+        se_s = math.hypot(2 * above_s / math.sqrt(len(x)) if self._stamped else above_s, off_s)
+        believed = CRYSTAL * nominal
+        is_stated = abs(slope) <= 4 * math.hypot(believed, slope_se)
+        likely = slope * believed**2 / (believed**2 + slope_se**2) if is_stated else slope
+        is_steady = max(off_s, above_s) < STEADY * max(self._quantum * nominal, LATE_S)
+        return _Line(slope, likely, slope_se, above_s, se_s, is_stated, is_steady)
 
     def _learn(self, slope: float) -> None:
         """The rate is known well enough to tell late arrivals, which the first seconds may have had as well."""
@@ -347,21 +403,34 @@ class SampleClock:
         arrivals = list(zip(self._xs, self._ys, strict=True))
         self._xs, self._ys, self._weights, self._fitted = [], [], [], max(3, len(arrivals) // 2)
         self._slope, self._level_s = slope, None
-        for place, arrived_s in arrivals:
-            self._place(round(place), place, arrived_s)
+        for last, arrived_s in arrivals:
+            if not self._stamped:
+                self._note_second(last, arrived_s)
+            self._place(_Late(round(last), last, arrived_s))
 
 
-@dataclass
-class _Late:
-    """Late blocks in a row: first sample and arrival of the first; how late the least late one is (of stamps:
-    each), and its last sample and arrival.
-    """
+class _Late(NamedTuple):
+    """A block: its first and its last sample, and when that arrived."""
 
     first: int
-    since_s: float
-    off: list[float]
-    at: list[tuple[float, float]]
-    blocks: int = 0
+    last: float
+    arrived_s: float
+
+
+class _Line(NamedTuple):
+    """Slopes are those beside the stated one, s a sample; likely : with what is known of crystals.
+
+    above_s : typical distance of an arrival. se_s : of a sample's time. is_stated : the slope is that of the stated
+    rate, within errors. is_steady : no span of the stream leaves the line.
+    """
+
+    slope: float
+    likely: float
+    slope_se: float
+    above_s: float
+    se_s: float
+    is_stated: bool
+    is_steady: bool
 
 
 def _slope_below(x: NDArray[np.float64], z: NDArray[np.float64]) -> float:
@@ -383,10 +452,3 @@ def _slope_amid(x: NDArray[np.float64], z: NDArray[np.float64]) -> float:
     """Median of the slopes between points that lie half the stream or more apart: few outliers do not move it."""
     half = len(x) // 2
     return float(np.median((z[half:, None] - z[None, :half]) / (x[half:, None] - x[None, :half])))
-
-
-def _is_step(x: NDArray[np.float64], z: NDArray[np.float64], slope: float, nominal: float) -> bool:
-    """Does the slope, which is far from the nominal one, come of one place rather than of all?"""
-    span = max(1, len(x) // 6)
-    everywhere = float(np.median((z[span:] - z[:-span]) / (x[span:] - x[:-span])))
-    return abs(slope) > 10 * CRYSTAL * nominal and abs(everywhere) < abs(slope) / 2

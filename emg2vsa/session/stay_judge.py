@@ -12,7 +12,7 @@ import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
 from queue import SimpleQueue
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,20 +22,13 @@ from emg2vsa.arrays import Floats
 from emg2vsa.recordings import Channel
 from emg2vsa.session.live_press import HowJudged, StayJudged, judge_stay
 from emg2vsa.session.quality import measured
+from emg2vsa.session.sample_clock import Timing
 from emg2vsa.session.views import SignalView
 from emg2vsa.settings import FilterSettings
 
 JUDGE_ENDED = "the process that judges presses ended; emg2vsa check will judge this press"
 _END_S = 2.0
 """In which the process that judges must have ended; then it is ended."""
-
-
-class Timing(NamedTuple):
-    """start_s : time of sample ``first`` on the session's clock; fs_hz : rate by that clock."""
-
-    first: int
-    start_s: float
-    fs_hz: float
 
 
 @dataclass(frozen=True)
@@ -119,7 +112,7 @@ class JudgeAtOnce:
         if begun is None or not {"emg", "force"} <= self._samples.keys():
             return StayJudged(failed="no samples have come")
         emg, force = asked.timing["emg"], asked.timing["force"]
-        (newton,) = self._rows("force", force.first, None).T
+        (newton,) = self._rows("force", force, None).T
         return judge_stay(
             self._channels(emg, None), _channel("force", newton, "N", force), begun.participant, begun.specimen,
             begun.how,
@@ -134,19 +127,19 @@ class JudgeAtOnce:
 
     def _channels(self, timing: Timing, stop: int | None) -> dict[str, Channel]:
         assert self._begun is not None
-        rows = self._rows("emg", timing.first, stop)
+        rows = self._rows("emg", timing, stop)
         return {muscle: _channel(muscle, rows[:, at], "V", timing) for muscle, at in self._begun.muscles.items()}
 
-    def _rows(self, stream: str, first: int, stop: int | None) -> Floats:
-        """(n, channels) samples from a number on; NaN for those that are not there."""
-        pieces = self._samples[stream]
+    def _rows(self, stream: str, timing: Timing, stop: int | None) -> Floats:
+        """(n, channels) samples from a number on; NaN for those that are not there, or never came."""
+        pieces, first = self._samples[stream], timing.first
         last = max(piece.first + len(piece.samples) for piece in pieces) if stop is None else stop
         rows = np.full((max(last - first, 0), pieces[0].samples.shape[1]), np.nan)
         for piece in pieces:
             low, high = max(piece.first, first), min(piece.first + len(piece.samples), last)
             if low < high:
                 rows[low - first : high - first] = piece.samples[low - piece.first : high - piece.first]
-        return rows
+        return np.insert(rows, [number - first for number, n in timing.lost for _ in range(n)], np.nan, axis=0)
 
 
 def _channel(name: str, samples: Floats, unit: str, timing: Timing) -> Channel:

@@ -136,14 +136,6 @@ class StoredStream:
         usual_s = float(np.median(steps_s))
         return float(steps_s.sum() / np.rint(steps_s / usual_s).sum())
 
-    def first_after(self, time_s: float) -> int:
-        """Number of the first sample not before a time."""
-        low, high = 0, self.file.stop
-        while low < high:
-            middle = (low + high) // 2
-            low, high = (middle + 1, high) if self.clock.time_s(middle) < time_s else (low, middle)
-        return low
-
     def between(self, first: int, n_places: int, step_s: float) -> tuple[Floats, int]:
         """``n_places`` samples (n, channels) from number ``first`` on, evenly in time, and how many are lost."""
         stop = min(first + n_places, self.file.stop)
@@ -240,9 +232,9 @@ def data_record(emg_hz: float, force_hz: float, stay_s: float) -> tuple[float, i
 def _common_start(emg: StoredStream, force: StoredStream, start_s: float) -> tuple[int, int]:
     """Numbers of the samples of both that stand closest to each other, at or after a time."""
     slower, faster = (force, emg) if emg.opened.fs_hz >= force.opened.fs_hz else (emg, force)
-    anchor = slower.first_after(max(start_s, slower.span_s()[0], faster.span_s()[0]))
+    anchor = slower.clock.first_after(max(start_s, slower.span_s()[0], faster.span_s()[0]), slower.file.stop)
     at_s = float(slower.clock.time_s(anchor))
-    near = max(1, faster.first_after(at_s))
+    near = max(1, faster.clock.first_after(at_s, faster.file.stop))
     before_s, after_s = (float(faster.clock.time_s(near - 1)), float(faster.clock.time_s(near)))
     other = near if after_s - at_s <= at_s - before_s else near - 1
     return (other, anchor) if faster is emg else (anchor, other)

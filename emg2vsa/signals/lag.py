@@ -51,6 +51,8 @@ ALONE_S = 0.1
 "A lag that one press alone tells counts above this."
 DIFFERS_S = 0.03
 "Presses whose lags scatter by more, beyond their noise, do not share one, ..."
+LARGEST_S = 0.1
+"A press that force and EMG are further apart in is not used: clocks part, or a radio lost samples that nobody told."
 DIFFERS_CHANCE = 0.01
 "... where noise makes them scatter so with this probability."
 HALF_STEPS = 3
@@ -92,6 +94,13 @@ class Lag:
         if self.pieces == 1:
             return abs(self.lag_s) > ALONE_S
         return bool(abs(self.lag_s) > self.feigned_s + special.stdtrit(max(self.pieces - 1, 2), 0.9985) * self.se_s)
+
+    def left_s(self, moved_s: float, stop_s: Floats) -> Floats:
+        """(p,) by which force follows EMG in each press where ``moved_s`` was taken out; 0 where it is not certain.
+        stop_s : (p,) ends of the loading phases."""
+        if self.drift:
+            return np.asarray(self.lag_s - moved_s + self.drift * (stop_s - stop_s.mean()))
+        return np.full(stop_s.size, self.lag_s if self.certain and not moved_s else 0.0)
 
     @property
     def differs(self) -> str:

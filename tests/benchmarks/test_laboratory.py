@@ -11,9 +11,11 @@ from benchmarks.laboratory import Laboratory, LaboratorySession, activity_v, sim
 from emg2vsa.errors import SettingError
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.extract import extract_trials
+from emg2vsa.extraction.remedies import remedy_of
 from emg2vsa.fits import fit_trials
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ForceChannelSettings, WindowSettings
+from emg2vsa.signals.bias import BiasBudget, left_in
 
 
 def analysed(laboratory: Laboratory, seed: int = 1, session: LaboratorySession | None = None, **filters):
@@ -108,6 +110,33 @@ def test_lost_packets_leave_a_clock_that_is_known_badly() -> None:
     row = trials.bias.causes.index("clock")
     assert np.all(trials.bias.b[row] < 0)
     assert np.all(trials.bias.b_se[row] > 0.005)
+
+
+def test_force_and_emg_that_are_far_apart_reject_the_press() -> None:
+    far = analysed(Laboratory(delay_s=0.2))
+    assert far.verdict.tolist() == ["rejected"] * 10
+    assert "shorten the distance to the radio" in remedy_of(far.reasons[0])
+    assert analysed(Laboratory(delay_s=0.06)).verdict.tolist() == ["ok"] * 10
+    assert analysed(Laboratory(delay_s=0.2), align="lag").verdict.tolist() == ["ok"] * 10
+
+
+@pytest.mark.parametrize("share", [0.02, 0.05])
+def test_radio_frames_that_are_missing_where_they_lie_leave_the_slope(share: float) -> None:
+    laboratory = Laboratory(fs_hz=26 / 0.0135)
+    session = simulate_session(laboratory, 1)
+    frames = np.random.default_rng(2).random(session.emg_v.shape[1] // 26 + 1) < share
+    session.emg_v[:, np.repeat(frames, 26)[: session.emg_v.shape[1]]] = np.nan
+    fits = fit_trials(analysed(laboratory, session=session), FitSettings(), WindowSettings())
+    assert np.mean(fits.b_v) == pytest.approx(laboratory.b_v, rel=0.04)
+    assert np.mean((fits.b_lo_v < laboratory.b_v) & (laboratory.b_v < fits.b_hi_v)) >= 0.8
+
+
+def test_lost_samples_that_may_move_b_by_more_than_it_is_known_to_reject_the_press() -> None:
+    trials = analysed(Laboratory())
+    lost = left_in("lost samples", np.zeros(10), np.zeros(10), np.full(10, 0.5))
+    fits = fit_trials(replace(trials, bias=BiasBudget.of([lost], 10)), FitSettings(), WindowSettings())
+    assert fits.verdict.tolist() == ["rejected"] * 10
+    assert "shorten the distance to the radio" in remedy_of(fits.reason[0])
 
 
 def test_a_zero_that_jumps_is_told_of_the_press_and_rejects_it() -> None:

@@ -37,7 +37,7 @@ def test_a_cause_stands_before_what_follows_from_it(remarks, reasons, cause):
 
 
 def test_a_cause_explains_at_least_half_of_what_another_does():
-    late = "force follows EMG by 198 ms, which lowers b by about 18 %"
+    late = "force follows EMG by 98 ms, which lowers b by about 9 %"
     spiky = "EDC has spikes: 3 samples far from their neighbours"
     few = [("doubtful", f"{spiky}; {late}")] * 2 + [("doubtful", late)] * 6
     assert lead([], few).text == late

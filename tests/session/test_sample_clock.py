@@ -92,6 +92,48 @@ def test_two_losses_and_what_lies_between() -> None:
     assert np.abs(errors_s(clock, truth)).max() < 5e-4
 
 
+@pytest.mark.parametrize(
+    ("share", "burst", "jitter_s"), [(0.02, 1, 1e-3), (0.05, 1, 5e-3), (0.05, 5, 1e-3), (0.1, 1, 1e-3)]
+)
+def test_frames_lost_at_random_are_no_rate(share: float, burst: int, jitter_s: float) -> None:
+    """A crystal that errs by 60 ppm; what was lost in the last second is not known yet."""
+    fs_hz, duration_s = 26 * FRAME_HZ * (1 + 6e-5), 40.0
+    for seed in range(3):
+        frames = np.flatnonzero(np.random.default_rng(seed).random(int(duration_s * FRAME_HZ)) < share / burst)
+        lost = [((frame + 0.5) / FRAME_HZ, burst / FRAME_HZ) for frame in frames.tolist()]
+        blocks, truth = arrivals(seed, duration_s, fs_hz, lost=lost, jitter_s=jitter_s)
+        clock = clock_of(blocks, 26 * FRAME_HZ)
+        report, off_s = clock.report(), errors_s(clock, truth)
+        known = truth[:, 1] < duration_s - 1.5
+        assert report.rate_hz == pytest.approx(fs_hz, rel=1.5e-4)
+        assert np.mean(np.abs(off_s[known]) > 3e-3) < 0.05
+        assert np.abs(np.median(off_s[known])) < 2.5e-3
+        assert sum(n for _, n in clock.timing(0, 10**9).lost) == report.missing
+
+
+@pytest.mark.parametrize("late_s", [0.02, 0.05, 0.2])
+def test_a_start_that_is_late_bends_no_rate(late_s: float) -> None:
+    """A computer that is busy in the first 1.5 s of a sitting that lasts 8 s."""
+    fs_hz = 26 * FRAME_HZ
+    for seed in range(4):
+        blocks, truth = arrivals(seed, 8.0, fs_hz)
+        late = [(first, n, arrived_s + late_s * (arrived_s < 1.5)) for first, n, arrived_s in blocks]
+        clock = clock_of(sorted(late, key=lambda each: each[2]), fs_hz)
+        assert np.abs(errors_s(clock, truth)).max() < 2e-3
+        assert clock.report().missing == 0
+
+
+def test_a_rate_that_is_stated_wrongly_is_no_loss() -> None:
+    """2 000 Hz typed for 1 925.93."""
+    blocks, truth = arrivals(2, 30, 26 * FRAME_HZ)
+    clock = SampleClock(2000.0, quantum=27)
+    for block in blocks:
+        clock.add(*block)
+    assert clock.report().missing == 0
+    assert clock.problems() == ("The device states 2000.00 samples a second and sends 1925.93 (-3.7 %).",)
+    assert np.abs(errors_s(clock, truth)).max() < 5e-4
+
+
 def test_a_way_that_is_longer_for_a_time_is_no_loss() -> None:
     fs_hz = 26 * FRAME_HZ
     blocks, truth = arrivals(5, 40, fs_hz)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.session.live_press import StayJudged
+from emg2vsa.session.sample_clock import Timing
 from emg2vsa.session.stay_judge import Answer, JudgeAtOnce, JudgeBeside, JudgeStay, MeasureSignals, Samples
 from emg2vsa.settings import FilterSettings
 
@@ -41,6 +42,13 @@ def test_it_answers_as_one_in_the_session_does(beside: JudgeBeside) -> None:
     assert beside.answer() is None  # handed over once
     beside.tell(MeasureSignals(None, None, 1000.0, FilterSettings(), None))
     assert answer_of(beside) == ()
+
+
+def test_samples_that_never_came_are_gaps_where_the_clock_says() -> None:
+    judge = JudgeAtOnce()
+    judge.tell(Samples("force", 10, np.arange(6, dtype=np.float32)[:, None]))
+    rows = judge._rows("force", Timing(11, 0.0, 1000.0, ((12, 1), (14, 2))), None)
+    np.testing.assert_array_equal(rows[:, 0], [1, np.nan, 2, 3, np.nan, np.nan, 4, 5])
 
 
 def test_a_judge_that_is_killed_is_told_once_and_the_next_one_answers(beside: JudgeBeside) -> None:
