@@ -16,6 +16,7 @@ from emg2vsa.session.journal import JOURNAL_FILE, Judged, Line, gaps, read_journ
 from emg2vsa.session.judge_feed import JUDGED_VALUES, SETTLE_S, how_judged, judged_from_s
 from emg2vsa.session.legal import Now, operator_state, participant_state
 from emg2vsa.session.live_press import StayJudged, judge_attempt
+from emg2vsa.session.liveness import WINDOW_S, Liveness
 from emg2vsa.session.open_session import kept_settings, settings_of
 from emg2vsa.session.plan import PLAN_FILE, Plan, PlannedPress, changes, read_plan
 from emg2vsa.session.presses import Presses, Tried, planned_of
@@ -289,7 +290,20 @@ class _Replay:
         lost = self._lost.get(name, 0) + stream.clock.report().missing
         samples = 0 if self.state.ended is not None or why else int(blocks.count[:heard].sum())
         silent_s = now_s - (float(blocks.arrived_s[heard - 1]) if heard else now_s)
-        return device_view(name, stream.clock, samples, lost, silent_s, why)
+        signs = [] if self.state.ended is not None else self._signs(stream, now_s)
+        return device_view(name, stream.clock, signs, samples, lost, silent_s, why)
+
+    @staticmethod
+    def _signs(stream: StoredStream, now_s: float) -> list[str]:
+        """What the liveness of a stream told at a time."""
+        blocks = stream.file.blocks
+        near = (blocks.arrived_s <= now_s + _DIGIT_S) & (blocks.arrived_s >= now_s - WINDOW_S - _DIGIT_S)
+        liveness = Liveness(stream.file.info, float(blocks.arrived_s.min(initial=now_s)))
+        for i in np.flatnonzero(near).tolist():
+            first = int(blocks.first[i])
+            samples = stream.file.read(first, first + int(blocks.count[i]))
+            liveness.take(samples, float(blocks.arrived_s[i]))
+        return list(liveness.problems(now_s))
 
     def _recent(self, now_s: float) -> RecentForce:
         """The force of the half second before a time."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Literal, NamedTuple
 
 from emg2vsa.arrays import Floats
 from emg2vsa.devices.streams import Source, StreamCounts
 from emg2vsa.errors import DeviceError, Emg2vsaError
 from emg2vsa.session.journal import ClockFitted, SamplesLost
+from emg2vsa.session.liveness import Liveness
 from emg2vsa.session.raw_files import SampleWriter
 from emg2vsa.session.record import SessionRecord
 from emg2vsa.session.sample_clock import SampleClock
@@ -29,9 +30,11 @@ class Arrived(NamedTuple):
     newest_s: float
 
 
-def device_view(stream: str, clock: SampleClock, samples: int, lost: int, silent_s: float, lost_why: str) -> DeviceView:
+def device_view(
+    stream: str, clock: SampleClock, signs: Iterable[str], samples: int, lost: int, silent_s: float, lost_why: str
+) -> DeviceView:
     """A stream as the operator's page shows it; arguments as what `RecordedStream` knows of its own."""
-    report, problems = clock.report(), list(clock.problems())
+    report, problems = clock.report(), [*signs, *clock.problems()]
     if lost and not report.missing:
         problems.append(f"{lost} samples were lost.")
     name = DEVICE_NAMES[stream]
@@ -101,6 +104,7 @@ class RecordedStream:
             self.clock.add(block.first, n, block.arrived_s)
             self.next_index = block.first + n
             self._heard_s = now_s
+            self._liveness.take(block.samples, now_s)
             yield Arrived(block.first, block.samples, float(self.clock.time_s(self.next_index - 1)))
         if now_s - self._heard_s > LOST_S:
             self._lose(now_s, f"no samples for {now_s - self._heard_s:.1f} s")
@@ -115,7 +119,8 @@ class RecordedStream:
     def view(self, now_s: float) -> DeviceView:
         """As the operator's page shows it."""
         samples = 0 if self._source is None else self._source.counts().samples
-        return device_view(self.name, self.clock, samples, self.lost_samples, now_s - self._heard_s, self.lost_why)
+        signs, silent_s = self._liveness.problems(now_s), now_s - self._heard_s
+        return device_view(self.name, self.clock, signs, samples, self.lost_samples, silent_s, self.lost_why)
 
     def close(self) -> None:
         """Give the device back."""
@@ -134,6 +139,7 @@ class RecordedStream:
         self.clock = SampleClock(
             source.info.fs_hz, delay_s=source.info.delay_s, quantum=source.info.frame, stamped=source.info.stamped
         )
+        self._liveness = Liveness(source.info, now_s)
         self._source, self.next_index, self._heard_s = source, 0, now_s
         self.lost_why = ""
         self.epoch += 1

@@ -33,8 +33,9 @@ RATE_OFF = 0.005
 "A measured rate that differs by so much from the stated one is told."
 LATE_S = 0.008
 "Arrivals so far above the line are late: a busy computer, or samples that were lost (a Trigno frame is 13.5 ms)."
-STEADY = 1 / 3
-"A rate is steady where no span, and not half of the stream, leaves its line by this share of what can be lost at once."
+STEADY, STEPS = 0.5, 8
+"""A rate is steady where neither four fifths of the arrivals nor any span of them spread by more than this share of
+what can be lost at once, over a time in which losses in place of it would have been so many."""
 SCATTERS = 4
 "Nor is an arrival late that lies so many times nearer to the line than the earliest arrivals of a second usually do."
 OFF_S = 0.002
@@ -394,7 +395,10 @@ class SampleClock:
         believed = CRYSTAL * nominal
         is_stated = abs(slope) <= 4 * math.hypot(believed, slope_se)
         likely = slope * believed**2 / (believed**2 + slope_se**2) if is_stated else slope
-        is_steady = max(off_s, above_s) < STEADY * max(self._quantum * nominal, LATE_S)
+        low_s, high_s = np.quantile(above, (0.1, 0.9)).tolist()
+        frame_s = self._quantum * nominal
+        many = abs(slope) * (x[-1] - x[0]) > STEPS * frame_s
+        is_steady = many and max(off_s, high_s - low_s) < STEADY * max(frame_s, LATE_S)
         return _Line(slope, likely, slope_se, above_s, se_s, is_stated, is_steady)
 
     def _learn(self, slope: float) -> None:

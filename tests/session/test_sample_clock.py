@@ -98,7 +98,7 @@ def test_two_losses_and_what_lies_between() -> None:
 def test_frames_lost_at_random_are_no_rate(share: float, burst: int, jitter_s: float) -> None:
     """A crystal that errs by 60 ppm; what was lost in the last second is not known yet."""
     fs_hz, duration_s = 26 * FRAME_HZ * (1 + 6e-5), 40.0
-    for seed in range(3):
+    for seed in range(2):
         frames = np.flatnonzero(np.random.default_rng(seed).random(int(duration_s * FRAME_HZ)) < share / burst)
         lost = [((frame + 0.5) / FRAME_HZ, burst / FRAME_HZ) for frame in frames.tolist()]
         blocks, truth = arrivals(seed, duration_s, fs_hz, lost=lost, jitter_s=jitter_s)

@@ -110,9 +110,9 @@ class EmulatedParticipant:
     ) -> None:
         self.person = person
         self.presses: list[TruePress] = []
-        self.afflictions: list[Affliction] = []
         self._range_n = range_n
         self._planned = list(mistakes)
+        self.afflictions = [self._affliction(mistake, 0.0) for mistake in self._planned if mistake.press == 0]
         self._rng = np.random.default_rng(np.random.SeedSequence(person.seed[0], spawn_key=(*person.seed[1:], 0)))
         self._lock = threading.RLock()
         self._page: Page | None = None
@@ -245,8 +245,10 @@ class EmulatedParticipant:
         for mistake in self._planned_for(glance):
             self._mistake = mistake.kind
             if mistake.kind not in OF_HAND:
-                muscle = mistake.muscle or next(iter(self.person.muscle_share))
-                self.afflictions.append(Affliction(mistake.kind, muscle, time_s))
+                self.afflictions.append(self._affliction(mistake, time_s))
+
+    def _affliction(self, mistake: Mistake, time_s: float) -> Affliction:
+        return Affliction(mistake.kind, mistake.muscle or next(iter(self.person.muscle_share)), time_s)
 
     def _planned_for(self, glance: _Glance) -> list[Mistake]:
         return [m for m in self._planned if (m.phase, m.press) == (glance.phase, glance.press)]

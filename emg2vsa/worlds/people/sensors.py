@@ -26,7 +26,10 @@ OFFSET_N, TOO_LARGE = 0.25, 500.0
 EMG_RANGE_V, EMG_HZ = 11e-3, 1000.0
 FORCE_HZ, FORCE_RANGE_N = 1000.0, 290.0
 _FACTS = {"manufacturer": "emg2vsa (emulated)", "model": "emulated participant"}
-_EMG, _FORCE = 1, 2
+FRAME_S = 0.0135
+LOST_SHARE = 0.05
+"Of the frames of a radio that loses some."
+_EMG, _FORCE, _LOST = 1, 2, 3
 "Streams of random numbers of one seed; 0 are the hand's."
 
 
@@ -44,6 +47,10 @@ class Sampler:
     def due(self, time_s: float) -> int:
         """Samples measured by a time and not yet taken."""
         return max(0, math.floor((time_s - self._start_s) * self.fs_hz + 1e-6) + 1 - self.taken)
+
+    def lost(self, n: int, frame: int) -> NDArray[np.bool_]:
+        """Which of the ``n`` samples taken last are in a frame that a radio lost; of force none is."""
+        return np.zeros(n, dtype=np.bool_)
 
     @property
     def newest_s(self) -> float:
@@ -95,8 +102,23 @@ class EmgSampler(Sampler):
                     channel_v = np.where(during, channel_v * TOO_LARGE, channel_v)
                 elif (wrong.kind, wrong.muscle) == ("electrode-off", muscle):
                     channel_v = np.where(during, LIFTED_V * math.sqrt(2) * hum + LIFTED_NOISE_V * white, channel_v)
+                elif (wrong.kind, wrong.muscle) == ("zeros", muscle):
+                    channel_v = np.where(during, 0.0, channel_v)
             emg_v[:, column] = channel_v
         return np.clip(emg_v, -self._range_v, self._range_v, out=emg_v)
+
+    def lost(self, n: int, frame: int) -> NDArray[np.bool_]:
+        frames = np.arange(self.taken - n, self.taken) // frame
+        begins_s = self._start_s + frames * frame / self.fs_hz
+        found = np.zeros(n, dtype=np.bool_)
+        for wrong in self._participant.afflicted(begins_s[0], begins_s[-1] + 1e-9) if n else ():
+            during = (begins_s >= wrong.start_s) & (begins_s < wrong.end_s)
+            if wrong.kind == "half-rate":
+                found |= during & (frames % 2 == 1)
+            elif wrong.kind == "radio-loss":
+                chance = {each: self._rng(_LOST, each).random() for each in np.unique(frames).tolist()}
+                found |= during & (np.array([chance[each] for each in frames.tolist()]) < LOST_SHARE)
+        return found
 
 
 class ForceSampler(Sampler):
@@ -126,6 +148,7 @@ class SimulatedSource:
 
     def __init__(self, sampler: EmgSampler | ForceSampler, info: StreamInfo, clock: Clock) -> None:
         self._sampler, self._info, self._clock = sampler, info, clock
+        self._first = 0
 
     @property
     def info(self) -> StreamInfo:
@@ -134,18 +157,20 @@ class SimulatedSource:
     def start(self) -> None:
         """What was before the start is not handed over."""
         self._sampler.take(self._sampler.due(self._clock.now_s() - self._info.delay_s))
-        self._skipped = self._sampler.taken
+        self._first = 0
 
     def read(self) -> list[Block]:
         now_s = self._clock.now_s()
         due = self._sampler.due(now_s - self._info.delay_s)
         if not due:
             return []
-        first = self._sampler.taken - self._skipped
-        return [Block(self._sampler.take(due), first, now_s)]
+        samples = self._sampler.take(due)
+        samples = samples[~self._sampler.lost(due, self._info.frame)]
+        first, self._first = self._first, self._first + len(samples)
+        return [Block(samples, first, now_s)] if len(samples) else []
 
     def counts(self) -> StreamCounts:
-        return StreamCounts(self._sampler.taken - self._skipped)
+        return StreamCounts(self._first)
 
     def close(self) -> None:
         """Nothing is held."""
@@ -155,7 +180,8 @@ def simulated_emg(
     participant: EmulatedParticipant, muscles: Sequence[str], fs_hz: float, clock: Clock, delay_s: float = 0.0
 ) -> SimulatedSource:
     """The EMG of some muscles."""
-    info = StreamInfo("emg", tuple(muscles), "V", fs_hz, EMG_RANGE_V, delay_s, _FACTS)
+    frame = max(1, round(FRAME_S * fs_hz))
+    info = StreamInfo("emg", tuple(muscles), "V", fs_hz, EMG_RANGE_V, delay_s, _FACTS, frame)
     return SimulatedSource(EmgSampler(participant, muscles, fs_hz), info, clock)
 
 
