@@ -25,7 +25,7 @@ import numpy as np
 
 RUNS = ("S2_0_high-stiffness", "S4_0_high-stiffness", "S5_0_high-stiffness")
 CALIBRATION = "reports/bench/calibrations/high-stiffness_0.json"
-ROUNDS, SCORES = 5, 6
+ROUNDS, SCORES = 4, 5
 CONTACT_N, HOLD_S, LAG_S = 0.5, 0.0125, 0.05
 QUANTITIES = {
     "command": "`casr score` of a press of {frames} loaded frames, whole process",
@@ -36,6 +36,8 @@ QUANTITIES = {
     "settled": "what is left for the time between frames, median",
     "settled_p95": "the same, 95 %",
     "judged": "of that, a force at which kappa is told anew, median",
+    "answer": "from the exposure of a frame in contact to its answer, on a core of its own, median",
+    "answer_p95": "the same, 95 %",
     "fit": "kappa of all {presses} presses at once (`estimate_kappa`)",
 }
 
@@ -55,7 +57,7 @@ def measured(root: Path) -> dict[str, float]:
     cv2.setNumThreads(1)
     folders = [root / "runs-virtual" / name for name in RUNS]
     camera, calibration = read_camera(folders[0] / "camera.toml"), open_calibration(root / CALIBRATION)
-    warm, late, frames, settled, judged, presses, loaded = [], [], [], [], [], [], {}
+    warm, late, frames, settled, judged, answers, presses, loaded = [], [], [], [], [], [], [], {}
     for path, lag_s, spent in ((folders[-1], 0.0, warm), (folders[1], LAG_S, late)):
         for _ in range(SCORES):
             sequence = open_frames(path / "press-001")
@@ -72,7 +74,7 @@ def measured(root: Path) -> dict[str, float]:
         for number, path in enumerate(sorted(folder.glob("press-*")), 1):
             sequence = open_frames(path)
             presses.append(KappaPress.of_score(score(sequence), specimen=folder.name[:2], mounting=folder.name))
-            read, told, until_s = sequence.readings, float("nan"), -np.inf
+            read, told, until_s, free_s = sequence.readings, float("nan"), -np.inf, -np.inf
             for index in range(len(sequence)):
                 image, time_s = np.asarray(sequence[index]), float(read.frame_time_s[index])
                 new = (read.time_s > until_s) & (read.time_s <= time_s + HOLD_S)
@@ -83,9 +85,12 @@ def measured(root: Path) -> dict[str, float]:
                 kappa.settle()
                 end = time.process_time()
                 press = kappa._press
+                answered_s = max(time_s + HOLD_S, free_s) + answered - start
+                free_s = answered_s + end - answered
                 if row.force_n >= CONTACT_N and press is not None and press.goes_on:
                     frames.append(answered - start)
                     settled.append(end - answered)
+                    answers.append(answered_s - time_s)
                     judged += [end - answered] if press.state.judged_at_n != told else []
                     told = press.state.judged_at_n
             kappa.press_over()
@@ -96,6 +101,7 @@ def measured(root: Path) -> dict[str, float]:
         "warm": np.median(warm[1:]), "late": np.median(late), "frame": np.median(frames),
         "frame_p95": np.percentile(frames, 95), "settled": np.median(settled),
         "settled_p95": np.percentile(settled, 95), "judged": np.median(judged), "fit": fit,
+        "answer": np.median(answers), "answer_p95": np.percentile(answers, 95),
     }  # fmt: skip
     counts = {"frames": loaded[folders[-1]], "late_frames": loaded[folders[1]], "presses": len(presses)}
     return {name: 1e3 * float(value) for name, value in found.items()} | counts
@@ -130,7 +136,7 @@ def page(checkouts: dict[str, Path], root: Path) -> Iterator[str]:
     turns = f", in which {' and '.join(names)} took turns; ratio: median of the rounds' ratios, and their range"
     yield f"CPU time of one thread, ms: median of {ROUNDS} rounds{turns if len(names) > 1 else ''}."
     yield "Presses of the emulated rig, 20 frames a second, 127 pins; on line those of three specimens, by presses"
-    yield "of three known ones."
+    yield f"of three known ones. An answer waits {1e3 * HOLD_S:g} ms for the readings that tell the force at its frame."
     yield ""
     yield f"| what | {' | '.join(names)} |" + (" ratio | range |" if len(names) > 1 else "")
     yield "|---|" + "---:|" * (len(names) + (2 if len(names) > 1 else 0))

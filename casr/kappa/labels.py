@@ -230,7 +230,7 @@ class _Fit:
             at, radii, damping = new_at, new_radii, max(damping / 10, 1e-7)
             if moved < _FOUND and round_ > (start is None):
                 break
-        return self._labels(at, radii, lines, seen_from)
+        return self._labels(at, radii, lines, sums, seen_from)
 
     def _bounded(self, at: Array) -> Array:
         at = at.copy()
@@ -247,15 +247,19 @@ class _Fit:
         return precision, gradient
 
     def _labels(
-        self, at: Array, radii: Sequence[Array], lines: Sequence[tuple[Array, Array]], seen_from: Array
+        self,
+        at: Array,
+        radii: Sequence[Array],
+        lines: Sequence[tuple[Array, Array]],
+        sums: Sequence[Reduced],
+        seen_from: Array,
     ) -> Labels:
-        """lines : residuals and derivatives ``seen_from`` where or beside which the states were found."""
+        """lines : residuals and derivatives ``seen_from`` where or beside which the states were found; sums of them."""
         states = self._states(at, radii)
         squares = sum(float(r @ r) for r, _ in lines)
         count = sum(r.size - field.n_frames for (r, _), field in zip(lines, self._fields, strict=True))
         misfit_px = float(np.sqrt(squares / count))
         noise_px = min(_noise(lines, self._fields), misfit_px)
-        sums = [_reduced(*line) for line in lines]
         precision, _ = self._normal(sums, at, max(misfit_px, self._least_px))
         moved = float(np.sqrt(np.mean([field.moved_px**2 for field in self._fields])))
         return Labels(
