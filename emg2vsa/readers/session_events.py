@@ -1,4 +1,4 @@
-"""Presses of a recording that a session of emg2vsa made: ``_events.tsv`` says which count, and why others do not.
+"""A recording that a session of emg2vsa made: ``_events.tsv`` says which presses count, and where samples were lost.
 
 Known by its columns ``counts`` and ``decision``, which no other program writes; any other events file is not looked at.
 """
@@ -17,6 +17,7 @@ import numpy as np
 from emg2vsa.errors import RecordingError
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.reasons import by_session
+from emg2vsa.recordings import Channel
 
 _COLUMNS = ("onset", "duration", "trial_type", "counts", "decision", "reason")
 _NOT_ASKED_FOR = "not a press that the screen asked for"
@@ -33,14 +34,30 @@ class SessionPress(NamedTuple):
 
 def session_presses(path: Path) -> tuple[SessionPress, ...]:
     """The attempts in the events file of a session. RecordingError where a row cannot be read."""
+    return tuple(_press(path, number, row) for number, row in _rows(path) if row.get("trial_type") == "press")
+
+
+def with_gaps(path: Path, stream: str, channel: Channel) -> Channel:
+    """The channel with NaN where the events file has a gap of its ``stream``, "EMG" or "force": the recording holds a
+    line there, rounded to the digits of the file. RecordingError as `session_presses`."""
+    samples = channel.samples
+    for number, row in _rows(path):
+        if row.get("trial_type") == "gap" and row.get("reason") == stream:
+            gap = _press(path, number, {**row, "counts": "false"})
+            samples = samples.copy() if samples is channel.samples else samples
+            samples[round(gap.start_s * channel.fs_hz) : round(gap.stop_s * channel.fs_hz)] = np.nan
+    return channel if samples is channel.samples else replace(channel, samples=samples)
+
+
+def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
+    """The rows of an events file, each with its line."""
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = list(csv.DictReader(file, delimiter="\t"))
+            return list(enumerate(csv.DictReader(file, delimiter="\t"), 2))
     except (OSError, ValueError, csv.Error) as error:
         raise RecordingError(
             path, wanted="the events of a session", found=str(error), do="Write them again: emg2vsa session finish."
         ) from error
-    return tuple(_press(path, number, row) for number, row in enumerate(rows, 2) if row.get("trial_type") == "press")
 
 
 def _press(path: Path, line: int, row: dict[str, str]) -> SessionPress:

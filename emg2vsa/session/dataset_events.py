@@ -24,7 +24,7 @@ EVENT_COLUMNS = event_columns(
             "press": "One attempt at a press, from the first touch until the finger is lifted.",
             "rest": "Rest between presses.",
             "pause": "The session is paused.",
-            "gap": "Samples that did not come; interpolated linearly here.",
+            "gap": "Samples that did not come, of EMG or force as the column reason says; interpolated linearly here.",
             "trigger": "A mark was written to the serial port for other devices; its number is in the column value.",
             "operator_note": "A note of the operator, in the column note.",
         },
@@ -47,7 +47,7 @@ EVENT_COLUMNS = event_columns(
             "Whether the press is one of the study's, by its execution alone.",
             levels={"true": "It is analysed.", "false": "It is not analysed, for the reason that is given."},
         ),
-        "reason": Column("Reasons of verdict and decision."),
+        "reason": Column("Reasons of verdict and decision; of a pause; of a gap the stream: EMG or force."),
         "peak_force": Column("Largest force of the press.", "N"),
         "load_time": Column("Time from the lower to the upper force.", "s"),
         "note": Column("What the operator wrote."),
@@ -89,13 +89,13 @@ def stay_events(window: StayWindow, signals: StaySignals, lines: Sequence[Line],
         elif isinstance(line.event, Noted):
             number = line.event.press or "n/a"
             add("operator_note", line.time_s, None, press=number, note=_cell(line.event.text))
-    for missing, fs_hz in (
-        (np.any(np.isnan(signals.emg_v), axis=1), signals.emg_fs_hz),
-        (np.isnan(signals.force_n), signals.force_fs_hz),
+    for missing, fs_hz, stream in (
+        (np.any(np.isnan(signals.emg_v), axis=1), signals.emg_fs_hz, "EMG"),
+        (np.isnan(signals.force_n), signals.force_fs_hz, "force"),
     ):
         firsts, stops = runs_of(np.asarray(missing))
         for first, stop in zip(firsts.tolist(), stops.tolist(), strict=True):
-            events.append(Event(round(first / fs_hz, 6), round((stop - first) / fs_hz, 6), "gap"))
+            events.append(Event(round(first / fs_hz, 6), round((stop - first) / fs_hz, 6), "gap", {"reason": stream}))
     return sorted(events, key=lambda event: event.onset_s)
 
 

@@ -21,7 +21,8 @@ from emg2vsa.devices.streams import Block, StreamInfo
 from emg2vsa.errors import DataError, RecordingError, SettingError
 from emg2vsa.pipeline.stages.trials import trials_of
 from emg2vsa.readers.bids_sidecars import session_events
-from emg2vsa.readers.session_events import session_presses
+from emg2vsa.readers.session_events import session_presses, with_gaps
+from emg2vsa.recordings import Channel
 from emg2vsa.session.dataset import refuse_foreign, write_dataset
 from emg2vsa.session.journal import (
     PLACED,
@@ -421,6 +422,14 @@ def test_lost_samples_are_gaps(study):
     assert float(gap["onset"]) == pytest.approx(0.1 + 4000 / 2000 - 1.0, abs=2e-3)
     assert starts_s
     assert any("400 samples of the EMG are lost" in note for note in written.notes)
+    path = session_events(written.files[0])
+    assert path is not None
+    first = round(float(gap["onset"]) * 2000)
+    for stream, n in (("EMG", 400), ("force", 0)):
+        channel = with_gaps(path, stream, Channel("A", np.zeros(20_000), "V", 2000.0, 0.0, ""))
+        missing = np.isnan(channel.samples)
+        assert missing.sum() == n
+        assert missing[first : first + n].all()
 
 
 def test_recordings_that_no_session_wrote_are_never_replaced(made):

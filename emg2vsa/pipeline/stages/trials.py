@@ -139,11 +139,14 @@ def trials_of(
     from emg2vsa.extraction.extract import extract_trials
     from emg2vsa.extraction.remedies import remedy_of
     from emg2vsa.readers.roles import read_roles
-    from emg2vsa.readers.session_events import only_counted, session_presses
+    from emg2vsa.readers.session_events import only_counted, session_presses, with_gaps
 
     roles = read_roles(emg_file, force_file, channels, reading, cal_file)
     emg, force, notes, began = roles.emg, [roles.force], roles.notes, roles.began
     del roles
+    if (events := session_events(emg_file)) is not None:
+        emg = {muscle: with_gaps(events, "EMG", channel) for muscle, channel in emg.items()}
+        force = [with_gaps(events, "force", force.pop())]
     trials = extract_trials(
         emg,
         force.pop(),  # whose samples, many of a long record, nobody else holds
@@ -155,7 +158,7 @@ def trials_of(
         force_channel=channels.force,
         notes=notes,
     )
-    if (events := session_events(emg_file)) is not None:
+    if events is not None:
         trials = only_counted(trials, session_presses(events))
     doubtful = tuple(note for note in notes if remedy_of(note))  # to be acted upon, not only recorded
     remarks = trials.remarks if trials.fault else (*doubtful, *trials.remarks)
