@@ -27,6 +27,8 @@ from emg2vsa.errors import SettingError
 
 HOST = "127.0.0.1"
 TOKEN_HEADER = "x-emg2vsa-token"
+_UNREAD_MS = 10_000
+"""A connection whose other end takes nothing for so long is cut: no crowd of them uses up the files of this process."""
 _NAMES = (HOST, "localhost")
 _HEADERS = {
     "content-security-policy": "default-src 'self'; img-src 'self' data: blob:; frame-ancestors 'none'; "
@@ -111,6 +113,8 @@ def _listening(host: str, port: int) -> socket.socket:
     """A socket on an address of this computer. SettingError where that, or the port, cannot be had."""
     own = socket.socket()
     own.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    if hasattr(socket, "TCP_USER_TIMEOUT"):  # Linux; accepted connections have it, too
+        own.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, _UNREAD_MS)
     try:
         own.bind((host, port))
         own.listen()  # whoever opens the address at once waits, and is not refused

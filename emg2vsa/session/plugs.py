@@ -44,7 +44,8 @@ class Outlets:
         self, study: str, muscles: Sequence[str], emg: StreamInfo, force: StreamInfo, clock: Clock
     ) -> None:  # fmt: skip
         lsl = load_pylsl("session.lsl_outlets")
-        self._offset_s = lsl.local_clock() - clock.now_s()
+        # what comes between the two readings makes it smaller
+        self._offset_s = max(lsl.local_clock() - clock.now_s() for _ in range(20))
         about = {"manufacturer": "emg2vsa", "model": __version__}
         try:
             self._outlets = {

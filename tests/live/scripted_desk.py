@@ -61,6 +61,7 @@ class ScriptedDesk:
         self._paused = False
         self._shown: tuple[object, ParticipantState] | None = None
         self.sequence_step = 1
+        self._warnings: tuple[str, ...] = ()
         self.palette, self.sound, self.texts = "safe", False, TEXTS
         self.frozen_force: tuple[float, Direction] | None = None
         self.asked: list[Request] = []
@@ -97,7 +98,8 @@ class ScriptedDesk:
             state = OperatorState(
                 "P03", "palpation", self._command(), "" if self._start_s is not None else self._awaits,
                 self._message(), press.specimen, press.phase, running, tuple(self._presses), dict(self._done),
-                self._devices(), self._signals, self._fits(), (), self._commands(), "8 presses in sourcedata/sub-P03",
+                self._devices(), self._signals, self._fits(), self._warnings, self._commands(),
+                "8 presses in sourcedata/sub-P03",
             )  # fmt: skip
             return self._number, state
 
@@ -120,6 +122,10 @@ class ScriptedDesk:
             self._number += 1
             getattr(self, f"_{request.name.replace('-', '_')}")(request)
             return ""
+
+    def warn(self, *texts: str) -> None:
+        with self._lock:
+            self._warnings, self._number = texts, self._number + 1
 
     def screen(self, report: ScreenReport) -> None:
         self.screens.append(report)

@@ -107,6 +107,18 @@ def test_a_command_that_is_refused_says_why(windows, desk):
     assert desk.asked == []
 
 
+def test_a_warning_is_news_when_it_comes_and_gone_when_it_is_over(windows, desk):
+    operator, _ = windows
+    message = "document.querySelector('#message')"
+    desk.warn("EMG: nothing for 2 s.")
+    operator.until(f"{message}.textContent === 'EMG: nothing for 2 s.'")
+    desk.warn("Force: nothing for 2 s.")  # as many as before
+    operator.until(f"{message}.textContent === 'Force: nothing for 2 s.'")
+    assert "EMG: nothing" not in operator.text()
+    desk.warn()
+    operator.until(f"{message}.hidden && document.querySelector('#warnings').hidden")
+
+
 @pytest.mark.realtime
 def test_the_bar_is_drawn_often_and_shows_what_is_new_and_a_hidden_page_says_so_at_once(windows, desk):
     _, participant = windows

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import http.client
 import json
 import re
@@ -20,7 +21,7 @@ from starlette.testclient import TestClient
 
 from emg2vsa.devices.clock import VirtualClock, WallClock, undisturbed
 from emg2vsa.errors import SettingError
-from emg2vsa.live import session_routes
+from emg2vsa.live import server, session_routes
 from emg2vsa.live.server import HOST, TOKEN_HEADER, application, listening, own_address, serve
 from emg2vsa.live.session_routes import MOST_VIEWERS, participant_events, session_pages
 from emg2vsa.session.views import OperatorState, ParticipantState, Request
@@ -375,6 +376,21 @@ def test_streams_that_nobody_reads_leave_the_page_of_the_participant_its_place(m
             first[0].read()
         for answer in (real, *first, *later):
             answer.close()
+
+
+@pytest.mark.skipif(not hasattr(socket, "TCP_USER_TIMEOUT"), reason="Linux cuts such connections")
+def test_a_connection_that_nobody_reads_is_cut(monkeypatch):
+    monkeypatch.setattr(server, "_UNREAD_MS", 300)
+    with listening(0) as at, socket.create_connection((HOST, at.port), timeout=60):
+        own, _ = at.sockets[0].accept()
+        own.settimeout(0.2)
+        with pytest.raises(TimeoutError):
+            own.sendall(bytes(64 << 20))
+        end_s = time.monotonic() + 30
+        while not (cut := own.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)) and time.monotonic() < end_s:
+            time.sleep(0.05)
+        own.close()
+    assert cut == errno.ETIMEDOUT
 
 
 def test_without_bind_only_this_computer_is_served(desk, clock):

@@ -18,6 +18,7 @@ from emg2vsa.devices.streams import StreamInfo
 from emg2vsa.devices.trigger import TriggerOut
 from emg2vsa.errors import DeviceError
 from emg2vsa.session import plugs as plugging
+from emg2vsa.session import replay
 from emg2vsa.session.dataset import write_dataset
 from emg2vsa.session.journal import JOURNAL_FILE, Commanded, Judged, PressEnded, Triggered, read_journal
 from emg2vsa.session.plugs import Outlets
@@ -136,10 +137,11 @@ def test_a_fault_of_lsl_is_told_and_the_session_goes_on(lsl, play, monkeypatch):
     assert [text for text in played.state.warnings if "LSL" in text] == [said]
 
 
-def test_without_pylsl_a_session_with_outlets_does_not_begin(play, monkeypatch):
+def test_without_pylsl_a_session_with_outlets_does_not_begin(play, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "pylsl", None)
     with pytest.raises(DeviceError, match=r"session\.lsl_outlets: expected the extra for LSL, .*emg2vsa\[lsl\]"):
         play(session=FEW + "lsl_outlets = true")
+    assert not (tmp_path / "data").exists()
 
 
 @pytest.mark.parametrize("pieces", [1, 7, 400])
@@ -204,6 +206,7 @@ def test_start_stop_and_verdicts_are_bytes_on_the_port_and_marks_in_journal_and_
     assert [(line.event.press, line.event.attempt) for line in marks if line.event.mark == "verdict"] == judged
     assert {line.event.code for line in marks} == {1, 2, 9}
 
+    assert replay(played.study, played.folder).same
     write_dataset(played.folder, played.study)
     (events, *_) = sorted(played.study.data.rglob("*acq-S1*_events.tsv"))
     rows = list(csv.DictReader(events.open(), delimiter="\t"))
@@ -235,11 +238,12 @@ def test_a_port_that_is_gone_is_told_and_the_session_goes_on(play, port):
         ({"pulse": "dtr"}, "[Ii]nappropriate ioctl"),  # a pseudo-terminal has no such line
     ],
 )
-def test_a_port_that_takes_no_trigger_is_one_error_before_the_session(settings, found, port, play):
+def test_a_port_that_takes_no_trigger_is_one_error_before_the_session(settings, found, port, play, tmp_path):
     own = {"port": port.name} | settings
     text = ", ".join(f'{key} = "{value}"' for key, value in own.items())
     with pytest.raises(DeviceError, match=rf"session\.trigger\.port, {own['port']}: expected a serial port .*{found}"):
         play(session=FEW + f"trigger = {{ {text} }}")
+    assert not (tmp_path / "data").exists()
 
 
 @pytest.mark.parametrize("pulse", ["byte", "dtr", "rts"])

@@ -13,7 +13,7 @@ const $ = (selector) => document.querySelector(selector);
 
 let state = null, seen = null, traces = null, chosen = null;
 let heardMs = performance.now(), askedMs = -1e9, refusedMs = -1e9, refused = "";
-let warned = 0, newsMs = -1e9;
+let warned = [], news = "", newsMs = -1e9;
 
 function listen() {
   const source = new EventSource("stream");
@@ -25,8 +25,9 @@ function listen() {
   });
   on("state", (content) => {
     state = content;
-    if (state.warnings.length > warned) newsMs = performance.now();
-    warned = state.warnings.length;
+    const fresh = state.warnings.filter((text) => !warned.includes(text));
+    if (fresh.length) [news, newsMs] = [fresh.at(-1), performance.now()];
+    warned = state.warnings;
   });
   on("participant", (content) => { seen = content; });
   on("traces", append);
@@ -60,8 +61,8 @@ function show() {
 function render() {
   const nowMs = performance.now();
   if (nowMs - refusedMs > REFUSED_MS) refused = "";
-  const news = nowMs - newsMs < NEWS_MS ? state.warnings.at(-1) ?? "" : "";
-  const message = messageOf(state, (nowMs - heardMs) / 1000, refused, news);
+  const told = nowMs - newsMs < NEWS_MS && warned.includes(news) ? news : "";
+  const message = messageOf(state, (nowMs - heardMs) / 1000, refused, told);
   $("#message").hidden = message === null;
   document.body.classList.toggle("stale", message?.stale ?? false);
   if (message) {

@@ -28,7 +28,7 @@ function listen() {
     messages += 1;
     if (before !== undefined && before !== force.command) {
       tone(TONES_HZ[force.command]);
-      if (offsetMs !== null) given = commandAt(force, sentMs());
+      if (offsetMs !== null && !document.hidden) given = commandAt(force, sentMs());
     }
   };
   source.onerror = () => {
