@@ -99,7 +99,7 @@ def test_one_most_likely_cause_has_the_only_remedy():
 
 
 def test_a_cause_among_other_reasons_of_a_press_is_named_alone():
-    late = "force follows EMG by 200 ms, which lowers b by about 18 %"
+    late = "force follows EMG by 90 ms, which lowers b by about 9 %"
     found = replaced(recording(doubtful=8), reasons=(f"its slope is uncertain by 60 %; {late}",) * 8)
     told = judge(found, wanted=8).specimens[0].told
     assert told[0].text == f"most likely: {late}"

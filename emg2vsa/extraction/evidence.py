@@ -63,6 +63,7 @@ def said_of_bias(
     """
     said: list[tuple[tuple[bool, str], ...]] = []
     implausible = window.implausible == "reject"
+    sure = implausible and lag.pieces > 1 and tense <= TENSE  # one press, or muscles tense between them, feign a lag
     rows = {cause: (bias.b[row], bias.corrected[row]) for row, cause in enumerate(bias.causes)}
     none = np.zeros((2, bias.b.shape[1]))
     (noise, subtracted), (humming, _), (lagging, _) = (
@@ -83,7 +84,7 @@ def said_of_bias(
             own.append(
                 (False, f"hum changes when the specimen is touched, which lowers b by about {-100 * humming[i]:.0f} %")
             )
-        apart = implausible and bool(abs(left_s[i]) > LARGEST_S)
+        apart = sure and bool(abs(left_s[i]) > LARGEST_S)
         if abs(lagging[i]) > TOLD_BIAS or apart:
             size = f"about {100 * abs(lagging[i]):.0f} %" if abs(lagging[i]) < MOST_TOLD else "more than 20 %"
             way = f"{'raises' if lagging[i] > 0 else 'lowers'} b by {size}"
@@ -92,7 +93,7 @@ def said_of_bias(
             times = f"up to {tense:.2g} times as much as when they rest most"
             own.append((False, f"muscles are tense between presses, {times}"))
         if lag.differs:
-            own.append((apart or (implausible and lag.between_s > LARGEST_S), lag.differs))
+            own.append((apart or (sure and lag.between_s > LARGEST_S), lag.differs))
         said.append(tuple(own))
     return said
 
