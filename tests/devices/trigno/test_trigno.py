@@ -20,6 +20,7 @@ from emg2vsa.devices.trigno import TrignoSettings
 from emg2vsa.devices.trigno import driver as trigno
 from emg2vsa.devices.trigno.driver import Place, TrignoSource, places_of
 from emg2vsa.errors import DeviceError, SettingError
+from emg2vsa.session.liveness import Liveness
 from emg2vsa.session.sample_clock import SampleClock
 from emg2vsa.worlds.far_ends.trigno_server import TrignoServer
 from emg2vsa.worlds.people.participant import EmulatedParticipant
@@ -347,6 +348,20 @@ def test_the_emulated_server_loses_a_frame(emulated: tuple[TrignoServer, TrignoS
     server.unpair(3)
     listened(source, clock, 1.0, times)
     assert source.counts().lost > 1000
+
+
+def test_a_sensor_that_the_emulated_server_has_lost_is_named(
+    emulated: tuple[TrignoServer, TrignoSource, FastClock],
+) -> None:
+    server, source, clock = emulated
+    server.unpair(3)
+    liveness, end_s, told = Liveness(source.info, clock.now_s()), clock.now_s() + 60.0, ""
+    while not told and clock.now_s() < end_s:
+        for block in source.read():
+            liveness.take(block.samples, clock.now_s())
+        told = " ".join(each for each in liveness.problems(clock.now_s()) if "samples a second" not in each)
+        time.sleep(1e-3)
+    assert told == "EDC sends no values: check that its sensor is paired, charged and switched on."
 
 
 def test_the_emulated_server_is_cut_off_and_found_again(
