@@ -35,7 +35,7 @@ QUANTITIES = {
     "frame_p95": "the same, 95 %",
     "settled": "what is left for the time between frames, median",
     "settled_p95": "the same, 95 %",
-    "judged": "of that, a force at which kappa is told anew, median",
+    "judged": "of that, where the press has reached a further force of the calibration, median",
     "answer": "from the exposure of a frame in contact to its answer, on a core of its own, median",
     "answer_p95": "the same, 95 %",
     "fit": "kappa of all {presses} presses at once (`estimate_kappa`)",
@@ -137,6 +137,7 @@ def page(checkouts: dict[str, Path], root: Path) -> Iterator[str]:
     yield f"CPU time of one thread, ms: median of {ROUNDS} rounds{turns if len(names) > 1 else ''}."
     yield "Presses of the emulated rig, 20 frames a second, 127 pins; on line those of three specimens, by presses"
     yield f"of three known ones. An answer waits {1e3 * HOLD_S:g} ms for the readings that tell the force at its frame."
+    yield f"Load average {os.getloadavg()[0]:.0f} on {os.cpu_count()} cores."
     yield ""
     yield f"| what | {' | '.join(names)} |" + (" ratio | range |" if len(names) > 1 else "")
     yield "|---|" + "---:|" * (len(names) + (2 if len(names) > 1 else 0))
