@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.dome.library import Library, Rows
-from casr.dome.pull import share_pulled
-from casr.dome.view import OUTER_RADIUS_MM, DomeView, PinsAroundAxis
+from casr.dome.pull import pulled_px
+from casr.dome.view import DomeView, PinsAroundAxis
 
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
@@ -224,16 +224,8 @@ class _Search:
     def along(self, around: PinsAroundAxis, radius_mm: Array) -> Array:
         """(A, R, 2, 2 N) unit motions of pins, without the common shift, whose contact of each radius is pulled along
         the surface in either direction, as skin that sticks goes along (``share_pulled``)."""
-        view, n_pins = self._view, len(self._rest_px)
-        axes, arc_mm = around.axis[::n_pins], around.arc_mm.reshape(-1, 1, n_pins)
-        tips = view.tip_radius_mm * around.directions.reshape(-1, 1, n_pins, 3)
-        away = tips[..., 2:] + view.behind_mm
-        across = np.linalg.svd(axes[:, None])[2][:, 1:, None]  # (A, 2, 1, 3)
-        moves = view.focal_px * (across[..., :2] - tips[..., :2] * across[..., 2:] / away) / away
-        edge_mm = view.inner_radius_mm * np.arcsin(np.clip(radius_mm / OUTER_RADIUS_MM, 0.0, 1.0))[:, None]
-        share = share_pulled(arc_mm, edge_mm, float(self._library.arc_mm[-1]))
-        pulled = share[:, :, None, :, None] * moves[:, None]
-        pulled = (pulled - pulled.mean(axis=3, keepdims=True)).reshape(*share.shape[:2], 2, -1)
+        pulled = pulled_px(around, len(self._rest_px), radius_mm, float(self._library.arc_mm[-1]))
+        pulled = pulled.reshape(*pulled.shape[:3], -1)
         one, other = (pulled[:, :, k, :] for k in range(2))
         one /= np.linalg.norm(one, axis=-1, keepdims=True)
         other -= (one * other).sum(axis=-1, keepdims=True) * one

@@ -1,8 +1,9 @@
 """Pins of one press under the forward model: what they should do in a world, and how that changes with it.
 
 Parameters of a press are those of ``SHARED`` (of the sensor, or of a mounting of it), those of ``OWN``, and the contact
-radius in each frame. A shift of all pins in a frame is left out; so is the noise that the rest frame gives to all
-frames alike (``whitened``).
+radius in each frame. Left out are a shift of all pins in a frame, what friction on a slope moves by pulling the contact
+along the surface, with its history (``casr.dome.pull``), and the noise that the rest frame gives to all frames alike
+(``whitened``).
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.dome.library import FAMILY
+from casr.dome.pull import pulled_px
 from casr.dome.view import DomeView, PinsAroundAxis
 from casr.kappa.family import Family
 from casr.kappa.presses import FEWEST_FRAMES, KappaPress
@@ -100,8 +102,31 @@ class PressField:
         return np.asarray(moved - moved.mean(axis=1, keepdims=True))
 
     def left(self, state: State) -> Array:
-        """(M,) residuals, px, in the order of frames, x and y, pins."""
-        return (self.seen - self.whitened(self.predicted(state))).swapaxes(1, 2).ravel()
+        """(M,) residuals, px, in the order of frames, x and y, pins, without what a pull tells."""
+        left = (self.seen - self.whitened(self.predicted(state))).swapaxes(1, 2)
+        around = self._around(np.concatenate([state.shared, state.own]))
+        return self._without_pulls(left[None], around, state.radius_mm)[0]
+
+    @property
+    def n_of_frames(self) -> int:
+        """Unknowns that frames have of their own: the radius, and a pull both ways."""
+        return int(3 * self.n_frames)
+
+    def _without_pulls(self, motions: Array, around: PinsAroundAxis, radius_mm: Array) -> Array:
+        """(K, M) of whitened motions (K, T, 2, N): less what friction that pulls the contact along the surface, in each
+        frame by itself, explains best."""
+        n, share = self.n_frames, self._rest_share / self.n_frames
+        ways = pulled_px(around, self.n_pins, radius_mm, float(self.family.arc_mm[-1]))[0]
+        ways = ways.swapaxes(2, 3).reshape(n, 2, -1)
+        seen = motions.reshape(len(motions), n, -1).swapaxes(0, 1)
+        told = (seen - share * seen.sum(axis=0)) @ ways.swapaxes(1, 2)  # (T, K, 2)
+        every = ways.reshape(2 * n, -1)
+        squares = (self._rest_share - 2) * share * (every @ every.T)
+        own = np.arange(2 * n).reshape(n, 2)
+        squares[own[:, :, None], own[:, None]] += ways @ ways.swapaxes(1, 2)
+        far = np.linalg.solve(squares, told.swapaxes(1, 2).reshape(2 * n, -1)).reshape(n, 2, -1)
+        pulled = far.swapaxes(1, 2) @ ways
+        return np.asarray(seen - pulled + share * pulled.sum(axis=0)).swapaxes(0, 1).reshape(len(motions), -1)
 
     def _view_at(self, shared: Array) -> DomeView:
         view = self._view
@@ -156,8 +181,9 @@ class PressField:
         columns -= columns.mean(axis=-1, keepdims=True)
         columns -= self._rest_share * columns.mean(axis=1, keepdims=True)
         here = pins.moved_px.transpose(1, 2, 0)
-        left = self.seen - self.whitened(here - here.mean(axis=1, keepdims=True))
-        return left.swapaxes(1, 2).ravel(), columns.reshape(len(columns), -1).T
+        left = (self.seen - self.whitened(here - here.mean(axis=1, keepdims=True))).swapaxes(1, 2)
+        every = self._without_pulls(np.concatenate([left[None], columns]), around, state.radius_mm)
+        return every[0], every[1:].T
 
     def left_over_px(self, state: State, z: Array) -> Array:
         """(K,) root mean square left over, px, where z is held at each of K values and the rest of what one press alone
@@ -172,7 +198,7 @@ class PressField:
                 step = inverse @ residual
                 own, radius_mm = held.own[1:] + step[: len(OWN) - 1], held.radius_mm + step[len(OWN) - 1 :]
                 held = State(state.shared, np.append(each, own), np.maximum(radius_mm, LEAST_RADIUS_MM))
-            left.append(float(np.sqrt(residual @ residual / (residual.size - self.n_frames))))
+            left.append(float(np.sqrt(residual @ residual / (residual.size - self.n_of_frames))))
         return np.array(left)
 
     def started(self, place: float, z: float, least_mm: float = 0.0) -> tuple[State, float]:

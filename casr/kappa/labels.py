@@ -257,7 +257,7 @@ class _Fit:
         """lines : residuals and derivatives ``seen_from`` where or beside which the states were found; sums of them."""
         states = self._states(at, radii)
         squares = sum(float(r @ r) for r, _ in lines)
-        count = sum(r.size - field.n_frames for (r, _), field in zip(lines, self._fields, strict=True))
+        count = sum(r.size - field.n_of_frames for (r, _), field in zip(lines, self._fields, strict=True))
         misfit_px = float(np.sqrt(squares / count))
         noise_px = min(_noise(lines, self._fields), misfit_px)
         precision, _ = self._normal(sums, at, max(misfit_px, self._least_px))

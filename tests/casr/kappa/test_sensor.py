@@ -33,7 +33,7 @@ def test_a_sensor_is_found_within_its_standard_errors(made: Sensor, found: Ident
     assert tuple(found.quantities) == QUANTITIES
     assert all(each.told for each in found.quantities.values())
     x, y, pin, depth, *_ = found.quantities.values()
-    assert max(x.sd, y.sd) < 0.3
+    assert max(x.sd, y.sd) < 0.35  # a pull along the surface moves pins much as another pole does
     assert pin.sd < 0.06
     assert depth.sd < 0.5
     assert (x.stated, pin.stated, depth.stated) == (149.5, 3.0, 50.0)
