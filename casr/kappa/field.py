@@ -105,7 +105,7 @@ class PressField:
         """(M,) residuals, px, in the order of frames, x and y, pins, without what a pull tells."""
         left = (self.seen - self.whitened(self.predicted(state))).swapaxes(1, 2)
         around = self._around(np.concatenate([state.shared, state.own]))
-        return self._without_pulls(left[None], around, state.radius_mm)[0]
+        return np.asarray(self._without_pulls(left[None], around, state.radius_mm)[0])
 
     @property
     def n_of_frames(self) -> int:
