@@ -31,7 +31,7 @@ LEFT_OUT = ("reading", "simulation")
 """Tables that change no result of given recordings: what a decoder may cost, and how synthetic recordings are made."""
 _OF_THE_PLACE = (
     "emg", "force", "bar_n", "bar_filter_hz", "palette", "sound", "ethics", "checklist", "about", "texts", "form",
-    "places",
+    "places", "lsl_outlets", "trigger",
 )  # fmt: skip
 """Keys of [session] that say where and in which language it is run. Of the devices, kind and delay are registered."""
 EMULATED = "emulated rig"

@@ -95,9 +95,8 @@ def place_of(study: Study, participant: str) -> int:
 
 
 def kept_settings(study: Study) -> dict[str, Any]:
-    """What a session depends on of the study file, which its plan keeps; not who listens to it."""
-    own = None if study.session is None else planned(study.session)
-    return {"session": own and {key: own[key] for key in own if key not in ("lsl_outlets", "trigger")},
+    """What a session depends on of the study file, which its plan keeps."""
+    return {"session": None if study.session is None else planned(study.session),
             "specimens": [each.name for each in study.specimens], "window": asdict(study.window)}  # fmt: skip
 
 

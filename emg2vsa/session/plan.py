@@ -122,8 +122,8 @@ _OF_FORCE = {
 
 
 def planned(settings: SessionSettings) -> dict[str, Any]:
-    """The settings as plan.json has them; the form of a participant is no part of a plan."""
-    said = {name: value for name, value in asdict(settings).items() if name != "form"}
+    """The settings as plan.json has them; the form of a participant and who listens are no part of a plan."""
+    said = {name: value for name, value in asdict(settings).items() if name not in ("form", "lsl_outlets", "trigger")}
     return said | {"emg": _OF_EMG | said["emg"], "force": _OF_FORCE | said["force"]}
 
 
