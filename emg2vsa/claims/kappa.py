@@ -157,7 +157,8 @@ def _lacking(designs: Sequence[Design], laws: Sequence[Headline | None], *, dete
         return _assumed(laws)
     told = [law.determined for law in laws if law is not None]
     if not all(told):
-        return f"κ is determined in {told.count(True)} of {len(told)} designs."
+        by = "By CASR κ" if all(isinstance(law, LawResult) for law in laws) else "κ"
+        return f"{by} is determined in {told.count(True)} of {len(told)} designs."
     if not all(law.error == law.error for law in laws if law):
         return "κ of the new specimen is not known."
     return _assumed(laws)

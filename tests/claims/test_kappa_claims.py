@@ -179,7 +179,7 @@ def test_no_claim_says_more_than_its_laws(fields, undecided):
 def test_one_design_that_is_undetermined_or_not_pressed_decides_nothing_and_is_told():
     whole = results(0.4)[0]
     told = changed(whole, ("modular", 30.0), determined=False)
-    assert claims(told)["kappa_error_human_like"].why == "κ is determined in 2 of 3 designs."
+    assert claims(told)["kappa_error_human_like"].why == "By CASR κ is determined in 2 of 3 designs."
     absent = replace(whole, conditions=tuple(each for each in whole.conditions if each.angle_deg != 30))
     assert claims(absent)["reduction_both"].why == "No calibration: high-stiffness 30°, modular 30°."
     for found in (told, absent):
