@@ -63,7 +63,7 @@ def said_of_bias(
     """
     said: list[tuple[tuple[bool, str], ...]] = []
     implausible = window.implausible == "reject"
-    sure = implausible and lag.pieces > 1 and tense <= TENSE  # one press, or muscles tense between them, feign a lag
+    sure = implausible and lag.pieces > 2 and tense <= TENSE  # two presses, taps, or muscles tense between feign a lag
     rows = {cause: (bias.b[row], bias.corrected[row]) for row, cause in enumerate(bias.causes)}
     none = np.zeros((2, bias.b.shape[1]))
     (noise, subtracted), (humming, _), (lagging, _) = (
