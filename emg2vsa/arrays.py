@@ -41,15 +41,14 @@ def bridge_gaps(samples: Floats, where: str) -> tuple[Floats, NDArray[np.bool_]]
     """Samples with every non-finite one replaced by linear interpolation, and the mask (n,) of those replaced; it is
     not to be written to.
 
-    SignalError where fewer than half of the samples are numbers: nothing sensible can be said of such a channel.
+    SignalError where none is a number.
     """
     missing = ~np.isfinite(samples)
     n_missing = int(np.count_nonzero(missing))
     if n_missing == 0:
         return samples, np.broadcast_to(np.False_, samples.shape)  # one byte, whatever n
-    if 2 * n_missing > samples.size:
-        found = f"{n_missing} of {samples.size} samples that are not"
-        raise SignalError(where, wanted="finite numbers", found=found, do="Check the export of this channel.")
+    if n_missing == samples.size:
+        raise SignalError(where, wanted="finite numbers", found="none", do="Check the export of this channel.")
     index = np.arange(samples.size)
     filled = samples.copy()
     filled[missing] = np.interp(index[missing], index[~missing], samples[~missing])

@@ -21,7 +21,7 @@ from emg2vsa.extraction.evidence import (
     said_of_overload,
 )
 from emg2vsa.extraction.press_bias import alone, of_hum, of_lag, of_moments, of_zero, without_clipping
-from emg2vsa.extraction.rests import rest_levels, rests_differ, tension
+from emg2vsa.extraction.rests import rest_levels, rests_differ, rests_heard, tension
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
 from emg2vsa.signals.bias import BiasBudget, Cause, Shift, left_in, taken_out
@@ -82,6 +82,7 @@ def extract_trials(
     chain = filter_chain(filters, record, force.fs_hz)
     raw = record
     conditioned, force_missing, misread, slowly = _conditioned(force, raw, chain.low, force_channel, window)
+    conditioned = replace(conditioned, rest=rests_heard(conditioned.rest, force.start_s, force.fs_hz, raw))
     force = replace(force, samples=np.empty(0))  # of a long record much, where the caller holds them no longer
     clean = cleaned(raw, force, conditioned, chain, filters, force_channel, window)
     record, lag = clean.record, clean.lag

@@ -2,17 +2,33 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy import special
 
 from emg2vsa.arrays import Floats, median
+from emg2vsa.extraction.emg_record import EmgRecord
 from emg2vsa.signals.pairing import Instants
 from emg2vsa.signals.quality import window_means
+from emg2vsa.signals.rest import Rest
+from emg2vsa.signals.verdicts import HELD_SHARE
 
 TONE_BLOCK_S = 0.1
 "Rests are compared by the means of blocks of this length."
 TONE_CHANCE = 1e-4
 "Noise alone makes the rests of a muscle differ with this probability."
+
+
+def rests_heard(rest: Rest, start_s: float, fs_hz: float, record: EmgRecord) -> Rest:
+    """Without the rests in which a muscle misses a tenth of its samples or more; start_s, fs_hz : of the force."""
+    ends = (np.stack((rest.start, rest.stop), axis=-1) / fs_hz + start_s - record.start_s) * record.fs_hz
+    missed = [
+        max((np.mean(gone[begin:end]) for gone in record.missing if end > begin), default=0.0)
+        for begin, end in np.maximum(np.rint(ends), 0).astype(np.int64).tolist()
+    ]
+    kept = np.array(missed, dtype=np.float64) < HELD_SHARE
+    return replace(rest, **{name: getattr(rest, name)[kept] for name in ("start", "stop", "level_n", "slope")})
 
 
 def rest_levels(envelopes_v: Floats, resting: Instants) -> tuple[Floats, Floats, float]:

@@ -176,7 +176,7 @@ def _names(windows: Sequence[StayWindow], plan: Plan, task: str) -> list[Recordi
 
 
 def _stored(signals: StaySignals, channels: ChannelSettings, stem: str, about: SessionAbout) -> list[Channel]:
-    """SignalError where more than half of a channel is lost. DataError where a muscle of the study was not recorded."""
+    """SignalError where all of a channel is lost. DataError where a muscle of the study was not recorded."""
     stored = []
     for muscle, channel in channels.emg.items():
         if muscle not in signals.muscles:

@@ -116,7 +116,10 @@ def _loose(emg: Mapping[str, Channel], start_s: float, stop_s: float) -> tuple[s
     found = []
     for muscle, channel in emg.items():
         at = (round((time_s - channel.start_s) * channel.fs_hz) for time_s in (start_s, stop_s))
-        samples = bridge_gaps(channel.samples[slice(*at)], muscle)[0]
+        samples = channel.samples[slice(*at)]
+        if 2 * np.count_nonzero(np.isfinite(samples)) <= samples.size:
+            continue  # lost, which is said
+        samples = bridge_gaps(samples, muscle)[0]
         rms_v = float(np.std(samples))
         (mains,) = mains_ratios([samples], channel.fs_hz).tolist()
         if rms_v < FLAT_V or (mains > HUM_SHARE and rms_v * np.sqrt(mains) > HUM_V):
@@ -212,7 +215,7 @@ def _around(around: PressEnded, settings: SessionSettings) -> _Said:
     warns, rejects = settings.limits.lost_share
     if around.lost_share > warns:
         do = "shorten the distance to the radio and free its channel; check cables"
-        yield around.lost_share > rejects, (f"{100 * around.lost_share:.2g} % of the samples are lost", do)
+        yield around.lost_share > rejects, (f"{min(100.0, 100 * around.lost_share):.3g} % of the samples are lost", do)
     if around.hidden:
         yield True, ("the participant's page was hidden", "bring the page to the front, full screen, then repeat")
     if around.age_ms is not None and around.age_ms > settings.limits.age_ms:

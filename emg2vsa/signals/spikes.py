@@ -69,7 +69,7 @@ def bursts_of(signals: Signals, profiles: Sequence[Profile], press: int) -> Iter
             continue
         own = profile.v[press, known] / profile.typical_v[known]
         own = own[np.isfinite(own)]
-        if own.size == 0:
+        if own.size == 0 or median(own) <= 0:
             continue
         expected = np.interp(force, profile.ln_force[known], profile.typical_v[known]) * median(own)
         total = np.cumsum(np.concatenate(([0.0], row[cut])))

@@ -66,6 +66,25 @@ def test_a_press_is_judged_when_only_the_first_has_been_done(stay):
     assert judge_attempt(around(), attempts[0], judged, SETTINGS, HOW.window, {}).verdict != "rejected"
 
 
+@pytest.mark.parametrize("half", [True, False])
+def test_a_sensor_that_dies_late_or_sends_half_costs_no_press_before_it(stay, half):
+    """From the third press on: every second frame, or nothing, of one muscle."""
+    emg, force, attempts, _ = stay
+    channel = emg["FDS"]
+    gone = np.arange(channel.samples.size) >= round((attempts[1].end_s + 0.5 - 100) * channel.fs_hz)
+    gone &= (np.arange(gone.size) // 26 % 2 == 0) | (not half)
+    spoilt = emg | {"FDS": dataclasses.replace(channel, samples=np.where(gone, np.nan, channel.samples))}
+    judged, whole = (judge_stay(each, force, "P03", "S3", HOW) for each in (spoilt, emg))
+    assert judged.failed == ""
+    for attempt, usable in zip(attempts, (True, True, False, False), strict=True):
+        own, before = (judge_attempt(around(), attempt, each, SETTINGS, HOW.window, {}) for each in (judged, whole))
+        assert (own.verdict != "rejected") == usable
+        if usable:
+            assert own.values["b_v"] == pytest.approx(before.values["b_v"], rel=0.01)
+        else:
+            assert own.problems[0][0].startswith("FDS misses ")
+
+
 GOOD = Attempt(10.0, begun_s=10.3, stop_s=12.5, end_s=13.0, peak_n=7.6, ending="lifted")
 FOUND = FoundPress(10.4, 12.6, "ok", "", 7.6, 28e-6, 13e-6, True)
 
@@ -85,6 +104,7 @@ FOUND = FoundPress(10.4, 12.6, "ok", "", 7.6, 28e-6, 13e-6, True)
         ({"ending": "interrupted", "why": "EMG lost"}, around(), "rejected", "EMG lost"),
         ({}, around(lost_share=0.002), "warned", "0.2 % of the samples are lost"),
         ({}, around(lost_share=0.02), "rejected", "2 % of the samples are lost"),
+        ({}, around(lost_share=1.1), "rejected", "100 % of the samples are lost"),
         ({}, around(hidden=True), "rejected", "hidden"),
         ({}, around(age_ms=80.0), "warned", "80 ms late"),
     ],
