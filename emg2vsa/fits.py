@@ -52,6 +52,8 @@ class Fits:
     repetition: Ints
     verdict: NDArray[np.str_]
     reason: NDArray[np.str_]
+    visit: NDArray[np.str_]
+    "Its label; empty where the participant comes once."
     start_s: Floats
     a_v: Floats
     "Intercept of the reported fit: activity at 1 N, in ``activity_unit``."
@@ -159,6 +161,7 @@ def fit_trials(
         repetition=trials.repetition,
         verdict=np.array(verdicts, dtype="<U8"),
         reason=np.array(reasons, dtype=np.str_),
+        visit=trials.visit if trials.visit.size else np.full(n, ""),
         start_s=trials.start_s,
         n_points=reported.n,
         r2_bins=curves.on_bins.r2,

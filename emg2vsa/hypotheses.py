@@ -13,6 +13,7 @@ from emg2vsa.companions.force_laws import ForceLaws, force_laws
 from emg2vsa.companions.law_misfit import LawMisfits, cell_misfits, compare_misfits
 from emg2vsa.companions.person_slopes import PersonSlopes, person_slopes
 from emg2vsa.companions.table import TableTests, table_tests
+from emg2vsa.companions.visits import within_visits
 from emg2vsa.companions.whole_curve import WholeCurve, cell_curves, compare_curves
 from emg2vsa.fits import Fits, usable
 from emg2vsa.settings import HypothesisSettings
@@ -100,7 +101,8 @@ def test_hypotheses(
     laws, misfits, curves : where they were compared already; ``fits`` then need no force bins. place : of recordings in
     the session of their participant, by participant and specimen.
     """
-    admitted = usable(fits, settings.use)
+    admitted, given = usable(fits, settings.use), fits
+    fits = within_visits(given, admitted)
     clusters = clusters_of(fits.participant, fits.specimen, fits.b_v, admitted)
     palpated = tuple(dict.fromkeys((*specimens, *in_order(fits.specimen).tolist())))
     people = tuple(dict.fromkeys((*participants, *in_order(fits.participant).tolist())))
@@ -131,9 +133,9 @@ def test_hypotheses(
             fits.b_v[admitted],
             1 - settings.alpha,
         ),
-        laws=laws or force_laws(fits, settings.use, 1 - settings.alpha),
-        misfits=misfits or compare_misfits(cell_misfits(fits, settings.use, spline=True), 1 - settings.alpha),
-        curves=curves or compare_curves(cell_curves(fits, settings.use), settings.alpha),
+        laws=laws or force_laws(given, settings.use, 1 - settings.alpha),
+        misfits=misfits or compare_misfits(cell_misfits(given, settings.use, spline=True), 1 - settings.alpha),
+        curves=curves or compare_curves(cell_curves(given, settings.use), settings.alpha),
         people=person_slopes(fits, settings.use),
         place=known.reshape(clusters.count.shape),
         drift=drift(

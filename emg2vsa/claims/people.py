@@ -18,6 +18,7 @@ from emg2vsa.claims.claim import UNKNOWN, Asserts, Claim, Found, largest, moved,
 from emg2vsa.claims.drifting import Difference, contrast
 from emg2vsa.claims.spread import ROUNDING, by_recordings, mean_of_people, people_f, shape_of
 from emg2vsa.companions.force_laws import LAWS, ForceLaws, log_ratios
+from emg2vsa.companions.visits import unequal_people, within_visits
 from emg2vsa.fits import Fits, usable
 from emg2vsa.profiles import ByPerson, by_person
 from emg2vsa.settings import ClaimSettings
@@ -53,8 +54,9 @@ class PressTable:
 
     @classmethod
     def of(cls, fits: Fits, use: str, place: Mapping[tuple[str, str], float]) -> PressTable:
-        """The presses of ``fits`` that ``use`` admits; place : of recordings by participant and specimen."""
+        """The presses of ``fits`` that ``use`` admits, within visits; place : of recordings, by cell."""
         at = usable(fits, use)
+        fits = within_visits(fits, at)
         cells = zip(fits.participant[at].tolist(), fits.specimen[at].tolist(), strict=True)
         known = np.array([place.get(cell, np.nan) for cell in cells], dtype=np.float64)
         return cls(fits.participant[at], fits.specimen[at], fits.repetition[at], fits.a_v[at], fits.b_v[at], known)
@@ -70,12 +72,15 @@ def claims_of_study(
     lost = [" ".join(cell) for cell in product(study.participants, study.palpated) if cell not in there]
     more = f" and {len(lost) - _NAMED} more" if len(lost) > _NAMED else ""
     lacks = f"Without a usable press: {', '.join(lost[:_NAMED])}{more}." if lost else ""
+    unequal = unequal_people(fits) if study.visits else []
+    if unequal:
+        lacks += f" At the visits of {', '.join(unequal)} specimens miss; presses of such visits are doubtful."
     found = people_claims(
         table, stiffness, study.hypotheses.kept_specimens or study.palpated, study.claims,
         laws=laws, new=study.profile.new_specimen or "", interpolated=by_person(fits, stiffness, study.profile, use),
         force_n=study.window.force_n,
     )  # fmt: skip
-    return (replace(claim, why=" ".join(filter(None, (claim.why, lacks)))) for claim in found)
+    return (replace(claim, why=" ".join(filter(None, (claim.why, lacks.strip())))) for claim in found)
 
 
 def people_claims(

@@ -25,7 +25,7 @@ from emg2vsa.pipeline.plan import StepPlan, survey
 from emg2vsa.pipeline.run_study import Progress, run_study
 from emg2vsa.process_pool import available_cores
 from emg2vsa.screening import Screening, screened, screened_trials
-from emg2vsa.screening.screen import screen, traits_by_recording
+from emg2vsa.screening.screen import screen, traits_by_recording, visits_of
 from emg2vsa.session_verdict import Doubts, SessionVerdict, doubts_between, judge_session
 from emg2vsa.study import RecordingEntry, Study
 
@@ -70,7 +70,9 @@ def _beside(
     known = [key for key in plan.campaign.recordings if plan.done("trials", (key,)) and plan.done("fits", (key,))]
     own = [artifacts.load(path) for path in plan.done("fits", known)]
     trials = [artifacts.load(path) for path in plan.done("trials", known)]
-    screening = screen(traits_by_recording(trials), whole.judgements)
+    screening = screen(
+        traits_by_recording(trials), whole.judgements, {(t.participant, t.specimen): visits_of(t) for t in trials}
+    )
     fits = concatenate((screened(each, screening) for each in own), bins=False) if own else None
     doubts = doubts_between(trials, by_recording(fits) if fits else {}, whole.judgements)
     return doubts, screening, person_slopes(fits, whole.hypotheses.use).rows() if fits else []

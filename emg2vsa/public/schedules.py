@@ -80,7 +80,7 @@ def _fits_of(frame: pd.DataFrame) -> Fits:
     n = len(frame)
     known: dict[str, Any] = {
         "participant": np.full(n, ""), "repetition": np.arange(1, n + 1), "verdict": np.full(n, "ok"),
-        "reason": np.full(n, ""), "cause": np.full(n, ""), "n_points": np.zeros(n, np.int64),
+        "reason": np.full(n, ""), "visit": np.full(n, ""), "cause": np.full(n, ""), "n_points": np.zeros(n, np.int64),
         "bin_edges_n": np.zeros(1), "bin_force_n": np.zeros((n, 0)), "bin_v": np.zeros((n, 0)),
         "activity_unit": frame.attrs.get("activity_unit", "V"), "points": "bins", "weights": "none", "confidence": 0.95,
     }  # fmt: skip

@@ -113,9 +113,12 @@ def told_of_people(study: Study, trials: Sequence[Trials]) -> Told:
     rated = [t.rates_hz for t in trials if t.rates_hz]
     read, planned = len(trials), len(study.recordings)
     where = f" in the {read} of {planned} recordings that could be read" if read < planned else ""
+    visits = f" at each of {len(study.visits)} visits" if study.visits else ""
+    planned_presses = sum((e.window.expected_trials or 0) * max(len(study.visits), 1) for e in study.recordings)
+    of = f" of {planned_presses}" if visits and planned_presses else ""
     told = {
-        "asked": _several(asked, " press") if asked and trials else "",
-        "found": f"{sum(t.repetition.size for t in trials)} presses were found{where}",
+        "asked": _several(asked, " press") + visits if asked and trials else "",
+        "found": f"{sum(t.repetition.size for t in trials)} presses{of} were found{where}",
         "emg_hz": _rates(rates[:-1] for rates in rated),
         "force_hz": _rates(rates[-1:] for rates in rated),
     }
@@ -124,13 +127,16 @@ def told_of_people(study: Study, trials: Sequence[Trials]) -> Told:
         stated_by.setdefault(key, []).append(text.rstrip("."))
     found = {key: "; ".join(dict.fromkeys(texts)) for key, texts in stated_by.items()}
     joined = {name: ", ".join(found[key] for key in keys if key in found) for name, keys in _JOINED.items()}
-    return told | found | joined | (_told_of_session(study.session) if study.session else {})
+    return told | found | joined | (_told_of_session(study.session, visits) if study.session else {})
 
 
-def _told_of_session(session: SessionSettings) -> Told:
+def _told_of_session(session: SessionSettings, visits: str) -> Told:
+    next_row = (
+        ", the next row at the next visit" if session.order in ("latin-square", "williams") else ", at each visit"
+    )
     practice = f"{_several([session.training_repetitions], ' press')} on each of {listed(session.training_specimens)}"
     return {
-        "order": _ORDERS[session.order].format(session.seed),
+        "order": _ORDERS[session.order].format(session.seed) + (next_row if visits else ""),
         "practice": f"practice of {practice}" if session.training_specimens else "no practice",
         "rest_s": f"{session.rest_s:g}",
         "pause_s": f"{session.pause_s:g}",

@@ -182,6 +182,10 @@ test [@friedman]. The mean over the presses of a person has an interval whose va
 between specimens by rotation tests over participants [@langsrud] with {{ DRAWS }} draws: the largest statistic of all
 forces and pairs gave the threshold, and neighbouring forces beyond the threshold form a cluster, as in statistical
 parametric mapping [@pataky].{% endif %}
+{% if study.visits %}The presses of a person at all {{ study.visits | length }} visits were pooled: each visit's mean
+of a person on a specimen was replaced by the mean over the visits, so that scatter and trend of presses are those
+within visits; differences between visits are in table visits. Presses of a visit that lacked a specimen which the
+person pressed at another visit were doubtful.{% endif %}
 {% if h.equivalence_margin_sd is not none and many_people %}Two one-sided tests [@schuirmann] examined whether each
 pair of participants is equal within {{ h.equivalence_margin_sd | g }} SD of their repetitions.{% endif %} No test was
 chosen by the outcome of another. Intervals of ω² come from the noncentral F distribution [@steiger]. A trend of b

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa.extraction import Trials
 from emg2vsa.fits import Fits
@@ -43,9 +44,13 @@ class Screened:
 
 @dataclass(frozen=True)
 class Screening:
-    """One entry for each recording of a study about which something was found, in the study's order."""
+    """One entry for each recording of a study about which something was found, in the study's order.
+
+    unequal : participant, visit, and the specimens that miss there though the participant pressed them at another one.
+    """
 
     found: tuple[Screened, ...] = ()
+    unequal: tuple[tuple[str, str, str], ...] = ()
 
     def counts(self, participant: str, specimen: str, use: str) -> bool:
         """Whether presses of a recording can enter a test. use : `[hypotheses] use`."""
@@ -61,16 +66,24 @@ class Screening:
 
 def screened(fits: Fits, screening: Screening | None) -> Fits:
     """Fits, of one recording or many, as the study sees them: ok presses of a doubtful recording are doubtful, all
-    presses of an unreadable one rejected, each with the reason."""
+    presses of an unreadable one rejected, each with the reason. Doubtful too are those of a visit that lacks a
+    specimen: what differs between visits would be taken for a difference of specimens."""
     verdict, reason = fits.verdict.copy(), fits.reason.astype(object)
+
+    def touch(touched: NDArray[np.bool_], becomes: str, said: str) -> None:
+        verdict[touched] = becomes
+        for i in np.flatnonzero(touched).tolist():
+            reason[i] = f"{said}; {reason[i]}" if reason[i] else said
+
     for each in screening.found if screening else ():
         own = (fits.participant == each.participant) & (fits.specimen == each.specimen)
-        if each.verdict in ("ok", "told") or not own.any():
-            continue
-        touched = own & (verdict == "ok") if each.verdict == "doubtful" else own
-        verdict[touched] = "doubtful" if each.verdict == "doubtful" else "rejected"
-        for i in np.flatnonzero(touched).tolist():
-            reason[i] = f"{each.said}; {reason[i]}" if reason[i] else each.said
+        if each.verdict == "doubtful":
+            touch(own & (verdict == "ok"), "doubtful", each.said)
+        elif each.verdict == "unreadable":
+            touch(own, "rejected", each.said)
+    for who, visit, lacks in screening.unequal if screening else ():
+        said = f"visit {visit} lacks {lacks}, so that its presses would bias comparisons of specimens"
+        touch((fits.participant == who) & (fits.visit == visit) & (verdict == "ok"), "doubtful", said)
     return replace(
         fits, verdict=verdict, reason=reason.astype(fits.reason.dtype if fits.reason.dtype == object else str)
     )

@@ -83,18 +83,33 @@ def _copied(traits: Traits) -> Traits:
     return replace(traits, **arrays)
 
 
-def screen(traits: Mapping[Key, Traits], judgements: Sequence[PressJudgement] = ()) -> Screening:
+def visits_of(trials: Trials) -> tuple[str, ...]:
+    """Labels of the visits at which presses were recorded that are not rejected."""
+    return tuple(dict.fromkeys(trials.visit[trials.verdict[: trials.visit.size] != "rejected"].tolist()))
+
+
+def screen(
+    traits: Mapping[Key, Traits], judgements: Sequence[PressJudgement] = (), visits: Mapping[Key, Sequence[str]] = {}
+) -> Screening:
     """What is unlike the rest of a study.
 
     traits : (participant, specimen) to those of the recording. judgements : of people; a recording that is accepted as
-    a whole stays, with what was found.
+    a whole stays, with what was found. visits : (participant, specimen) to what `visits_of` tells.
     """
     accepted = {(j.participant, j.specimen) for j in judgements if j.repetition is None and not j.excludes}
     found: dict[Key, Screened] = {}
-    for key, cause, text, share, verdict in (*_copies(traits), *_unlike(traits)):
+    for key, cause, text, share, verdict in (*_copies(traits), *_unlike(traits, visits)):
         if key not in found:
             found[key] = Screened(*key, cause, text, share, "ok" if key in accepted else verdict)
-    return Screening(tuple(found[key] for key in traits if key in found))
+    return Screening(tuple(found[key] for key in traits if key in found), tuple(_unequal(visits)))
+
+
+def _unequal(visits: Mapping[Key, Sequence[str]]) -> Iterator[tuple[str, str, str]]:
+    for who in dict.fromkeys(who for who, _ in visits):
+        own = {what: at for (person, what), at in visits.items() if person == who and at}
+        for visit in sorted({visit for at in own.values() for visit in at}):
+            if lacks := [what for what, at in own.items() if visit not in at]:
+                yield who, visit, ", ".join(lacks)
 
 
 _Told = Iterator[tuple[Key, str, str, float, Verdict]]
@@ -134,14 +149,14 @@ def _copies(traits: Mapping[Key, Traits]) -> _Told:
         yield keys[one], "copy", f"the same recording as {'/'.join(keys[other])}", np.nan, "unreadable"
 
 
-def _unlike(traits: Mapping[Key, Traits]) -> _Told:
+def _unlike(traits: Mapping[Key, Traits], visits: Mapping[Key, Sequence[str]]) -> _Told:
     if len(traits) < FEWEST:
         return
     keys, own = list(traits), list(traits.values())
     muscles = own[0].muscles
     if any(each.muscles != muscles for each in own):
         return  # levels of other muscles are other levels
-    study = _Study(keys, own)
+    study = _Study(keys, own, visits)
     for i, key in enumerate(keys):
         yield from ((key, *said) for said in study.said(i))
 
@@ -149,9 +164,10 @@ def _unlike(traits: Mapping[Key, Traits]) -> _Told:
 class _Study:
     """All recordings by their traits, and how far each is from what is normal."""
 
-    def __init__(self, keys: Sequence[Key], own: Sequence[Traits]) -> None:
+    def __init__(self, keys: Sequence[Key], own: Sequence[Traits], visits: Mapping[Key, Sequence[str]]) -> None:
         self.own, self.muscles = own, own[0].muscles
-        self._people = np.unique([who for who, _ in keys], return_inverse=True)[1]
+        # recordings of a person compare where they are of the same visits: electrodes are placed anew at each
+        self._people = np.unique([f"{key[0]} {visits.get(key, ())}" for key in keys], return_inverse=True)[1]
         self._specimens = np.unique([what for _, what in keys], return_inverse=True)[1]
         m = range(len(self.muscles))
         self.level = [self._apart("level", [each.press_v[k] for each in own]) for k in m]

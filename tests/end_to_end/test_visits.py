@@ -75,6 +75,13 @@ def test_two_visits_are_one_person_and_their_differences_are_shown(study_file):
     reports = study_file.parent / "reports" / "small"
     results = json.loads((reports / "results.json").read_text())
     assert (results["study.participants"], results["trials.total"]) == (2, 24)
+    rows = table(next(reports.rglob("sessions.csv")))
+    assert [(row["participant"], row["visit"], row["found"]) for row in rows] == [
+        (who, visit, "6") for who in PEOPLE for visit in VISITS
+    ]
+    told = " ".join((reports / "methods.txt").read_text().split())
+    assert "at each of 2 visits on each specimen; 24 presses of 24 were found" in told
+    assert "the next row at the next visit" in told
     rows = table(next(reports.rglob("visits.csv")))
     assert [(row["specimen"], row["visit"], row["people"]) for row in rows] == [("S1", "2", "2"), ("S3", "2", "2")]
     study = load_study(study_file)

@@ -150,3 +150,20 @@ def test_a_person_whose_own_band_is_another_is_no_filter(clean):
     assert not screen(narrow).found
     one = traits | {SPOILT: narrow[SPOILT]}
     assert [each.cause for each in screen(one).found] == ["filters in the file"]
+
+
+def test_a_visit_that_lacks_a_specimen_is_doubtful_and_recordings_compare_within_visits(clean):
+    at = dict.fromkeys(clean, ("1", "2")) | {SPOILT: ("1",)}
+    spoilt = {key: trials_of(gain(2.0)(made(0, key[1], 77)), *key) for key in clean if key[0] == "P0" and key != SPOILT}
+    traits = traits_by_recording((clean | spoilt).values())
+    assert SPOILT in [(each.participant, each.specimen) for each in screen(traits).found]
+    screening = screen(traits, (), at)
+    assert SPOILT not in [(each.participant, each.specimen) for each in screening.found]
+    assert screening.unequal == (("P0", "2", "S2"),)
+    into = {}
+    fitted(made(0, "S1", 77), "P0", "S1", into)
+    ((_, fits),) = into.values()
+    visit = np.where(fits.repetition > 2, "2", "1")
+    found = screened(replace(fits, visit=visit), Screening(unequal=screening.unequal))
+    assert found.verdict.tolist() == np.where(visit == "2", "doubtful", "ok").tolist()
+    assert "visit 2 lacks S2" in found.reason[-1]

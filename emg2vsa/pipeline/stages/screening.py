@@ -18,9 +18,10 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
 
 
 def run(given: Given) -> Screening:
-    from emg2vsa.screening.screen import screen, traits_by_recording
+    from emg2vsa.screening.screen import screen, traits_by_recording, visits_of
 
-    return screen(traits_by_recording(given.each("trials")), given.settings["accepted"])
+    visits = {(trials.participant, trials.specimen): visits_of(trials) for trials in given.each("trials")}
+    return screen(traits_by_recording(given.each("trials")), given.settings["accepted"], visits)
 
 
 def says(screening: Screening) -> str:

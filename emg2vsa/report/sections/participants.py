@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.companions.visits import visit_differences
+from emg2vsa.extraction import Trials
 from emg2vsa.extraction.reasons import by_hand, most_frequent
 from emg2vsa.extraction.remedies import remedies_of
 from emg2vsa.fits import Fits, by_recording
@@ -22,6 +23,7 @@ from emg2vsa.report.table import FEW_ON_PAGE, Column, Columns, Table, activity_c
 from emg2vsa.report.wording import bounded, listed
 from emg2vsa.session_verdict import doubts_between
 from emg2vsa.statistics.power import power_rm, power_table
+from emg2vsa.study import RecordingEntry
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -54,7 +56,7 @@ def _visits(results: StudyResults) -> Table:
     """How b of later visits differs from that of the first."""
     study, people = results.study, results.recorded
     confidence = 1 - study.hypotheses.alpha
-    found = visit_differences(people.fits, people.trials, study.hypotheses.use, study.visits, confidence)
+    found = visit_differences(people.fits, study.hypotheses.use, study.visits, confidence)
     heads = {"mean": "b less that of the first visit", "low": "from", "high": "to", "sd": "SD over people"}
     columns: Columns = {
         Column("specimen", "Specimen"): found.specimen, Column("visit", "Visit"): found.visit,
@@ -66,9 +68,29 @@ def _visits(results: StudyResults) -> Table:
 
 
 def _missed(results: StudyResults) -> list[str]:
-    """People of whom a visit is not there."""
-    came = {who: {p.visit for e in own for p in e.parts} for who, (own, _, _) in results.by_participant().items()}
-    return [f"{who} ({len(visits)})" for who, visits in came.items() if len(visits) < len(results.study.visits)]
+    """People, or specimens of theirs, of whom nothing was read at a visit."""
+    said = []
+    for who, (_, trials, _) in results.by_participant().items():
+        for visit in results.study.visits:
+            there = [t.specimen for t in trials if visit in t.visit]
+            lacks = [name for name in results.study.palpated if name not in there]
+            if lacks:
+                said.append(f"{who} {f'on {listed(lacks)} ' if there else ''}at visit {visit}")
+    return said
+
+
+def _at_visit(
+    entries: Sequence[RecordingEntry], trials: Sequence[Trials], fits: Mapping[tuple[str, str], Fits], visit: str
+) -> tuple[list[RecordingEntry], list[Trials], dict[tuple[str, str], Fits]]:
+    """What is of one visit."""
+    rows = {(t.participant, t.specimen): np.flatnonzero(t.visit == visit) for t in trials if visit in t.visit}
+    own = [
+        replace(t, repetition=t.repetition[at], verdict=t.verdict[at], reasons=tuple(t.reasons[i] for i in at.tolist()))
+        for t in trials if (at := rows.get((t.participant, t.specimen))) is not None
+    ]  # fmt: skip
+    of = {cell: replace(fits[cell], verdict=fits[cell].verdict[at], reason=fits[cell].reason[at])
+          for cell, at in rows.items() if cell in fits}  # fmt: skip
+    return [replace(entry, visit=visit, further=()) for entry in entries], own, of
 
 
 def _sessions(results: StudyResults) -> Table:
@@ -76,17 +98,25 @@ def _sessions(results: StudyResults) -> Table:
     fits = by_recording(people.fits)
     doubts = doubts_between(people.trials, fits, results.study.judgements)
     without_page = {failure.key for failure in results.failures if failure.stage == "pages"}
-    judged = [
-        session_verdict(name, entries, trials, fits, failed, doubts) for name, (entries, trials, failed) in own.items()
-    ]
+    visits = results.study.visits or ("",)
+    judged = []
+    for name, (entries, trials, failed) in own.items():
+        for visit in visits:
+            given = _at_visit(entries, trials, fits, visit) if visit else (entries, trials, fits)
+            judged.append(session_verdict(name, *given, failed, doubts))
     columns: Columns = {
-        Column("participant", "Participant"): list(own),
+        Column("participant", "Participant"): [name for name in own for _ in visits],
+        **({Column("visit", "Visit"): [*visits] * len(own)} if results.study.visits else {}),
         Column("session", "Session"): [session.verdict for session in judged],
-        Column("recordings", "Recordings"): [len(session.specimens) for session in judged],
+        Column("recordings", "Recordings"): [
+            sum(not visit or each.found > 0 for each in session.specimens)
+            for session, visit in zip(judged, [*visits] * len(own), strict=True)
+        ],
     }
     for key, head in {"found": "Trials", "ok": "Ok", "doubtful": "Doubtful", "rejected": "Rejected"}.items():
         columns[Column(key, head)] = [sum(getattr(each, key) for each in session.specimens) for session in judged]
-    links = (f"{results.pages}/{name}.html" if results.pages and name not in without_page else "" for name in own)
+    linked = {name: results.pages and name not in without_page for name in own}
+    links = (f"{results.pages}/{name}.html" if linked[name] else "" for name in own for _ in visits)
     made = table_of("sessions", "Sessions: good, usable, to repeat, or unreadable", columns)
     return replace(made, links=tuple(links))
 
@@ -153,7 +183,10 @@ The tests use the {{ accepted | count("trial") }} that the study file accepts by
 {% endif %}
 {% if has("visits") %}
 <p>The presses of a person at all {{ study.visits | length }} visits count as those of one person, and b of a person is
-their mean. {% if missed %}Not every visit was recorded of {{ missed | listed }}.{% endif %}</p>
+the mean over them; what differs between visits is no scatter of presses.
+{% if missed %}Nothing was read of {{ missed | listed }}.
+Presses of a visit that lacks a specimen which the person pressed at another visit are doubtful: what differs between
+visits would bias comparisons of specimens.{% endif %}</p>
 {{ table("visits") }}
 {% endif %}
 {{ table("failures") }}
