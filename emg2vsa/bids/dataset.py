@@ -62,7 +62,7 @@ def write_dataset(root: Path, dataset: DataSet, *, keep: bool = False) -> None:
         if not (keep and (root / "participants.json").exists()):
             write_json(root / "participants.json", described({_PERSON: Column(dataset.participant)}))
         rows = [(f"sub-{one}",) for one in dataset.participants]
-        merge_tsv(root / _PEOPLE, (_PERSON,), rows, (lambda row: True) if keep else None)
+        merge_tsv(root / _PEOPLE, (_PERSON,), rows, (lambda row: True) if keep else None, 0o600 if keep else 0o644)
     for task, columns in dataset.events.items():
         write_json(root / f"task-{task}{EVENTS_SIDECAR}", columns)
 
@@ -70,7 +70,7 @@ def write_dataset(root: Path, dataset: DataSet, *, keep: bool = False) -> None:
 def write_person(root: Path, participant: str, columns: Mapping[str, Column], cells: Mapping[str, str]) -> None:
     """What is told of a participant, by column, into the tables of people; whatever else they hold stays.
 
-    DataError : one of the two files that are there cannot be read.
+    The table can be read by its owner alone. DataError : one of the two files that are there cannot be read.
     """
     path = root / "participants.json"
     try:
@@ -80,7 +80,7 @@ def write_person(root: Path, participant: str, columns: Mapping[str, Column], ce
         raise DataError(
             path, wanted="a JSON object", found=str(error), do="Correct the file, or move it away."
         ) from error
-    merge_tsv(root / _PEOPLE, (_PERSON, *cells), [(f"sub-{participant}", *cells.values())], lambda row: True)
+    merge_tsv(root / _PEOPLE, (_PERSON, *cells), [(f"sub-{participant}", *cells.values())], lambda row: True, 0o600)
     write_json(path, told)
 
 

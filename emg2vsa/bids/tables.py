@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -37,14 +36,27 @@ def write_json(path: Path, content: Json) -> None:
     write_text_atomic(path, json.dumps(content, indent=2) + "\n")
 
 
-def write_tsv(path: Path, columns: Iterable[str], rows: Iterable[Sequence[object]]) -> None:
-    buffer = io.StringIO()
-    csv.writer(buffer, delimiter="\t", lineterminator="\n").writerows([tuple(columns), *rows])
-    write_text_atomic(path, buffer.getvalue())
+def write_tsv(path: Path, columns: Iterable[str], rows: Iterable[Sequence[object]], mode: int = 0o644) -> None:
+    """A table of BIDS, which has no quotes: tabs and line feeds of a cell become spaces."""
+    cells = (
+        [re.sub(r"[\t\r\n]+", " ", "" if cell is None else str(cell)) for cell in row]
+        for row in (tuple(columns), *rows)
+    )
+    write_text_atomic(path, "".join("\t".join(row) + "\n" for row in cells), mode=mode)
+
+
+def read_tsv(path: Path) -> list[list[str]]:
+    """Rows that are not empty, the head first. OSError, ValueError : it cannot be read."""
+    lines = path.read_text(encoding="utf-8-sig").split("\n")
+    return [line.rstrip("\r").split("\t") for line in lines if line.strip("\r")]
 
 
 def merge_tsv(
-    path: Path, columns: Sequence[str], new: Iterable[Sequence[str]], stays: Callable[[str], bool] | None
+    path: Path,
+    columns: Sequence[str],
+    new: Iterable[Sequence[str]],
+    stays: Callable[[str], bool] | None,
+    mode: int = 0o644,
 ) -> None:
     """A table with ``new`` rows by their first cell, beside those of the file that stay, with what else they have;
     columns that the file lacks come last.
@@ -54,11 +66,11 @@ def merge_tsv(
     rows: list[list[str]] = []
     if stays is not None and path.exists():
         try:
-            with path.open(encoding="utf-8-sig", newline="") as lines:
-                rows = [row for row in csv.reader(lines, delimiter="\t") if row]
-        except (ValueError, csv.Error) as error:
+            rows = read_tsv(path)
+        except (OSError, ValueError) as error:
+            found = getattr(error, "strerror", None) or str(error)
             raise DataError(
-                path, wanted="a tab-separated table in UTF-8", found=str(error), do="Correct the file, or move it away."
+                path, wanted="a tab-separated table in UTF-8", found=found, do="Correct the file, or move it away."
             ) from error
     head = rows[0] if rows else list(columns)
     if head[0] != columns[0]:
@@ -67,8 +79,12 @@ def merge_tsv(
             do="Correct the table, or move it away.",
         )  # fmt: skip
     head += [column for column in columns if column not in head]
+    names = [row[0] for row in rows[1:]]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        do = "Remove the row that is wrong."
+        raise DataError(path, wanted="one row each", found=f"{twice} twice", do=do)
     kept = {row[0]: row for row in rows[1:] if stays is not None and stays(row[0])}
     for cells in new:
         given = dict(zip(head, kept.get(cells[0], []), strict=False)) | dict(zip(columns, cells, strict=True))
         kept[cells[0]] = [given.get(column, ABSENT) for column in head]
-    write_tsv(path, head, ([*row, *[ABSENT] * (len(head) - len(row))] for row in kept.values()))
+    write_tsv(path, head, ([*row, *[ABSENT] * (len(head) - len(row))] for row in kept.values()), mode)

@@ -220,7 +220,7 @@ class _Sitting:
     def _take_form(self, form: Form) -> None:
         study, participant = self.study, self.participant
         if self.form is not None:
-            store_answers(study.data, participant, form, read_form(self.form, form))
+            store_answers(study.data, participant, form, read_form(self.form, form, participant))
         elif self.virtual is None and not is_answered(study.data, participant, form):
             raise SettingError(
                 "--form", wanted=f"answers of {participant} to [session.form] ({', '.join(form)})", found="none",

@@ -181,7 +181,7 @@ def _json(path: Path) -> dict[str, Any]:
 def _channels(path: Path) -> dict[str, SideChannel]:
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = list(csv.DictReader(file, delimiter="\t"))
+            rows = list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
     except (OSError, ValueError, csv.Error) as error:
         raise RecordingError(
             path, wanted="a tab-separated table", found=str(error), do="Correct the side file."

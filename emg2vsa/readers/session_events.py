@@ -53,7 +53,7 @@ def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     """The rows of an events file, each with its line."""
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            return list(enumerate(csv.DictReader(file, delimiter="\t"), 2))
+            return list(enumerate(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE), 2))
     except (OSError, ValueError, csv.Error) as error:
         raise RecordingError(
             path, wanted="the events of a session", found=str(error), do="Write them again: emg2vsa session finish."

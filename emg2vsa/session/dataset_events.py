@@ -25,7 +25,8 @@ EVENT_COLUMNS = event_columns(
             "rest": "Rest between presses.",
             "pause": "The session is paused.",
             "gap": "Samples that did not come, of EMG or force as the column reason says; interpolated linearly here.",
-            "trigger": "A mark was written to the serial port for other devices; its number is in the column value.",
+            "trigger": "A mark was written to the serial port for other devices; its number is in the column value. "
+            "That of the last verdict comes after the end of the recording.",
             "operator_note": "A note of the operator, in the column note.",
         },
     ),
@@ -57,13 +58,13 @@ EVENT_COLUMNS = event_columns(
 
 
 def stay_events(window: StayWindow, signals: StaySignals, lines: Sequence[Line], presses: Presses) -> list[Event]:
-    """In time order, all within the recording."""
+    """In time order, all within the recording, but that a verdict on its last press, and its trigger, come later."""
     last_s = signals.duration_s
     events: list[Event] = []
 
-    def add(kind: str, start_s: float, stop_s: float | None, **cells: object) -> None:
+    def add(kind: str, start_s: float, stop_s: float | None, late: bool = False, /, **cells: object) -> None:
         onset = signals.onset_s(start_s)
-        if 0 <= onset < last_s:
+        if 0 <= onset < last_s or (kind == "trigger" and onset >= last_s and late):
             length = None if stop_s is None else round(min(signals.onset_s(stop_s), last_s) - onset, 6)
             events.append(Event(round(onset, 6), length, kind, cells))
 
@@ -85,7 +86,8 @@ def stay_events(window: StayWindow, signals: StaySignals, lines: Sequence[Line],
             ends = (after.time_s for after in lines[i:] if isinstance(after.event, Continued))
             add("pause", line.time_s, next(ends, None), reason=_cell(line.event.why))
         elif isinstance(line.event, Triggered):
-            add("trigger", line.time_s, None, press=line.event.press or "n/a", value=line.event.code)
+            late = (line.event.press, line.event.attempt) in window.presses
+            add("trigger", line.time_s, None, late, press=line.event.press or "n/a", value=line.event.code)
         elif isinstance(line.event, Noted):
             number = line.event.press or "n/a"
             add("operator_note", line.time_s, None, press=number, note=_cell(line.event.text))

@@ -82,7 +82,17 @@ def missed_visits(study: Study, participant: str) -> tuple[str, ...]:
     told = (
         f"{participant} is at visit {study.visit}, but visit {', '.join(missed)} has not begun. Is this the right one?"
     )
-    return (told,) if missed else ()
+    return ((told,) if missed else ()) + tuple(_other_orders(study, participant))
+
+
+def _other_orders(study: Study, participant: str) -> Iterator[str]:
+    """A sentence for each visit whose kind of order was another one."""
+    now = study.session.order if study.session else ""
+    for visit in study.visits:
+        path = folder_of(study.at_visit(visit), participant) / PLAN_FILE
+        before = read_plan(path).settings.get("session", {}).get("order", now) if path.is_file() else now
+        if visit != study.visit and before != now:
+            yield f"The order of {participant} was {before!r} at visit {visit}, and the study file now says {now!r}."
 
 
 def place_of(study: Study, participant: str) -> int:

@@ -86,7 +86,7 @@ def _people(table: ParticipantsTable, folder: str) -> tuple[tuple[Person, ...], 
     at = ("participants", "file")
     try:
         with open(os.path.join(folder, table.file), encoding="utf-8-sig", newline="") as lines:
-            rows = list(csv.DictReader(lines, delimiter="\t"))
+            rows = list(csv.DictReader(lines, delimiter="\t", quoting=csv.QUOTE_NONE))
     except (OSError, ValueError, csv.Error) as error:
         found = getattr(error, "strerror", None) or str(error)
         return (), [Problem(at, "a readable table", f"{shown(table.file)}: {found}")]

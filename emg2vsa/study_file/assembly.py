@@ -9,6 +9,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+from emg2vsa.errors import SettingError
 from emg2vsa.settings import ChannelSettings, PressJudgement, RunSettings, StageSettings
 from emg2vsa.study import (
     Person,
@@ -166,6 +167,15 @@ def _found(folder: Path, table: RecordingsTable, cells: Sequence[Cell]) -> dict[
 def _at_visits(folder: Path, table: RecordingsTable, cells: Sequence[Cell]) -> dict[Cell, list[Files]]:
     """The files of every cell at the visits at which anything of its participant was recorded; at the first without."""
     found: dict[Cell, list[Files]] = {cell: [] for cell in cells}
+    for who in dict.fromkeys(cell[0] for cell in cells):
+        folders = beside(folder, f"{table.root}/sub-{who}").glob("ses-*")
+        for path in sorted(each for each in folders if each.name[4:] not in table.visits):
+            if any(path.glob(f"emg/*_task-{table.task}_acq-*_emg.{table.extension}")):
+                raise SettingError(
+                    path, wanted=f"a visit of [recordings] visits ({', '.join(table.visits) or 'none'})",
+                    found=f"{path.name} of {who}, which is recorded but not in [recordings] visits",
+                    do="Add it there, or move the folder away.",
+                )  # fmt: skip
     at = {visit: _bids(folder, table, cells, visit) for visit in table.visits or ("",)}
     for visit, own in at.items():
         there = {cell[0] for cell in cells for one in own[cell].values() if beside(folder, one.file).exists()}

@@ -74,6 +74,10 @@ def _form(session: SessionSettings) -> Iterator[Problem]:
             yield Problem(at, "either range or levels", found, "There is no free text, so that no name gets in.")
         elif column.range and column.range[0] >= column.range[1]:
             yield Problem((*at, "range"), "the smaller number first", shown(list(column.range)))
+        for word in column.levels:
+            if not word.strip() or word == "n/a" or word[0] in "=+-@" or re.search(r"[\t\r\n]", word):
+                do = "A table would take it for nothing, or a formula. Write another word."
+                yield Problem((*at, "levels", word), "a word without tab or a sign such as = before it", repr(word), do)
         if column.unit and not column.range:
             yield Problem((*at, "unit"), "range with this key", "levels")
 
@@ -112,7 +116,7 @@ def _times(session: SessionSettings, window: WindowSettings) -> Iterator[Problem
             yield Problem(("session", "limits", key), "the smaller number first", shown(list(pair)))
 
 
-def _plausible(session: SessionSettings) -> Iterator[Problem]:
+def _plausible(session: SessionSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:
     """Values that no session has, which a slip of the pen or of the unit makes."""
     limits = session.limits
     if session.force_n[1] > MOST_FORCE_N:
@@ -124,6 +128,17 @@ def _plausible(session: SessionSettings) -> Iterator[Problem]:
         yield Problem(("session", "texts", "stop"), "another text than that of start", repr(session.texts.stop))
     if (trigger := session.trigger) and trigger.pulse != "byte" and not trigger.pulse_s:
         yield Problem(("session", "trigger", "pulse_s"), f"more than 0 with pulse = {trigger.pulse!r}", "0")
+    if trigger and trigger.start == trigger.stop and trigger.pulse == "byte":
+        yield Problem(("session", "trigger", "stop"), "another byte than that of start", str(trigger.stop))
+    for key in ("start", "stop", "verdict"):
+        if trigger and trigger.pulse != "byte" and key in raw["session"]["trigger"]:
+            do = 'Set pulse = "byte", or remove the key.'
+            yield Problem(("session", "trigger", key), "pulse = 'byte' with this key", f"pulse = {trigger.pulse!r}", do)
+    if band := session.about.band_hz:
+        half = getattr(session.emg, "fs_hz", math.inf) / 2
+        if not band[0] < band[1] <= half:
+            rate = f", below {half:g} Hz, half the rate" if half < math.inf else ""
+            yield Problem(("session", "about", "band_hz"), f"the smaller number first{rate}", shown(list(band)))
     if session.check_each_press and not session.checklist:
         do = "Write what is confirmed before each press, or set check_each_press = false."
         yield Problem(("session", "checklist"), "an item with check_each_press", "none", do)
@@ -172,6 +187,11 @@ def _places(session: SessionSettings, channels: ChannelSettings) -> Iterator[Pro
         if role not in channels.emg or role not in pairs:
             found = "nothing" if role in channels.emg else repr(role)
             yield Problem((*at, role), "two electrodes of each muscle of [channels.emg], and of no other", found)
+    places = [place for pair in pairs.values() for place in pair]
+    if len(set(places)) < len(places):
+        yield Problem(at, "a place of its own for each electrode", "two at one place", "Correct the places.")
+    if session.places.unit == "percent" and not all(0 <= each <= 100 for place in places for each in place):
+        yield Problem(at, "0 to 100 with unit = 'percent'", "another number", "Correct the places.")
     scale = {"mm": 1.0, "cm": 10.0}.get(session.places.unit, 0.0)
     for role, pair in pairs.items():
         own = scale * math.dist(*pair)

@@ -54,7 +54,7 @@ def test_a_recording_is_written_with_what_is_known_of_it(tmp_path: Path) -> None
     assert "InterelectrodeDistance" not in told
     first, second = table(path.with_name("sub-P01_task-press_events.tsv"))
     assert first == {"onset": "0.500", "duration": "n/a", "trial_type": "start", "note": "n/a"}
-    assert (second["duration"], second["note"]) == ("0.250", "a\tb")
+    assert (second["duration"], second["note"]) == ("0.250", "a b")
 
 
 def test_terms_become_keys_of_the_standard_and_further_keys_stand_as_they_are(tmp_path: Path) -> None:

@@ -125,6 +125,21 @@ def test_a_visit_before_another_one_is_told(study_file):
     )  # fmt: skip
 
 
+def test_another_order_at_another_visit_is_told(study_file):
+    study = load_study(study_file).at_visit("2")
+    (told,) = missed_visits(replace(study, session=replace(study.session, order="blocked")), "P01")
+    assert told == "The order of P01 was 'latin-square' at visit 1, and the study file now says 'blocked'."
+
+
+def test_a_visit_that_is_recorded_but_not_of_the_study_is_refused(study_file):
+    text = study_file.read_text()
+    for visits in ('visits = ["1"]', ""):
+        study_file.write_text(text.replace('visits = ["1", "2"]', visits))
+        with pytest.raises(SettingError, match=r"found ses-. of P01, which is recorded but not in"):
+            load_study(study_file)
+    study_file.write_text(text)
+
+
 def test_a_study_converted_keeps_its_visits(study_file, tmp_path):
     assert main(["tools", "convert", str(study_file), "--out", str(tmp_path / "shared")]) == 0
     made = sorted(path.name for path in (tmp_path / "shared" / "sub-P01").rglob("*.bdf"))

@@ -23,7 +23,7 @@ unit = "year"
 description = "Hand that writes."
 levels = { sinister = "left", dexter = "right" }
 """
-ANSWERS = 'age = 43.2187\nhandedness = "sinister"\n'
+ANSWERS = 'participant_id = "P03"\nage = 43.2187\nhandedness = "sinister"\n'
 
 
 @pytest.fixture
@@ -40,19 +40,21 @@ def filled(folder: Path, text: str) -> Path:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("age = 17\n", r"form .*, handedness: expected the columns .* but found no such line"),
+        ('participant_id = "P03"\nage = 17\n', r"form .*, handedness: expected the columns .* but found no such line"),
         (ANSWERS + 'name = "Ann"\n', r"P03.toml, name: expected the columns .* but found another one"),
         (ANSWERS.replace("43.2187", "17"), r"age: expected 18 to 99 year, but found a number out of range"),
         (ANSWERS.replace("43.2187", "true"), r"age: expected 18 to 99 year, but found something else"),
         (ANSWERS.replace("43.2187", "nan"), r"age: expected 18 to 99 year, but found a number out of range"),
         (ANSWERS.replace("sinister", "Ann Lee"), r"handedness: expected one of 'sinister' \(left\), .*something else"),
         (ANSWERS.replace('"sinister"', '["dexter"]'), r"handedness: expected one of .* but found something else"),
+        (ANSWERS.replace("P03", "P01"), r"participant_id: expected \"P03\", but found another person's form"),
+        (ANSWERS[23:], r"participant_id: expected \"P03\", but found no such line"),
         ("age =\n", r"expected a form in TOML, but found"),
     ],
 )
 def test_an_answer_that_cannot_be_is_refused_and_not_repeated(study, tmp_path, text, said):
     with pytest.raises(SettingError, match=said) as caught:
-        read_form(filled(tmp_path, text), study.session.form)
+        read_form(filled(tmp_path, text), study.session.form, "P03")
     assert "Ann" not in str(caught.value)
 
 
@@ -66,8 +68,10 @@ def test_a_session_with_devices_wants_the_answers_first(study, tmp_path):
 
 def test_the_empty_form_is_one(study, tmp_path, capsys):
     assert main(["session", "form", str(study.path), "--participant", "P03"]) == 0
-    answers = read_form(filled(tmp_path, capsys.readouterr().out), study.session.form)
+    answers = read_form(filled(tmp_path, capsys.readouterr().out), study.session.form, "P03")
     assert answers == {"age": "n/a", "handedness": "n/a"}
+    assert main(["session", "form", str(study.path), "--participant", "P99"]) == 2
+    assert "--participant P99: expected one of P01, P03" in capsys.readouterr().err
     (tmp_path / "none.toml").write_text(STUDY, encoding="utf-8")
     assert main(["session", "form", str(tmp_path / "none.toml"), "--participant", "P03"]) == 2
     assert "expected a table [session.form], but found none" in capsys.readouterr().err
@@ -75,18 +79,23 @@ def test_the_empty_form_is_one(study, tmp_path, capsys):
 
 def test_answers_stand_beside_what_others_wrote(study):
     study.data.mkdir()
-    (study.data / "participants.tsv").write_text("participant_id\tgroup\nsub-P01\tA\n")
+    (study.data / "participants.tsv").write_text('participant_id\tgroup\nsub-P01\tA, "q\n')
     (study.data / "participants.json").write_text('{"group": {"Description": "Group."}}')
     form = study.session.form
     assert not is_answered(study.data, "P03", form)
     store_answers(study.data, "P03", form, {"age": "43.2187", "handedness": "n/a"})
-    table = "participant_id\tgroup\tage\thandedness\nsub-P01\tA\tn/a\tn/a\nsub-P03\tn/a\t43.2187\tn/a\n"
+    table = 'participant_id\tgroup\tage\thandedness\nsub-P01\tA, "q\tn/a\tn/a\nsub-P03\tn/a\t43.2187\tn/a\n'
     assert (study.data / "participants.tsv").read_text() == table
     told = json.loads((study.data / "participants.json").read_text())
     assert told["group"] == {"Description": "Group."}
     assert told["age"] == {"Description": "Age at the first visit.", "Units": "year"}
     assert told["handedness"]["Levels"] == {"sinister": "left", "dexter": "right"}
     assert is_answered(study.data, "P03", form)
+    assert (study.data / "participants.tsv").stat().st_mode & 0o777 == 0o600
+    (study.data / "participants.tsv").write_text(table + "sub-P03\tB\n")
+    with pytest.raises(DataError, match=r"participants.tsv: expected one row each, but found sub-P03 twice"):
+        store_answers(study.data, "P03", form, {"age": "1", "handedness": "n/a"})
+    (study.data / "participants.tsv").write_text(table)
     (study.data / "participants.json").write_text("[]")
     with pytest.raises(DataError, match=r"participants.json: expected a JSON object"):
         store_answers(study.data, "P03", form, {"age": "43.2187", "handedness": "n/a"})
@@ -108,3 +117,8 @@ def test_answers_are_in_participants_tsv_and_nowhere_else(study, tmp_path, capsy
     held = [path for path in files if b"43.2187" in path.read_bytes() or b"sinister" in path.read_bytes()]
     assert {path.name for path in held} == {"participants.tsv", "participants.json"}
     assert len(files) > 30
+
+
+def test_a_number_has_all_its_digits(study, tmp_path):
+    answers = read_form(filled(tmp_path, ANSWERS.replace("43.2187", "43.218712345")), study.session.form, "P03")
+    assert answers["age"] == "43.218712345"

@@ -214,6 +214,8 @@ def test_start_stop_and_verdicts_are_bytes_on_the_port_and_marks_in_journal_and_
     assert {row["value"] for row in rows if row["trial_type"] != "trigger"} == {"n/a"}
     assert {row["value"] for row in triggers} == {"1", "2", "9"}
     starts = {row["onset"] for row in rows if row["trial_type"] == "command_start"}
+    pressed = {row["press"] for row in rows if row["trial_type"] == "press"}
+    assert {row["press"] for row in triggers if row["value"] == "9"} == pressed
     assert {row["onset"] for row in triggers if row["value"] == "1"} == starts != set()
 
 

@@ -94,6 +94,23 @@ CASES = [
         "range with this key",
     ),
     ("+", "form.age = { range = [1, 2] }", "session.form.age.description", "a key 'description'"),
+    ("+", 'form.sex = { description = "x", levels."=1" = "f" }', "session.form.sex.levels.=1", "a word without tab"),
+    ("+", 'form.sex = { description = "x", levels."n/a" = "f" }', "session.form.sex.levels.n/a", "a word without tab"),
+    ("+", 'trigger = { port = "COM3", start = 2 }', "session.trigger.stop", "another byte than that of start"),
+    ("+", 'trigger = { port = "COM3", pulse = "dtr", start = 3 }', "session.trigger.start", "pulse = 'byte' with this"),
+    ("+", "about.band_hz = [450, 20]", "session.about.band_hz", "the smaller number first"),
+    (
+        "+",
+        f"{PLACES}pairs = {{ EDC = [[0, 0], [1, 0]], FDS = [[0, 0], [2, 0]] }} }}",
+        "session.places.pairs",
+        "of its own",
+    ),
+    (
+        "+",
+        f'{PLACES}unit = "percent", pairs = {{ EDC = [[0, 0], [500, 0]], FDS = [[1, 0], [2, 0]] }} }}',
+        "session.places.pairs",
+        "0 to 100 with unit",
+    ),
     # places of electrodes
     ("+", f"{PLACES}pairs = {{ EDC = [[0, 0], [10, 0]] }} }}", "session.places.pairs.FDS", "two electrodes of each"),
     ("+", f"{PLACES}pairs = {{ {BOTH}, X = [[0, 0], [1, 0]] }} }}", "session.places.pairs.X", "and of no other"),

@@ -48,10 +48,12 @@ def add_to(commands: Commands) -> None:
 def form(arguments: argparse.Namespace) -> int:
     from emg2vsa.errors import SettingError
     from emg2vsa.session.form import blank_form
+    from emg2vsa.session.open_session import settings_of
     from emg2vsa.study_file import load_study
 
     study = load_study(arguments.study)
-    asked = study.session.form if study.session else {}
+    first = study.at_visit(study.visits[0]) if study.visits else study
+    asked = settings_of(first, arguments.participant).form
     if not asked:
         do = "Add one: docs/reference/study-file.md lists its keys."
         raise SettingError(study.path, wanted="a table [session.form]", found="none", do=do)
