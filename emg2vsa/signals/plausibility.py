@@ -70,6 +70,8 @@ COARSE_VALUES, COARSE_PIECE = (3, 40), 4096
 """EMG whose first samples of a press, so many, hold no more values than these is stored in steps of a fifth of its
 level or more; one with fewer is flat, or no EMG."""
 
+NEAR_RAIL = 0.8
+"Half of the presses reach so much of what a saturated channel ends at."
 AT_EXTREME, MOST_AT_EXTREME = 0.99, 0.05
 "A press with more than this share of its samples above this share of the largest was clipped; of EMG it is 0.1 %."
 
@@ -337,6 +339,8 @@ def _saturated(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> tuple[di
         if tails:
             early = [piece[: int(0.4 * piece.size)] - median(piece) for piece in of]
             _, top, piled = min(tails)
+            if median(np.array([np.max(np.abs(piece - median(piece))) for piece in of])) < NEAR_RAIL * top:
+                continue  # a press that lost its electrode shows mains, whose crest no other press comes near
             rails[muscle] = Rail(top, law_of(early, round(LAW_S * signals.fs_hz)), len(tails), bool(piled))
             shown = volts(float(np.quantile(np.abs(late), 0.95)))
             said.append(f"{muscle} has no sample far above {shown}; is it saturated?")

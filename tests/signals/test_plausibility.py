@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from emg2vsa.signals import plausibility
-from emg2vsa.signals.plausibility import _in_bands
+from emg2vsa.signals.plausibility import _in_bands, _saturated
 from emg2vsa.signals.press_signals import Signals, pieces_of
 from emg2vsa.signals.spikes import repeated_of
 
@@ -59,3 +61,16 @@ def test_packets_sent_twice_are_counted_whatever_the_steps_of_the_converter(step
     # of 1500 samples of a press, 27 - 11 begin 12 that occur twice
     said = "a has 1.1 % of its samples twice; did the link send packets again?"
     assert list(repeated_of(signals_of(samples), pieces, [alike])) == [("a", said)]
+
+
+def test_mains_in_some_presses_is_no_rail_of_the_others() -> None:
+    rng = np.random.default_rng(3)
+    clean = rng.standard_normal(20_000)
+    off = clean.copy()
+    off[4000:10_000] = 40 * np.sin(2 * np.pi * 50 * np.arange(6000) / FS_HZ)  # an electrode that fell off
+    signals = replace(
+        signals_of(off, np.clip(2 * clean, -2.5, 2.5)), envelopes_v=np.ones((2, 10)), rest_v=np.full(2, 0.1)
+    )
+    rails, said = _saturated(signals, [pieces_of(x, PRESSES, 8) for x in signals.samples])
+    assert list(rails) == ["b"]
+    assert len(said) == 1
