@@ -104,7 +104,7 @@ class PressEnded:
 
     peak_n : None for a press that was left out before it began. zero_n : mean force before START. lost_share : of the
     samples of the worse stream. age_ms : of the force on the participant's page (95 %), None without a page.
-    hidden : whether that page was.
+    hidden : whether that page was. uneven : samples came twice, so that their times are not known.
     """
 
     press: int
@@ -118,6 +118,7 @@ class PressEnded:
     lost_share: float = 0.0
     age_ms: float | None = None
     hidden: bool = False
+    uneven: bool = False
 
 
 @dataclass(frozen=True)

@@ -216,6 +216,8 @@ def _around(around: PressEnded, settings: SessionSettings) -> _Said:
     if around.lost_share > warns:
         do = "shorten the distance to the radio and free its channel; check cables"
         yield around.lost_share > rejects, (f"{min(100.0, 100 * around.lost_share):.3g} % of the samples are lost", do)
+    if around.uneven:
+        yield True, ("more samples came than the device states, some twice", "restart the device, then repeat")
     if around.hidden:
         yield True, ("the participant's page was hidden", "bring the page to the front, full screen, then repeat")
     if around.age_ms is not None and around.age_ms > settings.limits.age_ms:

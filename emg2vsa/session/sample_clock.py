@@ -7,7 +7,8 @@ taken: it is that edge of the convex hull which lies below the mean (Moon, Skell
 
 A radio loses frames, and a crystal errs by 100 ppm. So the stated rate is held: arrivals that are late and stay late
 are a step, one or several frames that never came. A stated rate that is wrong shows no steps: all arrivals lie on one
-line of another slope.
+line of another slope. No arrival is early: samples that come sooner than the stated rate allows were sent at another
+rate, or came twice, and the line follows them.
 
 A stamp of the device itself (LSL) may be early as well as late. For these the line goes through the middle: medians of
 0.1 s, and the median of the slopes between them (Theil, 1950; Sen, JASA 1968).
@@ -29,11 +30,16 @@ LEARN_S = 3.0
 "Until then the stated rate is believed, and no sample is counted as lost."
 CRYSTAL = 1e-4
 "Error of a stated rate that needs no telling; a measured rate counts as far as it is known better."
-RATE_OFF = 0.005
+FREE = 3e-4
+"No crystal errs by more: samples that come sooner were sent at another rate, or came twice."
+PERIODIC, WHOLE = 0.01, 0.02
+"""A slower rate that is off by more has whole samples in a device's frame, within this; otherwise it is frames that are
+lost evenly. Where fewer are, the steps show."""
+RATE_OFF = 2e-3
 "A measured rate that differs by so much from the stated one is told."
 LATE_S = 0.008
 "Arrivals so far above the line are late: a busy computer, or samples that were lost (a Trigno frame is 13.5 ms)."
-STEADY, STEPS = 0.5, 8
+STEADY, STEPS = 0.5, 3
 """A rate is steady where neither four fifths of the arrivals nor any span of them spread by more than this share of
 what can be lost at once, over a time in which losses in place of it would have been so many."""
 SCATTERS = 4
@@ -50,6 +56,7 @@ SPANS = 8
 "A device whose rate changes leaves the line in whole spans of the stream."
 GAP_S = 0.05
 "A longer time without an arrival is a gap."
+UNEVEN = "The device sends more samples than it states, and not evenly: some come twice"
 
 
 class Timing(NamedTuple):
@@ -125,6 +132,8 @@ class SampleClock:
         self._level_s: float | None = None
         self._slope_se: float | None = None
         self._measured: float | None = None
+        self.uneven = False
+        "More samples come than the stated rate has, and at no steady rate: frames come twice."
         self._se_s: float | None = None
         self._arrived_s: float | None = None
         self._gaps, self._longest_s = 0, 0.0
@@ -182,7 +191,9 @@ class SampleClock:
         told = []
         if self._measured is not None and self._slope_se is not None:
             off = 1 / (self._measured * self.fs_hz) - 1
-            if abs(off) > max(RATE_OFF, 4 * self._slope_se * self.fs_hz):
+            if self.uneven:
+                told.append(f"{UNEVEN} ({100 * off:+.2g} %).")
+            elif abs(off) > max(RATE_OFF, 4 * self._slope_se * self.fs_hz):
                 told.append(
                     f"The device states {self.fs_hz:.2f} samples a second and sends {1 / self._measured:.2f} "
                     f"({100 * off:+.1f} %)."
@@ -269,6 +280,8 @@ class SampleClock:
         waited, self._late = self._late, []
         off_s = [self._late_s_of(*each[1:]) for each in waited]
         least_s = float(np.median(off_s)) if self._stamped else min(off_s)
+        if not self._stamped:
+            least_s -= self._before(waited[0].arrived_s)
         lost = self._quantum * round(least_s / self._slope / self._quantum)
         if lost > 0:
             self._starts.append(waited[0].first)
@@ -279,12 +292,19 @@ class SampleClock:
         else:
             for each in waited if self._stamped else [waited[int(np.argmin(off_s))]]:
                 self._keep(*each[1:])
+            if not self._stamped:
+                self._fit()
             return
         early = np.array(off_s) < self._slope * lost
         many = np.count_nonzero(early) >= STEP_BLOCKS  # few blocks between two losses do not lower the line
         for each, own in zip(waited, early.tolist(), strict=True):
             if many or not own:
                 self._place(each)
+
+    def _before(self, time_s: float) -> float:
+        """How late the earliest arrivals were in the seconds before: a crystal's slope, or a wrong rate, is no step."""
+        earlier = [self._late_s_of(*each) for each in self._seconds if each[1] < time_s]
+        return max(0.0, min(earlier[-5:], default=0.0))
 
     def _set_before(self) -> None:
         """Level of the line by the arrivals before the last loss."""
@@ -349,13 +369,16 @@ class SampleClock:
         self._fitted = len(self._xs)
         numbers, y = self._points()
         if len(numbers) > 1 and (numbers[-1] - numbers[0]) * nominal >= LEARN_S:
-            line = self._line(self._place_of(numbers), y)
+            line = self._line(self._place_of(numbers), y, self._stamped or bool(self._starts))
             if self._starts:
-                without = self._line(numbers, y)
+                without = self._line(np.array(self._xs), np.array(self._ys), self._stamped)
                 if without.is_steady and not without.is_stated:  # what was counted as losses is a wrong rate
                     line, self._starts, self._gone = without, [], [0]
-            held = not (line.is_steady or line.is_stated)
-            slope = self._slope if held else nominal + line.likely
+            fast = not self._stamped and not line.is_stated and self._is_fast(numbers, y)
+            self.uneven = fast and not line.is_even
+            held = not (line.is_steady or line.is_stated or fast)
+            last = max(self._slope, nominal * (1 - FREE)) if not self._stamped else self._slope
+            slope = last if held else nominal + line.likely
             if not self._learnt:
                 self._learn(slope)
                 return
@@ -363,8 +386,14 @@ class SampleClock:
             self._measured = slope if held else nominal + line.slope
             if self._stamped and self._bin == BIN_S * self.fs_hz:  # longer bins are means, which scatter less
                 self._late_s = max(OFF_S, 8 * line.above_s)
-        self._level_s = self._level(y - self._slope * self._place_of(numbers))
+        self._level_s = self._level(y - self._slope * self._place_of(numbers), bool(self._starts))
         self._set_before()
+
+    def _is_fast(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> bool:
+        """Do both halves of the stream come sooner than the stated rate allows? A start that was late shows in one."""
+        halves = zip(np.array_split(self._place_of(x), 2), np.array_split(y, 2), strict=True)
+        lines = [self._line(*half, amid=False) for half in halves]
+        return all(line.slope < -(FREE / self.fs_hz + 4 * line.slope_se) for line in lines)
 
     def _points(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Samples and arrivals that make the line: those of the bins; where samples were lost, of whole seconds."""
@@ -376,21 +405,21 @@ class SampleClock:
         rows = [start + int(np.argmin(above[start : start + size])) for start in starts]
         return x[rows], y[rows]
 
-    def _level(self, levels: NDArray[np.float64]) -> float:
+    def _level(self, levels: NDArray[np.float64], amid: bool) -> float:
         """Of the line, from those of its points. Stamps are early and late; where samples were lost few arrivals are
         misplaced, and seem early."""
-        return float(np.quantile(levels, 0.5 if self._stamped else LOWER if self._starts else 0.0))
+        return float(np.quantile(levels, 0.5 if self._stamped else LOWER if amid else 0.0))
 
-    def _line(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> _Line:
+    def _line(self, x: NDArray[np.float64], y: NDArray[np.float64], amid: bool) -> _Line:
         """The line below all places (x ascending) and arrivals, or amid them."""
         nominal = 1 / self.fs_hz
         z = y - nominal * x
-        slope = _slope_amid(x, z) if self._stamped or self._starts else _slope_below(x, z)
+        slope = _slope_amid(x, z) if amid else _slope_below(x, z)
         above = z - slope * x
-        above -= self._level(above)
+        above -= self._level(above, amid)
         above_s = float(np.median(np.abs(above)))
         slope_se = above_s / (math.sqrt(len(x)) * float(x.std()))
-        off_s = max(abs(self._level(each)) for each in np.array_split(above, SPANS) if len(each))
+        off_s = max(abs(self._level(each, amid)) for each in np.array_split(above, SPANS) if len(each))
         se_s = math.hypot(2 * above_s / math.sqrt(len(x)) if self._stamped else above_s, off_s)
         believed = CRYSTAL * nominal
         is_stated = abs(slope) <= 4 * math.hypot(believed, slope_se)
@@ -398,8 +427,13 @@ class SampleClock:
         low_s, high_s = np.quantile(above, (0.1, 0.9)).tolist()
         frame_s = self._quantum * nominal
         many = abs(slope) * (x[-1] - x[0]) > STEPS * frame_s
-        is_steady = many and max(off_s, high_s - low_s) < STEADY * max(frame_s, LATE_S)
-        return _Line(slope, likely, slope_se, above_s, se_s, is_stated, is_steady)
+        steps_s = STEADY * max(frame_s, LATE_S)
+        is_even = off_s < steps_s
+        if self._quantum > 1 and abs(slope) > PERIODIC * nominal:
+            in_frame = self._quantum / (1 + slope / nominal)
+            is_even &= abs(in_frame - round(in_frame)) < WHOLE + 4 * in_frame * slope_se / nominal
+        is_steady = many and is_even and high_s - low_s < steps_s
+        return _Line(slope, likely, slope_se, above_s, se_s, is_stated, is_steady, is_even)
 
     def _learn(self, slope: float) -> None:
         """The rate is known well enough to tell late arrivals, which the first seconds may have had as well."""
@@ -425,7 +459,8 @@ class _Line(NamedTuple):
     """Slopes are those beside the stated one, s a sample; likely : with what is known of crystals.
 
     above_s : typical distance of an arrival. se_s : of a sample's time. is_stated : the slope is that of the stated
-    rate, within errors. is_steady : no span of the stream leaves the line.
+    rate, within errors. is_even : no span of the stream leaves the line, and the rate can be a device's. is_steady :
+    nor do the arrivals within a span.
     """
 
     slope: float
@@ -435,6 +470,7 @@ class _Line(NamedTuple):
     se_s: float
     is_stated: bool
     is_steady: bool
+    is_even: bool
 
 
 def _slope_below(x: NDArray[np.float64], z: NDArray[np.float64]) -> float:

@@ -243,7 +243,7 @@ class Session:
             journal.PressEnded(
                 *running.key, begun_s, attempt.end_s, "complete" if complete else "aborted", round(attempt.peak_n, 4),
                 None, attempt.zero_n, self._lost_share(attempt.end_s - attempt.start_s), self.screens.age_ms,
-                self.screens.hidden,
+                self.screens.hidden, self.emg.clock.uneven or self.force.clock.uneven,
             )
         )  # fmt: skip
         if complete:

@@ -105,6 +105,7 @@ FOUND = FoundPress(10.4, 12.6, "ok", "", 7.6, 28e-6, 13e-6, True)
         ({}, around(lost_share=0.002), "warned", "0.2 % of the samples are lost"),
         ({}, around(lost_share=0.02), "rejected", "2 % of the samples are lost"),
         ({}, around(lost_share=1.1), "rejected", "100 % of the samples are lost"),
+        ({}, around(uneven=True), "rejected", "some twice"),
         ({}, around(hidden=True), "rejected", "hidden"),
         ({}, around(age_ms=80.0), "warned", "80 ms late"),
     ],

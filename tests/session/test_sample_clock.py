@@ -134,6 +134,48 @@ def test_a_rate_that_is_stated_wrongly_is_no_loss() -> None:
     assert np.abs(errors_s(clock, truth)).max() < 5e-4
 
 
+@pytest.mark.parametrize(
+    ("stated", "jitter_s", "percent"),
+    [(1111.11, 1e-3, "+73.3 %"), (1777.78, 2e-2, "+8.3 %"), (1916.34, 5e-3, "+0.5 %")],
+)
+def test_a_device_that_sends_faster_than_stated_is_found(stated: float, jitter_s: float, percent: str) -> None:
+    """Also where arrivals scatter by more than a frame."""
+    blocks, truth = arrivals(2, 30, 26 * FRAME_HZ, jitter_s=jitter_s)
+    clock = SampleClock(stated, quantum=round(0.0135 * stated))
+    for block in blocks:
+        clock.add(*block)
+    assert percent in " ".join(clock.problems())
+    assert (clock.report().missing, clock.uneven) == (0, False)
+    assert np.abs(errors_s(clock, truth)).max() < 3e-3
+
+
+def test_frames_that_come_twice_are_told() -> None:
+    first, clock = 0, SampleClock(26 * FRAME_HZ, quantum=26)
+    for number, (_, n, arrived_s) in enumerate(arrivals(2, 30, 26 * FRAME_HZ)[0]):
+        twice = 26 * (number % 97 in (5, 50, 61))
+        clock.add(first, n + twice, arrived_s)
+        first += n + twice
+    assert clock.uneven
+    assert "some come twice" in clock.problems()[0]
+
+
+@pytest.mark.parametrize("every", [10, 20, 40])
+def test_frames_lost_evenly_are_no_rate(every: int) -> None:
+    """A rate of whole samples in a frame it would not be, or its steps show."""
+    lost = [((frame - 0.5) / FRAME_HZ, 1 / FRAME_HZ) for frame in range(every, int(40 * FRAME_HZ), every)]
+    clock = clock_of(arrivals(1, 40, 26 * FRAME_HZ, lost=lost)[0], 26 * FRAME_HZ)
+    assert clock.report().rate_hz == pytest.approx(26 * FRAME_HZ, rel=1e-4)
+    assert clock.report().missing == pytest.approx(26 * len(lost), rel=0.05)
+
+
+@pytest.mark.parametrize("ppm", [-95, -300, -1000])
+def test_a_slow_crystal_is_no_loss(ppm: int) -> None:
+    clock = SampleClock(26 * FRAME_HZ, quantum=26)
+    for block in arrivals(1, 120, 26 * FRAME_HZ * (1 + 1e-6 * ppm), jitter_s=4e-3)[0]:
+        clock.add(*block)
+        assert clock.report().missing == 0
+
+
 def test_a_way_that_is_longer_for_a_time_is_no_loss() -> None:
     fs_hz = 26 * FRAME_HZ
     blocks, truth = arrivals(5, 40, fs_hz)
