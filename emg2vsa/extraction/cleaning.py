@@ -18,6 +18,7 @@ from emg2vsa.signals.hum import remove_hum, remove_touch_hum, touch_hum
 from emg2vsa.signals.lag import Lag, estimate_lag
 from emg2vsa.signals.movement import movement
 from emg2vsa.signals.pairing import Clock, rest_samples
+from emg2vsa.signals.verdicts import HELD_SHARE
 
 TOUCHED = 0.1
 "The finger is on the specimen above this share of the window's lower force."
@@ -87,6 +88,10 @@ def cleaned(
         )
     stop_s = conditioned.presses.stop_s + force_clock.start_s
     moved = movement(gaps.samples, record.fs_hz, np.stack(edges, axis=-1), np.stack((start, stop), axis=-1))
+    moved = [
+        spans[[np.mean(absent[first:last]) < HELD_SHARE for first, last in spans.tolist()]] if absent.any() else spans
+        for spans, absent in zip(moved, record.missing, strict=True)
+    ]  # a line over a gap that is known is no movement
     lag = estimate_lag(samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], stop_s, moved)
     found = f"lag: force follows EMG by {1e3 * lag.lag_s:.0f} ms, "
     if lag.pieces > 1:

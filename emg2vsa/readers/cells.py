@@ -17,9 +17,9 @@ from emg2vsa.readers.text_file import WHITESPACE, Dialect
 
 _MISSING = [
     "", "NaN", "nan", "NAN", "-nan", "-NaN", "nan(ind)", "-nan(ind)", "1.#QNAN", "-1.#QNAN", "1.#IND", "-1.#IND", "-",
-    "null", "NULL", "Null", "None", "#N/A", "N/A", "NA",
+    "null", "NULL", "Null", "None", "#N/A", "N/A", "NA", "n/a",
 ]  # fmt: skip
-"""As C libraries, spreadsheets and databases write a number that is none."""
+"""As C libraries, spreadsheets, databases and BIDS write a number that is none."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from emg2vsa.readers.timed_columns import Column, TimedColumns
 from emg2vsa.readers.units import is_glued, seconds_per, split_unit
 
 SNIFFED_ROWS = 50
-_NUMBER = re.compile(r"[+-]?[.,]?\d[\d.,]*(e[+-]?\d+)?|nan", re.IGNORECASE)
+_NUMBER = re.compile(r"[+-]?[.,]?\d[\d.,]*(e[+-]?\d+)?|nan|n/a", re.IGNORECASE)
 _TIME = re.compile(
     r"(time|times|t|x|timestamps?|elapsed[ _]time|zeit|temps|tempo|tiempo|tijd|tid)(?:_(s|ms|us|min))?", re.IGNORECASE
 )

@@ -59,6 +59,7 @@ def bridge(samples: Sequence[Floats], missing: Sequence[NDArray[np.bool_]], fs_h
             most = HELD_SHARE * (last - first)
             spiked = spikes_in(x[begin:end], first - begin, last - begin)
             held, missed = _held(x[near], longest), np.count_nonzero(absent[first:last])
+            held = held[~absent[near][held]]
             if not (held.size or spiked.size or missed):
                 continue
             gone = np.zeros(end - begin, dtype=np.bool_)

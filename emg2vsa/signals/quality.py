@@ -52,6 +52,9 @@ def raw_qualities(windows: Sequence[Floats], missing: Sequence[NDArray[np.bool_]
 
 def _quality(samples: Floats, missing: NDArray[np.bool_], mains: float) -> RawQuality:
     n_missing = int(np.count_nonzero(missing))
+    samples = samples[~missing] if n_missing else samples
+    if samples.size < 2:
+        return RawQuality(0.0, 0.0, 1, False, 0.0, n_missing)
     repeats = samples[1:] == samples[:-1]
     n_repeats = int(np.count_nonzero(repeats))
     if n_repeats == repeats.size:

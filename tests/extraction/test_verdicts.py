@@ -97,7 +97,20 @@ def test_verdicts_on_emg(change, verdict, reason, one_press):
     assert reason in trials.reasons[0]
     assert "FDS" not in trials.reasons[0]
     # 50 ms of one value are left out, with 25 ms of the envelope's memory on either side
-    assert np.count_nonzero(np.isnan(trials.activity)) == {held: 10, with_a_hole: 38}.get(change, 0)
+    assert np.count_nonzero(np.isnan(trials.activity)) == {held: 10}.get(change, 0)
+
+
+@pytest.mark.parametrize("length", [26, 60, 400, 900])
+def test_a_gap_is_told_as_one_thing(length, one_press):
+    """Not as held samples, a straight line or a movement as well."""
+
+    def with_a_gap(samples):
+        samples[3000 : 3000 + length] = np.nan
+        return samples
+
+    (reason,) = one_press(change_emg=with_a_gap).reasons
+    assert f"EDC misses {length} samples" in reason
+    assert not any(word in reason for word in ("held", "holds", "line", "moves", "repeats"))
 
 
 @pytest.mark.parametrize("offset_n", [0.3, -20.0])

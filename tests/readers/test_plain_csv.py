@@ -221,7 +221,7 @@ def test_time_in_other_languages(tmp_path: Path, name: str) -> None:
     check(write(tmp_path, table(f"{name},EDC (mV),Fz (N)")))
 
 
-@pytest.mark.parametrize("written", ["-nan(ind)", "1.#QNAN", "-", "null", "#N/A"])
+@pytest.mark.parametrize("written", ["-nan(ind)", "1.#QNAN", "-", "null", "#N/A", "n/a"])
 def test_missing_numbers_are_counted(tmp_path: Path, written: str) -> None:
     rows = "".join(f"{i / 1000:.3f},{written if i in (5, 6) else i}\n" for i in range(40))
     recording = read(write(tmp_path, "time (s),EDC (mV)\n" + rows), ["EDC"])
