@@ -136,7 +136,7 @@ def test_hypotheses(
         laws=laws or force_laws(given, settings.use, 1 - settings.alpha),
         misfits=misfits or compare_misfits(cell_misfits(given, settings.use, spline=True), 1 - settings.alpha),
         curves=curves or compare_curves(cell_curves(given, settings.use), settings.alpha),
-        people=person_slopes(fits, settings.use),
+        people=person_slopes(given, settings.use),
         place=known.reshape(clusters.count.shape),
         drift=drift(
             fits.participant[admitted],

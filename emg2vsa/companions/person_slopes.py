@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.arrays import Floats, Ints, mean_of
+from emg2vsa.companions.visits import within_visits
 from emg2vsa.fits import Fits, usable
 from emg2vsa.statistics.clusters import Names, clusters_of
 from emg2vsa.statistics.hierarchy import ENOUGH, recording_means
@@ -54,8 +55,9 @@ class PersonSlopes:
 
 
 def person_slopes(fits: Fits, use: str) -> PersonSlopes:
-    """Of the trials that ``use`` admits, in the order they were made; a recording without one has 0 presses."""
+    """Of the trials that ``use`` admits, in the order they were made, within visits; a recording without one has 0."""
     admitted = usable(fits, use)
+    fits = within_visits(fits, admitted)
     middle_v = (fits.v_min_v + fits.v_max_v) / 2
     tables = [
         clusters_of(fits.participant, fits.specimen, of, admitted)

@@ -45,7 +45,7 @@ def read_form(path: Path, form: Form, participant: str) -> dict[str, str]:
     try:
         answers = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError) as error:
-        found = getattr(error, "strerror", None) or str(error)
+        found = "no file" if isinstance(error, FileNotFoundError) else getattr(error, "strerror", None) or str(error)
         do = "emg2vsa session form writes an empty one."
         raise SettingError(f"--form {path}", wanted="a form in TOML", found=found, do=do) from error
     if (whose := answers.pop(_PERSON, None)) != participant:

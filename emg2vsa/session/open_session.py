@@ -148,6 +148,12 @@ def open_session(
         for source in sources:
             source.start()
         check_muscles(study, sources[0].info.channels)
+        fs_hz, band_hz = sources[0].info.fs_hz, settings.about.band_hz
+        if band_hz and band_hz[1] > fs_hz / 2:
+            raise SettingError(
+                f"{study.path}, session.about.band_hz", wanted=f"at most half the rate of the EMG, {fs_hz / 2:g} Hz",
+                found=f"{band_hz[1]:g}", do="Correct the band, or the rate of the device.",
+            )  # fmt: skip
         plugs = stack.enter_context(closing(_plugs(study, settings, clock, sources)))
         if resume:
             record = resume_session(folder, clock.now_s, background=not at_once)

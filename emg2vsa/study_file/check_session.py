@@ -134,11 +134,8 @@ def _plausible(session: SessionSettings, raw: Mapping[str, Any]) -> Iterator[Pro
         if trigger and trigger.pulse != "byte" and key in raw["session"]["trigger"]:
             do = 'Set pulse = "byte", or remove the key.'
             yield Problem(("session", "trigger", key), "pulse = 'byte' with this key", f"pulse = {trigger.pulse!r}", do)
-    if band := session.about.band_hz:
-        half = getattr(session.emg, "fs_hz", math.inf) / 2
-        if not band[0] < band[1] <= half:
-            rate = f", below {half:g} Hz, half the rate" if half < math.inf else ""
-            yield Problem(("session", "about", "band_hz"), f"the smaller number first{rate}", shown(list(band)))
+    if (band := session.about.band_hz) and band[0] >= band[1]:
+        yield Problem(("session", "about", "band_hz"), "the smaller number first", shown(list(band)))
     if session.check_each_press and not session.checklist:
         do = "Write what is confirmed before each press, or set check_each_press = false."
         yield Problem(("session", "checklist"), "an item with check_each_press", "none", do)

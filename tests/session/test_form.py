@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -61,7 +62,7 @@ def test_an_answer_that_cannot_be_is_refused_and_not_repeated(study, tmp_path, t
 def test_a_session_with_devices_wants_the_answers_first(study, tmp_path):
     with pytest.raises(SettingError, match=r"--form: expected answers of P03 to \[session.form\] \(age, handedness\)"):
         session.run(study, "P03", pages=session.Pages(port=0))
-    with pytest.raises(SettingError, match=r"--form .*P03.toml: expected a form"):
+    with pytest.raises(SettingError, match=r"--form .*P03.toml: expected a form in TOML, but found no file"):
         session.run(study, "P03", form=tmp_path / "P03.toml", virtual=session.Virtual())
     assert not study.data.exists()
 
@@ -122,3 +123,10 @@ def test_answers_are_in_participants_tsv_and_nowhere_else(study, tmp_path, capsy
 def test_a_number_has_all_its_digits(study, tmp_path):
     answers = read_form(filled(tmp_path, ANSWERS.replace("43.2187", "43.218712345")), study.session.form, "P03")
     assert answers["age"] == "43.218712345"
+
+
+def test_a_band_above_half_the_rate_is_refused_before_the_first_press(study, tmp_path):
+    about = replace(study.session.about, band_hz=(20.0, 2000.0))
+    band = replace(study, session=replace(study.session, about=about))
+    with pytest.raises(SettingError, match=r"about.band_hz: expected at most half the rate of the EMG, .* found 2000"):
+        session.run(band, "P03", form=filled(tmp_path, ANSWERS), virtual=session.Virtual(seed=1))
