@@ -7,8 +7,9 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, runs_of
 from emg2vsa.extraction.emg_record import Chain, EmgRecord
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import FilterSettings, ForceChannelSettings, WindowSettings
@@ -18,8 +19,11 @@ from emg2vsa.signals.hum import remove_hum, remove_touch_hum, touch_hum
 from emg2vsa.signals.lag import Lag, estimate_lag
 from emg2vsa.signals.movement import movement
 from emg2vsa.signals.pairing import Clock, rest_samples
+from emg2vsa.signals.segmentation import Presses
 from emg2vsa.signals.verdicts import HELD_SHARE
 
+SMEARED_S = 0.1
+"Steps of activity remember so much of a gap."
 TOUCHED = 0.1
 "The finger is on the specimen above this share of the window's lower force."
 
@@ -40,6 +44,7 @@ class Cleaned(NamedTuple):
 def cleaned(
     record: EmgRecord,
     force: Channel,
+    force_missing: NDArray[np.bool_],
     conditioned: ForceRecord,
     chain: Chain,
     filters: FilterSettings,
@@ -92,7 +97,10 @@ def cleaned(
         spans[[np.mean(absent[first:last]) < HELD_SHARE for first, last in spans.tolist()]] if absent.any() else spans
         for spans, absent in zip(moved, record.missing, strict=True)
     ]  # a line over a gap that is known is no movement
-    lag = estimate_lag(samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], stop_s, moved)
+    unheard_s = _unheard_s(record, force_missing, presses, emg_clock, force_clock, window)
+    lag = estimate_lag(
+        samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], stop_s, moved, unheard_s
+    )  # fmt: skip
     found = f"lag: force follows EMG by {1e3 * lag.lag_s:.0f} ms, "
     if lag.pieces > 1:
         said.append(f"{found}standard error {1e3 * lag.error_s:.0f} ms, {1e3 * lag.se_s:.0f} ms of it between presses")
@@ -101,6 +109,29 @@ def cleaned(
     if filters.align == "lag" and not lag.certain:
         said.append("lag: not certain, force is not moved")
     return Cleaned(replace(record, samples=samples), lag, touching_v, taken_v, moved, gaps, tuple(said))
+
+
+def _unheard_s(
+    record: EmgRecord, force_missing: NDArray[np.bool_], presses: Presses, emg: Clock, force: Clock,
+    window: WindowSettings,
+) -> Floats:  # fmt: skip
+    """(k, 2) when gaps and presses that are rejected are: of the lag of force they say nothing."""
+    spans = [np.empty((0, 2))]
+    for absent, clock in ((np.any(record.missing, axis=0), emg), (force_missing, force)):
+        begin_s, end_s = (clock.time_s(at) for at in runs_of(absent))
+        spans.append(np.stack((begin_s - SMEARED_S, end_s + SMEARED_S), axis=-1))
+    start_s, stop_s = presses.start_s + force.start_s, presses.stop_s + force.start_s
+    lasted_s, gaps_s = stop_s - start_s, np.concatenate(spans)
+    lost_s = [
+        float(np.sum(np.maximum(np.minimum(gaps_s[:, 1], end) - np.maximum(gaps_s[:, 0], begin), 0)))
+        for begin, end in zip(start_s.tolist(), stop_s.tolist(), strict=True)
+    ]
+    good = presses.reached & (lasted_s > window.min_duration_s) & (lasted_s < window.max_duration_s)
+    good &= np.array(lost_s) <= HELD_SHARE * lasted_s
+    if np.count_nonzero(good) > 2:
+        cuts_s = np.concatenate(([-np.inf], (stop_s[:-1] + start_s[1:]) / 2, [np.inf]))
+        spans.append(np.stack((cuts_s[:-1], cuts_s[1:]), axis=-1)[~good])
+    return np.concatenate(spans)
 
 
 def _force_at(samples: Ints, force_n: Floats, emg: Clock, force: Clock) -> Floats:

@@ -84,7 +84,7 @@ def extract_trials(
     conditioned, force_missing, misread, slowly = _conditioned(force, raw, chain.low, force_channel, window)
     conditioned = replace(conditioned, rest=rests_heard(conditioned.rest, force.start_s, force.fs_hz, raw))
     force = replace(force, samples=np.empty(0))  # of a long record much, where the caller holds them no longer
-    clean = cleaned(raw, force, conditioned, chain, filters, force_channel, window)
+    clean = cleaned(raw, force, force_missing, conditioned, chain, filters, force_channel, window)
     record, lag = clean.record, clean.lag
     moved_s = lag.lag_s if filters.align == "lag" and lag.certain else 0.0
     delay, shifts = delay_budget(filters.phase, chain.band, chain.envelope, chain.low, force_channel.delay_s, moved_s)

@@ -123,6 +123,7 @@ def estimate_lag(
     lower_n: float,
     stop_s: Floats,
     moved: Sequence[Ints] = (),
+    unheard_s: Floats | None = None,
 ) -> Lag:
     """The lag at which the activity is most nearly a function of force, whatever function that is.
 
@@ -131,6 +132,7 @@ def estimate_lag(
     scatter of ln activity within levels of ln F. Muscles are quieter on release than at the same force before it, which
     looks like a lag; where it matters that rise and release are told apart, they are. One press has no standard error,
     two have half their difference. moved : spans (k, 2) of samples of each channel in which it moves (``movement``).
+    unheard_s : (k, 2) from when to when nothing has a say: gaps, and presses that are rejected.
     UNKNOWN without a press, and where force explains too little of the activity.
     """
     step = max(1, round(STEP_S * emg.fs_hz))
@@ -141,7 +143,12 @@ def estimate_lag(
     most = round(MOST_S * emg.fs_hz / step)
     if stop_s.size < 1 or activity.size < 3 * most or not np.any(activity > 0):
         return UNKNOWN
-    y = np.log(np.maximum(activity, 1e-3 * activity.mean()))
+    y, heard = np.log(np.maximum(activity, 1e-3 * activity.mean())), np.ones(activity.size)
+    for begin_s, end_s in [] if unheard_s is None else unheard_s.tolist():
+        heard[np.searchsorted(time_s, begin_s) : np.searchsorted(time_s, end_s)] = 0.0
+    if not heard.any():
+        return UNKNOWN
+    y[heard == 0] = y[heard > 0].mean()
     position = np.clip(force.index(time_s), 0, force_n.size - 1)
     left = np.minimum(position.astype(np.int64), force_n.size - 2)
     share = position - left
@@ -150,8 +157,8 @@ def estimate_lag(
     level = ((u - u.min()) * (LEVELS / max(float(np.ptp(u)), 1e-12))).astype(np.int64)
     cuts = np.searchsorted(time_s, (stop_s[1:] + stop_s[:-1]) / 2)
     second_s = step / emg.fs_hz
-    together, without, pulls, explained = _refined(y, level, coarse, cuts)
-    apart = _refined(y, np.where(_rising(u), level, level + LEVELS + 1), coarse, cuts)
+    together, without, pulls, explained = _refined(y, level, heard, coarse, cuts)
+    apart = _refined(y, np.where(_rising(u), level, level + LEVELS + 1), heard, coarse, cuts)
     if not explained > LEAST_EXPLAINED:
         return UNKNOWN
     n = without.size
@@ -211,12 +218,12 @@ def _beyond_noise(of_press_s: Floats, pulls: Floats) -> float:
     return float(scatter_s * (1 - noise / all_of) ** 0.5)
 
 
-def _refined(y: Floats, level: Ints, coarse: int, cuts: Ints) -> tuple[float, Floats, Floats, float]:
+def _refined(y: Floats, level: Ints, heard: Floats, coarse: int, cuts: Ints) -> tuple[float, Floats, Floats, float]:
     """The lag in steps at which y scatters least within the levels; those without each of the pieces between the cuts
     (p,); the slopes of the scatter there that the halves of each have (p, 2); and the share of the variance of y that
     the levels explain."""
     for _ in range(4):
-        scatter, begin = _scatter(y, level, coarse)
+        scatter, begin = _scatter(y, level, heard, coarse)
         least = int(np.argmin(scatter.sum(axis=1))) - FINE_STEPS
         if abs(least) <= 1:
             break
@@ -328,17 +335,17 @@ def _best_correlation(y: Floats, u: Floats, most: int) -> int:
     return int(lags[np.argmax(across[lags])])
 
 
-def _scatter(y: Floats, level: Ints, coarse: int) -> tuple[Floats, int]:
+def _scatter(y: Floats, level: Ints, heard: Floats, coarse: int) -> tuple[Floats, int]:
     """Squared residuals (lags, k) of y about its mean in each level, at lags of whole steps around ``coarse``; and the
     step at which they begin."""
     lags = coarse + np.arange(-FINE_STEPS, FINE_STEPS + 1)
     begin, end = max(0, -int(lags[0])), y.size - max(0, int(lags[-1]))
-    own_y = y[begin:end]
+    own_y, own_heard = y[begin:end], heard[begin:end]
     rows = []
     for lag in lags.tolist():
         own = level[begin + lag : end + lag]
-        mean = np.bincount(own, own_y) / np.maximum(np.bincount(own), 1)
-        rows.append((own_y - mean[own]) ** 2)
+        mean = np.bincount(own, own_heard * own_y) / np.maximum(np.bincount(own, own_heard), 1)
+        rows.append(own_heard * (own_y - mean[own]) ** 2)
     return np.array(rows), begin
 
 

@@ -85,6 +85,22 @@ def test_a_sensor_that_dies_late_or_sends_half_costs_no_press_before_it(stay, ha
             assert own.problems[0][0].startswith("FDS misses ")
 
 
+def test_a_long_gap_at_one_press_has_no_say_in_the_lag_of_the_others():
+    """2.5 s of all channels."""
+    made = RecordingStream(
+        np.random.SeedSequence(3), SimulationSettings(repetitions=8), a_v=28e-6, b_v=13e-6, window_n=(0.5, 7.0)
+    ).whole()
+
+    def gapped(name, samples, unit):
+        from_onset_s = np.arange(samples.size) / made.fs_hz - made.truth.presses.onset_s[2]
+        return Channel(name, np.where(np.abs(from_onset_s + 0.25) < 1.25, np.nan, samples), unit, made.fs_hz, 0.0, "")
+
+    emg = {muscle: gapped(muscle, samples, "V") for muscle, samples in made.emg_v.items()}
+    judged = judge_stay(emg, gapped("force", made.force_n, "N"), "P03", "S3", HOW)
+    assert [press.verdict for press in judged.presses] == ["ok", "ok", "rejected"] + 5 * ["ok"]
+    assert not any("lag" in press.reasons for press in judged.presses)
+
+
 GOOD = Attempt(10.0, begun_s=10.3, stop_s=12.5, end_s=13.0, peak_n=7.6, ending="lifted")
 FOUND = FoundPress(10.4, 12.6, "ok", "", 7.6, 28e-6, 13e-6, True)
 
