@@ -100,6 +100,7 @@ def fits_of(values: Floats) -> Fits:
     return Fits(
         participant=np.char.add("P", who.astype(str)),
         specimen=np.char.add("S", (what + 1).astype(str)), repetition=which + 1, verdict=np.full(size, "ok"),
+        visit=np.full(size, ""),
         reason=np.full(size, ""), start_s=blank, a_v=values[..., 0].ravel(), b_v=values[..., 1].ravel(), a_se_v=blank,
         b_se_v=blank, b_lo_v=blank, b_hi_v=blank, n_points=np.full(size, 22), adj_r2=blank, r2_bins=blank,
         adj_r2_bins=blank, r2_samples=blank, adj_r2_samples=blank, n_effective=blank, lag1=blank, b_bias=blank,

@@ -28,7 +28,8 @@ def fits_of(rows: Sequence[Row], verdict: str | Sequence[str] = "ok") -> Fits:
     blank = np.full(n, np.nan)
     return Fits(
         participant=np.array(participant), specimen=np.array(specimen), repetition=np.arange(1, n + 1),
-        verdict=np.broadcast_to(np.array(verdict, dtype="<U8"), n), reason=np.full(n, ""), start_s=blank, visit=np.full(n, ""),
+        verdict=np.broadcast_to(np.array(verdict, dtype="<U8"), n), reason=np.full(n, ""), start_s=blank,
+        visit=np.full(n, ""),
         a_v=np.array(a, dtype=float), b_v=np.array(b, dtype=float), a_se_v=blank, b_se_v=blank, b_lo_v=blank,
         b_hi_v=blank, n_points=np.full(n, 22), adj_r2=blank, r2_bins=blank, adj_r2_bins=blank, r2_samples=blank,
         adj_r2_samples=blank, n_effective=blank, lag1=blank, b_bias=blank, b_bias_se=blank,

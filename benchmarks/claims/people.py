@@ -75,7 +75,7 @@ def _fits(force: Floats, v: Floats, edges: Floats, people: int, presses: int) ->
     return Fits(
         participant=np.repeat(names, s * presses), specimen=np.tile(np.repeat(np.array(SPECIMENS), presses), people),
         repetition=np.tile(np.arange(1, presses + 1), people * s), verdict=np.full(n, "ok", dtype="<U8"),
-        reason=np.full(n, ""),
+        reason=np.full(n, ""), visit=np.full(n, ""),
         start_s=nothing, a_v=fit.a, b_v=fit.b, a_se_v=fit.a_se, b_se_v=fit.b_se, b_lo_v=fit.b_lo, b_hi_v=fit.b_hi,
         n_points=np.full(n, force.shape[1]), adj_r2=fit.adj_r2, r2_bins=fit.r2, adj_r2_bins=fit.adj_r2,
         r2_samples=nothing, adj_r2_samples=nothing, n_effective=one, lag1=one, b_bias=nothing,
