@@ -21,10 +21,14 @@ TONE_CHANCE = 1e-4
 
 
 def rests_heard(rest: Rest, start_s: float, fs_hz: float, record: EmgRecord) -> Rest:
-    """Without the rests in which a muscle misses a tenth of its samples or more; start_s, fs_hz : of the force."""
+    """Without the rests in which a muscle misses a tenth of its samples or more, or that begin after the EMG ends;
+    start_s, fs_hz : of the force."""
     ends = (np.stack((rest.start, rest.stop), axis=-1) / fs_hz + start_s - record.start_s) * record.fs_hz
     missed = [
-        max((np.mean(gone[begin:end]) for gone in record.missing if end > begin), default=0.0)
+        max(
+            (np.mean(gone[begin:end]) if begin < gone.size else 1.0 for gone in record.missing if end > begin),
+            default=0.0,
+        )
         for begin, end in np.maximum(np.rint(ends), 0).astype(np.int64).tolist()
     ]
     kept = np.array(missed, dtype=np.float64) < HELD_SHARE
