@@ -7,7 +7,6 @@ for the authors to add, not made up: ``facts``.
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import cache
 
@@ -25,14 +24,13 @@ from emg2vsa.exemplary import Choice
 from emg2vsa.fits import CERTAIN, WIDE, Fits, usable
 from emg2vsa.report.facts import by_hand, facts_of
 from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.people import about_people
 from emg2vsa.report.wording import count, listed, unwrapped
 from emg2vsa.run_scores import RunScores
 from emg2vsa.settings import MEDOID, CalibrationSettings
 from emg2vsa.statistics.whole_curve import DRAWS
-from emg2vsa.study import Person, RecordingEntry, Study
+from emg2vsa.study import RecordingEntry, Study
 
-_SEX = {"f": "female", "m": "male", "o": "other"}
-_HAND = {"r": "right", "l": "left", "a": "ambidextrous"}
 _CHOICES: dict[str, dict[str, str]] = {}
 for _line in unwrapped("""
 phase, zero-phase: The Butterworth filters were run forward and backward and the {envelope} was centred, so that
@@ -357,29 +355,6 @@ def methods(results: StudyResults) -> list[tuple[str, str]]:
 
 def _one_line(text: str) -> str:
     return re.sub(r"[ \n]+", " ", text).strip()
-
-
-_FEWEST_TOLD = 5
-
-
-def about_people(people: Sequence[Person]) -> str:
-    """Sex, age and handedness as far as the table of participants tells them: "6 female, 8 male; aged 21 to 34 ...".
-
-    Nothing of a group that is so small that single people could be known by it.
-    """
-    said: list[str] = []
-    if len(people) < _FEWEST_TOLD:
-        return ""
-    for words, names in (([each.sex for each in people], _SEX), ([each.handedness for each in people], _HAND)):
-        counts = Counter(names.get(word.lower(), word.lower()) or "not stated" for word in words)
-        if set(counts) - {"not stated"}:
-            said.append(", ".join(f"{n} {kind}" for kind, n in sorted(counts.items())))
-    years = [float(person.age.rstrip("+")) for person in people if person.age]
-    if years:
-        sd = float(np.std(years, ddof=1)) if len(years) > 1 else 0.0
-        known = f" ({len(years)} of {len(people)})" if len(years) < len(people) else ""
-        said.append(f"aged {min(years):g} to {max(years):g} years, mean {np.mean(years):.1f}, SD {sd:.1f}{known}")
-    return "; ".join(said)
 
 
 def _by_recording(study: Study, sentence_of: Callable[[RecordingEntry], str]) -> str:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from emg2vsa.pipeline.stage import Given, Keyed, Stage
+from emg2vsa.report.people import about_people
 from emg2vsa.run_folders.find import plate_logs
 
 if TYPE_CHECKING:
@@ -54,8 +55,6 @@ def settings(campaign: Campaign, item: str, *, rig: bool = True) -> dict[str, An
 
 def _said_of(people: Sequence[Person]) -> str:
     """What the report says of them all: the ledger and the authors' package have no personal data."""
-    from emg2vsa.report.methods import about_people
-
     return about_people(people) if people else ""
 
 
