@@ -298,12 +298,12 @@ def test_recordings_without_a_usable_press_are_named():
     there = np.where((table.participant == "P01") & (table.specimen == "S3"), "rejected", "ok")
     fits = SimpleNamespace(
         participant=table.participant, specimen=table.specimen, repetition=table.repetition, a_v=table.a_v,
-        b_v=table.b_v, verdict=there,
+        b_v=table.b_v, verdict=there, visit=np.full(there.size, ""),
     )  # fmt: skip
     study = SimpleNamespace(
         hypotheses=SimpleNamespace(use="ok", kept_specimens=KEPT), stiffness_n_per_mm=STIFFNESS,
         palpated=tuple(STIFFNESS), participants=("P00", "P01", "P02", "P03"), claims=MARGINS,
-        window=SimpleNamespace(force_n=(0.5, 7.0)), profile=ProfileSettings(),
+        window=SimpleNamespace(force_n=(0.5, 7.0)), profile=ProfileSettings(), visits=(),
     )  # fmt: skip
     for claim in claims_of_study(study, fits, {}, None):
         assert claim.why.endswith("Without a usable press: P01 S3, P03 S1, P03 S2, P03 S3 and 2 more.")
