@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import distributions
 from pathlib import Path
@@ -55,10 +56,19 @@ def place_for(file: str) -> Path | None:
         version.touch()
     except OSError:
         return None
-    for old in sorted(of_checkout.iterdir(), key=lambda path: path.stat().st_mtime)[:-KEPT_VERSIONS]:
-        if time.time() - old.stat().st_mtime > IN_USE_S:
-            shutil.rmtree(old, ignore_errors=True)
+    _forget_old(of_checkout)
     return folder
+
+
+def _forget_old(of_checkout: Path) -> None:
+    """Several workers may do so at once: what another one has just removed is no error."""
+    used_s = {}
+    for version in of_checkout.iterdir():
+        with suppress(FileNotFoundError):
+            used_s[version] = version.stat().st_mtime
+    for version in sorted(used_s, key=used_s.__getitem__)[:-KEPT_VERSIONS]:
+        if time.time() - used_s[version] > IN_USE_S:
+            shutil.rmtree(version, ignore_errors=True)
 
 
 def _version() -> str:
