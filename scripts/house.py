@@ -1,8 +1,8 @@
 """The plan of the house in docs/architecture.md, and the budgets of lines in pyproject.toml.
 
-``python scripts/house.py`` writes the plan anew: layers, what stands in them, their sizes and budgets.
+``python scripts/house.py`` writes the plan anew: layers, what stands in them, and their sizes.
 ``python scripts/house.py --check`` changes nothing. It fails where a package has more lines than its budget, where a
-package has none, or where the page does not show the layers and budgets as they are. Sizes on the page may be old.
+package has none, or where the page does not show the layers as they are. Sizes on the page may be old.
 """
 
 from __future__ import annotations
@@ -74,37 +74,28 @@ def layers(tools: dict[str, Any]) -> dict[str, list[list[str]]]:
 
 def plan(tools: dict[str, Any]) -> str:
     """The tables of the page."""
-    budgets = allowed(tools["house"])
     lines = []
     for package, rows in layers(tools).items():
-        lines += [f"### `{package}`", "", "| part | what it is | files | lines | budget |", "|---|---|---:|---:|---:|"]
+        lines += [f"### `{package}`", "", "| part | what it is | files | lines |", "|---|---|---:|---:|"]
         for row in rows:
             for one in (part(package, name) for name in row):
-                budget = budgets.get(f"{package}/{one.name}", "")
                 about = one.about.replace("|", "\\|")
-                lines.append(f"| `{one.name}` | {about} | {len(one.files)} | {one.lines} | {budget} |")
-            lines.append("| | | | | |")
+                lines.append(f"| `{one.name}` | {about} | {len(one.files)} | {one.lines} |")
+            lines.append("| | | | |")
         lines[-1:] = [""]
+    budgets = tools["house"]["budgets"]
     rest = {place: size for place, size in sizes(budgets).items() if place.count("/") == 0 or place.endswith("*.py")}
-    lines += ["### All", "", "| place | lines (docs: words) | budget |", "|---|---:|---:|"]
-    lines += [f"| `{place}` | {size} | {budgets[place]} |" for place, size in rest.items()]
+    lines += ["### All", "", "| place | lines (docs: words) |", "|---|---:|"]
+    lines += [f"| `{place}` | {size} |" for place, size in rest.items()]
     return "\n".join(lines)
-
-
-def allowed(house: dict[str, Any]) -> dict[str, int]:
-    """Budget of each place, with what was granted beyond it: a number of lines and the reason."""
-    more = house.get("more", {})
-    return {
-        place: lines + sum(one["lines"] for one in more.get(place, ())) for place, lines in house["budgets"].items()
-    }
 
 
 def faults(tools: dict[str, Any]) -> list[str]:
     """What is wrong with budgets and page, a sentence each."""
-    budgets = allowed(tools["house"])
+    budgets = tools["house"]["budgets"]
     said = [
-        f"{place}: {size} lines, but its budget is {budgets[place]}. Make it smaller, or write into [tool.house.more] "
-        "of pyproject.toml how many lines more it may have and why."
+        f"{place}: {size} lines, but its budget is {budgets[place]}. Make it smaller, or raise its budget in "
+        "[tool.house.budgets] of pyproject.toml, in a commit that says why."
         for place, size in sizes(budgets).items()
         if size > budgets[place]
     ]
@@ -115,10 +106,6 @@ def faults(tools: dict[str, Any]) -> list[str]:
             for name in folders
             if f"{package}/{name}" not in budgets
         ]
-    unexplained = [
-        place for place, ones in tools["house"].get("more", {}).items() for one in ones if not one.get("why")
-    ]
-    said += [f'{place}: lines beyond its budget without a reason. Add why = "...".' for place in unexplained]
     if without_sizes(between(PAGE.read_text(encoding="utf-8"))) != without_sizes(plan(tools)):
         said.append("docs/architecture.md: the plan of the house is old. Run: python scripts/house.py")
     return said
@@ -130,8 +117,8 @@ def between(page: str) -> str:
 
 
 def without_sizes(text: str) -> str:
-    """Rows without files and lines; budgets stay."""
-    return re.sub(r"\| \d+ (?:\| \d+ )?(\| \d* ?\|)$", r"\1", text, flags=re.M)
+    """Rows without their files and lines."""
+    return re.sub(r"(\| \d+ )+\|$", "|", text, flags=re.M)
 
 
 def main(words: list[str]) -> int:
@@ -139,7 +126,7 @@ def main(words: list[str]) -> int:
     if words == ["--check"]:
         said = faults(tools)
         print(
-            "\n".join(said) or f"The house: {sum(sizes(allowed(tools['house'])).values())} lines and words in budget."
+            "\n".join(said) or f"The house: {sum(sizes(tools['house']['budgets']).values())} lines and words in budget."
         )
         return 1 if said else 0
     before, _, rest = PAGE.read_text(encoding="utf-8").partition(MARK.format("begin"))
