@@ -45,8 +45,8 @@ def measured(folder: Path) -> tuple[Path, dict[str, Any]]:
     study = folder / "studies" / "palpation" / "study.toml"
     study.parent.mkdir(parents=True)
     study.write_text(re.sub(r"\[runs\]\n(.+\n)*", "", TEMPLATE.read_text()))
-    _run("tools simulate", study)
-    _, _, out = _run("run", study, "--only", "trials", "--jobs", "1", "--profile")
+    run("tools simulate", study)
+    _, _, out = run("run", study, "--only", "trials", "--jobs", "1", "--profile")
     return study, next(own for own in out["profile"] if own["stage"] == "trials")
 
 
@@ -95,7 +95,7 @@ def _other_person(trials: Trials, name: str, factor: float) -> Trials:
 
 def measure(study: Path) -> dict[str, Any]:
     """What the whole run took, by stage, and what a warm ``status`` and a warm run take after it."""
-    cpu_s, peak_mb, out = _run("run", study, "--jobs", "1", "--profile")
+    cpu_s, peak_mb, out = run("run", study, "--jobs", "1", "--profile")
     reports = load_study(study).reports
     pages = [path.stat().st_size for path in sorted((reports / "participants").rglob("*.html"))]
     return {
@@ -107,9 +107,9 @@ def measure(study: Path) -> dict[str, Any]:
             if own["computed"]
         },
         "failures": len(out["failures"]),
-        "status_cpu_s": min(_run("status", study)[0] for _ in range(3)),
-        "status_peak_mb": _run("status", study)[1],
-        "warm_cpu_s": min(_run("run", study)[0] for _ in range(3)),
+        "status_cpu_s": min(run("status", study)[0] for _ in range(3)),
+        "status_peak_mb": run("status", study)[1],
+        "warm_cpu_s": min(run("run", study)[0] for _ in range(3)),
         "index_mb": (reports / "index.html").stat().st_size / 1e6,
         "largest_page_mb": max(pages, default=0) / 1e6,
         "reports_mb": _size_mb(reports),
@@ -117,16 +117,20 @@ def measure(study: Path) -> dict[str, Any]:
     }
 
 
+def environment() -> dict[str, str]:
+    """One thread a process."""
+    return os.environ | dict.fromkeys(THREADS, "1")
+
+
 def _size_mb(folder: Path) -> float:
     return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6
 
 
-def _run(command: str, study: Path, *more: str) -> tuple[float, float, dict[str, Any]]:
+def run(command: str, study: Path, *more: str) -> tuple[float, float, dict[str, Any]]:
     """CPU seconds of the whole process and its children, its largest memory in MB, and what it printed."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     script = [sys.executable, "-c", MEMORY, *command.split(), str(study), "--json", *more]
-    environment = os.environ | dict.fromkeys(THREADS, "1")
-    done = subprocess.run(script, capture_output=True, text=True, check=False, cwd=ROOT, env=environment)
+    done = subprocess.run(script, capture_output=True, text=True, check=False, cwd=ROOT, env=environment())
     if done.returncode:
         raise RuntimeError(f"{command} {study} ended with {done.returncode}: {done.stderr[-2000:]}")
     after = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -6,7 +6,9 @@ The product stands apart from its making (``emg2vsa.screening.screen``), so that
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -60,8 +62,20 @@ class Screening:
 
     def of(self, participant: str, specimen: str) -> Screened | None:
         """What was found about a recording and was not accepted; None for nothing."""
-        cell = participant, specimen
-        return next((e for e in self.found if (e.participant, e.specimen) == cell and e.verdict != "ok"), None)
+        return next((each for each in self.about({(participant, specimen)}) if each.verdict != "ok"), None)
+
+    def about(self, cells: Collection[tuple[str, str]]) -> Iterator[Screened]:
+        """What was found about these recordings, each a participant and a specimen."""
+        for cell in cells:
+            yield from self._of_cell.get(cell, ())
+
+    @cached_property
+    def _of_cell(self) -> dict[tuple[str, str], list[Screened]]:
+        """A study of thousands asks for each of its recordings."""
+        found: dict[tuple[str, str], list[Screened]] = {}
+        for each in self.found:
+            found.setdefault((each.participant, each.specimen), []).append(each)
+        return found
 
 
 def screened(fits: Fits, screening: Screening | None) -> Fits:
@@ -75,7 +89,8 @@ def screened(fits: Fits, screening: Screening | None) -> Fits:
         for i in np.flatnonzero(touched).tolist():
             reason[i] = f"{said}; {reason[i]}" if reason[i] else said
 
-    for each in screening.found if screening else ():
+    cells = set(zip(fits.participant.tolist(), fits.specimen.tolist(), strict=True))
+    for each in screening.about(cells) if screening else ():
         own = (fits.participant == each.participant) & (fits.specimen == each.specimen)
         if each.verdict == "doubtful":
             touch(own & (verdict == "ok"), "doubtful", each.said)

@@ -11,7 +11,6 @@ from itertools import count
 from pathlib import Path
 
 from emg2vsa.errors import DataError
-from emg2vsa.rig.record.press_counts import verdicts
 
 PLAN_FILE = "plan.json"
 KAPPA_ABOUT_FILE = "kappa.json"
@@ -47,6 +46,8 @@ def presses_left(runs: Path, name: str, presses: int, *, emulated: bool) -> int:
 
 def good_presses(folder: Path) -> int:
     """Whole presses in the folder of a run that are not rejected; also of a run that was killed."""
+    from emg2vsa.rig.record.press_counts import verdicts  # loads the log and devices, which names of files do not need
+
     done, said = presses_done(folder), verdicts(folder)
     if how_ended(folder) == "killed":
         done = max(said, default=0)
