@@ -1,4 +1,4 @@
-"""A study on ten workers of Dask over loopback, of which two are killed, and whose scheduler is killed and started anew.
+"""A study on ten workers of Dask over loopback: two are killed, then the scheduler, which is started anew.
 
 What is left must be, byte for byte, what one process makes alone. Linux.
 """

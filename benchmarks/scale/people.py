@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa import artifacts
 from emg2vsa.extraction import Trials
@@ -68,14 +69,17 @@ def replicated(one: Path, folder: Path, count: int) -> Path:
             os.symlink(path, there)
     loaded = load_study(study)
     stored = {step.id: step.at for step in open_step_plan(load_study(one), ("trials",), print).add_stage("trials")}
-    factors = 1 + BETWEEN_PEOPLE * np.random.default_rng(1).standard_normal(count)
+    rng = np.random.default_rng(1)
+    factors = 1 + BETWEEN_PEOPLE * rng.standard_normal(count)
     with study_lock(loaded.results, wait=False, say=print):
         plan = open_step_plan(loaded, ("trials",), print)
         for step in plan.add_stage("trials"):
             name, _, specimen = step.item.partition("/")
             number = int(name[1:]) - 1
             trials = artifacts.load(stored[f"trials/{_own(number)}/{specimen}"])
-            product = _other_person(trials, name, float(factors[number]))
+            product = _other_person(
+                trials, name, float(factors[number]), rng.permutation(trials.traits.fingerprints.shape[2])
+            )
             artifacts.save(plan.store.unfinished(step.id, step.key), product)
             plan.end(step, "done", "", final=False)
         plan.prints.save()
@@ -86,10 +90,14 @@ def _own(number: int) -> str:
     return f"P{number % N_MEASURED + 1:02d}"
 
 
-def _other_person(trials: Trials, name: str, factor: float) -> Trials:
+def _other_person(trials: Trials, name: str, factor: float, order: NDArray[np.int64]) -> Trials:
+    """The same, louder by a factor; what tells its presses from copies is in another order."""
+    traits = replace(
+        trials.traits, fingerprints=trials.traits.fingerprints[:, :, order], press_v=factor * trials.traits.press_v
+    )
     return replace(
         trials, participant=name, activity=factor * trials.activity, envelopes_v=factor * trials.envelopes_v,
-        rest_envelope_v=factor * trials.rest_envelope_v,
+        rest_envelope_v=factor * trials.rest_envelope_v, traits=traits,
     )  # fmt: skip
 
 

@@ -7,7 +7,6 @@ residual), which must not be taken for smaller than people vary at all.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -18,11 +17,10 @@ from numpy.typing import NDArray
 from emg2vsa.arrays import Floats
 from emg2vsa.extraction import Trials
 from emg2vsa.screening import Screened, Screening, Verdict
+from emg2vsa.screening.copies import Found, Key, copies
 from emg2vsa.settings import PressJudgement
 from emg2vsa.signals.overview import EMG_FROM_HZ
 from emg2vsa.signals.traits import Traits
-
-Key = tuple[str, str]
 
 FEWEST = 3
 "So many recordings, or people, must be there to say what is normal."
@@ -48,11 +46,6 @@ UNITS = {"lbf": 4.448, "ozf": 3.597, "kgf": 9.807, "gf": 101.97}
 UNIT_WITHIN = 0.1
 SPREAD = {"level": 0.08, "noise": 0.05, "band": 0.03, "duration": 0.1, "peak": 0.02}
 "Least spreads of the logarithms."
-SAME = 0.97
-"Correlation of the fluctuations of two presses that are one; independent presses of 32 points reach 0.8."
-FORCES_SAME = 0.9
-ALIKE, IN_ORDER = 0.65, 3
-"... or so many presses, at least half, in the same order: force in another scale begins and ends presses elsewhere."
 LATE_S = 0.15
 "Force that is further from the study's lag leaves rest in the presses and presses in the rest: no trait holds."
 HARMLESS = 0.08
@@ -98,58 +91,23 @@ def screen(
     """
     accepted = {(j.participant, j.specimen) for j in judgements if j.repetition is None and not j.excludes}
     found: dict[Key, Screened] = {}
-    for key, cause, text, share, verdict in (*_copies(traits), *_unlike(traits, visits)):
+    for key, cause, text, share, verdict in (*copies(traits), *_unlike(traits, visits)):
         if key not in found:
             found[key] = Screened(*key, cause, text, share, "ok" if key in accepted else verdict)
     return Screening(tuple(found[key] for key in traits if key in found), tuple(_unequal(visits)))
 
 
 def _unequal(visits: Mapping[Key, Sequence[str]]) -> Iterator[tuple[str, str, str]]:
-    for who in dict.fromkeys(who for who, _ in visits):
-        own = {what: at for (person, what), at in visits.items() if person == who and at}
+    of_person: dict[str, dict[str, Sequence[str]]] = {}
+    for (who, what), at in visits.items():
+        of_person.setdefault(who, {}).update({what: at} if at else {})
+    for who, own in of_person.items():
         for visit in sorted({visit for at in own.values() for visit in at}):
             if lacks := [what for what, at in own.items() if visit not in at]:
                 yield who, visit, ", ".join(lacks)
 
 
-_Told = Iterator[tuple[Key, str, str, float, Verdict]]
-
-
-def _copies(traits: Mapping[Key, Traits]) -> _Told:
-    """Presses whose fluctuations are those of another recording's presses: nobody knows whose they are."""
-    keys = [key for key, own in traits.items() if np.isfinite(own.fingerprints).all(axis=(1, 2)).any()]
-    if not keys:
-        return
-    known = [own[np.isfinite(own).all(axis=(1, 2))] for own in (traits[key].fingerprints for key in keys)]
-    rows = np.concatenate(known)
-    of = np.repeat(np.arange(len(keys)), [len(own) for own in known])
-    counts = np.bincount(of, minlength=len(keys))
-    number = np.concatenate([np.arange(len(own)) for own in known])
-    pairs: dict[tuple[int, int], set[int]] = {}
-    alike: Counter[tuple[int, int, int]] = Counter()
-    for first in range(0, len(rows), 512):
-        part = rows[first : first + 512]
-        emg = part[:, 1] @ rows[:, 1].T
-        both = (emg > SAME) & (part[:, 0] @ rows[:, 0].T > FORCES_SAME)
-        mine, theirs = np.nonzero(emg > ALIKE)
-        mine, theirs = (each[of[mine + first] != of[theirs]] for each in (mine + first, theirs))
-        ahead = number[theirs] - number[mine]
-        alike.update(zip(of[mine].tolist(), of[theirs].tolist(), ahead.tolist(), strict=True))
-        for i, j in np.argwhere(both).tolist():
-            if of[first + i] != of[j]:
-                pairs.setdefault((int(of[first + i]), int(of[j])), set()).add(first + i)
-    same = {
-        pair for pair, presses in pairs.items()
-        if len(presses) >= max(2, 0.5 * counts[list(pair)].min()) and len(pairs.get(pair[::-1], ())) >= 2
-    }  # fmt: skip
-    for (one, other, _), n in alike.items():
-        if n >= max(IN_ORDER, 0.5 * counts[[one, other]].min()):
-            same.add((one, other))
-    for one, other in sorted(same):
-        yield keys[one], "copy", f"the same recording as {'/'.join(keys[other])}", np.nan, "unreadable"
-
-
-def _unlike(traits: Mapping[Key, Traits], visits: Mapping[Key, Sequence[str]]) -> _Told:
+def _unlike(traits: Mapping[Key, Traits], visits: Mapping[Key, Sequence[str]]) -> Iterator[Found]:
     if len(traits) < FEWEST:
         return
     keys, own = list(traits), list(traits.values())
@@ -175,7 +133,9 @@ class _Study:
         self.press_band = [[self._apart("band", [t.press_band_hz[k, e] for t in own]) for e in range(3)] for k in m]
         self.duration = self._apart("duration", [each.duration_s for each in own])
         self.peak = self._apart("peak", [each.peak_n for each in own])
-        self.lag_s = np.array([each.lag_s for each in own])
+        lags_s = np.array([each.lag_s for each in own])
+        known = lags_s[np.isfinite(lags_s)]
+        self.late_s = np.abs(lags_s - (np.median(known) if known.size else np.nan))
         lines = np.array([each.line_hz for each in own])
         self.mains_hz = float(np.nanmedian(lines)) if np.isfinite(lines).sum() >= FEWEST else np.nan
         self.hz, self.spectrum, self.rest_density = self._typical()
@@ -239,7 +199,7 @@ class _Study:
             )
             text = f"its time runs {factor:.3g} times as long as in the other recordings ({seen}); is its rate right?"
             yield "time scale", text, np.nan, "doubtful"
-        elif abs(self.lag_s[i] - np.nanmedian(self.lag_s)) > LATE_S:
+        elif self.late_s[i] > LATE_S:
             return
         elif (unit := self._unit(i)) is not None:
             peak = self.own[i].peak_n
