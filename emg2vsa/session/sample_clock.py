@@ -2,16 +2,14 @@
 
 A device samples by its own clock and says no time. A block cannot arrive before its last sample was measured, and
 arrives later by buffers, bursts and a busy computer; so the line below all arrivals against the running numbers of the
-samples (their lower envelope) is the device's clock. Of all such lines the one with the smallest sum of distances is
-taken: it is that edge of the convex hull which lies below the mean (Moon, Skelly and Towsley, INFOCOM 1999).
+samples (their lower envelope) is the device's clock (``clock_line``).
 
 A radio loses frames, and a crystal errs by 100 ppm. So the stated rate is held: arrivals that are late and stay late
 are a step, one or several frames that never came. A stated rate that is wrong shows no steps: all arrivals lie on one
 line of another slope. No arrival is early: samples that come sooner than the stated rate allows were sent at another
 rate, or came twice, and the line follows them.
 
-A stamp of the device itself (LSL) may be early as well as late. For these the line goes through the middle: medians of
-0.1 s, and the median of the slopes between them (Theil, 1950; Sen, JASA 1968).
+A stamp of the device itself (LSL) may be early as well as late: for these the line goes through the middle.
 """
 
 from __future__ import annotations
@@ -24,36 +22,24 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.session.clock_line import LATE_S, SPANS, LineFitter
+
 BIN_S, MOST_BINS = 0.1, 512
 "Of each so long a time the earliest arrival is kept; beyond so many, the time is doubled: an hour keeps 12.8 s."
 LEARN_S = 3.0
 "Until then the stated rate is believed, and no sample is counted as lost."
-CRYSTAL = 1e-4
-"Error of a stated rate that needs no telling; a measured rate counts as far as it is known better."
 FREE = 3e-4
 "No crystal errs by more: samples that come sooner were sent at another rate, or came twice."
-PERIODIC, WHOLE = 0.01, 0.02
-"""A slower rate that is off by more has whole samples in a device's frame, within this; otherwise it is frames that are
-lost evenly. Where fewer are, the steps show."""
 RATE_OFF = 2e-3
 "A measured rate that differs by so much from the stated one is told."
-LATE_S = 0.008
-"Arrivals so far above the line are late: a busy computer, or samples that were lost (a Trigno frame is 13.5 ms)."
-STEADY, STEPS = 0.5, 3
-"""A rate is steady where neither four fifths of the arrivals nor any span of them spread by more than this share of
-what can be lost at once, over a time in which losses in place of it would have been so many."""
 SCATTERS = 4
 "Nor is an arrival late that lies so many times nearer to the line than the earliest arrivals of a second usually do."
 OFF_S = 0.002
 "The same for stamps, and for either side of the line."
 STEP_S, STEP_BLOCKS = 1.0, 5
 "Arrivals that are late for so long (longer where they scatter), and in so many blocks, tell that samples were lost."
-LOWER = 0.25
-"Where samples were lost the line goes through this share of the earliest arrivals of each second."
 SECONDS = 60
 "The scatter is that of the latest so many seconds."
-SPANS = 8
-"A device whose rate changes leaves the line in whole spans of the stream."
 GAP_S = 0.05
 "A longer time without an arrival is a gap."
 UNEVEN = "The device sends more samples than it states, and not evenly: some come twice"
@@ -106,6 +92,7 @@ class SampleClock:
     def __init__(self, fs_hz: float, *, delay_s: float = 0.0, quantum: int = 1, stamped: bool = False) -> None:
         self.fs_hz = fs_hz
         self._delay_s, self._quantum, self._stamped = delay_s, quantum, stamped
+        self._fitter = LineFitter(fs_hz, quantum, stamped)
         self._bin = BIN_S * fs_hz
         self._xs: list[float] = []
         "Number of the sample that arrived earliest in each bin."
@@ -369,9 +356,9 @@ class SampleClock:
         self._fitted = len(self._xs)
         numbers, y = self._points()
         if len(numbers) > 1 and (numbers[-1] - numbers[0]) * nominal >= LEARN_S:
-            line = self._line(self._place_of(numbers), y, self._stamped or bool(self._starts))
+            line = self._fitter.through(self._place_of(numbers), y, amid=self._stamped or bool(self._starts))
             if self._starts:
-                without = self._line(np.array(self._xs), np.array(self._ys), self._stamped)
+                without = self._fitter.through(np.array(self._xs), np.array(self._ys), amid=self._stamped)
                 if without.is_steady and not without.is_stated:  # what was counted as losses is a wrong rate
                     line, self._starts, self._gone = without, [], [0]
             fast = not self._stamped and not line.is_stated and self._is_fast(numbers, y)
@@ -386,13 +373,13 @@ class SampleClock:
             self._measured = slope if held else nominal + line.slope
             if self._stamped and self._bin == BIN_S * self.fs_hz:  # longer bins are means, which scatter less
                 self._late_s = max(OFF_S, 8 * line.above_s)
-        self._level_s = self._level(y - self._slope * self._place_of(numbers), bool(self._starts))
+        self._level_s = self._fitter.level(y - self._slope * self._place_of(numbers), amid=bool(self._starts))
         self._set_before()
 
     def _is_fast(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> bool:
         """Do both halves of the stream come sooner than the stated rate allows? A start that was late shows in one."""
         halves = zip(np.array_split(self._place_of(x), 2), np.array_split(y, 2), strict=True)
-        lines = [self._line(*half, amid=False) for half in halves]
+        lines = [self._fitter.through(*half, amid=False) for half in halves]
         return all(line.slope < -(FREE / self.fs_hz + 4 * line.slope_se) for line in lines)
 
     def _points(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -404,36 +391,6 @@ class SampleClock:
         starts = range(0, len(x), size)
         rows = [start + int(np.argmin(above[start : start + size])) for start in starts]
         return x[rows], y[rows]
-
-    def _level(self, levels: NDArray[np.float64], amid: bool) -> float:
-        """Of the line, from those of its points. Stamps are early and late; where samples were lost few arrivals are
-        misplaced, and seem early."""
-        return float(np.quantile(levels, 0.5 if self._stamped else LOWER if amid else 0.0))
-
-    def _line(self, x: NDArray[np.float64], y: NDArray[np.float64], amid: bool) -> _Line:
-        """The line below all places (x ascending) and arrivals, or amid them."""
-        nominal = 1 / self.fs_hz
-        z = y - nominal * x
-        slope = _slope_amid(x, z) if amid else _slope_below(x, z)
-        above = z - slope * x
-        above -= self._level(above, amid)
-        above_s = float(np.median(np.abs(above)))
-        slope_se = above_s / (math.sqrt(len(x)) * float(x.std()))
-        off_s = max(abs(self._level(each, amid)) for each in np.array_split(above, SPANS) if len(each))
-        se_s = math.hypot(2 * above_s / math.sqrt(len(x)) if self._stamped else above_s, off_s)
-        believed = CRYSTAL * nominal
-        is_stated = abs(slope) <= 4 * math.hypot(believed, slope_se)
-        likely = slope * believed**2 / (believed**2 + slope_se**2) if is_stated else slope
-        low_s, high_s = np.quantile(above, (0.1, 0.9)).tolist()
-        frame_s = self._quantum * nominal
-        many = abs(slope) * (x[-1] - x[0]) > STEPS * frame_s
-        steps_s = STEADY * max(frame_s, LATE_S)
-        is_even = off_s < steps_s
-        if self._quantum > 1 and abs(slope) > PERIODIC * nominal:
-            in_frame = self._quantum / (1 + slope / nominal)
-            is_even &= abs(in_frame - round(in_frame)) < WHOLE + 4 * in_frame * slope_se / nominal
-        is_steady = many and is_even and high_s - low_s < steps_s
-        return _Line(slope, likely, slope_se, above_s, se_s, is_stated, is_steady, is_even)
 
     def _learn(self, slope: float) -> None:
         """The rate is known well enough to tell late arrivals, which the first seconds may have had as well."""
@@ -453,42 +410,3 @@ class _Late(NamedTuple):
     first: int
     last: float
     arrived_s: float
-
-
-class _Line(NamedTuple):
-    """Slopes are those beside the stated one, s a sample; likely : with what is known of crystals.
-
-    above_s : typical distance of an arrival. se_s : of a sample's time. is_stated : the slope is that of the stated
-    rate, within errors. is_even : no span of the stream leaves the line, and the rate can be a device's. is_steady :
-    nor do the arrivals within a span.
-    """
-
-    slope: float
-    likely: float
-    slope_se: float
-    above_s: float
-    se_s: float
-    is_stated: bool
-    is_steady: bool
-    is_even: bool
-
-
-def _slope_below(x: NDArray[np.float64], z: NDArray[np.float64]) -> float:
-    """Slope of that line below all points (x ascending) which has the smallest sum of distances to them."""
-    hull: list[int] = []
-    for point in range(len(x)):
-        while len(hull) > 1:
-            a, b = hull[-2:]
-            if (z[b] - z[a]) * (x[point] - x[a]) < (z[point] - z[a]) * (x[b] - x[a]):
-                break
-            hull.pop()
-        hull.append(point)
-    right = max(1, int(np.searchsorted(x[hull], x.mean())))
-    a, b = hull[right - 1], hull[right]
-    return float((z[b] - z[a]) / (x[b] - x[a]))
-
-
-def _slope_amid(x: NDArray[np.float64], z: NDArray[np.float64]) -> float:
-    """Median of the slopes between points that lie half the stream or more apart: few outliers do not move it."""
-    half = len(x) // 2
-    return float(np.median((z[half:, None] - z[None, :half]) / (x[half:, None] - x[None, :half])))
