@@ -24,11 +24,9 @@ _UNPACK = "Unpack it and choose the recording in it."
 _SHEET = "Save the sheet as CSV with a time column."
 
 _BEGINNINGS: tuple[tuple[int, Sequence[bytes], str, str], ...] = (
-    (2, (b"(C) CED 87",), "a Spike2 recording (.smr)", _SPIKE2),
     (0, (b"S64",), "a Spike2 recording (.smrx)", _SPIKE2),
     (0, (b"CEDFILE",), "a CED Signal recording (.cfs)", _SPIKE2.replace("Spike2", "Signal")),
     (0, (b"CFWB",), "a LabChart recording", "In LabChart: File > Export > MATLAB."),
-    (0, (b"ABF ", b"ABF2"), "an Axon recording (.abf)", _AS_CSV),
     (0, (b"\x89PNG",), "a picture (PNG)", _CHOOSE),
     (0, (b"\xff\xd8\xff",), "a picture (JPEG)", _CHOOSE),
     (0, (b"GIF8",), "a picture (GIF)", _CHOOSE),
@@ -54,7 +52,7 @@ _TEXTS: tuple[tuple[re.Pattern[bytes], str, str], ...] = (
     ),
     (re.compile(rb"\s*(<!doctype html|<html)", re.IGNORECASE), "a web page", _CHOOSE),
     (re.compile(rb"\s*<\?xml|\s*<FTSensor", re.IGNORECASE), "an XML file", _CHOOSE),
-    (re.compile(rb"\s*\{"), "a JSON file", _CHOOSE),
+    (re.compile(rb'\s*\{(?!.*"continuous")', re.DOTALL), "a JSON file", _CHOOSE),
     (re.compile(rb"PathFileType", re.IGNORECASE), "a marker file of a motion system (.trc)", _CHOOSE),
 )
 _ZIPPED: tuple[tuple[str, str, str], ...] = (
@@ -107,6 +105,7 @@ class Reader:
     second : the reader that is tried where this one does not support a file, crashes or meets a limit.
     any_text : it takes whatever is text, so that readers of other packages are asked before it.
     library : the foreign decoder that the module calls, for which it runs in a child process; None: it calls none.
+    do : what to do where that is not installed, beside installing it.
     """
 
     format: str
@@ -115,6 +114,7 @@ class Reader:
     library: str | None = None
     second: Reader | None = None
     any_text: bool = False
+    do: str = ""
 
 
 def _first_line(head: bytes) -> str:
@@ -148,6 +148,18 @@ def _is_hpf(path: Path, head: bytes) -> bool:
 
 def _begins(*starts: bytes) -> Callable[[Path, bytes], bool]:
     return lambda path, head: head.removeprefix(b"\xef\xbb\xbf").startswith(starts)
+
+
+def _is_spike2(path: Path, head: bytes) -> bool:
+    return head[2:12] == b"(C) CED 87"
+
+
+def _is_intan(path: Path, head: bytes) -> bool:
+    return head.startswith((b"\x02\x27\x91\xc6", b"\xac\x27\x91\xd6"))
+
+
+def _is_open_ephys(path: Path, head: bytes) -> bool:
+    return path.name == "structure.oebin"
 
 
 def _is_hdf5(path: Path, head: bytes) -> bool:
@@ -188,6 +200,11 @@ READERS: tuple[Reader, ...] = (
     Reader("DEMG", "emg2vsa.readers.demg", _begins(b"DEMG")),
     Reader("TDMS", "emg2vsa.readers.tdms", _begins(b"TDSm"), "npTDMS"),
     Reader("XDF", "emg2vsa.readers.xdf", _begins(b"XDF:"), "pyxdf"),
+    Reader("Spike2", "emg2vsa.readers.neo_formats", _is_spike2, "neo", do=_SPIKE2),
+    Reader("Axon ABF", "emg2vsa.readers.neo_formats", _begins(b"ABF ", b"ABF2"), "neo", do=_AS_CSV),
+    Reader("Intan", "emg2vsa.readers.neo_formats", _is_intan, "neo", do=_AS_CSV),
+    Reader("Open Ephys", "emg2vsa.readers.neo_formats", _is_open_ephys, "neo", do=_AS_CSV),
+    Reader("Plexon", "emg2vsa.readers.neo_formats", _begins(b"PLEX"), "neo", do=_AS_CSV),
     Reader("OpenSignals HDF5", "emg2vsa.readers.opensignals_hdf5", _is_hdf5, "h5py"),
     Reader("OpenSignals text", "emg2vsa.readers.opensignals", _begins(b"# OpenSignals")),
     Reader("LabVIEW LVM", "emg2vsa.readers.lvm", _begins(b"LabVIEW Measurement")),

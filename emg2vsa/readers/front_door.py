@@ -29,11 +29,7 @@ _READING = ReadingSettings()
 def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str, OpenRecording]:
     """The format of a file and the file opened and validated, its samples not read yet.
 
-        reading : limits of a foreign decoder, for this and for every later request to the opened file.
-
-    from casr.decoder_process import DecoderFailed, DecoderLost, InChild
-    from casr.errors import said_by
-    from emg2vsa.errors import Emg2vsaError, PassingError, RecordingError, UnsupportedError
+    reading : limits of a foreign decoder, for this and for every later request to the opened file.
     """
     path = Path(path)
     try:
@@ -133,7 +129,8 @@ class _OpenInChild:
         except ImportError as error:
             raise RecordingError(
                 self.path, wanted=f"the package {self._reader.library}, which reads {self._reader.format}",
-                found=f"that it is not installed ({error})", do="Install it: pip install 'emg2vsa[formats]'.",
+                found=f"that it is not installed ({error})",
+                do=f"Install it: pip install 'emg2vsa[formats]'.{self._reader.do and f' Or: {self._reader.do}'}",
             ) from error  # fmt: skip
         except Exception as error:  # a decoder may stumble over anything that a damaged file holds
             raise RecordingError(

@@ -452,16 +452,29 @@ def test_a_cut_last_row_of_channels_in_rows_loses_its_last_value(tmp_path: Path)
     assert any("last value was left out" in note for note in opened.contents.notes)
 
 
-def test_a_package_that_is_not_installed_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("module", "content", "said"),
+    [
+        ("nptdms", b"TDSm" + bytes(100), r"npTDMS.*pip install 'emg2vsa\[formats\]'\.$"),
+        (
+            "neo",
+            b"\x09\0(C) CED 87" + bytes(60),
+            r"neo, which reads Spike2.*\[formats\]'\. Or: In Spike2: File > Export",
+        ),
+    ],
+)
+def test_a_package_that_is_not_installed_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module: str, content: bytes, said: str
+) -> None:
     from casr.decoder_process import end_child
 
     (tmp_path / "hidden").mkdir()
-    (tmp_path / "hidden" / "nptdms.py").write_text("raise ImportError('No module named nptdms')")
-    path = _written(tmp_path, b"TDSm" + bytes(100), "a.tdms")
+    (tmp_path / "hidden" / f"{module}.py").write_text(f"raise ImportError('No module named {module}')")
+    path = _written(tmp_path, content, "a.dat")
     end_child()
     monkeypatch.syspath_prepend(str(tmp_path / "hidden"))  # the child searches where this process does
     try:
-        with pytest.raises(RecordingError, match=r"expected the package npTDMS.*pip install 'emg2vsa\[formats\]'"):
+        with pytest.raises(RecordingError, match=f"expected the package {said}"):
             open_recording(path)
     finally:
         end_child()
