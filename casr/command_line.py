@@ -19,7 +19,7 @@ from types import ModuleType
 from typing import Any, NoReturn
 
 import casr
-from casr.errors import SettingError, UserError
+from casr.errors import SettingError, UserError, install_extra
 from casr.one_thread import one_thread
 from casr.terminal import VOICE, coloured, note
 from casr.terminal import finite as finite
@@ -107,7 +107,7 @@ class Program:
             library = str(error.name).partition(".")[0]
             if library not in self.extras:
                 raise
-            do = f'Install it: pip install "emg2vsa[{self.extras[library]}]".'
+            do = f"Install it: {install_extra(self.extras[library])}."
             return self._failed(f"{self.name}: expected the library {library}, but found none. {do}", do=do)
         except BrokenPipeError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -47,6 +47,14 @@ class PassingError(InputError):
     """
 
 
+def install_extra(extra: str) -> str:
+    """The command that installs an extra, for the ``do`` of an error.
+
+    No package index has emg2vsa, so it installs from the sources. Pages say the same: tests/test_install.py.
+    """
+    return f'pip install ".[{extra}]" in the folder of the sources'
+
+
 @contextmanager
 def said_of(place: object) -> Iterator[None]:
     """Errors raised inside name the place, such as a press or a file, before their own ``where``."""

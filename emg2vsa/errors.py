@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import casr.errors
+from casr.errors import install_extra as install_extra
 
 
 class Emg2vsaError(casr.errors.UserError):

@@ -76,7 +76,7 @@ def test_what_is_not_installed_is_named_with_its_extra(words: list[str], tmp_pat
     done = subprocess.run([sys.executable, "-c", without(HUMAN, code)], capture_output=True, text=True, check=False)
     assert done.returncode == 2, done.stderr
     assert re.search(
-        r'expected the library \w+, but found none. Install it: pip install "emg2vsa\[study\]"', done.stderr
+        r'expected the library \w+, but found none. Install it: pip install "\.\[study\]" in the folder', done.stderr
     )
 
 

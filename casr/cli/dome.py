@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from casr.command_line import JSON, Commands, add_command, answer, whole_number
-from casr.errors import SettingError
+from casr.errors import SettingError, install_extra
 from casr.terminal import VOICE
 
 SUMMARY = "Solve the contact of a soft dome with specimens, and write the tables that --domes reads."
-EPILOG = """
+EPILOG = f"""
 SENSOR.toml says radius, skin and gel of the dome, and the specimens; its keys are in docs/reference/dome-tables.md.
 Tables that are in the folder already, solved from the same numbers, stay: stopped work goes on where it was. Needs
-pip install "emg2vsa[solver]". Exit status 1: a case could not be solved, or its error is too large for any use.
+{install_extra("solver")}. Exit status 1: a case could not be solved, or its error is too large for any use.
 Example: casr dome sensor.toml --out mine, then casr score presses --domes mine
 """
 OPTIONS = f"""

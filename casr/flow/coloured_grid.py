@@ -18,14 +18,14 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.errors import SettingError
+from casr.errors import SettingError, install_extra
 
 try:
     from numba import njit
 except ModuleNotFoundError as error:
     raise SettingError(
         "flow engine horn-schunck", wanted="the package numba, which compiles this engine", found="no such package",
-        do="Install it (pip install 'emg2vsa[flow]'), or choose another engine: pin-affine or dis.",
+        do=f"Install it ({install_extra('flow')}), or choose another engine: pin-affine or dis.",
     ) from error  # fmt: skip
 
 Function = TypeVar("Function", bound=Callable[..., Any])

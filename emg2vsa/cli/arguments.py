@@ -156,10 +156,10 @@ def web_pages(command: str) -> Iterator[None]:
     try:
         yield
     except ModuleNotFoundError as error:
-        from emg2vsa.errors import SettingError
+        from emg2vsa.errors import SettingError, install_extra
 
         library = str(error.name).partition(".")[0]
         if library not in ("starlette", "uvicorn"):
             raise
-        do = 'Install it: pip install "emg2vsa[web]".'
+        do = f"Install it: {install_extra('web')}."
         raise SettingError(command, wanted="the extra for web pages", found=f"no {library}", do=do) from error

@@ -25,7 +25,7 @@ from typing import Any, Self
 import casr
 import emg2vsa
 from casr.one_thread import VARIABLES
-from emg2vsa.errors import DataError, SettingError
+from emg2vsa.errors import DataError, SettingError, install_extra
 from emg2vsa.pipeline.code import Code
 from emg2vsa.pipeline.fingerprint import digest, state_of
 from emg2vsa.pipeline.places import is_writable
@@ -157,7 +157,7 @@ class ClusterWorkers:
             dask: Any = importlib.import_module("dask")
             distributed: Any = importlib.import_module("distributed")
         except ModuleNotFoundError as error:
-            do = 'Install it: pip install "emg2vsa[cluster]".'
+            do = f"Install it: {install_extra('cluster')}."
             raise SettingError(
                 "emg2vsa run", wanted="the extra for clusters", found=f"no {error.name}", do=do
             ) from error

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from casr.counts import count
 from casr.decoder_process import DecoderFailed, DecoderLost, InChild, Limits
-from casr.errors import said_by
+from casr.errors import install_extra, said_by
 from emg2vsa.errors import Emg2vsaError, PassingError, RecordingError, UnsupportedError
 from emg2vsa.readers.formats import READERS, Reader, head_of, reader_of, refused
 from emg2vsa.readers.opened import Contents, OpenRecording, StoredChannel, to_si, usable
@@ -130,7 +130,7 @@ class _OpenInChild:
             raise RecordingError(
                 self.path, wanted=f"the package {self._reader.library}, which reads {self._reader.format}",
                 found=f"that it is not installed ({error})",
-                do=f"Install it: pip install 'emg2vsa[formats]'.{self._reader.do and f' Or: {self._reader.do}'}",
+                do=f"Install it: {install_extra('formats')}.{self._reader.do and f' Or: {self._reader.do}'}",
             ) from error  # fmt: skip
         except Exception as error:  # a decoder may stumble over anything that a damaged file holds
             raise RecordingError(

@@ -26,7 +26,7 @@ import numpy as np
 import scipy.io
 from numpy.typing import NDArray
 
-from casr.errors import said_by
+from casr.errors import install_extra, said_by
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.on_demand import OnDemand, Track, refuse_nothing
 from emg2vsa.readers.opened import Contents, StoredChannel, unique_names
@@ -211,7 +211,7 @@ def _variables_of_hdf5(path: Path) -> dict[str, Any]:
     except ImportError as error:
         raise RecordingError(
             path, wanted="a MATLAB file up to version 7", found="version 7.3, which needs the package pymatreader",
-            do="Install it (pip install 'emg2vsa[formats]'), or save with -v7.",
+            do=f"Install it ({install_extra('formats')}), or save with -v7.",
         ) from error  # fmt: skip
     return dict(_in_order(pymatreader.read_mat(str(path))))
 

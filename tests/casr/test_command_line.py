@@ -62,7 +62,8 @@ STOPS = pytest.mark.parametrize(
         (
             ModuleNotFoundError("No module named 'parrots.beak'", name="parrots.beak"),
             2,
-            'toy: expected the library parrots, but found none. Install it: pip install "emg2vsa[birds]".\n',
+            'toy: expected the library parrots, but found none. Install it: pip install ".[birds]" in the folder of '
+            "the sources.\n",
         ),
         (KeyboardInterrupt(), 130, "\nStopped. All is kept.\n"),
     ],

@@ -98,7 +98,7 @@ def test_without_the_extra_the_command_says_what_to_install(tmp_path, capsys, mo
     assert main(["rig", "watch", str(tmp_path)]) == 2
     said = capsys.readouterr().err
     assert f"found no {library}" in said
-    assert 'pip install "emg2vsa[web]"' in said
+    assert 'pip install ".[web]"' in said
     assert said.count("\n") == 1
 
 
@@ -142,5 +142,5 @@ def test_a_session_begins_nothing_without_the_extra(session, capsys, monkeypatch
     words, folder = session
     without("uvicorn", monkeypatch)
     assert main(words) == 2
-    assert 'pip install "emg2vsa[web]"' in capsys.readouterr().err
+    assert 'pip install ".[web]"' in capsys.readouterr().err
     assert not folder.exists()

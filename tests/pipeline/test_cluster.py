@@ -328,7 +328,7 @@ def test_without_an_answer_or_the_extra_nothing_is_run(
     )
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert main(["run", str(small), "--cluster", "local"]) == 2
-    assert 'expected the extra for clusters, but found no distributed. Install it: pip install "emg2vsa[cluster]".' in (
+    assert 'expected the extra for clusters, but found no distributed. Install it: pip install ".[cluster]" in' in (
         capsys.readouterr().err
     )
     assert not list((small.parent / ".emg2vsa" / "small").rglob("*.result"))

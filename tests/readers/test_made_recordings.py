@@ -455,11 +455,11 @@ def test_a_cut_last_row_of_channels_in_rows_loses_its_last_value(tmp_path: Path)
 @pytest.mark.parametrize(
     ("module", "content", "said"),
     [
-        ("nptdms", b"TDSm" + bytes(100), r"npTDMS.*pip install 'emg2vsa\[formats\]'\.$"),
+        ("nptdms", b"TDSm" + bytes(100), r'npTDMS.*pip install "\.\[formats\]" in the folder of the sources\.$'),
         (
             "neo",
             b"\x09\0(C) CED 87" + bytes(60),
-            r"neo, which reads Spike2.*\[formats\]'\. Or: In Spike2: File > Export",
+            r'neo, which reads Spike2.*\[formats\]" in the folder of the sources\. Or: In Spike2: File > Export',
         ),
     ],
 )

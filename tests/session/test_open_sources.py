@@ -110,7 +110,7 @@ def test_an_extra_that_is_not_installed(
     package: str, chosen: SessionSettings, which: int, extra: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(DeviceError, match=rf"pip install \"emg2vsa\[{extra}\]\""):
+    with pytest.raises(DeviceError, match=rf"pip install \"\.\[{extra}\]\""):
         source_makers(chosen, MUSCLES, VirtualClock())[which]()
 
 

@@ -19,7 +19,7 @@ from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.dynamixel import ATTEMPTS
 from emg2vsa.devices.dynamixel.registers import ALERT, CRC_ERROR, model_named
 from emg2vsa.devices.serial_line import ByteLine, LineCounts
-from emg2vsa.errors import DeviceError
+from emg2vsa.errors import DeviceError, install_extra
 
 _ID, _LENGTH, _ERROR, _DATA = 4, 5, 8, 9
 """Places in a status packet."""
@@ -164,5 +164,5 @@ def load_sdk() -> Any:
         return import_module("dynamixel_sdk")
     except ImportError as error:
         where, wanted = '[actuator] kind = "dynamixel"', "the extra for Dynamixel motors"
-        do = 'Install it: pip install "emg2vsa[dynamixel]".'
+        do = f"Install it: {install_extra('dynamixel')}."
         raise DeviceError(where, wanted=wanted, found="no dynamixel_sdk", do=do) from error

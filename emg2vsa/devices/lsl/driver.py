@@ -22,7 +22,7 @@ from emg2vsa.devices.lsl import LslEmgSettings, LslForceSettings
 from emg2vsa.devices.lsl.outlets import SESSION_SOURCE
 from emg2vsa.devices.registry import Around
 from emg2vsa.devices.streams import Block, SourceBase, StreamCounts, StreamInfo
-from emg2vsa.errors import DeviceError, SettingError
+from emg2vsa.errors import DeviceError, SettingError, install_extra
 
 VOLTS = {"v": 1.0, "mv": 1e-3, "uv": 1e-6, "µv": 1e-6, "μv": 1e-6}
 VOLTS |= {f"{part}volt{s}": VOLTS[f"{p}v"] for part, p in (("", ""), ("milli", "m"), ("micro", "u")) for s in ("", "s")}
@@ -264,6 +264,6 @@ def load_pylsl(key: str) -> Any:
     try:
         return import_module("pylsl")
     except (ImportError, RuntimeError) as error:
-        do = 'Install it: pip install "emg2vsa[lsl]".'
+        do = f"Install it: {install_extra('lsl')}."
         found = "no pylsl" if isinstance(error, ImportError) else "pylsl without the library liblsl"
         raise DeviceError(key, wanted="the extra for LSL", found=found, do=do) from error

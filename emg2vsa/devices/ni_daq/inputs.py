@@ -16,7 +16,7 @@ from emg2vsa.devices.clock import Clock, awaited
 from emg2vsa.devices.ni_daq import NiEmgSettings, NiGaugeSettings
 from emg2vsa.devices.registry import Around
 from emg2vsa.devices.streams import Block, SourceBase, StreamCounts, StreamInfo
-from emg2vsa.errors import DeviceError
+from emg2vsa.errors import DeviceError, install_extra
 
 BUFFER_S = 30.0
 "Samples kept by the driver while nobody reads."
@@ -232,7 +232,7 @@ def load_nidaqmx(channels: str) -> Any:
         return import_module("nidaqmx")
     except ImportError as error:
         wanted = "the package nidaqmx, which speaks to NI cards"
-        do = 'Install nidaqmx (pip install "emg2vsa[daq]") and NI\'s DAQmx driver.'
+        do = f"Install nidaqmx ({install_extra('daq')}) and NI's DAQmx driver."
         raise DeviceError(channels, wanted=wanted, found="none", do=do) from error
 
 

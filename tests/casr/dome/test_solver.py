@@ -282,7 +282,7 @@ def test_without_the_extra_its_name_is_told(
     monkeypatch.setitem(sys.modules, "skfem", None)
     (tmp_path / "sensor.toml").write_text(SENSOR, encoding="utf-8")
     assert main(["dome", str(tmp_path / "sensor.toml"), "--out", str(tmp_path / "out"), "--jobs", "1"]) == 2
-    assert 'pip install "emg2vsa[solver]"' in capsys.readouterr().err
+    assert 'pip install ".[solver]" in the folder of the sources' in capsys.readouterr().err
 
 
 def test_a_case_that_stops_is_named_and_leaves_the_others(

@@ -167,7 +167,8 @@ def test_the_default_engine_loads_neither_numba_nor_scipy() -> None:
             "horn-schunck",
             "flow engine horn-schunck: expected the package numba, which compiles this engine, but found no such "
             "package. "
-            "Install it (pip install 'emg2vsa[flow]'), or choose another engine: pin-affine or dis.\n",
+            'Install it (pip install ".[flow]" in the folder of the sources), or choose another engine: '
+            "pin-affine or dis.\n",
         ),
     ],
 )

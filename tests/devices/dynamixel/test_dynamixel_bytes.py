@@ -467,7 +467,7 @@ def test_a_scan_lists_who_answers() -> None:
 def test_a_missing_extra_is_one_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "dynamixel_sdk", None)
     with (
-        pytest.raises(DeviceError, match=r'found no dynamixel_sdk. Install it: pip install "emg2vsa\[dynamixel\]"'),
+        pytest.raises(DeviceError, match=r'found no dynamixel_sdk. Install it: pip install "\.\[dynamixel\]"'),
         scripted(),
     ):
         pass

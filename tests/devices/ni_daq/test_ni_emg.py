@@ -199,7 +199,7 @@ def test_before_the_start(emg: NiEmg) -> None:
 
 def test_without_nidaqmx(clock: VirtualClock, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "nidaqmx", None)
-    with pytest.raises(DeviceError, match=r'pip install "emg2vsa\[daq\]"'):
+    with pytest.raises(DeviceError, match=r'pip install "\.\[daq\]"'):
         open_emg(SETTINGS, Around(clock))
 
 
