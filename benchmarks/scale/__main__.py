@@ -1,37 +1,59 @@
-"""How one machine copes with many people and many frames: ``python -m benchmarks.scale``.
+"""How one machine copes with many people, specimens and frames, long sessions and dying workers.
 
-Sizes can be measured in pieces (``--participants 200``, ``--frames 1000 100000``): each replaces its row in
-docs/benchmarks/scale.json, and scale.md with its curves is written anew.
+``python -m benchmarks.scale`` measures everything, which takes a night. Sizes can be measured in pieces
+(``--participants 200``, ``--frames 1000 100000``): each replaces its row in docs/benchmarks/scale.json, with the date
+and the commit, and scale.md with its curves is written anew.
 """
 
 from __future__ import annotations
 
 import argparse
 import tempfile
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
-from benchmarks.scale import frames, people
-from benchmarks.scale.results import keep
+from benchmarks.scale import cluster, frames, people, sitting, specimens
+from benchmarks.scale.results import KEYS, keep
+
+SIZES: dict[str, tuple[int, ...]] = {
+    "participants": (14, 50, 200, 1000, 5000),
+    "frames": (1000, 10_000, 100_000, 1_000_000),
+    "specimens": (10, 30, 100),
+    "session_s": (1800, 7200),
+    "workers": (10,),
+}
+
+
+def rows_of(kind: str, sizes: Iterable[int], folder: Path) -> Iterator[dict[str, Any]]:
+    """One row for each size."""
+    if kind == "participants":
+        one, _ = people.measured(folder / "measured")
+        for size in sizes:
+            yield {kind: size} | people.measure(people.replicated(one, folder / str(size), size))
+    elif kind == "frames":
+        yield from frames.measure(sorted(sizes))
+    else:
+        for size in sizes:
+            if kind == "specimens":
+                yield specimens.measured(folder / str(size), size)
+            elif kind == "session_s":
+                yield sitting.measured(size)
+            else:
+                yield cluster.measured(folder / str(size), size)
 
 
 def main() -> None:
     """Measure and write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--participants", type=int, nargs="*", metavar="N", help="default: 14 50 200 1000")
-    parser.add_argument("--frames", type=int, nargs="*", metavar="N", help="default: 1000 to 1000000")
-    arguments = parser.parse_args()
-    neither = arguments.participants is None and arguments.frames is None
-    sizes = (14, 50, 200, 1000) if neither else arguments.participants
-    counts = (1000, 10_000, 100_000, 1_000_000) if neither else arguments.frames
-    if sizes:
+    for kind, sizes in SIZES.items():
+        option = f"--{kind.replace('_', '-')}"
+        parser.add_argument(option, type=int, nargs="*", metavar="N", help=f"default: {' '.join(map(str, sizes))}")
+    asked = {kind: sizes for kind, sizes in vars(parser.parse_args()).items() if sizes is not None}
+    for kind, sizes in (asked or SIZES).items():
         with tempfile.TemporaryDirectory() as name:
-            one, _ = people.measured(Path(name) / "measured")
-            for size in sizes:
-                study = people.replicated(one, Path(name) / str(size), size)
-                keep("people", "participants", {"participants": size} | people.measure(study))
-    if counts:
-        for row in frames.measure(sorted(counts)):
-            keep("frames", "frames", row)
+            for row in rows_of(kind, sizes or SIZES[kind], Path(name) / kind):
+                keep(KEYS[kind], kind, row)
 
 
 if __name__ == "__main__":

@@ -21,27 +21,27 @@ from benchmarks.scale.people import ROOT, environment, run
 from benchmarks.small_study import WITH_A_RIG, small_rig, small_study
 from emg2vsa.study_file import load_study
 
-WORKERS, KILLED = 10, 2
+KILLED = 2
 AFTER_WORKERS_S, AFTER_SCHEDULER_S = 4.0, 8.0
 """After the first step is under way, so many seconds pass to each kill."""
 PEOPLE = tuple(f"P{number:02d}" for number in range(1, 9))
 
 
-def measured(folder: Path) -> dict[str, Any]:
-    """How many files were equal, what each try ended with, and how many steps it made."""
+def measured(folder: Path, count: int) -> dict[str, Any]:
+    """How many files are equal in the end, how many the first try left, and what each try ended with."""
     study = folder / "studies" / "small" / "study.toml"
     study.parent.mkdir(parents=True)
     study.write_text(small_study(participants=PEOPLE, tables=WITH_A_RIG))
     study.with_name("rig.toml").write_text(small_rig("high-stiffness = [0]\nmodular = [0]\n"))
     run("tools simulate", study)
-    _, _, alone = run("run", study, "--jobs", "1")
+    run("run", study, "--jobs", "1")
     before = outcome(study)
     for part in _parts(study):
         shutil.rmtree(part)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    with _cluster(port) as (scheduler, workers):
+    with _cluster(port, count) as (scheduler, workers):
         first = _begun(study, port)
         _wait_for_a_step(study)
         time.sleep(AFTER_WORKERS_S)
@@ -51,16 +51,15 @@ def measured(folder: Path) -> dict[str, Any]:
         scheduler.kill()
         _, told = first.communicate()
         kept = len(outcome(study))
-    with _cluster(port):
+    with _cluster(port, count):
         second = _begun(study, port)
         second.communicate()
     after = outcome(study)
     return {
-        "workers": WORKERS, "killed": KILLED, "steps": len(alone["steps"]) if "steps" in alone else None,
-        "first_exit": first.returncode, "first_said": told.strip().splitlines()[-1] if told.strip() else "",
-        "files_kept": kept, "second_exit": second.returncode,
-        "files": len(before), "equal": sum(after.get(name) == data for name, data in before.items()),
-        "more": len(set(after) - set(before)),
+        "workers": count, "killed": KILLED, "first_exit": first.returncode, "files_kept": kept,
+        "second_exit": second.returncode, "files": len(before),
+        "equal": sum(after.get(name) == data for name, data in before.items()), "more": len(set(after) - set(before)),
+        "said": told.strip().splitlines()[-1] if told.strip() else "",
     }  # fmt: skip
 
 
@@ -97,13 +96,13 @@ def _wait_for_a_step(study: Path) -> None:
 
 
 @contextlib.contextmanager
-def _cluster(port: int) -> Iterator[tuple[subprocess.Popen[bytes], list[subprocess.Popen[bytes]]]]:
+def _cluster(port: int, count: int) -> Iterator[tuple[subprocess.Popen[bytes], list[subprocess.Popen[bytes]]]]:
     address = f"tcp://127.0.0.1:{port}"
     started = [_dask("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard")]
     time.sleep(3)
     started += [
         _dask("worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny", "--death-timeout", "60")
-        for _ in range(WORKERS)
+        for _ in range(count)
     ]
     try:
         yield started[0], started[1:]
