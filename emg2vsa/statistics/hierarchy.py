@@ -121,21 +121,23 @@ def shrunken(fit: RemlFit, confidence: float = 0.95) -> ShrunkenValues:
     """
     count, (t1, t2) = fit.cells.count, fit.ratios
     p, s = count.shape
-    person, specimen = np.divmod(np.arange(p * s), s)
-    between = t1 * (person[:, None] == person) + t2 * np.eye(p * s)  # of true values, in variances of repetitions
-    there = np.flatnonzero(count.ravel() > 0)
-    fixed = (specimen[:, None] == np.arange(s)).astype(np.float64)
-    mean = (person[:, None] == np.arange(p)).T / s
-    target, of_target = np.vstack([np.eye(p * s), mean]), np.vstack([fixed, mean @ fixed])
-    covariance = between[np.ix_(there, there)] + np.diag(1 / count.ravel()[there])
-    gain = np.linalg.solve(covariance, between[there] @ target.T).T
-    residual = fit.cells.mean.ravel()[there] - fixed[there] @ fit.at.beta
-    value = of_target @ fit.at.beta + gain @ residual
-    apart = of_target - gain @ fixed[there]
-    error = np.einsum("ij,jk,ik->i", target, between, target) - np.einsum("ij,ij->i", gain, target @ between[:, there])
-    error += np.einsum("ij,jk,ik->i", apart, fit.at.inverse, apart)
+    between = t1 + t2 * np.eye(s)  # of a participant's true values, in variances of repetitions
+    target = np.vstack([np.eye(s), np.full((1, s), 1 / s)])
+    prior = np.einsum("ij,jk,ik->i", target, between, target)
+    value, error = np.empty((p, s + 1)), np.empty((p, s + 1))
+    rows, of = np.unique(count, axis=0, return_inverse=True)
+    for number, row in enumerate(rows):  # participants are independent; those with equal counts share their gains
+        own, there = of.ravel() == number, np.flatnonzero(row)
+        covariance = between[np.ix_(there, there)] + np.diag(1 / row[there])
+        gain = np.linalg.solve(covariance, between[there] @ target.T).T
+        residual = fit.cells.mean[np.ix_(own, there)] - fit.at.beta[there]
+        value[own] = target @ fit.at.beta + residual @ gain.T
+        apart = target.copy()
+        apart[:, there] -= gain
+        known = np.einsum("ij,ij->i", gain, target @ between[:, there])
+        error[own] = prior - known + np.einsum("ij,jk,ik->i", apart, fit.at.inverse, apart)
     half = special.stdtrit(np.count_nonzero(count.any(axis=1)) - 1, 0.5 + confidence / 2)
     half = half * np.sqrt(np.maximum(error, 0.0) * fit.error)
     ends = [fit.origin + np.ldexp(each, fit.unit) for each in (value, value - half, value + half)]
-    cells, people = [each[: p * s].reshape(p, s) for each in ends], [each[p * s :] for each in ends]
+    cells, people = [each[:, :s] for each in ends], [each[:, s] for each in ends]
     return ShrunkenValues(*people, *cells)
