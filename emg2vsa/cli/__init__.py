@@ -20,7 +20,8 @@ PROGRAM = Program(
         "session": "session", "rig": "rig", "verify": "report", "tools": "tools",
     },
     stopped="What was finished is kept; the same command goes on from there.",
-    extras=dict.fromkeys(("scipy", "pandas", "matplotlib", "edfio", "ezc3d", "jinja2", "serial"), "study"),
+    extras=dict.fromkeys(("scipy", "pandas", "matplotlib", "edfio", "ezc3d", "jinja2", "serial"), "study")
+    | dict.fromkeys(("pynwb", "hdmf"), "nwb"),
     moved={name: f"tools {name}" for name in TOOLS},
 )  # fmt: skip
 

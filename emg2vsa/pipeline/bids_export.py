@@ -1,4 +1,5 @@
-"""Own recordings as a BIDS-EMG data set: EMG in uV and force in N at their own rates, presses as events."""
+"""Own recordings, whole or not at all: as a BIDS-EMG data set, EMG in uV and force in N at their own rates, presses as
+events; or by another writer, such as that of NWB."""
 
 from __future__ import annotations
 
@@ -20,15 +21,16 @@ from emg2vsa.bids.recording import Channel as StoredChannel
 from emg2vsa.bids.recording import Event, Recording, event_columns, of_source
 from emg2vsa.bids.recording_files import record_s, short_labels, write_recording
 from emg2vsa.bids.tables import Column, described
-from emg2vsa.errors import Emg2vsaError, SettingError
+from emg2vsa.errors import DataError, Emg2vsaError, SettingError
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.fits import Fits, fit_trials
 from emg2vsa.readers.bids_sidecars import side_files
 from emg2vsa.readers.roles import RoleChannels, read_roles
 from emg2vsa.recordings import Channel
+from emg2vsa.run_folders.find import find_runs
 from emg2vsa.settings import CocontractionSettings, FitSettings, ReadingSettings
-from emg2vsa.study import RecordingEntry, RecordingPart
+from emg2vsa.study import RecordingEntry, RecordingPart, Study
 
 _EVENT_COLUMNS = event_columns(
     onset="Begin of the loading phase or gap, from the start of the recording.",
@@ -96,6 +98,32 @@ def _keys(path: Path) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
+class Taken:
+    """A recording as it is to be written. presses : on its own clock. further : keys of _emg.json that are known."""
+
+    name: RecordingName
+    entry: RecordingEntry
+    part: RecordingPart
+    roles: RoleChannels
+    presses: Sequence[Event]
+    about: About
+    further: Mapping[str, Any]
+
+    @property
+    def start_s(self) -> float:
+        """Of the channel that begins first."""
+        return min(channel.start_s for channel in (*self.roles.emg.values(), self.roles.force))
+
+
+@dataclass(frozen=True)
+class Writer:
+    """Another format than BIDS. Each writes below a folder, of a run the one given last, and returns what it wrote."""
+
+    recording: Callable[[Path, Taken], list[Path]]
+    run: Callable[[Path, Path], Path]
+
+
+@dataclass(frozen=True)
 class Exported:
     """files : written. failures : (recording, message) of those that could not be read. notes : to be said."""
 
@@ -115,12 +143,15 @@ def export(
     reading: ReadingSettings,
     fits: Mapping[str, Fits] | None = None,
     progress: Callable[[int, int, str], None] | None = None,
+    writer: Writer | None = None,
+    runs: Sequence[Path] = (),
 ) -> Exported:
-    """Write the recordings as a data set into ``folder``, which must be empty or absent: whole, or nothing.
+    """Write the recordings into ``folder``, which must be empty or absent: whole, or nothing.
 
-    base : folder that calibration files are relative to. fits : of a study by key of the recording, whose verdicts and
-    reasons the events have; None: the recordings belong to no study, and are fitted here by the default settings. A
-    recording that cannot be read is left out and reported.
+    writer : of another format, which takes folders of ``runs`` too; None: as a BIDS data set. base : folder that
+    calibration files are relative to. fits : of a study by key of the recording, whose verdicts and reasons the events
+    have; None: the recordings belong to no study, and are fitted here by the default settings. What cannot be read is
+    left out and reported.
     SettingError : the folder holds files or cannot be written to, or two names become one BIDS label.
     """
     files: list[Path] = []
@@ -128,7 +159,7 @@ def export(
     notes: list[str] = []
     sources: list[str] = []
     written: set[str] = set()
-    total = sum(len(entry.parts) for entry in entries)
+    total = sum(len(entry.parts) for entry in entries) + len(runs)
     with _whole_or_nothing(folder) as unfinished:
         if not is_label(about.task):
             raise SettingError(
@@ -146,7 +177,8 @@ def export(
                 specimen = specimens[entry.specimen] if entry.specimen else ""
                 recording = RecordingName(people[entry.participant], about.task, specimen, run, visit=part.visit)
                 try:
-                    made, said = _write(unfinished, recording, entry, part, about, base, cocontraction, reading, judged)
+                    taken, said = _take(recording, entry, part, about, base, cocontraction, reading, judged)
+                    made = _write(unfinished, taken, said) if writer is None else writer.recording(unfinished, taken)
                 except Emg2vsaError as error:
                     failures.append((entry.key, str(error)))
                     continue
@@ -155,7 +187,15 @@ def export(
                 notes += [f"{made[0].name}: {note}" for note in said]
                 used = ", ".join(path.name for path in (part.emg_file, part.force_file) if path is not None)
                 sources += [f"- `{path.name}`: {used}" for path in made]
-        if files:
+        for own in runs:
+            assert writer is not None
+            if progress is not None:
+                progress(len(files) + len(failures), total, own.name)
+            try:
+                files.append(folder / writer.run(unfinished, own).relative_to(unfinished))
+            except DataError as error:
+                failures.append((own.name, str(error)))
+        if files and writer is None:
             listed = "\n".join(["Each file and what it was made from:", "", *sources])
             told = {about.task: described(_EVENT_COLUMNS)} if any(unfinished.rglob(f"*{EVENTS}")) else {}
             whole = DataSet(
@@ -164,6 +204,14 @@ def export(
             )  # fmt: skip
             write_dataset(unfinished, whole)
     return Exported(tuple(files), tuple(failures), tuple(dict.fromkeys(notes)))
+
+
+def run_folders(study: Study) -> list[Path]:
+    """Folders of the runs of a study that are there."""
+    source = study.runs_source
+    if source is None or not source.root.is_dir():
+        return []
+    return [folder for run in find_runs(source.root, study.pressed_n_per_mm) for folder in run.folders]
 
 
 @contextmanager
@@ -205,11 +253,11 @@ def _labels(what: str, names: Sequence[str]) -> dict[str, str]:
     return labels
 
 
-def _write(
-    folder: Path, name: RecordingName, entry: RecordingEntry, part: RecordingPart, about: About, base: Path,
+def _take(
+    name: RecordingName, entry: RecordingEntry, part: RecordingPart, about: About, base: Path,
     cocontraction: CocontractionSettings, reading: ReadingSettings, judged: _Judged | None,
-) -> tuple[list[Path], list[str]]:  # fmt: skip
-    """Data and side files of one recording; several where its rates share no data record."""
+) -> tuple[Taken, list[str]]:  # fmt: skip
+    """One recording, read and with its presses, and what is to be said of it."""
     if part.fault:
         raise SettingError(
             part.emg_file.parent, wanted=f"one file of {entry.key}", found=part.fault,
@@ -231,16 +279,21 @@ def _write(
         presses = own.presses(trials)
     except Emg2vsaError as error:
         notes.append(f"no events were written: {error}")
-    start_s = min(channel.start_s for channel in (*roles.emg.values(), roles.force))
-    for channel in (*roles.emg.values(), roles.force):
-        if moved := _moved(channel, start_s):
-            notes.append(f"{channel.name}: {moved}")
     further = {**of_source(side_files(part.emg_file).emg), **(about.more or {})}
+    return Taken(name, entry, part, roles, presses, about, further), notes
+
+
+def _write(folder: Path, taken: Taken, notes: list[str]) -> list[Path]:
+    """Data and side files of a recording; several where its rates share no data record. Adds to ``notes``."""
+    for channel in (*taken.roles.emg.values(), taken.roles.force):
+        if moved := _moved(channel, taken.start_s):
+            notes.append(f"{channel.name}: {moved}")
     paths = []
-    for label, channels in _groups(roles).items():
-        recording = _recording(replace(name, part=label), channels, part, presses, start_s, about)
-        paths.append(write_recording(folder, replace(recording, further=further)))
-    return paths, notes
+    for label, channels in _groups(taken.roles).items():
+        name = replace(taken.name, part=label)
+        recording = _recording(name, channels, taken.part, taken.presses, taken.start_s, taken.about)
+        paths.append(write_recording(folder, replace(recording, further=taken.further)))
+    return paths
 
 
 _Named = dict[str, tuple[Channel, str | None]]

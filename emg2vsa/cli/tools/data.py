@@ -5,11 +5,15 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import sys
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from casr.command_line import JSON, Commands, add_command, add_json, answer
 from emg2vsa.cli.arguments import STUDY, add_channels, add_reading, reading_of, recording_of
+
+if TYPE_CHECKING:
+    from emg2vsa.study import Person, RecordingEntry
 
 NAMES = ("recordings", "plate", "slopes", "presses", "study")
 SAMPLE_SUMMARY = "Write small simulated data, on which the commands and snippets of the documentation run."
@@ -34,17 +38,18 @@ SIMULATE_OPTIONS = f"""
 --overwrite  replace existing recordings
 {JSON}
 """
-CONVERT_SUMMARY = (
-    "Write recordings as a BIDS-EMG data set: BDF+ files with tables of channels, presses and recording details."
-)
+CONVERT_SUMMARY = "Write recordings as a BIDS-EMG data set, or recordings and runs of the rig as NWB files."
 CONVERT = """
-Give a study file to convert all its recordings, or one recording and the names of its channels as for emg2vsa fit. EMG
-is stored in uV, force in N, each at its own rate. The originals are not changed. Exit status 1: a recording could not
-be converted. Example: emg2vsa tools convert study.toml --out shared --mains 50 --electrode-distance 10
+Give a study file to convert all its recordings, or one recording and the names of its channels as for emg2vsa fit. BIDS
+has BDF+ files with tables of channels, presses and recording details: EMG in uV, force in N, each at its own rate. NWB
+has a file for each recording and for each run of the study, or for the one run whose folder you give. The originals are
+not changed. Exit status 1: a recording could not be converted.
+Example: emg2vsa tools convert study.toml --out shared --mains 50 --electrode-distance 10
 """
 CONVERT_OPTIONS = """
-source SOURCE  study file (.toml), or one recording
+source SOURCE  study file (.toml), one recording, or with nwb the folder of a run
 --out DIR  folder of the data set; it must be empty or absent
+--format {bids,nwb} = bids  format to write (default bids)
 --task LABEL = palpation  BIDS task label (default palpation)
 --mains {50,60}  mains frequency of the place of recording, Hz
 --electrode-distance MM  distance between the two electrodes of a pair, mm
@@ -106,27 +111,38 @@ def simulate(arguments: argparse.Namespace) -> int:
 
 def convert(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import counter, progress
-    from emg2vsa.pipeline.bids_export import about, export
+    from emg2vsa.pipeline.bids_export import about, export, run_folders
     from emg2vsa.pipeline.judged_sessions import fits_of
     from emg2vsa.settings import CocontractionSettings
     from emg2vsa.study_file import load_study
 
     said = about(arguments.task, arguments.mains, arguments.electrode_distance, arguments.about)
     told: dict[str, Any] = {"progress": None if arguments.json else counter("convert")}
+    own, name = CocontractionSettings(), arguments.source.stem
+    entries: Sequence[RecordingEntry] = ()
+    people: Sequence[Person] = ()
+    nwb = arguments.format == "nwb"
     if arguments.source.suffix.lower() == ".toml":
         study = load_study(arguments.source)
-        name, entries = study.title, study.recordings
-        told |= {"base": study.path.parent, "cocontraction": study.cocontraction, "reading": study.reading}
-        told |= {"fits": fits_of(study, progress(quiet=arguments.json))}
+        name, entries, people, own = study.title, study.recordings, study.people, study.cocontraction
+        told |= {"base": study.path.parent, "reading": study.reading, "runs": run_folders(study) if nwb else ()}
+        told["fits"] = fits_of(study, progress(quiet=arguments.json)) if entries else {}
     else:
-        name, entries = arguments.source.stem, (recording_of(arguments, "convert"),)
-        told |= {"base": Path(), "cocontraction": CocontractionSettings(), "reading": reading_of(arguments, "convert")}
-    done = export(arguments.out, name, entries, said, **told)
+        told |= {"base": Path(), "reading": reading_of(arguments, "convert")}
+        is_run = nwb and arguments.source.is_dir()
+        told["runs"], entries = ([arguments.source], ()) if is_run else ([], (recording_of(arguments, "convert"),))
+    if nwb:
+        from emg2vsa.pipeline.nwb_export import nwb_writer
+
+        told["writer"] = nwb_writer(people)
+    done = export(arguments.out, name, entries, said, cocontraction=own, **told)
     for key, message in () if arguments.json else done.failures:
         print(f"not converted: {key}: {message}", file=sys.stderr)
     files = [str(path) for path in done.files]
     failures = [{"recording": key, "message": message} for key, message in done.failures]
     found = {"folder": str(arguments.out), "recordings": files, "failures": failures, "notes": done.notes}
-    last = f"{len(files)} recording{'s' if len(files) != 1 else ''} in {arguments.out}"
-    answer(arguments.json, found, [*(f"note: {note}" for note in done.notes), last])
+    what = f"{'file' if nwb else 'recording'}{'s' if len(files) != 1 else ''}"
+    answer(
+        arguments.json, found, [*(f"note: {note}" for note in done.notes), f"{len(files)} {what} in {arguments.out}"]
+    )
     return int(bool(failures))
