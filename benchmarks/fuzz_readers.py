@@ -154,7 +154,8 @@ def _peak_mb() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
 
 
-def main() -> None:
+def main() -> int:
+    """Exit status: 1 where a try failed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seconds", type=float, default=60.0, help="in all (default %(default)s)")
     parser.add_argument("--seed", type=int, default=0, help="of the first try (default %(default)s)")
@@ -184,7 +185,8 @@ def main() -> None:
             f"{n + len(tally.failed)} | {tally.outcomes['read']} | {tally.outcomes['refused']} | {len(tally.failed)}"
         )
         print(f"| {tally.name} | {numbers} | {tally.slowest_s:.2f} | {tally.growth_mb:.0f} |")
+    return int(any(tally.failed for tally in tallies.values()))
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -28,7 +28,7 @@ version = release = emg2vsa.__version__
 language = "en"
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode"]
-exclude_patterns = ["_build", "style.md"]
+exclude_patterns = ["_build", "style.md", "paper"]
 nitpicky = True
 nitpick_ignore_regex = [("py:.*", ".*")]  # docstrings name types of NumPy and pandas, whose own sites are elsewhere
 
