@@ -130,14 +130,14 @@ def shrunken(fit: RemlFit, confidence: float = 0.95) -> ShrunkenValues:
         own, there = of.ravel() == number, np.flatnonzero(row)
         covariance = between[np.ix_(there, there)] + np.diag(1 / row[there])
         gain = np.linalg.solve(covariance, between[there] @ target.T).T
-        residual = fit.cells.mean[np.ix_(own, there)] - fit.at.beta[there]
-        value[own] = target @ fit.at.beta + residual @ gain.T
+        beyond = fit.cells.mean[np.ix_(own, there)] - fit.at.beta[there]
+        value[own] = target @ fit.at.beta + beyond @ gain.T
         apart = target.copy()
         apart[:, there] -= gain
         known = np.einsum("ij,ij->i", gain, target @ between[:, there])
         error[own] = prior - known + np.einsum("ij,jk,ik->i", apart, fit.at.inverse, apart)
-    half = special.stdtrit(np.count_nonzero(count.any(axis=1)) - 1, 0.5 + confidence / 2)
-    half = half * np.sqrt(np.maximum(error, 0.0) * fit.error)
+    factor = special.stdtrit(np.count_nonzero(count.any(axis=1)) - 1, 0.5 + confidence / 2)
+    half = factor * np.sqrt(np.maximum(error, 0.0) * fit.error)
     ends = [fit.origin + np.ldexp(each, fit.unit) for each in (value, value - half, value + half)]
     cells, people = [each[:, :s] for each in ends], [each[:, s] for each in ends]
     return ShrunkenValues(*people, *cells)
