@@ -15,6 +15,7 @@ PAGES = [
     ROOT / "README.md",
     ROOT / "CHANGELOG.md",
     ROOT / "CONTRIBUTING.md",
+    *(ROOT / f"{name}.md" for name in ("SECURITY", "SUPPORT", "GOVERNANCE")),
     *sorted(path for path in DOCS.rglob("*.md") if not {"_build", "made"} & set(path.parts)),
 ]
 ARCHITECTURE = (DOCS / "architecture.md").read_text(encoding="utf-8")

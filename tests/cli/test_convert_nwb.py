@@ -166,7 +166,7 @@ def test_without_pynwb_the_extra_is_named(
         monkeypatch.setitem(sys.modules, name, None)
     assert main(["tools", "convert", str(folder), "--format", "nwb", "--out", str(tmp_path / "nwb")]) == 2
     assert "expected the library hdmf, but found none" in (said := capsys.readouterr().err)
-    assert "emg2vsa[nwb]" in said
+    assert '".[nwb]"' in said
 
 
 def test_the_inspector_finds_nothing_critical_but_what_is_not_known(converted: Path) -> None:
