@@ -62,7 +62,8 @@ def _offer_files_outside(app: Sphinx, name: str, source: list[str]) -> None:
 
     def offered(link: re.Match[str]) -> str:
         path = (page / link[2]).resolve()
-        is_page = path.is_relative_to(ROOT / "docs") and path.relative_to(ROOT / "docs").parts[0] not in exclude_patterns
+        docs = ROOT / "docs"
+        is_page = path.is_relative_to(docs) and path.relative_to(docs).parts[0] not in exclude_patterns
         if is_page or not path.is_file():
             return link[0]
         return "{download}`" + link[1].replace("`", "") + " <" + link[2] + ">`"
