@@ -13,7 +13,7 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from pathlib import Path
 from typing import Any
 
@@ -172,12 +172,11 @@ class Values:
 
     def __init__(self) -> None:
         self._seen: dict[int, tuple[Any, Any]] = {}
-        self._parts: dict[tuple[object, ...], tuple[Any, Part]] = {}
+        self._parts: dict[tuple[Hashable, ...], tuple[Any, Part]] = {}
 
     def part(self, settings: dict[str, Any]) -> Part:
         """The settings of one step."""
-        counted = ((name, value.key if isinstance(value, Keyed) else value) for name, value in settings.items())
-        same = tuple(item for name, value in counted for item in (name, id(value)))
+        same = tuple(item for name, value in settings.items() for item in (name, _same(value)))
         known = self._parts.get(same)
         if known is None:
             # the settings are kept, so that no other object gets their id
@@ -202,3 +201,12 @@ class Values:
             plain = {name: self.plain(item) for name, item in own.items() if not isinstance(item, Path)}
             self._seen[id(value)] = known = (value, plain)
         return known[1]
+
+
+def _same(value: Any) -> Hashable:
+    """Equal for settings that are surely the same: by what they are where they are plain, by their place otherwise."""
+    if isinstance(value, Keyed):
+        return _same(value.key)
+    if isinstance(value, tuple):
+        return tuple(map(_same, value))
+    return (type(value), value) if value is None or isinstance(value, (str, int, float)) else id(value)

@@ -203,7 +203,8 @@ def differences(old: Parts, new: Parts, unknown: Iterable[str] = ()) -> list[str
 
     unknown : inputs of which nobody knows yet whether they change.
     """
-    settings = _changed(_flat(old.settings.value), _flat(new.settings.value))
+    same = old.settings.digest == new.settings.digest
+    settings = [] if same else _changed(_flat(old.settings.value), _flat(new.settings.value))
     reasons = [f"setting {name}: {a} -> {b}" for name, a, b in settings]
     reasons += [f"{_verb(a, b)} file {name}" for name, a, b in _changed(old.files, new.files)]
     skipped = set(unknown)

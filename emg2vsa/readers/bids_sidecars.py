@@ -60,6 +60,16 @@ class SideFileIndex:
         self._folders: dict[str, _Folder | None] = {}
         self._chains: dict[str, list[_Folder]] = {}
 
+    def holds(self, path: str, name: str) -> bool:
+        """Whether a folder has a file of this name."""
+        folder = self._folder(path)
+        return folder is not None and name in folder.names
+
+    def _folder(self, path: str) -> _Folder | None:
+        if path not in self._folders:
+            self._folders[path] = _listed(path)
+        return self._folders[path]
+
     def chain(self, own: str) -> list[_Folder]:
         """Folders from the root of the data set to ``own``; ``own`` alone where there is no root."""
         if own not in self._chains:
@@ -69,13 +79,11 @@ class SideFileIndex:
     def _chain(self, path: str) -> list[_Folder]:
         found: list[_Folder] = []
         for _ in range(_MOST_LEVELS):
-            if path not in self._folders:
-                self._folders[path] = _listed(path)
-            folder = self._folders[path]
+            folder = self._folder(path)
             if folder is None:
                 break
             found.append(folder)
-            if folder.is_root:
+            if "dataset_description.json" in folder.names:
                 return found[::-1]
             path = os.path.dirname(path)
         return found[:1]
@@ -116,9 +124,9 @@ def equipment(path: Path) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class _Folder:
-    """is_root : it holds dataset_description.json. tables, emg : its side files, by `_by_entity`."""
+    """names : of all that it holds. tables, emg : its side files, by `_by_entity`."""
 
-    is_root: bool
+    names: frozenset[str]
     tables: _ByEntity
     emg: _ByEntity
 
@@ -132,7 +140,7 @@ def _listed(path: str) -> _Folder | None:
     except OSError:
         return None
     tables, emg = (_by_entity(path, names, ending) for ending in ("channels.tsv", "emg.json"))
-    return _Folder("dataset_description.json" in names, tables, emg)
+    return _Folder(frozenset(names), tables, emg)
 
 
 def _by_entity(folder: str, names: Sequence[str], ending: str) -> _ByEntity:
@@ -211,11 +219,15 @@ def _side_channel(path: Path, line: int, row: Mapping[str, str | None]) -> SideC
     return SideChannel(canonical(unit) if unit else None, fs_hz, cell("status"), cell("status_description"))
 
 
-def session_events(recording: Path) -> Path | None:
+def session_events(recording: Path, index: SideFileIndex | None = None) -> Path | None:
     """The events file of a recording that a session of emg2vsa made, known by its columns; None for any other."""
-    if not recording.stem.endswith("_emg"):
+    stem = recording.stem
+    if not stem.endswith("_emg"):
         return None
-    path = recording.with_name(f"{recording.stem.removesuffix('_emg')}_events.tsv")
+    name = f"{stem.removesuffix('_emg')}_events.tsv"
+    if index is not None and not index.holds(os.path.dirname(recording), name):
+        return None
+    path = recording.with_name(name)
     try:
         with path.open(encoding="utf-8-sig") as file:
             head = file.readline().rstrip("\r\n").split("\t")

@@ -177,12 +177,12 @@ def _at_visits(folder: Path, table: RecordingsTable, cells: Sequence[Cell]) -> d
                     do="Add it there, or move the folder away.",
                 )  # fmt: skip
     at = {visit: _bids(folder, table, cells, visit) for visit in table.visits or ("",)}
-    for visit, own in at.items():
+    first = next(iter(at))
+    for visit, own in at.items() if len(at) > 1 else ():
         there = {cell[0] for cell in cells for one in own[cell].values() if beside(folder, one.file).exists()}
         for cell in cells:
             if cell[0] in there:
                 found[cell] += [(one, None, visit) for one in own[cell].values()]
-    first = next(iter(at))
     return {cell: files or [(one, None, first) for one in at[first][cell].values()] for cell, files in found.items()}
 
 

@@ -43,7 +43,7 @@ def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
     for number, part in enumerate(campaign.recordings[item].parts, 1):
         own = (part.emg_file, part.force_file) if part.force_file else (part.emg_file,)
         sides += [side for path in own for side in side_file_paths(path, campaign.side_files)]
-        sides += [events for path in own[:1] if (events := session_events(path)) is not None]
+        sides += [events for path in own[:1] if (events := session_events(path, campaign.side_files)) is not None]
         calibration = part.channels.force.cal_file
         found |= {
             _role("emg", number): own[:1],
