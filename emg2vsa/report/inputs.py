@@ -146,14 +146,21 @@ def without_samples(trials: Trials) -> Trials:
 
     A study of a thousand people is held so in a few megabytes. Texts that many recordings share are held once.
     """
-    arrays = {f.name: value for f in fields(trials) if isinstance(value := getattr(trials, f.name), np.ndarray)}
     # a copy lets go of the file that the array was a part of
-    left: dict[str, Any] = {name: value.copy() if name in _KEPT else _NOTHING for name, value in arrays.items()}
+    kept: dict[str, Any] = {name: getattr(trials, name).copy() for name in _KEPT}
     texts: dict[str, Any] = {
         name: tuple(map(sys.intern, getattr(trials, name)))
         for name in ("notes", "remarks", "reasons", "muscles", "equipment")
     }
-    return replace(trials, **left, **texts, overviews=())
+    inner = {name: getattr(trials, name) for name in ("bias", "traits")}
+    lighter = {name: replace(value, **_no_arrays(value)) for name, value in inner.items()}
+    return replace(trials, **_no_arrays(trials) | kept | texts | lighter, overviews=())
+
+
+def _no_arrays(value: Any) -> dict[str, Any]:
+    """The fields of a dataclass that hold arrays, with empty ones."""
+    arrays = (each.name for each in fields(value) if isinstance(getattr(value, each.name), np.ndarray))
+    return dict.fromkeys(arrays, _NOTHING)
 
 
 _NO_EVIDENCE = (

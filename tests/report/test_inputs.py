@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,10 @@ def test_trials_without_samples_keep_what_is_told_of_them(results):
     assert light.force_n.size == light.overview_force_n.size == 0
     assert light.envelopes_v.size == light.peak_force_n.size == len(light.overviews) == 0
     assert not np.shares_memory(light.start_s, full.start_s)
+    held = (light, light.bias, light.traits, light.delay)
+    arrays = {each.name: getattr(of, each.name) for of in held for each in fields(of)}
+    kept = {name for name, value in arrays.items() if isinstance(value, np.ndarray) and value.size}
+    assert kept <= {"repetition", "start_s", "verdict", "visit"}  # any other keeps its whole file in memory
 
 
 def test_each_participant_gets_own_trials_and_failures(results):
