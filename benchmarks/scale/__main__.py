@@ -38,7 +38,7 @@ def rows_of(kind: str, sizes: Iterable[int], folder: Path) -> Iterator[dict[str,
             if kind == "specimens":
                 yield specimens.measured(folder / str(size), size)
             elif kind == "session_s":
-                yield sitting.measured(size)
+                yield {kind: size} | sitting.measured(size)
             else:
                 yield cluster.measured(folder / str(size), size)
 
