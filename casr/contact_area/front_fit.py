@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from casr.dome.library import Library, Rows
 from casr.dome.pull import pulled_px
-from casr.dome.view import DomeView, PinsAroundAxis
+from casr.dome.view import DomeView, PinsAroundAxis, Real
 
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
@@ -178,7 +178,7 @@ class _Search:
     def _misfit_of_all(self, axis: Array) -> Array32:
         """(W,) squared motion that each world of the coarse library leaves over, in single precision."""
         library = self._library.coarse
-        around, motion = self.motion(axis[None], library)
+        around, motion = self.motion(axis[None], library, np.float32)
         moved = self._moved_px.reshape(len(self._moved_px), -1).astype(np.float32)
         full = power = self._power.astype(np.float32)[:, None, None]
         flat = motion.reshape(motion.shape[1], -1)  # (2 N, R W)
@@ -210,15 +210,15 @@ class _Search:
         """``_Held.fit`` of the frames of this press."""
         return _Held(self, axes, library).fit(self._moved_px, self._seen)
 
-    def motion(self, axes: Array, library: Library) -> tuple[PinsAroundAxis, Array32]:
+    def motion(self, axes: Array, library: Library, kind: type[Real]) -> tuple[PinsAroundAxis, NDArray[Real]]:
         """All pins about each of the axes (A, 3), and how they move by a library, (A, 2 N, R, W) of x, y, x, y."""
         directions = np.tile(self._directions, (len(axes), 1))
         around = self._view.around(directions, np.repeat(axes, len(self._directions), axis=0))
-        moved = np.empty((len(directions), 2, library.radius_mm.size, library.n_worlds), dtype=np.float32)
+        moved = np.empty((len(directions), 2, library.radius_mm.size, library.n_worlds), dtype=kind)
         n_pins = max(1, _BLOCK // moved[0, 0].size)
         for first in range(0, len(directions), n_pins):
             some = slice(first, first + n_pins)
-            moved[some] = around.of(some).moved_px(*library.motion_at(around.arc_mm[some]))
+            moved[some] = around.of(some).moved_px(*library.motion_at(around.arc_mm[some], kind))
         return around, moved.reshape(len(axes), -1, *moved.shape[2:])
 
     def along(self, around: PinsAroundAxis, radius_mm: Array) -> Array:
@@ -281,7 +281,7 @@ class _Search:
     def _left(self, view: DomeView, axis: Array, world: Library, radius_mm: Array) -> Array:
         """Residuals of all frames near radii (T,) in a view, by the best radius, amplitude and pull of each frame."""
         around = view.around(view.directions(self._rest_px), np.tile(axis, (len(self._rest_px), 1)))
-        motion = around.moved_px(*world.motion_at(around.arc_mm))[..., 0].astype(np.float64)  # (N, 2, R)
+        motion = around.moved_px(*world.motion_at(around.arc_mm, np.float64))[..., 0]  # (N, 2, R)
         step = world.radius_mm[1] - world.radius_mm[0]
         place = np.clip((radius_mm - world.radius_mm[0]) / step, 0, world.radius_mm.size - 1.000001)
         low = place.astype(np.intp)
@@ -309,8 +309,8 @@ class _Held:
     """
 
     def __init__(self, search: _Search, axes: Array, library: Library) -> None:
-        around, single = search.motion(axes, library)
-        self._motion, self._radius_mm = single.astype(np.float64), library.radius_mm
+        around, self._motion = search.motion(axes, library, np.float64)
+        self._radius_mm = library.radius_mm
         self._along = search.along(around, library.radius_mm) if search.sheared else None
         self._pins: Mask = np.empty(0, np.bool_)
 

@@ -47,7 +47,7 @@ class FrontEdge:
         directions = (np.cos(angle) * fit.axis + np.sin(angle) * around).reshape(-1, 3)
         row = np.interp(self._radius_mm, library.radius_mm, np.arange(library.radius_mm.size))
         low = np.minimum(row.astype(np.intp), library.radius_mm.size - 2)
-        u = library.only(fit.worlds[:1]).motion_at(self._arc_mm)[..., 0].astype(np.float64)
+        u = library.only(fit.worlds[:1]).motion_at(self._arc_mm, np.float64)[..., 0]
         frames = np.arange(len(row))
         u = (1 - row + low) * u[:, frames, low] + (row - low) * u[:, frames, low + 1]
         moved_px = fit.view.around(directions, fit.axis).moved_px(*np.repeat(u, _OUTLINE, axis=1))

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from casr.dome.spline import Spline
 from casr.dome.tables import SMOOTH_FROM_N, USUAL_HEIGHT_MM, ContactTable, read_table
+from casr.dome.view import Real
 from casr.errors import SettingError
 
 Array = NDArray[np.float64]
@@ -88,14 +89,18 @@ class Library:
         every = (self, *others)
         return replace(self, **{name: np.concatenate([getattr(each, name) for each in every]) for name in _OF_WORLDS})
 
-    def motion_at(self, arc_mm: Array) -> NDArray[np.float32]:
-        """(3, N, R, W) motion at arcs (N,); beyond the last arc that of the last."""
+    def motion_at(self, arc_mm: Array, kind: type[Real]) -> NDArray[Real]:
+        """(3, N, R, W) motion at arcs (N,); beyond the last arc that of the last.
+
+        kind : single precision where speed counts for more than digits: an arc that differs in its last one moves the
+        seventh of the motion, and areas by 1e-6.
+        """
         place = np.clip(arc_mm / self.arc_mm[1], 0, self.arc_mm.size - 1.000001)
         low = place.astype(np.intp)
-        share = (place - low).astype(np.float32)[:, None, None]
-        between: NDArray[np.float32] = self._by_arc.take(low, axis=1)
+        share = (place - low).astype(kind)[:, None, None]
+        between: NDArray[Real] = self._by_arc.take(low, axis=1).astype(kind, copy=False)
         between *= 1 - share
-        above = self._by_arc.take(low + 1, axis=1)
+        above = self._by_arc.take(low + 1, axis=1).astype(kind, copy=False)
         above *= share
         between += above
         return between

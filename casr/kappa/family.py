@@ -77,7 +77,7 @@ class Family:
         self.bends = _bends(self.place)
         flat = self._rows.ravel()
         self._computed_mm = library.computed_mm[flat]
-        self._motion = library.motion[flat].reshape(flat.size, -1)
+        self._motion = library.motion[flat].reshape(flat.size, -1).astype(np.float64)
         soft = np.log1p(-self._z)[:, None, :, None] + self.log_kappa0[:, None, None, None]
         self._log_force = (np.log(library.force_n[self._rows]) - soft).reshape(flat.size, -1)
         self.softest_z = float(self._z[:, -1].min())
@@ -86,7 +86,8 @@ class Family:
     def digest(self) -> str:
         """SHA-256 of the numbers of the tables."""
         told = hashlib.sha256()
-        for each in (self.radius_mm, self.arc_mm, self._z, self._computed_mm, self._motion, self._log_force):
+        motion = self._motion.astype(np.float32)  # as tables have it
+        for each in (self.radius_mm, self.arc_mm, self._z, self._computed_mm, motion, self._log_force):
             told.update(np.ascontiguousarray(each).tobytes())
         return told.hexdigest()
 
@@ -122,8 +123,8 @@ class Family:
     def motion(self, weights: Array, first: int = 0, last: int | None = None) -> Array:
         """(..., R, S, 3) motion of worlds by weights (..., K), at the radii from a first to before a last."""
         size = 3 * self.arc_mm.size
-        mixed = weights.astype(np.float32) @ self._motion[:, first * size : None if last is None else last * size]
-        return np.asarray(mixed.reshape(*weights.shape[:-1], -1, self.arc_mm.size, 3), np.float64)
+        mixed = weights @ self._motion[:, first * size : None if last is None else last * size]
+        return np.asarray(mixed.reshape(*weights.shape[:-1], -1, self.arc_mm.size, 3))
 
     def computed_mm(self, world: World) -> float:
         """Contact radius up to which the tables that matter to a world were computed; beyond it they are continued."""

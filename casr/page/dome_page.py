@@ -79,9 +79,7 @@ def unlikeness(table: ContactTable, others: Library) -> Unlike:
     rows = np.flatnonzero((own.radius_mm >= 2) & (own.radius_mm <= own.computed_mm[0]))
     arcs = np.arange(0.0, _REACH_MM, 0.5)
     weight = np.sqrt(np.sin(arcs / INNER_RADIUS_MM))  # pins of a ring are as many as it is long
-    (mine,), theirs = (
-        weight * _outward(of.motion_at(arcs).T.astype(np.float64), arcs) for of in (own, others)
-    )  # (W, R, S)
+    (mine,), theirs = (weight * _outward(of.motion_at(arcs, np.float64).T, arcs) for of in (own, others))  # (W, R, S)
     length = np.linalg.norm(theirs, axis=-1)
     alike = np.abs(np.einsum("rs,wqs->wrq", mine[rows], theirs)) / length[:, None]
     left = np.sqrt(np.maximum(1 - (alike.max(axis=2) / np.linalg.norm(mine[rows], axis=-1)) ** 2, 0.0))

@@ -100,7 +100,8 @@ def _weigh(
         contrast = top - background
         weight = np.maximum(grey - (background + np.float32(LEVEL_FRACTION) * contrast)[:, None], 0.0)
         weight *= weight / (weight + np.float32(SOFT_FRACTION) * contrast[:, None])
-        found[:, :2] = centres + (weight @ disc.offset).astype(np.float64) / weight.sum(axis=1)[:, None]
+        exact = weight.astype(np.float64)  # sums in single precision hang on the order that a processor takes
+        found[:, :2] = centres + (exact @ disc.offset) / exact.sum(axis=1)[:, None]
         found[:, 2] = (grey > (background + 0.5 * contrast)[:, None]).sum(axis=1)
     found[:, 3] = contrast
     return found

@@ -145,7 +145,7 @@ def test_tables_come_back_from_the_grid() -> None:
     arrays = arrays_of(5.3)
     force = np.interp([3.0, 6.0, 9.0], arrays["contact_radius_mm"], arrays["force_n"])
     np.testing.assert_allclose(np.interp([3.0, 6.0, 9.0], library.radius_mm, library.force_n[row]), force, rtol=1e-9)
-    motion = library.only(np.array([row])).motion_at(np.array([5.0]))[:, 0, :, 0]
+    motion = library.only(np.array([row])).motion_at(np.array([5.0]), np.float64)[:, 0, :, 0]
     assert motion.shape == (3, library.radius_mm.size)
 
 
@@ -245,17 +245,17 @@ def test_tables_other_than_those_that_casr_was_made_with_are_refused(monkeypatch
 def test_the_motion_at_an_arc_lies_between_those_beside_it() -> None:
     library = shipped()
     worlds, arc_mm = np.array([3, 1]), np.array([0.0, 2.3, 11.0, 1e3])
-    found = library.only(worlds).motion_at(arc_mm)
+    found = library.only(worlds).motion_at(arc_mm, np.float64)
     assert found.shape == (3, 4, library.radius_mm.size, 2)
     at = np.minimum(arc_mm, library.arc_mm[-1])
     for k, world, radius in product(range(3), range(2), range(2, 5)):
         there = np.interp(at, library.arc_mm, library.motion[worlds[world], radius, :, k])
-        np.testing.assert_allclose(found[k, :, radius, world], there, atol=2e-6)
+        np.testing.assert_allclose(found[k, :, radius, world], there, atol=1e-9)
 
 
 def test_the_coarse_library_is_every_fourth_radius() -> None:
     library = shipped()
     arc_mm = np.array([1.0, 7.7])
-    of_all = library.motion_at(arc_mm)
-    np.testing.assert_array_equal(library.coarse.motion_at(arc_mm), of_all[:, :, ::4])
+    of_all = library.motion_at(arc_mm, np.float64)
+    np.testing.assert_array_equal(library.coarse.motion_at(arc_mm, np.float64), of_all[:, :, ::4])
     np.testing.assert_array_equal(library.coarse.radius_mm, library.radius_mm[::4])
