@@ -37,6 +37,28 @@ def samples_1d(values: ArrayLike, where: str, *, at_least: int = 1) -> Floats:
     return samples
 
 
+def unmasked(values: ArrayLike) -> ArrayLike:
+    """``values`` with the masked ones as NaN (None among objects): a plain array would bring them back."""
+    if not isinstance(values, np.ma.MaskedArray):
+        return values
+    missing = None if values.dtype == object else np.nan
+    plain = np.array(values.data, dtype=object if missing is None else np.float64)
+    plain[np.ma.getmaskarray(values)] = missing
+    return plain
+
+
+def finite(samples: Floats, where: str, *, at_least: int = 0) -> Floats:
+    """The same samples (n,). SignalError where one is not finite, or n < ``at_least``."""
+    if samples.size < at_least:
+        found, do = f"{samples.size}", "Record for longer."
+        raise SignalError(where, wanted=f"{at_least} samples or more", found=found, do=do)
+    if not np.isfinite(samples).all():
+        count = samples.size - int(np.count_nonzero(np.isfinite(samples)))
+        do = "Fill gaps first, and correct what is infinite."
+        raise SignalError(where, wanted="finite samples", found=f"{count} of {samples.size} that are not", do=do)
+    return samples
+
+
 def bridge_gaps(samples: Floats, where: str) -> tuple[Floats, NDArray[np.bool_]]:
     """Samples with every non-finite one replaced by linear interpolation, and the mask (n,) of those replaced; it is
     not to be written to.

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, unmasked
 from emg2vsa.shown import shown
 from emg2vsa.statistics.anova import Anova, brown_forsythe, one_way, welch
 from emg2vsa.statistics.bayes import BayesFactors, jzs_anova
@@ -21,7 +21,7 @@ from emg2vsa.statistics.equivalence import MarginUnit, tost_in_parts
 from emg2vsa.statistics.kruskal import KruskalWallis, RankPairs, dunn, kruskal
 from emg2vsa.statistics.lilliefors import lilliefors
 from emg2vsa.statistics.mann_whitney import MannWhitney, mann_whitney
-from emg2vsa.statistics.moments import group_moments, unmasked
+from emg2vsa.statistics.moments import group_moments
 from emg2vsa.statistics.multiplicity import adjust
 from emg2vsa.statistics.normality import ks_normal, shapiro_wilk
 from emg2vsa.statistics.outcome import Outcome, Outcomes

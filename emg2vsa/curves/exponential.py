@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.counts import count
-from emg2vsa.arrays import Floats, exponent_of
+from emg2vsa.arrays import Floats, exponent_of, unmasked
 from emg2vsa.curves.line import WeightedRows, check_rows, fit_line, weighted_rows
 
 _WHERE = "exponential fit"
@@ -47,7 +47,7 @@ def fit_exponential(x: ArrayLike, y: ArrayLike) -> ExponentialFit:
     below two points of one sign at different x, and where no exponential is nearest, so that the search for it does not
     end. DataError where the shapes do not fit.
     """
-    x, y = np.asarray(x, dtype=np.float64), np.atleast_2d(np.asarray(y, dtype=np.float64))
+    x, y = np.asarray(unmasked(x), dtype=np.float64), np.atleast_2d(np.asarray(unmasked(y), dtype=np.float64))
     check_rows(x, y, None, _WHERE)
     size = max(1, _POINTS_AT_ONCE // max(1, y.shape[1]))
     cuts = [slice(i, i + size) for i in range(0, max(len(y), 1), size)]

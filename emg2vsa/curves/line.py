@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from emg2vsa.arrays import Floats, Ints, exponent_of
+from emg2vsa.arrays import Floats, Ints, exponent_of, unmasked
 from emg2vsa.errors import DataError
 
 _SAFE = 1e-200  # sums of squares outside 1e-200 to 1e200 are taken again, scaled
@@ -214,8 +214,8 @@ class WeightedRows:
 
 def weighted_rows(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None, where: str) -> WeightedRows:
     """Broadcast and checked: y (n,) or (d, n); x and weights (n,) or (d, n). DataError for other shapes."""
-    y_rows = np.atleast_2d(np.asarray(y, dtype=np.float64))
-    x_rows = np.asarray(x, dtype=np.float64)
+    y_rows = np.atleast_2d(np.asarray(unmasked(y), dtype=np.float64))
+    x_rows = np.asarray(unmasked(x), dtype=np.float64)
     w_rows = None if weights is None else np.asarray(weights, dtype=np.float64)
     check_rows(x_rows, y_rows, w_rows, where)
     if y_rows.shape[1] == 0:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from casr.counts import count
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, unmasked
 from emg2vsa.curves.line import Line, fit_line, fit_line_huber, join
 
 LEVEL_FLOOR = 0.1
@@ -49,11 +49,12 @@ def fit_log(force_n: ArrayLike, v: ArrayLike, robust: bool = False, confidence: 
     """Fit v = a + b ln F to each row.
 
     force_n : (p,) for a common grid, or (k, p), newtons. v : (p,) or (k, p).
-    Rows of different length are padded: a point counts only where F > 0 and F and v are finite.
+    Rows of different length are padded: a point counts only where F > 0 and F and v are finite
+    and not masked.
     robust : Huber weights.
     """
-    v = np.atleast_2d(np.asarray(v, dtype=np.float64))
-    force = np.asarray(force_n, dtype=np.float64)
+    v = np.atleast_2d(np.asarray(unmasked(v), dtype=np.float64))
+    force = np.asarray(unmasked(force_n), dtype=np.float64)
     rows = max(1, _POINTS_AT_ONCE // max(1, v.shape[1]))
     cuts = [slice(i, i + rows) for i in range(0, max(len(v), 1), rows)]
     line = join([_fit_block(v[cut], force if force.ndim == 1 else force[cut], robust) for cut in cuts])

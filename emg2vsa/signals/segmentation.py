@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats, runs_of
+from emg2vsa.arrays import Floats, finite, runs_of
 
 SAME_CONTACT_S = 0.25
 "A press that fails this close to one that succeeds is part of it: force dipped, or bounced on release."
@@ -50,9 +50,9 @@ class _Press:
 
 def find_presses(force_n: Floats, fs_hz: float, window_n: tuple[float, float]) -> Presses:
     """Presses in the tared, filtered force (n,), n >= 2: from the last rise through ``window_n[0]`` before the first
-    reach of ``window_n[1]``, to that reach (paper IV.B)."""
+    reach of ``window_n[1]``, to that reach (paper IV.B). SignalError where force is not finite."""
     lower_n, upper_n = window_n
-    starts, stops = runs_of(force_n >= lower_n)
+    starts, stops = runs_of(finite(force_n, "force to find presses in", at_least=2) >= lower_n)
     found: list[_Press] = []
     touches = skipped = 0
     for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from casr.counts import count
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, finite
+from emg2vsa.errors import SignalError
 from emg2vsa.signals.blocks import SIZE, blocks_of, fill_states
 from emg2vsa.signals.filters import IirFilter
 from emg2vsa.signals.products import times
@@ -20,8 +21,10 @@ LONG = 2**19
 def filter_record(samples: Floats, iir: IirFilter) -> Floats:
     """The whole record (n,), as ``sosfiltfilt`` (zero-phase) or one pass that starts in steady state (causal).
 
-    A long one is filtered in windows of ``LONG`` samples or more.
+    A long one is filtered in windows of ``LONG`` samples or more. SignalError where samples are not finite, or no more
+    than those that extend the record at its ends.
     """
+    finite(samples, iir.name)
     at_once = max(LONG, 16 * iir.support_samples)
     if samples.size <= at_once:
         (whole,) = filter_windows((samples,), np.zeros(1, np.int64), np.array([samples.size]), iir)
@@ -41,7 +44,12 @@ def filter_windows(channels: Sequence[Floats], starts: Ints, stops: Ints, iir: I
     result equals that of the whole record to better than 1e-10 of the signal, where the filter keeps nine digits; at
     the ends of the record it is the same odd extension as ``sosfiltfilt`` uses. Widened windows that overlap are one
     piece, a whole number of blocks; all pieces are filtered as one signal, end to end.
+
+    channels : finite. SignalError where they have no more samples than extend the record at its ends.
     """
+    if channels[0].size <= iir.pad_samples:
+        wanted, found = f"more than {iir.pad_samples} samples", f"{channels[0].size}"
+        raise SignalError(iir.name, wanted=wanted, found=found, do="Record for longer.")
     windows = list(zip(starts.tolist(), stops.tolist(), strict=True))
     pieces, piece_of = _pieces(windows, channels[0].size, iir)
     filtered = _run(channels, pieces, iir)

@@ -88,15 +88,15 @@ def _directions(groups: GroupMoments, total: Ints) -> _Directions:
     k, n = np.maximum(np.sum(alike, axis=1), 1.0)[:, None, None], np.maximum(total, 1)[:, None, None]
     grand = np.sum(groups.count * groups.offset, axis=1)[:, None] / n[:, 0]
     deviation = np.where(groups.count > 0, groups.offset - grand, 0.0)
-    mean = np.vecmat(deviation, member) / np.maximum(alike, 1.0)
-    among = sizes * np.vecmat((deviation - np.matvec(member, mean)) ** 2, member)
+    mean = _row_times(deviation, member) / np.maximum(alike, 1.0)
+    among = sizes * _row_times((deviation - _times_column(member, mean)) ** 2, member)
 
     root, eye = np.sqrt(alike), np.eye(sizes.size)
     there, counted = np.where(alike > 0, 1.0, 0.0), sizes * root
     centre = there[:, :, None] * eye - root[:, :, None] * root[:, None, :] / k
     design = (sizes * there)[:, :, None] * eye - counted[:, :, None] * counted[:, None, :] / n
     information, axes = np.linalg.eigh(centre @ design @ centre)
-    score = np.vecmat(np.matvec(centre, counted * mean), axes)
+    score = _row_times(_times_column(centre, counted * mean), axes)
     real = information > _NO_DIRECTION * np.max(information, axis=1, keepdims=True, initial=0.0)
     between = np.where(real, score**2 / np.where(real, information, 1.0), 0.0)
     return _Directions(
@@ -104,6 +104,16 @@ def _directions(groups: GroupMoments, total: Ints) -> _Directions:
         np.concatenate((np.maximum(alike - 1, 0.0), np.ones_like(alike)), axis=1),
         np.concatenate((among, between), axis=1),
     )
+
+
+def _row_times(row: Floats, matrix: Floats) -> Floats:
+    """One row (d, i) by one matrix (d, i, j) of each design; NumPy has it as ``vecmat`` since 2.2."""
+    return (row[:, None, :] @ matrix)[:, 0]
+
+
+def _times_column(matrix: Floats, column: Floats) -> Floats:
+    """One matrix (d, i, j) by one column (d, j) of each design; ``matvec`` since NumPy 2.2."""
+    return (matrix @ column[:, :, None])[:, :, 0]
 
 
 def _log_bf01(unexplained: Floats, explained: Floats, along: _Directions, power: Floats) -> Floats:

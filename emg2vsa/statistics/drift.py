@@ -17,6 +17,7 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.statistics.clusters import Names
+from emg2vsa.statistics.moments import finite_or_nan
 from emg2vsa.statistics.trend import trend
 
 Order = Literal["differs", "same", "unknown"]
@@ -69,13 +70,13 @@ class Drift:
 def drift(
     block: Names, group: Names, place: Floats, repetition: Floats, values: Floats, unit: Names | None = None
 ) -> Drift:
-    """Drift of n values (all arrays (n,)); values that are not finite are left out.
+    """Drift of n values (all arrays (n,)); NaN is left out.
 
     place : of the value's recording in its session, NaN where nobody knows: a block with such a recording tells nothing
     of the order, which is unknown unless more than half of the blocks tell it. repetition : of the value within its
     recording. unit : over which trends within recordings are averaged; blocks unless given.
     """
-    there = np.isfinite(values)
+    there = np.isfinite(finite_or_nan(values))
     unit = (block if unit is None else unit)[there]
     block, group = block[there], group[there]
     place, repetition, values = place[there], repetition[there], values[there]

@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, unmasked
 from emg2vsa.errors import DataError
 from emg2vsa.shown import shown
 from emg2vsa.statistics.effect_size import omega2, share_interval
-from emg2vsa.statistics.moments import group_moments, unmasked
+from emg2vsa.statistics.moments import finite_or_nan, group_moments
 
 _DEPENDENT = 1e-9
 """Singular value, over the largest, below which a column of the model follows from the others."""
@@ -52,7 +52,7 @@ def factorial(values: ArrayLike, factors: Mapping[str, Sequence[object]], confid
     DataError unless there are one to four factors of n levels each, every one with two or more different levels, and
     fewer than 2000 combinations of levels.
     """
-    y = np.asarray(unmasked(values), dtype=np.float64).ravel()
+    y = finite_or_nan(np.asarray(unmasked(values), dtype=np.float64)).ravel()
     there = np.isfinite(y)
     codes, sizes = _codes(factors, there)
     cell, where = np.unique(np.ravel_multi_index(tuple(codes), tuple(sizes)), return_inverse=True)

@@ -19,6 +19,7 @@ import numpy as np
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, mean_of
+from emg2vsa.statistics.moments import finite_or_nan
 from emg2vsa.statistics.serial import serial_correlation
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ def recording_means(values: Floats, level: Floats, error: Floats, confidence: fl
     standard error that the presses of a recording have in common. Half is NaN where no recording has two presses.
     """
     level = np.where(level > 0, level, np.nan)
-    mean = mean_of(values)
+    mean = mean_of(finite_or_nan(values))
     away = (values - mean[:, None]) / level[:, None]
     n = np.count_nonzero(np.isfinite(away), axis=1)
     own_df = np.maximum(n - 1, 0)

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints
-from emg2vsa.statistics.moments import shifted_doubles, unmasked
+from emg2vsa.arrays import Floats, Ints, unmasked
+from emg2vsa.statistics.moments import shifted_doubles
 from emg2vsa.statistics.multiplicity import adjust
 from emg2vsa.statistics.outcome import Outcome
 from emg2vsa.statistics.post_hoc import pair_numbers
@@ -83,7 +83,6 @@ def kruskal(values: ArrayLike) -> KruskalWallis:
     """Kruskal and Wallis (1952) on ``values`` (d, k groups, n a group), or one design (k, n); NaN: no value there."""
     doubles, _ = shifted_doubles(values)
     d, k, n = doubles.shape
-    doubles = np.where(np.isfinite(doubles), doubles, np.nan)
     ranks = midranks(doubles.reshape(d, k * n)).reshape(d, k, n)
     valid = ~np.isnan(ranks)
     count = valid.sum(axis=2)

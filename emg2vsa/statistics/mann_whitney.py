@@ -75,7 +75,7 @@ def mann_whitney(values: ArrayLike, confidence: float = 0.95) -> MannWhitney:
     100 values normal, with the variance corrected for ties, which for two groups is Kruskal-Wallis.
     """
     doubles, _ = shifted_doubles(values)
-    doubles = np.sort(np.where(np.isfinite(doubles), doubles, np.nan), axis=2)  # once, not for every pair
+    doubles = np.sort(doubles, axis=2)  # once, not for every pair
     first, second = pair_numbers(doubles.shape[1])
     left, right = doubles[:, first], doubles[:, second]
     n1, n2 = (np.count_nonzero(~np.isnan(side), axis=2) for side in (left, right))

@@ -22,10 +22,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints, exponent_of
+from emg2vsa.arrays import Floats, Ints, exponent_of, unmasked
 from emg2vsa.errors import DataError
 from emg2vsa.statistics.mixed_variances import SOURCES, ratio_interval
-from emg2vsa.statistics.moments import unmasked, without_rounding
+from emg2vsa.statistics.moments import finite_or_nan, without_rounding
 from emg2vsa.statistics.outcome import Outcome
 from emg2vsa.statistics.post_hoc import PairDifferences, pair_numbers, student_pairs
 from emg2vsa.statistics.reml import METHOD, TINY_STEP, At, Cells, RemlFit, solve
@@ -140,7 +140,7 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
 
 def _checked(values: ArrayLike) -> tuple[Floats, int, float]:
     """Values (P, S, R) relative to their first, scaled to below 1; the binary exponent and the first value."""
-    y = np.asarray(unmasked(values), dtype=np.float64)
+    y = finite_or_nan(np.asarray(unmasked(values), dtype=np.float64))
     if y.ndim != 3 or min(y.shape, default=0) < 2 or not np.all(np.isfinite(y)):
         found = "values missing" if y.ndim == 3 and not np.all(np.isfinite(y)) else f"shape {np.shape(values)}"
         raise DataError(

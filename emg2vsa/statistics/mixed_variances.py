@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import optimize, special
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, unmasked
 from emg2vsa.shown import shown
 from emg2vsa.statistics.kruskal import midranks
-from emg2vsa.statistics.moments import unmasked
 from emg2vsa.statistics.normality import shapiro_wilk
 from emg2vsa.statistics.outcome import Outcome
 from emg2vsa.statistics.reml import LARGEST, Cells, Cost, RemlFit, by_ratios, by_variances, lowest

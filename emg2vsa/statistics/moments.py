@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from emg2vsa.arrays import Floats, Ints, exponent_of
+from emg2vsa.arrays import Floats, Ints, exponent_of, unmasked
 from emg2vsa.errors import DataError
 
 _ROUNDING = 8 * np.finfo(np.float64).eps
@@ -39,7 +39,7 @@ class GroupMoments:
 
 
 def group_moments(values: ArrayLike) -> GroupMoments:
-    """Moments of ``values`` (d, k groups, n a group), or of one design (k, n); no value where it is not finite.
+    """Moments of ``values`` (d, k groups, n a group), or of one design (k, n); NaN: no value there.
 
     Every group is shifted by one of its own values and then centred: on float64 input that reaches what exact
     arithmetic on the same doubles gives for all of NIST's ANOVA sets (benchmarks/nist.py). Decimal, Fraction and int
@@ -67,8 +67,8 @@ def shifted_doubles(values: ArrayLike) -> tuple[Floats, Floats]:
     """``values`` of shape (d, k, n), or (k, n) as one design, as float64, and the origin (d,) they are relative to.
 
     float64 input comes back as it is, relative to 0, masked values as NaN. Decimal, Fraction and int objects (None:
-    NaN) come back relative to the first of their design. DataError for other shapes, groups of unequal length, or what
-    is not a number.
+    NaN) come back relative to the first of their design. DataError for other shapes, groups of unequal length, and what
+    is infinite or not a number.
     """
     try:
         array = np.asarray(unmasked(values))
@@ -82,9 +82,19 @@ def shifted_doubles(values: ArrayLike) -> tuple[Floats, Floats]:
     if doubles.ndim != 3 or 0 in doubles.shape[1:]:
         raise _not_a_design(f"shape {array.shape}")
     if doubles.dtype != object:
-        return doubles, np.zeros(len(doubles))
+        return finite_or_nan(doubles), np.zeros(len(doubles))
     pairs = [_shift_design(list(design.flat)) for design in doubles]
     return np.array([row for row, _ in pairs]).reshape(doubles.shape), np.array([origin for _, origin in pairs])
+
+
+def finite_or_nan(values: Floats) -> Floats:
+    """The same values. DataError where one is infinite: that is neither a number nor missing."""
+    if count := int(np.count_nonzero(np.isinf(values))):
+        raise DataError(
+            "values to test", wanted="finite numbers, and NaN where one is missing",
+            found=f"{count} of {values.size} infinite", do="Correct what made them, or give NaN for a missing value.",
+        )  # fmt: skip
+    return values
 
 
 def without_rounding(squares: ArrayLike, n: ArrayLike, largest: ArrayLike) -> Floats:
@@ -93,16 +103,6 @@ def without_rounding(squares: ArrayLike, n: ArrayLike, largest: ArrayLike) -> Fl
     """
     floor = np.asarray(n, dtype=np.float64) * (_ROUNDING * np.asarray(largest, dtype=np.float64)) ** 2
     return np.where(np.asarray(squares) > floor, squares, 0.0)
-
-
-def unmasked(values: ArrayLike) -> ArrayLike:
-    """``values`` with the masked ones as NaN (None among objects): a plain array would bring them back."""
-    if not isinstance(values, np.ma.MaskedArray):
-        return values
-    missing = None if values.dtype == object else np.nan
-    plain = np.array(values.data, dtype=object if missing is None else np.float64)
-    plain[np.ma.getmaskarray(values)] = missing
-    return plain
 
 
 def _shift_design(values: list[Any]) -> tuple[list[float], float]:

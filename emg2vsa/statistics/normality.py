@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints
-from emg2vsa.statistics.moments import row_moments, unmasked
+from emg2vsa.arrays import Floats, Ints, unmasked
+from emg2vsa.statistics.moments import row_moments
 from emg2vsa.statistics.outcome import Outcomes
 
 _NOTE = {

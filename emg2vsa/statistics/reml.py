@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import optimize
 
-from emg2vsa.arrays import Floats, exponent_of
-from emg2vsa.statistics.moments import unmasked, without_rounding
+from emg2vsa.arrays import Floats, exponent_of, unmasked
+from emg2vsa.statistics.moments import finite_or_nan, without_rounding
 from emg2vsa.statistics.outcome import Outcome
 
 METHOD = "linear mixed model, REML, Satterthwaite df"
@@ -77,7 +77,7 @@ class At:
 
 def _cells_of(values: Floats) -> tuple[Cells, float, int, str]:
     """Cells of the values less their first, scaled by 2**-unit to below 1, and why they cannot be fitted, or ""."""
-    there = np.isfinite(values)
+    there = np.isfinite(finite_or_nan(values))
     count = np.count_nonzero(there, axis=2).astype(np.float64)
     n = int(count.sum())
     origin = float(values[there][0]) if n else 0.0

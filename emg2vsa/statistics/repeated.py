@@ -4,16 +4,16 @@ Friedman's test by ranks, and pairs of treatments by Student's paired t and by W
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints, exponent_of
+from emg2vsa.arrays import Floats, Ints, exponent_of, unmasked
 from emg2vsa.statistics.effect_size import paired_g
 from emg2vsa.statistics.kruskal import midranks
-from emg2vsa.statistics.moments import shifted_doubles, unmasked, without_rounding
+from emg2vsa.statistics.moments import shifted_doubles, without_rounding
 from emg2vsa.statistics.outcome import Outcome, Outcomes
 from emg2vsa.statistics.post_hoc import PairDifferences, pair_numbers, student_pairs
 
@@ -229,8 +229,10 @@ def paired_tests(values: ArrayLike, confidence: float = 0.95) -> PairedTests:
     """Test every pair of treatments of ``values`` (n people, k treatments); NaN: no value there, for that pair only."""
     doubles, _ = shifted_doubles(np.asarray(unmasked(values)).T)
     first, second = pair_numbers(doubles.shape[1])
-    with np.errstate(over="ignore", invalid="ignore"):
-        differences = doubles[0, first] - doubles[0, second]
+    # two numbers near the largest that there is may be farther apart than that
+    down = 2 * (exponent_of(np.nan_to_num(doubles.ravel())) > 1022)
+    doubles = np.ldexp(doubles, -down)
+    differences = doubles[0, first] - doubles[0, second]
     there = np.isfinite(differences)
     unit = exponent_of(np.where(there, differences, 0.0))
     differences = np.ldexp(differences, -unit)
@@ -244,16 +246,18 @@ def paired_tests(values: ArrayLike, confidence: float = 0.95) -> PairedTests:
     se = np.where(se > 0, se, np.nan)
     t = student_pairs(
         "paired t",
-        np.ldexp(mean, unit[:, 0])[None],
-        np.ldexp(se, unit[:, 0])[None],
+        mean[None],
+        se[None],
         np.where(np.isnan(se), np.nan, n - 1.0)[None],
         n[None],
         doubles.shape[1],
         confidence,
     )
+    with np.errstate(over="ignore"):
+        own = {name: np.ldexp(getattr(t, name), unit[:, 0] + down) for name in ("difference", "low", "high")}
     g, low, high = paired_g(mean / se, np.maximum(n, 2), confidence)
     return PairedTests(
-        t=t,
+        t=replace(t, **own),
         g=g[None],
         g_low=low[None],
         g_high=high[None],

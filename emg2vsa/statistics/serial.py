@@ -27,6 +27,7 @@ import numpy as np
 from scipy import special
 
 from emg2vsa.arrays import Floats, mean_of
+from emg2vsa.statistics.moments import finite_or_nan
 
 _LEAST_PRESSES = 4
 _INCLUDED_P = 0.25
@@ -54,7 +55,7 @@ class SerialCorrelation:
 def serial_correlation(scores: Floats, most: float = 1.0) -> SerialCorrelation:
     """Of presses (d, S, R) in the order they were made, NaN where there is none; its neighbours then count as
     successive. Specimens weigh by their presses, and those with fewer than four do not count. most : of ``rho``."""
-    there = np.isfinite(scores)
+    there = np.isfinite(finite_or_nan(scores))
     n = np.count_nonzero(there, axis=-1)
     order = np.argsort(~there, axis=-1, kind="stable")
     e = np.take_along_axis(np.where(there, scores - mean_of(scores)[..., None], 0.0), order, axis=-1)

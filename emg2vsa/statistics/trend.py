@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats, exponent_of
+from emg2vsa.arrays import Floats, exponent_of, unmasked
 from emg2vsa.statistics.clusters import Names, in_order
-from emg2vsa.statistics.moments import unmasked
+from emg2vsa.statistics.moments import finite_or_nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ def trend(block: Names, group: Names, order: ArrayLike, values: ArrayLike, confi
     least squares with a level for every group. The test is Student's t of the slopes of two or more blocks, which needs
     no assumption on how repetitions of one block hang together.
     """
-    x, y = (np.asarray(unmasked(side), dtype=np.float64) for side in (order, values))
+    x, y = (finite_or_nan(np.asarray(unmasked(side), dtype=np.float64)) for side in (order, values))
     there = np.isfinite(x) & np.isfinite(y)
     block, group, x, y = block[there], group[there], x[there], y[there]
     unit = int(exponent_of(y)[0]) if y.size else 0

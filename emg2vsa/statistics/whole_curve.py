@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from emg2vsa.arrays import Floats, Ints, exponent_of, runs_of
 from emg2vsa.errors import DataError
-from emg2vsa.statistics.moments import without_rounding
+from emg2vsa.statistics.moments import finite_or_nan, without_rounding
 from emg2vsa.statistics.repeated import rm_anova
 
 DRAWS, SEED = 9_999, 2005
@@ -111,7 +111,7 @@ def curve_tests(values: ArrayLike, alpha: float = 0.05, draws: int = DRAWS, seed
     Left out are specimens that fewer than half of the people have; then, until nothing lacks, the person or the force
     that lacks the largest share of the others.
     """
-    y = np.asarray(values, dtype=np.float64)
+    y = finite_or_nan(np.asarray(values, dtype=np.float64))
     if y.ndim != 3:
         do = "Give the curves of a person as one table, a row a specimen."
         raise DataError("curves", wanted="numbers of shape (people, specimens, forces)", found=f"{y.shape}", do=do)

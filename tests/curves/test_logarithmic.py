@@ -95,6 +95,17 @@ def test_padded_rows_are_fitted_like_rows_of_their_own() -> None:
     np.testing.assert_array_equal(padded.n, lengths)
 
 
+def test_a_masked_point_does_not_count() -> None:
+    force_n, v = np.linspace(0.5, 4.0, 60), np.random.default_rng(1).normal(1.0, 0.1, (2, 60))
+    hidden = np.zeros((2, 60), np.bool_)
+    hidden[0, 5:9] = hidden[1, ::7] = True
+    found = fit_log(force_n, np.ma.array(np.where(hidden, 1e3, v), mask=hidden))
+    wanted = fit_log(force_n, np.where(hidden, np.nan, v))
+    assert found.n.tolist() == [56, 51]
+    np.testing.assert_array_equal(found.b, wanted.b)
+    np.testing.assert_array_equal(fit_log(np.ma.array(force_n, mask=hidden[0]), v).n, [56, 56])
+
+
 def test_common_grid_is_the_same_as_repeating_it() -> None:
     grid = np.linspace(0.5, 7, 40)
     v = A_V + B_V * np.log(grid) + 1e-6 * np.random.default_rng(6).standard_normal((5, 40))

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from emg2vsa.errors import SignalError
 from emg2vsa.settings import ForceChannelSettings, WindowSettings
 from emg2vsa.signals.force import condition_force
 from emg2vsa.signals.rest import find_rest
@@ -173,6 +174,18 @@ def test_no_press_of_a_reversed_force_asks_for_the_other_sign(sign):
     assert mirrored.sign_doubt.endswith(f"is its sign {-sign}?")
     upright = condition_force(force_of(RISE), FS_HZ, None, channel, WindowSettings())
     assert upright.sign_doubt == ""
+
+
+@pytest.mark.parametrize("odd", [np.nan, np.inf, -np.inf])
+def test_force_that_is_not_finite_is_refused(odd):
+    force_n = force_of(RISE)
+    force_n[int(np.argmax(force_n > WINDOW_N[0])) - 1] = odd  # from which force rises through the lower level
+    with pytest.raises(
+        SignalError, match=r"force to find presses in: expected finite samples, but found 1 of \d+ that"
+    ):
+        find_presses(force_n, FS_HZ, WINDOW_N)
+    with pytest.raises(SignalError, match="expected 2 samples or more, but found 1"):
+        find_presses(force_n[:1], FS_HZ, WINDOW_N)
 
 
 def test_a_peak_of_a_few_milliseconds_is_no_press():

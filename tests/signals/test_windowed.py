@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from typing import Literal
 
 import numpy as np
 import pytest
 from scipy import signal
 
+from emg2vsa.errors import SignalError
 from emg2vsa.settings import FilterSettings
 from emg2vsa.signals.envelope import envelopes_at, smoother
 from emg2vsa.signals.filters import band_pass, force_low_pass
@@ -25,6 +27,30 @@ DOUBLE_POLES_HZ = [
 
 def record(seed: int = 0, n: int = N) -> np.ndarray:
     return np.random.default_rng(seed).standard_normal((2, n))
+
+
+@pytest.mark.parametrize("phase", ["zero-phase", "causal"])
+@pytest.mark.parametrize("n", [0, 1, 2, 5, 15, 16, 30])
+def test_a_record_is_filtered_or_refused_however_short(n: int, phase: Literal["zero-phase", "causal"]) -> None:
+    """As SciPy's sosfiltfilt, which asks for more samples than it extends the record by."""
+    band, samples = band_pass(FilterSettings(phase=phase), FS_HZ), record(n=n)[0]
+    if n > band.pad_samples:
+        assert np.isfinite(filter_record(samples, band)).all()
+        return
+    wanted = rf"EMG band-pass: expected more than {band.pad_samples} samples, but found {n}\. Record for longer\."
+    with pytest.raises(SignalError, match=wanted):
+        filter_record(samples, band)
+    with pytest.raises(SignalError, match=wanted):
+        filter_windows((samples,), np.array([0]), np.array([n]), band)
+
+
+@pytest.mark.parametrize("odd", [np.inf, -np.inf, np.nan])
+@pytest.mark.parametrize("at", [0, 700, -1])
+def test_a_record_with_a_value_that_is_not_finite_is_refused(odd: float, at: int) -> None:
+    samples = record(n=900)[0]
+    samples[at] = odd
+    with pytest.raises(SignalError, match=r"EMG band-pass: expected finite samples, but found 1 of 900 that are not\."):
+        filter_record(samples, band_pass(FilterSettings(), FS_HZ))
 
 
 WINDOWS = [

@@ -57,7 +57,7 @@ def test_margin_in_sds_is_that_many_pooled_sds() -> None:
     np.testing.assert_allclose(found.margin, 0.8 * found.sd, rtol=1e-15)
     assert found.sd[0, 0] == pytest.approx(np.sqrt((x.var(ddof=1) + y.var(ddof=1)) / 2))
     assert tost(DESIGNS[0], float(found.margin[0, 1])).p[0, 1] == found.p[0, 1]
-    assert tost([[1.0, np.inf, 2.0], [1.0, 2.0, 3.0]], 1.0).n[0, 0] == 5
+    assert tost([[1.0, np.nan, 2.0], [1.0, 2.0, 3.0]], 1.0).n[0, 0] == 5
 
 
 def test_power_is_how_often_it_happens() -> None:

@@ -77,7 +77,7 @@ def test_groups_that_cannot_be_compared_say_why(test: str, values: np.ndarray) -
 
 
 @pytest.mark.parametrize("test", SAMPLES)
-@pytest.mark.parametrize("row", [[0.1] * 10, [0.1], [nan, nan], [1e300] * 5, [np.inf, 1.0]])
+@pytest.mark.parametrize("row", [[0.1] * 10, [0.1], [nan, nan], [1e300] * 5, [nan, 1.0]])
 def test_samples_without_spread_say_why(test: str, row: list[float]) -> None:
     outcome = SAMPLES[test](row)
     assert np.isnan([outcome.statistic, outcome.p]).all()

@@ -200,7 +200,7 @@ def test_people_specimens_and_forces_that_lack_data_are_left_out() -> None:
     y[:6, 4] = np.nan  # a specimen that four of ten pressed
     y[5, :, 11] = np.nan  # a force that one person did not reach
     y[7, 1, 2:] = np.nan  # a press that broke off
-    y[8, 0, 0] = np.inf
+    y[8, 0, 0] = np.nan
     found = curve_tests(y, draws=DRAWS)
     assert found.people.tolist() == [0, 1, 2, 4, 5, 6, 8, 9]
     assert found.specimens.tolist() == [0, 1, 2, 3]
