@@ -15,9 +15,15 @@ from casr.errors import FramesError
 from casr.frame_files.trouble import OneSize, undecodable, unreadable
 from casr.images import Grey, as_grey
 
-# OpenCV keeps still about broken images: our errors name the file and the frame
+
+def silence_opencv() -> None:
+    """OpenCV prints nothing by itself: our errors say what is wrong."""
+    levels: Any = getattr(cv2.utils, "logging", cv2)  # before 4.13 they were in the package itself
+    levels.setLogLevel(0)
+
+
 if "OPENCV_LOG_LEVEL" not in os.environ:
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    silence_opencv()
 
 # suffix -> kind; a folder holds frames of one kind
 PAGE_KINDS = {".png": "PNG", ".bmp": "BMP", ".jpg": "JPEG", ".jpeg": "JPEG", ".tif": "TIFF", ".tiff": "TIFF"}

@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.frame_files.pages import silence_opencv
 from casr.images import as_grey
 from emg2vsa.devices.clock import Clock, awaited
 from emg2vsa.devices.device_settings import LOST_S, RATE_HZ, SHAPE
@@ -206,7 +207,7 @@ class OpenCvCamera:
 
 def open_camera(settings: OpenCvSettings, around: Around) -> OpenCvCamera:
     """The camera of [camera]."""
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # the driver says it in words
+    silence_opencv()  # the driver says it in words
     values = {"exposure": settings.exposure, "gain": settings.gain, "white_balance_k": settings.white_balance_k}
     lock = values if settings.lock or any(value is not None for value in values.values()) else None
     return OpenCvCamera(
