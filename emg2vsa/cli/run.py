@@ -168,11 +168,13 @@ def status(arguments: argparse.Namespace) -> int:
         s.id: {"status": s.status, "reasons": list(s.reasons), "message": s.message} for s in steps
     }
     told |= {"registration": registered.as_json()} if (registered := plan.campaign.registered) else {}
+    told |= {"made with other kernels of BLAS": kernels} if (kernels := plan.other_kernels()) else {}
     answer(arguments.json, told, _lines(plan, arguments.explain))
     return 0
 
 
 def _lines(plan: StepPlan, explain: bool) -> Iterator[str]:
+    from casr.blas_kernel import blas_kernel
     from emg2vsa.cli.progress import shortened
     from emg2vsa.pipeline.lock import holder
     from emg2vsa.pipeline.stage_order import ORDER
@@ -185,6 +187,11 @@ def _lines(plan: StepPlan, explain: bool) -> Iterator[str]:
         yield f"A run is under way: {held}."
     if registered := plan.campaign.registered:
         yield from registered.lines()
+    for kernel, count in plan.other_kernels().items():
+        yield (
+            f"Fresh, but made with the BLAS kernel {kernel}: {count}. This computer has {blas_kernel()}: "
+            "if made here, they may differ in the last digits."
+        )
     late = [step for step in plan.steps.values() if step.status != "fresh"]
     if explain:
         yield from (f"{step.status}: {step.id}: {shortened(step.reasons, 6) or step.message}" for step in late)

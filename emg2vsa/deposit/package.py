@@ -157,7 +157,8 @@ class Lineage:
         """What provenance.json holds."""
         about = (
             "numbers: key in results.json to the steps that made it. steps: key of the step's result in the ledger, "
-            "and all it depends on: settings, files and inputs with their digests, code, libraries."
+            "and all it depends on: settings, files and inputs with their digests, code, libraries. kernel of BLAS: of "
+            "its linear algebra; another one may round the last digits otherwise."
         )
         whole = {"about": about, "numbers": self.numbers, "steps": self.steps}
         return json.dumps(whole, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
@@ -174,7 +175,7 @@ def lineage(plan: StepPlan, keys: Iterable[str]) -> Lineage:
         libraries |= step.parts.libraries.value
     return Lineage(
         numbers={key: _steps_of(key, done, plan.study) for key in keys},
-        steps={step.id: _plain(step, base) for step in done},
+        steps={step.id: _plain(step, base) | {"kernel of BLAS": plan.kernel_of(step)} for step in done},
         inputs=dict(sorted(files.items())),
         libraries=dict(sorted(libraries.items())),
     )

@@ -24,6 +24,7 @@ from typing import Any, Self
 
 import casr
 import emg2vsa
+from casr.blas_kernel import blas_kernel
 from casr.one_thread import VARIABLES
 from emg2vsa.errors import DataError, SettingError, install_extra
 from emg2vsa.pipeline.code import Code
@@ -282,7 +283,8 @@ class ClusterWorkers:
             self._address, wanted="workers with the same program, libraries, threads and files as here",
             found="; ".join(told) + more,
             do="Start workers from the same installation, with one thread each, on computers that share the study's "
-            "folder: dask worker ADDRESS --nthreads 1.",
+            "folder: dask worker ADDRESS --nthreads 1. Where processors differ, set OPENBLAS_CORETYPE to one kernel of "
+            "all, such as Haswell, here and for every worker.",
         )  # fmt: skip
 
     def _differences(self, facts: Any, unseen: str) -> str:
@@ -315,8 +317,8 @@ class Refused:
 
 @cache
 def facts_here(mark: Path, libraries: tuple[str, ...]) -> dict[str, str]:
-    """What the results of this process depend on beside the task: versions, code, threads, the study's folder."""
-    found = {"emg2vsa": emg2vsa.__version__, "python": platform.python_version()}
+    """What the results of this process depend on beside the task: versions, arithmetic, code, the study's folder."""
+    found = {"emg2vsa": emg2vsa.__version__, "python": platform.python_version(), "kernel of BLAS": blas_kernel()}
     found |= {name: _version(name) for name in libraries}
     found |= {name: os.environ.get(name, "unset") for name in VARIABLES}
     found[MARK] = _read_mark(mark)

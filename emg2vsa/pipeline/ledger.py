@@ -39,7 +39,8 @@ class Entry:
     """How a step ended.
 
     status : done or failed. final : the failure is the input's fault, and the step is not tried again. result : digest
-    of the stored result, "" of a failed step.
+    of the stored result, "" of a failed step. kernel : of the BLAS that it ran with; of another one the same result may
+    differ in its last digits. "" where nobody noted it.
     """
 
     step: str
@@ -49,6 +50,7 @@ class Entry:
     final: bool
     result: str
     parts: Parts
+    kernel: str = ""
 
 
 _SHARED = ("settings", "code", "libraries")
@@ -195,7 +197,7 @@ def _of_entry(entry: Entry) -> dict[str, Any]:
     parts = {name: getattr(entry.parts, name).digest for name in _SHARED}
     parts |= {"files": dict(entry.parts.files), "inputs": dict(entry.parts.inputs)}
     told = {"step": entry.step, "key": entry.key, "status": entry.status, "message": entry.message}
-    return told | {"final": entry.final, "result": entry.result, "parts": parts}
+    return told | {"final": entry.final, "result": entry.result, "parts": parts, "kernel": entry.kernel}
 
 
 def differences(old: Parts, new: Parts, unknown: Iterable[str] = ()) -> list[str]:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import os
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from casr.blas_kernel import blas_kernel
 from emg2vsa import artifacts
 from emg2vsa.pipeline.campaign import Campaign, campaign
 from emg2vsa.pipeline.code import Code, Reached
@@ -111,6 +113,16 @@ class StepPlan:
         failed = (step for step in (self.steps.values() if steps is None else steps) if step.status == "failed")
         return tuple((step.item, step.stage, step.message) for step in failed)
 
+    def other_kernels(self) -> dict[str, int]:
+        """Kernels of BLAS, other than this computer's, that made results which are fresh here: how many each made."""
+        made = Counter(self.kernel_of(step) for step in self.steps.values() if step.status == "fresh")
+        return {kernel: count for kernel, count in sorted(made.items()) if kernel not in ("", blas_kernel())}
+
+    def kernel_of(self, step: Step) -> str:
+        """Of BLAS, that made the result of a step; "" where nobody noted it."""
+        entry = self.ledger.with_key(step.id, step.key)
+        return "" if entry is None else entry.kernel
+
     def given(self, step: Step) -> Given:
         """What the step's ``run`` gets; the states of files that earlier steps wrote are noted as ``reads``."""
         own = stage(step.stage)
@@ -172,7 +184,8 @@ class StepPlan:
 
     def _record(self, step: Step, *, final: bool) -> None:
         message = self._portable(step.message)
-        self.ledger.record(Entry(step.id, step.key, step.status, message, final, step.result, step.parts))
+        entry = Entry(step.id, step.key, step.status, message, final, step.result, step.parts, blas_kernel())
+        self.ledger.record(entry)
 
     def _portable(self, message: str) -> str:
         """A message as it is kept: a project that was moved or copied names its own files."""

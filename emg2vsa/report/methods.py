@@ -347,7 +347,7 @@ def methods(results: StudyResults) -> list[tuple[str, str]]:
         kappa_scatter=100 * Discrepancy().mounted(study.calibration.mounting_sd_percent / 100).stiffness,
         by_pins=any(each.pins for each in calibration.conditions) if calibration else False,
         mounting=_mounting(study.calibration, [of[algorithm].chosen for of in by_algorithm if algorithm in of]),
-        versions=[f"{name} {version}" for name, version in results.provenance.items() if "digest of " not in name],
+        versions=[f"{name} {version}" for name, version in results.provenance.items() if " of " not in name],
     )
     parts = [part.partition("\n") for part in re.split(r"^# ", text, flags=re.M)[1:]]
     return [(heading, told) for heading, _, body in parts if (told := _one_line(body))]

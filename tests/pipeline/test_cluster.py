@@ -20,6 +20,7 @@ from typing import Any
 import pytest
 
 from benchmarks.small_study import small_study
+from casr.blas_kernel import blas_kernel
 from emg2vsa.cli import main
 from emg2vsa.errors import DataError
 from emg2vsa.pipeline import cluster
@@ -263,6 +264,9 @@ def test_a_worker_that_would_compute_something_else_is_refused_by_name(
     told = capsys.readouterr().err
     assert "but found tcp://127.0.0.1:" in told
     assert "with OMP_NUM_THREADS 4 (here 1). Start workers from the same installation" in told
+    with worker(address, OPENBLAS_CORETYPE="Nehalem"):
+        assert main([*command, "60"]) == 2
+    assert f"with kernel of BLAS Nehalem (here {blas_kernel()}). Start workers" in capsys.readouterr().err
     assert not list((small.parent / ".emg2vsa" / "small").rglob("*.result"))
 
 
@@ -272,6 +276,7 @@ def test_facts_tell_what_differs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     here = facts_here(mark, ("numpy", "no-such-thing"))
     assert here[cluster.MARK] == "token"
     assert here["no-such-thing"] == "absent"
+    assert here["kernel of BLAS"] == blas_kernel()
     assert here["code of emg2vsa/pipeline/run_study.py"]
     assert here["code of casr/atomic.py"]
     assert facts_here(tmp_path / "none", ())[cluster.MARK] == "unreadable (No such file or directory)"

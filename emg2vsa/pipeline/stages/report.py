@@ -208,18 +208,19 @@ def _presets(given: Given) -> IndexPresets | None:
 
 
 def _provenance(given: Given) -> dict[str, str]:
-    """Versions of what made the numbers, and the digests of the results that have one step."""
+    """Versions and kernel of what made the numbers, and the digests of the results that have one step."""
     import platform
     from importlib.metadata import version
 
     import emg2vsa
+    from casr.blas_kernel import blas_kernel
     from emg2vsa import artifacts
 
     versions = {name: version(name) for name in ("numpy", "scipy", "matplotlib")} | {"emg2vsa": emg2vsa.__version__}
     python = ".".join(platform.python_version_tuple()[:2])
     single = {stage: paths[0] for stage, paths in given.inputs.items() if len(paths) == 1}
     return (
-        {"python": python}
+        {"python": python, "kernel of BLAS": blas_kernel()}
         | versions
         | {f"digest of {stage}": artifacts.digest_of(path) for stage, path in single.items()}
     )
