@@ -12,7 +12,8 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -69,15 +70,19 @@ def under(baseline: Mapping[str, str], *words: str) -> str:
     return done.stdout
 
 
-def results(baseline: Mapping[str, str]) -> dict[str, Any]:
-    """results.json of the small study."""
+def _by(baseline: Mapping[str, str]) -> Callable[..., str]:
+    return partial(under, baseline, "-m", "emg2vsa.cli")
+
+
+def results(run: Callable[..., str]) -> dict[str, Any]:
+    """results.json of the small study. run : carries out a command of emg2vsa."""
     with tempfile.TemporaryDirectory() as folder:
         study = Path(folder) / "studies" / "small" / "study.toml"
         study.parent.mkdir(parents=True)
         study.write_text(small_study(tables=WITH_A_RIG))
         (study.parent / "rig.toml").write_text(small_rig())
         for command in (["tools", "simulate", str(study)], ["run", str(study), "--jobs", "1"]):
-            under(baseline, "-m", "emg2vsa.cli", *command, "--json")
+            run(*command, "--json")
         found: dict[str, Any] = json.loads((Path(folder) / "reports" / "small" / "results.json").read_text())
         return found
 
@@ -96,12 +101,12 @@ def largest(ours: Mapping[str, Any], theirs: Mapping[str, Any]) -> dict[str, tup
 
 def main() -> None:
     """Print the table."""
-    reference = results({})
+    reference = results(_by({}))
     print(f"{len(reference)} numbers. Numbers that differ, and the largest relative difference.\n")
     print("| processor | " + " | ".join(groups := sorted({key.partition(".")[0] for key in reference})) + " |")
     print("|---" * (len(groups) + 1) + "|")
     for name, baseline in BASELINES.items():
-        found = largest(reference, results(baseline))
+        found = largest(reference, results(_by(baseline)))
         cells = [f"{found[group][0]}: {found[group][1]:.0e}" if group in found else "0" for group in groups]
         print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
 
