@@ -75,6 +75,8 @@ def _write_atomic(path: Path, pieces: Iterable[bytes], on_disk: bool = False, mo
             sync_folder(path.parent)
     except BaseException as error:
         Path(temporary).unlink(missing_ok=True)
-        if isinstance(error, OSError) and error.errno is not None and error.filename is None:
-            error.filename = str(path)
+        if isinstance(error, OSError) and error.errno is not None:
+            error.filename, error.filename2 = str(path), None
+            if path.is_dir():
+                error.strerror = "A folder is in place of this file"
         raise

@@ -16,6 +16,7 @@ from typing import Any
 
 from casr.atomic import write_bytes_atomic
 from emg2vsa.pipeline.fingerprint import Part, digest
+from emg2vsa.pipeline.store import set_aside
 
 KEPT_RESULTS = 2
 """Results kept of a step: the current one and the one before, so that a setting can be tried and taken back."""
@@ -121,6 +122,8 @@ class Ledger:
         needless = self._lines > 2 * len(self._entries) + 2 * len(self._written) + 16
         if force or self.old or self.damaged or needless:
             lines = list(self._all_lines())
+            if self._path.is_dir():
+                set_aside(self._path, self._path.parent)
             write_bytes_atomic(self._path, b"".join(lines))
             self._lines, self.old, self.damaged = len(lines), False, 0
 

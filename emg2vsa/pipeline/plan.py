@@ -259,7 +259,8 @@ class StepPlan:
         """What is wrong with a stored result, "" where nothing is."""
         found = self.prints.file(path)
         if found != entry.result:
-            return "its result is missing" if found == "missing" else "its result was damaged"
+            missing = "a folder is in place of its result" if path.is_dir() else "its result is missing"
+            return missing if found == "missing" else "its result was damaged"
         if own.folder is None:
             return ""
         try:

@@ -1,12 +1,14 @@
 """Where results lie, files that steps wrote outside the store, and who works at which step.
 
 A step's result is ``store/<stage>/<item>/<key>.result``. A stage that writes files stores their names and digests
-instead. While a step is under way, ``under-way/`` holds its claim and its unfinished result.
+instead. While a step is under way, ``under-way/`` holds its claim and its unfinished result. ``set-aside/`` holds what
+was found in the place of a result and is none.
 """
 
 from __future__ import annotations
 
 import contextlib
+import itertools
 import json
 import os
 from collections.abc import Iterator, Sequence
@@ -74,7 +76,12 @@ class Store:
     def settle(self, unfinished: Path, step: str, key: str) -> Path:
         """Give a result its place."""
         path = self.path(step, key)
+        for folder in (each for each in path.parents if each.is_relative_to(self.folder / "store")):
+            if folder.exists() and not folder.is_dir():
+                set_aside(folder, self.folder)
         path.parent.mkdir(parents=True, exist_ok=True)
+        if path.is_dir():
+            set_aside(path, self.folder)
         os.replace(unfinished, path)
         return path
 
@@ -86,7 +93,7 @@ class Store:
 
     def results(self, step: str) -> list[Path]:
         """All results of a step."""
-        return sorted(self.path(step, "x").parent.glob("*.result"))
+        return sorted(path for path in self.path(step, "x").parent.glob("*.result") if not path.is_dir())
 
     def keep_only(self, step: str, keys: Sequence[str]) -> None:
         """Remove the results of a step with other keys."""
@@ -106,6 +113,14 @@ class Store:
         for folder, _, names in os.walk(root):
             if any(name.endswith(".result") for name in names):
                 yield Path(folder).relative_to(root).as_posix()
+
+
+def set_aside(path: Path, results: Path) -> None:
+    """Move what is in the place of a file or folder of ours to ``set-aside``: nobody knows whose it is."""
+    places = (results / "set-aside" / f"{path.name}-{n}" for n in itertools.count(1))
+    free = next(place for place in places if not place.exists())
+    free.parent.mkdir(parents=True, exist_ok=True)
+    os.rename(path, free)
 
 
 def _flat(step: str) -> str:
