@@ -11,7 +11,13 @@ _OLDEST = PYTHONS[0]
 STUDY = ("study",)
 EXTRAS = {
     "flow": ("tests/casr/flow/test_dense.py", "-k", "stretched_image"),
-    "formats": ("tests/readers/test_matlab.py", "tests/readers/test_c3d.py", "tests/readers/test_shared_files.py"),
+    "formats": (
+        "tests/readers/test_matlab.py",
+        "tests/readers/test_c3d.py",
+        "tests/readers/test_shared_files.py",
+        "tests/readers/test_neo_formats.py",
+    ),
+    "nwb": ("tests/cli/test_convert_nwb.py",),
     "daq": ("tests/devices/ni_daq",),
     "web": ("tests/live/test_session_routes.py", "-k", "token or command or page or report"),
     "lsl": ("tests/devices/lsl", "-k", "session_s_clock"),
