@@ -23,6 +23,8 @@ _MAX_ITERATIONS = 60
 _LONGEST_STEP = 2.0  # of q where |z| <= 1: factors of e^2 at the ends of the data
 _LAST_STEP = 1e-10  # Newton squares it: what is left is below rounding
 _LEFT = 1e-14  # of q after a step, by how steps have shrunk; the step of the last curve takes it away
+_FEW, _SHORT, _WIDE = 5, 0.5, 0.1  # of plain rows: steps of q, in standard deviations of x, and how wide a curve stays
+_CUBED_AWAY = 3e-6
 _LEAST_CONVEX = 1e-3
 _SPIKE = 1e-12  # of the curve's square, what points other than the heaviest carry
 _EPS = float(np.finfo(np.float64).eps)
@@ -52,9 +54,67 @@ def fit_exponential(x: ArrayLike, y: ArrayLike) -> ExponentialFit:
     size = max(1, _POINTS_AT_ONCE // max(1, y.shape[1]))
     cuts = [slice(i, i + size) for i in range(0, max(len(y), 1), size)]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore"):
-        blocks = (weighted_rows(x if x.ndim == 1 else x[cut], y[cut], None, _WHERE) for cut in cuts)
-        fits = [_least_squares(rows) for rows in blocks]
+        fits = [_of_block(x if x.ndim == 1 else x[cut], y[cut]) for cut in cuts]
     return ExponentialFit(*(np.concatenate(parts) for parts in zip(*fits, strict=True)))
+
+
+def _of_block(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
+    return _of_plain_rows(x, y) or _least_squares(weighted_rows(x, y, None, _WHERE))
+
+
+def _of_plain_rows(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats] | None:
+    """x0, y0 and q of rows of positive y that lie near an exponential, as those of a bootstrap do; None where any row
+    needs the search that follows.
+
+    Where p is best for its q, the sum of squares is least where h = T1 / T0 - S1 / S0 is zero, with Tk and Sk the sums
+    of z^k y exp(q z) and of z^k exp(2 q z). Both quotients are first cumulants of z, whose further ones are the
+    derivatives of h: three of Halley's steps, each of which cubes the error, end the search for q.
+    """
+    if not y.size:
+        return None
+    # a column is a row of the data: sums of few points each are made side by side
+    x = np.ascontiguousarray(x.T) if x.ndim == 2 else x[:, None]
+    y = y[0] if y.strides[0] == 0 else np.ascontiguousarray(y.T)
+    w, log_y = y * y, np.log(y)
+    total = np.sum(w, axis=0)
+    mean = _sums(w, x) / total
+    z = x - mean
+    wz = (w if w.ndim == 2 else w[:, None]) * z
+    spread = _sums(wz, z)
+    q = _sums(wz, log_y if log_y.ndim == 2 else log_y[:, None]) / spread  # wz sums to zero
+    reach = np.sqrt(spread / total)
+    of_y, powers = "ij,kij->kj" if y.ndim == 2 else "i,kij->kj", np.empty((4, *z.shape))
+    for _ in range(_FEW):
+        np.exp(np.multiply(q, z, out=powers[0]), out=powers[0])
+        for k in range(3):
+            np.multiply(z, powers[k], out=powers[k + 1])
+        t0, t1, t2, t3 = _cumulants(np.einsum(of_y, y, powers))
+        s0, s1, s2, s3 = _cumulants(np.einsum("ij,kij->kj", powers[0], powers))
+        h, slope, bend = t1 - s1, t2 - 2 * s2, t3 - 4 * s3
+        step = -2 * h * slope / (2 * slope * slope - h * bend)
+        size = np.max(np.abs(step) * reach)
+        if not size < _SHORT or np.any(slope >= 0) or np.any(s2 < _WIDE * reach * reach):
+            return None
+        q = q + step
+        if size < _CUBED_AWAY:
+            break
+    else:
+        return None
+    centre = s1 + 2 * s2 * step + 2 * s3 * step * step
+    grown = (t1 - 2 * s1) * step + (t2 / 2 - 2 * s2) * step * step  # of ln p, by the last step
+    count("fits", len(q))
+    return mean + centre, t0 / s0 * np.exp(grown + q * centre), q
+
+
+def _cumulants(sums: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Sum of weights (d,) and the first three cumulants of z, of sums (4, d) of weights times 1, z, z^2, z^3."""
+    m1, m2, m3 = sums[1:] / sums[0]
+    return sums[0], m1, m2 - m1 * m1, m3 - m1 * (3 * m2 - 2 * m1 * m1)
+
+
+def _sums(left: Floats, right: Floats) -> Floats:
+    """Of products (n, d) down the columns; left may be one column (n,)."""
+    return np.asarray(np.einsum("ij,ij->j" if left.ndim == 2 else "i,ij->j", left, right))
 
 
 def _least_squares(rows: WeightedRows) -> tuple[Floats, Floats, Floats]:

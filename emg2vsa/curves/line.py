@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from emg2vsa.arrays import Floats, Ints, exponent_of, unmasked
 from emg2vsa.errors import DataError
 
-_SAFE = 1e-200  # sums of squares outside 1e-200 to 1e200 are taken again, scaled
+SAFE = 1e-200  # sums of squares outside 1e-200 to 1e200 are taken again, scaled
 TUNING = 1.345
 """95 % of least squares' efficiency under normal errors (Huber 1981)."""
 _MAD_OF_NORMAL = 0.6744897501960817
@@ -53,7 +53,7 @@ def fit_line(x: Floats, y: Floats, weights: Floats | None = None) -> Line:
     """
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         line, syy = _fit(x, y, weights)
-        if np.all((syy > _SAFE) & (syy < 1 / _SAFE)):
+        if np.all((syy > SAFE) & (syy < 1 / SAFE)):
             return line
         unit = exponent_of(y)
         scaled, _ = _fit(x, np.ldexp(y, -unit), weights)
@@ -94,6 +94,21 @@ def _fit(x: Floats, y: Floats, weights: Floats | None) -> tuple[Line, Floats]:
         dof=dof,
     )
     return line, syy
+
+
+def line_of_sums(p: int, x_mean: Floats, y_mean: Floats, sxx: Floats, sxy: Floats, syy: Floats, sse: Floats) -> Line:
+    """Lines through p > 2 points a row that count alike and differ in x, by means, sums about them and of residuals."""
+    slope, variance, unexplained = sxy / sxx, sse / (p - 2), sse / syy
+    return Line(
+        intercept=y_mean - slope * x_mean,
+        slope=slope,
+        intercept_se=np.sqrt(variance * (1 / p + x_mean * x_mean / sxx)),
+        slope_se=np.sqrt(variance / sxx),
+        r2=1 - unexplained,
+        adj_r2=1 - unexplained * ((p - 1) / (p - 2)),
+        n=np.full(len(sxx), p),
+        dof=np.full(len(sxx), p - 2),
+    )
 
 
 def _centred(values: Floats, weights: Floats | None, total: Floats, first: Ints | None) -> tuple[Floats, Floats]:

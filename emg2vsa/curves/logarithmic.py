@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,7 @@ from scipy import special
 
 from casr.counts import count
 from emg2vsa.arrays import Floats, unmasked
-from emg2vsa.curves.line import Line, fit_line, fit_line_huber, join
+from emg2vsa.curves.line import SAFE, Line, fit_line, fit_line_huber, join, line_of_sums
 
 LEVEL_FLOOR = 0.1
 """Smallest fitted level that sets a weight, as a share of the trial's largest: no weight exceeds 100 times another."""
@@ -19,7 +20,12 @@ LEVEL_FLOOR = 0.1
 NARROW = 1e-3
 """A fit whose forces differ by a smaller share of themselves says how many digits are left."""
 
-_POINTS_AT_ONCE = 46_000  # keeps the temporaries of a block inside the processor's cache
+_POINTS_AT_ONCE = 24_000  # keeps the temporaries of a block inside the processor's cache
+_CLOSE = (
+    0.1  # residual squares below this share of those of v are summed from residuals: a difference would lose digits
+)
+_PERFECT = 1e-6  # the same share, below which the rounding of the deviations themselves shows in the residuals
+_FAR = 1e8  # square of a mean over the sum of squares about it, above which centring by the rounded mean loses digits
 
 
 @dataclass(frozen=True)
@@ -57,8 +63,42 @@ def fit_log(force_n: ArrayLike, v: ArrayLike, robust: bool = False, confidence: 
     force = np.asarray(unmasked(force_n), dtype=np.float64)
     rows = max(1, _POINTS_AT_ONCE // max(1, v.shape[1]))
     cuts = [slice(i, i + rows) for i in range(0, max(len(v), 1), rows)]
-    line = join([_fit_block(v[cut], force if force.ndim == 1 else force[cut], robust) for cut in cuts])
+    line = None if robust else _of_plain_rows(force, v, cuts)
+    if line is None:
+        line = join([_fit_block(v[cut], force if force.ndim == 1 else force[cut], robust) for cut in cuts])
     return _log_fit(line, confidence)
+
+
+def _of_plain_rows(force: Floats, v: Floats, cuts: Sequence[slice]) -> Line | None:
+    """Lines through (ln F, v) where every point counts alike; None where points are left out, or where centring by the
+    rounded mean, once and not twice, would cost digits."""
+    k, p = v.shape
+    if not k or not 3 <= p <= 10_000:  # of longer rows BLAS shares one among threads, and its last bit shows it
+        return None
+    ones, common = np.ones((1, p)), force.ndim == 1
+    x_buffer, y_buffer = np.empty((1 if common else cuts[0].stop, p)), np.empty((cuts[0].stop, p))
+    sums = np.empty((6, k))  # means, sums of squares and products, residual squares
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        for cut in cuts:
+            mean_x, mean_y, sxx, sxy, syy, sse = sums[:, cut]
+            dy = y_buffer[: len(mean_y)]
+            if not common or cut.start == 0:
+                dx = np.log(force if common else force[cut], out=x_buffer if common else x_buffer[: len(dy)])
+                row_x = np.vecdot(dx, ones) / p
+                dx -= row_x[:, None]
+            mean_x[:], sxx[:] = row_x, np.vecdot(dx, dx)
+            mean_y[:] = np.vecdot(v[cut], ones) / p
+            np.subtract(v[cut], mean_y[:, None], out=dy)
+            np.vecdot(dx, dy, out=sxy)
+            np.vecdot(dy, dy, out=syy)
+            sse[:] = syy - sxy * sxy / sxx
+            close = np.flatnonzero(sse < _CLOSE * syy)
+            if close.size:
+                left = dy[close] - (sxy / sxx)[close, None] * (dx if common else dx[close])
+                sse[close] = np.vecdot(left, left)
+        sound = (sums[0] ** 2 < _FAR * sums[2]) & (sums[1] ** 2 < _FAR * sums[4])
+        sound &= (sums[5] > _PERFECT * sums[4]) & (sums[4] > SAFE) & (sums[4] < 1 / SAFE)
+        return line_of_sums(p, *sums) if sound.all() else None
 
 
 def _log_fit(line: Line, confidence: float) -> LogFit:
@@ -167,6 +207,8 @@ def said_of_forces(force_n: Floats) -> list[str]:
 
 def _t_quantile(dof: NDArray[np.int64] | Floats, confidence: float) -> Floats:
     """Student t (k,) of a two-sided interval; NaN where dof is 0."""
+    if dof.size and (dof == dof[0]).all() and dof[0] > 0:
+        return np.full(dof.size, special.stdtrit(dof[0], 0.5 + 0.5 * confidence))
     distinct, where = np.unique(dof, return_inverse=True)
     quantile = special.stdtrit(np.where(distinct > 0, distinct, np.nan), 0.5 + 0.5 * confidence)
     return np.asarray(quantile, dtype=np.float64)[where]

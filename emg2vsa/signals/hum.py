@@ -37,12 +37,9 @@ def sine_phasors(channels: Sequence[Floats], pieces: Sequence[tuple[int, int]], 
     so one small table of sines serves all blocks of all pieces, and another turns the blocks. About the middle of a
     block a cosine is even and a sine is odd: half a block tells each.
     """
-    radians = 2 * np.pi / fs_hz * hz
     longest = max((end - begin for begin, end in pieces), default=0)
     n_blocks = -(-longest // BLOCK)
-    within = np.multiply.outer(np.arange(BLOCK // 2) + 0.5, radians)
-    even, odd = np.cos(within), np.sin(within)
-    turns = np.exp(-1j * np.multiply.outer(BLOCK * np.arange(n_blocks) + (BLOCK - 1) / 2, radians))
+    even, odd, turns = _tables(hz.tobytes(), fs_hz, n_blocks)
     found = np.empty((len(channels), len(pieces), hz.size), dtype=np.complex128)
     for part in slices(len(pieces), max(len(channels) * longest, 1)):
         padded = np.zeros((len(channels), part.stop - part.start, n_blocks * BLOCK))
@@ -54,6 +51,16 @@ def sine_phasors(channels: Sequence[Floats], pieces: Sequence[tuple[int, int]], 
         of_block = times(after + before, even) - 1j * times(after - before, odd)
         found[:, part] = np.einsum("mbh,bh->mh", of_block, turns).reshape(found[:, part].shape)
     return found
+
+
+@lru_cache(maxsize=16)
+def _tables(hz: bytes, fs_hz: float, n_blocks: int) -> tuple[Floats, Floats, Phasors]:
+    """Cosines and sines (BLOCK / 2, h) from the middle of a block on, and the turns (n_blocks, h) of all blocks: the
+    recordings of a study ask for the same."""
+    radians = 2 * np.pi / fs_hz * np.frombuffer(hz)
+    within = np.multiply.outer(np.arange(BLOCK // 2) + 0.5, radians)
+    turns = np.exp(-1j * np.multiply.outer(BLOCK * np.arange(n_blocks) + (BLOCK - 1) / 2, radians))
+    return np.cos(within), np.sin(within), turns
 
 
 @lru_cache(maxsize=64)

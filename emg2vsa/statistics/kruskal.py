@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints, unmasked
+from emg2vsa.arrays import Floats, Ints, sums_of, unmasked
 from emg2vsa.statistics.moments import shifted_doubles
 from emg2vsa.statistics.multiplicity import adjust
 from emg2vsa.statistics.outcome import Outcome
@@ -20,11 +20,16 @@ def midranks(values: ArrayLike) -> Floats:
     rows = np.asarray(unmasked(values), dtype=np.float64)
     if rows.shape[-1] == 0:
         return rows.copy()
-    order = np.argsort(rows, axis=-1, kind="stable")  # NaN last; fast where parts are sorted already
-    ordered = np.take_along_axis(rows, order, axis=-1)
+    table = rows.reshape(-1, rows.shape[-1])
+    order = np.argsort(table, axis=1, kind="stable")  # NaN last; fast where parts are sorted already
+    order += np.arange(0, table.size, table.shape[1])[:, None]
+    ordered = table.ravel()[order]
+    ranks = np.empty(rows.shape)
+    if np.all(ordered[:, 1:] > ordered[:, :-1]):  # neither ties nor, but for a row of one, NaN
+        ranks.ravel()[order] = np.arange(1.0, table.shape[1] + 1)
+        return ranks if table.shape[1] > 1 else ranks + 0 * rows
     first, last = _runs(ordered)
-    ranks = np.empty_like(rows)
-    np.put_along_axis(ranks, order, np.where(np.isnan(ordered), np.nan, (first + last) / 2 + 1), axis=-1)
+    ranks.ravel()[order] = np.where(np.isnan(ordered), np.nan, (first + last) / 2 + 1)
     return ranks
 
 
@@ -83,22 +88,24 @@ def kruskal(values: ArrayLike) -> KruskalWallis:
     """Kruskal and Wallis (1952) on ``values`` (d, k groups, n a group), or one design (k, n); NaN: no value there."""
     doubles, _ = shifted_doubles(values)
     d, k, n = doubles.shape
-    ranks = midranks(doubles.reshape(d, k * n)).reshape(d, k, n)
-    valid = ~np.isnan(ranks)
-    count = valid.sum(axis=2)
-    total = count.sum(axis=1)
-    groups = np.count_nonzero(count, axis=1)
+    missing = np.isnan(doubles)
+    gaps = bool(missing.any())
+    offset = midranks(doubles.reshape(d, k * n))
+    count = n - missing.sum(axis=2) if gaps else np.full((d, k), n)
+    total, groups = count.sum(axis=1), (count > 0).sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        centre = (total + 1) / 2
-        offset = np.where(valid, ranks - centre[:, None, None], 0.0)
-        mean_offset = offset.sum(axis=2) / np.maximum(count, 1)
-        mean_rank = np.where(count > 0, centre[:, None] + mean_offset, np.nan)
-        rank_variance = (offset**2).sum(axis=(1, 2)) / (total - 1)
-        between = np.vecdot(count, mean_offset**2)
+        centre = (total[:, None] + 1) / 2
+        offset -= centre
+        if gaps:
+            offset[np.isnan(offset)] = 0.0
+        mean_offset = sums_of(offset.reshape(d * k, n)).reshape(d, k) / count
+        mean_rank = centre + mean_offset
+        rank_variance = np.vecdot(offset, offset) / (total - 1)
+        between = np.vecdot(count, np.where(count, mean_offset, 0.0) ** 2 if gaps else mean_offset**2)
         h = np.where(groups > 1, between / rank_variance, np.nan)
         epsilon2 = h / (total - 1)
     df = groups - 1
-    p = special.chdtrc(np.maximum(df, 1), h)
+    p = special.chdtrc(np.maximum(df, 1.0), h)  # whole numbers would cost a cast of each
     return KruskalWallis(h, df, p, epsilon2, mean_rank, count, rank_variance)
 
 
@@ -134,9 +141,8 @@ def dunn(found: KruskalWallis) -> RankPairs:
     first, second = pair_numbers(found.mean_rank.shape[1])
     with np.errstate(divide="ignore", invalid="ignore"):
         difference = found.mean_rank[:, first] - found.mean_rank[:, second]
-        per_value = 1 / found.count[:, first] + 1 / found.count[:, second]
-        z = difference / np.sqrt(found.rank_variance[:, None] * per_value)
-        z[np.isnan(found.h)] = np.nan
+        per_value = 1 / found.count
+        z = difference / np.sqrt(found.rank_variance[:, None] * (per_value[:, first] + per_value[:, second]))
     p = adjust(2 * special.ndtr(-np.abs(z)), "bonferroni")
     return RankPairs(first, second, difference, z, p, found.count[:, first] + found.count[:, second])
 

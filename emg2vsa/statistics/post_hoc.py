@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -65,7 +66,13 @@ class PairDifferences:
 def pair_numbers(k: int) -> tuple[Ints, Ints]:
     """First and second group (q,) of all pairs of k groups: 0-1, 0-2, ..., 1-2, ...; DataError below two groups."""
     check_two_groups(k)
+    return _pairs(k)
+
+
+@cache
+def _pairs(k: int) -> tuple[Ints, Ints]:
     first, second = np.triu_indices(k, 1)
+    first.flags.writeable = second.flags.writeable = False
     return first, second
 
 
