@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib import import_module
 from typing import Literal
 
 import numpy as np
@@ -105,6 +106,35 @@ def envelopes_at(
     if not np.any(counts):
         return np.empty((len(channels), 0))
     first, counts = first[counts > 0], counts[counts > 0]
+    if iir.engine == "compiled":
+        return _compiled(channels, first, counts, step, iir, kernel)
+    return _by_products(channels, first, counts, step, iir, kernel)
+
+
+def _compiled(
+    channels: Sequence[Floats], first: Ints, counts: Ints, step: int, iir: IirFilter, kernel: Smoother
+) -> Floats:
+    """``envelopes_at`` by the compiled engine, but for windows that the ends of the record reach into."""
+    # loaded when chosen: numba is an extra
+    envelopes_inside = import_module("emg2vsa.signals.compiled").envelopes_inside
+    starts, stops = first - kernel.before - iir.support_samples, first + step * (counts - 1) + kernel.after
+    inside = (starts >= 0) & (stops + (iir.support_samples if iir.zero_phase else 0) < channels[0].size)
+    inside &= step * counts < LONG
+    if np.all(inside):
+        levels: Floats = envelopes_inside(
+            channels, first, counts, step, iir, kernel.taps, kernel.before, squared=kernel.squared
+        )
+        return levels
+    levels, of = np.empty((len(channels), int(counts.sum()))), np.repeat(inside, counts)
+    levels[:, of] = _compiled(channels, first[inside], counts[inside], step, iir, kernel) if np.any(of) else 0.0
+    levels[:, ~of] = _by_products(channels, first[~inside], counts[~inside], step, iir, kernel)
+    return levels
+
+
+def _by_products(
+    channels: Sequence[Floats], first: Ints, counts: Ints, step: int, iir: IirFilter, kernel: Smoother
+) -> Floats:
+    """``envelopes_at`` by products of matrices, ``LONG`` samples at a time."""
     reach = kernel.taps.size + 2 * iir.support_samples
     at = np.cumsum(step * counts + reach) // LONG
     cuts = [0, *(np.flatnonzero(np.diff(at)) + 1).tolist(), first.size]

@@ -6,7 +6,7 @@ Always sections in float64: transfer-function coefficients lose 10 digits at ord
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
@@ -36,7 +36,7 @@ class IirFilter:
     delay_s : group delay of one causal pass in the middle of its band; 0 when zero-phase.
     support_samples : after so many samples the memory of the start has fallen below ``TRUNCATION``.
     pad_samples : length of the odd extension at the ends of a record (scipy's rule); 0 for one causal pass.
-    notes : what must be said aloud, the Nyquist rule first.
+    notes : what must be said aloud, the Nyquist rule first. engine : that of ``FilterSettings``.
     """
 
     name: str
@@ -47,6 +47,7 @@ class IirFilter:
     support_samples: int
     pad_samples: int
     notes: tuple[str, ...]
+    engine: Literal["plain", "compiled"] = "plain"
 
 
 def band_pass(filters: FilterSettings, fs_hz: float) -> IirFilter:
@@ -55,7 +56,7 @@ def band_pass(filters: FilterSettings, fs_hz: float) -> IirFilter:
     An upper edge at or above fs/2 cannot be built (paper: 500 Hz at 1000 Hz). It is dropped: what remains is a
     high-pass at the lower edge of the same order, and a note says so.
     """
-    return _band_pass(filters.band_hz, filters.band_order, filters.phase, fs_hz)
+    return replace(_band_pass(filters.band_hz, filters.band_order, filters.phase, fs_hz), engine=filters.engine)
 
 
 def force_low_pass(filters: FilterSettings, fs_hz: float) -> IirFilter | None:
