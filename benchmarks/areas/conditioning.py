@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -10,12 +11,14 @@ import numpy as np
 from scipy import signal
 
 from benchmarks.bench.case import Area, Case, Size, Way, peer
+from benchmarks.experts.filters import by_numba, by_scipy, memory_samples
 from benchmarks.simulated_records import FS_HZ, MUSCLES, PER_RECORD, Records, as_trials, level_at, make_records
 
 LONGDOUBLE = "the same filters and kernel in 80-bit arithmetic, run over the whole record"
 STEP = 10
 "Samples between outputs: 100 Hz."
-CUT = "the windows, wider on both sides by the filter's memory, to 1e-12 of a transient"
+CUT = "windows, wider on both sides by the filter's memory"
+BYTES = "the same bytes on every processor"
 records_of = cache(make_records)
 
 
@@ -125,7 +128,21 @@ def _envelopes(n_trials: int, filters: Any, family: str, peers: Callable[..., It
         "relative",
         LONGDOUBLE,
         family,
+        **_least(records, filters),
     )
+
+
+def _least(records: Records, filters: Any) -> dict[str, float]:
+    """Bytes that any way reads and writes at least, and the flops of both passes in windows and of the taps."""
+    from emg2vsa.signals.envelope import smoother
+    from emg2vsa.signals.filters import band_pass
+
+    band, kernel = band_pass(filters, FS_HZ), smoother(filters, FS_HZ, STEP)
+    rows, n_out = len(records.emg) * PER_RECORD * len(MUSCLES), int(records.counts[0])
+    inner = STEP * (n_out - 1) + kernel.taps.size
+    read = inner + 2 * memory_samples(band.sos, 1e-10)
+    flops = 9 * len(band.sos) * (2 * read - (read - inner) // 2) + inner + 2 * n_out * kernel.taps.size
+    return {"bytes_moved": 8.0 * rows * (read + n_out), "flops": float(rows * flops)}
 
 
 def _ours(records: Records, filters: Any) -> np.ndarray:
@@ -139,36 +156,27 @@ def _ours(records: Records, filters: Any) -> np.ndarray:
 
 
 def _peers(records: Records, filters: Any) -> Iterator[Way]:
+    """Our other engine, and two ways of an expert."""
     from emg2vsa.signals.envelope import smoother
-    from emg2vsa.signals.filters import band_pass, support_samples
+    from emg2vsa.signals.filters import band_pass
 
     band, kernel = band_pass(filters, FS_HZ), smoother(filters, FS_HZ, STEP)
-    support, n_out = support_samples(band.sos, 1e-12), int(records.counts[0])
-    reach = support + kernel.before
-    length = 2 * reach + STEP * (n_out - 1) + 1
-    cut = np.array([[emg[:, i - reach : i - reach + length] for i in records.first] for emg in records.emg])
-    rows = cut.reshape(-1, length)
-    inside = slice(support, length - support)
+    compiled, n_out = by_numba(), int(records.counts[0])
 
-    def finished(filtered: np.ndarray) -> np.ndarray:
-        smooth = _smoothed(filtered[:, inside], kernel, STEP)
-        return smooth[:, :n_out].reshape(-1, len(MUSCLES), n_out)
+    def each(way: Callable[..., np.ndarray], left: float) -> Callable[[], np.ndarray]:
+        def run() -> np.ndarray:
+            memory = memory_samples(band.sos, left)
+            found = [way(emg, records.first, n_out, STEP, band.sos, kernel, memory) for emg in records.emg]
+            return np.concatenate([rows.swapaxes(0, 1) for rows in found])
 
-    yield Way("scipy", "sosfiltfilt, 2-D batch", lambda: finished(signal.sosfiltfilt(band.sos, rows)), "equal", CUT)
+        return run
 
-    for way in _sections_of_peers(rows, band):
-        yield Way(way.library, way.name, lambda way=way: finished(way.run()), "equal", CUT)
-    whole = np.array(records.emg).reshape(len(records.emg) * len(MUSCLES), -1)
-    at = _instants(records)
-
-    def full_length() -> np.ndarray:
-        smooth = _smoothed(signal.sosfiltfilt(band.sos, whole), kernel, 1)
-        padded = np.pad(smooth, ((0, 0), (kernel.before, 0)))
-        picked = padded.reshape(len(records.emg), len(MUSCLES), -1)
-        starts = 10_000 * np.arange(PER_RECORD)[:, None] + at
-        return picked[:, :, starts].swapaxes(1, 2).reshape(-1, len(MUSCLES), n_out)
-
-    yield Way("scipy", "sosfiltfilt over whole records", full_length, "equal", "filters and smooths 10 s of each trial")
+    if compiled is not None:
+        own = replace(filters, engine="compiled")
+        yield Way("emg2vsa", 'envelopes_at, engine = "compiled"', lambda: _ours(records, own), "equal", BYTES)
+    yield Way("scipy", "expert: sosfilt in windows, decimating taps", each(by_scipy, 1e-10), "equal", f"{CUT} to 1e-10")
+    if compiled is not None:
+        yield Way("numba", "expert: lanes of windows", each(compiled, 1e-13), "equal", f"{CUT} to 1e-13")
 
 
 def _sections_of_peers(rows: np.ndarray, iir: Any) -> Iterator[Way]:
@@ -246,13 +254,6 @@ def _scipy_whole(rows: np.ndarray, filters: Any) -> np.ndarray:
     band, kernel = band_pass(filters, FS_HZ), smoother(filters, FS_HZ, STEP)
     rectified = np.abs(signal.sosfiltfilt(band.sos, rows))
     return np.asarray(signal.oaconvolve(rectified, kernel.taps[None], mode="same", axes=-1))
-
-
-def _smoothed(filtered: np.ndarray, kernel: Any, step: int) -> np.ndarray:
-    """Envelope (r, k) at every full overlap of the kernel, one in ``step``."""
-    rectified = filtered**2 if kernel.squared else np.abs(filtered)
-    smooth = signal.oaconvolve(rectified, kernel.taps[None], mode="valid", axes=-1)[:, ::step]
-    return np.sqrt(np.maximum(smooth, 0)) if kernel.squared else np.maximum(smooth, 0)
 
 
 def _instants(records: Records) -> np.ndarray:

@@ -13,10 +13,10 @@ AREA = Area(
         part_of("benchmarks.statistics.sample_cases", "coverage_cases"),
         part_of("benchmarks.statistics.curve_cases", "nist_exponential_cases"),
     ),
-    peers={"lmfit": "lmfit", "statsmodels": "statsmodels"},
+    peers={"statsmodels": "statsmodels"},
     meaning=(
         "A study makes hundreds of logarithmic fits and thousands of exponential refits of one shape: ours does "
-        "each set in one call, others loop. The closed form of NumPy shows the floor: it gives a and b without "
-        "errors or checks."
+        "each set in one call, libraries loop, and an expert writes the closed form. Ours also leaves out points that "
+        "are no numbers, scales extremes and keeps its digits where a fit is close or far from zero."
     ),
 )

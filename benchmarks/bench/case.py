@@ -63,6 +63,7 @@ class Case:
     error_unit : ``"relative"`` gives digits too (-log10).
     truth : what the error is against, e.g. ``"mpmath, 40 digits"``.
     family : cases of one family differ in size alone, and make one growth curve.
+    bytes_moved, flops : that any way has to read and write, and to compute; 0 where nobody counted.
     """
 
     name: str
@@ -73,6 +74,8 @@ class Case:
     error_unit: str
     truth: str
     family: str = ""
+    bytes_moved: float = 0.0
+    flops: float = 0.0
 
     def __post_init__(self) -> None:
         names = [(way.library, way.name) for way in self.ways]

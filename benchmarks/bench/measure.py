@@ -24,6 +24,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import emg2vsa
 from benchmarks.bench.case import Area, Case, NotHere, Size, Way
 from benchmarks.bench.results import AreaResult, CaseResult, Row, digits_of
@@ -102,6 +104,15 @@ def machine(peers: tuple[str, ...] = ()) -> dict[str, Any]:
         "revision": revision(),
         "libraries": {name: version for name in sorted({*ALWAYS, *peers}) if (version := _version(name))},
     }
+
+
+def rates() -> dict[str, float]:
+    """What one thread of this machine moves and computes at best, in this very run: a copy of 256 MB, which no cache
+    holds, and a product of matrices."""
+    source, target, matrix = np.ones(2**25), np.empty(2**25), np.ones((768, 768))
+    runs = [lambda: np.copyto(target, source), lambda: matrix @ matrix]
+    copy_s, product_s = (min(first_call(run)[0] for _ in range(5)) for run in runs)
+    return {"bytes_per_s": 2 * source.nbytes / copy_s, "flops_per_s": 2 * 768**3 / product_s}
 
 
 def revision(folder: Path | None = None) -> str | None:
@@ -189,7 +200,7 @@ def measure(
         question=area.question,
         meaning=area.meaning,
         size=size.value,
-        machine=machine(tuple(area.peers.values())),
+        machine=machine(tuple(area.peers.values())) | ({"rates": rates()} if rounds else {}),
         absent=area.absent,
         missing=tuple(missing),
         cases=tuple(results),
@@ -243,7 +254,10 @@ def _measured(case: Case, rounds: int, budget_s: float, memory: bool) -> CaseRes
         for (way, (_, output)), time in zip(first.items(), times, strict=True):
             rows[way] = _row(case, way, time, output, None if time is reference else reference, memory)
     ordered = tuple(rows[way] for way in case.ways)
-    return CaseResult(case.name, case.size, case.size_unit, case.error_unit, case.truth, case.family, ordered)
+    return CaseResult(
+        case.name, case.size, case.size_unit, case.error_unit, case.truth, case.family, ordered,
+        case.bytes_moved, case.flops,
+    )  # fmt: skip
 
 
 def _said(error: Exception) -> str:

@@ -10,6 +10,10 @@ from benchmarks.bench.timing import Spread
 
 SCHEMA = "emg2vsa-bench-1"
 MOST_DIGITS = 16.0
+ENOUGH = 1e-10
+"Relative errors that are alike: a result is shown to four digits."
+MARGIN = 1.25
+"Errors that are alike otherwise: seeds scatter by more."
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,33 @@ class CaseResult:
     truth: str
     family: str
     rows: tuple[Row, ...]
+    bytes_moved: float = 0.0
+    flops: float = 0.0
+
+    @property
+    def ours(self) -> Row:
+        """Our row of equal work and least time."""
+        own = (row for row in self.rows if row.ours and row.work == "equal" and row.median_ms)
+        return min(own, key=_time, default=self.rows[0])
+
+    def fastest(self, alike: bool) -> Row | None:
+        """Of other libraries' rows of equal work the fastest, whose error is like that of our first row, or larger."""
+        enough = max(MARGIN * abs(self.rows[0].error or 0.0), ENOUGH if self.error_unit == "relative" else 0.0)
+        others = [
+            row for row in self.rows
+            if not row.ours and row.work == "equal" and row.median_ms and (abs(row.error or 0.0) <= enough) == alike
+        ]  # fmt: skip
+        return min(others, key=_time, default=None)
+
+    def floor_ms(self, rates: dict[str, float]) -> float | None:
+        """Time that memory or arithmetic alone takes at the machine's rates, whichever is longer."""
+        if not rates or not (self.bytes_moved or self.flops):
+            return None
+        return 1e3 * max(self.bytes_moved / rates["bytes_per_s"], self.flops / rates["flops_per_s"])
+
+
+def _time(row: Row) -> float:
+    return row.median_ms or math.inf
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,14 @@ HOW_MEASURED = (
 HEAD = ("#", "library", "way", "work", "CPU ms", "ratio", "error", "digits", "peak MB")
 
 
+HEADLINE = ("case", "ours, CPU ms", "fastest of equal work and error", "faster, less exact", "floor, ms")
+HOW_COMPARED = (
+    "Beside a row stands its time over the least of ours: below 1 ours is not faster. Errors are equal where the "
+    "other's is below 1e-10 (relative) or 1.25 times ours. The floor is what moving the bytes, or the flops, takes "
+    "alone on this machine, by a copy and a product of matrices in the same run; blank where nobody counted them."
+)
+
+
 TABLES = "<!-- tables: {} -->"
 """Stands in a page for what the documentation site makes of a JSON file beside it."""
 
@@ -25,7 +33,7 @@ def page(area: AreaResult, picture: str = "") -> str:
     lines = [
         f"# {area.name}", "", area.question, "",
         f"Written by `emg2vsa tools bench {area.name}` ([how it is timed](README.md)).", "",
-        f"**Answer.** {_answer(area)}{area.meaning}", "",
+        *_headlines(area), f"**Answer.** {area.meaning}", "",
         *([f"![{area.name}: time against size or error]({picture})", ""] if picture else []),
         TABLES.format(f"{area.name}.json"),
     ]  # fmt: skip
@@ -127,29 +135,29 @@ def _notices(area: AreaResult) -> list[str]:
     return ["## Not measured", "", *(f"- {line}" for line in lines)] if lines else []
 
 
-def _headline(area: AreaResult) -> tuple[str, ...]:
-    if not area.cases:
-        return ("",) * 6
-    case = area.cases[0]
-    ours, *others = case.rows
-    equal = [row for row in others if row.work == "equal" and not row.ours and row.ratio] or [
-        row for row in others if not row.ours and row.ratio
-    ]
-    own = number(ours.error, ".2g")
-    if not equal:
-        return case.name, number(ours.median_ms), "none", "", own, ""
-    peer = min(equal, key=lambda row: row.ratio.median if row.ratio else 0.0)
-    error = number(peer.error, ".2g")
-    return case.name, number(ours.median_ms), f"{peer.label} ({peer.work})", ratio_text(peer.ratio), own, error
+def _headlines(area: AreaResult) -> list[str]:
+    """A row for each case without family and for the largest of each family: ours beside the fastest of equal error."""
+    rates = area.machine.get("rates", {})
+    cases = [case for case in area.cases if not case.family or case is _last_of(area, case.family)]
+    rows = []
+    for case in cases:
+        if case.rows[0].median_ms:
+            alike, rough = case.fastest(alike=True), case.fastest(alike=False)
+            quicker = rough if rough and (rough.median_ms or 0) < (case.ours.median_ms or 0) else None
+            name = case.ours.name if case.ours is not case.rows[0] else ""
+            own = f"{number(case.rows[0].median_ms)}{f'; {number(case.ours.median_ms)} by {name}' if name else ''}"
+            floor = number(case.floor_ms(rates), ".2g")
+            rows.append((case.name, own, _beside(case, alike), _beside(case, quicker), floor))
+    return [*table(HEADLINE, rows), "", HOW_COMPARED, ""] if rows else []
 
 
-def _answer(area: AreaResult) -> str:
-    case, ms, peer, ratio, own, error = _headline(area)
-    if not case:
-        return ""
-    unit = area.cases[0].error_unit
-    beside = f"; {peer} takes {ratio} times that, with an error of {error or 'unknown size'}" if ratio else ""
-    return f"{case}: {ms} ms of processor time, error {own} ({unit}){beside}. "
+def _beside(case: CaseResult, peer: Row | None) -> str:
+    """Another library's row, its time over our least, and whether we are slower."""
+    if peer is None:
+        return "none"
+    ratio = (peer.median_ms or 0.0) / (case.ours.median_ms or 1.0)
+    error = f", error {number(peer.error, '.2g')} for {number(case.rows[0].error, '.2g')}" if peer.error else ""
+    return f"{peer.label}: {ratio:.2f}{' (**not faster**)' if ratio < 0.97 else ''}{error}"
 
 
 def _last_of(area: AreaResult, family: str) -> CaseResult:

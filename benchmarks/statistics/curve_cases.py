@@ -10,6 +10,7 @@ from mpmath import mp
 from scipy import optimize, stats
 
 from benchmarks.bench.case import Case, Size, Way, peer
+from benchmarks.experts import curves
 from benchmarks.nist import (
     Numbers,
     columns,
@@ -28,7 +29,9 @@ A_V, B_V, NOISE_V = 30e-6, 15e-6, 5e-6
 KAPPA, CASR, REPETITION_CV = np.array([7.63, 3.35, 1.11]), np.array([0.186, 0.711, 1.416]), 0.05
 LOG_NUMBERS = ("a", "b", "SE(b)", "adj R2")
 MPMATH = "50-digit arithmetic"
-lmfit, statsmodels_api = peer("lmfit"), peer("statsmodels.api")
+EXP_FLOPS = 20
+"Of one logarithm or exponential of a double, by a polynomial."
+statsmodels_api = peer("statsmodels.api")
 
 
 def log_cases(size: Size) -> Iterator[Case]:
@@ -44,13 +47,15 @@ def log_cases(size: Size) -> Iterator[Case]:
             *_log_peers(force, v, n_fits <= 700),
         )
         name = f"{family}, {n_fits} fits"
-        yield Case(name, n_fits, "fits", ways, _log_error(force, v), "relative", MPMATH, family)
+        least = 8.0 * (2 * v.size + 9 * len(v)), (EXP_FLOPS + 10.0) * v.size
+        yield Case(name, n_fits, "fits", ways, _log_error(force, v), "relative", MPMATH, family, *least)
     grid = np.linspace(0.5, 7, n_points)
     rows = np.tile(grid, (size.pick(10, 700), 1))
     v = _noisy(rows, rng)
     ways = (Way("emg2vsa", "fit_log", lambda: _ours(grid, v), "equal"), *_grid_peers(grid, v))
     name = f"logarithmic fits of 131 points, all on one grid, {len(v)} fits"
-    yield Case(name, len(v), "fits", ways, _log_error(rows, v), "relative", MPMATH)
+    least = 8.0 * (v.size + 9 * len(v)), 6.0 * v.size
+    yield Case(name, len(v), "fits", ways, _log_error(rows, v), "relative", MPMATH, "", *least)
 
 
 def exponential_cases(size: Size) -> Iterator[Case]:
@@ -90,18 +95,11 @@ def _log_peers(force: np.ndarray, v: np.ndarray, few: bool) -> Iterator[Way]:
         fit = stats.linregress(x, y)
         return fit.intercept, fit.slope, fit.stderr, 1 - (1 - fit.rvalue**2) * (x.size - 1) / (x.size - 2)
 
-    yield Way("numpy", "closed form, a and b alone", lambda: _closed_form(force, v), "as used", "no errors, no checks")
-    yield Way("scipy", "linregress, loop", each(linregress), "equal")
+    yield Way("numpy", "expert: closed form", lambda: curves.log_fits(force, v), "equal")
     if not few:
         return
-    if lmfit is not None:
-        line = lmfit.models.LinearModel()
-
-        def by_lmfit(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
-            fit = line.fit(y, x=x, slope=1e-5, intercept=1e-5)
-            return fit.params["intercept"].value, fit.params["slope"].value, fit.params["slope"].stderr
-
-        yield Way("lmfit", "LinearModel, loop", each(by_lmfit, "a", "b", "SE(b)"), "as used", "no adjusted R2")
+    yield Way("numpy", "expert: batched QR", lambda: curves.log_fits_by_qr(force, v), "equal")
+    yield Way("scipy", "linregress, loop", each(linregress), "equal")
     if statsmodels_api is not None:
         yield Way("statsmodels", "OLS, loop", each(_ols), "equal")
 
@@ -112,18 +110,7 @@ def _ols(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
 
 
 def _grid_peers(grid: np.ndarray, v: np.ndarray) -> Iterator[Way]:
-    def lstsq() -> Numbers:
-        columns = np.column_stack([np.ones(grid.size), np.log(grid)])
-        coefficients, residual, _, _ = np.linalg.lstsq(columns, v.T, rcond=None)
-        left = residual / np.sum((v - v.mean(axis=1, keepdims=True)) ** 2, axis=1)
-        return {
-            "a": coefficients[0],
-            "b": coefficients[1],
-            "SE(b)": np.sqrt(residual / (grid.size - 2) * np.linalg.inv(columns.T @ columns)[1, 1]),
-            "adj R2": 1 - left * (grid.size - 1) / (grid.size - 2),
-        }
-
-    yield Way("numpy", "linalg.lstsq, all in one call", lstsq, "equal")
+    yield Way("numpy", "expert: one product for all", lambda: curves.log_fits_on_a_grid(grid, v), "equal")
 
 
 def _refits(name: str, x: np.ndarray, y: np.ndarray, family: str = "", loops: bool = True) -> Case:
@@ -139,28 +126,16 @@ def _refits(name: str, x: np.ndarray, y: np.ndarray, family: str = "", loops: bo
 
         return columns([each(row) for row in x], names)
 
-    ways = [Way("emg2vsa", "fit_exponential, all in one call", ours, "equal")]
+    ways = [
+        Way("emg2vsa", "fit_exponential, all in one call", ours, "equal"),
+        Way("numpy", "expert: p eliminated, Newton's steps", lambda: curves.exponential_fits(x, y), "equal"),
+    ]
     if loops:
         ways.append(Way("scipy", "curve_fit, good start, loop", curve_fit, "equal"))
-    if loops and lmfit is not None:
-        curve = lmfit.models.ExponentialModel()
-
-        def by_lmfit() -> Numbers:
-            fits = [curve.fit(y, x=row, amplitude=8.0, decay=1.0).params for row in x]
-            return columns([(fit["amplitude"].value, -1 / fit["decay"].value) for fit in fits], names)
-
-        ways.append(Way("lmfit", "ExponentialModel, loop", by_lmfit, "equal", "with covariance and report"))
     rows = np.broadcast_to(y, x.shape)
     error = worst_error(lambda: exact_rows(_exact_exponential, names, x, rows, most=2 if len(x) < 100 else 20))
-    return Case(name, len(x), "refits", tuple(ways), error, "relative", MPMATH, family)
-
-
-def _closed_form(force: np.ndarray, v: np.ndarray) -> Numbers:
-    x = np.log(force)
-    mean_x, mean_v = x.mean(axis=1), v.mean(axis=1)
-    dx = x - mean_x[:, None]
-    b = np.einsum("ij,ij->i", dx, v) / np.einsum("ij,ij->i", dx, dx)
-    return {"a": mean_v - b * mean_x, "b": b}
+    moved, flops = 8.0 * (x.size + 2 * len(x)), 3 * (EXP_FLOPS + 12) * float(x.size)
+    return Case(name, len(x), "refits", tuple(ways), error, "relative", MPMATH, family, moved, flops)
 
 
 def _exact_log_fit(force: np.ndarray, v: np.ndarray) -> dict[str, Any]:

@@ -11,6 +11,7 @@ import pandas as pd
 from scipy import stats
 
 from benchmarks.bench.case import Way, peer
+from benchmarks.experts import ranks
 from benchmarks.nist import looped
 
 statsmodels_api, statsmodels_formula = peer("statsmodels.api"), peer("statsmodels.formula.api")
@@ -33,6 +34,7 @@ def f_oneway(design: np.ndarray) -> dict[str, Any]:
 def anova_and_lsd(b: np.ndarray) -> Iterator[Way]:
     frames = tables(b)
 
+    yield Way("numpy", "expert: all in one call", lambda: ranks.anova_and_lsd(b), "equal")
     yield Way("scipy", "f_oneway and LSD by hand, loop", looped(lambda d: f_oneway(d) | _hand_lsd(d), b), "equal")
     if statsmodels_api is not None:
         yield Way("statsmodels", "anova_lm and t_test_pairwise, loop", looped(_anova_of_statsmodels, frames), "equal")
@@ -71,13 +73,7 @@ def _tukeyhsd(table: pd.DataFrame) -> dict[str, Any]:
 
 
 def kruskal_and_pairs(scores: np.ndarray) -> Iterator[Way]:
-    yield Way(
-        "scipy",
-        "kruskal, 3 mannwhitneyu, loop",
-        looped(_kruskal_and_mwu, scores),
-        "as used",
-        "Mann-Whitney pairs for Dunn's",
-    )
+    yield Way("numpy", "expert: all in one call", lambda: ranks.kruskal_and_dunn(scores), "equal")
     frames = tables(scores)
     both = list(zip(scores, frames, strict=True))
     if scikit_posthocs is not None:
@@ -87,12 +83,6 @@ def kruskal_and_pairs(scores: np.ndarray) -> Iterator[Way]:
 def _kruskal(design: np.ndarray) -> dict[str, Any]:
     found = stats.kruskal(*design)
     return {"H": found.statistic, "p": found.pvalue}
-
-
-def _kruskal_and_mwu(design: np.ndarray) -> dict[str, Any]:
-    for first, second in combinations(design, 2):
-        stats.mannwhitneyu(first, second)
-    return _kruskal(design)
 
 
 def _kruskal_and_dunn(both: tuple[np.ndarray, pd.DataFrame]) -> dict[str, Any]:

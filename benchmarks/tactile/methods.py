@@ -64,10 +64,12 @@ def dense() -> list[Method]:
     return [
         Method("casr", "Horn-Schunck", _whole),
         Method("casr", "Horn-Schunck, contact only", _contact_only, note="a square around the contact"),
+        Method("OpenCV", "expert: DIS, every second pixel, patches of 8 at 6", _tuned_dis(None)),
+        Method(
+            "OpenCV", "expert: DIS, the same around the contact", _tuned_dis(24), note="a square around the contact"
+        ),
         Method("OpenCV", "DIS ultrafast", _dis(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)),
-        Method("OpenCV", "DIS fast", _dis(cv2.DISOPTICAL_FLOW_PRESET_FAST)),
         Method("OpenCV", "DIS medium", _dis(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)),
-        Method("OpenCV", "Farneback, window 15", _farneback),
         Method("scikit-image", "TV-L1", _tvl1, slow=True, needs="skimage"),
     ]
 
@@ -77,9 +79,14 @@ def on_pins() -> list[Method]:
     return [
         Method("casr", "pins followed", _followed),
         Method("casr", "pins found in both frames", _detected, note="finds all pins twice"),
+        Method("OpenCV", "expert: PyrLK on all pins, window 13, 2 levels", _pyrlk(13, 1)),
+        Method("OpenCV", "PyrLK on all pins, window 15, 3 levels", _pyrlk(15, 2)),
         Method("OpenCV", "PyrLK on all pins, default", _pyrlk(21, 3)),
         Method(
-            "OpenCV", "PyrLK on the contact's pins", _pyrlk(11, 1, contact_only=True), note="the contact's pins alone"
+            "OpenCV",
+            "expert: PyrLK on the contact's pins",
+            _pyrlk(13, 1, contact_only=True),
+            note="the contact's pins alone",
         ),
     ]
 
@@ -158,10 +165,28 @@ def _pyrlk(window_px: int, most_level: int, *, contact_only: bool = False) -> Pr
     return prepare
 
 
-def _farneback(first: Image, second: Image, core: Region) -> Run:
-    settings = {"pyr_scale": 0.5, "levels": 3, "winsize": 15, "iterations": 3, "poly_n": 5, "poly_sigma": 1.2}
-    call: Any = cv2.calcOpticalFlowFarneback
-    return lambda: call(first, second, flow=None, flags=0, **settings)
+def _tuned_dis(margin_px: int | None) -> Prepare:
+    """DIS whose finest grid is every second pixel, searched for eight steps, and which smooths nothing; of the square
+    around the contact alone where a margin is given."""
+
+    def prepare(first: Image, second: Image, core: Region) -> Run:
+        top, left, bottom, right = (0, 0, *first.shape)
+        if margin_px is not None:
+            top, left, bottom, right = core.scaled(CONTACT_OVER_CORE).box(first.shape, margin_px=margin_px)
+        square = slice(top, bottom), slice(left, right)
+        flow: Any = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)
+        flow.setFinestScale(1)
+        flow.setPatchStride(6)
+        flow.setGradientDescentIterations(8)
+        found = np.zeros((*first.shape, 2), np.float32)
+
+        def run() -> NDArray[np.float32]:
+            found[square] = flow.calc(first[square].copy(), second[square].copy(), None)
+            return found
+
+        return run
+
+    return prepare
 
 
 def _tvl1(first: Image, second: Image, core: Region) -> Run:

@@ -73,7 +73,7 @@ def test_no_way_of_another_library_fails() -> None:
 
 TACTILE = {
     "pins": {"": 0.5},
-    "flow": {"casr": 0.5, "Farneback": 1.0, "DIS": 6.0},
+    "flow": {"casr": 0.5, "expert": 3.0, "DIS": 6.0},
     "growth": {"pin-affine": 1.0, "horn-schunck": 2.0, "dis": 8.0},
     "area": {"edge": 1.0, "": 2000.0},
     "scoring": {"front": 4.0, "": 150.0},
