@@ -11,7 +11,7 @@ import hashlib
 import json
 import re
 from collections.abc import Sequence
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -63,7 +63,7 @@ def _write_recording(people: Sequence[Person], folder: Path, taken: Taken) -> li
     """The file of a recording below ``folder``."""
     entry, part = taken.entry, taken.part
     sources = [path for path in (part.emg_file, part.force_file) if path is not None]
-    start, told = _start(taken.roles.began)
+    start, told = _start(taken.roles.began, taken.start_s)
     said = f"Surface EMG and pressing force of a person who pressed the specimen {entry.specimen or 'n/a'}. {told}"
     file = _file(
         said.strip(), sources, start, session_id=taken.name.stem,
@@ -139,16 +139,16 @@ def _file(said: str, sources: Sequence[Path], start: datetime, **more: str) -> N
     )  # fmt: skip
 
 
-def _start(began: str) -> tuple[datetime, str]:
-    """When a recording began, as its file states it, and what is to be said of that."""
+def _start(began: str, start_s: float) -> tuple[datetime, str]:
+    """When the first sample was, by when the file's time 0 was as it states it; and what is to be said of that."""
     try:
         start = datetime.fromisoformat(began.removesuffix(" UTC").strip())
     except ValueError:
         return _UNKNOWN_START, "The file does not state when it began; 1970-01-01 stands for that."
     if start.tzinfo is None:
         told = "" if began.endswith("UTC") else "The file states no time zone; UTC stands for it."
-        return start.replace(tzinfo=UTC), told
-    return start, ""
+        return start.replace(tzinfo=UTC) + timedelta(seconds=start_s), told
+    return start + timedelta(seconds=start_s), ""
 
 
 def _subject(label: str, person: Person) -> Subject:

@@ -51,6 +51,15 @@ class Body:
         found = {column: np.array(frame[column].to_numpy(), dtype=np.float64) for column in wanted}
         return {column: found.get(column, np.empty(0)) for column in names}
 
+    def texts(self, column: int) -> list[str]:
+        """The cells of a column as they are written, "" for blank ones."""
+        self._refuse_long_rows()
+        try:
+            frame = self._parse([column], {"dtype": str})
+        except ValueError as error:
+            raise self._no_table(error) from error
+        return [str(cell) for cell in frame[column].fillna("")]
+
     def _parse(self, wanted: list[int], how: Mapping[str, Any]) -> pd.DataFrame:
         return pd.read_csv(  # type: ignore[call-overload, no-any-return]
             io.BytesIO(self.data),
@@ -94,15 +103,20 @@ class Body:
         # several times quicker than bytes.count where the sign is frequent
         return int(np.count_nonzero(np.frombuffer(self.data, np.uint8) == sign[0]))
 
+    def _no_table(self, error: ValueError) -> RecordingError:
+        return RecordingError(
+            f"{self.path}, from line {self.first_line}",
+            wanted="a table of numbers",
+            found=str(error),
+            do="Look for an open quotation mark near that row, or export the file again.",
+        )
+
     def _no_number(self, names: Mapping[int, str]) -> RecordingError:
         wanted = sorted(column for column in names if column < self.n_fields)
         try:
             frame = self._parse(wanted, {"dtype": str})
         except ValueError as error:
-            return RecordingError(
-                f"{self.path}, from line {self.first_line}", wanted="a table of numbers", found=str(error),
-                do="Look for an open quotation mark near that row, or export the file again.",
-            )  # fmt: skip
+            return self._no_table(error)
         foreign = "." if self.dialect.decimal == "," else ","
         first: tuple[int, int] | None = None
         for column in wanted:

@@ -45,11 +45,6 @@ _BEGINNINGS: tuple[tuple[int, Sequence[bytes], str, str], ...] = (
 )
 _TEXTS: tuple[tuple[re.Pattern[bytes], str, str], ...] = (
     (re.compile(rb"ID;P[^\r\n]*[\r\n]+[BCEFOP];"), "a SYLK sheet (.slk), as Noraxon exports", _NORAXON),
-    (
-        re.compile(rb'"?type"?\s*;\s*"?begin_time"?\s*;\s*"?frequency', re.IGNORECASE),
-        "a Noraxon CSV, whose table stands below a preamble",
-        "Delete the lines above the row 'time; ...' and call it 'time (s)'; or " + _NORAXON[0].lower() + _NORAXON[1:],
-    ),
     (re.compile(rb"\s*(<!doctype html|<html)", re.IGNORECASE), "a web page", _CHOOSE),
     (re.compile(rb"\s*<\?xml|\s*<FTSensor", re.IGNORECASE), "an XML file", _CHOOSE),
     (re.compile(rb'\s*\{(?!.*"continuous")', re.DOTALL), "a JSON file", _CHOOSE),

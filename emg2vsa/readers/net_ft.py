@@ -19,7 +19,8 @@ from emg2vsa.errors import RecordingError
 from emg2vsa.readers.cells import Body
 from emg2vsa.readers.on_demand import OnDemand, Track, counted
 from emg2vsa.readers.opened import Contents
-from emg2vsa.readers.plain_csv import SNIFFED_ROWS, widest
+from emg2vsa.readers.plain_csv import widest
+from emg2vsa.readers.table_head import SNIFFED_ROWS
 from emg2vsa.readers.text_file import Dialect, open_text, without_cut_line
 from emg2vsa.readers.units import canonical
 

@@ -20,7 +20,8 @@ from emg2vsa.errors import RecordingError
 from emg2vsa.readers.cells import Body
 from emg2vsa.readers.on_demand import CountedRows, OnDemand, Track, counted
 from emg2vsa.readers.opened import Contents, unique_names
-from emg2vsa.readers.plain_csv import SNIFFED_ROWS, widest
+from emg2vsa.readers.plain_csv import widest
+from emg2vsa.readers.table_head import SNIFFED_ROWS
 from emg2vsa.readers.text_file import open_text, sniff, without_cut_line
 
 COUNTER = "nSeq"

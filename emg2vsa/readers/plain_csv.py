@@ -1,25 +1,28 @@
 """Plain CSV: a header row of channel names, units in brackets or after an underscore if any, and a time column.
 
 ``EMG (mV)``, ``Fz [N]``, ``EDC_mV``; a time column is called time, t, timestamp or X[s], with its unit in brackets or
-after an underscore (``time_ms``). Channels belong to the nearest time column on their left: a file may hold several
-clocks. Without a time column the rate is unknown, and the study must state it. Lines that begin with ``#`` before the
-header are comments.
+after an underscore (``time_ms``), or holds stamps with a date or a time of day. Channels belong to the nearest time
+column on their left: a file may hold several clocks. Without a time column the rate is what a line above the names
+states, or unknown, and the study must state it. Lines that begin with ``#`` before the header are comments; what stands
+above the names, and a row of units below them, is found by ``table_head``.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.cells import Body
 from emg2vsa.readers.opened import Contents, unique_names
+from emg2vsa.readers.table_head import SNIFFED_ROWS, head_of_table
 from emg2vsa.readers.text_file import Dialect, Line, TextFile, open_text, sniff, without_cut_line
+from emg2vsa.readers.time_stamps import are_stamps, date_of
 from emg2vsa.readers.timed_columns import Column, TimedColumns
 from emg2vsa.readers.units import is_glued, seconds_per, split_unit
 
-SNIFFED_ROWS = 50
 _NUMBER = re.compile(r"[+-]?[.,]?\d[\d.,]*(e[+-]?\d+)?|nan|n/a", re.IGNORECASE)
 _TIME = re.compile(
     r"(time|times|t|x|timestamps?|elapsed[ _]time|zeit|temps|tempo|tiempo|tijd|tid)(?:_(s|ms|us|min))?", re.IGNORECASE
@@ -29,25 +32,32 @@ _TIME = re.compile(
 def open_recording(path: Path) -> TimedColumns:
     """Validate header, dialect and time column. Raises RecordingError; cells are checked when they are read."""
     text, cut = without_cut_line(open_text(path))
-    header, rows = header_and_rows(text)
-    body_data = text.data[header.end :]
+    head = head_of_table(text)
+    if head is None:
+        raise _no_rows(text, text.filled_lines(2))
+    header, rows = head.names, head.rows
+    body_data = text.data[head.begin :]
     dialect = sniff(path, header, rows, body_data)
-    labels = dialect.split(header.text)
+    labels = head.labels(dialect)
     _refuse_prose(path, header, rows, dialect)
     allowed = checked_width(path, dialect, labels, rows)
     channels = _columns(path, header, labels, [dialect.split(row.text) for row in rows], dialect.decimal)
+    if all(column.time_index is None for column in channels):
+        channels = tuple(replace(column, fs_hz=head.fs_hz) for column in channels)
+    names = dialect.split(header.text)
     contents = Contents(
         tuple(c.name for c in channels),
-        {labels[c.index]: i for i, c in reversed(list(enumerate(channels)))},
-        (*cut, *filter(None, [dialect.note])),
+        {spelt: i for i, c in reversed(list(enumerate(channels))) for spelt in (labels[c.index], names[c.index])},
+        (*cut, *head.notes, *filter(None, [dialect.note])),
+        next((date for cell in dialect.split(rows[0].text) if are_stamps([cell]) for date in [date_of(cell)]), ""),
     )
-    body = Body(path, body_data, header.number + 1, dialect, widest(dialect, rows), allowed)
+    body = Body(path, body_data, head.number, dialect, widest(dialect, rows), allowed)
     return TimedColumns(path, contents, body, channels, shared_length=True)
 
 
 def _refuse_prose(path: Path, header: Line, rows: Sequence[Line], dialect: Dialect) -> None:
     """A readme, a licence or a table of words is no damaged recording: say so before its columns are discussed."""
-    cells = [cell for row in rows for cell in dialect.split(row.text) if cell]
+    cells = [cell for row in rows for cell in dialect.split(row.text) if cell and not are_stamps([cell])]
     if 2 * sum(_NUMBER.fullmatch(cell) is not None for cell in cells) < len(cells):
         text = " ".join(header.text.split())
         raise RecordingError(
@@ -60,13 +70,13 @@ def header_and_rows(text: TextFile, start: int = 0, number: int = 1) -> tuple[Li
     """The header line and the first data lines."""
     lines = text.filled_lines(SNIFFED_ROWS + 1, start, number)
     if len(lines) < 2:
-        raise RecordingError(
-            text.path,
-            wanted="a header row and data",
-            found=f"{len(lines)} filled lines",
-            do="Export the recording again.",
-        )
+        raise _no_rows(text, lines)
     return lines[0], lines[1:]
+
+
+def _no_rows(text: TextFile, lines: Sequence[Line]) -> RecordingError:
+    found, do = f"{len(lines)} filled lines", "Export the recording again."
+    return RecordingError(text.path, wanted="a header row and data", found=found, do=do)
 
 
 def widest(dialect: Dialect, rows: Sequence[Line]) -> int:
@@ -102,7 +112,9 @@ def time_unit_s(label: str) -> tuple[bool, float | None]:
 def _columns(
     path: Path, header: Line, labels: Sequence[str], rows: Sequence[Sequence[str]], decimal: str
 ) -> tuple[Column, ...]:
-    times = [time_unit_s(label) for label in labels]
+    table = [[row[i] if i < len(row) else "" for row in rows] for i in range(len(labels))]
+    stamped = [are_stamps(cells) for cells in table]
+    times = [(True, 1.0) if stamps else time_unit_s(label) for label, stamps in zip(labels, stamped, strict=True)]
     clocks = [i for i, (is_time, _) in enumerate(times) if is_time]
     found = [(i, *split_unit(label, glued=True)) for i, label in enumerate(labels) if not times[i][0] and label]
     if not found:
@@ -118,8 +130,9 @@ def _columns(
         clock = max((c for c in clocks if c < i), default=clocks[0] if clocks else None)
         notes = (f"{labels[i]}: the unit {unit} was taken from the end of its name.",) if is_glued(labels[i]) else ()
         unit_s = times[clock][1] if clock is not None else 1.0
-        decimals = None if clock is None else _decimals([row[clock] for row in rows if clock < len(row)], decimal)
-        columns.append(Column(name, unit, i, clock, unit_s, decimals=decimals, notes=notes))
+        decimals = None if clock is None else _decimals(table[clock], decimal)
+        is_stamped = clock is not None and stamped[clock]
+        columns.append(Column(name, unit, i, clock, unit_s, decimals=decimals, stamped=is_stamped, notes=notes))
     return tuple(columns)
 
 
@@ -127,4 +140,6 @@ def _decimals(cells: Sequence[str], decimal: str) -> int | None:
     """Most digits behind the decimal sign; None for numbers with an exponent, whose last digit moves."""
     if any("e" in cell.lower() for cell in cells):
         return None
-    return max((len(cell.partition(decimal)[2]) for cell in cells), default=0)
+    # a stamp may end in a time zone
+    fractions = [re.split(r"[^\d]", cell.partition(decimal)[2])[0] for cell in cells]
+    return max(map(len, fractions), default=0)

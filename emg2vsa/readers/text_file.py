@@ -114,7 +114,7 @@ def sniff(path: Path, header: Line | None, rows: Sequence[Line], body: bytes) ->
 
     Raises RecordingError where decimal points and decimal commas are mixed, and where a sign may group thousands.
     """
-    separator = _separator(header, rows)
+    separator = separator_of(header, rows)
     plain = Dialect(separator, ".")
     cells = [cell for row in rows for cell in plain.split(row.text)]
     commas, points = any(map(_COMMA.fullmatch, cells)), any(map(_POINT.fullmatch, cells))
@@ -157,7 +157,7 @@ def _grouped(cells: Sequence[str], dialect: Dialect) -> bool:
     return all(kind) and any(match[1] is not None for match in kind if match)
 
 
-def _separator(header: Line | None, rows: Sequence[Line]) -> str:
+def separator_of(header: Line | None, rows: Sequence[Line]) -> str:
     """The first of ; tab , that splits every line into two cells or more; else whitespace or a single column."""
     lines = [line.text for line in ([header] if header else []) + list(rows)]
     for candidate in (";", "\t", ","):

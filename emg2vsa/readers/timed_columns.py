@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.cells import Body
 from emg2vsa.readers.opened import Contents, StoredChannel
+from emg2vsa.readers.time_stamps import seconds_of
 from emg2vsa.readers.timing import even_clock
 from emg2vsa.recordings import ChannelInfo
 
@@ -36,7 +37,8 @@ class Column:
     fs_hz : the rate the file states. start_s : start it states. expected : number of samples it states.
     digits : significant digits of the time stamps, where the format is known to round them.
     decimals : digits behind the point that the time stamps are written with, where that was looked at.
-    scale : ``unit`` in one stored number. notes : about the channel as such.
+    scale : ``unit`` in one stored number. stamped : the time is written with a date or as a time of day.
+    notes : about the channel as such.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Column:
     digits: int | None = None
     decimals: int | None = None
     scale: float = 1.0
+    stamped: bool = False
     notes: tuple[str, ...] = ()
 
 
@@ -82,8 +85,13 @@ class TimedColumns:
 
     def _cells(self, asked: Sequence[Column]) -> Cells:
         names = {column.index: column.name for column in asked}
-        names |= {c.time_index: f"time of {c.name}" for c in asked if c.time_index is not None}
-        return self.body.columns(names)
+        names |= {c.time_index: f"time of {c.name}" for c in asked if c.time_index is not None and not c.stamped}
+        stamped = {c.time_index: f"time of {c.name}" for c in asked if c.time_index is not None and c.stamped}
+        cells = self.body.columns(names)
+        for index, name in stamped.items():
+            where = f"{self.path}, column {name!r}"
+            cells[index] = seconds_of(self.body.texts(index), where, self.body.line)
+        return cells
 
     def _channel(self, column: Column, cells: Cells, clocks: _Clocks) -> StoredChannel:
         samples = cells[column.index]

@@ -67,7 +67,7 @@ def split_unit(label: str, *, glued: bool = False) -> tuple[str, str | None]:
     if square:
         return square[1].strip(), canonical(square[2]) or None
     round_ = re.fullmatch(r"(.*?)\s*\(([^()]*)\)", label.strip())
-    if round_ and (not round_[2].strip() or _is_unit(round_[2])):
+    if round_ and (not round_[2].strip() or is_unit(round_[2])):
         return round_[1].strip(), canonical(round_[2]) or None
     if glued and is_glued(label):
         name, _, unit = label.strip().rpartition("_")
@@ -75,6 +75,7 @@ def split_unit(label: str, *, glued: bool = False) -> tuple[str, str | None]:
     return label.strip(), None
 
 
-def _is_unit(text: str) -> bool:
+def is_unit(text: str) -> bool:
+    """Whether it is a unit of anything that is recorded."""
     unit = canonical(text)
     return unit in _OTHER or si_factor(unit) is not None or seconds_per(unit) is not None

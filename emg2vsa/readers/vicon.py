@@ -16,7 +16,8 @@ import numpy as np
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.cells import Body
 from emg2vsa.readers.opened import Contents, unique_names
-from emg2vsa.readers.plain_csv import SNIFFED_ROWS, widest
+from emg2vsa.readers.plain_csv import widest
+from emg2vsa.readers.table_head import SNIFFED_ROWS
 from emg2vsa.readers.text_file import Dialect, Line, TextFile, open_text, sniff, without_cut_line
 from emg2vsa.readers.timed_columns import Column, TimedColumns
 from emg2vsa.readers.units import canonical

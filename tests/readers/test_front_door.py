@@ -247,9 +247,6 @@ def _zip(name: str) -> bytes:
     return packed.getvalue()
 
 
-NORAXON = (
-    'type;begin_time;frequency;count\r\n"record";"0,00000";2000.4;42520\r\n\r\ntime;BICEPS (uV)\r\n0,00000;1,5\r\n'
-)
 CASES = {
     "picture.png": (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + bytes(40), r"a picture \(PNG\)"),
     "press.c3d": (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + bytes(40), r"a picture \(PNG\)"),
@@ -261,7 +258,6 @@ CASES = {
     "cut.zip": (_zip("press.csv")[:40], r"a packed file \(ZIP\)"),
     "a.csv.gz": (b"\x1f\x8b\x08\0" + bytes(20), "a packed file"),
     "a.slk": (b"ID;PWXL;N;E\r\nP;PGeneral\r\nC;Y1;X1;K0\r\nE\r\n", r"a SYLK sheet.*In Noraxon MR: Export"),
-    "noraxon.csv": (NORAXON.encode(), r"a Noraxon CSV.*in Noraxon MR: Export"),
     "page.htm": (b"<!DOCTYPE html><html>", "a web page"),
     "a.xls": (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(50), "an old Excel"),
     "a.npy": (b"\x93NUMPY\x01\0", "a NumPy array"),

@@ -125,7 +125,7 @@ def test_a_second_time_column_governs_the_columns_after_it(tmp_path: Path) -> No
                                                   r"semicolons"),
         ("time (s);EDC (mV)\n0,1;1.5\n0,2;1.7\n", "decimal points and decimal commas"),
         ("time (s),EDC (mV)\n" + "0,1\n" * 99 + "0.099,1,5\n", r"line 101: expected 2 cells, but found 3"),
-        ("time (s),EDC (mV)\n10:32:01.5,1\n10:32:01.6,1\n", r"line 2, column 'time of EDC': expected a number"),
+        ("time (s),EDC (mV)\n10:32:01.5,1\n10:32:01.6,1\nx,2\n", r"line 2, column 'time of EDC': expected a number"),
         ("time (s),EDC (mV)\n0,1\n0.001,2\n0.001,3\n0.002,4\n", "line 4: .*same stamp again"),
         ("time (s),EDC (mV)\n0,1\n0.001,2\n0.002,3\n0.009,4\n0.010,3\n", "line 5: .*a gap of 0.007 s"),
         ("time (s),EDC (mV)\n0,1\n0.001,\n0.002,nan\n0.003,3\n", r"'EDC': .*, but found nan at sample 1 \(0.001 s; 2 "
@@ -252,3 +252,115 @@ def test_thousands_with_a_separator_are_refused(tmp_path: Path, sign: str) -> No
 @pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])
 def test_utf_16_without_a_mark(tmp_path: Path, encoding: str) -> None:
     check(write(tmp_path, table("time (s),EDC (mV),Fz (N)"), encoding))
+
+
+# What stands around a table
+
+
+INSTRUMENT = (
+    'Instron Bluehill\nOperator,"Anna, K."\nSpecimen label,S1\nGauge length,30,mm\nDate,2026-05-02 10:00:00\n\n',
+    "Subject: P01\nTrial 3 of 10\nSampling rate: 2000 Hz\n",
+    'type,begin_time,frequency,count\n"record",0.00000,2000.4,42520\n\n',
+    "words,more words\n1000\n",
+)
+
+
+@pytest.mark.parametrize("above", INSTRUMENT)
+@pytest.mark.parametrize("units", [False, True])
+@pytest.mark.parametrize(("separator", "decimal"), [(",", "."), (";", ","), ("\t", ".")])
+def test_lines_above_the_names_and_a_row_of_units(
+    tmp_path: Path, above: str, units: bool, separator: str, decimal: str
+) -> None:
+    header = "\n".join(["time,EDC,Fz", "s,mV,N"]) if units else "time (s),EDC (mV),Fz (N)"
+    text = above.replace(",", separator) + table(header.replace(",", separator), separator, decimal)
+    path = write(tmp_path, text)
+    check(path)
+    assert any("above the names" in note for note in read(path, ["EDC"]).notes)
+
+
+@pytest.mark.parametrize("row", ["[s],[mV],[N]", "(s),(mV),(N)", "Seconds,Millivolts,Newtons", "sec,mV,N,"])
+def test_a_row_of_units_under_the_names(tmp_path: Path, row: str) -> None:
+    check(write(tmp_path, table(f"Time,EDC,Fz\n{row}")))
+
+
+def test_a_rate_stated_above_a_table_without_times(tmp_path: Path) -> None:
+    rows = "".join(f"{i % 7}.5,{i}\n" for i in range(50))
+    path = write(tmp_path, f"Sampling frequency [Hz]: 1,5 kHz\nEMG,Fz\nmV,N\n{rows}")
+    recording = read(path, ["EMG", "Fz"])
+    assert [(c.fs_hz, c.unit) for c in recording.channels] == [(1500.0, "V"), (1500.0, "N")]
+    two = write(tmp_path, f"Sampling rate: 1000\nSampling rate: 2000\nEMG,Fz\nmV,N\n{rows}")
+    with pytest.raises(RecordingError, match="expected a sampling rate"):
+        read(two, ["EMG"])
+
+
+def test_a_damaged_first_row_is_no_header(tmp_path: Path) -> None:
+    rows = "".join(f"0.{i:03},{i}\n" for i in range(1, 30))
+    with pytest.raises(RecordingError, match=r"line 2, column 'EDC': expected a number, but found 'oops'"):
+        read(write(tmp_path, f"time (s),EDC (mV)\n0.000,oops\n{rows}"), ["EDC"])
+    with pytest.raises(RecordingError, match=r"line 2.*expected a number"):
+        read(write(tmp_path, f"time (s),EDC (mV)\nstart,oops\n{rows}"), ["EDC"])
+
+
+# Time stamps
+
+
+def stamped(form: str, start: str, n: int = 60, separator: str = ",") -> str:
+    import pandas as pd
+
+    times = pd.date_range(start, periods=n, freq="5ms")
+    rows = [f"{time.strftime(form)[:-3]}{separator}{i}.25" for i, time in enumerate(times)]
+    return "\n".join([f"Timestamp{separator}Fz (N)", *rows]) + "\n"
+
+
+@pytest.mark.parametrize(
+    "form", ["%Y-%m-%dT%H:%M:%S.%f", "%Y-%m-%d %H:%M:%S.%f", "%Y/%m/%d %H:%M:%S.%f", "%H:%M:%S.%f"]
+)
+@pytest.mark.parametrize("start", ["2026-05-02 10:00:00.125", "2026-05-02 23:59:59.900"])
+def test_stamps_with_a_date_or_a_time_of_day_are_a_clock(tmp_path: Path, form: str, start: str) -> None:
+    (channel,) = read(write(tmp_path, stamped(form, start)), ["Fz"]).channels
+    assert channel.fs_hz == pytest.approx(200.0, rel=1e-9)
+    assert channel.start_s == pytest.approx(36000.125 if "10:00" in start else 86399.9, abs=1e-6)
+    assert channel.samples.size == 60
+
+
+@pytest.mark.parametrize("zone", ["Z", "+00:00", " UTC"])
+def test_stamps_may_name_their_zone_and_have_decimal_commas(tmp_path: Path, zone: str) -> None:
+    text = stamped("%Y-%m-%dT%H:%M:%S.%f", "2026-05-02 10:00:00", separator=";").replace(".", ",")
+    text = text.replace(";", f"{zone};").replace(f"Timestamp{zone}", "Timestamp")
+    (channel,) = read(write(tmp_path, text), ["Fz"]).channels
+    assert (channel.fs_hz, channel.start_s, channel.samples[1]) == (200.0, 36000.0, 1.25)
+
+
+def test_a_gap_in_stamps_is_refused_with_its_line(tmp_path: Path) -> None:
+    lines = stamped("%H:%M:%S.%f", "2026-05-02 10:00:00").splitlines()
+    text = "\n".join(lines[:30] + lines[33:]) + "\n"
+    with pytest.raises(RecordingError, match=r"line 31: expected one sample every 0.005 s, but found a gap of 0.02 s"):
+        read(write(tmp_path, text), ["Fz"])
+
+
+@pytest.mark.parametrize(
+    ("cell", "said"), [("25:00:00.000", "expected a time stamp"), ("noon", "such as those above it, but found 'noon'")]
+)
+def test_a_wrong_stamp_is_refused_with_its_line(tmp_path: Path, cell: str, said: str) -> None:
+    lines = stamped("%H:%M:%S.%f", "2026-05-02 10:00:00").splitlines()
+    lines[55] = f"{cell},1"
+    with pytest.raises(RecordingError, match=rf"line 56: .*{said}"):
+        read(write(tmp_path, "\n".join(lines) + "\n"), ["Fz"])
+
+
+def test_two_files_of_one_day_share_a_clock_and_of_two_days_do_not(tmp_path: Path) -> None:
+    from emg2vsa.readers.roles import read_roles
+    from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings
+
+    emg, force = EmgChannelSettings(name="Fz", unit="mV"), ForceChannelSettings(name="Fz")
+    channels = ChannelSettings(emg={"EDC": emg}, force=force)
+    one, later, other = tmp_path / "emg.csv", tmp_path / "force.csv", tmp_path / "next.csv"
+    form = "%Y-%m-%d %H:%M:%S.%f"
+    one.write_text(stamped(form, "2026-05-02 10:00:00").replace(" (N)", ""))
+    later.write_text(stamped(form, "2026-05-02 10:00:00.100"))
+    other.write_text(stamped(form, "2026-05-03 10:00:00.100"))
+    found = read_roles(one, later, channels)
+    assert found.force.start_s - found.emg["EDC"].start_s == pytest.approx(0.1, abs=1e-9)
+    assert not any("began at" in note for note in found.notes)
+    notes = read_roles(one, other, channels).notes
+    assert any("EMG file states that it began at 2026-05-02, the force file at 2026-05-03" in note for note in notes)
