@@ -43,6 +43,18 @@ def test_a_press_of_the_closed_loop(tmp_path: Path) -> None:
     assert native["scores"] == pytest.approx(oldest["scores"], rel=RELATIVE, nan_ok=True)
 
 
+@pytest.mark.slow
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="these are kernels of x86-64")
+def test_another_kernel_of_blas_moves_no_score_of_a_press(tmp_path: Path) -> None:
+    kernels = {}
+    for kernel in ("Haswell", "Nehalem"):
+        (tmp_path / kernel).mkdir()
+        kernels[kernel] = _press(tmp_path / kernel, {"OPENBLAS_CORETYPE": kernel})
+    one, other = kernels.values()
+    assert one["files"] == other["files"]
+    assert one["scores"] == pytest.approx(other["scores"], rel=1e-10, nan_ok=True)
+
+
 def _press(folder: Path, baseline: dict[str, str]) -> dict[str, Any]:
     found: dict[str, Any] = json.loads(under(baseline, "-c", PRESS, str(folder)))
     assert len(found["scores"]) >= 8
