@@ -17,6 +17,7 @@ from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSe
 
 SLOWEST_EMG_HZ, SLOWEST_FORCE_HZ, _FASTEST_HZ = 10.0, 2.0, 200e3
 """Rates beyond which a column of time is misread: 1000 Hz in milliseconds that are labelled seconds reads as 1 Hz."""
+_FEWEST_SAMPLES = 6
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,7 @@ def read_roles(
         *((emg_open.path, channel, SLOWEST_EMG_HZ) for channel in emg_stored),
         *((force_open.path, channel, SLOWEST_FORCE_HZ) for channel in force_stored),
     ]:
+        refuse_short(path, channel)
         refuse_rate(path, channel, slowest)
     emg = {
         role: emg_in_v(emg_open.path, stored, settings)
@@ -84,6 +86,15 @@ def read_roles(
     _refuse_disjoint(emg_open.path, emg, force_open.path, force)
     notes = _notes(emg_open, force_open, [*emg_stored, *force_stored])
     return RoleChannels(emg, force, name, (*notes, *said, *aligned), emg_open.contents.started)
+
+
+def refuse_short(path: Path, stored: StoredChannel) -> None:
+    """Fewer samples than any filter needs are no recording."""
+    if stored.samples.size < _FEWEST_SAMPLES:
+        raise RecordingError(
+            f"{path}, channel {stored.name!r}", wanted=f"a recording of {_FEWEST_SAMPLES} samples or more",
+            found=str(stored.samples.size), do="Export the recording whole, or choose another file.",
+        )  # fmt: skip
 
 
 def refuse_rate(path: Path, stored: StoredChannel, slowest_hz: float) -> None:
@@ -108,6 +119,8 @@ def read_emg(emg_file: Path, channels: ChannelSettings, reading: ReadingSettings
     _, opened = open_recording(emg_file, reading or ReadingSettings())
     wanted = channels.emg.values()
     stored = load_named(opened, [one.name for one in wanted], [one.fs_hz for one in wanted])
+    for channel in stored:
+        refuse_short(opened.path, channel)
     return {
         role: emg_in_v(opened.path, one, settings)
         for (role, settings), one in zip(channels.emg.items(), stored, strict=True)

@@ -152,3 +152,23 @@ def test_a_mass_is_no_force_but_says_which(tmp_path: Path) -> None:
     path = write(tmp_path, "a.csv", "time (s),e1 (mV),Fz (kg)")
     with pytest.raises(RecordingError, match=r"found unit 'kg'. kg is a mass; .* state unit = .kgf"):
         read_roles(path, None, wanted(EDC=EmgChannelSettings(name="e1")))
+
+
+@pytest.mark.parametrize("n", [2, 5])
+def test_a_record_too_short_for_any_filter_is_refused(tmp_path: Path, n: int) -> None:
+    path = write(tmp_path, "a.csv", "time (s),e1 (mV),e2 (mV),Fz (N)", n=n)
+    with pytest.raises(RecordingError, match=f"'e1': expected a recording of 6 samples or more, but found {n}"):
+        read_roles(path, None, wanted())
+    force = write(tmp_path, "force.csv", "time (s),Fz (N)", n=n)
+    emg = write(tmp_path, "emg.csv", "time (s),e1 (mV),e2 (mV)")
+    with pytest.raises(RecordingError, match=f"'Fz': expected a recording of 6 samples or more, but found {n}"):
+        read_roles(emg, force, wanted())
+
+
+def test_an_empty_record_and_an_infinite_sample_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="expected a header row and data, but found 1 filled lines"):
+        read_roles(write(tmp_path, "a.csv", "time (s),e1 (mV),e2 (mV),Fz (N)", n=0), None, wanted())
+    path = write(tmp_path, "b.csv", "time (s),e1 (mV),e2 (mV),Fz (N)")
+    path.write_text(path.read_text().replace(",8,8,8\n", ",8,8,inf\n"))
+    with pytest.raises(RecordingError, match=r"'Fz': expected finite samples, but found inf at sample 7 \(0.007 s"):
+        read_roles(path, None, wanted())
