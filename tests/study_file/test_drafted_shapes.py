@@ -16,7 +16,7 @@ NAMES = {
     "person and specimen": ["ama_hard.csv", "ama_soft.csv", "bob_hard.csv", "bob_soft.csv"],
     "folders": ["P01/S1.csv", "P01/S2.csv", "P02/S1.csv", "P02/S2.csv"],
     "repetitions": [f"{p}_{s}_{r}.csv" for p in ("P1", "P2") for s in ("S1", "S2") for r in (1, 2, 3)],
-    "dates": [f"2026-05-0{i}_{p}_{s}.csv" for i, p, s in ((2, "ama", "a"), (3, "ama", "b"), (4, "bob", "a"), (5, "bob", "b"))],
+    "dates": [f"2026-05-0{i}_{p}_{s}.csv" for i, p, s in ((2, "ama", "a"), (3, "ama", "b"), (4, "bob", "a"))],
     "one person": ["S1.csv", "S2.csv", "S3.csv"],
     "one specimen": ["ama.csv", "bob.csv", "cleo.csv"],
     "one file": ["recording.csv"],
