@@ -189,7 +189,7 @@ def test_streams_that_cannot_be_used(pylsl: Any, clock: WallClock, monkeypatch: 
 
 def test_without_pylsl(clock: WallClock, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pylsl", None)
-    with pytest.raises(DeviceError, match=r'session\.force\.kind = "lsl": expected the extra.*emg2vsa\[lsl\]'):
+    with pytest.raises(DeviceError, match=r'session\.force\.kind = "lsl": expected the extra.*"\.\[lsl\]"'):
         LslSource("force", {"force": None}, clock)
 
 
