@@ -14,7 +14,7 @@ from typing import Any, TypeVar, cast
 import numpy as np
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.errors import SettingError
+from emg2vsa.errors import SettingError, install_extra
 from emg2vsa.signals.filters import IirFilter
 
 try:
@@ -22,7 +22,7 @@ try:
 except ModuleNotFoundError as error:
     raise SettingError(
         "filters.engine", wanted="the package numba, which compiles this engine", found="no such package",
-        do="Install it (pip install 'emg2vsa[flow]'), or set engine = \"plain\".",
+        do=f"Install it ({install_extra('flow')}), or set engine = \"plain\".",
     ) from error  # fmt: skip
 
 Function = TypeVar("Function", bound=Callable[..., Any])

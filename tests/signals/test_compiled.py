@@ -76,5 +76,5 @@ def test_the_windows_beside_change_nothing() -> None:
 def test_without_numba_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delitem(sys.modules, "emg2vsa.signals.compiled")
     monkeypatch.setitem(sys.modules, "numba", None)
-    with pytest.raises(SettingError, match=r"filters.engine: expected the package numba.*emg2vsa\[flow\]"):
+    with pytest.raises(SettingError, match=r"filters.engine: expected the package numba.*\"\.\[flow\]\""):
         envelopes(channels(), FilterSettings(engine="compiled"), [5000], [10])
