@@ -51,9 +51,7 @@ def test_no_text_installs_from_an_index_that_does_not_have_the_project() -> None
         f"{path.relative_to(ROOT)}: {line.strip()}"
         for path in TEXTS
         for line in path.read_text(encoding="utf-8").splitlines()
-        if re.search(
-            r"""\binstall\b[^\n]*\s["']?(emg2vsa|casr)(\[[^\]]*\])?["']?([\s`).,;]|$)""", line.partition("#")[0]
-        )
+        if re.search(r"""\b(pip3?|pipx|tool) install(\s+-[\w-]+(=\S+)?)*\s+["']?(emg2vsa|casr)\b""", line)
     ]
     assert wrong == []
 
