@@ -143,7 +143,7 @@ def new(arguments: argparse.Namespace) -> int:
         raise SettingError(out, wanted="a new file", found="an existing one", do=do)
     check_rate(arguments.fs)
     stiffness = stiffness_of(arguments.stiffness)
-    found = look(folder, recordings_in([folder]), out.parent, reading_of(arguments, "new"), arguments.fs)
+    found = look(folder, recordings_in([folder]), out.parent, reading_of(arguments, "new"), arguments.fs, stiffness)
     refuse_unknown(stiffness, found.specimens)
     if sys.stdin.isatty() and not (arguments.no_questions or arguments.json):
         stiffness |= _asked([name for name in found.specimens if name not in stiffness])

@@ -250,14 +250,30 @@ def _with_force(facts: list[ChannelFacts], stored: Sequence[StoredChannel | None
     if best is None or score <= 0:
         return facts
     samples = next(s for f, s in pairs if f is best).samples
+    why = "" if best.guess.startswith(("a force", "force")) else f" (it changes with the EMG, r = {together:+.2f})"
+    force = _as_force(best, samples, together, why)
+    return [force if f is best else f for f in facts]
+
+
+def force_by_file(facts: FileFacts) -> FileFacts:
+    """A file that is named after the force: where no channel looks like one, its only slow channel is the force."""
+    slow = [i for i, each in enumerate(facts.channels) if each.role == "other" and each.guess.startswith("slow")]
+    stored = facts.stored[slow[0]] if len(slow) == 1 else None
+    if facts.force is not None or stored is None:
+        return facts
+    channels = list(facts.channels)
+    channels[slow[0]] = _as_force(channels[slow[0]], stored.samples, 0.0, " (the slow channel of a force file)")
+    return replace(facts, channels=tuple(channels))
+
+
+def _as_force(facts: ChannelFacts, samples: Floats, together: float, why: str) -> ChannelFacts:
+    """The channel as the force. together : its correlation with the EMG, which tells which way it goes."""
     low, middle, high = np.nanquantile(samples, [0.001, 0.5, 0.999])
     falls = together < 0 if abs(together) > _RISES_WITH_EMG else middle - low > high - middle
-    sign = -1 if falls else 1
-    unit = f" {best.unit}" if best.unit else ""
-    why = "" if best.guess.startswith(("a force", "force")) else f" (it changes with the EMG, r = {together:+.2f})"
+    unit = f" {facts.unit}" if facts.unit else ""
     way = ", and pressing lowers it: sign = -1" if falls else ""
-    said = f"looks like the force: {_short(best.low)} to {_short(best.high)}{unit}{way}{why}"
-    return [replace(f, role="force", sign=sign, guess=said) if f is best else f for f in facts]
+    said = f"looks like the force: {_short(facts.low)} to {_short(facts.high)}{unit}{way}{why}"
+    return replace(facts, role="force", sign=-1 if falls else 1, guess=said)
 
 
 def _force_score(facts: ChannelFacts, channel: StoredChannel, emg: Sequence[StoredChannel]) -> tuple[float, float]:

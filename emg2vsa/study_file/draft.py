@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from emg2vsa.readers.units import si_factor
@@ -46,23 +46,26 @@ _EMG_FILE, _FORCE_FILE = (
 )
 
 
-def naming_of_pairs(files: Sequence[str]) -> tuple[Naming | None, list[str]]:
-    """The naming of all files, or of those of the EMG where as many are named after the force; and the latter."""
+def naming_of_pairs(files: Sequence[str], pressed: Collection[str] = ()) -> tuple[Naming | None, list[str]]:
+    """The naming of all files, or of those of the EMG where as many are named after the force; and the latter.
+
+    pressed : names of specimens that are known.
+    """
     emg, force = ([file for file in files if kind.search(file)] for kind in (_EMG_FILE, _FORCE_FILE))
     if emg and len(emg) == len(force) and not set(emg) & set(force):
-        own, other = naming_of(emg), naming_of(force)
+        own, other = naming_of(emg, pressed), naming_of(force, pressed)
         if own and other and (own.participants, own.specimens) == (other.participants, other.specimens):
             left_out = tuple(file for file in files if file not in (*emg, *force))
             found = replace(own, left_out=(*left_out, *own.left_out), force_pattern=other.pattern)
             return found, [file for file in force if file not in other.left_out]
-    return naming_of(files), []
+    return naming_of(files, pressed), []
 
 
-def naming_of(files: Sequence[str]) -> Naming | None:
+def naming_of(files: Sequence[str], pressed: Collection[str] = ()) -> Naming | None:
     """What the paths have in common, ``/`` between folders; None where no pattern names every file once.
 
     A path is cut at ``/ _`` and blanks. Parts that are the same in every file stay; dates become ``*``. Of the others,
-    two must tell participant and specimen; whole numbers may count repetitions.
+    two must tell participant and specimen; whole numbers may count repetitions. pressed : names of specimens.
     """
     split = {file: _parts(file) for file in files}
     shapes: dict[tuple[str, ...], list[str]] = {}
@@ -75,7 +78,7 @@ def naming_of(files: Sequence[str]) -> Naming | None:
     varying = {i: values for i, values in columns.items() if len(set(values)) > 1}
     dates = {i for i, values in columns.items() if all(_DATE.fullmatch(value) for value in values)}
     named = {i: v for i, v in varying.items() if i not in dates and all(_NAME.fullmatch(value) for value in v)}
-    roles = _roles(named)
+    roles = _roles(named, pressed)
     if roles is None or (len(alike) > 1 and not named):
         return None
     participant, specimen, repetition, guessed = roles
@@ -104,16 +107,17 @@ def _parts(file: str) -> list[str]:
 _Roles = tuple[int | None, int | None, int | None, list[str]]
 
 
-def _roles(named: Mapping[int, Sequence[str]]) -> _Roles | None:
+def _roles(named: Mapping[int, Sequence[str]], pressed: Collection[str] = ()) -> _Roles | None:
     """Which parts tell participant, specimen and repetition, and what of it was guessed; None where they cannot."""
     counts = {i for i, values in named.items() if all(value.isdecimal() for value in values)}
     words = [i for i in named if i not in counts]
     people = [i for i, values in named.items() if all(_PERSON.fullmatch(value) for value in values)]
     if len(words) < 2 and len(counts) == 1 and _counts_up(named, words, *counts):
-        return _one_part(named, people)
+        return _one_part(named, people, pressed)
     if len(words) < 2:
         words += [i for i in sorted(counts) if i not in words][: 2 - len(words)]
-    for pair in _pairs(sorted(words), people):
+    told = [i for i in words if pressed and set(pressed) <= set(named[i])]
+    for pair in sorted(_pairs(sorted(words), people), key=lambda pair: bool(told) and pair[1] not in told):
         rest = [i for i in named if i not in pair]
         keys = list(zip(*(named[i] for i in pair), strict=True))
         guess = f"{named[pair[0]][0]!r} was taken for a participant and {named[pair[1]][0]!r} for a specimen."
@@ -127,7 +131,7 @@ def _roles(named: Mapping[int, Sequence[str]]) -> _Roles | None:
                     i,
                     [guess, "The number that tells further files of a pair apart was taken for the repetition."],
                 )
-    return _one_part(named, people)
+    return _one_part(named, people, pressed)
 
 
 def _counts_up(named: Mapping[int, Sequence[str]], others: Sequence[int], number: int) -> bool:
@@ -140,7 +144,7 @@ def _counts_up(named: Mapping[int, Sequence[str]], others: Sequence[int], number
 
 def _pairs(words: Sequence[int], people: Sequence[int]) -> list[tuple[int, int]]:
     """(participant, specimen) to be tried: a part that looks like people's ids first, else in their order."""
-    pairs = [(i, j) for i in words for j in words if i < j]
+    pairs = sorted([(i, j) for i in words for j in words if i != j], key=lambda pair: pair[0] > pair[1])
     if people:
         chosen = people[0]
         own = [(chosen, j) for j in words if j != chosen]
@@ -148,7 +152,9 @@ def _pairs(words: Sequence[int], people: Sequence[int]) -> list[tuple[int, int]]
     return pairs
 
 
-def _one_part(named: Mapping[int, Sequence[str]], people: Sequence[int]) -> _Roles | None:
+def _one_part(
+    named: Mapping[int, Sequence[str]], people: Sequence[int], pressed: Collection[str] = ()
+) -> _Roles | None:
     """A folder of one person, or of one specimen, or of both: who has one specimen names files after people."""
     numbers = [i for i, values in named.items() if all(value.isdecimal() for value in values)]
     counted = "The number in their names was taken for the repetition."
@@ -158,7 +164,8 @@ def _one_part(named: Mapping[int, Sequence[str]], people: Sequence[int]) -> _Rol
         if len(set(keys)) < len(keys) or (len(named) == 1 and i in numbers and _counts_up(named, (), i)):
             continue
         guessed = [counted] if repetition is not None else []
-        if i not in people and all(_PRESSED.fullmatch(value) for value in values):
+        is_known = bool(pressed) and set(pressed) <= set(values)
+        if is_known or (i not in people and all(_PRESSED.fullmatch(value) for value in values)):
             return None, i, repetition, ["All files were taken for recordings of one participant.", *guessed]
         told = "All files were taken for recordings on one specimen."
         if i not in people:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from emg2vsa.errors import RecordingError, SettingError
 from emg2vsa.readers.front_door import open_recording
-from emg2vsa.readers.survey import ChannelFacts, FileFacts, survey
+from emg2vsa.readers.survey import ChannelFacts, FileFacts, force_by_file, survey
 from emg2vsa.settings import ReadingSettings
 from emg2vsa.study_file.draft import DraftChannel, Naming, draft, naming_of_pairs
 
@@ -69,19 +69,25 @@ class Found:
         return DraftChannel(channel.name, channel.unit, self.fs_hz, channel.sign, channel.guess, unknown)
 
 
-def look(folder: Path, paths: Sequence[Path], beside: Path, reading: ReadingSettings, fs_hz: float | None) -> Found:
-    """Open the recordings ``paths`` of ``folder``, for a study file in ``beside``. SettingError: none can be read."""
+def look(
+    folder: Path, paths: Sequence[Path], beside: Path, reading: ReadingSettings, fs_hz: float | None,
+    pressed: Collection[str] = (),
+) -> Found:  # fmt: skip
+    """Open the recordings ``paths`` of ``folder``, for a study file in ``beside``.
+
+    pressed : names of specimens that are known. SettingError: none of the files can be read.
+    """
     usable, unread = _usable(paths, reading)
     if not usable:
         do = f"Run emg2vsa inspect {folder} for the reasons."
         raise SettingError(folder, wanted="recordings", found="none that can be read", do=do)
     by_file = {_relative(path, beside): path for path in usable}
-    naming, force_files = naming_of_pairs(list(by_file))
+    naming, force_files = naming_of_pairs(list(by_file), pressed)
     aside = {*force_files, *(naming.left_out if naming else ())}
     named = [path for file, path in by_file.items() if file not in aside]
     emg = force = _telling(named, reading, fs_hz)
     if force_files:
-        force = _telling([path for file, path in by_file.items() if file in force_files], reading, fs_hz)
+        force = force_by_file(_telling([path for file, path in by_file.items() if file in force_files], reading, fs_hz))
     looked_at = dict.fromkeys(_relative(one.path, beside) for one in (emg, force))
     return Found(tuple(by_file), tuple(unread), naming, len(named), emg, force, tuple(looked_at), fs_hz)
 

@@ -143,6 +143,20 @@ def test_channels_of_unknown_rate_are_told_with_what_to_do(
     assert [*load_study(out).recordings[0].channels.emg] == ["emg0", "emg1"]
 
 
+def test_a_stiffness_tells_which_part_of_a_name_is_the_specimen(folder: Path, tmp_path: Path) -> None:
+    for path in (folder / "raw").glob("*.csv"):
+        person, specimen = path.stem.split("_")[1:3]
+        (tmp_path / "turned").mkdir(exist_ok=True)
+        (tmp_path / "turned" / f"{specimen}_{person}.csv").write_bytes(path.read_bytes())
+        if person == "ama":
+            (tmp_path / "alone").mkdir(exist_ok=True)
+            (tmp_path / "alone" / f"{specimen}.csv").write_bytes(path.read_bytes())
+    for name, people in (("turned", ("ama", "bob")), ("alone", ("P01",))):
+        assert main(["new", str(tmp_path / name), "--stiffness", "hard=6", "--stiffness", "soft=1.5", "--json"]) == 0
+        study = load_study(tmp_path / name / "study.toml")
+        assert (study.participants, set(study.stiffness_n_per_mm)) == (people, {"hard", "soft"})
+
+
 @pytest.mark.slow
 def test_from_a_folder_to_schedules_with_three_lines_edited(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
