@@ -52,13 +52,31 @@ def naming_of_pairs(files: Sequence[str], pressed: Collection[str] = ()) -> tupl
     pressed : names of specimens that are known.
     """
     emg, force = ([file for file in files if kind.search(file)] for kind in (_EMG_FILE, _FORCE_FILE))
+    forces = partners(files)
     if emg and len(emg) == len(force) and not set(emg) & set(force):
         own, other = naming_of(emg, pressed), naming_of(force, pressed)
-        if own and other and (own.participants, own.specimens) == (other.participants, other.specimens):
+        if (
+            own
+            and other
+            and (own.participants, own.specimens) == (other.participants, other.specimens)
+            and not (forces and own.left_out)
+        ):
             left_out = tuple(file for file in files if file not in (*emg, *force))
             found = replace(own, left_out=(*left_out, *own.left_out), force_pattern=other.pattern)
             return found, [file for file in force if file not in other.left_out]
+    if forces:
+        return None, list(forces.values())
     return naming_of(files, pressed), []
+
+
+def partners(files: Sequence[str]) -> dict[str, str]:
+    """The force file of each EMG file, whose names differ in the word for the kind alone; {} where one has none."""
+    emg, force = (
+        {kind.sub(r"\1\3", file): file for file in files if kind.search(file)} for kind in (_EMG_FILE, _FORCE_FILE)
+    )
+    if not emg or set(emg) != set(force) or set(emg.values()) & set(force.values()):
+        return {}
+    return {emg[stem]: force[stem] for stem in emg}
 
 
 def naming_of(files: Sequence[str], pressed: Collection[str] = ()) -> Naming | None:
@@ -79,7 +97,7 @@ def naming_of(files: Sequence[str], pressed: Collection[str] = ()) -> Naming | N
     dates = {i for i, values in columns.items() if all(_DATE.fullmatch(value) for value in values)}
     named = {i: v for i, v in varying.items() if i not in dates and all(_NAME.fullmatch(value) for value in v)}
     roles = _roles(named, pressed)
-    if roles is None or (len(alike) > 1 and not named):
+    if len(left_out) > len(alike) or roles is None or (len(alike) > 1 and not named):
         return None
     participant, specimen, repetition, guessed = roles
     unnamed = [i for i in varying if i not in (participant, specimen, repetition)]
@@ -171,8 +189,8 @@ def _one_part(
         if i not in people:
             told = f"{FILL}: {values[0]!r} was taken for a participant; it may be a specimen of one participant."
         return i, None, repetition, [told, *guessed]
-    if len(named) == 1:
-        return None, None, next(iter(named)), ["All files were taken for one participant on one specimen.", counted]
+    if len(named) == 1 and numbers:
+        return None, None, numbers[0], ["All files were taken for one participant on one specimen.", counted]
     return (None, None, None, ["The one file was taken for one participant on one specimen."]) if not named else None
 
 
@@ -201,6 +219,8 @@ def draft(
     """
     lines = [f"# Drafted by emg2vsa new. Lines marked {FILL} wait for you; the others are worth a look.", ""]
     lines += ["[study]", f"name = {_text(name)}", ""]
+    forces = partners(files) if naming is None else {}
+    files = [file for file in files if file not in forces.values()]
     listed = [_listed(file) for file in files] if naming is None else []
     people = naming.participants if naming else tuple(dict.fromkeys(person for person, _ in listed))
     specimens = naming.specimens if naming else tuple(dict.fromkeys(specimen for _, specimen in listed))
@@ -215,7 +235,7 @@ def draft(
             lines.append(f"stiffness_n_per_mm = {stiffness[specimen]:g}")
         else:
             lines.append(f"# stiffness_n_per_mm =   # {FILL} where it was measured (emg2vsa tools stiffness)")
-    lines += ["", "[recordings]", *_recordings(naming, files, listed)]
+    lines += ["", "[recordings]", *_recordings(naming, files, listed, forces)]
     lines += ["", "# Channels, guessed from", *(f"#   {one}" for one in seen)]
     for role, channel in emg.items():
         lines += ["", f"[channels.emg.{_text(role)}]", *_channel(channel, is_force=False)]
@@ -236,7 +256,9 @@ def draft(
     return "\n".join(_CONTROL.sub(lambda match: _text(match[0])[1:-1], line) for line in lines)
 
 
-def _recordings(naming: Naming | None, files: Sequence[str], listed: Sequence[tuple[str, str]]) -> list[str]:
+def _recordings(
+    naming: Naming | None, files: Sequence[str], listed: Sequence[tuple[str, str]], forces: Mapping[str, str]
+) -> list[str]:
     if naming is not None:
         lines = [f"# {guess}" if guess.startswith(FILL) else f"# Check: {guess}" for guess in naming.guessed]
         lines += [f"# Not among them, since it is named otherwise: {file}" for file in naming.left_out]
@@ -246,6 +268,7 @@ def _recordings(naming: Naming | None, files: Sequence[str], listed: Sequence[tu
     for file, (person, specimen) in zip(files, listed, strict=True):
         lines += ["[[recordings.files]]", f"participant = {_text(person)}", f"specimen = {_text(specimen)}"]
         lines += [f"emg = {_text(file)}"]
+        lines += [f"force = {_text(forces[file])}"] if file in forces else []
     return lines
 
 

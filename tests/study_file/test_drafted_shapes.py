@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
+import sys
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ NAMES = {
     "person and specimen": ["ama_hard.csv", "ama_soft.csv", "bob_hard.csv", "bob_soft.csv"],
     "folders": ["P01/S1.csv", "P01/S2.csv", "P02/S1.csv", "P02/S2.csv"],
     "repetitions": [f"{p}_{s}_{r}.csv" for p in ("P1", "P2") for s in ("S1", "S2") for r in (1, 2, 3)],
-    "dates": [f"2026-05-0{i}_{p}_{s}.csv" for i, p, s in ((2, "ama", "a"), (3, "ama", "b"), (4, "bob", "a"))],
+    "dates": [f"2026-05-0{2 * i + j}_{p}_{s}.csv" for i, p in enumerate("ab") for j, s in enumerate(("x", "y"))],
     "one person": ["S1.csv", "S2.csv", "S3.csv"],
     "one specimen": ["ama.csv", "bob.csv", "cleo.csv"],
     "one file": ["recording.csv"],
@@ -24,6 +25,7 @@ NAMES = {
     "pairs": [f"{p}_{s}_{k}.csv" for p in ("ama", "bob") for s in ("hard", "soft") for k in ("emg", "force")],
     "pairs in folders": [f"{k}/{p}_{s}.csv" for k in ("emg", "force") for p in ("ama", "bob") for s in ("a", "b")],
     "pairs of repetitions": [f"{p}_S1_{r}_{k}.csv" for p in ("P1", "P2") for r in (1, 2) for k in ("emg", "force")],
+    "pairs without pattern": ["anna hard emg.csv", "anna hard force.csv", "b_soft_2_emg.csv", "b_soft_2_force.csv"],
     "no pattern": ["a.csv", "b_c.csv", "d_e_f.csv"],
     "signs": ["Ünal k_weich #1.csv", "Ünal k_hart #1.csv", "Böhm k_weich #1.csv", "Böhm k_hart #1.csv"],
     "quotes": ['a"b_x.csv', 'a"b_y.csv', "c'd_x.csv", "c'd_y.csv"],
@@ -49,12 +51,20 @@ def test_a_drafted_study_passes_the_schema(tmp_path: Path, names: str, emg: str,
     if FORCE[force].name in {channel.name for channel in EMG[emg].values()} and not force_files:
         pytest.skip("one channel of one file is never taken for both")
     text = draft("mine", naming, NAMES[names], EMG[emg], FORCE[force], {}, ["a.csv"])
+    for name in NAMES[names]:
+        if sys.platform == "win32" and '"' in name:
+            pytest.skip("no name of a file there")
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).touch()
     path = tmp_path / "study.toml"
     path.write_text(text, encoding="utf-8")
     study = load_study(path)
     channels = study.recordings[0].channels
     assert {channel.name for channel in channels.emg.values()} == {channel.name for channel in EMG[emg].values()}
     assert channels.force.name == FORCE[force].name
+    parts = [part for entry in study.recordings for part in entry.parts]
+    files = [file for part in parts for file in (part.emg_file, part.force_file) if file is not None]
+    assert sorted(files) == sorted(tmp_path / name for name in NAMES[names])
     assert bool(force_files) == (study.recordings[0].force_file is not None)
 
 
