@@ -246,6 +246,12 @@ def plain_csv() -> bytes:
     return ("\n".join(["time (s);EDC (mV);Fz [N]", *rows]) + "\n").encode()
 
 
+def instrument_csv() -> bytes:
+    """A table of time stamps below lines of words, with a row of units."""
+    rows = "".join(f"2026-05-02 10:00:{i / 100:06.3f},{v},{i}\n" for i, v in enumerate(wave(N)))
+    return f"Bluehill\nSampling rate: 100 Hz\n\nTimestamp,EDC,Fz\n,mV,N\n{rows}".encode()
+
+
 def text_matrix() -> bytes:
     rows = [f"{i / 1000:.6e} {wave(N, 1)[i]:.6e} {wave(N, 2)[i]:.6e}" for i in range(N)]
     return ("\n".join(rows) + "\n").encode()
@@ -363,6 +369,7 @@ MADE: dict[str, Callable[[], bytes]] = {
     "verbose.emgworks.csv": lambda: emgworks(verbose=True),
     "v150.discover.csv": discover,
     "plain.csv": plain_csv,
+    "instrument.csv": instrument_csv,
     "matrix.txt": text_matrix,
 }
 """Name of a made file to what makes it."""
